@@ -1,0 +1,4 @@
+//! volref: a reference renderer for volumes, and the harness that judges others by it.
+
+pub mod compare;
+pub mod math;

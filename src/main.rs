@@ -1,0 +1,3 @@
+//! The `volref` command.
+
+fn main() {}
