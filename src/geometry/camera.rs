@@ -1,0 +1,109 @@
+//! The pinhole camera.
+
+use super::{Ray, direction_of};
+use crate::math;
+use glam::DVec3;
+use thiserror::Error;
+
+/// A pinhole camera: one ray through the centre of each pixel, no lens, no pixel filter.
+///
+/// Right-handed: looking along +z with +y up, +x is to the *left* of the image. Pixels are
+/// square; row 0 is the top row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    eye: DVec3,
+    forward: DVec3,
+    /// Half the height of the image plane at distance 1, along the image's two axes.
+    half_right: DVec3,
+    half_up: DVec3,
+}
+
+/// Why three vectors and an angle make no camera.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum CameraError {
+    /// Eye and target coincide.
+    #[error("the camera stands at its target, so it looks nowhere")]
+    NoDirection,
+    /// `up` is zero or parallel to the viewing direction.
+    #[error("`up` is parallel to the viewing direction, so the image has no upright")]
+    NoUpright,
+}
+
+impl Camera {
+    /// A camera at `eye` looking at `target`. `vertical_fov` is the full angle from the top to
+    /// the bottom edge of the image, in radians, in (0, π); it is the caller's to check.
+    pub fn new(
+        eye: DVec3,
+        target: DVec3,
+        up: DVec3,
+        vertical_fov: f64,
+    ) -> Result<Camera, CameraError> {
+        let forward = direction_of(target - eye).ok_or(CameraError::NoDirection)?;
+        let up = direction_of(up).ok_or(CameraError::NoUpright)?;
+        let right = direction_of(forward.cross(up)).ok_or(CameraError::NoUpright)?;
+        let half = math::tan(0.5 * vertical_fov);
+        let half_up = right.cross(forward) * half;
+        Ok(Camera {
+            eye,
+            forward,
+            half_right: right * half,
+            half_up,
+        })
+    }
+
+    /// The ray through the centre of pixel (`column`, `row`) of an image of
+    /// `width` × `height` pixels.
+    pub fn ray(&self, [column, row]: [usize; 2], [width, height]: [usize; 2]) -> Ray {
+        // Twice the pixel offset from the image centre: integers, so the two halves of an
+        // image mirror each other exactly.
+        let across = (2 * column + 1) as f64 - width as f64;
+        let down = (2 * row + 1) as f64 - height as f64;
+        let towards = self.forward + self.half_right * (across / height as f64)
+            - self.half_up * (down / height as f64);
+        Ray {
+            origin: self.eye,
+            direction: towards / towards.length(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    fn camera() -> Camera {
+        Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, FRAC_PI_2).unwrap()
+    }
+
+    #[test]
+    fn looking_along_z_the_x_axis_points_left_and_row_zero_is_the_top() {
+        let top_left = camera().ray([0, 0], [4, 4]).direction;
+        assert!(top_left.x > 0.0 && top_left.y > 0.0 && top_left.z > 0.0);
+        let bottom_right = camera().ray([3, 3], [4, 4]).direction;
+        assert_eq!(
+            bottom_right,
+            DVec3::new(-top_left.x, -top_left.y, top_left.z)
+        );
+    }
+
+    #[test]
+    fn the_field_of_view_spans_the_height_whatever_the_width() {
+        for width in [1, 3, 8] {
+            // With a right angle, the image plane at distance 1 reaches from −1 to 1; in an
+            // image two pixels high the centres lie at ±½.
+            let ray = camera().ray([(width - 1) / 2, 0], [width, 2]);
+            let slope = ray.direction.y / ray.direction.z;
+            // tan, product, quotient of normalised components: a few roundings.
+            assert!((slope - 0.5).abs() < 4.0 * f64::EPSILON);
+        }
+    }
+
+    #[test]
+    fn degenerate_cameras_are_refused() {
+        let at = |target, up| Camera::new(DVec3::ONE, target, up, 1.0);
+        assert_eq!(at(DVec3::ONE, DVec3::Y), Err(CameraError::NoDirection));
+        assert_eq!(at(DVec3::ZERO, DVec3::ONE), Err(CameraError::NoUpright));
+        assert_eq!(at(DVec3::ZERO, DVec3::ZERO), Err(CameraError::NoUpright));
+    }
+}

@@ -1,0 +1,133 @@
+//! Values between the nodes: nearest and trilinear.
+//!
+//! A look-up has two halves: finding the [`Cell`] around a point, and reading a grid there.
+//! Density and gradient at one point share the first half.
+
+use super::{Grid, Lattice};
+use glam::DVec3;
+use std::ops::{Add, Mul, Sub};
+
+/// What can stand at a node, and the value it stands for in arithmetic.
+pub trait Node: Copy {
+    /// `f64` for a scalar field, `DVec3` for a vector field.
+    type Value: Lerp;
+
+    /// The stored number in working precision.
+    fn value(self) -> Self::Value;
+}
+
+/// A floating-point type in which a grid is stored.
+pub trait Scalar: Node<Value = f64> + Into<f64> + Send + Sync {
+    /// The nearest number of this type.
+    fn rounded(value: f64) -> Self;
+}
+
+impl Node for f32 {
+    type Value = f64;
+    fn value(self) -> f64 {
+        self.into()
+    }
+}
+
+impl Scalar for f32 {
+    fn rounded(value: f64) -> f32 {
+        value as f32
+    }
+}
+
+impl Node for f64 {
+    type Value = f64;
+    fn value(self) -> f64 {
+        self
+    }
+}
+
+impl Scalar for f64 {
+    fn rounded(value: f64) -> f64 {
+        value
+    }
+}
+
+impl<T: Copy + Into<f64>> Node for [T; 3] {
+    type Value = DVec3;
+    fn value(self) -> DVec3 {
+        DVec3::from_array(self.map(Into::into))
+    }
+}
+
+/// Values between which a straight line can be drawn.
+pub trait Lerp: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self> {
+    /// `a + (b − a)·t`: exactly `a` at `t = 0`, and exactly `a` for every `t` where `a = b`, so
+    /// a constant grid is a constant field to the last bit.
+    fn lerp(a: Self, b: Self, t: f64) -> Self {
+        a + (b - a) * t
+    }
+}
+
+impl Lerp for f64 {}
+impl Lerp for DVec3 {}
+
+/// The eight nodes around a point, and where between them the point lies.
+///
+/// Beyond the first and last node of an axis the index is clamped, not the position: there, and
+/// on the last node itself, both neighbours are the same node and the value is exactly its own.
+#[derive(Clone, Copy, Debug)]
+pub struct Cell {
+    /// Index of the node with the smallest coordinates.
+    low: usize,
+    /// How far away in the array the neighbour along each axis is (0 where clamped).
+    step: [usize; 3],
+    /// Position between the two nodes of each axis.
+    t: DVec3,
+}
+
+impl Cell {
+    /// The cell of `lattice` around `point`, a position in node units.
+    pub fn around(lattice: &Lattice, point: DVec3) -> Cell {
+        let nodes = lattice.nodes();
+        let strides = [1, nodes[0], nodes[0] * nodes[1]];
+        let mut cell = Cell {
+            low: 0,
+            step: [0; 3],
+            t: DVec3::ZERO,
+        };
+        for axis in 0..3 {
+            let floor = floor(point[axis]);
+            let last = nodes[axis] as i64 - 1;
+            let low = floor.clamp(0, last);
+            let high = (floor + 1).clamp(0, last);
+            cell.low += low as usize * strides[axis];
+            cell.step[axis] = (high - low) as usize * strides[axis];
+            cell.t[axis] = point[axis] - floor as f64;
+        }
+        cell
+    }
+
+    /// The trilinear interpolant of the eight nodes: along x, then y, then z.
+    pub fn trilinear<T: Node>(&self, grid: &Grid<T>) -> T::Value {
+        let values = grid.values();
+        let [dx, dy, dz] = self.step;
+        let along_x =
+            |row: usize| T::Value::lerp(values[row].value(), values[row + dx].value(), self.t.x);
+        let along_y = |plane: usize| T::Value::lerp(along_x(plane), along_x(plane + dy), self.t.y);
+        T::Value::lerp(along_y(self.low), along_y(self.low + dz), self.t.z)
+    }
+
+    /// The value of the nearest node; halfway between two, the one with the larger index.
+    pub fn nearest<T: Node>(&self, grid: &Grid<T>) -> T::Value {
+        let mut index = self.low;
+        for axis in 0..3 {
+            if self.t[axis] >= 0.5 {
+                index += self.step[axis];
+            }
+        }
+        grid.values()[index].value()
+    }
+}
+
+/// `⌊x⌋` for the range of grid indices. A cast and a comparison: `f64::floor` is a function
+/// call on processors whose baseline lacks the instruction.
+fn floor(x: f64) -> i64 {
+    let truncated = x as i64;
+    truncated - i64::from(x < truncated as f64)
+}

@@ -1,0 +1,166 @@
+//! Where the nodes of a grid lie in the world.
+
+use crate::geometry::Aabb;
+use glam::DVec3;
+use thiserror::Error;
+
+/// A box of regularly spaced nodes, x fastest.
+///
+/// Node-centred: the first and last node of an axis lie on the faces of the box. An axis with a
+/// single node is a slab one spacing thick, centred on it, along which the field is constant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lattice {
+    nodes: [usize; 3],
+    spacing: DVec3,
+    first: DVec3,
+}
+
+/// Why numbers make no lattice.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum LatticeError {
+    /// An axis without nodes.
+    #[error("a grid of {0} × {1} × {2} nodes has no node")]
+    Empty(usize, usize, usize),
+    /// More nodes than [`Lattice::MOST_NODES`].
+    #[error("a grid of {0} × {1} × {2} nodes is too large: at most 2³¹ nodes are accepted")]
+    TooLarge(usize, usize, usize),
+    /// A spacing that is zero, negative or not finite.
+    #[error("the node spacing must be positive and finite on every axis, got {0}")]
+    Spacing(DVec3),
+    /// A first node that is nowhere.
+    #[error("the position of the first node must be finite, got {0}")]
+    First(DVec3),
+}
+
+impl Lattice {
+    /// Largest number of nodes accepted: 2³¹, 8 GiB as `f32`.
+    pub const MOST_NODES: usize = 1 << 31;
+
+    /// A lattice of `nodes` (x, y, z), `spacing` apart in world units, the first at `first`.
+    pub fn new(nodes: [usize; 3], spacing: DVec3, first: DVec3) -> Result<Lattice, LatticeError> {
+        let [nx, ny, nz] = nodes;
+        let count = nx.checked_mul(ny).and_then(|plane| plane.checked_mul(nz));
+        match count {
+            Some(0) => return Err(LatticeError::Empty(nx, ny, nz)),
+            Some(1..=Self::MOST_NODES) => {}
+            _ => return Err(LatticeError::TooLarge(nx, ny, nz)),
+        }
+        if !(spacing.is_finite() && spacing.min_element() > 0.0) {
+            return Err(LatticeError::Spacing(spacing));
+        }
+        if !first.is_finite() {
+            return Err(LatticeError::First(first));
+        }
+        Ok(Lattice {
+            nodes,
+            spacing,
+            first,
+        })
+    }
+
+    /// Number of nodes along x, y and z, each at least 1.
+    pub fn nodes(&self) -> [usize; 3] {
+        self.nodes
+    }
+
+    /// Number of nodes in all.
+    pub fn node_count(&self) -> usize {
+        self.nodes.iter().product()
+    }
+
+    /// Distance between neighbouring nodes along x, y and z, world units.
+    pub fn spacing(&self) -> DVec3 {
+        self.spacing
+    }
+
+    /// The length called *one voxel*: the smallest of the three spacings, world units.
+    pub fn voxel(&self) -> f64 {
+        self.spacing.min_element()
+    }
+
+    /// World position of the first node.
+    pub fn first(&self) -> DVec3 {
+        self.first
+    }
+
+    /// World position of node (i, j, k).
+    pub fn position(&self, [i, j, k]: [usize; 3]) -> DVec3 {
+        self.first + DVec3::new(i as f64, j as f64, k as f64) * self.spacing
+    }
+
+    /// Index of node (i, j, k) in x-fastest order.
+    pub fn index(&self, [i, j, k]: [usize; 3]) -> usize {
+        (k * self.nodes[1] + j) * self.nodes[0] + i
+    }
+
+    /// The node (i, j, k) behind an index in x-fastest order.
+    pub fn node(&self, index: usize) -> [usize; 3] {
+        let [nx, ny, _] = self.nodes;
+        [index % nx, index / nx % ny, index / (nx * ny)]
+    }
+
+    /// World point in node units: node (i, j, k) lies at (i, j, k).
+    pub fn to_nodes(&self, point: DVec3) -> DVec3 {
+        (point - self.first) / self.spacing
+    }
+
+    /// The world box the field fills.
+    pub fn bounds(&self) -> Aabb {
+        let last = self.position(self.nodes.map(|n| n - 1));
+        let mut bounds = Aabb {
+            min: self.first,
+            max: last,
+        };
+        for axis in 0..3 {
+            if self.nodes[axis] == 1 {
+                bounds.min[axis] -= 0.5 * self.spacing[axis];
+                bounds.max[axis] += 0.5 * self.spacing[axis];
+            }
+        }
+        bounds
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn impossible_lattices_are_refused() {
+        let lattice = |nodes, spacing| Lattice::new(nodes, DVec3::splat(spacing), DVec3::ZERO);
+        assert!(matches!(
+            lattice([0, 2, 2], 1.0),
+            Err(LatticeError::Empty(..))
+        ));
+        assert!(matches!(
+            lattice([1 << 40, 1 << 20, 1], 1.0),
+            Err(LatticeError::TooLarge(..))
+        ));
+        assert!(matches!(
+            lattice([usize::MAX, 3, 3], 1.0),
+            Err(LatticeError::TooLarge(..))
+        ));
+        for spacing in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(
+                lattice([2, 2, 2], spacing),
+                Err(LatticeError::Spacing(_))
+            ));
+        }
+    }
+
+    #[test]
+    fn index_and_node_are_inverse() {
+        let lattice = Lattice::new([3, 4, 5], DVec3::ONE, DVec3::ZERO).unwrap();
+        for index in 0..lattice.node_count() {
+            assert_eq!(lattice.index(lattice.node(index)), index);
+        }
+        assert_eq!(lattice.index([1, 0, 0]), 1);
+    }
+
+    #[test]
+    fn one_node_is_a_slab_one_spacing_thick() {
+        let lattice = Lattice::new([3, 1, 2], DVec3::new(1.0, 2.0, 4.0), DVec3::ZERO).unwrap();
+        assert_eq!(lattice.bounds().min, DVec3::new(0.0, -1.0, 0.0));
+        assert_eq!(lattice.bounds().max, DVec3::new(2.0, 1.0, 4.0));
+    }
+}
