@@ -3,4 +3,5 @@
 pub mod compare;
 pub mod geometry;
 pub mod math;
+pub mod media;
 pub mod volume;

@@ -59,7 +59,7 @@ impl<T: Copy + Into<f64>> Node for [T; 3] {
 pub trait Lerp: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self> {
     /// `a + (b − a)·t`: exactly `a` at `t = 0`, and exactly `a` for every `t` where `a = b`, so
     /// a constant grid is a constant field to the last bit.
-    fn lerp(a: Self, b: Self, t: f64) -> Self {
+    fn lerp_between(a: Self, b: Self, t: f64) -> Self {
         a + (b - a) * t
     }
 }
@@ -107,10 +107,12 @@ impl Cell {
     pub fn trilinear<T: Node>(&self, grid: &Grid<T>) -> T::Value {
         let values = grid.values();
         let [dx, dy, dz] = self.step;
-        let along_x =
-            |row: usize| T::Value::lerp(values[row].value(), values[row + dx].value(), self.t.x);
-        let along_y = |plane: usize| T::Value::lerp(along_x(plane), along_x(plane + dy), self.t.y);
-        T::Value::lerp(along_y(self.low), along_y(self.low + dz), self.t.z)
+        let along_x = |row: usize| {
+            T::Value::lerp_between(values[row].value(), values[row + dx].value(), self.t.x)
+        };
+        let along_y =
+            |plane: usize| T::Value::lerp_between(along_x(plane), along_x(plane + dy), self.t.y);
+        T::Value::lerp_between(along_y(self.low), along_y(self.low + dz), self.t.z)
     }
 
     /// The value of the nearest node; halfway between two, the one with the larger index.

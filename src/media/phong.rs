@@ -1,0 +1,92 @@
+//! Local shading of a sample by its gradient.
+
+use crate::geometry::direction_of;
+use crate::math;
+use glam::DVec3;
+
+/// Phong's reflection model with one white light: the colour of the material times
+/// `ambient + diffuse·max(n·l, 0)`, plus a white highlight
+/// `specular·max(r·v, 0)^shininess`, where `r` is the direction to the light mirrored at the
+/// normal. The side facing away from the light has no highlight.
+///
+/// Source: Phong 1975, Communications of the ACM 18, 311–317.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phong {
+    /// Share of the light that reaches every side, `≥ 0`.
+    pub ambient: f64,
+    /// Weight of the cosine between normal and light, `≥ 0`.
+    pub diffuse: f64,
+    /// Weight of the white highlight, `≥ 0`.
+    pub specular: f64,
+    /// Exponent of the highlight.
+    pub shininess: u32,
+}
+
+impl Phong {
+    /// The shaded `colour` of a sample with the given density gradient (any unit).
+    /// `to_light` and `to_eye` are directions of length 1, pointing away from the sample.
+    ///
+    /// The normal is `−∇d/|∇d|`, out of the dense part. A zero gradient has no normal: such a
+    /// sample keeps its unshaded colour.
+    pub fn shade(&self, colour: DVec3, gradient: DVec3, to_light: DVec3, to_eye: DVec3) -> DVec3 {
+        let Some(normal) = direction_of(-gradient) else {
+            return colour;
+        };
+        let cosine = normal.dot(to_light);
+        if cosine <= 0.0 {
+            return colour * self.ambient;
+        }
+        let mirrored = normal * (2.0 * cosine) - to_light;
+        let highlight = math::powu(mirrored.dot(to_eye).max(0.0), self.shininess);
+        colour * (self.ambient + self.diffuse * cosine) + DVec3::splat(self.specular * highlight)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PHONG: Phong = Phong {
+        ambient: 0.1,
+        diffuse: 1.0,
+        specular: 0.5,
+        shininess: 32,
+    };
+    const RED: DVec3 = DVec3::new(1.0, 0.0, 0.0);
+
+    #[test]
+    fn lit_head_on_the_three_terms_add_up() {
+        // Density falls towards the viewer: its gradient points away from them.
+        let shaded = PHONG.shade(RED, DVec3::NEG_Z, DVec3::Z, DVec3::Z);
+        assert_eq!(shaded, DVec3::new(1.6, 0.5, 0.5));
+    }
+
+    #[test]
+    fn the_far_side_gets_ambient_light_only() {
+        assert_eq!(PHONG.shade(RED, DVec3::Z, DVec3::Z, DVec3::Z), RED * 0.1);
+    }
+
+    #[test]
+    fn without_a_gradient_there_is_no_normal_and_the_colour_stays() {
+        assert_eq!(PHONG.shade(RED, DVec3::ZERO, DVec3::Z, DVec3::Z), RED);
+        assert_eq!(
+            PHONG.shade(RED, DVec3::splat(-0.0), DVec3::Z, DVec3::Z),
+            RED
+        );
+    }
+
+    #[test]
+    fn the_length_of_the_gradient_does_not_matter() {
+        let steep = DVec3::new(-3.0, 1.0, -2.0);
+        let to_light = DVec3::new(0.6, 0.0, 0.8);
+        // A power of two changes no digit of the normal, however small or large.
+        for exponent in [-500, -40, 40, 500] {
+            let scaled = steep * libm::exp2(f64::from(exponent));
+            let (a, b) = (
+                PHONG.shade(RED, steep, to_light, DVec3::Z),
+                PHONG.shade(RED, scaled, to_light, DVec3::Z),
+            );
+            assert_eq!(a, b, "2^{exponent}");
+        }
+    }
+}
