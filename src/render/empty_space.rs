@@ -1,0 +1,188 @@
+//! Samples that need not be taken, because everything around them is transparent.
+//!
+//! A sample whose opacity is exactly 0 changes no bit of the image. Where a whole
+//! neighbourhood of the grid is that transparent, its samples are passed over unseen.
+
+use super::work::{Event, Work};
+use crate::media::TransferFunction;
+use crate::volume::{Grid, Lattice, Scalar};
+use glam::DVec3;
+
+/// Tells how far a ray can go without meeting anything.
+pub trait Space: Sync {
+    /// How many samples, from the one at `point` on, are certainly transparent. `point` is in
+    /// node units; from sample to sample no coordinate changes by more than `reach`.
+    fn transparent_samples<W: Work>(&self, point: DVec3, reach: f64, work: &mut W) -> usize;
+}
+
+/// Knows nothing: every sample is taken.
+#[derive(Clone, Copy, Debug)]
+pub struct Unexplored;
+
+impl Space for Unexplored {
+    fn transparent_samples<W: Work>(&self, _: DVec3, _: f64, _: &mut W) -> usize {
+        0
+    }
+}
+
+/// Cells along the edge of a block.
+const BLOCK: usize = 4;
+
+/// For each block of 4³ cells, how many blocks away the nearest one is that holds anything.
+#[derive(Clone, Debug)]
+pub struct EmptySpace {
+    blocks: [usize; 3],
+    /// Chebyshev distance in blocks: 0 for a block that holds something; of a block at
+    /// distance `n`, all neighbours fewer than `n` blocks away on every axis are empty.
+    distance: Vec<u8>,
+}
+
+impl EmptySpace {
+    /// Explores `grid` as `transfer_function` sees it.
+    pub fn of<T: Scalar>(grid: &Grid<T>, transfer_function: &TransferFunction) -> EmptySpace {
+        let blocks = grid.lattice().nodes().map(|nodes| (nodes - 1).div_ceil(BLOCK).max(1));
+        let mut space = EmptySpace { blocks, distance: Vec::new() };
+        space.distance = (0..blocks.iter().product())
+            .map(|block| {
+                let densest = densest_node(grid, space.block(block));
+                if transfer_function.is_transparent_up_to(densest) { u8::MAX } else { 0 }
+            })
+            .collect();
+        space.measure_distances();
+        space
+    }
+
+    /// Whether any block is empty.
+    pub fn helps(&self) -> bool {
+        self.distance.iter().any(|&distance| distance > 0)
+    }
+
+    fn block(&self, index: usize) -> [usize; 3] {
+        let [bx, by, _] = self.blocks;
+        [index % bx, index / bx % by, index / (bx * by)]
+    }
+
+    fn index(&self, [i, j, k]: [usize; 3]) -> usize {
+        (k * self.blocks[1] + j) * self.blocks[0] + i
+    }
+
+    /// Two sweeps, each taking over the distances of the neighbours swept before.
+    /// Source: Rosenfeld & Pfaltz 1968, Pattern Recognition 1, 33–61.
+    fn measure_distances(&mut self) {
+        let count = self.distance.len();
+        for index in (0..count).chain((0..count).rev()) {
+            let nearest = self.neighbours(index).map(|n| self.distance[n]).min().unwrap_or(u8::MAX);
+            self.distance[index] = self.distance[index].min(nearest.saturating_add(1));
+        }
+    }
+
+    fn neighbours(&self, index: usize) -> impl Iterator<Item = usize> {
+        let block = self.block(index);
+        let around = |axis: usize| {
+            block[axis].saturating_sub(1)..(block[axis] + 2).min(self.blocks[axis])
+        };
+        let (xs, ys, zs) = (around(0), around(1), around(2));
+        zs.flat_map(move |k| {
+            let xs = xs.clone();
+            ys.clone().flat_map(move |j| xs.clone().map(move |i| [i, j, k]))
+        })
+        .filter(move |&other| other != block)
+        .map(|other| self.index(other))
+    }
+}
+
+/// Largest value among the nodes of a block, those on its faces included: interpolation inside
+/// the block uses no others.
+fn densest_node<T: Scalar>(grid: &Grid<T>, block: [usize; 3]) -> f64 {
+    let lattice: &Lattice = grid.lattice();
+    let nodes = |axis: usize| {
+        let first = block[axis] * BLOCK;
+        first..(first + BLOCK + 1).min(lattice.nodes()[axis])
+    };
+    let mut densest = 0.0_f64;
+    for k in nodes(2) {
+        for j in nodes(1) {
+            let row = lattice.index([0, j, k]);
+            for value in &grid.values()[row + nodes(0).start..row + nodes(0).end] {
+                densest = densest.max(value.value());
+            }
+        }
+    }
+    densest
+}
+
+impl Space for EmptySpace {
+    fn transparent_samples<W: Work>(&self, point: DVec3, reach: f64, work: &mut W) -> usize {
+        work.count(Event::CellWalked);
+        let mut block = [0; 3];
+        for axis in 0..3 {
+            // The cast saturates: a point half a node before the first lies in block 0.
+            block[axis] = (point[axis] as usize / BLOCK).min(self.blocks[axis] - 1);
+        }
+        let distance = usize::from(self.distance[self.index(block)]);
+        if distance <= 1 {
+            return distance;
+        }
+        // Everything within this many nodes is empty. Half a node is kept back: sample
+        // positions are rounded, but never by that much.
+        let clear = ((distance - 1) * BLOCK) as f64 - 0.5;
+        1 + (clear / reach) as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::media::{Colormap, TransferOpacity};
+    use crate::render::work::Counters;
+
+    fn spike(nodes: [usize; 3], at: [usize; 3]) -> EmptySpace {
+        let lattice = Lattice::new(nodes, DVec3::ONE, DVec3::ZERO).unwrap();
+        let mut values = vec![0.0_f32; lattice.node_count()];
+        values[lattice.index(at)] = 1.0;
+        let transfer_function = TransferFunction {
+            opacity: TransferOpacity { floor: 0.36 },
+            reference_length: 1.0,
+            colormap: Colormap::named("white").unwrap(),
+        };
+        EmptySpace::of(&Grid::new(lattice, values).unwrap(), &transfer_function)
+    }
+
+    #[test]
+    fn distances_are_chebyshev_distances_to_the_nearest_block_with_something() {
+        // Node (8, 8, 8) is a corner of eight blocks: all of them hold it.
+        let space = spike([33, 33, 33], [8, 8, 8]);
+        for index in 0..space.distance.len() {
+            let away = |c: usize| if c <= 1 { 1 - c } else { c - 2 };
+            let expected = space.block(index).map(away).into_iter().max().unwrap();
+            assert_eq!(usize::from(space.distance[index]), expected);
+        }
+    }
+
+    #[test]
+    fn no_sample_is_passed_over_that_could_see_the_spike() {
+        let at = [21, 9, 14];
+        let space = spike([40, 30, 20], at);
+        let centre = DVec3::new(21.0, 9.0, 14.0);
+        for index in 0..40 * 30 * 20 {
+            let node = [index % 40, index / 40 % 30, index / 1200];
+            let point = DVec3::new(node[0] as f64, node[1] as f64, node[2] as f64) + 0.3;
+            for reach in [0.01, 0.7, 3.0, 50.0] {
+                let skipped = space.transparent_samples(point, reach, &mut Counters::default());
+                if skipped > 0 {
+                    // The last sample passed over may have come this close, on some axis.
+                    let moved = (skipped - 1) as f64 * reach;
+                    assert!((point - centre).abs().max_element() - moved >= 1.0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_empty_grid_is_crossed_in_one_leap() {
+        let mut space = spike([100, 1, 1], [0, 0, 0]);
+        space.distance.fill(u8::MAX);
+        let leap = space.transparent_samples(DVec3::ZERO, 0.5, &mut Counters::default());
+        assert!(leap >= 200);
+    }
+}

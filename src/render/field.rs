@@ -1,0 +1,139 @@
+//! The scalar field along a ray, by one way of reconstruction.
+
+use super::work::{Event, Work};
+use crate::geometry::Ray;
+use crate::volume::{Cell, Grid, Lattice, Node};
+use glam::DVec3;
+
+/// A ray in node units, parametrised by distance in world units.
+///
+/// The origin is taken relative to the first node before anything is scaled, so that a volume
+/// far from the world's origin loses no digits along the ray.
+#[derive(Clone, Copy, Debug)]
+pub struct NodePath {
+    origin: DVec3,
+    direction: DVec3,
+}
+
+impl NodePath {
+    /// The path of `ray` over `lattice`.
+    pub fn new(ray: &Ray, lattice: &Lattice) -> NodePath {
+        NodePath::from(lattice.to_nodes(ray.origin), ray.direction, lattice)
+    }
+
+    /// The path from `origin`, in node units, along `direction`, of world length 1.
+    pub fn from(origin: DVec3, direction: DVec3, lattice: &Lattice) -> NodePath {
+        NodePath { origin, direction: direction / lattice.spacing() }
+    }
+
+    /// Position in node units at distance `t`.
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + self.direction * t
+    }
+
+    /// Largest change of a coordinate over `length` world units.
+    pub fn reach(&self, length: f64) -> f64 {
+        self.direction.abs().max_element() * length
+    }
+}
+
+/// A scalar field with gradients, reconstructed from a lattice.
+pub trait Field: Sync {
+    /// Where a point lies: found once, used for density and gradient.
+    type Place;
+
+    /// The lattice below the field.
+    fn lattice(&self) -> &Lattice;
+
+    /// The place of `point`, in node units.
+    fn locate(&self, point: DVec3) -> Self::Place;
+
+    /// Density at a place.
+    fn density<W: Work>(&self, place: &Self::Place, work: &mut W) -> f64;
+
+    /// Stored gradient at a place, reconstructed like the density, per world unit.
+    fn gradient<W: Work>(
+        &self,
+        gradients: &Grid<[f32; 3]>,
+        place: &Self::Place,
+        work: &mut W,
+    ) -> DVec3;
+}
+
+/// Linear along each axis between the eight nodes around.
+#[derive(Clone, Copy, Debug)]
+pub struct Trilinear<'g>(pub &'g Grid<f32>);
+
+/// The value of the nearest node.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearest<'g>(pub &'g Grid<f32>);
+
+/// A grid that holds the same density everywhere: known without looking. Interpolation of
+/// equal numbers is exact, so this is the same field to the last bit.
+#[derive(Clone, Copy, Debug)]
+pub struct Constant<'g>(pub &'g Lattice, pub f64);
+
+impl Field for Trilinear<'_> {
+    type Place = Cell;
+
+    fn lattice(&self) -> &Lattice {
+        self.0.lattice()
+    }
+
+    fn locate(&self, point: DVec3) -> Cell {
+        Cell::around(self.0.lattice(), point)
+    }
+
+    fn density<W: Work>(&self, place: &Cell, work: &mut W) -> f64 {
+        work.count(Event::DensityLookup);
+        place.trilinear(self.0)
+    }
+
+    fn gradient<W: Work>(&self, gradients: &Grid<[f32; 3]>, place: &Cell, work: &mut W) -> DVec3 {
+        work.count(Event::GradientLookup);
+        place.trilinear(gradients)
+    }
+}
+
+impl Field for Nearest<'_> {
+    type Place = Cell;
+
+    fn lattice(&self) -> &Lattice {
+        self.0.lattice()
+    }
+
+    fn locate(&self, point: DVec3) -> Cell {
+        Cell::around(self.0.lattice(), point)
+    }
+
+    fn density<W: Work>(&self, place: &Cell, work: &mut W) -> f64 {
+        work.count(Event::DensityLookup);
+        place.nearest(self.0)
+    }
+
+    fn gradient<W: Work>(&self, gradients: &Grid<[f32; 3]>, place: &Cell, work: &mut W) -> DVec3 {
+        work.count(Event::GradientLookup);
+        place.nearest(gradients)
+    }
+}
+
+impl Field for Constant<'_> {
+    type Place = DVec3;
+
+    fn lattice(&self) -> &Lattice {
+        self.0
+    }
+
+    fn locate(&self, point: DVec3) -> DVec3 {
+        point
+    }
+
+    fn density<W: Work>(&self, _: &DVec3, _: &mut W) -> f64 {
+        self.1
+    }
+
+    fn gradient<W: Work>(&self, gradients: &Grid<[f32; 3]>, point: &DVec3, work: &mut W) -> DVec3 {
+        work.count(Event::GradientLookup);
+        Cell::around(gradients.lattice(), *point).trilinear(gradients)
+    }
+}

@@ -1,0 +1,93 @@
+//! How much light reaches a sample through the volume.
+
+use super::empty_space::Space;
+use super::field::{Field, NodePath};
+use super::steps::Steps;
+use super::work::{Event, Work};
+use crate::geometry::{Aabb, Ray, Span};
+use crate::math;
+use crate::scene::Shadow;
+use glam::DVec3;
+
+/// What a sample asks for its light.
+pub trait Visibility: Sync {
+    /// Share of the light that arrives at a sample, in [0, 1].
+    fn at<F: Field, S: Space, W: Work>(
+        &self,
+        sample: Sample,
+        field: &F,
+        space: &S,
+        work: &mut W,
+    ) -> f64;
+}
+
+/// A place in the volume.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// World position.
+    pub world: DVec3,
+    /// Position in node units.
+    pub nodes: DVec3,
+}
+
+/// No shadow: all light arrives, and nothing is traced.
+#[derive(Clone, Copy, Debug)]
+pub struct Unshadowed;
+
+impl Visibility for Unshadowed {
+    fn at<F: Field, S: Space, W: Work>(&self, _: Sample, _: &F, _: &S, _: &mut W) -> f64 {
+        1.0
+    }
+}
+
+/// The volume shadow of the ray-casting assignment: `min(1, exp(−S/100))`, `S` the sum of the
+/// densities met on the way to the light.
+///
+/// `S` is the integral of density in units of `reference_step`, sampled every `step`: refining
+/// the step converges, and at `step = reference_step` it is the source's plain sum.
+#[derive(Clone, Copy, Debug)]
+pub struct VolumeShadow {
+    /// Steps of the shadow ray.
+    pub shadow: Shadow,
+    /// World position of the light.
+    pub light: DVec3,
+    /// Extent of the volume.
+    pub bounds: Aabb,
+}
+
+impl Visibility for VolumeShadow {
+    fn at<F: Field, S: Space, W: Work>(
+        &self,
+        sample: Sample,
+        field: &F,
+        space: &S,
+        work: &mut W,
+    ) -> f64 {
+        let to_light = self.light - sample.world;
+        let Some(ray) = Ray::new(sample.world, to_light) else {
+            return 1.0;
+        };
+        let Some(inside) = self.bounds.span(&ray) else {
+            return 1.0;
+        };
+        work.count(Event::ShadowRay);
+        let span = Span { near: 0.0, far: inside.far.min(to_light.length()) };
+        let steps = Steps::over(span, self.shadow.step);
+        let path = NodePath::from(sample.nodes, ray.direction, field.lattice());
+        let reach = path.reach(self.shadow.step);
+        let mut sum = 0.0;
+        let mut done = 0;
+        while done < steps.count() {
+            let (t, length) = steps.sample(done);
+            let point = path.at(t);
+            let transparent = space.transparent_samples(point, reach, work);
+            if transparent > 0 {
+                done += transparent;
+                continue;
+            }
+            sum += field.density(&field.locate(point), work) * length;
+            done += 1;
+        }
+        math::exp(-(sum / self.shadow.reference_step) / 100.0).min(1.0)
+    }
+}

@@ -1,0 +1,369 @@
+//! A classified volume: a scalar grid, what its densities look like, and who looks at it.
+
+use super::SceneError;
+use super::format::{Absent, Key, Kind, Literal, Range, Table};
+use super::reader::{Length, Reader};
+use crate::geometry::{Camera, CameraError};
+use crate::media::{Phong, TransferFunction};
+use crate::volume::{Grid, Lattice};
+use glam::DVec3;
+use std::sync::Arc;
+use toml::de::DeTable;
+
+/// The declaration of `[classified]`.
+pub(super) const CLASSIFIED: Table = Table {
+    doc: "A scalar volume whose densities are mapped to colour and opacity and composited along the ray.",
+    keys: &[
+        Key {
+            name: "volume",
+            kind: Kind::Table(&VOLUME),
+            absent: Absent::Error,
+            doc: "The densities.",
+        },
+        Key {
+            name: "interpolation",
+            kind: Kind::Choice(&["trilinear", "nearest"]),
+            absent: Absent::Default(Literal::Text("trilinear")),
+            doc: "How densities and gradients between the nodes follow from those at the nodes.",
+        },
+        Key {
+            name: "compositing",
+            kind: Kind::Choice(&["front-to-back", "back-to-front"]),
+            absent: Absent::Default(Literal::Text("front-to-back")),
+            doc: "The order in which the samples of a ray are put together; both give the same image but for rounding.",
+        },
+        Key {
+            name: "step",
+            kind: Kind::Length,
+            absent: Absent::Default(Literal::Text("0.5 voxels")),
+            doc: "Distance between samples along a ray, world units or voxels.",
+        },
+        Key {
+            name: "background",
+            kind: Kind::Colour,
+            absent: Absent::Default(Literal::Vector([0.0, 0.0, 0.0])),
+            doc: "Linear radiance behind the volume.",
+        },
+        Key {
+            name: "light",
+            kind: Kind::Table(&LIGHT),
+            absent: Absent::Nothing,
+            doc: "The white point light, without fall-off; used by shading and shadow.",
+        },
+        Key {
+            name: "phong",
+            kind: Kind::Table(&PHONG),
+            absent: Absent::Nothing,
+            doc: "Shades samples by their gradient. Left out: colours stay unshaded and no gradient is computed.",
+        },
+        Key {
+            name: "shadow",
+            kind: Kind::Table(&SHADOW),
+            absent: Absent::Nothing,
+            doc: "Darkens each sample by the densities between it and the light. Left out: no shadow ray is traced.",
+        },
+    ],
+};
+
+const VOLUME: Table = Table {
+    doc: "The file a grid of densities comes from.",
+    keys: &[
+        Key {
+            name: "file",
+            kind: Kind::Text,
+            absent: Absent::Error,
+            doc: "Point cloud (.obj) or grid (.bin), relative to the folder of the scene.",
+        },
+        Key {
+            name: "resolution",
+            kind: Kind::Count(2, 4096),
+            absent: Absent::Default(Literal::Count(128)),
+            doc: "Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.",
+        },
+        Key {
+            name: "padding",
+            kind: Kind::Count(0, 1024),
+            absent: Absent::Default(Literal::Count(2)),
+            doc: "Point clouds only: empty nodes kept around the cloud on each side.",
+        },
+    ],
+};
+
+const LIGHT: Table = Table {
+    doc: "A white point light without fall-off.",
+    keys: &[Key {
+        name: "position",
+        kind: Kind::Vector,
+        absent: Absent::Derived("camera eye + (0, 5, 0)"),
+        doc: "Where the light stands, world units.",
+    }],
+};
+
+const PHONG: Table = Table {
+    doc: "Phong's reflection model; the normal is minus the density gradient.",
+    keys: &[
+        Key {
+            name: "ambient",
+            kind: Kind::Number(Range::at_least(0.0)),
+            absent: Absent::Default(Literal::Number(0.1)),
+            doc: "Share of the light that reaches every side.",
+        },
+        Key {
+            name: "diffuse",
+            kind: Kind::Number(Range::at_least(0.0)),
+            absent: Absent::Default(Literal::Number(1.0)),
+            doc: "Weight of the cosine between normal and light.",
+        },
+        Key {
+            name: "specular",
+            kind: Kind::Number(Range::at_least(0.0)),
+            absent: Absent::Default(Literal::Number(1.0)),
+            doc: "Weight of the white highlight.",
+        },
+        Key {
+            name: "shininess",
+            kind: Kind::Count(1, 1 << 20),
+            absent: Absent::Default(Literal::Count(32)),
+            doc: "Exponent of the highlight, a whole number.",
+        },
+    ],
+};
+
+const SHADOW: Table = Table {
+    doc: "Volume shadow: radiance times exp(−S/100), S the integral of density over reference steps towards the light.",
+    keys: &[
+        Key {
+            name: "step",
+            kind: Kind::Length,
+            absent: Absent::Default(Literal::Text("1 voxel")),
+            doc: "Distance between samples along a shadow ray, world units or voxels.",
+        },
+        Key {
+            name: "reference_step",
+            kind: Kind::Length,
+            absent: Absent::Error,
+            doc: "Length that counts as one unit of S, world units or voxels; smaller means darker.",
+        },
+    ],
+};
+
+/// The declaration of `[camera]`.
+pub(super) const CAMERA: Table = Table {
+    doc: "The pinhole camera. Left out: one that sees the whole volume from the front.",
+    keys: &[
+        Key {
+            name: "eye",
+            kind: Kind::Vector,
+            absent: Absent::Derived("volume centre − 2.5·(0, 0, depth of the volume)"),
+            doc: "Where the camera stands, world units.",
+        },
+        Key {
+            name: "target",
+            kind: Kind::Vector,
+            absent: Absent::Derived("volume centre"),
+            doc: "The point in the middle of the image, world units.",
+        },
+        Key {
+            name: "up",
+            kind: Kind::Vector,
+            absent: Absent::Default(Literal::Vector([0.0, 1.0, 0.0])),
+            doc: "The direction that points up in the image, any length.",
+        },
+        Key {
+            name: "vertical_fov",
+            kind: Kind::Number(Range::open(0.0, 180.0)),
+            absent: Absent::Default(Literal::Number(45.0)),
+            doc: "Full angle between the top and bottom edge of the image, degrees.",
+        },
+    ],
+};
+
+/// How a value between nodes follows from those at the nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    /// The nearest node's.
+    Nearest,
+    /// Linear along each axis between the eight nodes around.
+    Trilinear,
+}
+
+/// The order in which the samples of a ray are put together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Compositing {
+    /// From the eye into the volume.
+    FrontToBack,
+    /// Towards the eye.
+    BackToFront,
+}
+
+/// Volume shadow: the radiance of a sample is multiplied by `min(1, exp(−S/100))`, `S` the
+/// integral of density towards the light, counted in units of `reference_step`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shadow {
+    /// Distance between samples along the shadow ray, world units, > 0.
+    pub step: f64,
+    /// Length that counts as one unit of `S`, world units, > 0.
+    pub reference_step: f64,
+}
+
+/// A classified volume and the view of it, all lengths in world units.
+#[derive(Clone, Debug)]
+pub struct Classified {
+    /// Densities: finite, not negative.
+    pub grid: Arc<Grid<f32>>,
+    /// Reconstruction between the nodes.
+    pub interpolation: Interpolation,
+    /// Order of the samples.
+    pub compositing: Compositing,
+    /// Distance between samples along a ray, > 0.
+    pub step: f64,
+    /// What a density looks like.
+    pub transfer_function: TransferFunction,
+    /// Shading by gradient, if asked for.
+    pub phong: Option<Phong>,
+    /// Volume shadow, if asked for.
+    pub shadow: Option<Shadow>,
+    /// Position of the light.
+    pub light: DVec3,
+    /// Radiance behind the volume.
+    pub background: DVec3,
+    /// The eye.
+    pub camera: Camera,
+}
+
+/// More samples on one ray than this are a mistake in the scene, not a wish.
+const MOST_SAMPLES_PER_RAY: f64 = 1e8;
+
+/// What `[classified.volume]` asks for.
+pub(super) struct VolumeRequest {
+    pub file: String,
+    pub resolution: usize,
+    pub padding: usize,
+}
+
+impl VolumeRequest {
+    pub(super) fn read(reader: &Reader<'_, '_>) -> Result<VolumeRequest, Box<SceneError>> {
+        let file = reader.text("file")?.expect("required");
+        if !file.to_ascii_lowercase().ends_with(".obj") {
+            if let Some(key) = ["resolution", "padding"].into_iter().find(|key| reader.has(key)) {
+                let message =
+                    format!("`{key}` applies to point clouds; {file:?} brings a grid of its own");
+                return Err(reader.error(key, message));
+            }
+            return Ok(VolumeRequest { file, resolution: 0, padding: 0 });
+        }
+        let resolution = reader.count("resolution")?.expect("has a default") as usize;
+        let padding = reader.count("padding")?.expect("has a default") as usize;
+        Ok(VolumeRequest { file, resolution, padding })
+    }
+}
+
+impl Classified {
+    /// Reads `[classified]` and `[camera]`. `transfer_function` makes the classifier for a
+    /// given voxel size; `step` replaces the step of the scene.
+    pub(super) fn read(
+        reader: &Reader<'_, '_>,
+        camera: &Reader<'_, '_>,
+        grid: Arc<Grid<f32>>,
+        transfer_function: TransferFunction,
+    ) -> Result<Classified, Box<SceneError>> {
+        let empty = DeTable::new();
+        let lattice = *grid.lattice();
+        let interpolation = match reader.text("interpolation")?.as_deref() {
+            Some("nearest") => Interpolation::Nearest,
+            _ => Interpolation::Trilinear,
+        };
+        let compositing = match reader.text("compositing")?.as_deref() {
+            Some("back-to-front") => Compositing::BackToFront,
+            _ => Compositing::FrontToBack,
+        };
+        let step = step_length(reader, "step", &lattice)?;
+        let background = reader.vector("background")?.expect("has a default");
+
+        let (camera, eye) = read_camera(camera, &lattice)?;
+        let light = reader.table_or_default("light", &empty)?;
+        let light = light.vector("position")?.unwrap_or(eye + DVec3::new(0.0, 5.0, 0.0));
+
+        let phong = reader.table("phong")?.map(|reader| read_phong(&reader)).transpose()?;
+        let shadow = reader.table("shadow")?.map(|reader| read_shadow(&reader, &lattice));
+        Ok(Classified {
+            grid,
+            interpolation,
+            compositing,
+            step,
+            transfer_function,
+            phong,
+            shadow: shadow.transpose()?,
+            light,
+            background,
+            camera,
+        })
+    }
+
+    /// Replaces the distance between samples; fails where rays would get too many of them.
+    pub fn with_step(mut self, step: Length) -> Result<Classified, String> {
+        let lattice = self.grid.lattice();
+        self.step = checked_step(step, lattice)?;
+        Ok(self)
+    }
+}
+
+fn checked_step(step: Length, lattice: &Lattice) -> Result<f64, String> {
+    let length = step.in_world_units(lattice.voxel());
+    let diagonal = lattice.bounds().size().length();
+    if diagonal / length > MOST_SAMPLES_PER_RAY {
+        return Err(format!(
+            "a step of {length:e} world units means up to {:.1e} samples on a ray through a \
+             volume {diagonal:.4} across; at most {MOST_SAMPLES_PER_RAY:.0e} are accepted",
+            diagonal / length
+        ));
+    }
+    Ok(length)
+}
+
+fn step_length(
+    reader: &Reader<'_, '_>,
+    name: &str,
+    lattice: &Lattice,
+) -> Result<f64, Box<SceneError>> {
+    let step = reader.length(name)?.expect("required or has a default");
+    checked_step(step, lattice).map_err(|message| reader.error(name, message))
+}
+
+fn read_phong(reader: &Reader<'_, '_>) -> Result<Phong, Box<SceneError>> {
+    Ok(Phong {
+        ambient: reader.number("ambient")?.expect("has a default"),
+        diffuse: reader.number("diffuse")?.expect("has a default"),
+        specular: reader.number("specular")?.expect("has a default"),
+        shininess: reader.count("shininess")?.expect("has a default") as u32,
+    })
+}
+
+fn read_shadow(reader: &Reader<'_, '_>, lattice: &Lattice) -> Result<Shadow, Box<SceneError>> {
+    let reference = reader.length("reference_step")?.expect("required");
+    Ok(Shadow {
+        step: step_length(reader, "step", lattice)?,
+        reference_step: reference.in_world_units(lattice.voxel()),
+    })
+}
+
+/// The camera and its eye; what the scene leaves out follows from the volume.
+fn read_camera(
+    reader: &Reader<'_, '_>,
+    lattice: &Lattice,
+) -> Result<(Camera, DVec3), Box<SceneError>> {
+    let bounds = lattice.bounds();
+    let depth = bounds.size().z;
+    let eye = reader.vector("eye")?.unwrap_or(bounds.centre() - DVec3::new(0.0, 0.0, 2.5 * depth));
+    let target = reader.vector("target")?.unwrap_or(bounds.centre());
+    let up = reader.vector("up")?.expect("has a default");
+    let vertical_fov = reader.number("vertical_fov")?.expect("has a default").to_radians();
+    let camera = Camera::new(eye, target, up, vertical_fov).map_err(|error| {
+        let key = match error {
+            CameraError::NoDirection => "eye",
+            CameraError::NoUpright => "up",
+        };
+        reader.error(key, error.to_string())
+    })?;
+    Ok((camera, eye))
+}

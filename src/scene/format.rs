@@ -1,0 +1,254 @@
+//! The shape of volref's TOML files, declared once.
+//!
+//! A [`Table`] lists its keys with kind, range, default and meaning. The [reader](super::reader)
+//! takes ranges, defaults, error texts and help from here, and [`json_schema`] gives the same
+//! to editors.
+
+use serde_json::{Value, json};
+
+/// A table of a TOML file.
+#[derive(Debug)]
+pub struct Table {
+    /// What the table describes, one sentence.
+    pub doc: &'static str,
+    /// Everything it may hold.
+    pub keys: &'static [Key],
+}
+
+/// A key of a table.
+#[derive(Debug)]
+pub struct Key {
+    /// As written in the file.
+    pub name: &'static str,
+    /// What value it takes.
+    pub kind: Kind,
+    /// What its absence means.
+    pub absent: Absent,
+    /// Quantity and unit, one sentence.
+    pub doc: &'static str,
+}
+
+/// What value a key takes.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// A whole number from `.0` to `.1`.
+    Count(u64, u64),
+    /// A finite number in a range.
+    Number(Range),
+    /// Three finite numbers x, y, z.
+    Vector,
+    /// Three finite numbers red, green, blue, each at least 0.
+    Colour,
+    /// A positive length: world units, or voxels as in `"0.5 voxels"`.
+    Length,
+    /// Any text.
+    Text,
+    /// One of a few words.
+    Choice(&'static [&'static str]),
+    /// A table.
+    Table(&'static Table),
+    /// Several tables of one form, `[[…]]`.
+    Tables(&'static Table),
+    /// Several tables that may hold any key of the whole file but this one.
+    Overrides,
+}
+
+/// What the absence of a key means.
+#[derive(Clone, Copy, Debug)]
+pub enum Absent {
+    /// The file is incomplete.
+    Error,
+    /// This value.
+    Default(Literal),
+    /// A value that follows from other parts of the file, as the text says.
+    Derived(&'static str),
+    /// Nothing: the thing is not asked for.
+    Nothing,
+}
+
+/// A default value.
+#[derive(Clone, Copy, Debug)]
+pub enum Literal {
+    /// A whole number.
+    Count(u64),
+    /// A number.
+    Number(f64),
+    /// Three numbers.
+    Vector([f64; 3]),
+    /// A word, or a length with a unit.
+    Text(&'static str),
+}
+
+/// An interval of numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct Range {
+    low: f64,
+    high: f64,
+    low_open: bool,
+    high_open: bool,
+}
+
+impl Range {
+    /// `[low, high]`
+    pub const fn closed(low: f64, high: f64) -> Range {
+        Range { low, high, low_open: false, high_open: false }
+    }
+
+    /// `(low, high)`
+    pub const fn open(low: f64, high: f64) -> Range {
+        Range { low, high, low_open: true, high_open: true }
+    }
+
+    /// `[low, high)`
+    pub const fn half_open(low: f64, high: f64) -> Range {
+        Range { low, high, low_open: false, high_open: true }
+    }
+
+    /// `[low, ∞)`
+    pub const fn at_least(low: f64) -> Range {
+        Range { low, high: f64::INFINITY, low_open: false, high_open: true }
+    }
+
+    /// Every finite number.
+    pub const ANY: Range = Range::open(f64::NEG_INFINITY, f64::INFINITY);
+
+    /// Whether `x` lies in the range. NaN lies in none.
+    pub fn contains(&self, x: f64) -> bool {
+        (x > self.low || (x == self.low && !self.low_open))
+            && (x < self.high || (x == self.high && !self.high_open))
+    }
+}
+
+impl std::fmt::Display for Range {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match (self.low.is_finite(), self.high.is_finite()) {
+            (false, false) => write!(f, "be finite"),
+            (true, false) if self.low_open => write!(f, "be finite and above {}", self.low),
+            (true, false) => write!(f, "be finite and at least {}", self.low),
+            _ => {
+                let (left, right) =
+                    (if self.low_open { "(" } else { "[" }, if self.high_open { ")" } else { "]" });
+                write!(f, "lie in {left}{}, {}{right}", self.low, self.high)
+            }
+        }
+    }
+}
+
+impl std::fmt::Display for Literal {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Literal::Count(count) => write!(f, "{count}"),
+            Literal::Number(number) => write!(f, "{number}"),
+            Literal::Vector([x, y, z]) => write!(f, "[{x}, {y}, {z}]"),
+            Literal::Text(text) => write!(f, "{text:?}"),
+        }
+    }
+}
+
+impl Kind {
+    /// What the kind is called in an error: "expected …".
+    pub fn expected(&self) -> String {
+        match self {
+            Kind::Count(low, high) => format!("a whole number from {low} to {high}"),
+            Kind::Number(_) => "a number".into(),
+            Kind::Vector => "three numbers, such as [0, 1, 0]".into(),
+            Kind::Colour => "three numbers red, green, blue, such as [1, 0.5, 0]".into(),
+            Kind::Length => {
+                "a length: a number in world units, or text such as \"0.5 voxels\"".into()
+            }
+            Kind::Text => "text in quotes".into(),
+            Kind::Choice(words) => {
+                let quoted: Vec<_> = words.iter().map(|word| format!("{word:?}")).collect();
+                format!("one of {}", quoted.join(", "))
+            }
+            Kind::Table(_) => "a table".into(),
+            Kind::Tables(_) | Kind::Overrides => "tables in double brackets, [[…]]".into(),
+        }
+    }
+}
+
+/// The JSON Schema (draft 2020-12) of files whose root is `root`, for completion and checking
+/// in editors.
+pub fn json_schema(title: &str, root: &'static Table) -> Value {
+    let mut schema = table_schema(root, root, true);
+    schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
+    schema["title"] = json!(title);
+    schema
+}
+
+fn table_schema(root: &'static Table, table: &'static Table, complete: bool) -> Value {
+    let properties: serde_json::Map<String, Value> = table
+        .keys
+        .iter()
+        .filter(|key| complete || !matches!(key.kind, Kind::Overrides))
+        .map(|key| (key.name.to_owned(), key_schema(root, key, complete)))
+        .collect();
+    let mut schema = json!({
+        "type": "object",
+        "description": table.doc,
+        "properties": properties,
+        "additionalProperties": false,
+    });
+    let required: Vec<_> = table
+        .keys
+        .iter()
+        .filter(|key| matches!(key.absent, Absent::Error))
+        .map(|key| key.name)
+        .collect();
+    if complete && !required.is_empty() {
+        schema["required"] = json!(required);
+    }
+    schema
+}
+
+fn key_schema(root: &'static Table, key: &Key, complete: bool) -> Value {
+    let numbers = |minimum: Option<f64>| {
+        let mut item = json!({ "type": "number" });
+        if let Some(minimum) = minimum {
+            item["minimum"] = json!(minimum);
+        }
+        json!({ "type": "array", "items": item, "minItems": 3, "maxItems": 3 })
+    };
+    let mut schema = match key.kind {
+        Kind::Count(low, high) => json!({ "type": "integer", "minimum": low, "maximum": high }),
+        Kind::Number(range) => {
+            let mut schema = json!({ "type": "number" });
+            if range.low.is_finite() {
+                let name = if range.low_open { "exclusiveMinimum" } else { "minimum" };
+                schema[name] = json!(range.low);
+            }
+            if range.high.is_finite() {
+                let name = if range.high_open { "exclusiveMaximum" } else { "maximum" };
+                schema[name] = json!(range.high);
+            }
+            schema
+        }
+        Kind::Vector => numbers(None),
+        Kind::Colour => numbers(Some(0.0)),
+        Kind::Length => json!({ "anyOf": [
+            { "type": "number", "exclusiveMinimum": 0 },
+            { "type": "string", "pattern": "^[0-9.eE+-]+ *voxels?$" },
+        ]}),
+        Kind::Text => json!({ "type": "string" }),
+        Kind::Choice(words) => json!({ "enum": words }),
+        Kind::Table(table) => table_schema(root, table, complete),
+        Kind::Tables(table) => {
+            json!({ "type": "array", "items": table_schema(root, table, complete) })
+        }
+        Kind::Overrides => {
+            json!({ "type": "array", "items": table_schema(root, root, false) })
+        }
+    };
+    schema["description"] = match key.absent {
+        Absent::Derived(rule) => json!(format!("{} Default: {rule}.", key.doc)),
+        _ => json!(key.doc),
+    };
+    match key.absent {
+        Absent::Default(Literal::Count(count)) => schema["default"] = json!(count),
+        Absent::Default(Literal::Number(number)) => schema["default"] = json!(number),
+        Absent::Default(Literal::Vector(vector)) => schema["default"] = json!(vector),
+        Absent::Default(Literal::Text(text)) => schema["default"] = json!(text),
+        _ => {}
+    }
+    schema
+}

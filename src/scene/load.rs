@@ -1,0 +1,314 @@
+//! From a scene file to a [`Scene`].
+
+use super::classified::{CAMERA, CLASSIFIED, VolumeRequest};
+use super::curve::CURVE;
+use super::format::{Absent, Key, Kind, Literal, Range, Table};
+use super::reader::{Document, Reader, Reading, overridden};
+use super::{Classified, Curve, SceneError};
+use crate::media::{Colormap, TransferFunction, TransferOpacity};
+use crate::volume::{self, Grid, Splatting};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// The declaration of a scene file.
+pub const SCENE: Table = Table {
+    doc: "A scene of volref: one model, the camera and the image.",
+    keys: &[
+        Key {
+            name: "title",
+            kind: Kind::Text,
+            absent: Absent::Nothing,
+            doc: "What the picture shows, in words.",
+        },
+        Key {
+            name: "film",
+            kind: Kind::Table(&FILM),
+            absent: Absent::Nothing,
+            doc: "The image.",
+        },
+        Key {
+            name: "camera",
+            kind: Kind::Table(&CAMERA),
+            absent: Absent::Nothing,
+            doc: "The eye.",
+        },
+        Key {
+            name: "transfer_function",
+            kind: Kind::Table(&TRANSFER_FUNCTION),
+            absent: Absent::Nothing,
+            doc: "What a density looks like.",
+        },
+        Key {
+            name: "classified",
+            kind: Kind::Table(&CLASSIFIED),
+            absent: Absent::Nothing,
+            doc: "Model: a classified volume.",
+        },
+        Key {
+            name: "curve",
+            kind: Kind::Table(&CURVE),
+            absent: Absent::Nothing,
+            doc: "Model: a plot of the transfer function.",
+        },
+        Key {
+            name: "panel",
+            kind: Kind::Overrides,
+            absent: Absent::Nothing,
+            doc: "Several pictures side by side: each panel is the scene with the keys of the panel put in their places.",
+        },
+    ],
+};
+
+const FILM: Table = Table {
+    doc: "The image; with panels, each of them.",
+    keys: &[
+        Key {
+            name: "width",
+            kind: Kind::Count(1, 16384),
+            absent: Absent::Default(Literal::Count(256)),
+            doc: "Columns of pixels.",
+        },
+        Key {
+            name: "height",
+            kind: Kind::Count(1, 16384),
+            absent: Absent::Default(Literal::Count(256)),
+            doc: "Rows of pixels.",
+        },
+    ],
+};
+
+const TRANSFER_FUNCTION: Table = Table {
+    doc: "Transparency T(d) = (exp(−d²) − floor)/(1 − floor), clamped to [0, 1], over the reference length; colour by name.",
+    keys: &[
+        Key {
+            name: "floor",
+            kind: Kind::Number(Range::half_open(0.0, 1.0)),
+            absent: Absent::Default(Literal::Number(0.36)),
+            doc: "Value of exp(−d²) that counts as opaque.",
+        },
+        Key {
+            name: "reference_length",
+            kind: Kind::Length,
+            absent: Absent::Default(Literal::Text("1 voxel")),
+            doc: "Path length over which the transparency is stated, world units or voxels.",
+        },
+        Key {
+            name: "colormap",
+            kind: Kind::Choice(Colormap::NAMES),
+            absent: Absent::Default(Literal::Text("heat")),
+            doc: "Colours for densities 0 to 1.",
+        },
+    ],
+};
+
+/// A scene: one picture, or several side by side.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The file it was read from.
+    pub path: PathBuf,
+    /// The pictures from left to right, at least one, all of one height.
+    pub panels: Vec<Panel>,
+}
+
+/// One picture of a scene.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// What it shows, in words.
+    pub title: Option<String>,
+    /// Columns of pixels.
+    pub width: usize,
+    /// Rows of pixels.
+    pub height: usize,
+    /// What is rendered.
+    pub model: Model,
+    /// Every key as read, defaults included, in a fixed order.
+    pub readings: Vec<Reading>,
+}
+
+/// What is rendered, and by which equation.
+#[derive(Clone, Debug)]
+pub enum Model {
+    /// Direct volume rendering of a scalar grid.
+    Classified(Classified),
+    /// A plot of the transfer function.
+    Curve(Curve),
+}
+
+impl Scene {
+    /// Reads the scene file at `path` and the volumes it names.
+    pub fn load(path: &Path) -> Result<Scene, Box<SceneError>> {
+        let name = path.display().to_string();
+        let unreadable = |message: String| {
+            SceneError::new(&name, "", None, message, Some("give the path of a scene file".into()))
+        };
+        if path.is_dir() {
+            return Err(unreadable("this is a folder, not a scene file".into()));
+        }
+        let bytes = std::fs::read(path)
+            .map_err(|error| unreadable(format!("cannot read the scene: {error}")))?;
+        let text = String::from_utf8(bytes)
+            .map_err(|_| unreadable("the scene is not UTF-8 text".into()))?;
+        Scene::parse(&text, path)
+    }
+
+    /// Reads a scene from `text`; `path` names it in messages, and volumes are looked for
+    /// relative to its folder.
+    pub fn parse(text: &str, path: &Path) -> Result<Scene, Box<SceneError>> {
+        let name = path.display().to_string();
+        let document = Document { path: &name, text };
+        let root = document.parse()?;
+        let mut grids = Grids { folder: path.parent().unwrap_or(Path::new("")), loaded: BTreeMap::new() };
+        let panels = panel_tables(&document, &root)?
+            .iter()
+            .map(|table| Panel::read(&document, table, &mut grids))
+            .collect::<Result<Vec<_>, _>>()?;
+        if let Some(odd) = panels.iter().position(|panel| panel.height != panels[0].height) {
+            let message = format!(
+                "panels stand side by side and must be of one height, but panel 1 has {} rows and panel {} has {}",
+                panels[0].height, odd + 1, panels[odd].height
+            );
+            return Err(document.error(Some(root.span()), message, None));
+        }
+        Ok(Scene { path: path.to_owned(), panels })
+    }
+
+    /// The scene as text that changes with anything that changes the picture, except the
+    /// contents of the files it names: every key with its value, defaults included.
+    pub fn canonical_text(&self) -> String {
+        let mut text = String::new();
+        for panel in &self.panels {
+            text.push_str("[panel]\n");
+            for reading in panel.readings.iter().filter(|reading| reading.key != "title") {
+                text.push_str(&format!("{} = {}\n", reading.key, reading.value));
+            }
+        }
+        text
+    }
+
+    /// Columns of pixels of the whole picture.
+    pub fn width(&self) -> usize {
+        self.panels.iter().map(|panel| panel.width).sum()
+    }
+
+    /// Rows of pixels.
+    pub fn height(&self) -> usize {
+        self.panels[0].height
+    }
+}
+
+/// The root table of each panel: the scene itself, or the scene with the panel's keys put in.
+fn panel_tables<'s>(
+    document: &Document<'s>,
+    root: &Spanned<DeTable<'s>>,
+) -> Result<Vec<Spanned<DeTable<'s>>>, Box<SceneError>> {
+    let mut base = root.get_ref().clone();
+    let Some(panels) = base.remove("panel") else {
+        return Ok(vec![root.clone()]);
+    };
+    let not_tables = |span| {
+        let message = "`panel` takes tables in double brackets, [[panel]]";
+        document.error(Some(span), message, None)
+    };
+    let DeValue::Array(items) = panels.get_ref() else {
+        return Err(not_tables(panels.span()));
+    };
+    if items.is_empty() {
+        return Err(not_tables(panels.span()));
+    }
+    let table = |item: &Spanned<DeValue<'s>>| match item.get_ref() {
+        DeValue::Table(over) if over.contains_key("panel") => {
+            Err(document.error(Some(item.span()), "a panel holds no panels", None))
+        }
+        DeValue::Table(over) => Ok(Spanned::new(item.span(), overridden(&base, over))),
+        _ => Err(not_tables(item.span())),
+    };
+    items.iter().map(table).collect()
+}
+
+/// The grids of a scene; a file asked for by several panels is read once.
+struct Grids<'p> {
+    folder: &'p Path,
+    loaded: BTreeMap<(String, usize, usize), Arc<Grid<f32>>>,
+}
+
+impl Grids<'_> {
+    fn get(&mut self, reader: &Reader<'_, '_>) -> Result<Arc<Grid<f32>>, Box<SceneError>> {
+        let VolumeRequest { file, resolution, padding } = VolumeRequest::read(reader)?;
+        let key = (file.clone(), resolution, padding);
+        if let Some(grid) = self.loaded.get(&key) {
+            return Ok(grid.clone());
+        }
+        let grid = volume::load(&self.folder.join(&file), Splatting { resolution, padding })
+            .map_err(|error| reader.error("file", error.to_string()))?;
+        let grid = Arc::new(grid);
+        self.loaded.insert(key, grid.clone());
+        Ok(grid)
+    }
+}
+
+impl Panel {
+    fn read<'s>(
+        document: &Document<'s>,
+        table: &Spanned<DeTable<'s>>,
+        grids: &mut Grids<'_>,
+    ) -> Result<Panel, Box<SceneError>> {
+        let log = RefCell::default();
+        let empty = DeTable::new();
+        let root = Reader::new(document, &SCENE, table, &log)?;
+        let title = root.text("title")?;
+        let film = root.table_or_default("film", &empty)?;
+        let width = film.count("width")?.expect("has a default") as usize;
+        let height = film.count("height")?.expect("has a default") as usize;
+        let transfer_function = root.table_or_default("transfer_function", &empty)?;
+        let floor = transfer_function.number("floor")?.expect("has a default");
+        let opacity = TransferOpacity { floor };
+        let model = match (root.table("classified")?, root.table("curve")?) {
+            (Some(reader), None) => {
+                let volume = reader.table("volume")?.expect("required");
+                let grid = grids.get(&volume)?;
+                let transfer_function = read_transfer_function(&transfer_function, opacity, &grid)?;
+                let camera = root.table_or_default("camera", &empty)?;
+                Model::Classified(Classified::read(&reader, &camera, grid, transfer_function)?)
+            }
+            (None, Some(reader)) => {
+                for unused in ["reference_length", "colormap"] {
+                    if transfer_function.has(unused) {
+                        let message = format!("`{unused}` means nothing to a plot of the curve");
+                        return Err(transfer_function.error(unused, message));
+                    }
+                }
+                if root.has("camera") {
+                    return Err(root.error("camera", "a plot of the curve has no camera"));
+                }
+                Model::Curve(Curve::read(&reader, opacity)?)
+            }
+            (Some(_), Some(_)) => {
+                let message = "a scene holds one model, but this one has both [classified] and [curve]";
+                return Err(root.error("curve", message));
+            }
+            (None, None) => {
+                let message = "the scene has no model: give [classified] or [curve]";
+                return Err(document.error(None, message, None));
+            }
+        };
+        Ok(Panel { title, width, height, model, readings: log.into_inner() })
+    }
+}
+
+fn read_transfer_function(
+    reader: &Reader<'_, '_>,
+    opacity: TransferOpacity,
+    grid: &Grid<f32>,
+) -> Result<TransferFunction, Box<SceneError>> {
+    let reference_length = reader.length("reference_length")?.expect("has a default");
+    let colormap = reader.text("colormap")?.expect("has a default");
+    Ok(TransferFunction {
+        opacity,
+        reference_length: reference_length.in_world_units(grid.lattice().voxel()),
+        colormap: Colormap::named(&colormap).expect("one of the declared names"),
+    })
+}

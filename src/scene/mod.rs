@@ -1,0 +1,14 @@
+//! Text to a valid [`Scene`]; nothing invalid leaves this room.
+
+mod classified;
+mod curve;
+mod error;
+pub mod format;
+mod load;
+pub mod reader;
+
+pub use classified::{Classified, Compositing, Interpolation, Shadow};
+pub use curve::Curve;
+pub use error::SceneError;
+pub use load::{Model, Panel, SCENE, Scene};
+pub use reader::{Length, Reading};

@@ -1,0 +1,417 @@
+//! Reads a TOML table by its [declaration](super::format), with the place of every mistake.
+
+use super::SceneError;
+use super::format::{Absent, Key, Kind, Literal, Table};
+use glam::DVec3;
+use std::cell::RefCell;
+use std::fmt::Display;
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A length in a scene: absolute, or relative to the grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Length {
+    /// World units.
+    World(f64),
+    /// Multiples of the smallest node spacing of the grid.
+    Voxels(f64),
+}
+
+impl Length {
+    /// The length in world units, where one voxel is `voxel` world units.
+    pub fn in_world_units(self, voxel: f64) -> f64 {
+        match self {
+            Length::World(length) => length,
+            Length::Voxels(count) => count * voxel,
+        }
+    }
+}
+
+impl std::str::FromStr for Length {
+    type Err = String;
+
+    /// `"0.01"` (world units), `"0.5 voxels"`, `"1 voxel"`; positive and finite.
+    fn from_str(text: &str) -> Result<Length, String> {
+        let trimmed = text.trim();
+        let in_voxels = trimmed.strip_suffix("voxels").or_else(|| trimmed.strip_suffix("voxel"));
+        let number = in_voxels.unwrap_or(trimmed).trim();
+        let value: f64 = number.parse().map_err(|_| {
+            format!("expected a length such as 0.01 (world units) or \"0.5 voxels\", got {text:?}")
+        })?;
+        if !(value.is_finite() && value > 0.0) {
+            return Err(format!("a length must be positive and finite, got {text:?}"));
+        }
+        Ok(if in_voxels.is_some() { Length::Voxels(value) } else { Length::World(value) })
+    }
+}
+
+impl Display for Length {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Length::World(length) => write!(f, "{length}"),
+            Length::Voxels(count) => write!(f, "\"{count} voxels\""),
+        }
+    }
+}
+
+/// A key as it was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    /// Dotted path from the root of the file, such as `classified.phong.ambient`.
+    pub key: String,
+    /// The value, as TOML; for a derived default the rule in words.
+    pub value: String,
+    /// Whether the file left the key out.
+    pub defaulted: bool,
+}
+
+/// A TOML file: its name, for messages, and its text.
+pub struct Document<'s> {
+    /// The name shown in messages.
+    pub path: &'s str,
+    /// The whole text.
+    pub text: &'s str,
+}
+
+impl<'s> Document<'s> {
+    /// The root table of the file.
+    pub fn parse(&self) -> Result<Spanned<DeTable<'s>>, Box<SceneError>> {
+        DeTable::parse(self.text).map_err(|error| {
+            let help = "the file is not valid TOML; see https://toml.io for its rules";
+            self.error(error.span(), error.message(), Some(help.into()))
+        })
+    }
+
+    /// A mistake at `span` of this file.
+    pub fn error(
+        &self,
+        span: Option<Range<usize>>,
+        message: impl Into<String>,
+        help: Option<String>,
+    ) -> Box<SceneError> {
+        SceneError::new(self.path, self.text, span, message, help)
+    }
+}
+
+/// A table of a document, read key by key.
+pub struct Reader<'d, 's> {
+    document: &'d Document<'s>,
+    declaration: &'static Table,
+    table: &'d DeTable<'s>,
+    span: Range<usize>,
+    path: String,
+    log: &'d RefCell<Vec<Reading>>,
+}
+
+impl<'d, 's> Reader<'d, 's> {
+    /// Reads `table`, the root of `document`, by `declaration`; everything read is noted in
+    /// `log`. Fails on a key that the declaration does not know.
+    pub fn new(
+        document: &'d Document<'s>,
+        declaration: &'static Table,
+        table: &'d Spanned<DeTable<'s>>,
+        log: &'d RefCell<Vec<Reading>>,
+    ) -> Result<Self, Box<SceneError>> {
+        Self::open(document, declaration, table.get_ref(), table.span(), String::new(), log)
+    }
+
+    fn open(
+        document: &'d Document<'s>,
+        declaration: &'static Table,
+        table: &'d DeTable<'s>,
+        span: Range<usize>,
+        path: String,
+        log: &'d RefCell<Vec<Reading>>,
+    ) -> Result<Self, Box<SceneError>> {
+        let reader = Reader { document, declaration, table, span, path, log };
+        for key in table.keys() {
+            if !declaration.keys.iter().any(|known| known.name == key.get_ref()) {
+                return Err(reader.unknown(key));
+            }
+        }
+        Ok(reader)
+    }
+
+    fn unknown(&self, key: &Spanned<std::borrow::Cow<'s, str>>) -> Box<SceneError> {
+        let known: Vec<_> = self.declaration.keys.iter().map(|key| key.name).collect();
+        let nearest = known
+            .iter()
+            .map(|name| (strsim::damerau_levenshtein(name, key.get_ref()), *name))
+            .min()
+            // Half the letters wrong is no misspelling any more.
+            .filter(|(edits, name)| 2 * edits <= name.len());
+        let place = if self.path.is_empty() {
+            "the file".to_owned()
+        } else {
+            format!("[{}]", self.path)
+        };
+        let help = match nearest {
+            Some((_, name)) => format!("did you mean `{name}`?"),
+            None => format!("{place} may hold: {}", known.join(", ")),
+        };
+        let message = format!("unknown key `{}` in {place}", key.get_ref());
+        self.document.error(Some(key.span()), message, Some(help))
+    }
+
+    /// The declaration of a key. Asking for one that is not declared is our own mistake.
+    fn declared(&self, name: &str) -> &'static Key {
+        let key = self.declaration.keys.iter().find(|key| key.name == name);
+        key.unwrap_or_else(|| panic!("{}.{name} is not declared", self.path))
+    }
+
+    fn value(&self, name: &str) -> Option<&'d Spanned<DeValue<'s>>> {
+        self.table.get(name)
+    }
+
+    fn key_path(&self, name: &str) -> String {
+        if self.path.is_empty() { name.to_owned() } else { format!("{}.{name}", self.path) }
+    }
+
+    fn note(&self, name: &str, value: impl Display, defaulted: bool) {
+        let reading = Reading { key: self.key_path(name), value: value.to_string(), defaulted };
+        self.log.borrow_mut().push(reading);
+    }
+
+    /// A mistake in the value of `name`, or in its absence.
+    pub fn error(&self, name: &str, message: impl Into<String>) -> Box<SceneError> {
+        let span = self.value(name).map_or(self.span.clone(), |value| value.span());
+        let help = format!("`{}`: {}", self.key_path(name), self.declared(name).doc);
+        self.document.error(Some(span), message, Some(help))
+    }
+
+    fn wrong_type(&self, name: &str, value: &Spanned<DeValue<'s>>) -> Box<SceneError> {
+        let expected = self.declared(name).kind.expected();
+        let got = value.get_ref().type_str();
+        self.error(name, format!("`{name}` takes {expected}, got {got}"))
+    }
+
+    /// The value in the file or the declared default; `None` if the declaration has neither
+    /// and the key may be left out.
+    fn present<T>(
+        &self,
+        name: &str,
+        read: impl Fn(&Spanned<DeValue<'s>>) -> Result<T, Box<SceneError>>,
+        from_literal: impl Fn(Literal) -> Option<T>,
+        show: impl Fn(&T) -> String,
+    ) -> Result<Option<T>, Box<SceneError>> {
+        if let Some(value) = self.value(name) {
+            let value = read(value)?;
+            self.note(name, show(&value), false);
+            return Ok(Some(value));
+        }
+        match self.declared(name).absent {
+            Absent::Error => {
+                let place = if self.path.is_empty() {
+                    "the file".to_owned()
+                } else {
+                    format!("[{}]", self.path)
+                };
+                Err(self.error(name, format!("missing key `{name}` in {place}")))
+            }
+            Absent::Default(literal) => {
+                let value = from_literal(literal).expect("the default has the kind of the key");
+                self.note(name, literal, true);
+                Ok(Some(value))
+            }
+            Absent::Derived(rule) => {
+                self.note(name, rule, true);
+                Ok(None)
+            }
+            Absent::Nothing => Ok(None),
+        }
+    }
+
+    fn float(&self, name: &str, value: &Spanned<DeValue<'s>>) -> Result<f64, Box<SceneError>> {
+        let text = match value.get_ref() {
+            DeValue::Float(float) => float.as_str().to_owned(),
+            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().to_owned(),
+            _ => return Err(self.wrong_type(name, value)),
+        };
+        let number: f64 = text.parse().map_err(|_| self.wrong_type(name, value))?;
+        if !number.is_finite() {
+            return Err(self.error(name, format!("`{name}` must be finite, got {text}")));
+        }
+        Ok(number)
+    }
+
+    fn three(&self, name: &str, value: &Spanned<DeValue<'s>>) -> Result<DVec3, Box<SceneError>> {
+        let DeValue::Array(items) = value.get_ref() else {
+            return Err(self.wrong_type(name, value));
+        };
+        if items.len() != 3 {
+            let message = format!("`{name}` takes three numbers, got {}", items.len());
+            return Err(self.error(name, message));
+        }
+        let mut numbers = [0.0; 3];
+        for (number, item) in numbers.iter_mut().zip(items.iter()) {
+            *number = self.float(name, item)?;
+        }
+        Ok(DVec3::from_array(numbers))
+    }
+
+    /// A declared [`Kind::Count`]; `None` only where the key may be left out.
+    pub fn count(&self, name: &str) -> Result<Option<u64>, Box<SceneError>> {
+        let Kind::Count(low, high) = self.declared(name).kind else {
+            panic!("{name} is not a count")
+        };
+        let read = |value: &Spanned<DeValue<'s>>| {
+            let DeValue::Integer(integer) = value.get_ref() else {
+                return Err(self.wrong_type(name, value));
+            };
+            u64::from_str_radix(integer.as_str(), integer.radix())
+                .ok()
+                .filter(|count| (low..=high).contains(count))
+                .ok_or_else(|| {
+                    let message =
+                        format!("`{name}` must lie in [{low}, {high}], got {}", integer.as_str());
+                    self.error(name, message)
+                })
+        };
+        let literal = |literal| match literal {
+            Literal::Count(count) => Some(count),
+            _ => None,
+        };
+        self.present(name, read, literal, u64::to_string)
+    }
+
+    /// A declared [`Kind::Number`].
+    pub fn number(&self, name: &str) -> Result<Option<f64>, Box<SceneError>> {
+        let Kind::Number(range) = self.declared(name).kind else {
+            panic!("{name} is not a number")
+        };
+        let read = |value: &Spanned<DeValue<'s>>| {
+            let number = self.float(name, value)?;
+            if !range.contains(number) {
+                return Err(self.error(name, format!("`{name}` must {range}, got {number}")));
+            }
+            Ok(number)
+        };
+        let literal = |literal| match literal {
+            Literal::Number(number) => Some(number),
+            _ => None,
+        };
+        self.present(name, read, literal, f64::to_string)
+    }
+
+    /// A declared [`Kind::Vector`] or [`Kind::Colour`].
+    pub fn vector(&self, name: &str) -> Result<Option<DVec3>, Box<SceneError>> {
+        let is_colour = matches!(self.declared(name).kind, Kind::Colour);
+        let read = |value: &Spanned<DeValue<'s>>| {
+            let vector = self.three(name, value)?;
+            if is_colour && vector.min_element() < 0.0 {
+                let message = format!("`{name}` must not be negative, got {vector}");
+                return Err(self.error(name, message));
+            }
+            Ok(vector)
+        };
+        let literal = |literal| match literal {
+            Literal::Vector(vector) => Some(DVec3::from_array(vector)),
+            _ => None,
+        };
+        self.present(name, read, literal, |v| Literal::Vector(v.to_array()).to_string())
+    }
+
+    /// A declared [`Kind::Length`].
+    pub fn length(&self, name: &str) -> Result<Option<Length>, Box<SceneError>> {
+        let read = |value: &Spanned<DeValue<'s>>| {
+            let text = match value.get_ref() {
+                DeValue::String(text) => text.to_string(),
+                DeValue::Float(_) | DeValue::Integer(_) => self.float(name, value)?.to_string(),
+                _ => return Err(self.wrong_type(name, value)),
+            };
+            text.parse().map_err(|message| self.error(name, format!("`{name}`: {message}")))
+        };
+        let literal = |literal| match literal {
+            Literal::Text(text) => text.parse().ok(),
+            Literal::Number(length) => Some(Length::World(length)),
+            _ => None,
+        };
+        self.present(name, read, literal, Length::to_string)
+    }
+
+    /// A declared [`Kind::Text`] or [`Kind::Choice`].
+    pub fn text(&self, name: &str) -> Result<Option<String>, Box<SceneError>> {
+        let read = |value: &Spanned<DeValue<'s>>| {
+            let DeValue::String(text) = value.get_ref() else {
+                return Err(self.wrong_type(name, value));
+            };
+            if let Kind::Choice(words) = self.declared(name).kind
+                && !words.contains(&text.as_ref())
+            {
+                let expected = self.declared(name).kind.expected();
+                let message = format!("`{name}` takes {expected}, got {text:?}");
+                return Err(self.error(name, message));
+            }
+            Ok(text.to_string())
+        };
+        let literal = |literal| match literal {
+            Literal::Text(text) => Some(text.to_owned()),
+            _ => None,
+        };
+        self.present(name, read, literal, |text| format!("{text:?}"))
+    }
+
+    /// Whether the file holds the key.
+    pub fn has(&self, name: &str) -> bool {
+        self.value(name).is_some()
+    }
+
+    /// A declared [`Kind::Table`], if the file has it. One that may be left out but has
+    /// defaults for all its keys is [`Reader::table_or_default`].
+    pub fn table(&self, name: &str) -> Result<Option<Reader<'d, 's>>, Box<SceneError>> {
+        let Kind::Table(declaration) = self.declared(name).kind else {
+            panic!("{name} is not a table")
+        };
+        let Some(value) = self.value(name) else {
+            return match self.declared(name).absent {
+                Absent::Error => Err(self.error(name, format!("missing table [{}]", self.key_path(name)))),
+                _ => Ok(None),
+            };
+        };
+        let DeValue::Table(table) = value.get_ref() else {
+            return Err(self.wrong_type(name, value));
+        };
+        let path = self.key_path(name);
+        Reader::open(self.document, declaration, table, value.span(), path, self.log).map(Some)
+    }
+
+    /// A declared [`Kind::Table`]; where the file leaves it out, an empty one.
+    pub fn table_or_default(
+        &self,
+        name: &str,
+        empty: &'d DeTable<'s>,
+    ) -> Result<Reader<'d, 's>, Box<SceneError>> {
+        let Kind::Table(declaration) = self.declared(name).kind else {
+            panic!("{name} is not a table")
+        };
+        match self.table(name)? {
+            Some(reader) => Ok(reader),
+            None => {
+                let path = self.key_path(name);
+                Reader::open(self.document, declaration, empty, self.span.clone(), path, self.log)
+            }
+        }
+    }
+}
+
+/// `base` with every key of `over` put in its place, table by table.
+pub fn overridden<'s>(base: &DeTable<'s>, over: &DeTable<'s>) -> DeTable<'s> {
+    let mut merged = base.clone();
+    for (key, value) in over {
+        let both = match (merged.get(key), value.get_ref()) {
+            (Some(old), DeValue::Table(over)) => match old.get_ref() {
+                DeValue::Table(base) => Some(overridden(base, over)),
+                _ => None,
+            },
+            _ => None,
+        };
+        let value = match both {
+            Some(table) => Spanned::new(value.span(), DeValue::Table(table)),
+            None => value.clone(),
+        };
+        merged.remove(key);
+        merged.insert(key.clone(), value);
+    }
+    merged
+}
