@@ -1,3 +1,7 @@
 //! The `volref` command.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    volref::cli::main()
+}

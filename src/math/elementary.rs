@@ -25,6 +25,11 @@ pub fn ln_1p(x: f64) -> f64 {
     libm::log1p(x)
 }
 
+/// `2^x`.
+pub fn exp2(x: f64) -> f64 {
+    libm::exp2(x)
+}
+
 /// `x^y` for real `y`.
 pub fn pow(x: f64, y: f64) -> f64 {
     libm::pow(x, y)

@@ -73,7 +73,13 @@ mod tests {
     fn the_check_of_the_course() {
         let layers = FrontToBack::add(Layers::default(), GREEN, 0.5);
         let layers = FrontToBack::add(layers, RED, 0.7);
-        assert_eq!(layers, Layers { colour: DVec3::new(0.5, 1.0, 0.0), opacity: 0.85 });
+        assert_eq!(
+            layers,
+            Layers {
+                colour: DVec3::new(0.5, 1.0, 0.0),
+                opacity: 0.85
+            }
+        );
 
         let layers = BackToFront::add(Layers::default(), BLUE, 0.1);
         let layers = BackToFront::add(layers, RED, 0.5);
@@ -82,7 +88,10 @@ mod tests {
 
     #[test]
     fn a_transparent_sample_changes_no_bit() {
-        let layers = Layers { colour: DVec3::new(0.1, 0.7, 1.3), opacity: 0.3 };
+        let layers = Layers {
+            colour: DVec3::new(0.1, 0.7, 1.3),
+            opacity: 0.3,
+        };
         assert_eq!(FrontToBack::add(layers, DVec3::ZERO, 0.0), layers);
         assert_eq!(BackToFront::add(layers, DVec3::ZERO, 0.0), layers);
     }

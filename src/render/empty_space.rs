@@ -40,21 +40,26 @@ pub struct EmptySpace {
 impl EmptySpace {
     /// Explores `grid` as `transfer_function` sees it.
     pub fn of<T: Scalar>(grid: &Grid<T>, transfer_function: &TransferFunction) -> EmptySpace {
-        let blocks = grid.lattice().nodes().map(|nodes| (nodes - 1).div_ceil(BLOCK).max(1));
-        let mut space = EmptySpace { blocks, distance: Vec::new() };
+        let blocks = grid
+            .lattice()
+            .nodes()
+            .map(|nodes| (nodes - 1).div_ceil(BLOCK).max(1));
+        let mut space = EmptySpace {
+            blocks,
+            distance: Vec::new(),
+        };
         space.distance = (0..blocks.iter().product())
             .map(|block| {
                 let densest = densest_node(grid, space.block(block));
-                if transfer_function.is_transparent_up_to(densest) { u8::MAX } else { 0 }
+                if transfer_function.is_transparent_up_to(densest) {
+                    u8::MAX
+                } else {
+                    0
+                }
             })
             .collect();
         space.measure_distances();
         space
-    }
-
-    /// Whether any block is empty.
-    pub fn helps(&self) -> bool {
-        self.distance.iter().any(|&distance| distance > 0)
     }
 
     fn block(&self, index: usize) -> [usize; 3] {
@@ -71,20 +76,24 @@ impl EmptySpace {
     fn measure_distances(&mut self) {
         let count = self.distance.len();
         for index in (0..count).chain((0..count).rev()) {
-            let nearest = self.neighbours(index).map(|n| self.distance[n]).min().unwrap_or(u8::MAX);
+            let nearest = self
+                .neighbours(index)
+                .map(|n| self.distance[n])
+                .min()
+                .unwrap_or(u8::MAX);
             self.distance[index] = self.distance[index].min(nearest.saturating_add(1));
         }
     }
 
     fn neighbours(&self, index: usize) -> impl Iterator<Item = usize> {
         let block = self.block(index);
-        let around = |axis: usize| {
-            block[axis].saturating_sub(1)..(block[axis] + 2).min(self.blocks[axis])
-        };
+        let around =
+            |axis: usize| block[axis].saturating_sub(1)..(block[axis] + 2).min(self.blocks[axis]);
         let (xs, ys, zs) = (around(0), around(1), around(2));
         zs.flat_map(move |k| {
             let xs = xs.clone();
-            ys.clone().flat_map(move |j| xs.clone().map(move |i| [i, j, k]))
+            ys.clone()
+                .flat_map(move |j| xs.clone().map(move |i| [i, j, k]))
         })
         .filter(move |&other| other != block)
         .map(|other| self.index(other))

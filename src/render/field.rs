@@ -2,7 +2,7 @@
 
 use super::work::{Event, Work};
 use crate::geometry::Ray;
-use crate::volume::{Cell, Grid, Lattice, Node};
+use crate::volume::{Cell, Grid, Lattice};
 use glam::DVec3;
 
 /// A ray in node units, parametrised by distance in world units.
@@ -23,7 +23,10 @@ impl NodePath {
 
     /// The path from `origin`, in node units, along `direction`, of world length 1.
     pub fn from(origin: DVec3, direction: DVec3, lattice: &Lattice) -> NodePath {
-        NodePath { origin, direction: direction / lattice.spacing() }
+        NodePath {
+            origin,
+            direction: direction / lattice.spacing(),
+        }
     }
 
     /// Position in node units at distance `t`.

@@ -3,7 +3,6 @@
 //! The [`Plan`] is the only way from a scene to a kernel. For each effect it says whether it is
 //! simulated and why; the kernel is compiled for exactly that.
 
-use super::empty_space::EmptySpace;
 use crate::media::Phong;
 use crate::scene::{Classified, Compositing, Interpolation, Model, Panel};
 use serde::Serialize;
@@ -82,10 +81,16 @@ impl FromStr for Effect {
     type Err = String;
 
     fn from_str(name: &str) -> Result<Effect, String> {
-        Effect::ALL.into_iter().find(|effect| effect.name() == name).ok_or_else(|| {
-            let names: Vec<_> = Effect::ALL.iter().map(|effect| effect.name()).collect();
-            format!("unknown effect {name:?}; the effects are: {}", names.join(", "))
-        })
+        Effect::ALL
+            .into_iter()
+            .find(|effect| effect.name() == name)
+            .ok_or_else(|| {
+                let names: Vec<_> = Effect::ALL.iter().map(|effect| effect.name()).collect();
+                format!(
+                    "unknown effect {name:?}; the effects are: {}",
+                    names.join(", ")
+                )
+            })
     }
 }
 
@@ -168,7 +173,14 @@ pub enum FieldKind {
 
 impl fmt::Display for Kernel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Kernel::RayCaster { field, compositing, shading, shadow, skip_empty } = self else {
+        let Kernel::RayCaster {
+            field,
+            compositing,
+            shading,
+            shadow,
+            skip_empty,
+        } = self
+        else {
             return f.write_str(match self {
                 Kernel::Curve => "plot of the transfer function",
                 _ => "background only",
@@ -185,8 +197,16 @@ impl fmt::Display for Kernel {
         };
         write!(f, "ray caster: {field}, {order}")?;
         f.write_str(if *shading { ", Phong" } else { ", unshaded" })?;
-        f.write_str(if *shadow { ", volume shadow" } else { ", no shadow" })?;
-        f.write_str(if *skip_empty { ", leaps over empty space" } else { ", every sample" })
+        f.write_str(if *shadow {
+            ", volume shadow"
+        } else {
+            ", no shadow"
+        })?;
+        f.write_str(if *skip_empty {
+            ", leaps over empty space"
+        } else {
+            ", every sample"
+        })
     }
 }
 
@@ -194,7 +214,9 @@ impl fmt::Display for Kernel {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PlanError {
     /// The scene does not ask for the effect; forcing it would be another picture.
-    #[error("{effect} is not part of this scene, and forcing it would change the picture: {reason}")]
+    #[error(
+        "{effect} is not part of this scene, and forcing it would change the picture: {reason}"
+    )]
     NotAsked {
         /// The effect that was to be forced.
         effect: Effect,
@@ -219,7 +241,10 @@ impl Plan {
         for decision in &plan.decisions {
             if forced.contains(&decision.effect) && decision.state != State::On {
                 let reason = decision.reason.clone();
-                return Err(PlanError::NotAsked { effect: decision.effect, reason });
+                return Err(PlanError::NotAsked {
+                    effect: decision.effect,
+                    reason,
+                });
             }
         }
         Ok(plan)
@@ -232,7 +257,10 @@ impl Plan {
 
     /// The decision about an effect.
     pub fn state(&self, effect: Effect) -> State {
-        let decision = self.decisions.iter().find(|decision| decision.effect == effect);
+        let decision = self
+            .decisions
+            .iter()
+            .find(|decision| decision.effect == effect);
         decision.expect("a decision for each effect").state
     }
 
@@ -261,25 +289,43 @@ enum Finding {
 fn decide(effect: Effect, finding: Finding, forced: &[Effect]) -> Decision {
     let (state, reason, field) = match finding {
         Finding::Absent(reason) => (State::Elided, reason.to_owned(), None),
-        Finding::NotAsked(field) => {
-            (State::Omitted, format!("not asked for: the scene has no [{field}]"), Some(field))
-        }
+        Finding::NotAsked(field) => (
+            State::Omitted,
+            format!("not asked for: the scene has no [{field}]"),
+            Some(field),
+        ),
         Finding::Matters(field, reason) => (State::On, reason, Some(field)),
-        Finding::Null(field, reason) if forced.contains(&effect) => {
-            (State::On, format!("forced, although null: {reason}"), Some(field))
-        }
+        Finding::Null(field, reason) if forced.contains(&effect) => (
+            State::On,
+            format!("forced, although null: {reason}"),
+            Some(field),
+        ),
         Finding::Null(field, reason) => (State::Elided, reason, Some(field)),
     };
-    Decision { effect, state, reason, field }
+    Decision {
+        effect,
+        state,
+        reason,
+        field,
+    }
 }
 
 fn curve_plan() -> Plan {
     let absent = Finding::Absent;
     let decisions = Effect::ALL
         .into_iter()
-        .map(|effect| decide(effect, absent("a plot of the transfer function has no light"), &[]))
+        .map(|effect| {
+            decide(
+                effect,
+                absent("a plot of the transfer function has no light"),
+                &[],
+            )
+        })
         .collect();
-    Plan { decisions, kernel: Kernel::Curve }
+    Plan {
+        decisions,
+        kernel: Kernel::Curve,
+    }
 }
 
 fn classified_plan(scene: &Classified, forced: &[Effect]) -> Plan {
@@ -295,24 +341,29 @@ fn classified_plan(scene: &Classified, forced: &[Effect]) -> Plan {
             Null("transfer_function", nothing())
         }
         Effect::Absorption => Matters("transfer_function", format!("densities up to {most}")),
-        Effect::Emission => {
-            Matters("transfer_function", "the colormap sends out light".to_owned())
-        }
+        Effect::Emission => Matters(
+            "transfer_function",
+            "the colormap sends out light".to_owned(),
+        ),
         Effect::SingleScattering | Effect::MultipleScattering => {
             Absent("the classified model scatters no light; shading stands in for it")
         }
         Effect::MediumShadow => match scene.shadow {
             None => NotAsked("classified.shadow"),
             Some(_) if transparent => Null("classified.shadow", nothing()),
-            Some(_) => Matters("classified.shadow", "densities darken what lies behind".to_owned()),
+            Some(_) => Matters(
+                "classified.shadow",
+                "densities darken what lies behind".to_owned(),
+            ),
         },
         Effect::SurfaceShadow => Absent("the classified model has no surfaces"),
         Effect::GradientShading => match &scene.phong {
             None => NotAsked("classified.phong"),
             Some(_) if transparent => Null("classified.phong", nothing()),
-            Some(_) if constant => {
-                Null("classified.phong", "the density is constant: its gradient is 0".to_owned())
-            }
+            Some(_) if constant => Null(
+                "classified.phong",
+                "the density is constant: its gradient is 0".to_owned(),
+            ),
             Some(phong) if is_identity(phong) => Null(
                 "classified.phong",
                 "ambient 1, diffuse 0 and specular 0 leave colours as they are".to_owned(),
@@ -323,16 +374,21 @@ fn classified_plan(scene: &Classified, forced: &[Effect]) -> Plan {
         Effect::Heterogeneity if constant => {
             Null("classified.volume", format!("every voxel holds {most}"))
         }
-        Effect::Heterogeneity => {
-            Matters("classified.volume", format!("densities from {least} to {most}"))
-        }
+        Effect::Heterogeneity => Matters(
+            "classified.volume",
+            format!("densities from {least} to {most}"),
+        ),
         Effect::ChromaticCoefficients => Absent("opacity is the same for all colours"),
         Effect::AnisotropicPhase => Absent("the classified model has no phase function"),
     };
-    let decisions: Vec<_> =
-        Effect::ALL.into_iter().map(|effect| decide(effect, finding(effect), forced)).collect();
+    let decisions: Vec<_> = Effect::ALL
+        .into_iter()
+        .map(|effect| decide(effect, finding(effect), forced))
+        .collect();
     let on = |effect| {
-        decisions.iter().any(|decision| decision.effect == effect && decision.state == State::On)
+        decisions
+            .iter()
+            .any(|decision| decision.effect == effect && decision.state == State::On)
     };
 
     let kernel = if !decisions.iter().any(|decision| decision.state == State::On) {
@@ -350,9 +406,7 @@ fn classified_plan(scene: &Classified, forced: &[Effect]) -> Plan {
             shadow: on(Effect::MediumShadow),
             // Where the volume is transparent everywhere, an effect was forced: its work is
             // wanted, so nothing is skipped.
-            skip_empty: !transparent
-                && least == 0.0
-                && EmptySpace::of(&*scene.grid, &scene.transfer_function).helps(),
+            skip_empty: !transparent && scene.transfer_function.is_transparent_up_to(least),
         }
     };
     Plan { decisions, kernel }

@@ -71,7 +71,10 @@ impl Visibility for VolumeShadow {
             return 1.0;
         };
         work.count(Event::ShadowRay);
-        let span = Span { near: 0.0, far: inside.far.min(to_light.length()) };
+        let span = Span {
+            near: 0.0,
+            far: inside.far.min(to_light.length()),
+        };
         let steps = Steps::over(span, self.shadow.step);
         let path = NodePath::from(sample.nodes, ray.direction, field.lattice());
         let reach = path.reach(self.shadow.step);

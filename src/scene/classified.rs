@@ -245,22 +245,32 @@ impl VolumeRequest {
     pub(super) fn read(reader: &Reader<'_, '_>) -> Result<VolumeRequest, Box<SceneError>> {
         let file = reader.text("file")?.expect("required");
         if !file.to_ascii_lowercase().ends_with(".obj") {
-            if let Some(key) = ["resolution", "padding"].into_iter().find(|key| reader.has(key)) {
+            if let Some(key) = ["resolution", "padding"]
+                .into_iter()
+                .find(|key| reader.has(key))
+            {
                 let message =
                     format!("`{key}` applies to point clouds; {file:?} brings a grid of its own");
                 return Err(reader.error(key, message));
             }
-            return Ok(VolumeRequest { file, resolution: 0, padding: 0 });
+            return Ok(VolumeRequest {
+                file,
+                resolution: 0,
+                padding: 0,
+            });
         }
         let resolution = reader.count("resolution")?.expect("has a default") as usize;
         let padding = reader.count("padding")?.expect("has a default") as usize;
-        Ok(VolumeRequest { file, resolution, padding })
+        Ok(VolumeRequest {
+            file,
+            resolution,
+            padding,
+        })
     }
 }
 
 impl Classified {
-    /// Reads `[classified]` and `[camera]`. `transfer_function` makes the classifier for a
-    /// given voxel size; `step` replaces the step of the scene.
+    /// Reads `[classified]` and `[camera]`.
     pub(super) fn read(
         reader: &Reader<'_, '_>,
         camera: &Reader<'_, '_>,
@@ -282,10 +292,17 @@ impl Classified {
 
         let (camera, eye) = read_camera(camera, &lattice)?;
         let light = reader.table_or_default("light", &empty)?;
-        let light = light.vector("position")?.unwrap_or(eye + DVec3::new(0.0, 5.0, 0.0));
+        let light = light
+            .vector("position")?
+            .unwrap_or(eye + DVec3::new(0.0, 5.0, 0.0));
 
-        let phong = reader.table("phong")?.map(|reader| read_phong(&reader)).transpose()?;
-        let shadow = reader.table("shadow")?.map(|reader| read_shadow(&reader, &lattice));
+        let phong = reader
+            .table("phong")?
+            .map(|reader| read_phong(&reader))
+            .transpose()?;
+        let shadow = reader
+            .table("shadow")?
+            .map(|reader| read_shadow(&reader, &lattice));
         Ok(Classified {
             grid,
             interpolation,
@@ -301,10 +318,9 @@ impl Classified {
     }
 
     /// Replaces the distance between samples; fails where rays would get too many of them.
-    pub fn with_step(mut self, step: Length) -> Result<Classified, String> {
-        let lattice = self.grid.lattice();
-        self.step = checked_step(step, lattice)?;
-        Ok(self)
+    pub fn set_step(&mut self, step: Length) -> Result<(), String> {
+        self.step = checked_step(step, self.grid.lattice())?;
+        Ok(())
     }
 }
 
@@ -354,10 +370,15 @@ fn read_camera(
 ) -> Result<(Camera, DVec3), Box<SceneError>> {
     let bounds = lattice.bounds();
     let depth = bounds.size().z;
-    let eye = reader.vector("eye")?.unwrap_or(bounds.centre() - DVec3::new(0.0, 0.0, 2.5 * depth));
+    let eye = reader
+        .vector("eye")?
+        .unwrap_or(bounds.centre() - DVec3::new(0.0, 0.0, 2.5 * depth));
     let target = reader.vector("target")?.unwrap_or(bounds.centre());
     let up = reader.vector("up")?.expect("has a default");
-    let vertical_fov = reader.number("vertical_fov")?.expect("has a default").to_radians();
+    let vertical_fov = reader
+        .number("vertical_fov")?
+        .expect("has a default")
+        .to_radians();
     let camera = Camera::new(eye, target, up, vertical_fov).map_err(|error| {
         let key = match error {
             CameraError::NoDirection => "eye",

@@ -52,7 +52,10 @@ impl SceneError {
     pub fn position(&self) -> Option<(usize, usize)> {
         let before = &self.source_code.inner()[..self.span?.offset()];
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        Some((before.matches('\n').count() + 1, before[line_start..].chars().count() + 1))
+        Some((
+            before.matches('\n').count() + 1,
+            before[line_start..].chars().count() + 1,
+        ))
     }
 
     fn place(&self) -> String {

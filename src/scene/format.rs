@@ -91,22 +91,42 @@ pub struct Range {
 impl Range {
     /// `[low, high]`
     pub const fn closed(low: f64, high: f64) -> Range {
-        Range { low, high, low_open: false, high_open: false }
+        Range {
+            low,
+            high,
+            low_open: false,
+            high_open: false,
+        }
     }
 
     /// `(low, high)`
     pub const fn open(low: f64, high: f64) -> Range {
-        Range { low, high, low_open: true, high_open: true }
+        Range {
+            low,
+            high,
+            low_open: true,
+            high_open: true,
+        }
     }
 
     /// `[low, high)`
     pub const fn half_open(low: f64, high: f64) -> Range {
-        Range { low, high, low_open: false, high_open: true }
+        Range {
+            low,
+            high,
+            low_open: false,
+            high_open: true,
+        }
     }
 
     /// `[low, ∞)`
     pub const fn at_least(low: f64) -> Range {
-        Range { low, high: f64::INFINITY, low_open: false, high_open: true }
+        Range {
+            low,
+            high: f64::INFINITY,
+            low_open: false,
+            high_open: true,
+        }
     }
 
     /// Every finite number.
@@ -126,8 +146,10 @@ impl std::fmt::Display for Range {
             (true, false) if self.low_open => write!(f, "be finite and above {}", self.low),
             (true, false) => write!(f, "be finite and at least {}", self.low),
             _ => {
-                let (left, right) =
-                    (if self.low_open { "(" } else { "[" }, if self.high_open { ")" } else { "]" });
+                let (left, right) = (
+                    if self.low_open { "(" } else { "[" },
+                    if self.high_open { ")" } else { "]" },
+                );
                 write!(f, "lie in {left}{}, {}{right}", self.low, self.high)
             }
         }
@@ -214,11 +236,19 @@ fn key_schema(root: &'static Table, key: &Key, complete: bool) -> Value {
         Kind::Number(range) => {
             let mut schema = json!({ "type": "number" });
             if range.low.is_finite() {
-                let name = if range.low_open { "exclusiveMinimum" } else { "minimum" };
+                let name = if range.low_open {
+                    "exclusiveMinimum"
+                } else {
+                    "minimum"
+                };
                 schema[name] = json!(range.low);
             }
             if range.high.is_finite() {
-                let name = if range.high_open { "exclusiveMaximum" } else { "maximum" };
+                let name = if range.high_open {
+                    "exclusiveMaximum"
+                } else {
+                    "maximum"
+                };
                 schema[name] = json!(range.high);
             }
             schema

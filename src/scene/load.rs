@@ -133,7 +133,7 @@ pub struct Panel {
 #[derive(Clone, Debug)]
 pub enum Model {
     /// Direct volume rendering of a scalar grid.
-    Classified(Classified),
+    Classified(Box<Classified>),
     /// A plot of the transfer function.
     Curve(Curve),
 }
@@ -143,7 +143,13 @@ impl Scene {
     pub fn load(path: &Path) -> Result<Scene, Box<SceneError>> {
         let name = path.display().to_string();
         let unreadable = |message: String| {
-            SceneError::new(&name, "", None, message, Some("give the path of a scene file".into()))
+            SceneError::new(
+                &name,
+                "",
+                None,
+                message,
+                Some("give the path of a scene file".into()),
+            )
         };
         if path.is_dir() {
             return Err(unreadable("this is a folder, not a scene file".into()));
@@ -161,19 +167,30 @@ impl Scene {
         let name = path.display().to_string();
         let document = Document { path: &name, text };
         let root = document.parse()?;
-        let mut grids = Grids { folder: path.parent().unwrap_or(Path::new("")), loaded: BTreeMap::new() };
+        let mut grids = Grids {
+            folder: path.parent().unwrap_or(Path::new("")),
+            loaded: BTreeMap::new(),
+        };
         let panels = panel_tables(&document, &root)?
             .iter()
             .map(|table| Panel::read(&document, table, &mut grids))
             .collect::<Result<Vec<_>, _>>()?;
-        if let Some(odd) = panels.iter().position(|panel| panel.height != panels[0].height) {
+        if let Some(odd) = panels
+            .iter()
+            .position(|panel| panel.height != panels[0].height)
+        {
             let message = format!(
                 "panels stand side by side and must be of one height, but panel 1 has {} rows and panel {} has {}",
-                panels[0].height, odd + 1, panels[odd].height
+                panels[0].height,
+                odd + 1,
+                panels[odd].height
             );
             return Err(document.error(Some(root.span()), message, None));
         }
-        Ok(Scene { path: path.to_owned(), panels })
+        Ok(Scene {
+            path: path.to_owned(),
+            panels,
+        })
     }
 
     /// The scene as text that changes with anything that changes the picture, except the
@@ -182,7 +199,11 @@ impl Scene {
         let mut text = String::new();
         for panel in &self.panels {
             text.push_str("[panel]\n");
-            for reading in panel.readings.iter().filter(|reading| reading.key != "title") {
+            for reading in panel
+                .readings
+                .iter()
+                .filter(|reading| reading.key != "title")
+            {
                 text.push_str(&format!("{} = {}\n", reading.key, reading.value));
             }
         }
@@ -237,13 +258,23 @@ struct Grids<'p> {
 
 impl Grids<'_> {
     fn get(&mut self, reader: &Reader<'_, '_>) -> Result<Arc<Grid<f32>>, Box<SceneError>> {
-        let VolumeRequest { file, resolution, padding } = VolumeRequest::read(reader)?;
+        let VolumeRequest {
+            file,
+            resolution,
+            padding,
+        } = VolumeRequest::read(reader)?;
         let key = (file.clone(), resolution, padding);
         if let Some(grid) = self.loaded.get(&key) {
             return Ok(grid.clone());
         }
-        let grid = volume::load(&self.folder.join(&file), Splatting { resolution, padding })
-            .map_err(|error| reader.error("file", error.to_string()))?;
+        let grid = volume::load(
+            &self.folder.join(&file),
+            Splatting {
+                resolution,
+                padding,
+            },
+        )
+        .map_err(|error| reader.error("file", error.to_string()))?;
         let grid = Arc::new(grid);
         self.loaded.insert(key, grid.clone());
         Ok(grid)
@@ -272,7 +303,8 @@ impl Panel {
                 let grid = grids.get(&volume)?;
                 let transfer_function = read_transfer_function(&transfer_function, opacity, &grid)?;
                 let camera = root.table_or_default("camera", &empty)?;
-                Model::Classified(Classified::read(&reader, &camera, grid, transfer_function)?)
+                let classified = Classified::read(&reader, &camera, grid, transfer_function)?;
+                Model::Classified(Box::new(classified))
             }
             (None, Some(reader)) => {
                 for unused in ["reference_length", "colormap"] {
@@ -287,7 +319,8 @@ impl Panel {
                 Model::Curve(Curve::read(&reader, opacity)?)
             }
             (Some(_), Some(_)) => {
-                let message = "a scene holds one model, but this one has both [classified] and [curve]";
+                let message =
+                    "a scene holds one model, but this one has both [classified] and [curve]";
                 return Err(root.error("curve", message));
             }
             (None, None) => {
@@ -295,7 +328,13 @@ impl Panel {
                 return Err(document.error(None, message, None));
             }
         };
-        Ok(Panel { title, width, height, model, readings: log.into_inner() })
+        Ok(Panel {
+            title,
+            width,
+            height,
+            model,
+            readings: log.into_inner(),
+        })
     }
 }
 

@@ -34,15 +34,23 @@ impl std::str::FromStr for Length {
     /// `"0.01"` (world units), `"0.5 voxels"`, `"1 voxel"`; positive and finite.
     fn from_str(text: &str) -> Result<Length, String> {
         let trimmed = text.trim();
-        let in_voxels = trimmed.strip_suffix("voxels").or_else(|| trimmed.strip_suffix("voxel"));
+        let in_voxels = trimmed
+            .strip_suffix("voxels")
+            .or_else(|| trimmed.strip_suffix("voxel"));
         let number = in_voxels.unwrap_or(trimmed).trim();
         let value: f64 = number.parse().map_err(|_| {
             format!("expected a length such as 0.01 (world units) or \"0.5 voxels\", got {text:?}")
         })?;
         if !(value.is_finite() && value > 0.0) {
-            return Err(format!("a length must be positive and finite, got {text:?}"));
+            return Err(format!(
+                "a length must be positive and finite, got {text:?}"
+            ));
         }
-        Ok(if in_voxels.is_some() { Length::Voxels(value) } else { Length::World(value) })
+        Ok(if in_voxels.is_some() {
+            Length::Voxels(value)
+        } else {
+            Length::World(value)
+        })
     }
 }
 
@@ -113,7 +121,14 @@ impl<'d, 's> Reader<'d, 's> {
         table: &'d Spanned<DeTable<'s>>,
         log: &'d RefCell<Vec<Reading>>,
     ) -> Result<Self, Box<SceneError>> {
-        Self::open(document, declaration, table.get_ref(), table.span(), String::new(), log)
+        Self::open(
+            document,
+            declaration,
+            table.get_ref(),
+            table.span(),
+            String::new(),
+            log,
+        )
     }
 
     fn open(
@@ -124,9 +139,20 @@ impl<'d, 's> Reader<'d, 's> {
         path: String,
         log: &'d RefCell<Vec<Reading>>,
     ) -> Result<Self, Box<SceneError>> {
-        let reader = Reader { document, declaration, table, span, path, log };
+        let reader = Reader {
+            document,
+            declaration,
+            table,
+            span,
+            path,
+            log,
+        };
         for key in table.keys() {
-            if !declaration.keys.iter().any(|known| known.name == key.get_ref()) {
+            if !declaration
+                .keys
+                .iter()
+                .any(|known| known.name == key.get_ref())
+            {
                 return Err(reader.unknown(key));
             }
         }
@@ -165,17 +191,27 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     fn key_path(&self, name: &str) -> String {
-        if self.path.is_empty() { name.to_owned() } else { format!("{}.{name}", self.path) }
+        if self.path.is_empty() {
+            name.to_owned()
+        } else {
+            format!("{}.{name}", self.path)
+        }
     }
 
     fn note(&self, name: &str, value: impl Display, defaulted: bool) {
-        let reading = Reading { key: self.key_path(name), value: value.to_string(), defaulted };
+        let reading = Reading {
+            key: self.key_path(name),
+            value: value.to_string(),
+            defaulted,
+        };
         self.log.borrow_mut().push(reading);
     }
 
     /// A mistake in the value of `name`, or in its absence.
     pub fn error(&self, name: &str, message: impl Into<String>) -> Box<SceneError> {
-        let span = self.value(name).map_or(self.span.clone(), |value| value.span());
+        let span = self
+            .value(name)
+            .map_or(self.span.clone(), |value| value.span());
         let help = format!("`{}`: {}", self.key_path(name), self.declared(name).doc);
         self.document.error(Some(span), message, Some(help))
     }
@@ -263,8 +299,10 @@ impl<'d, 's> Reader<'d, 's> {
                 .ok()
                 .filter(|count| (low..=high).contains(count))
                 .ok_or_else(|| {
-                    let message =
-                        format!("`{name}` must lie in [{low}, {high}], got {}", integer.as_str());
+                    let message = format!(
+                        "`{name}` must lie in [{low}, {high}], got {}",
+                        integer.as_str()
+                    );
                     self.error(name, message)
                 })
         };
@@ -309,7 +347,9 @@ impl<'d, 's> Reader<'d, 's> {
             Literal::Vector(vector) => Some(DVec3::from_array(vector)),
             _ => None,
         };
-        self.present(name, read, literal, |v| Literal::Vector(v.to_array()).to_string())
+        self.present(name, read, literal, |v| {
+            Literal::Vector(v.to_array()).to_string()
+        })
     }
 
     /// A declared [`Kind::Length`].
@@ -320,7 +360,8 @@ impl<'d, 's> Reader<'d, 's> {
                 DeValue::Float(_) | DeValue::Integer(_) => self.float(name, value)?.to_string(),
                 _ => return Err(self.wrong_type(name, value)),
             };
-            text.parse().map_err(|message| self.error(name, format!("`{name}`: {message}")))
+            text.parse()
+                .map_err(|message| self.error(name, format!("`{name}`: {message}")))
         };
         let literal = |literal| match literal {
             Literal::Text(text) => text.parse().ok(),
@@ -365,7 +406,9 @@ impl<'d, 's> Reader<'d, 's> {
         };
         let Some(value) = self.value(name) else {
             return match self.declared(name).absent {
-                Absent::Error => Err(self.error(name, format!("missing table [{}]", self.key_path(name)))),
+                Absent::Error => {
+                    Err(self.error(name, format!("missing table [{}]", self.key_path(name))))
+                }
                 _ => Ok(None),
             };
         };
@@ -373,7 +416,15 @@ impl<'d, 's> Reader<'d, 's> {
             return Err(self.wrong_type(name, value));
         };
         let path = self.key_path(name);
-        Reader::open(self.document, declaration, table, value.span(), path, self.log).map(Some)
+        Reader::open(
+            self.document,
+            declaration,
+            table,
+            value.span(),
+            path,
+            self.log,
+        )
+        .map(Some)
     }
 
     /// A declared [`Kind::Table`]; where the file leaves it out, an empty one.
@@ -389,7 +440,14 @@ impl<'d, 's> Reader<'d, 's> {
             Some(reader) => Ok(reader),
             None => {
                 let path = self.key_path(name);
-                Reader::open(self.document, declaration, empty, self.span.clone(), path, self.log)
+                Reader::open(
+                    self.document,
+                    declaration,
+                    empty,
+                    self.span.clone(),
+                    path,
+                    self.log,
+                )
             }
         }
     }

@@ -1,0 +1,85 @@
+//! The command line: arguments to library values, results to text and exit code.
+//!
+//! One file per command. Only this room prints.
+
+mod failure;
+mod output;
+mod plan;
+mod progress;
+mod render;
+
+use clap::{Parser, Subcommand};
+use failure::Failure;
+use std::process::ExitCode;
+
+pub use failure::Exit;
+
+/// A reference renderer for volumes, and the golden-image harness that judges other volume
+/// renderers by it.
+#[derive(Debug, Parser)]
+#[command(name = "volref", version, max_term_width = 100)]
+#[command(
+    after_help = "Exit codes, the highest cause wins: 0 all compared and passed; 1 mismatch; \
+    2 usage or bad input; 3 golden missing, stale or tampered; 4 the other renderer's image \
+    missing, unreadable, crashed or timed out; 5 nothing compared, or inconclusive; \
+    6 self-test failed."
+)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Render(render::Arguments),
+    Plan(plan::Arguments),
+}
+
+/// What a command that ran to its end says.
+struct Outcome {
+    /// For stdout.
+    text: String,
+    /// For the shell.
+    exit: Exit,
+}
+
+impl From<String> for Outcome {
+    fn from(text: String) -> Outcome {
+        Outcome {
+            text,
+            exit: Exit::Passed,
+        }
+    }
+}
+
+/// Runs the command the process was called with; the value is its exit code.
+pub fn main() -> ExitCode {
+    failure::draw_errors_for_the_terminal();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Help and version are answers, not mistakes; clap knows where each belongs.
+            let exit = if error.use_stderr() {
+                Exit::BadInput
+            } else {
+                Exit::Passed
+            };
+            let _ = error.print();
+            return exit.into();
+        }
+    };
+    let result = match arguments.command {
+        Command::Render(arguments) => render::run(arguments),
+        Command::Plan(arguments) => plan::run(arguments),
+    };
+    match result {
+        Ok(outcome) => {
+            output::print(&outcome.text);
+            outcome.exit.into()
+        }
+        Err(failure) => {
+            output::print_error(&failure);
+            failure.exit.into()
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! `volref plan SCENE`
+
+use super::failure::{Exit, Failure};
+use super::output::Json;
+use super::{Outcome, progress};
+use crate::render::{self, Counters, Effect, Plan, State};
+use crate::scene::{Panel, Scene};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Show what a scene calls for: effects with reasons, the kernel, filled-in defaults
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Scene file (TOML)
+    scene: PathBuf,
+    /// Render, and show how much work of each kind was done
+    #[arg(long)]
+    counters: bool,
+    /// Simulate an effect although it is provably null here: same bits, more work
+    #[arg(long, value_name = "EFFECT")]
+    force: Vec<Effect>,
+    #[command(flatten)]
+    json: Json,
+}
+
+#[derive(Serialize)]
+struct PlanJson<'s> {
+    schema: &'static str,
+    scene: &'s PathBuf,
+    panels: Vec<PanelJson<'s>>,
+}
+
+#[derive(Serialize)]
+struct PanelJson<'s> {
+    title: Option<&'s str>,
+    kernel: String,
+    effects: &'s [render::plan::Decision],
+    defaults: Vec<DefaultJson<'s>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    counters: Option<Counters>,
+}
+
+#[derive(Serialize)]
+struct DefaultJson<'s> {
+    key: &'s str,
+    value: &'s str,
+}
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+    let scene = Scene::load(&arguments.scene).map_err(Failure::boxed)?;
+    let plans = scene
+        .panels
+        .iter()
+        .map(|panel| Plan::forcing(panel, &arguments.force))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|error| Failure::new(Exit::BadInput, error.to_string(), None))?;
+    let work = if arguments.counters {
+        let bar = progress::rows(
+            "counting",
+            scene.panels.iter().map(|panel| panel.height).sum(),
+        );
+        let rendering = render::render_counted(&scene, &plans, &|| bar.inc(1));
+        bar.finish_and_clear();
+        let rendering =
+            rendering.map_err(|error| Failure::new(Exit::BadInput, error.to_string(), None))?;
+        rendering.work.into_iter().map(Some).collect()
+    } else {
+        vec![None; plans.len()]
+    };
+
+    let mut text = String::new();
+    let mut panels = Vec::new();
+    for (index, ((panel, plan), work)) in scene.panels.iter().zip(&plans).zip(work).enumerate() {
+        if scene.panels.len() > 1 {
+            let title = panel.title.as_deref().unwrap_or("untitled");
+            text.push_str(&format!("panel {}: {title}\n", index + 1));
+        }
+        text.push_str(&describe(panel, plan, work.as_ref()));
+        panels.push(PanelJson {
+            title: panel.title.as_deref(),
+            kernel: plan.kernel.to_string(),
+            effects: &plan.decisions,
+            defaults: defaults(panel)
+                .map(|(key, value)| DefaultJson { key, value })
+                .collect(),
+            counters: work,
+        });
+    }
+    let value = PlanJson {
+        schema: "volref/plan/1",
+        scene: &arguments.scene,
+        panels,
+    };
+    arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+fn defaults(panel: &Panel) -> impl Iterator<Item = (&str, &str)> {
+    let filled_in = panel.readings.iter().filter(|reading| reading.defaulted);
+    filled_in.map(|reading| (reading.key.as_str(), reading.value.as_str()))
+}
+
+fn describe(panel: &Panel, plan: &Plan, work: Option<&Counters>) -> String {
+    let mut text = format!("kernel  {}\n\neffects\n", plan.kernel);
+    for decision in &plan.decisions {
+        let mark = match decision.state {
+            State::On => "on     ",
+            State::Elided => "elided ",
+            State::Omitted => "omitted",
+        };
+        text.push_str(&format!(
+            "  {mark}  {:<22}  {}",
+            decision.effect, decision.reason
+        ));
+        match decision.field {
+            Some(field) if decision.state != State::Omitted => {
+                text.push_str(&format!("  ({field})\n"));
+            }
+            _ => text.push('\n'),
+        }
+    }
+    text.push_str("\ndefaults filled in\n");
+    let widest = defaults(panel).map(|(key, _)| key.len()).max().unwrap_or(0);
+    for (key, value) in defaults(panel) {
+        text.push_str(&format!("  {key:<widest$}  {value}\n"));
+    }
+    if let Some(work) = work {
+        text.push_str("\nwork\n");
+        let work = serde_json::to_value(work).expect("plain data becomes JSON");
+        for (name, count) in work.as_object().expect("counters are a map") {
+            text.push_str(&format!("  {count:>12}  {}\n", name.replace('_', " ")));
+        }
+    }
+    text.push('\n');
+    text
+}

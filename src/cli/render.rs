@@ -1,0 +1,167 @@
+//! `volref render SCENE -o FILE`
+
+use super::failure::{Exit, Failure};
+use super::output::{self, Json};
+use super::{Outcome, progress};
+use crate::film::FilmError;
+use crate::render::{self, Plan};
+use crate::scene::{Length, Model, Scene};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Render a scene to an image
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Scene file (TOML)
+    scene: PathBuf,
+    /// Image to write: .exr (linear radiance, 32-bit float) or .png (8-bit sRGB preview)
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Samples per pixel, for sampled scenes; a classified volume has one ray a pixel
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    spp: Option<u32>,
+    /// Seed of the random numbers, for sampled scenes
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Distance between samples along a ray, in place of the scene's: world units, or "0.5 voxels"
+    #[arg(long, value_name = "LENGTH")]
+    step: Option<Length>,
+    /// Threads to use; the image is the same for any number [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Exposure of a .png, in stops: radiance is multiplied by 2^STOPS
+    #[arg(
+        long,
+        value_name = "STOPS",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    exposure: f64,
+    #[command(flatten)]
+    json: Json,
+}
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+    let format = Format::of(&arguments.output)?;
+    writable_folder(&arguments.output)?;
+    let mut scene = Scene::load(&arguments.scene).map_err(Failure::boxed)?;
+    if let Some(step) = arguments.step {
+        set_step(&mut scene, step)?;
+    }
+    let start = Instant::now();
+    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
+    let rendering = with_threads(arguments.threads, || {
+        let rows = scene.panels.iter().map(|panel| panel.height).sum();
+        let bar = progress::rows("rendering", rows);
+        let rendering = render::render(&scene, &plans, &|| bar.inc(1));
+        bar.finish_and_clear();
+        rendering
+    })?
+    .map_err(|error| Failure::new(Exit::BadInput, error.to_string(), None))?;
+    let seconds = start.elapsed().as_secs_f64();
+
+    let film = rendering.film;
+    let bytes = match format {
+        Format::Exr => film
+            .to_exr()
+            .map_err(|error| Failure::new(Exit::BadInput, error.to_string(), None))?,
+        Format::Png => film.to_png(arguments.exposure),
+    };
+    output::write(&arguments.output, &bytes)?;
+
+    let mut text = format!(
+        "{}: {} × {} pixels in {seconds:.2} s\n",
+        arguments.output.display(),
+        film.width(),
+        film.height()
+    );
+    if arguments.spp.is_some() || arguments.seed.is_some() {
+        text.push_str(
+            "note: this scene is rendered without random numbers; --spp and --seed change nothing\n",
+        );
+    }
+    let value = json!({
+        "schema": "volref/render/1",
+        "scene": arguments.scene,
+        "output": arguments.output,
+        "width": film.width(),
+        "height": film.height(),
+        "hash": film.pixel_hash(),
+        "seconds": seconds,
+    });
+    arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+/// Image formats that can be written.
+#[derive(Clone, Copy, Debug)]
+enum Format {
+    Exr,
+    Png,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Format, Failure> {
+        let extension = path
+            .extension()
+            .and_then(|extension| extension.to_str())
+            .unwrap_or("");
+        match extension.to_ascii_lowercase().as_str() {
+            "exr" => Ok(Format::Exr),
+            "png" => Ok(Format::Png),
+            _ => {
+                let error = FilmError::Format(path.display().to_string());
+                Err(Failure::new(Exit::BadInput, error.to_string(), None))
+            }
+        }
+    }
+}
+
+/// Fails before a long render rather than after it.
+fn writable_folder(path: &Path) -> Result<(), Failure> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    if folder.is_dir() && !path.is_dir() {
+        return Ok(());
+    }
+    let what = if path.is_dir() {
+        "it is a folder"
+    } else {
+        "its folder does not exist"
+    };
+    let message = format!("cannot write {}: {what}", path.display());
+    Err(Failure::new(
+        Exit::BadInput,
+        message,
+        Some("nothing was rendered"),
+    ))
+}
+
+fn set_step(scene: &mut Scene, step: Length) -> Result<(), Failure> {
+    let fail = |message: String| Failure::new(Exit::BadInput, format!("--step: {message}"), None);
+    for panel in &mut scene.panels {
+        match &mut panel.model {
+            Model::Classified(classified) => classified.set_step(step).map_err(fail)?,
+            Model::Curve(_) => return Err(fail("a plot of the curve has no steps".into())),
+        }
+    }
+    Ok(())
+}
+
+/// Runs `work` on that many threads, or on all cores.
+pub fn with_threads<T: Send>(
+    threads: Option<u16>,
+    work: impl FnOnce() -> T + Send,
+) -> Result<T, Failure> {
+    let Some(threads) = threads else {
+        return Ok(work());
+    };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.into())
+        .build()
+        .map(|pool| pool.install(work))
+        .map_err(|error| Failure::new(Exit::BadInput, format!("--threads: {error}"), None))
+}

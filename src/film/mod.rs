@@ -1,0 +1,181 @@
+//! Linear radiance on a grid of pixels; alone knows image files.
+
+mod exr_file;
+mod png_file;
+
+use thiserror::Error;
+
+/// Linear, scene-referred RGB radiance, top row first, and opacity where a volume has one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    width: usize,
+    height: usize,
+    radiance: Vec<[f32; 3]>,
+    opacity: Option<Vec<f32>>,
+}
+
+/// Why bytes are no image.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum FilmError {
+    /// Not readable as an image of the format.
+    #[error("not a readable {format} image: {reason}")]
+    Unreadable {
+        /// `EXR` or `PNG`.
+        format: &'static str,
+        /// What the reader says.
+        reason: String,
+    },
+    /// No colours inside.
+    #[error("the image has the channels {found}, but R, G and B are needed")]
+    Channels {
+        /// Names of the channels there are.
+        found: String,
+    },
+    /// Larger than any image of the suite.
+    #[error(
+        "the image claims {width} × {height} pixels; at most {} are read",
+        Film::MOST_PIXELS
+    )]
+    TooLarge {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+    /// A file name that stands for no format.
+    #[error("{0:?} is no image file: known are .exr (linear radiance) and .png (preview)")]
+    Format(String),
+}
+
+impl Film {
+    /// Largest image that is read: 16384².
+    pub const MOST_PIXELS: usize = 1 << 28;
+
+    /// An image of the given radiances, row by row from the top.
+    ///
+    /// # Panics
+    /// If there is not one value per pixel.
+    pub fn new(width: usize, height: usize, radiance: Vec<[f32; 3]>) -> Film {
+        assert_eq!(radiance.len(), width * height, "one value per pixel");
+        Film {
+            width,
+            height,
+            radiance,
+            opacity: None,
+        }
+    }
+
+    /// An image of red, green, blue and opacity.
+    ///
+    /// # Panics
+    /// If there is not one value per pixel.
+    pub fn with_opacity(width: usize, height: usize, pixels: Vec<[f32; 4]>) -> Film {
+        let opacity = pixels.iter().map(|pixel| pixel[3]).collect();
+        let radiance = pixels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
+        Film {
+            opacity: Some(opacity),
+            ..Film::new(width, height, radiance)
+        }
+    }
+
+    /// The films next to each other, from left to right. All of one height, and all with
+    /// opacity or none.
+    pub fn side_by_side(films: &[Film]) -> Film {
+        let height = films[0].height;
+        let width = films.iter().map(|film| film.width).sum();
+        let mut radiance = Vec::with_capacity(width * height);
+        let mut opacity = Vec::with_capacity(width * height);
+        for row in 0..height {
+            for film in films {
+                let row = row * film.width..(row + 1) * film.width;
+                radiance.extend_from_slice(&film.radiance[row.clone()]);
+                opacity.extend_from_slice(film.opacity.as_ref().map_or(&[][..], |o| &o[row]));
+            }
+        }
+        let mut film = Film::new(width, height, radiance);
+        film.opacity = (opacity.len() == width * height).then_some(opacity);
+        film
+    }
+
+    /// Columns of pixels.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows of pixels.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Red, green and blue of every pixel, row by row from the top.
+    pub fn radiance(&self) -> &[[f32; 3]] {
+        &self.radiance
+    }
+
+    /// Opacity of every pixel, in [0, 1], where the image has it.
+    pub fn opacity(&self) -> Option<&[f32]> {
+        self.opacity.as_deref()
+    }
+
+    /// The first pixel whose radiance or opacity is negative or not finite: [column, row], and
+    /// what it holds.
+    pub fn first_without_radiance(&self) -> Option<([usize; 2], [f32; 4])> {
+        let pixel = |index: usize| {
+            let [r, g, b] = self.radiance[index];
+            [
+                r,
+                g,
+                b,
+                self.opacity.as_ref().map_or(1.0, |opacity| opacity[index]),
+            ]
+        };
+        (0..self.radiance.len())
+            .find(|&index| pixel(index).iter().any(|v| !(v.is_finite() && *v >= 0.0)))
+            .map(|index| ([index % self.width, index / self.width], pixel(index)))
+    }
+
+    /// BLAKE3 of size, channels and the bits of every pixel: equal for equal images only.
+    pub fn pixel_hash(&self) -> String {
+        let mut hasher = blake3::Hasher::new();
+        let channels = 3 + u64::from(self.opacity.is_some());
+        for number in [self.width as u64, self.height as u64, channels] {
+            hasher.update(&number.to_le_bytes());
+        }
+        for value in self
+            .radiance
+            .iter()
+            .flatten()
+            .chain(self.opacity.iter().flatten())
+        {
+            hasher.update(&value.to_le_bytes());
+        }
+        hasher.finalize().to_hex().to_string()
+    }
+
+    /// 8-bit sRGB codes of the radiance times 2^`exposure`, clipped to [0, 1], rounded to the
+    /// nearest code. What is not a number becomes black.
+    pub fn srgb_codes(&self, exposure: f64) -> Vec<[u8; 3]> {
+        png_file::srgb_codes(&self.radiance, exposure)
+    }
+
+    /// A PNG preview at `exposure` stops.
+    pub fn to_png(&self, exposure: f64) -> Vec<u8> {
+        png_file::encode(&self.srgb_codes(exposure), self.width, self.height)
+    }
+
+    /// The image as EXR, 32-bit float, lossless.
+    pub fn to_exr(&self) -> Result<Vec<u8>, FilmError> {
+        exr_file::encode(self)
+    }
+
+    /// Reads an EXR image: the first layer with R, G and B, and A where it has one.
+    pub fn from_exr(bytes: &[u8]) -> Result<Film, FilmError> {
+        exr_file::decode(bytes)
+    }
+
+    /// Reads 8-bit sRGB codes from a PNG image, opacity dropped.
+    /// Returns width, height and the codes.
+    pub fn codes_from_png(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
+        png_file::decode(bytes)
+    }
+}

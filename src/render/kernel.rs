@@ -1,0 +1,138 @@
+//! The one place where a plan becomes code: each choice picks a type, and the last call
+//! compiles the ray caster for the types picked.
+
+use super::compositing::{BackToFront, FrontToBack, Order};
+use super::empty_space::{EmptySpace, Space, Unexplored};
+use super::field::{Constant, Field, Nearest, Trilinear};
+use super::image::{Pixels, rows};
+use super::plan::FieldKind;
+use super::ray_caster::{RayCaster, Shaded, Shading, Unshaded};
+use super::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
+use super::work::Work;
+use crate::scene::{Classified, Compositing};
+use crate::volume::{Node, gradients};
+use std::marker::PhantomData;
+
+/// The parts of a ray caster, as a plan names them.
+#[derive(Clone, Copy)]
+pub(super) struct Parts {
+    pub field: FieldKind,
+    pub compositing: Compositing,
+    pub shading: bool,
+    pub shadow: bool,
+    pub skip_empty: bool,
+}
+
+/// Renders `scene` with the ray caster made of `parts`.
+pub(super) fn cast<W: Work>(
+    scene: &Classified,
+    parts: Parts,
+    pixels: &Pixels<'_>,
+) -> (Vec<[f32; 4]>, W) {
+    let grid = &*scene.grid;
+    match parts.field {
+        FieldKind::Trilinear => with_order(scene, parts, pixels, Trilinear(grid)),
+        FieldKind::Nearest => with_order(scene, parts, pixels, Nearest(grid)),
+        FieldKind::Constant => with_order(
+            scene,
+            parts,
+            pixels,
+            Constant(grid.lattice(), grid.values()[0].value()),
+        ),
+    }
+}
+
+fn with_order<F: Field, W: Work>(
+    scene: &Classified,
+    parts: Parts,
+    pixels: &Pixels<'_>,
+    field: F,
+) -> (Vec<[f32; 4]>, W) {
+    match parts.compositing {
+        Compositing::FrontToBack => with_shading::<F, FrontToBack, W>(scene, parts, pixels, field),
+        Compositing::BackToFront => with_shading::<F, BackToFront, W>(scene, parts, pixels, field),
+    }
+}
+
+fn with_shading<F: Field, O: Order + Sync, W: Work>(
+    scene: &Classified,
+    parts: Parts,
+    pixels: &Pixels<'_>,
+    field: F,
+) -> (Vec<[f32; 4]>, W) {
+    match scene.phong.filter(|_| parts.shading) {
+        Some(phong) => {
+            let gradients = gradients(&*scene.grid);
+            let shading = Shaded {
+                phong,
+                gradients,
+                light: scene.light,
+            };
+            with_visibility::<F, O, _, W>(scene, parts, pixels, field, shading)
+        }
+        None => with_visibility::<F, O, _, W>(scene, parts, pixels, field, Unshaded),
+    }
+}
+
+fn with_visibility<F: Field, O: Order + Sync, S: Shading, W: Work>(
+    scene: &Classified,
+    parts: Parts,
+    pixels: &Pixels<'_>,
+    field: F,
+    shading: S,
+) -> (Vec<[f32; 4]>, W) {
+    match scene.shadow.filter(|_| parts.shadow) {
+        Some(shadow) => {
+            let bounds = scene.grid.lattice().bounds();
+            let visibility = VolumeShadow {
+                shadow,
+                light: scene.light,
+                bounds,
+            };
+            with_space::<F, O, S, _, W>(scene, parts, pixels, field, shading, visibility)
+        }
+        None => with_space::<F, O, S, _, W>(scene, parts, pixels, field, shading, Unshadowed),
+    }
+}
+
+fn with_space<F: Field, O: Order + Sync, S: Shading, V: Visibility, W: Work>(
+    scene: &Classified,
+    parts: Parts,
+    pixels: &Pixels<'_>,
+    field: F,
+    shading: S,
+    visibility: V,
+) -> (Vec<[f32; 4]>, W) {
+    if parts.skip_empty {
+        let space = EmptySpace::of(&*scene.grid, &scene.transfer_function);
+        with_all::<F, O, S, V, _, W>(scene, pixels, field, shading, visibility, space)
+    } else {
+        with_all::<F, O, S, V, _, W>(scene, pixels, field, shading, visibility, Unexplored)
+    }
+}
+
+fn with_all<F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space, W: Work>(
+    scene: &Classified,
+    pixels: &Pixels<'_>,
+    field: F,
+    shading: S,
+    visibility: V,
+    space: E,
+) -> (Vec<[f32; 4]>, W) {
+    let caster = RayCaster {
+        field,
+        order: PhantomData::<O>,
+        shading,
+        visibility,
+        space,
+        transfer_function: &scene.transfer_function,
+        step: scene.step,
+        bounds: scene.grid.lattice().bounds(),
+    };
+    let size = [pixels.width, pixels.height];
+    rows(pixels, |pixel, work: &mut W| {
+        let layers = caster.layers(&scene.camera.ray(pixel, size), work);
+        let radiance = layers.colour + scene.background * (1.0 - layers.opacity);
+        [radiance.x, radiance.y, radiance.z, layers.opacity].map(|value| value as f32)
+    })
+}

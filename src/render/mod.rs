@@ -1,0 +1,21 @@
+//! From a scene to an image: the plan, the kernels, the pixel loop.
+//!
+//! Read [`RayCaster::layers`](ray_caster::RayCaster::layers) first: it is the renderer. Its
+//! parts have a file each: [`steps`], [`field`], [`compositing`], [`volume_shadow`],
+//! [`empty_space`].
+
+pub mod compositing;
+mod curve;
+pub mod empty_space;
+pub mod field;
+mod image;
+mod kernel;
+pub mod plan;
+pub mod ray_caster;
+pub mod steps;
+pub mod volume_shadow;
+pub mod work;
+
+pub use image::{Progress, RenderError, Rendering, render, render_counted};
+pub use plan::{Effect, Plan, State};
+pub use work::Counters;
