@@ -82,7 +82,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// The cell of `lattice` around `point`, a position in node units.
+    /// The cell of `lattice` around `point`, a position in node units: any finite point.
     pub fn around(lattice: &Lattice, point: DVec3) -> Cell {
         let nodes = lattice.nodes();
         let strides = [1, nodes[0], nodes[0] * nodes[1]];
@@ -95,7 +95,7 @@ impl Cell {
             let floor = floor(point[axis]);
             let last = nodes[axis] as i64 - 1;
             let low = floor.clamp(0, last);
-            let high = (floor + 1).clamp(0, last);
+            let high = floor.saturating_add(1).clamp(0, last);
             cell.low += low as usize * strides[axis];
             cell.step[axis] = (high - low) as usize * strides[axis];
             cell.t[axis] = point[axis] - floor as f64;
@@ -125,9 +125,32 @@ impl Cell {
     }
 }
 
-/// `⌊x⌋` for the range of grid indices. A cast and a comparison: `f64::floor` is a function
+/// `⌊x⌋`, saturating far outside any grid. A cast and a comparison: `f64::floor` is a function
 /// call on processors whose baseline lacks the instruction.
 fn floor(x: f64) -> i64 {
     let truncated = x as i64;
-    truncated - i64::from(x < truncated as f64)
+    truncated.saturating_sub(i64::from(x < truncated as f64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_far_outside_take_the_nearest_node() {
+        let lattice = Lattice::new([2, 3, 1], DVec3::ONE, DVec3::ZERO).unwrap();
+        let grid = Grid::new(lattice, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
+        for far in [2.0, 1e10, 1e19, 1e300, f64::MAX] {
+            for (point, value) in [
+                (DVec3::new(-far, -far, -far), 1.0),
+                (DVec3::new(far, -far, far), 2.0),
+                (DVec3::new(-far, far, -far), 5.0),
+                (DVec3::new(far, far, far), 6.0),
+            ] {
+                let cell = Cell::around(&lattice, point);
+                assert_eq!(cell.trilinear(&grid), value, "{point}");
+                assert_eq!(cell.nearest(&grid), value, "{point}");
+            }
+        }
+    }
 }

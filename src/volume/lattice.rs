@@ -30,6 +30,12 @@ pub enum LatticeError {
     /// A first node that is nowhere.
     #[error("the position of the first node must be finite, got {0}")]
     First(DVec3),
+    /// A far corner beyond the largest number.
+    #[error(
+        "a grid of {0} × {1} × {2} nodes with this spacing and first node reaches beyond the \
+         largest number: scale it down"
+    )]
+    Extent(usize, usize, usize),
 }
 
 impl Lattice {
@@ -51,11 +57,16 @@ impl Lattice {
         if !first.is_finite() {
             return Err(LatticeError::First(first));
         }
-        Ok(Lattice {
+        let lattice = Lattice {
             nodes,
             spacing,
             first,
-        })
+        };
+        let bounds = lattice.bounds();
+        if !(bounds.min.is_finite() && bounds.size().is_finite()) {
+            return Err(LatticeError::Extent(nx, ny, nz));
+        }
+        Ok(lattice)
     }
 
     /// Number of nodes along x, y and z, each at least 1.
@@ -145,6 +156,16 @@ mod tests {
                 lattice([2, 2, 2], spacing),
                 Err(LatticeError::Spacing(_))
             ));
+        }
+    }
+
+    #[test]
+    fn a_lattice_that_leaves_the_numbers_is_refused() {
+        for (spacing, first) in [(1e308, 0.0), (1e308, -1e308), (1e308, 1e308)] {
+            assert_eq!(
+                Lattice::new([3, 1, 1], DVec3::splat(spacing), DVec3::splat(first)),
+                Err(LatticeError::Extent(3, 1, 1))
+            );
         }
     }
 

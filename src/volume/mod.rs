@@ -1,11 +1,19 @@
-//! Fields sampled on a lattice: storage, interpolation, gradients.
+//! Fields sampled on a lattice: reading, splatting, storage, interpolation, gradients.
 
+mod course_grid;
+mod file;
 mod gradient;
 mod grid;
 mod interpolation;
 mod lattice;
+mod obj_points;
+mod splat;
 
+pub use course_grid::{CourseGridError, read_course_grid, write_course_grid};
+pub use file::{VolumeError, VolumeFormat, load};
 pub use gradient::gradients;
 pub use grid::{Grid, GridError};
 pub use interpolation::{Cell, Lerp, Node, Scalar};
 pub use lattice::{Lattice, LatticeError};
+pub use obj_points::{ObjError, ObjFault, Point, read_obj_points};
+pub use splat::{SplatError, Splatting, splat, splat_weights};

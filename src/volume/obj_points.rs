@@ -1,0 +1,479 @@
+//! Point clouds in Wavefront OBJ: the `v` lines, and nothing else.
+//!
+//! A line is a keyword and its numbers, separated by blanks. `#` starts a comment anywhere in a
+//! line; a backslash at the end of a line continues it on the next, and counts as a blank, but
+//! not from within a comment, where it may end a path. Lines end in LF, CRLF or CR. Only `v`
+//! lines are decoded, so names and comments may be in any encoding that contains ASCII.
+
+use glam::DVec3;
+use std::collections::BTreeMap;
+use thiserror::Error;
+
+/// A point of a cloud.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// World position, finite.
+    pub position: DVec3,
+    /// Density it carries, finite and not negative; 1 where the file gives none.
+    pub weight: f64,
+}
+
+/// Why a file is no point cloud, and where. Shows as `line:column: fault`.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("{}{fault}", shown(.place))]
+pub struct ObjError {
+    /// Line and column of the culprit, both counted from 1, the column in bytes; `None` where
+    /// the fault is the whole file's.
+    pub place: Option<(usize, usize)>,
+    /// What is wrong there.
+    pub fault: ObjFault,
+}
+
+/// What can be wrong with a point cloud.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ObjFault {
+    /// No byte at all.
+    #[error("the file is empty: a point cloud has a line `v x y z` for every point")]
+    Empty,
+    /// UTF-16, or no text.
+    #[error("this is not plain text (a zero byte or UTF-16): save the cloud as UTF-8 or ASCII")]
+    NotText,
+    /// Not one `v` line.
+    #[error("no point: a point cloud has a line `v x y z` for every point, this file has {found}")]
+    NoPoints {
+        /// What was there instead, in words.
+        found: String,
+    },
+    /// A line that begins with none of the format's keywords.
+    #[error(
+        "{0:?} is no keyword of the OBJ format: points begin with `v`; remove the line or put \
+         `#` before it"
+    )]
+    Keyword(String),
+    /// A `v` line with fewer than three, with five or with more than six numbers.
+    #[error(
+        "a `v` line has 3 numbers (x y z), 4 (x y z density) or 6 (x y z red green blue), this \
+         one has {0}"
+    )]
+    Count(usize),
+    /// Not a number.
+    #[error("{name} is {text:?}, which is not a number: write it like 0.5 or 5e-1")]
+    Number {
+        /// Which of the line's numbers.
+        name: &'static str,
+        /// What is written there.
+        text: String,
+    },
+    /// NaN, infinity, or a number too large for `f64`.
+    #[error("{name} is {text:?}, which is not finite: mend or remove this point")]
+    NotFinite {
+        /// Which of the line's numbers.
+        name: &'static str,
+        /// What is written there.
+        text: String,
+    },
+    /// A density below zero.
+    #[error("the density is {0}, and must not be negative: mend or remove this point")]
+    Negative(f64),
+    /// Points, but nothing to see.
+    #[error("every density is zero: the fourth number of a `v` line is its density")]
+    AllZero,
+}
+
+/// Reads the points of a Wavefront OBJ file, in file order.
+///
+/// `v x y z` has weight 1, `v x y z d` weight `d`, `v x y z r g b` weight 1: colours must be
+/// numbers but are not used. Every other keyword of the format is skipped; an unknown one is an
+/// error. At least one point is returned, and at least one weight is positive.
+pub fn read_obj_points(bytes: &[u8]) -> Result<Vec<Point>, ObjError> {
+    if bytes.is_empty() {
+        return Err(of_file(ObjFault::Empty));
+    }
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || bytes.contains(&0) {
+        return Err(of_file(ObjFault::NotText));
+    }
+    let mut points = Vec::new();
+    let mut skipped = BTreeMap::new();
+    let mut statements = Statements::new(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
+    let mut words = Vec::new();
+    while statements.read_next(&mut words) {
+        let Some((keyword, numbers)) = words.split_first() else {
+            continue;
+        };
+        if keyword.bytes == b"v" {
+            points.push(point(keyword, numbers)?);
+        } else if let Some(known) = SKIPPED
+            .iter()
+            .find(|known| known.as_bytes() == keyword.bytes)
+        {
+            *skipped.entry(*known).or_insert(0) += 1;
+        } else {
+            return Err(keyword.fault(ObjFault::Keyword(keyword.text())));
+        }
+    }
+    if points.is_empty() {
+        let found = describe(&skipped);
+        return Err(of_file(ObjFault::NoPoints { found }));
+    }
+    if points.iter().all(|point| point.weight == 0.0) {
+        return Err(of_file(ObjFault::AllZero));
+    }
+    Ok(points)
+}
+
+/// Every keyword of the format's specification but `v`.
+const SKIPPED: [&str; 38] = [
+    "vn",
+    "vt",
+    "vp",
+    "p",
+    "l",
+    "f",
+    "o",
+    "g",
+    "s",
+    "mg",
+    "mtllib",
+    "usemtl",
+    "maplib",
+    "usemap",
+    "cstype",
+    "deg",
+    "bmat",
+    "step",
+    "curv",
+    "curv2",
+    "surf",
+    "parm",
+    "trim",
+    "hole",
+    "scrv",
+    "sp",
+    "end",
+    "con",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "lod",
+    "shadow_obj",
+    "trace_obj",
+    "ctech",
+    "stech",
+    "call",
+    "csh",
+];
+
+fn point(keyword: &Word, numbers: &[Word]) -> Result<Point, ObjError> {
+    let names: &[&'static str] = match numbers.len() {
+        3 => &["x", "y", "z"],
+        4 => &["x", "y", "z", "the density"],
+        6 => &["x", "y", "z", "red", "green", "blue"],
+        count => return Err(keyword.fault(ObjFault::Count(count))),
+    };
+    let mut values = [0.0; 6];
+    for ((value, word), name) in values.iter_mut().zip(numbers).zip(names) {
+        *value = word.number(name)?;
+    }
+    let [x, y, z, density, ..] = values;
+    let weight = if numbers.len() == 4 { density } else { 1.0 };
+    if weight < 0.0 {
+        return Err(numbers[3].fault(ObjFault::Negative(weight)));
+    }
+    Ok(Point {
+        position: DVec3::new(x, y, z),
+        weight,
+    })
+}
+
+/// A stretch of bytes without blanks, and where it stands.
+struct Word<'a> {
+    bytes: &'a [u8],
+    place: (usize, usize),
+}
+
+impl Word<'_> {
+    /// The word for a message: made printable, and cut where it is long.
+    fn text(&self) -> String {
+        const LONGEST: usize = 40;
+        let text = String::from_utf8_lossy(self.bytes);
+        match text.char_indices().nth(LONGEST) {
+            Some((end, _)) => format!("{}…", &text[..end]),
+            None => text.into_owned(),
+        }
+    }
+
+    fn fault(&self, fault: ObjFault) -> ObjError {
+        ObjError {
+            place: Some(self.place),
+            fault,
+        }
+    }
+
+    fn number(&self, name: &'static str) -> Result<f64, ObjError> {
+        let number = std::str::from_utf8(self.bytes)
+            .ok()
+            .and_then(|text| text.parse::<f64>().ok());
+        match number {
+            Some(number) if number.is_finite() => Ok(number),
+            Some(_) => Err(self.fault(ObjFault::NotFinite {
+                name,
+                text: self.text(),
+            })),
+            None => Err(self.fault(ObjFault::Number {
+                name,
+                text: self.text(),
+            })),
+        }
+    }
+}
+
+/// The statements of a file: its lines, with continued ones put together.
+struct Statements<'a> {
+    rest: &'a [u8],
+    line: usize,
+}
+
+impl<'a> Statements<'a> {
+    fn new(bytes: &'a [u8]) -> Statements<'a> {
+        Statements {
+            rest: bytes,
+            line: 0,
+        }
+    }
+
+    /// Puts the words of the next statement into `words`: none for a blank line or a comment.
+    /// False at the end of the file.
+    fn read_next(&mut self, words: &mut Vec<Word<'a>>) -> bool {
+        words.clear();
+        if self.rest.is_empty() {
+            return false;
+        }
+        let mut continued = true;
+        while continued && !self.rest.is_empty() {
+            let line = self.next_line();
+            let comment = line.iter().position(|&byte| byte == b'#');
+            let mut code = &line[..comment.unwrap_or(line.len())];
+            continued = false;
+            if comment.is_none()
+                && let Some(before) = code.trim_ascii_end().strip_suffix(b"\\")
+            {
+                code = before;
+                continued = true;
+            }
+            push_words(code, self.line, words);
+        }
+        true
+    }
+
+    fn next_line(&mut self) -> &'a [u8] {
+        let rest = self.rest;
+        let end = rest.iter().position(|&byte| byte == b'\n' || byte == b'\r');
+        let (line, after) = match end {
+            None => (rest, rest.len()),
+            Some(end) if rest[end..].starts_with(b"\r\n") => (&rest[..end], end + 2),
+            Some(end) => (&rest[..end], end + 1),
+        };
+        self.rest = &rest[after..];
+        self.line += 1;
+        line
+    }
+}
+
+fn push_words<'a>(code: &'a [u8], line: usize, words: &mut Vec<Word<'a>>) {
+    let mut start = 0;
+    for bytes in code.split(u8::is_ascii_whitespace) {
+        if !bytes.is_empty() {
+            words.push(Word {
+                bytes,
+                place: (line, start + 1),
+            });
+        }
+        start += bytes.len() + 1;
+    }
+}
+
+fn of_file(fault: ObjFault) -> ObjError {
+    ObjError { place: None, fault }
+}
+
+fn shown(place: &Option<(usize, usize)>) -> String {
+    match place {
+        Some((line, column)) => format!("{line}:{column}: "),
+        None => String::new(),
+    }
+}
+
+/// "3 × f, 2 × vn", or that there was nothing.
+fn describe(skipped: &BTreeMap<&str, usize>) -> String {
+    if skipped.is_empty() {
+        return "only comments and blank lines".to_owned();
+    }
+    let counts: Vec<String> = skipped
+        .iter()
+        .map(|(keyword, count)| format!("{count} × `{keyword}`"))
+        .collect();
+    counts.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(text: &str) -> Vec<([f64; 3], f64)> {
+        let points = read_obj_points(text.as_bytes()).unwrap();
+        let pair = |point: &Point| (point.position.to_array(), point.weight);
+        points.iter().map(pair).collect()
+    }
+
+    fn message(bytes: &[u8]) -> String {
+        read_obj_points(bytes).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn the_three_forms_of_a_point() {
+        assert_eq!(
+            points("v 1 2 3\nv 1 2 3 0.25\nv -1 +2.5 3e-1 0.1 0.2 0.3\n"),
+            [
+                ([1.0, 2.0, 3.0], 1.0),
+                ([1.0, 2.0, 3.0], 0.25),
+                ([-1.0, 2.5, 0.3], 1.0)
+            ]
+        );
+        // A point without density is still a point.
+        assert_eq!(points("v 0 0 0 0\nv 1 1 1 2").len(), 2);
+    }
+
+    #[test]
+    fn what_stands_around_points_is_skipped() {
+        let text = "# cloud\nmtllib a.mtl\no Cube\n\ng a b\nusemtl x\ns off\nv 1 2 3 # one\n\
+                    vn 0 0 1\nvt 0 0\nvp 0\np 1\np 1 1 1\nl 1 1\nf 1//1 1//1 1//1\nv 4 5 6#two";
+        assert_eq!(
+            points(text),
+            [([1.0, 2.0, 3.0], 1.0), ([4.0, 5.0, 6.0], 1.0)]
+        );
+    }
+
+    #[test]
+    fn blanks_line_ends_and_marks() {
+        let two = [([1.0, 2.0, 3.0], 1.0), ([4.0, 5.0, 6.0], 0.5)];
+        for text in [
+            "v 1 2 3\nv 4 5 6 0.5",
+            "v 1 2 3\r\nv 4 5 6 0.5\r\n",
+            "v 1 2 3\rv 4 5 6 0.5\r",
+            "\u{feff}v 1 2 3\n\n\n \t v\t4  5\t6 0.5 \t\n",
+            "v 1 \\\n 2 3\nv 4 5\\\r\n6 0.5\n",
+            "v \\ \n\\\n1 2 3\nv 4 5 6 0.5\\",
+            "# ends in a path C:\\\nv 1 2 3 # C:\\\nv 4 5 6 0.5\n",
+        ] {
+            assert_eq!(points(text), two, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn comments_and_names_may_be_in_any_encoding() {
+        let latin_1 = b"# caf\xe9\no caf\xe9\nv 1 2 3 # \xb5m\n";
+        assert_eq!(read_obj_points(latin_1).unwrap().len(), 1);
+        assert_eq!(
+            message(b"v 1 2 3\nv 1 2\xb5 3"),
+            "2:5: y is \"2\u{fffd}\", which is not a number: write it like 0.5 or 5e-1"
+        );
+    }
+
+    #[test]
+    fn files_without_points_say_what_they_have() {
+        assert_eq!(
+            message(b""),
+            "the file is empty: a point cloud has a line `v x y z` for every point"
+        );
+        assert_eq!(
+            message(b"\n# nothing\n"),
+            "no point: a point cloud has a line `v x y z` for every point, this file has only \
+             comments and blank lines"
+        );
+        assert_eq!(
+            message(b"vn 0 0 1\nf 1 2 3\nf 1 2 3"),
+            "no point: a point cloud has a line `v x y z` for every point, this file has 2 × \
+             `f`, 1 × `vn`"
+        );
+        assert!(message(b"\xef\xbb\xbf").starts_with("no point"));
+    }
+
+    #[test]
+    fn other_encodings_and_binary_files() {
+        let expected =
+            "this is not plain text (a zero byte or UTF-16): save the cloud as UTF-8 or ASCII";
+        for bytes in [&b"\xff\xfev\0 \0"[..], b"\xfe\xff\0v", b"v 1 2 3\n\0"] {
+            assert_eq!(message(bytes), expected);
+        }
+    }
+
+    #[test]
+    fn unknown_keywords_name_their_line() {
+        for (text, place, shown) in [
+            ("v 1 2 3\n\n  vertex 1 2 3", "3:3", "vertex"),
+            ("V 1 2 3", "1:1", "V"),
+            ("1 2 3", "1:1", "1"),
+        ] {
+            assert_eq!(
+                message(text.as_bytes()),
+                format!(
+                    "{place}: \"{shown}\" is no keyword of the OBJ format: points begin with \
+                     `v`; remove the line or put `#` before it"
+                )
+            );
+        }
+        let long = format!("{}\n", "k".repeat(1000));
+        assert!(message(long.as_bytes()).len() < 200);
+    }
+
+    #[test]
+    fn lines_with_the_wrong_count_of_numbers() {
+        for (count, line) in [
+            (0, "v"),
+            (2, "v 1 2"),
+            (5, "v 1 2 3 4 5"),
+            (7, "v 1 2 3 4 5 6 7"),
+        ] {
+            assert_eq!(
+                message(format!("v 0 0 0\n{line}\nv 0 0 0").as_bytes()),
+                format!(
+                    "2:1: a `v` line has 3 numbers (x y z), 4 (x y z density) or 6 (x y z red \
+                     green blue), this one has {count}"
+                )
+            );
+        }
+        // Continued onto the last line of the file.
+        assert!(message(b"v 1 2\\\n").starts_with("1:1: a `v` line"));
+    }
+
+    #[test]
+    fn bad_numbers_name_their_place() {
+        for (text, expected) in [
+            ("v 1 2,5 3", "1:5: y is \"2,5\", which is not a number"),
+            ("\nv 1 2 z", "2:7: z is \"z\", which is not a number"),
+            ("v 1 \\\n 0x1 3", "2:2: y is \"0x1\", which is not a number"),
+            ("v nan 2 3", "1:3: x is \"nan\", which is not finite"),
+            ("v 1 2 -inf", "1:7: z is \"-inf\", which is not finite"),
+            ("v 1 2 1e999", "1:7: z is \"1e999\", which is not finite"),
+            (
+                "v 1 2 3 NaN",
+                "1:9: the density is \"NaN\", which is not finite",
+            ),
+            (
+                "v 1 2 3 -0.5",
+                "1:9: the density is -0.5, and must not be negative: mend or remove this point",
+            ),
+            (
+                "v 1 2 3 0 x 0",
+                "1:11: green is \"x\", which is not a number",
+            ),
+            (
+                "v 0 0 0 0\nv 1 1 1 0.0",
+                "every density is zero: the fourth number of a `v` line is its density",
+            ),
+        ] {
+            let message = message(text.as_bytes());
+            assert!(message.starts_with(expected), "{text:?}: {message}");
+        }
+    }
+}

@@ -1,0 +1,453 @@
+//! A point cloud made a grid: every point shares its weight among the nodes around it.
+
+use super::{Grid, Lattice, LatticeError, Point};
+use glam::DVec3;
+use thiserror::Error;
+
+/// How fine a grid a cloud becomes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Splatting {
+    /// Nodes along the longest side of the cloud, padding included: at least 2 + 2·padding.
+    pub resolution: usize,
+    /// Empty nodes beyond the cloud on each side of each axis.
+    pub padding: usize,
+}
+
+/// Why a cloud cannot be splatted.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum SplatError {
+    /// No points.
+    #[error("the cloud has no points")]
+    NoPoints,
+    /// A point that is nowhere, or of impossible weight.
+    #[error(
+        "point {index} has weight {weight} at {position}: positions must be finite, weights \
+         finite and not negative"
+    )]
+    Point {
+        /// Which point, counted from 0.
+        index: usize,
+        /// Its weight.
+        weight: f64,
+        /// Its position.
+        position: DVec3,
+    },
+    /// All points in one place.
+    #[error(
+        "all {0} points lie in the same place, so the cloud has no size: it needs two points \
+         apart"
+    )]
+    NoExtent(usize),
+    /// No interval left between the paddings.
+    #[error(
+        "a resolution of {resolution} with {padding} nodes of padding on each side leaves no \
+         room for the cloud: use at least {least}"
+    )]
+    TooFew {
+        /// Resolution asked for.
+        resolution: usize,
+        /// Padding asked for.
+        padding: usize,
+        /// Smallest resolution with this padding.
+        least: usize,
+    },
+    /// A spacing lost in the rounding of the coordinates.
+    #[error(
+        "the spacing of the nodes would be {spacing}, too fine beside coordinates as large as \
+         {largest}: lower the resolution, or move the cloud near the origin"
+    )]
+    TooFine {
+        /// Spacing of the nodes, world units.
+        spacing: f64,
+        /// Largest coordinate of the cloud, without its sign.
+        largest: f64,
+    },
+    /// A grid that is too large, or leaves the range of numbers.
+    #[error(transparent)]
+    Lattice(#[from] LatticeError),
+    /// Not enough memory.
+    #[error("no memory for a grid of {0} nodes: lower the resolution")]
+    Memory(usize),
+    /// Weights that add up to infinity.
+    #[error("the weights of the points add up to more than a number holds: scale them down")]
+    Overflow,
+    /// Nothing to see.
+    #[error("every weight is zero or vanishes when shared: at least one must be positive")]
+    NoWeight,
+}
+
+/// The density grid of a cloud: [`splat_weights`], divided by the largest of them, so that the
+/// densest node is exactly 1.
+pub fn splat(points: &[Point], splatting: Splatting) -> Result<Grid<f32>, SplatError> {
+    let weights = splat_weights(points, splatting)?;
+    let (_, largest) = weights.range();
+    if largest == 0.0 {
+        return Err(SplatError::NoWeight);
+    }
+    let densities = weights.values().iter().map(|weight| weight / largest);
+    let densities = densities.map(|density| density as f32).collect();
+    Ok(Grid::new(*weights.lattice(), densities).expect("one density per node"))
+}
+
+/// The weight that each node receives when every point gives its own to the eight nodes around
+/// it in trilinear shares: for a point at `t` between two nodes of an axis, `1 − t` and `t`.
+///
+/// The nodes have one spacing on all axes, the longest extent of the cloud divided by
+/// `resolution − 1 − 2·padding`; the first lies `padding` spacings before the cloud's minimum.
+/// The other axes have as many nodes as hold their extent, and the padding. Weights add up in
+/// the order of the points. Their total is that of the points, but for rounding: at most
+/// `n + 6` roundings of it for `n` points (three of `1 − t` and three products in a share, and
+/// the additions).
+pub fn splat_weights(points: &[Point], splatting: Splatting) -> Result<Grid<f64>, SplatError> {
+    check(points)?;
+    let frame = Frame::new(points, splatting)?;
+    let lattice = frame.lattice()?;
+    let count = lattice.node_count();
+    let mut weights: Vec<f64> = Vec::new();
+    weights
+        .try_reserve_exact(count)
+        .map_err(|_| SplatError::Memory(count))?;
+    weights.resize(count, 0.0);
+    for point in points {
+        let position = frame.coordinates(point.position);
+        let low = position.floor();
+        // Exact: both are multiples of the last place of `position`.
+        let t = position - low;
+        for corner in 0..8 {
+            let mut node = low.to_array().map(|low| low as usize + frame.padding);
+            let mut share = 1.0;
+            for axis in 0..3 {
+                if corner >> axis & 1 == 1 {
+                    node[axis] += 1;
+                    share *= t[axis];
+                } else {
+                    share *= 1.0 - t[axis];
+                }
+            }
+            // A point on a node has no share in the next one, which need not exist.
+            if share > 0.0 {
+                weights[lattice.index(node)] += point.weight * share;
+            }
+        }
+    }
+    Ok(Grid::new(lattice, weights).expect("one weight per node"))
+}
+
+fn check(points: &[Point]) -> Result<(), SplatError> {
+    let wrong = points.iter().position(|point| {
+        !(point.position.is_finite() && point.weight.is_finite() && point.weight >= 0.0)
+    });
+    if let Some(index) = wrong {
+        return Err(SplatError::Point {
+            index,
+            weight: points[index].weight,
+            position: points[index].position,
+        });
+    }
+    let total: f64 = points.iter().map(|point| point.weight).sum();
+    // Twice: no node may overflow by rounding where the total does not.
+    if (2.0 * total).is_finite() {
+        Ok(())
+    } else {
+        Err(SplatError::Overflow)
+    }
+}
+
+/// Where a cloud's nodes lie.
+struct Frame {
+    /// Corners of the cloud.
+    min: DVec3,
+    max: DVec3,
+    /// Distance between nodes.
+    spacing: f64,
+    /// Nodes before the cloud's minimum on each axis.
+    padding: usize,
+    /// A point this near to a node, in spacings, lies on it.
+    tolerance: f64,
+}
+
+impl Frame {
+    fn new(points: &[Point], splatting: Splatting) -> Result<Frame, SplatError> {
+        let Splatting {
+            resolution,
+            padding,
+        } = splatting;
+        let first = points.first().ok_or(SplatError::NoPoints)?.position;
+        let (min, max) = points.iter().fold((first, first), |(min, max), point| {
+            (min.min(point.position), max.max(point.position))
+        });
+        let extent = (max - min).max_element();
+        if extent == 0.0 {
+            return Err(SplatError::NoExtent(points.len()));
+        }
+        let around = padding.saturating_mul(2).saturating_add(1);
+        let intervals = resolution.saturating_sub(around);
+        if intervals == 0 {
+            return Err(SplatError::TooFew {
+                resolution,
+                padding,
+                least: around.saturating_add(1),
+            });
+        }
+        if resolution > Lattice::MOST_NODES {
+            return Err(LatticeError::TooLarge(resolution, 1, 1).into());
+        }
+        let spacing = extent / intervals as f64;
+        let largest = min.abs().max(max.abs()).max_element();
+        let tolerance = tolerance(largest, spacing, intervals);
+        // Below the normal numbers the quotient has lost digits.
+        if !spacing.is_normal() || tolerance >= 0.5 {
+            return Err(SplatError::TooFine { spacing, largest });
+        }
+        Ok(Frame {
+            min,
+            max,
+            spacing,
+            padding,
+            tolerance,
+        })
+    }
+
+    /// Position of a point of the cloud in spacings from the cloud's minimum: a whole number
+    /// where that is less than the tolerance away, so that a cloud which is itself a lattice
+    /// leaves nothing on the nodes that it leaves out. Increases with `point` on every axis, so
+    /// no point lies beyond `coordinates(max)`.
+    ///
+    /// Taken from the minimum and not from the first node, whose position is rounded.
+    fn coordinates(&self, point: DVec3) -> DVec3 {
+        let exact = (point - self.min) / self.spacing;
+        let whole = exact.round();
+        DVec3::select(
+            (exact - whole).abs().cmple(DVec3::splat(self.tolerance)),
+            whole,
+            exact,
+        )
+    }
+
+    fn lattice(&self) -> Result<Lattice, LatticeError> {
+        // Whole multiples of the spacing have become whole numbers and gain no node.
+        let intervals = self.coordinates(self.max).ceil();
+        let nodes = intervals
+            .to_array()
+            .map(|intervals| intervals as usize + 1 + 2 * self.padding);
+        let first = self.min - self.padding as f64 * self.spacing;
+        Lattice::new(nodes, DVec3::splat(self.spacing), first)
+    }
+}
+
+/// How far, in spacings, the computed coordinate of a point can be from a whole number `k` when
+/// the cloud is meant to be a lattice of this spacing, whose points were computed as
+/// `first + k·step` in `f64` from decimal numbers.
+///
+/// Let u = 2⁻⁵³, B the largest coordinate, h the spacing, N the intervals of the longest axis.
+/// The step is rounded, multiplied and added: with |k·step| ≤ 2B that is an error of at most
+/// 5uB, and with uB for the minimum, the difference of two positions is off by 6uB. The
+/// longest extent, N·h, is off by as much, which moves k ≤ N by 6uB/h at most. Two differences
+/// and two quotients are rounded: 4u·k. Together
+///
+/// ```text
+/// 6uB/h + 6uB/h + 4uN ≤ 12u(B/h + N),
+/// ```
+///
+/// and 16 instead of 12 covers the products of two errors. The minimum and maximum are within
+/// the bound of a whole number whatever the cloud.
+fn tolerance(largest: f64, spacing: f64, intervals: usize) -> f64 {
+    8.0 * f64::EPSILON * (largest / spacing + intervals as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(x: f64, y: f64, z: f64) -> Point {
+        Point {
+            position: DVec3::new(x, y, z),
+            weight: 1.0,
+        }
+    }
+
+    fn error(points: &[Point], resolution: usize, padding: usize) -> String {
+        let splatting = Splatting {
+            resolution,
+            padding,
+        };
+        splat(points, splatting).unwrap_err().to_string()
+    }
+
+    fn weights(points: &[Point], resolution: usize, padding: usize) -> Grid<f64> {
+        let splatting = Splatting {
+            resolution,
+            padding,
+        };
+        splat_weights(points, splatting).unwrap()
+    }
+
+    #[test]
+    fn a_point_between_nodes_gives_each_its_share() {
+        // Spacing 1; the third point stands at ¼, ½, ¾ of the first cell.
+        let points = [
+            point(0.0, 0.0, 0.0),
+            point(4.0, 2.0, 1.0),
+            point(0.25, 0.5, 0.75),
+        ];
+        let grid = weights(&points, 5, 0);
+        assert_eq!(grid.lattice().nodes(), [5, 3, 2]);
+        let at = |node| grid.values()[grid.lattice().index(node)];
+        assert_eq!(at([0, 0, 0]), 1.0 + 0.75 * 0.5 * 0.25);
+        assert_eq!(at([1, 0, 0]), 0.25 * 0.5 * 0.25);
+        assert_eq!(at([0, 1, 1]), 0.75 * 0.5 * 0.75);
+        assert_eq!(at([1, 1, 1]), 0.25 * 0.5 * 0.75);
+        assert_eq!(at([4, 2, 1]), 1.0);
+    }
+
+    #[test]
+    fn the_densest_node_is_one() {
+        let points = [
+            point(0.0, 0.0, 0.0),
+            point(1.0, 0.0, 0.0),
+            point(1.0, 0.0, 0.0),
+            point(1.0, 0.0, 0.0),
+        ];
+        let splatting = Splatting {
+            resolution: 2,
+            padding: 0,
+        };
+        let grid = splat(&points, splatting).unwrap();
+        assert_eq!(grid.values(), [1.0 / 3.0, 1.0]);
+    }
+
+    #[test]
+    fn padding_is_empty_and_moves_the_first_node() {
+        let grid = weights(&[point(1.0, 1.0, 1.0), point(3.0, 1.0, 1.0)], 7, 2);
+        assert_eq!(grid.lattice().nodes(), [7, 5, 5]);
+        assert_eq!(grid.lattice().spacing(), DVec3::ONE);
+        assert_eq!(grid.lattice().first(), DVec3::splat(-1.0));
+        let filled: Vec<_> = (0..grid.lattice().node_count())
+            .filter(|&index| grid.values()[index] != 0.0)
+            .map(|index| grid.lattice().node(index))
+            .collect();
+        assert_eq!(filled, [[2, 2, 2], [4, 2, 2]]);
+    }
+
+    #[test]
+    fn an_extent_between_two_multiples_gains_a_node() {
+        let grid = weights(&[point(0.0, 0.0, 0.0), point(2.0, 1.25, 0.75)], 3, 0);
+        assert_eq!(grid.lattice().nodes(), [3, 3, 2]);
+    }
+
+    /// Neither the multiples of a decimal step nor their distance from the origin spoil the
+    /// lattice: one node per point, nothing beside it.
+    #[test]
+    fn a_cloud_that_is_a_lattice_stays_one() {
+        for step in [0.0125, 0.1, 1.0 / 3.0, 0.7] {
+            for first in [0.0, -0.3, 17.1, 1000.7, -123_456.789] {
+                let nodes = [41, 8, 30];
+                let mut points = Vec::new();
+                for k in (0..nodes[2]).step_by(2) {
+                    for j in 0..nodes[1] {
+                        for i in 0..nodes[0] {
+                            let [x, y, z] = [i, j, k].map(|n| first + f64::from(n) * step);
+                            points.push(point(x, y, z));
+                        }
+                    }
+                }
+                let grid = weights(&points, 43, 1);
+                assert_eq!(grid.lattice().nodes(), [43, 10, 31], "{step} {first}");
+                let inside = |node: [usize; 3]| {
+                    let [i, j, k] = node;
+                    (1..=41).contains(&i) && (1..=8).contains(&j) && (1..=29).contains(&k)
+                };
+                for (index, &weight) in grid.values().iter().enumerate() {
+                    let node = grid.lattice().node(index);
+                    let expected = inside(node) && node[2] % 2 == 1;
+                    assert_eq!(weight, f64::from(u8::from(expected)), "{step} {first}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn flat_and_straight_clouds_make_thin_grids() {
+        let flat = [
+            point(0.0, 5.0, 0.0),
+            point(1.0, 5.0, 0.0),
+            point(0.0, 5.0, 2.0),
+        ];
+        assert_eq!(weights(&flat, 5, 0).lattice().nodes(), [3, 1, 5]);
+        let straight = [point(0.0, 0.0, 0.0), point(0.0, 7.0, 0.0)];
+        assert_eq!(weights(&straight, 5, 0).lattice().nodes(), [1, 5, 1]);
+    }
+
+    #[test]
+    fn clouds_without_size_or_points() {
+        let expected = "points lie in the same place, so the cloud has no size: it needs two \
+                        points apart";
+        assert_eq!(error(&[], 8, 1), "the cloud has no points");
+        assert_eq!(
+            error(&[point(1.0, 2.0, 3.0)], 8, 1),
+            format!("all 1 {expected}")
+        );
+        assert_eq!(
+            error(&[point(0.0, -0.0, 0.0); 5], 8, 1),
+            format!("all 5 {expected}")
+        );
+    }
+
+    #[test]
+    fn resolutions_that_cannot_be() {
+        let pair = [point(0.0, 0.0, 0.0), point(1.0, 1.0, 1.0)];
+        for (resolution, padding, least) in
+            [(0, 0, 2), (1, 0, 2), (5, 2, 6), (7, usize::MAX, usize::MAX)]
+        {
+            assert_eq!(
+                error(&pair, resolution, padding),
+                format!(
+                    "a resolution of {resolution} with {padding} nodes of padding on each side \
+                     leaves no room for the cloud: use at least {least}"
+                )
+            );
+        }
+        for resolution in [1 << 11, 1 << 31, 1 << 60, usize::MAX] {
+            let message = error(&pair, resolution, 0);
+            assert!(
+                message.ends_with("is too large: at most 2³¹ nodes are accepted"),
+                "{message}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_cloud_lost_in_its_own_coordinates() {
+        assert_eq!(
+            error(&[point(1e16, 0.0, 0.0), point(1e16 + 2.0, 0.0, 0.0)], 5, 0),
+            "the spacing of the nodes would be 0.5, too fine beside coordinates as large as \
+             10000000000000002: lower the resolution, or move the cloud near the origin"
+        );
+        let tiny = f64::from_bits(5);
+        assert!(error(&[point(0.0, 0.0, 0.0), point(tiny, 0.0, 0.0)], 3, 0).contains("too fine"));
+        let huge = [point(-1e308, 0.0, 0.0), point(1e308, 0.0, 0.0)];
+        assert!(error(&huge, 3, 0).contains("inf"));
+        let nearly = [point(0.0, 0.0, 0.0), point(1.7e308, 0.0, 0.0)];
+        assert!(error(&nearly, 5, 1).contains("beyond the largest number"));
+    }
+
+    #[test]
+    fn impossible_points_and_weights() {
+        let weighing = |weight| Point {
+            weight,
+            ..point(1.0, 0.0, 0.0)
+        };
+        let with = |other| error(&[point(0.0, 0.0, 0.0), other], 4, 0);
+        assert_eq!(
+            with(weighing(f64::NAN)),
+            "point 1 has weight NaN at [1, 0, 0]: positions must be finite, weights finite and \
+             not negative"
+        );
+        assert!(with(weighing(-1.0)).starts_with("point 1 has weight -1"));
+        assert!(with(point(f64::INFINITY, 0.0, 0.0)).starts_with("point 1 has"));
+        assert!(with(weighing(1.7e308)).starts_with("the weights of the points add up to more"));
+        let mut weightless = [point(0.0, 0.0, 0.0), point(1.0, 0.0, 0.0)];
+        weightless.iter_mut().for_each(|point| point.weight = 0.0);
+        assert!(error(&weightless, 4, 0).starts_with("every weight is zero"));
+    }
+}
