@@ -65,7 +65,7 @@ fn faults_inside_a_file_name_file_line_and_column() {
         (
             "single.obj",
             b"v 1 2 3",
-            "single.obj: all 1 points lie in the same place",
+            "single.obj: the cloud has no size, its points (1) all lie in the same place",
         ),
         (
             "empty.bin",
