@@ -1,0 +1,300 @@
+//! Loading volumes, and what happens to files that are none.
+
+mod common;
+
+use glam::DVec3;
+use proptest::prelude::*;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use volref::volume::*;
+
+const SPLATTING: Splatting = Splatting {
+    resolution: 4,
+    padding: 1,
+};
+
+/// An empty folder of this test's own.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// The message for `path`, without the folder in front of it.
+fn message(folder: &Path, path: &Path) -> String {
+    let message = load(path, SPLATTING).unwrap_err().to_string();
+    let front = format!("{}{}", folder.display(), std::path::MAIN_SEPARATOR);
+    match message.strip_prefix(&front) {
+        Some(rest) => rest.to_owned(),
+        None => panic!("{message:?} does not begin with the path"),
+    }
+}
+
+fn course_grid(nodes: [usize; 3], value: f32) -> Vec<u8> {
+    let lattice = Lattice::new(nodes, DVec3::ONE, DVec3::ZERO).unwrap();
+    let grid = Grid::new(lattice, vec![value; lattice.node_count()]).unwrap();
+    write_course_grid(&grid).unwrap()
+}
+
+#[test]
+fn clouds_and_grids_load() {
+    let folder = folder("clouds_and_grids_load");
+    let cloud = folder.join("two.OBJ");
+    fs::write(&cloud, "v 0 0 0\nv 1 0 0 0.5\n").unwrap();
+    let grid = load(&cloud, SPLATTING).unwrap();
+    assert_eq!(grid.lattice().nodes(), [4, 3, 3]);
+    assert_eq!(grid.range(), (0.0, 1.0));
+    let course = folder.join("course.bin");
+    fs::write(&course, course_grid([3, 2, 1], 2.5)).unwrap();
+    let grid = load(&course, SPLATTING).unwrap();
+    assert_eq!(grid.lattice().nodes(), [3, 2, 1]);
+    assert_eq!(grid.range(), (2.5, 2.5));
+}
+
+#[test]
+fn faults_inside_a_file_name_file_line_and_column() {
+    let folder = folder("faults_inside_a_file");
+    for (name, bytes, expected) in [
+        (
+            "short.obj",
+            &b"# cloud\nv 1 2\n"[..],
+            "short.obj:2:1: a `v` line has 3 numbers",
+        ),
+        ("empty.obj", b"", "empty.obj: the file is empty"),
+        (
+            "single.obj",
+            b"v 1 2 3",
+            "single.obj: the cloud has no size, its points (1) all lie in the same place",
+        ),
+        (
+            "empty.bin",
+            b"",
+            "empty.bin: the file ends after 0 of the 24 bytes",
+        ),
+        (
+            "cut.bin",
+            &course_grid([2, 2, 2], 1.0)[..40],
+            "cut.bin: the header promises 2 × 2 × 2 float32 densities, 56 bytes in all, and the \
+             file has 40",
+        ),
+    ] {
+        let path = folder.join(name);
+        fs::write(&path, bytes).unwrap();
+        let message = message(&folder, &path);
+        assert!(message.starts_with(expected), "{message}");
+    }
+}
+
+#[test]
+fn what_is_no_volume_file() {
+    let folder = folder("what_is_no_volume_file");
+    fs::create_dir(folder.join("folder.obj")).unwrap();
+    fs::write(folder.join("file.obj"), "v 0 0 0").unwrap();
+    for (name, expected) in [
+        ("missing.obj", "missing.obj: there is no such file"),
+        (
+            "folder.obj",
+            "folder.obj: this is a directory, and a volume is a file",
+        ),
+        (
+            "smoke.vdb",
+            "smoke.vdb: not a volume by its extension: known are .obj (point cloud) and .bin \
+             (course grid)",
+        ),
+        (
+            "bare",
+            "bare: not a volume by its extension: known are .obj (point cloud) and .bin (course \
+             grid)",
+        ),
+    ] {
+        assert_eq!(message(&folder, &folder.join(name)), expected);
+    }
+    #[cfg(unix)]
+    {
+        let below = folder.join("file.obj/cloud.obj");
+        let message = message(&folder, &below);
+        assert!(
+            message.starts_with("file.obj/cloud.obj: cannot be read: "),
+            "{message}"
+        );
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn devices_are_not_read() {
+    let folder = folder("devices_are_not_read");
+    let path = folder.join("endless.bin");
+    std::os::unix::fs::symlink("/dev/zero", &path).unwrap();
+    assert_eq!(
+        message(&folder, &path),
+        "endless.bin: this is a device or pipe, and a volume is a file"
+    );
+}
+
+/// The files have holes instead of bytes: reading them would take minutes.
+#[cfg(unix)]
+#[test]
+fn sizes_are_checked_before_reading() {
+    use std::io::Write;
+    const SIZE: u64 = 1 << 40;
+    let folder = folder("sizes_are_checked_before_reading");
+    let cloud = folder.join("huge.obj");
+    File::create(&cloud).unwrap().set_len(SIZE).unwrap();
+    assert_eq!(
+        message(&folder, &cloud),
+        "huge.obj: the file has 1099511627776 bytes, and point clouds of at most 4294967296 are \
+         read: thin it out"
+    );
+    let grid = folder.join("huge.bin");
+    let mut file = File::create(&grid).unwrap();
+    file.write_all(&course_grid([2, 2, 2], 1.0)[..24]).unwrap();
+    file.set_len(SIZE).unwrap();
+    assert_eq!(
+        message(&folder, &grid),
+        "huge.bin: the header promises 2 × 2 × 2 float32 densities, 56 bytes in all, and the \
+         file has 1099511627776: it holds something else as well, or is not float32"
+    );
+}
+
+// No bytes make a reader panic, and what it accepts is sound.
+
+fn config() -> ProptestConfig {
+    ProptestConfig {
+        cases: 1024,
+
+        ..common::failures_in("fixtures/proptest-regressions/volume_files.txt")
+    }
+}
+
+const CLOUD: &[u8] = b"\xef\xbb\xbf# cloud\r\no a\nv 1 2 3\nv -1.5e0 2 \\\n3 0.25\nvn 0 0 1\n\
+                       v 0 0 1 1 0.5 .25 # red\n\tp 1 2 3\n";
+
+/// `valid` with some bytes replaced, removed and inserted, perhaps cut.
+fn mutated(valid: Vec<u8>) -> impl Strategy<Value = Vec<u8>> {
+    let text = prop::sample::select(&b"0123456789+-.eEvnfpia #\\\t\r\n\0\xff"[..]);
+    let byte = prop_oneof![any::<u8>(), text];
+    let edit = (any::<prop::sample::Index>(), 0..3_usize, byte);
+    prop::collection::vec(edit, 1..6).prop_map(move |edits| {
+        let mut bytes = valid.clone();
+        for (place, removed, byte) in edits {
+            let start = place.index(bytes.len() + 1);
+            let end = bytes.len().min(start + removed);
+            bytes.splice(start..end, [byte]);
+        }
+        bytes
+    })
+}
+
+fn words() -> impl Strategy<Value = Vec<u8>> {
+    let word = prop::sample::select(vec![
+        "v",
+        "v",
+        "v",
+        "vn",
+        "f",
+        "#",
+        "\\",
+        "\\\n",
+        "\n",
+        "\n",
+        "\r\n",
+        "1",
+        "-2.5",
+        "0",
+        "1e400",
+        "nan",
+        "inf",
+        "1e-320",
+        "9e307",
+        "v 1 2 3\n",
+        "v 4 5 6 7\n",
+        ",",
+        "é",
+    ]);
+    prop::collection::vec(word, 0..40).prop_map(|words| words.join(" ").into_bytes())
+}
+
+fn check_cloud(bytes: &[u8]) -> Result<(), TestCaseError> {
+    match read_obj_points(bytes) {
+        Ok(points) => {
+            prop_assert!(points.iter().any(|point| point.weight > 0.0));
+            for point in &points {
+                prop_assert!(point.position.is_finite() && point.weight.is_finite());
+                prop_assert!(point.weight >= 0.0);
+            }
+            check_splat(&points)?;
+        }
+        Err(error) => prop_assert!(!error.to_string().is_empty()),
+    }
+    Ok(())
+}
+
+fn check_splat(points: &[Point]) -> Result<(), TestCaseError> {
+    match splat(points, SPLATTING) {
+        Ok(grid) => {
+            prop_assert!(grid.check_densities().is_ok());
+            prop_assert_eq!(grid.range().1, 1.0);
+        }
+        Err(error) => prop_assert!(!error.to_string().is_empty()),
+    }
+    Ok(())
+}
+
+fn check_course_grid(bytes: &[u8]) -> Result<(), TestCaseError> {
+    match read_course_grid(bytes) {
+        Ok(grid) => {
+            prop_assert_eq!(bytes.len(), 24 + 4 * grid.values().len());
+            prop_assert!(grid.check_densities().is_ok());
+        }
+        Err(error) => prop_assert!(!error.to_string().is_empty()),
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    #[test]
+    fn any_bytes_are_read_or_refused(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        check_cloud(&bytes)?;
+        check_course_grid(&bytes)?;
+    }
+
+    #[test]
+    fn clouds_with_mistakes_are_read_or_refused(bytes in mutated(CLOUD.to_vec())) {
+        check_cloud(&bytes)?;
+    }
+
+    #[test]
+    fn words_in_any_order_are_read_or_refused(bytes in words()) {
+        check_cloud(&bytes)?;
+    }
+
+    #[test]
+    fn grids_with_mistakes_are_read_or_refused(bytes in mutated(course_grid([3, 2, 2], 1.0))) {
+        check_course_grid(&bytes)?;
+    }
+
+    #[test]
+    fn any_numbers_are_splatted_or_refused(
+        numbers in prop::collection::vec((prop::array::uniform3(any::<f64>()), any::<f64>()), 0..9)
+    ) {
+        let points: Vec<Point> = numbers
+            .into_iter()
+            .map(|(position, weight)| Point { position: position.into(), weight: weight.abs() })
+            .collect();
+        check_splat(&points)?;
+    }
+
+    #[test]
+    fn any_point_can_be_looked_up(point in prop::array::uniform3(any::<f64>())) {
+        let lattice = Lattice::new([3, 1, 2], DVec3::ONE, DVec3::ZERO).unwrap();
+        let grid = Grid::new(lattice, vec![1.0; 6]).unwrap();
+        let cell = Cell::around(&lattice, point.into());
+        prop_assert_eq!(cell.nearest(&grid), 1.0);
+        let value = cell.trilinear(&grid);
+        prop_assert!(value == 1.0 || !DVec3::from(point).is_finite());
+    }
+}
