@@ -69,10 +69,10 @@ impl Real for f32 {
         f32::sqrt(self)
     }
     fn exp(self) -> Self {
-        libm::expf(self)
+        f32::exp(self)
     }
     fn pow(self, exponent: Self) -> Self {
-        libm::powf(self, exponent)
+        f32::powf(self, exponent)
     }
 }
 
