@@ -5,7 +5,8 @@
 
 use super::SrgbImage;
 use super::plane::Plane;
-use crate::math::{cbrt, pow};
+use super::power::power;
+use crate::math::{pow, quick_cbrt};
 
 /// A colour as three numbers; which three, the name of the variable says.
 pub type Colour = [f64; 3];
@@ -135,7 +136,7 @@ fn hunt_lab(xyz: Colour) -> Colour {
 fn lab_curve(t: f64) -> f64 {
     const KNEE: f64 = 6.0 / 29.0;
     if t > KNEE * KNEE * KNEE {
-        cbrt(t)
+        quick_cbrt(t)
     } else {
         t / (3.0 * KNEE * KNEE) + 4.0 / 29.0
     }
@@ -167,7 +168,7 @@ impl ColourScale {
         let [green, blue] =
             [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|rgb| hunt_lab(apply(&RELATIVE_XYZ, rgb)));
         Self {
-            largest: pow(hyab(green, blue), COMPRESSION),
+            largest: power(hyab(green, blue), COMPRESSION),
         }
     }
 
@@ -178,13 +179,14 @@ impl ColourScale {
 
     /// Compresses a HyAB distance and redistributes it: the lower 40 % take 95 % of the range.
     fn of_distance(self, distance: f64) -> f64 {
-        let compressed = pow(distance, COMPRESSION);
+        let compressed = power(distance, COMPRESSION);
         let knee = KNEE_DISTANCE * self.largest;
         if compressed < knee {
             KNEE_DIFFERENCE * (compressed / knee)
         } else {
             let beyond = (compressed - knee) / (self.largest - knee);
-            KNEE_DIFFERENCE + (1.0 - KNEE_DIFFERENCE) * beyond
+            // Green and blue themselves may round to a little more than the largest distance.
+            (KNEE_DIFFERENCE + (1.0 - KNEE_DIFFERENCE) * beyond).min(1.0)
         }
     }
 }

@@ -60,11 +60,7 @@ impl Blur {
         for (sum, &here) in sum.iter_mut().zip(tap(0)) {
             *sum += self.centre * here;
         }
-        for (k, &weight) in (1..).zip(&self.sides) {
-            for ((sum, &before), &after) in sum.iter_mut().zip(tap(-k)).zip(tap(k)) {
-                *sum += weight * (before + after);
-            }
-        }
+        add_mirrored(&self.sides, tap, sum, |before, _, after| before + after);
     }
 }
 
@@ -80,11 +76,7 @@ impl Slope {
 
     /// Adds the derivative of the samples to `sum`.
     pub fn add<'a>(&self, tap: impl Fn(isize) -> &'a [f64], sum: &mut [f64]) {
-        for (k, &weight) in (1..).zip(&self.sides) {
-            for ((sum, &before), &after) in sum.iter_mut().zip(tap(-k)).zip(tap(k)) {
-                *sum += weight * (after - before);
-            }
-        }
+        add_mirrored(&self.sides, tap, sum, |before, _, after| after - before);
     }
 }
 
@@ -108,13 +100,42 @@ impl Bend {
 
     /// Adds the second derivative of the samples to `sum`.
     pub fn add<'a>(&self, tap: impl Fn(isize) -> &'a [f64], sum: &mut [f64]) {
-        let centre = tap(0);
-        for (k, &weight) in (1..).zip(&self.sides) {
-            for (((sum, &before), &after), &here) in
-                sum.iter_mut().zip(tap(-k)).zip(tap(k)).zip(centre)
-            {
-                *sum += weight * ((before - here) + (after - here));
+        add_mirrored(&self.sides, tap, sum, |before, here, after| {
+            (before + after) - 2.0 * here
+        });
+    }
+}
+
+/// Adds to each sum, for every distance, the weight times what `join` makes of the samples that
+/// far before, here and that far after.
+///
+/// Works through blocks of columns whose sums fit into vector registers; the order of additions
+/// at a column does not depend on its block.
+fn add_mirrored<'a>(
+    weights: &[f64],
+    tap: impl Fn(isize) -> &'a [f64],
+    sum: &mut [f64],
+    join: impl Fn(f64, f64, f64) -> f64,
+) {
+    const BLOCK: usize = 16;
+    let here = tap(0);
+    let (blocks, rest) = sum.as_chunks_mut::<BLOCK>();
+    let rest_start = BLOCK * blocks.len();
+    for (block, sums) in blocks.iter_mut().enumerate() {
+        let columns = |row: &'a [f64]| &row.as_chunks::<BLOCK>().0[block];
+        let here = columns(here);
+        let mut kept = *sums;
+        for (k, &weight) in (1..).zip(weights) {
+            let (before, after) = (columns(tap(-k)), columns(tap(k)));
+            for i in 0..BLOCK {
+                kept[i] += weight * join(before[i], here[i], after[i]);
             }
+        }
+        *sums = kept;
+    }
+    for (x, sum) in (rest_start..).zip(rest) {
+        for (k, &weight) in (1..).zip(weights) {
+            *sum += weight * join(tap(-k)[x], here[x], tap(k)[x]);
         }
     }
 }

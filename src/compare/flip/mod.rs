@@ -28,6 +28,7 @@ mod heatmap;
 mod image;
 mod kernel;
 mod plane;
+mod power;
 
 pub use error_map::ErrorMap;
 pub use heatmap::magma;
@@ -35,10 +36,10 @@ pub use image::{FlipError, SrgbImage};
 
 use rayon::prelude::*;
 
-use crate::math::pow;
 use colour::{ColourScale, OpponentPlanes};
 use contrast::{BlurredRow, ContrastFilter};
 use feature::{FeatureFilter, FeatureRow, feature_difference};
+use power::power;
 
 /// Pixels per degree of visual angle, for pixels of `metres_per_pixel` at a distance of
 /// `distance` metres: the width a degree covers near the line of sight, in pixels.
@@ -111,5 +112,5 @@ pub fn flip(
 /// The FLIP error: the feature difference raises the colour difference, and leaves equal
 /// colours at no error. Source: section 4.3, `ΔE = ΔE_c^(1 − ΔE_f)`.
 fn join(colour_difference: f64, feature_difference: f64) -> f64 {
-    pow(colour_difference, 1.0 - feature_difference)
+    power(colour_difference, 1.0 - feature_difference)
 }
