@@ -69,10 +69,10 @@ impl Real for f32 {
         f32::sqrt(self)
     }
     fn exp(self) -> Self {
-        f32::exp(self)
+        libm::expf(self)
     }
     fn pow(self, exponent: Self) -> Self {
-        f32::powf(self, exponent)
+        libm::powf(self, exponent)
     }
 }
 

@@ -16,8 +16,7 @@ type Matrix = [[f64; 3]; 3];
 ///
 /// BT.709 primaries, red (0.64, 0.33), green (0.30, 0.60), blue (0.15, 0.06), and D65 white at
 /// (0.31271, 0.32902) give rational numbers, and dividing a row by its sum leaves these
-/// integers: each row is a weighted mean of red, green and blue. (The four-digit white of the
-/// sRGB standard, (0.3127, 0.3290), would change FLIP by up to about 1e-5.)
+/// integers: each row is a weighted mean of red, green and blue.
 const RELATIVE_XYZ: Matrix = [
     mean_weights([10_135_552, 8_788_810, 4_435_075]),
     mean_weights([2_613_072, 8_788_810, 887_015]),

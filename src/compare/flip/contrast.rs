@@ -16,7 +16,7 @@ struct Gaussian {
     b: f64,
 }
 
-/// Achromatic contrast. Source: Table 1 of the paper, as the constants below.
+/// Achromatic contrast. Source: the paper's table of filter parameters, like the two below.
 const ACHROMATIC: Gaussian = Gaussian { a: 1.0, b: 0.0047 };
 const RED_GREEN: Gaussian = Gaussian { a: 1.0, b: 0.0053 };
 /// Blue–yellow contrast is a sum of two terms.
