@@ -3,6 +3,8 @@
 //! From sRGB codes to the linear opponent space in which the eye's blur is applied, and from
 //! there to a perceptual space in which colours are subtracted.
 
+use rayon::prelude::*;
+
 use super::SrgbImage;
 use super::plane::Plane;
 use super::power::power;
@@ -84,16 +86,22 @@ impl OpponentPlanes {
             .collect();
         let mut planes = [(); 3].map(|()| Plane::new(image.width(), image.height()));
         let [luminance, red_green, blue_yellow] = &mut planes;
-        for (((pixel, y), cx), cz) in image
-            .pixels()
-            .iter()
-            .zip(luminance.samples_mut())
-            .zip(red_green.samples_mut())
-            .zip(blue_yellow.samples_mut())
-        {
-            let rgb = pixel.map(|code| light_of_code[usize::from(code)]);
-            [*y, *cx, *cz] = opponent(apply(&RELATIVE_XYZ, rgb));
-        }
+        let width = image.width();
+        (
+            image.pixels().par_chunks(width),
+            luminance.samples_mut().par_chunks_mut(width),
+            red_green.samples_mut().par_chunks_mut(width),
+            blue_yellow.samples_mut().par_chunks_mut(width),
+        )
+            .into_par_iter()
+            .for_each(|(pixels, luminance, red_green, blue_yellow)| {
+                for (((pixel, y), cx), cz) in
+                    pixels.iter().zip(luminance).zip(red_green).zip(blue_yellow)
+                {
+                    let rgb = pixel.map(|code| light_of_code[usize::from(code)]);
+                    [*y, *cx, *cz] = opponent(apply(&RELATIVE_XYZ, rgb));
+                }
+            });
         Self(planes)
     }
 
