@@ -1,1 +1,3 @@
 //! Two images to a difference.
+
+pub mod flip;

@@ -1,0 +1,132 @@
+//! The output: an error per pixel, and numbers that sum it up.
+
+use crate::math::Sum;
+
+/// FLIP errors of an image, each in [0, 1], row-major, top row first. At least one pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ErrorMap {
+    width: usize,
+    height: usize,
+    values: Vec<f64>,
+}
+
+impl ErrorMap {
+    pub(super) fn new(width: usize, height: usize, values: Vec<f64>) -> Self {
+        debug_assert_eq!(values.len(), width * height);
+        Self {
+            width,
+            height,
+            values,
+        }
+    }
+
+    /// Columns.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// The errors, row-major, top row first.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Mean error: the single number to use if one must be used, say the authors (note
+    /// "Hindsight" on the paper's project page).
+    pub fn mean(&self) -> f64 {
+        let sum: Sum = self.values.iter().copied().collect();
+        sum.value() / self.values.len() as f64
+    }
+
+    /// Smallest error.
+    pub fn min(&self) -> f64 {
+        self.values.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Largest error.
+    pub fn max(&self) -> f64 {
+        self.values.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// The error that `percent` of the pixels do not exceed, `percent` in [0, 100]: linear
+    /// interpolation between order statistics, with 0 the smallest and 100 the largest error.
+    pub fn percentile(&self, percent: f64) -> f64 {
+        let sorted = self.sorted();
+        let last = sorted.len() - 1;
+        let position = percent.clamp(0.0, 100.0) / 100.0 * last as f64;
+        let below = (position.floor() as usize).min(last);
+        let above = (below + 1).min(last);
+        sorted[below] + (position - below as f64) * (sorted[above] - sorted[below])
+    }
+
+    /// The smallest error v such that the pixels with errors up to v carry at least `percent`
+    /// of the sum of all errors, `percent` in [0, 100]. A plain percentile looks away from a
+    /// small fault in a large good image; this one does not.
+    pub fn weighted_percentile(&self, percent: f64) -> f64 {
+        let sorted = self.sorted();
+        let total: Sum = sorted.iter().copied().collect();
+        let share = percent.clamp(0.0, 100.0) / 100.0 * total.value();
+        let mut carried = Sum::default();
+        sorted
+            .iter()
+            .copied()
+            .find(|&error| {
+                carried.add(error);
+                carried.value() >= share
+            })
+            .unwrap_or(sorted[sorted.len() - 1])
+    }
+
+    fn sorted(&self) -> Vec<f64> {
+        let mut sorted = self.values.clone();
+        sorted.sort_unstable_by(f64::total_cmp);
+        sorted
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn map(values: &[f64]) -> ErrorMap {
+        ErrorMap::new(values.len(), 1, values.to_vec())
+    }
+
+    #[test]
+    fn percentiles_interpolate_between_order_statistics() {
+        let errors = map(&[0.4, 0.1, 0.2, 0.3]);
+        assert_eq!(errors.percentile(0.0), 0.1);
+        assert!((errors.percentile(50.0) - 0.25).abs() < 1e-15);
+        assert!((errors.percentile(75.0) - 0.325).abs() < 1e-15);
+        assert_eq!(errors.percentile(100.0), 0.4);
+        assert_eq!(map(&[0.7]).percentile(99.0), 0.7);
+    }
+
+    #[test]
+    fn weighted_percentiles_count_error_and_not_pixels() {
+        // 96 good pixels, four bad ones that carry all the error.
+        let mut values = vec![0.0; 96];
+        values.extend([0.125, 0.125, 0.25, 0.5]);
+        let errors = map(&values);
+        assert_eq!(errors.percentile(90.0), 0.0);
+        assert_eq!(errors.weighted_percentile(25.0), 0.125);
+        assert_eq!(errors.weighted_percentile(50.0), 0.25);
+        assert_eq!(errors.weighted_percentile(51.0), 0.5);
+        assert_eq!(errors.weighted_percentile(100.0), 0.5);
+        assert_eq!(errors.weighted_percentile(0.0), 0.0);
+        assert_eq!(map(&[0.0, 0.0]).weighted_percentile(99.0), 0.0);
+    }
+
+    #[test]
+    fn mean_min_max() {
+        let errors = map(&[0.25, 0.0, 0.5, 0.25]);
+        assert_eq!(
+            (errors.mean(), errors.min(), errors.max()),
+            (0.25, 0.0, 0.5)
+        );
+    }
+}

@@ -1,0 +1,146 @@
+//! Convolution with one-dimensional kernels of the three symmetries FLIP needs.
+//!
+//! A kernel meets its samples through `tap`: `tap(k)` is the row of samples `k` places away
+//! from the row of results, to the right or below. So one routine serves rows and columns.
+//!
+//! Mirrored taps are joined before they are weighted. That halves the products, and makes a
+//! derivative of equal samples exactly zero, where a plain weighted sum leaves a rounding error
+//! that the square root of the feature difference would blow up.
+
+/// A kernel equal on both sides, with weights that sum to one: a blur.
+#[derive(Clone, Debug)]
+pub struct Blur {
+    centre: f64,
+    /// Weights at distance 1, 2, …
+    sides: Vec<f64>,
+}
+
+/// A kernel of opposite signs on either side: a first derivative. The weights of one side sum
+/// to one.
+#[derive(Clone, Debug)]
+pub struct Slope {
+    /// Weights at distance 1, 2, …
+    sides: Vec<f64>,
+}
+
+/// A kernel equal on both sides, with weights that sum to zero: a second derivative. Its centre
+/// weight is minus the sum of the others.
+#[derive(Clone, Debug)]
+pub struct Bend {
+    /// Weights at distance 1, 2, …
+    sides: Vec<f64>,
+}
+
+impl Blur {
+    /// From `weight(distance)` up to and including `radius`, scaled to sum to one. The second
+    /// value is the sum before.
+    pub fn new(radius: usize, weight: impl Fn(f64) -> f64) -> (Self, f64) {
+        let centre = weight(0.0);
+        let sides = sides(radius, weight);
+        let total = centre + 2.0 * sides.iter().sum::<f64>();
+        let sides = sides.iter().map(|w| w / total).collect();
+        let centre = centre / total;
+        (Self { centre, sides }, total)
+    }
+
+    /// The kernel times a factor.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            centre: self.centre * factor,
+            sides: self.sides.iter().map(|w| w * factor).collect(),
+        }
+    }
+
+    pub fn radius(&self) -> usize {
+        self.sides.len()
+    }
+
+    /// Adds the blurred samples to `sum`.
+    pub fn add<'a>(&self, tap: impl Fn(isize) -> &'a [f64], sum: &mut [f64]) {
+        for (sum, &here) in sum.iter_mut().zip(tap(0)) {
+            *sum += self.centre * here;
+        }
+        add_mirrored(&self.sides, tap, sum, |before, _, after| before + after);
+    }
+}
+
+impl Slope {
+    /// From `weight(distance)` up to and including `radius`, scaled to sum to one on a side.
+    pub fn new(radius: usize, weight: impl Fn(f64) -> f64) -> Self {
+        let sides = sides(radius, weight);
+        let total: f64 = sides.iter().sum();
+        Self {
+            sides: sides.iter().map(|w| w / total).collect(),
+        }
+    }
+
+    /// Adds the derivative of the samples to `sum`.
+    pub fn add<'a>(&self, tap: impl Fn(isize) -> &'a [f64], sum: &mut [f64]) {
+        add_mirrored(&self.sides, tap, sum, |before, _, after| after - before);
+    }
+}
+
+impl Bend {
+    /// From `weight(distance)` up to and including `radius`: the positive weights are scaled to
+    /// sum to one and the negative ones, the centre among them, to sum to minus one.
+    pub fn new(radius: usize, weight: impl Fn(f64) -> f64) -> Self {
+        let centre = weight(0.0);
+        let sides = sides(radius, weight);
+        let of_sign = |sign: f64| -> f64 {
+            let both_sides: f64 = sides.iter().filter(|&&w| w * sign > 0.0).sum();
+            let centre = if centre * sign > 0.0 { centre } else { 0.0 };
+            (centre + 2.0 * both_sides).abs()
+        };
+        let (positive, negative) = (of_sign(1.0), of_sign(-1.0));
+        let scaled = |w: &f64| w / if *w > 0.0 { positive } else { negative };
+        Self {
+            sides: sides.iter().map(scaled).collect(),
+        }
+    }
+
+    /// Adds the second derivative of the samples to `sum`.
+    pub fn add<'a>(&self, tap: impl Fn(isize) -> &'a [f64], sum: &mut [f64]) {
+        add_mirrored(&self.sides, tap, sum, |before, here, after| {
+            (before + after) - 2.0 * here
+        });
+    }
+}
+
+/// Adds to each sum, for every distance, the weight times what `join` makes of the samples that
+/// far before, here and that far after.
+///
+/// Works through blocks of columns whose sums fit into vector registers; the order of additions
+/// at a column does not depend on its block.
+fn add_mirrored<'a>(
+    weights: &[f64],
+    tap: impl Fn(isize) -> &'a [f64],
+    sum: &mut [f64],
+    join: impl Fn(f64, f64, f64) -> f64,
+) {
+    const BLOCK: usize = 16;
+    let here = tap(0);
+    let (blocks, rest) = sum.as_chunks_mut::<BLOCK>();
+    let rest_start = BLOCK * blocks.len();
+    for (block, sums) in blocks.iter_mut().enumerate() {
+        let columns = |row: &'a [f64]| &row.as_chunks::<BLOCK>().0[block];
+        let here = columns(here);
+        let mut kept = *sums;
+        for (k, &weight) in (1..).zip(weights) {
+            let (before, after) = (columns(tap(-k)), columns(tap(k)));
+            for i in 0..BLOCK {
+                kept[i] += weight * join(before[i], here[i], after[i]);
+            }
+        }
+        *sums = kept;
+    }
+    for (x, sum) in (rest_start..).zip(rest) {
+        for (k, &weight) in (1..).zip(weights) {
+            *sum += weight * join(tap(-k)[x], here[x], tap(k)[x]);
+        }
+    }
+}
+
+/// Weights at distance 1 to `radius`.
+fn sides(radius: usize, weight: impl Fn(f64) -> f64) -> Vec<f64> {
+    (1..=radius).map(|k| weight(k as f64)).collect()
+}
