@@ -1,3 +1,149 @@
-//! Two images to a difference.
+//! Two images to a judgement.
+//!
+//! First what makes images incomparable: another size, pixels that are no numbers. Then a gate:
+//! [exact](Gate::Exact), [deterministic](Gate::Deterministic) or
+//! [perceptual](Gate::Perceptual), each in its own file with its limits and their reasons.
 
+mod deterministic;
+mod exact;
 pub mod flip;
+mod perceptual;
+mod picture;
+
+pub use picture::{Picture, PictureError};
+
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// The rule by which two images are judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Gate {
+    /// Every bit of every pixel.
+    Exact,
+    /// Linear radiance within a tolerance, for renderings without noise.
+    Deterministic,
+    /// 8-bit images that look the same.
+    Perceptual,
+}
+
+impl Gate {
+    /// All gates.
+    pub const ALL: [Gate; 3] = [Gate::Exact, Gate::Deterministic, Gate::Perceptual];
+}
+
+impl fmt::Display for Gate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Gate::Exact => "exact",
+            Gate::Deterministic => "deterministic",
+            Gate::Perceptual => "perceptual",
+        })
+    }
+}
+
+impl std::str::FromStr for Gate {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Gate, String> {
+        Gate::ALL
+            .into_iter()
+            .find(|gate| gate.to_string() == name)
+            .ok_or_else(|| {
+                format!("unknown gate {name:?}; the gates are: exact, deterministic, perceptual")
+            })
+    }
+}
+
+/// What a comparison found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judgement {
+    /// Whether the images agree under the gate.
+    pub passed: bool,
+    /// The rule applied.
+    pub gate: Gate,
+    /// Numbers by name, all finite.
+    pub metrics: BTreeMap<String, f64>,
+    /// The deciding number in words.
+    pub reason: String,
+}
+
+impl Judgement {
+    fn new(gate: Gate, passed: bool, reason: String, metrics: &[(&str, f64)]) -> Judgement {
+        let metrics = metrics
+            .iter()
+            .map(|&(name, value)| (name.to_owned(), value))
+            .collect();
+        Judgement {
+            passed,
+            gate,
+            metrics,
+            reason,
+        }
+    }
+}
+
+/// Judges `test` by `reference`. 8-bit images are only ever judged by the perceptual gate, at
+/// `exposure` stops for the side that is radiance; other gates refuse them.
+pub fn judge(
+    gate: Gate,
+    reference: &Picture,
+    test: &Picture,
+    exposure: f64,
+) -> Result<Judgement, PictureError> {
+    if let Some(difference) = incomparable(gate, reference, test) {
+        return Ok(difference);
+    }
+    match (gate, reference, test) {
+        (Gate::Perceptual, _, _) => Ok(perceptual::judge(
+            &reference.srgb(exposure)?,
+            &test.srgb(exposure)?,
+        )),
+        (Gate::Exact, Picture::Radiance(reference), Picture::Radiance(test)) => {
+            Ok(exact::judge(reference, test))
+        }
+        (Gate::Deterministic, Picture::Radiance(reference), Picture::Radiance(test)) => {
+            Ok(deterministic::judge(reference, test))
+        }
+        _ => Err(PictureError::NeedsRadiance(gate)),
+    }
+}
+
+/// A failed judgement where no gate can be applied: sizes differ, or a pixel is no number.
+/// Looked for first, because `error > limit` is false for NaN.
+fn incomparable(gate: Gate, reference: &Picture, test: &Picture) -> Option<Judgement> {
+    let (width, height) = reference.size();
+    let (test_width, test_height) = test.size();
+    if (width, height) != (test_width, test_height) {
+        let reason = format!(
+            "size differs: the reference has {width} × {height} pixels, \
+             the test image {test_width} × {test_height}"
+        );
+        return Some(Judgement::new(gate, false, reason, &[]));
+    }
+    for (name, picture) in [("reference", reference), ("test image", test)] {
+        let Picture::Radiance(film) = picture else {
+            continue;
+        };
+        let broken = |pixel: &[f32; 3]| pixel.iter().any(|value| !value.is_finite());
+        let count = film.radiance().iter().filter(|pixel| broken(pixel)).count();
+        if let Some(first) = film.radiance().iter().position(broken) {
+            let reason = format!(
+                "{count} of {} pixels of the {name} are not finite; the first is \
+                 ({}, {}) with {:?}",
+                width * height,
+                first % width,
+                first / width,
+                film.radiance()[first]
+            );
+            return Some(Judgement::new(
+                gate,
+                false,
+                reason,
+                &[("non_finite_pixels", count as f64)],
+            ));
+        }
+    }
+    None
+}

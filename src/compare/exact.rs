@@ -1,0 +1,46 @@
+//! The exact gate: every bit of every pixel.
+
+use super::{Gate, Judgement};
+use crate::film::Film;
+
+/// Judges `test` by `reference`; both of one size and finite.
+pub(super) fn judge(reference: &Film, test: &Film) -> Judgement {
+    let bits = |pixel: &[f32; 3]| pixel.map(f32::to_bits);
+    let pairs = || reference.radiance().iter().zip(test.radiance());
+    let moved = pairs().filter(|(a, b)| bits(a) != bits(b)).count();
+    let opacity_moved = match (reference.opacity(), test.opacity()) {
+        (Some(a), Some(b)) => a
+            .iter()
+            .zip(b)
+            .filter(|(a, b)| a.to_bits() != b.to_bits())
+            .count(),
+        (None, None) => 0,
+        _ => {
+            let reason = "only one of the images has an opacity channel".to_owned();
+            return Judgement::new(
+                Gate::Exact,
+                false,
+                reason,
+                &[("moved_pixels", moved as f64)],
+            );
+        }
+    };
+    let largest = pairs()
+        .flat_map(|(a, b)| (0..3).map(move |c| (f64::from(a[c]) - f64::from(b[c])).abs()))
+        .fold(0.0, f64::max);
+    let count = reference.radiance().len();
+    let reason = if moved == 0 && opacity_moved == 0 {
+        format!("all {count} pixels have the same bits")
+    } else {
+        format!(
+            "{moved} of {count} pixels have other colours and {opacity_moved} another opacity; \
+             the largest difference of a channel is {largest:.3e}"
+        )
+    };
+    let metrics = [
+        ("moved_pixels", moved as f64),
+        ("moved_opacities", opacity_moved as f64),
+        ("max_abs_error", largest),
+    ];
+    Judgement::new(Gate::Exact, moved + opacity_moved == 0, reason, &metrics)
+}
