@@ -9,4 +9,5 @@ pub mod math;
 pub mod media;
 pub mod render;
 pub mod scene;
+pub mod suite;
 pub mod volume;

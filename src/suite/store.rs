@@ -1,0 +1,378 @@
+//! The files beneath the goldens: many are replaced as one, whatever happens meanwhile.
+//!
+//! Several renames are not atomic, one is. So an accept goes through these steps, each durable
+//! before the next begins:
+//!
+//! 1. a *draft* lists the files to be replaced;
+//! 2. the new files are written aside (*staged*), each in its own directory;
+//! 3. the draft is renamed to `accept.journal`: **this decides**;
+//! 4. the staged files are renamed over the old ones;
+//! 5. the journal is removed.
+//!
+//! While there is a journal, a file it lists is read from where it is staged or, once renamed,
+//! from its place: readers see all old files before step 3 and all new ones after it, and never
+//! have to write for that. The next accept completes what it finds: a journal is carried through
+//! from step 4; a draft is undone, which removes exactly the files it lists. A draft that
+//! was cut off was being written, so nothing was staged yet.
+
+mod disk;
+mod error;
+mod journal;
+mod name;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeSet;
+use std::fs::{self, File, TryLockError};
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+use crate::atomic_file::directory_of;
+use journal::{Entry, Journal};
+use name::{DRAFT, JOURNAL, LOCK, Name};
+
+pub use disk::{Disk, RealDisk};
+pub use error::{Failure, StoreError};
+
+/// Where goldens live, and the only code that writes them.
+#[derive(Clone, Debug)]
+pub struct Store<D: Disk = RealDisk> {
+    root: PathBuf,
+    disk: D,
+}
+
+impl Store {
+    /// The goldens under `root`, a directory that need not exist. Touches no file.
+    pub fn open(root: impl Into<PathBuf>) -> Store {
+        Store::on_disk(root, RealDisk)
+    }
+}
+
+/// Reading. None of these functions writes, locks or creates anything.
+impl<D: Disk> Store<D> {
+    /// What a reader sees at `relative`, a path under the root, now; `None` if there is no such
+    /// file. Files that belong together are to be read by [`read_all`](Self::read_all).
+    ///
+    /// # Errors
+    ///
+    /// [`StoreError::Name`] for a path that leaves the root, [`Read`](StoreError::Read) if the
+    /// operating system refuses, [`Journal`](StoreError::Journal) and
+    /// [`Lost`](StoreError::Lost) if the traces of an interrupted accept were changed by hand.
+    pub fn read(&self, relative: &Path) -> Result<Option<Vec<u8>>, StoreError> {
+        let name = name(relative)?;
+        loop {
+            let journal = self.journal()?;
+            let Some((journal, entry)) = journal
+                .as_ref()
+                .and_then(|journal| Some((journal, journal.entry(&name)?)))
+            else {
+                return read_if_present(&name.under(&self.root));
+            };
+            if let Some(bytes) = self.recorded(journal, entry)? {
+                return Ok(Some(bytes));
+            }
+            // Either something is wrong, or the journal was completed while we were looking.
+            if self.journal()?.as_ref() == Some(journal) {
+                return Err(self.lost(entry));
+            }
+        }
+    }
+
+    /// What a reader sees at all these paths at one moment, in their order: never some files
+    /// from before an accept and some from after it, even if it runs meanwhile.
+    ///
+    /// # Errors
+    ///
+    /// As [`read`](Self::read).
+    pub fn read_all<P: AsRef<Path>>(
+        &self,
+        relative: &[P],
+    ) -> Result<Vec<Option<Vec<u8>>>, StoreError> {
+        let collect = || {
+            relative
+                .iter()
+                .map(|path| self.read(path.as_ref()))
+                .collect::<Result<Vec<_>, _>>()
+        };
+        let mut before = collect()?;
+        loop {
+            // Twice the same: then these were the contents at the moment between the two.
+            let after = collect()?;
+            if before == after {
+                return Ok(after);
+            }
+            before = after;
+        }
+    }
+
+    fn journal(&self) -> Result<Option<Journal>, StoreError> {
+        let path = self.root.join(JOURNAL);
+        let Some(bytes) = read_if_present(&path)? else {
+            return Ok(None);
+        };
+        match Journal::parse(&bytes) {
+            Ok(journal) => Ok(Some(journal)),
+            Err(journal::Malformed { line, problem }) => Err(StoreError::Journal {
+                path,
+                line,
+                problem,
+            }),
+        }
+    }
+
+    /// The contents a journal promises, staged or in their place; `None` if at neither.
+    fn recorded(&self, journal: &Journal, entry: &Entry) -> Result<Option<Vec<u8>>, StoreError> {
+        // In this order: a file on its way from the first to the second is found.
+        let staged = entry.name.staged_under(&self.root, &journal.tag);
+        let bytes = match read_if_present(&staged)? {
+            Some(bytes) => Some(bytes),
+            None => read_if_present(&entry.name.under(&self.root))?,
+        };
+        Ok(bytes.filter(|bytes| entry.describes(bytes)))
+    }
+
+    fn lost(&self, entry: &Entry) -> StoreError {
+        let golden = entry.name.under(&self.root);
+        StoreError::Lost {
+            golden,
+            journal: self.root.join(JOURNAL),
+        }
+    }
+}
+
+/// Writing.
+impl<D: Disk> Store<D> {
+    /// As [`open`](Store::open), with other file operations.
+    pub fn on_disk(root: impl Into<PathBuf>, disk: D) -> Store<D> {
+        Store {
+            root: root.into(),
+            disk,
+        }
+    }
+
+    /// Replaces or creates all files at once; a path is relative to the root, its directories
+    /// are created. After a crash at any moment readers see all of the old files or all of the
+    /// new ones. First completes or undoes an accept that was interrupted earlier; with no files
+    /// it does only that.
+    ///
+    /// Leaves `.lock` in the root: the operating system releases the lock when its process
+    /// ends, however it ends, so the file being there means nothing.
+    ///
+    /// # Errors
+    ///
+    /// Whether readers see the new files follows from the variant: they do after
+    /// [`StoreError::Unfinished`], cannot tell after [`Undecided`](StoreError::Undecided), and
+    /// see what they saw before after any other. In that case no file is left behind
+    /// if removing the staged files works; if not, the next call removes them.
+    pub fn publish<P: AsRef<Path>>(&self, files: &[(P, Vec<u8>)]) -> Result<(), StoreError> {
+        let mut names = BTreeSet::new();
+        let mut entries = Vec::new();
+        for (path, bytes) in files {
+            let name = name(path.as_ref())?;
+            if !names.insert(name.clone()) {
+                return Err(StoreError::Twice {
+                    path: name.as_str().to_owned(),
+                });
+            }
+            entries.push(Entry::new(name, bytes));
+        }
+
+        let _lock = self.lock()?;
+        self.finish_interrupted()?;
+        if entries.is_empty() {
+            return Ok(());
+        }
+        let journal = Journal::new(entries);
+        let contents = files.iter().map(|(_, bytes)| bytes.as_slice());
+        if let Err(failure) = self.stage(&journal, contents) {
+            return Err(self.give_up(&journal, failure));
+        }
+        self.decide(&journal)?;
+        self.install(&journal).map_err(StoreError::Unfinished)
+    }
+
+    /// Held until the returned file is closed.
+    fn lock(&self) -> Result<File, StoreError> {
+        let lock = self.root.join(LOCK);
+        self.create_directory(&self.root)
+            .map_err(StoreError::Untouched)?;
+        let opened = File::options()
+            .create(true)
+            .truncate(false)
+            .write(true)
+            .open(&lock);
+        let file = opened.map_err(failed("open the lock file", &lock));
+        let file = file.map_err(StoreError::Untouched)?;
+        match file.try_lock() {
+            Ok(()) => Ok(file),
+            Err(TryLockError::WouldBlock) => Err(StoreError::Locked { lock }),
+            Err(TryLockError::Error(cause)) => {
+                Err(StoreError::Untouched(failed("lock", &lock)(cause)))
+            }
+        }
+    }
+
+    /// Carries a decided accept through and undoes an undecided one. Readers see no difference.
+    fn finish_interrupted(&self) -> Result<(), StoreError> {
+        if let Some(journal) = self.journal()? {
+            // All of them first, so that nothing is changed if one has to be refused.
+            for entry in &journal.entries {
+                self.recorded(&journal, entry)?
+                    .ok_or_else(|| self.lost(entry))?;
+            }
+            self.install(&journal).map_err(StoreError::Untouched)?;
+        }
+        let draft = self.root.join(DRAFT);
+        if let Some(bytes) = read_if_present(&draft)? {
+            match Journal::parse(&bytes) {
+                Ok(journal) => self.unstage(&journal),
+                Err(_cut_off) => self.remove_if_present(&draft),
+            }
+            .map_err(StoreError::Untouched)?;
+        }
+        Ok(())
+    }
+
+    /// Steps 1 and 2.
+    fn stage<'a>(
+        &self,
+        journal: &Journal,
+        contents: impl Iterator<Item = &'a [u8]>,
+    ) -> Result<(), Failure> {
+        let draft = self.root.join(DRAFT);
+        let text = journal.to_text();
+        (self.disk.create_synced(&draft, text.as_bytes())).map_err(failed("write", &draft))?;
+        self.sync(&self.root)?;
+
+        for entry in &journal.entries {
+            self.create_directory(directory_of(&entry.name.under(&self.root)))?;
+        }
+        for (entry, bytes) in journal.entries.iter().zip(contents) {
+            // What a rename would only find out after the decision.
+            let place = entry.name.under(&self.root);
+            if place.is_dir() {
+                return Err(failed("replace", &place)(ErrorKind::IsADirectory.into()));
+            }
+            let staged = entry.name.staged_under(&self.root, &journal.tag);
+            (self.disk.create_synced(&staged, bytes)).map_err(failed("write", &staged))?;
+        }
+        self.sync_all(journal)
+    }
+
+    /// Step 3.
+    fn decide(&self, journal: &Journal) -> Result<(), StoreError> {
+        let (draft, place) = (self.root.join(DRAFT), self.root.join(JOURNAL));
+        let Err(cause) = self.disk.rename(&draft, &place) else {
+            return Ok(());
+        };
+        // On a network a rename can be reported as failed that took place.
+        let failure = failed("rename the journal to", &place)(cause);
+        match place.try_exists() {
+            Ok(true) => Ok(()),
+            Ok(false) => Err(self.give_up(journal, failure)),
+            Err(_) => Err(StoreError::Undecided(failure)),
+        }
+    }
+
+    /// Steps 4 and 5, also if they were partly done before.
+    fn install(&self, journal: &Journal) -> Result<(), Failure> {
+        // The decision must be durable before the first file depends on it.
+        self.sync(&self.root)?;
+        for entry in &journal.entries {
+            let staged = entry.name.staged_under(&self.root, &journal.tag);
+            if staged.try_exists().map_err(failed("look at", &staged))? {
+                let place = entry.name.under(&self.root);
+                (self.disk.rename(&staged, &place)).map_err(failed("replace", &place))?;
+            }
+        }
+        self.sync_all(journal)?;
+        self.remove_if_present(&self.root.join(JOURNAL))?;
+        self.sync(&self.root)
+    }
+
+    /// Removes what an undecided accept staged, then its draft: as long as a staged file is
+    /// there, so is the list that tells it from a file of the user's.
+    fn unstage(&self, journal: &Journal) -> Result<(), Failure> {
+        for entry in &journal.entries {
+            self.remove_if_present(&entry.name.staged_under(&self.root, &journal.tag))?;
+        }
+        for directory in journal.directories(&self.root) {
+            // The crash may have come before the directory.
+            if directory.is_dir() {
+                self.sync(&directory)?;
+            }
+        }
+        self.remove_if_present(&self.root.join(DRAFT))?;
+        self.sync(&self.root)
+    }
+
+    /// Undoes steps 1 and 2 because of a failure. If that fails as well, the draft stays and the
+    /// next accept undoes them.
+    fn give_up(&self, journal: &Journal, failure: Failure) -> StoreError {
+        let _ = self.unstage(journal);
+        StoreError::Untouched(failure)
+    }
+
+    /// Creates a directory with its parents, durably.
+    fn create_directory(&self, directory: &Path) -> Result<(), Failure> {
+        if directory.is_dir() {
+            return Ok(());
+        }
+        let parent = directory_of(directory);
+        self.create_directory(parent)?;
+        match self.disk.create_dir(directory) {
+            // Another accept came first.
+            Err(error) if error.kind() == ErrorKind::AlreadyExists && directory.is_dir() => Ok(()),
+            Err(error) => Err(failed("create the directory", directory)(error)),
+            Ok(()) => self.sync(parent),
+        }
+    }
+
+    fn remove_if_present(&self, path: &Path) -> Result<(), Failure> {
+        match self.disk.remove(path) {
+            Err(error) if is_absence(&error) => Ok(()),
+            result => result.map_err(failed("remove", path)),
+        }
+    }
+
+    fn sync_all(&self, journal: &Journal) -> Result<(), Failure> {
+        journal
+            .directories(&self.root)
+            .iter()
+            .try_for_each(|directory| self.sync(directory))
+    }
+
+    fn sync(&self, directory: &Path) -> Result<(), Failure> {
+        self.disk
+            .sync_dir(directory)
+            .map_err(failed("sync the directory", directory))
+    }
+}
+
+fn name(path: &Path) -> Result<Name, StoreError> {
+    Name::new(path).map_err(|problem| StoreError::Name {
+        path: path.to_path_buf(),
+        problem,
+    })
+}
+
+fn failed(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Failure {
+    move |cause| Failure {
+        action,
+        path: path.to_path_buf(),
+        cause,
+    }
+}
+
+fn read_if_present(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
+    match fs::read(path) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(StoreError::Read(failed("read", path)(error))),
+    }
+}
+
+/// Also where a file stands in the place of the directory: there is nothing in it to remove.
+fn is_absence(error: &io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory)
+}
