@@ -8,6 +8,7 @@ pub mod geometry;
 pub mod math;
 pub mod media;
 pub mod render;
+pub mod report;
 pub mod scene;
 pub mod suite;
 pub mod volume;

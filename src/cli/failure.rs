@@ -38,14 +38,6 @@ pub struct Failure {
 }
 
 impl Failure {
-    /// A mistake in a scene or manifest.
-    pub fn boxed(error: Box<SceneError>) -> Failure {
-        Failure {
-            exit: Exit::BadInput,
-            report: Report::new(*error),
-        }
-    }
-
     /// Any failure, in words.
     pub fn new(exit: Exit, message: impl Into<String>, help: Option<&str>) -> Failure {
         let diagnostic = miette::MietteDiagnostic::new(message);
@@ -56,6 +48,15 @@ impl Failure {
         Failure {
             exit,
             report: Report::new(diagnostic),
+        }
+    }
+}
+
+impl From<Box<SceneError>> for Failure {
+    fn from(error: Box<SceneError>) -> Failure {
+        Failure {
+            exit: Exit::BadInput,
+            report: Report::new(*error),
         }
     }
 }

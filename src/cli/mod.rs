@@ -2,14 +2,19 @@
 //!
 //! One file per command. Only this room prints.
 
+mod accept;
+mod compare;
 mod failure;
+mod list;
 mod output;
 mod plan;
 mod progress;
 mod render;
+mod schema;
+mod suite;
+mod verify;
 
 use clap::{Parser, Subcommand};
-use failure::Failure;
 use std::process::ExitCode;
 
 pub use failure::Exit;
@@ -31,8 +36,13 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Verify(verify::Arguments),
+    Compare(compare::Arguments),
     Render(render::Arguments),
     Plan(plan::Arguments),
+    Accept(accept::Arguments),
+    List(list::Arguments),
+    Schema(schema::Arguments),
 }
 
 /// What a command that ran to its end says.
@@ -69,8 +79,13 @@ pub fn main() -> ExitCode {
         }
     };
     let result = match arguments.command {
+        Command::Verify(arguments) => verify::run(arguments),
+        Command::Compare(arguments) => compare::run(arguments),
         Command::Render(arguments) => render::run(arguments),
         Command::Plan(arguments) => plan::run(arguments),
+        Command::Accept(arguments) => accept::run(arguments),
+        Command::List(arguments) => list::run(arguments),
+        Command::Schema(arguments) => Ok(schema::run(arguments)),
     };
     match result {
         Ok(outcome) => {

@@ -48,7 +48,7 @@ struct DefaultJson<'s> {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
-    let scene = Scene::load(&arguments.scene).map_err(Failure::boxed)?;
+    let scene = Scene::load(&arguments.scene)?;
     let plans = scene
         .panels
         .iter()

@@ -10,3 +10,15 @@ pub fn rows(label: &str, rows: usize) -> ProgressBar {
         .with_style(style)
         .with_message(label.to_owned())
 }
+
+/// A bar over `cases` cases.
+pub fn cases(cases: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("{spinner} {msg:32} {bar:40} {pos}/{len}")
+        .expect("a valid template");
+    ProgressBar::new(cases as u64).with_style(style)
+}
+
+/// A sign of life for work of unknown length.
+pub fn spinner(label: &str) -> ProgressBar {
+    ProgressBar::new_spinner().with_message(label.to_owned())
+}

@@ -46,7 +46,7 @@ pub struct Arguments {
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let format = Format::of(&arguments.output)?;
     writable_folder(&arguments.output)?;
-    let mut scene = Scene::load(&arguments.scene).map_err(Failure::boxed)?;
+    let mut scene = Scene::load(&arguments.scene)?;
     if let Some(step) = arguments.step {
         set_step(&mut scene, step)?;
     }

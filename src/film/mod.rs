@@ -160,7 +160,15 @@ impl Film {
 
     /// A PNG preview at `exposure` stops.
     pub fn to_png(&self, exposure: f64) -> Vec<u8> {
-        png_file::encode(&self.srgb_codes(exposure), self.width, self.height)
+        Film::codes_to_png(&self.srgb_codes(exposure), self.width, self.height)
+    }
+
+    /// 8-bit sRGB codes as a PNG image.
+    ///
+    /// # Panics
+    /// If there is not one code triple per pixel.
+    pub fn codes_to_png(codes: &[[u8; 3]], width: usize, height: usize) -> Vec<u8> {
+        png_file::encode(codes, width, height)
     }
 
     /// The image as EXR, 32-bit float, lossless.

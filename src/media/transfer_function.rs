@@ -20,9 +20,14 @@ impl TransferFunction {
         over_length(self.opacity.at(density), length / self.reference_length)
     }
 
-    /// Unshaded colour of the light a sample sends out: `colormap(d)·d²`.
+    /// Colour of the material: `colormap(d)`.
     pub fn colour(&self, density: f64) -> DVec3 {
-        self.colormap.at(density) * (density * density)
+        self.colormap.at(density)
+    }
+
+    /// How much light a sample sends out, whatever its colour and shading: `d²`.
+    pub fn strength(&self, density: f64) -> f64 {
+        density * density
     }
 
     /// Whether every density up to `density` has an opacity of exactly 0.

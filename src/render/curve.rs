@@ -5,7 +5,7 @@
 use crate::math;
 use crate::media::TransferOpacity;
 use crate::scene::Curve;
-use embedded_graphics::mono_font::{MonoTextStyle, ascii::FONT_5X8};
+use embedded_graphics::mono_font::{MonoTextStyle, ascii::FONT_6X12};
 use embedded_graphics::pixelcolor::BinaryColor;
 use embedded_graphics::prelude::*;
 use embedded_graphics::text::{Alignment, Baseline, Text, TextStyleBuilder};
@@ -50,10 +50,10 @@ impl Plot {
     fn new(curve: &Curve, width: usize, height: usize) -> Plot {
         // Room for the labels; whole pixels, so that the frame falls on pixel centres.
         Plot {
-            left: 24.5,
-            right: (width as f64 - 10.5).max(25.5),
+            left: 26.5,
+            right: (width as f64 - 10.5).max(27.5),
             top: 8.5,
-            bottom: (height as f64 - 22.5).max(9.5),
+            bottom: (height as f64 - 25.5).max(9.5),
             densities: curve.densities,
             curve: curve.opacity,
         }
@@ -112,7 +112,7 @@ impl Plot {
                 height,
                 colour: linear(colour),
             };
-            let style = MonoTextStyle::new(&FONT_5X8, BinaryColor::On);
+            let style = MonoTextStyle::new(&FONT_6X12, BinaryColor::On);
             let layout = TextStyleBuilder::new()
                 .alignment(align)
                 .baseline(Baseline::Middle)
@@ -130,14 +130,14 @@ impl Plot {
             );
         }
         for density in ticks(self.densities) {
-            let (x, y) = (self.x(density) + 1.0, self.bottom + 7.0);
+            let (x, y) = (self.x(density) + 1.0, self.bottom + 8.0);
             ink(&format!("{density:.1}"), x, y, INK, Alignment::Center);
         }
         let middle = 0.5 * (self.left + self.right);
         ink(
             "density d",
             middle,
-            self.bottom + 16.0,
+            self.bottom + 18.0,
             INK,
             Alignment::Center,
         );

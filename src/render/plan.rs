@@ -264,6 +264,17 @@ impl Plan {
         decision.expect("a decision for each effect").state
     }
 
+    /// Names of the effects that the scene could have asked for and did not.
+    pub fn omitted(&self) -> Vec<String> {
+        let omitted = self
+            .decisions
+            .iter()
+            .filter(|decision| decision.state == State::Omitted);
+        omitted
+            .map(|decision| decision.effect.to_string())
+            .collect()
+    }
+
     /// The plan as text that changes with anything it covers.
     pub fn canonical_text(&self) -> String {
         let mut text = format!("{}\n", self.kernel);

@@ -126,12 +126,13 @@ impl<F: Field, O: Order, S: Shading, V: Visibility, E: Space> RayCaster<'_, F, O
             }
             let world = ray.at(t);
             let colour = self.transfer_function.colour(density);
-            let colour = self
+            let shaded = self
                 .shading
                 .shade(colour, &self.field, &place, world, ray, work);
             let sample = Sample { world, nodes };
             let visibility = self.visibility.at(sample, &self.field, &self.space, work);
-            layers = O::add(layers, colour * visibility * opacity, opacity);
+            let radiance = shaded * (self.transfer_function.strength(density) * visibility);
+            layers = O::add(layers, radiance * opacity, opacity);
         }
         layers
     }

@@ -206,11 +206,22 @@ pub struct Shadow {
     pub reference_step: f64,
 }
 
+/// The file a grid was read from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct VolumeSource {
+    /// As the scene names it.
+    pub name: String,
+    /// BLAKE3 of its bytes.
+    pub hash: String,
+}
+
 /// A classified volume and the view of it, all lengths in world units.
 #[derive(Clone, Debug)]
 pub struct Classified {
     /// Densities: finite, not negative.
     pub grid: Arc<Grid<f32>>,
+    /// Where the densities came from.
+    pub volume: VolumeSource,
     /// Reconstruction between the nodes.
     pub interpolation: Interpolation,
     /// Order of the samples.
@@ -274,7 +285,7 @@ impl Classified {
     pub(super) fn read(
         reader: &Reader<'_, '_>,
         camera: &Reader<'_, '_>,
-        grid: Arc<Grid<f32>>,
+        (grid, volume): (Arc<Grid<f32>>, VolumeSource),
         transfer_function: TransferFunction,
     ) -> Result<Classified, Box<SceneError>> {
         let empty = DeTable::new();
@@ -305,6 +316,7 @@ impl Classified {
             .map(|reader| read_shadow(&reader, &lattice));
         Ok(Classified {
             grid,
+            volume,
             interpolation,
             compositing,
             step,

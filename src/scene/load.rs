@@ -1,6 +1,6 @@
 //! From a scene file to a [`Scene`].
 
-use super::classified::{CAMERA, CLASSIFIED, VolumeRequest};
+use super::classified::{CAMERA, CLASSIFIED, VolumeRequest, VolumeSource};
 use super::curve::CURVE;
 use super::format::{Absent, Key, Kind, Literal, Range, Table};
 use super::reader::{Document, Reader, Reading, overridden};
@@ -250,34 +250,35 @@ fn panel_tables<'s>(
     items.iter().map(table).collect()
 }
 
+/// A grid and the file it came from.
+type Loaded = (Arc<Grid<f32>>, VolumeSource);
+
 /// The grids of a scene; a file asked for by several panels is read once.
 struct Grids<'p> {
     folder: &'p Path,
-    loaded: BTreeMap<(String, usize, usize), Arc<Grid<f32>>>,
+    loaded: BTreeMap<(String, usize, usize), Loaded>,
 }
 
 impl Grids<'_> {
-    fn get(&mut self, reader: &Reader<'_, '_>) -> Result<Arc<Grid<f32>>, Box<SceneError>> {
+    fn get(&mut self, reader: &Reader<'_, '_>) -> Result<Loaded, Box<SceneError>> {
         let VolumeRequest {
             file,
             resolution,
             padding,
         } = VolumeRequest::read(reader)?;
         let key = (file.clone(), resolution, padding);
-        if let Some(grid) = self.loaded.get(&key) {
-            return Ok(grid.clone());
+        if let Some(loaded) = self.loaded.get(&key) {
+            return Ok(loaded.clone());
         }
-        let grid = volume::load(
-            &self.folder.join(&file),
-            Splatting {
-                resolution,
-                padding,
-            },
-        )
-        .map_err(|error| reader.error("file", error.to_string()))?;
-        let grid = Arc::new(grid);
-        self.loaded.insert(key, grid.clone());
-        Ok(grid)
+        let splatting = Splatting {
+            resolution,
+            padding,
+        };
+        let (grid, hash) = volume::load_hashed(&self.folder.join(&file), splatting)
+            .map_err(|error| reader.error("file", error.to_string()))?;
+        let loaded = (Arc::new(grid), VolumeSource { name: file, hash });
+        self.loaded.insert(key, loaded.clone());
+        Ok(loaded)
     }
 }
 
@@ -300,10 +301,11 @@ impl Panel {
         let model = match (root.table("classified")?, root.table("curve")?) {
             (Some(reader), None) => {
                 let volume = reader.table("volume")?.expect("required");
-                let grid = grids.get(&volume)?;
-                let transfer_function = read_transfer_function(&transfer_function, opacity, &grid)?;
+                let loaded = grids.get(&volume)?;
+                let transfer_function =
+                    read_transfer_function(&transfer_function, opacity, &loaded.0)?;
                 let camera = root.table_or_default("camera", &empty)?;
-                let classified = Classified::read(&reader, &camera, grid, transfer_function)?;
+                let classified = Classified::read(&reader, &camera, loaded, transfer_function)?;
                 Model::Classified(Box::new(classified))
             }
             (None, Some(reader)) => {

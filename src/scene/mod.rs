@@ -7,7 +7,7 @@ pub mod format;
 mod load;
 pub mod reader;
 
-pub use classified::{Classified, Compositing, Interpolation, Shadow};
+pub use classified::{Classified, Compositing, Interpolation, Shadow, VolumeSource};
 pub use curve::Curve;
 pub use error::SceneError;
 pub use load::{Model, Panel, SCENE, Scene};

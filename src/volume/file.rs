@@ -110,12 +110,22 @@ const MOST_OBJ_BYTES: u64 = 1 << 32;
 ///
 /// Densities are finite and not negative; those of a splatted cloud have the maximum 1.
 pub fn load(path: &Path, splatting: Splatting) -> Result<Grid<f32>, VolumeError> {
+    load_hashed(path, splatting).map(|(grid, _)| grid)
+}
+
+/// [`load`], and the BLAKE3 hash of the bytes read: it tells later whether a file is still the
+/// one an image was made from.
+pub fn load_hashed(path: &Path, splatting: Splatting) -> Result<(Grid<f32>, String), VolumeError> {
     let format = VolumeFormat::of(path).ok_or_else(|| VolumeError::Format(path.to_owned()))?;
     let (file, length) = open(path)?;
     match format {
         VolumeFormat::Obj => load_cloud(path, file, length, splatting),
         VolumeFormat::CourseGrid => load_course_grid(path, file, length),
     }
+}
+
+fn hash(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex().to_string()
 }
 
 /// Opens a regular file and tells its length.
@@ -148,7 +158,7 @@ fn load_cloud(
     file: File,
     length: u64,
     splatting: Splatting,
-) -> Result<Grid<f32>, VolumeError> {
+) -> Result<(Grid<f32>, String), VolumeError> {
     if length > MOST_OBJ_BYTES {
         return Err(VolumeError::TooLarge {
             path: path.to_owned(),
@@ -162,14 +172,19 @@ fn load_cloud(
         path: path.to_owned(),
         error,
     })?;
-    splat(&points, splatting).map_err(|error| VolumeError::Splat {
+    let grid = splat(&points, splatting).map_err(|error| VolumeError::Splat {
         path: path.to_owned(),
         error,
-    })
+    })?;
+    Ok((grid, hash(&bytes)))
 }
 
 /// The header is held against the length of the file before the rest is read.
-fn load_course_grid(path: &Path, mut file: File, length: u64) -> Result<Grid<f32>, VolumeError> {
+fn load_course_grid(
+    path: &Path,
+    mut file: File,
+    length: u64,
+) -> Result<(Grid<f32>, String), VolumeError> {
     let trouble = |error| VolumeError::CourseGrid {
         path: path.to_owned(),
         error,
@@ -179,7 +194,8 @@ fn load_course_grid(path: &Path, mut file: File, length: u64) -> Result<Grid<f32
     let header = Header::read(&bytes).map_err(trouble)?;
     header.check_length(length).map_err(trouble)?;
     read(path, file.take(length - Header::BYTES as u64), &mut bytes)?;
-    read_course_grid(&bytes).map_err(trouble)
+    let grid = read_course_grid(&bytes).map_err(trouble)?;
+    Ok((grid, hash(&bytes)))
 }
 
 fn read(path: &Path, mut source: impl Read, bytes: &mut Vec<u8>) -> Result<(), VolumeError> {

@@ -10,7 +10,7 @@ mod obj_points;
 mod splat;
 
 pub use course_grid::{CourseGridError, read_course_grid, write_course_grid};
-pub use file::{VolumeError, VolumeFormat, load};
+pub use file::{VolumeError, VolumeFormat, load, load_hashed};
 pub use gradient::gradients;
 pub use grid::{Grid, GridError};
 pub use interpolation::{Cell, Lerp, Node, Scalar};

@@ -1,0 +1,75 @@
+//! `volref accept CASE… --reason TEXT`
+
+use super::failure::{Exit, Failure};
+use super::output::Json;
+use super::suite::{Selection, select, store};
+use super::{Outcome, progress};
+use crate::suite::{self, AcceptError, Change, StoreError};
+use serde_json::json;
+
+/// Render cases and make the results their goldens; look at the pictures before and after
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Cases, families, or patterns over them such as 'figures/*'
+    #[arg(value_name = "CASE", required = true)]
+    cases: Vec<String>,
+    /// What was wrong with the old goldens, or why there are new ones; kept with each golden
+    #[arg(long, value_name = "TEXT")]
+    reason: String,
+    #[command(flatten)]
+    selection: Selection,
+    #[command(flatten)]
+    json: Json,
+}
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+    let suite = arguments.selection.open()?;
+    let cases = select(&suite, &arguments.cases)?;
+    let in_ci = std::env::var_os("CI").is_some_and(|value| !value.is_empty());
+    let bar = progress::spinner(&format!("rendering {} cases", cases.len()));
+    let accepted = suite::accept(&cases, &store(&suite), &arguments.reason, in_ci, &|| {
+        bar.tick()
+    });
+    bar.finish_and_clear();
+    let accepted = accepted.map_err(|error| {
+        let exit = match error {
+            AcceptError::Store(StoreError::Journal { .. } | StoreError::Lost { .. }) => {
+                Exit::Golden
+            }
+            _ => Exit::BadInput,
+        };
+        Failure {
+            exit,
+            report: error.into(),
+        }
+    })?;
+
+    let mut text = String::new();
+    let mut entries = Vec::new();
+    for entry in &accepted {
+        let (word, detail) = match &entry.change {
+            Change::New => ("new", "there was no golden that could be read".to_owned()),
+            Change::Unchanged => (
+                "unchanged",
+                "left as it was, with its old reason".to_owned(),
+            ),
+            Change::SamePicture => ("recorded", "same picture; scene or plan changed".to_owned()),
+            Change::Replaced(difference) => ("replaced", difference.clone()),
+        };
+        text.push_str(&format!("{word:<9}  {}: {detail}\n", entry.case));
+        entries.push(json!({ "name": entry.case, "change": word, "reason": detail }));
+    }
+    if accepted
+        .iter()
+        .any(|entry| matches!(entry.change, Change::New | Change::Replaced(_)))
+    {
+        let folder = suite.golden_folder();
+        text.push_str(&format!(
+            "\nNow look at the pictures in {}.\n",
+            folder.display()
+        ));
+    }
+    let value = json!({ "schema": "volref/accept/1", "cases": entries });
+    arguments.json.instead_of(text, &value).map(Outcome::from)
+}

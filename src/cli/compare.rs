@@ -1,0 +1,132 @@
+//! `volref compare REFERENCE TEST`
+
+use super::Outcome;
+use super::failure::{Exit, Failure};
+use super::output::{self, Json};
+use crate::compare::flip::{DEFAULT_PIXELS_PER_DEGREE, flip, magma};
+use crate::compare::{Gate, Judgement, Picture, PictureError, judge};
+use crate::film::Film;
+use crate::report;
+use crate::suite::{CaseResult, Cause, Verdict};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Compare one pair of images
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// The image taken to be right: .exr (linear radiance) or .png (8-bit sRGB)
+    reference: PathBuf,
+    /// The image to judge
+    test: PathBuf,
+    /// exact, deterministic or perceptual [default: deterministic for two .exr, else perceptual]
+    #[arg(long, value_name = "GATE")]
+    gate: Option<Gate>,
+    /// Exposure at which radiance is seen, in stops, for the perceptual gate and the heat map
+    #[arg(
+        long,
+        value_name = "STOPS",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    exposure: f64,
+    /// Write a picture of the perceived difference (FLIP): black where equal, bright where not
+    #[arg(long, value_name = "FILE.png")]
+    heatmap: Option<PathBuf>,
+    #[command(flatten)]
+    json: Json,
+}
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+    let start = Instant::now();
+    if !arguments.exposure.is_finite() {
+        return Err(Failure::new(
+            Exit::BadInput,
+            "--exposure must be finite",
+            None,
+        ));
+    }
+    let reference =
+        Picture::read(&arguments.reference).map_err(|error| unreadable(error, Exit::BadInput))?;
+    let test =
+        Picture::read(&arguments.test).map_err(|error| unreadable(error, Exit::OtherRenderer))?;
+    let both_radiance = matches!(
+        (&reference, &test),
+        (Picture::Radiance(_), Picture::Radiance(_))
+    );
+    let gate = arguments.gate.unwrap_or(if both_radiance {
+        Gate::Deterministic
+    } else {
+        Gate::Perceptual
+    });
+    let judgement = judge(gate, &reference, &test, arguments.exposure)
+        .map_err(|error| unreadable(error, Exit::BadInput))?;
+    if let Some(path) = &arguments.heatmap {
+        write_heatmap(path, &reference, &test, arguments.exposure)?;
+    }
+    let result = result(&arguments.test, judgement, start.elapsed().as_secs_f64());
+
+    let verdict = result.verdict.name();
+    let mut text = format!("{verdict}  ({gate} gate)\n{}\n\n", result.reason);
+    let widest = result.metrics.keys().map(String::len).max().unwrap_or(0);
+    for (name, value) in &result.metrics {
+        text.push_str(&format!("  {name:<widest$}  {value}\n"));
+    }
+    let exit = if result.cause == Cause::None {
+        Exit::Passed
+    } else {
+        Exit::Mismatch
+    };
+    let json = report::results_json("compare", &[result]);
+    let text = arguments.json.instead_of(text, &json)?;
+    Ok(Outcome { text, exit })
+}
+
+fn unreadable(error: PictureError, exit: Exit) -> Failure {
+    Failure::new(exit, error.to_string(), None)
+}
+
+fn result(test: &Path, judgement: Judgement, seconds: f64) -> CaseResult {
+    let (verdict, cause) = if judgement.passed {
+        (Verdict::Pass, Cause::None)
+    } else {
+        (Verdict::Fail, Cause::Mismatch)
+    };
+    CaseResult {
+        name: test.display().to_string(),
+        family: String::new(),
+        class: String::new(),
+        verdict,
+        metrics: judgement.metrics,
+        gate: judgement.gate,
+        reason: judgement.reason,
+        looks_like: Vec::new(),
+        seconds,
+        work: BTreeMap::new(),
+        cause,
+    }
+}
+
+fn write_heatmap(
+    path: &Path,
+    reference: &Picture,
+    test: &Picture,
+    exposure: f64,
+) -> Result<(), Failure> {
+    let fail = |message: String| Failure::new(Exit::BadInput, message, None);
+    if !path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
+    {
+        return Err(fail(format!(
+            "--heatmap writes a .png, not {:?}",
+            path.display()
+        )));
+    }
+    let srgb = |picture: &Picture| picture.srgb(exposure).map_err(|e| fail(e.to_string()));
+    let errors = flip(&srgb(reference)?, &srgb(test)?, DEFAULT_PIXELS_PER_DEGREE)
+        .map_err(|error| fail(format!("no heat map: {error}")))?;
+    let png = Film::codes_to_png(&magma(&errors), errors.width(), errors.height());
+    output::write(path, &png)
+}

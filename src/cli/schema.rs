@@ -1,0 +1,31 @@
+//! `volref schema`
+
+use super::Outcome;
+use super::output::pretty;
+use crate::scene::{SCENE, format::json_schema};
+use crate::suite::MANIFEST;
+
+/// Print the JSON Schema of a kind of file, for completion and checks in editors
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Kind of file
+    #[arg(value_enum, default_value = "scene")]
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Kind {
+    /// fixtures/scenes/<family>/<name>.toml
+    Scene,
+    /// fixtures/cases/<family>/<name>.toml
+    Case,
+}
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> Outcome {
+    let schema = match arguments.kind {
+        Kind::Scene => json_schema("volref scene", &SCENE),
+        Kind::Case => json_schema("volref case", &MANIFEST),
+    };
+    Outcome::from(pretty(&schema))
+}

@@ -1,0 +1,53 @@
+//! What commands on the suite have in common.
+
+use super::failure::{Exit, Failure};
+use crate::suite::{Case, CaseResult, Cause, Store, Suite, SuiteError};
+use std::path::PathBuf;
+
+/// Which cases of which suite.
+#[derive(clap::Args, Debug)]
+pub struct Selection {
+    /// Folder of the suite, the one with fixtures/ and golden/
+    #[arg(long = "suite", value_name = "DIR", default_value = ".")]
+    folder: PathBuf,
+}
+
+impl Selection {
+    /// The suite.
+    pub fn open(&self) -> Result<Suite, Failure> {
+        Suite::open(&self.folder).map_err(suite_failure)
+    }
+}
+
+/// The cases that the filters name.
+pub fn select<'s>(suite: &'s Suite, filters: &[String]) -> Result<Vec<&'s Case>, Failure> {
+    suite.select(filters).map_err(suite_failure)
+}
+
+/// The goldens of the suite.
+pub fn store(suite: &Suite) -> Store {
+    Store::open(suite.golden_folder())
+}
+
+fn suite_failure(error: SuiteError) -> Failure {
+    let exit = match error {
+        SuiteError::NoMatch { .. } => Exit::Undecided,
+        _ => Exit::BadInput,
+    };
+    Failure {
+        exit,
+        report: error.into(),
+    }
+}
+
+/// The exit code of these results: the highest cause wins.
+pub fn exit(results: &[CaseResult]) -> Exit {
+    let worst = results.iter().map(|result| result.cause).max();
+    match worst {
+        Some(Cause::None) => Exit::Passed,
+        Some(Cause::Mismatch) => Exit::Mismatch,
+        Some(Cause::BadInput) => Exit::BadInput,
+        Some(Cause::Golden) => Exit::Golden,
+        None => Exit::Undecided,
+    }
+}

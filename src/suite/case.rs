@@ -1,0 +1,300 @@
+//! The folder is the suite: every manifest in it is a case.
+
+use crate::compare::Gate;
+use crate::scene::format::{Absent, Key, Kind, Literal, Range, Table};
+use crate::scene::reader::{Document, Reader};
+use crate::scene::{Scene, SceneError};
+use globset::Glob;
+use miette::Diagnostic;
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Where the manifests are, from the root of the suite.
+const CASES: &str = "fixtures/cases";
+/// Where the goldens are.
+const GOLDEN: &str = "golden";
+
+/// The declaration of a manifest, `fixtures/cases/<family>/<name>.toml`.
+pub const MANIFEST: Table = Table {
+    doc: "A case: a scene, where it comes from, and how images of it are judged.",
+    keys: &[
+        Key {
+            name: "scene",
+            kind: Kind::Text,
+            absent: Absent::Derived("../../scenes/<family>/<name>.toml"),
+            doc: "Scene file, relative to the folder of the manifest.",
+        },
+        Key {
+            name: "source",
+            kind: Kind::Text,
+            absent: Absent::Error,
+            doc: "Document and figure that is reproduced.",
+        },
+        Key {
+            name: "shows",
+            kind: Kind::Text,
+            absent: Absent::Error,
+            doc: "What one should see in a right image.",
+        },
+        Key {
+            name: "computes",
+            kind: Kind::Text,
+            absent: Absent::Error,
+            doc: "Exactly what is computed, where the source leaves gaps or holds slips.",
+        },
+        Key {
+            name: "class",
+            kind: Kind::Choice(&["deterministic"]),
+            absent: Absent::Error,
+            doc: "Deterministic: rendered without random numbers.",
+        },
+        Key {
+            name: "exposure",
+            kind: Kind::Number(Range::closed(-64.0, 64.0)),
+            absent: Absent::Default(Literal::Number(0.0)),
+            doc: "Stops at which 8-bit images are made and judged: radiance times 2^exposure.",
+        },
+    ],
+};
+
+/// A case of the suite.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// `family/name`.
+    pub name: String,
+    /// The first half of the name.
+    pub family: String,
+    /// Scene file.
+    pub scene: PathBuf,
+    /// Document and figure that is reproduced.
+    pub source: String,
+    /// What one should see.
+    pub shows: String,
+    /// Exactly what is computed.
+    pub computes: String,
+    /// How it is rendered.
+    pub class: String,
+    /// Stops at which 8-bit images are made.
+    pub exposure: f64,
+}
+
+impl Case {
+    /// The gate that images of other renderers are judged by.
+    pub fn gate(&self) -> Gate {
+        Gate::Deterministic
+    }
+
+    /// The scene of the case.
+    pub fn load_scene(&self) -> Result<Scene, Box<SceneError>> {
+        Scene::load(&self.scene)
+    }
+}
+
+/// A folder with `fixtures/cases` and `golden`.
+#[derive(Clone, Debug)]
+pub struct Suite {
+    root: PathBuf,
+    cases: Vec<Case>,
+}
+
+/// Why there is no suite, or no such case.
+#[derive(Debug, Diagnostic, Error)]
+pub enum SuiteError {
+    /// No manifests where they should be.
+    #[error("{} holds no suite: there is no folder {CASES}", .0.display())]
+    #[diagnostic(help("go to the folder of the suite, or name it with --suite DIR"))]
+    NoSuite(PathBuf),
+    /// The folder cannot be read.
+    #[error("cannot read {}: {error}", path.display())]
+    Read {
+        /// File or folder.
+        path: PathBuf,
+        /// What the operating system says.
+        error: std::io::Error,
+    },
+    /// A manifest with a mistake.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Manifest(Box<SceneError>),
+    /// A filter that is not a pattern.
+    #[error("{filter:?} is not a pattern: {reason}")]
+    #[diagnostic(help("a filter is a family, a case, or a pattern over them such as 'figures/*'"))]
+    Pattern {
+        /// As given.
+        filter: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A filter that matches no case.
+    #[error("no case matches {filter:?}")]
+    NoMatch {
+        /// As given.
+        filter: String,
+        /// The nearest names.
+        #[help]
+        help: String,
+    },
+}
+
+impl Suite {
+    /// The suite in the folder `root`: reads every manifest, renders nothing.
+    pub fn open(root: &Path) -> Result<Suite, SuiteError> {
+        let folder = root.join(CASES);
+        if !folder.is_dir() {
+            return Err(SuiteError::NoSuite(root.to_owned()));
+        }
+        let mut cases = Vec::new();
+        for family in sorted_entries(&folder)?
+            .into_iter()
+            .filter(|path| path.is_dir())
+        {
+            for path in sorted_entries(&family)? {
+                if path
+                    .extension()
+                    .is_some_and(|extension| extension == "toml")
+                {
+                    cases.push(read_manifest(&path).map_err(SuiteError::Manifest)?);
+                }
+            }
+        }
+        Ok(Suite {
+            root: root.to_owned(),
+            cases,
+        })
+    }
+
+    /// The cases, by family and name.
+    pub fn cases(&self) -> &[Case] {
+        &self.cases
+    }
+
+    /// Where the goldens are.
+    pub fn golden_folder(&self) -> PathBuf {
+        self.root.join(GOLDEN)
+    }
+
+    /// The cases that any of the filters matches, all of them without filters. A filter is a
+    /// family, a case (`family/name` or just `name`), or a glob over either. One that matches
+    /// nothing is an error: a check that silently checks nothing is worse than none.
+    pub fn select(&self, filters: &[String]) -> Result<Vec<&Case>, SuiteError> {
+        if filters.is_empty() {
+            if self.cases.is_empty() {
+                let help = format!("{CASES} is empty");
+                return Err(SuiteError::NoMatch {
+                    filter: "*".into(),
+                    help,
+                });
+            }
+            return Ok(self.cases.iter().collect());
+        }
+        let mut selected = vec![false; self.cases.len()];
+        for filter in filters {
+            let glob = Glob::new(filter).map_err(|error| SuiteError::Pattern {
+                filter: filter.clone(),
+                reason: error.kind().to_string(),
+            })?;
+            let matcher = glob.compile_matcher();
+            let mut matched = false;
+            for (case, selected) in self.cases.iter().zip(&mut selected) {
+                let name = case.name.rsplit('/').next().unwrap_or(&case.name);
+                if [case.name.as_str(), &case.family, name]
+                    .iter()
+                    .any(|text| matcher.is_match(text))
+                {
+                    matched = true;
+                    *selected = true;
+                }
+            }
+            if !matched {
+                let help = self.nearest(filter);
+                return Err(SuiteError::NoMatch {
+                    filter: filter.clone(),
+                    help,
+                });
+            }
+        }
+        Ok(self
+            .cases
+            .iter()
+            .zip(selected)
+            .filter(|(_, s)| *s)
+            .map(|(case, _)| case)
+            .collect())
+    }
+
+    fn nearest(&self, filter: &str) -> String {
+        let names = self
+            .cases
+            .iter()
+            .flat_map(|case| [&case.name, &case.family]);
+        let nearest = names.min_by_key(|name| strsim::damerau_levenshtein(name, filter));
+        match nearest {
+            Some(name) => format!("did you mean {name:?}? `volref list` shows all cases"),
+            None => format!("{CASES} is empty"),
+        }
+    }
+}
+
+fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, SuiteError> {
+    let failed = |error| SuiteError::Read {
+        path: folder.to_owned(),
+        error,
+    };
+    let mut paths = std::fs::read_dir(folder)
+        .map_err(failed)?
+        .map(|entry| entry.map(|entry| entry.path()))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(failed)?;
+    paths.sort();
+    Ok(paths)
+}
+
+fn read_manifest(path: &Path) -> Result<Case, Box<SceneError>> {
+    let shown = path.display().to_string();
+    let text = std::fs::read_to_string(path);
+    let document = Document {
+        path: &shown,
+        text: text.as_deref().unwrap_or(""),
+    };
+    if let Err(error) = &text {
+        return Err(document.error(None, format!("cannot read the manifest: {error}"), None));
+    }
+    let root = document.parse()?;
+    let log = RefCell::default();
+    let reader = Reader::new(&document, &MANIFEST, &root, &log)?;
+    let required = |key: &str| reader.text(key).map(|text| text.expect("required"));
+
+    let part = |path: Option<&Path>| {
+        let name = path
+            .and_then(|path| path.file_stem())
+            .and_then(|name| name.to_str());
+        name.unwrap_or("?").to_owned()
+    };
+    let (family, name) = (part(path.parent()), part(Some(path)));
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let scene = match reader.text("scene")? {
+        Some(scene) => folder.join(scene),
+        // Not folder/../../scenes: shown in messages, the short way reads better.
+        None => {
+            let fixtures = folder
+                .parent()
+                .and_then(Path::parent)
+                .unwrap_or(Path::new(""));
+            fixtures
+                .join("scenes")
+                .join(&family)
+                .join(format!("{name}.toml"))
+        }
+    };
+    Ok(Case {
+        name: format!("{family}/{name}"),
+        scene,
+        source: required("source")?,
+        shows: required("shows")?,
+        computes: required("computes")?,
+        class: required("class")?,
+        exposure: reader.number("exposure")?.expect("has a default"),
+        family,
+    })
+}

@@ -1,0 +1,221 @@
+//! What must come out: an image, and where it came from.
+
+use super::{Case, Store, StoreError};
+use crate::film::{Film, FilmError};
+use crate::render::Plan;
+use crate::scene::{Model, Scene};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Version of the pinned `libm`, whose last bits every image depends on. `Cargo.toml` pins it;
+/// a test compares the two.
+pub const LIBM_VERSION: &str = "0.2.16";
+
+/// Where a golden came from: the `.toml` beside the image.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// `volref/golden/1`.
+    pub schema: String,
+    /// `family/name`.
+    pub case: String,
+    /// Why the golden was last changed, in the words of whoever accepted it.
+    pub reason: String,
+    /// Hash of the image that it replaced; empty for a first golden.
+    pub replaces: String,
+    /// Hash of the pixels of the EXR image.
+    pub pixels: String,
+    /// Hash of the preview file.
+    pub preview: String,
+    /// Hash of the canonical scene: every key with its value.
+    pub scene: String,
+    /// Hash of the plan: what was simulated and what was not.
+    pub plan: String,
+    /// Effects that the scene could have asked for and did not, by panel.
+    pub omitted: Vec<Vec<String>>,
+    /// Columns of pixels.
+    pub width: usize,
+    /// Rows of pixels.
+    pub height: usize,
+    /// Samples per pixel.
+    pub samples: u64,
+    /// Seed of the random numbers; 0 for an image without any.
+    pub seed: u64,
+    /// Relative error of a pixel against the sum that the scene defines: rounding to 32 bits.
+    pub error_estimate: f64,
+    /// Version of volref.
+    pub volref: String,
+    /// Version of `libm`.
+    pub libm: String,
+    /// Platform it was rendered on; the bits are the same on every other.
+    pub target: String,
+    /// Hashes of the files the scene names, by path.
+    pub inputs: BTreeMap<String, String>,
+}
+
+impl Provenance {
+    /// The value of [`Provenance::schema`].
+    pub const SCHEMA: &str = "volref/golden/1";
+}
+
+/// A golden as it stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Golden {
+    /// Where it came from.
+    pub provenance: Provenance,
+    /// The image.
+    pub film: Film,
+}
+
+/// Why a case has no golden that can be trusted.
+#[derive(Debug, Error)]
+pub enum GoldenError {
+    /// None of its files is there.
+    #[error("there is no golden yet; look at the picture, then accept it")]
+    Missing,
+    /// Some are there, some not.
+    #[error("the golden is incomplete: {0} is missing; restore it from version control")]
+    Incomplete(String),
+    /// A file cannot be read.
+    #[error("{file}: {reason}; restore it from version control")]
+    Unreadable {
+        /// Which.
+        file: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// Contents and hash do not belong together.
+    #[error(
+        "{file} is not what was accepted: its hash is {found}, the golden says {expected}; \
+         restore it from version control"
+    )]
+    Tampered {
+        /// Which.
+        file: String,
+        /// Hash of what is there.
+        found: String,
+        /// Hash of what was accepted.
+        expected: String,
+    },
+    /// The files below the goldens are in disorder.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+}
+
+/// First twelve digits of a hash: enough to tell two apart by eye.
+pub(super) fn short(hash: &str) -> String {
+    hash.chars().take(12).collect()
+}
+
+fn hash(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex().to_string()
+}
+
+/// Hash of the canonical scene.
+pub(super) fn scene_hash(scene: &Scene) -> String {
+    hash(scene.canonical_text().as_bytes())
+}
+
+/// Hash of the plans of all panels.
+pub(super) fn plan_hash(plans: &[Plan]) -> String {
+    let text: Vec<_> = plans.iter().map(Plan::canonical_text).collect();
+    hash(text.join("\n").as_bytes())
+}
+
+/// Hashes of the volume files of a scene, by the path the scene gives.
+pub(super) fn input_hashes(scene: &Scene) -> BTreeMap<String, String> {
+    let files = scene.panels.iter().filter_map(|panel| match &panel.model {
+        Model::Classified(classified) => Some(&classified.volume),
+        Model::Curve(_) => None,
+    });
+    files
+        .map(|volume| (volume.name.clone(), volume.hash.clone()))
+        .collect()
+}
+
+/// The three files of the golden of `case`: image, preview, provenance; relative to the folder
+/// of goldens.
+pub(super) fn files(case: &Case) -> [PathBuf; 3] {
+    [".exr", ".png", ".toml"].map(|extension| PathBuf::from(format!("{}{extension}", case.name)))
+}
+
+impl Golden {
+    /// Reads and checks the golden of `case`. Never writes.
+    pub fn read(store: &Store, case: &Case) -> Result<Golden, GoldenError> {
+        let paths = files(case);
+        let contents = store.read_all(&paths)?;
+        if contents.iter().all(Option::is_none) {
+            return Err(GoldenError::Missing);
+        }
+        let shown = |index: usize| format!("golden/{}", paths[index].display());
+        let mut bytes = Vec::new();
+        for (index, content) in contents.into_iter().enumerate() {
+            bytes.push(content.ok_or_else(|| GoldenError::Incomplete(shown(index)))?);
+        }
+        let unreadable = |index: usize, reason: String| GoldenError::Unreadable {
+            file: shown(index),
+            reason,
+        };
+        let text = std::str::from_utf8(&bytes[2])
+            .map_err(|_| unreadable(2, "not UTF-8 text".to_owned()))?;
+        let provenance: Provenance = toml::from_str(text)
+            .map_err(|error| unreadable(2, error.to_string().trim_end().to_owned()))?;
+        if provenance.schema != Provenance::SCHEMA {
+            let reason = format!("its schema is {:?}, not known here", provenance.schema);
+            return Err(unreadable(2, reason));
+        }
+        let film = Film::from_exr(&bytes[0]).map_err(|error| unreadable(0, error.to_string()))?;
+        for (index, found, expected) in [
+            (0, film.pixel_hash(), &provenance.pixels),
+            (1, hash(&bytes[1]), &provenance.preview),
+        ] {
+            if found != *expected {
+                return Err(GoldenError::Tampered {
+                    file: shown(index),
+                    found: short(&found),
+                    expected: short(expected),
+                });
+            }
+        }
+        Ok(Golden { provenance, film })
+    }
+
+    /// The golden of `case` made from a rendering, and the contents of its three files.
+    pub(super) fn encode(
+        case: &Case,
+        scene: &Scene,
+        plans: &[Plan],
+        film: &Film,
+        reason: &str,
+        replaces: String,
+    ) -> Result<Vec<(PathBuf, Vec<u8>)>, FilmError> {
+        let exr = film.to_exr()?;
+        let png = film.to_png(case.exposure);
+        let provenance = Provenance {
+            schema: Provenance::SCHEMA.to_owned(),
+            case: case.name.clone(),
+            reason: reason.to_owned(),
+            replaces,
+            pixels: film.pixel_hash(),
+            preview: hash(&png),
+            scene: scene_hash(scene),
+            plan: plan_hash(plans),
+            omitted: plans.iter().map(Plan::omitted).collect(),
+            width: film.width(),
+            height: film.height(),
+            samples: 1,
+            seed: 0,
+            error_estimate: f64::from(f32::EPSILON) / 2.0,
+            volref: env!("CARGO_PKG_VERSION").to_owned(),
+            libm: LIBM_VERSION.to_owned(),
+            target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
+            inputs: input_hashes(scene),
+        };
+        let text = toml::to_string(&provenance).expect("plain data becomes TOML");
+        let header = "# Written by `volref accept`; not to be edited by hand.\n";
+        let contents = [exr, png, format!("{header}{text}").into_bytes()];
+        Ok(files(case).into_iter().zip(contents).collect())
+    }
+}

@@ -1,0 +1,109 @@
+//! What came of a case.
+
+use crate::compare::Gate;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// What came of a case, in one word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// Compared, and right.
+    Pass,
+    /// Compared, and wrong.
+    Fail,
+    /// Compared, and not decided.
+    Inconclusive,
+    /// There is nothing to compare with.
+    Missing,
+    /// The comparison could not be made.
+    Error,
+}
+
+impl Verdict {
+    /// The word used in JSON and on the terminal.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::Pass => "pass",
+            Verdict::Fail => "fail",
+            Verdict::Inconclusive => "inconclusive",
+            Verdict::Missing => "missing",
+            Verdict::Error => "error",
+        }
+    }
+}
+
+/// Whose fault a verdict other than `pass` is. Later ones weigh more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Cause {
+    /// Nobody's: the case passed.
+    None,
+    /// The images differ.
+    Mismatch,
+    /// The scene or its files.
+    BadInput,
+    /// The golden.
+    Golden,
+}
+
+/// The outcome of one case.
+#[derive(Clone, Debug, Serialize)]
+pub struct CaseResult {
+    /// `family/name`.
+    pub name: String,
+    /// Family.
+    pub family: String,
+    /// Class of the case.
+    pub class: String,
+    /// What came of it.
+    pub verdict: Verdict,
+    /// Numbers by name, all finite.
+    pub metrics: BTreeMap<String, f64>,
+    /// The rule applied.
+    pub gate: Gate,
+    /// Why, in words.
+    pub reason: String,
+    /// Mistakes that the image looks like, most likely first.
+    pub looks_like: Vec<String>,
+    /// Wall time, for information.
+    pub seconds: f64,
+    /// Units of work by name, where they were counted.
+    pub work: BTreeMap<String, u64>,
+    /// Whose fault it is.
+    #[serde(skip)]
+    pub cause: Cause,
+}
+
+/// How many cases came out how.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Summary {
+    /// Compared, and right.
+    pub pass: usize,
+    /// Compared, and wrong.
+    pub fail: usize,
+    /// Compared, and not decided.
+    pub inconclusive: usize,
+    /// Nothing to compare with.
+    pub missing: usize,
+    /// Could not be compared.
+    pub error: usize,
+}
+
+impl Summary {
+    /// Counts the verdicts of `results`.
+    pub fn of(results: &[CaseResult]) -> Summary {
+        let count = |verdict| {
+            results
+                .iter()
+                .filter(|result| result.verdict == verdict)
+                .count()
+        };
+        Summary {
+            pass: count(Verdict::Pass),
+            fail: count(Verdict::Fail),
+            inconclusive: count(Verdict::Inconclusive),
+            missing: count(Verdict::Missing),
+            error: count(Verdict::Error),
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! The reference against its own goldens.
+
+use super::golden::{input_hashes, plan_hash, scene_hash, short};
+use super::{Case, CaseResult, Cause, Golden, GoldenError, Store, Verdict};
+use crate::compare::{Gate, Picture, judge};
+use crate::film::Film;
+use crate::render::{self, Plan};
+use crate::scene::Scene;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// What a case came to, before time and names are added.
+struct Finding {
+    verdict: Verdict,
+    cause: Cause,
+    reason: String,
+    metrics: BTreeMap<String, f64>,
+}
+
+impl Finding {
+    fn new(verdict: Verdict, cause: Cause, reason: impl Into<String>) -> Finding {
+        Finding {
+            verdict,
+            cause,
+            reason: reason.into(),
+            metrics: BTreeMap::new(),
+        }
+    }
+}
+
+/// Renders `case` and compares every bit with its golden. Reads goldens, never writes them.
+/// `progress` is told of each finished row of pixels.
+pub fn verify(case: &Case, store: &Store, progress: render::Progress<'_>) -> CaseResult {
+    let start = Instant::now();
+    let finding = examine(case, store, progress);
+    CaseResult {
+        name: case.name.clone(),
+        family: case.family.clone(),
+        class: case.class.clone(),
+        verdict: finding.verdict,
+        metrics: finding.metrics,
+        gate: Gate::Exact,
+        reason: finding.reason,
+        looks_like: Vec::new(),
+        seconds: start.elapsed().as_secs_f64(),
+        work: BTreeMap::new(),
+        cause: finding.cause,
+    }
+}
+
+fn examine(case: &Case, store: &Store, progress: render::Progress<'_>) -> Finding {
+    let scene = match case.load_scene() {
+        Ok(scene) => scene,
+        Err(error) => return Finding::new(Verdict::Error, Cause::BadInput, error.to_string()),
+    };
+    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
+    let golden = match Golden::read(store, case) {
+        Ok(golden) => golden,
+        Err(GoldenError::Missing) => {
+            let reason = GoldenError::Missing.to_string();
+            return Finding::new(Verdict::Missing, Cause::Golden, reason);
+        }
+        Err(error) => return Finding::new(Verdict::Error, Cause::Golden, error.to_string()),
+    };
+    if let Some(reason) = stale(case, &scene, &plans, &golden) {
+        return Finding::new(Verdict::Error, Cause::Golden, reason);
+    }
+    match render::render(&scene, &plans, progress) {
+        Ok(rendering) => compare(&scene, golden, rendering.film),
+        Err(error) => Finding::new(Verdict::Fail, Cause::Mismatch, error.to_string()),
+    }
+}
+
+/// Why the golden is one of another case, scene or plan.
+fn stale(case: &Case, scene: &Scene, plans: &[Plan], golden: &Golden) -> Option<String> {
+    let provenance = &golden.provenance;
+    let (width, height) = (scene.width(), scene.height());
+    let size = (golden.film.width(), golden.film.height());
+    if provenance.case != case.name {
+        return Some(format!(
+            "the golden is of the case {:?}, not of this one",
+            provenance.case
+        ));
+    }
+    if size != (width, height) {
+        return Some(format!(
+            "the golden has {} × {} pixels, the scene asks for {width} × {height}",
+            size.0, size.1
+        ));
+    }
+    let what = if provenance.scene != scene_hash(scene) {
+        "the scene has changed since the golden was accepted"
+    } else if provenance.plan != plan_hash(plans) {
+        "the plan has changed since the golden was accepted: other effects are simulated"
+    } else {
+        return None;
+    };
+    Some(format!(
+        "stale: {what}; look at the new picture, then accept it"
+    ))
+}
+
+fn compare(scene: &Scene, golden: Golden, film: Film) -> Finding {
+    if film.pixel_hash() == golden.provenance.pixels {
+        let reason = format!(
+            "the same bits as the golden ({})",
+            short(&golden.provenance.pixels)
+        );
+        return Finding::new(Verdict::Pass, Cause::None, reason);
+    }
+    let inputs = input_hashes(scene);
+    let moved: Vec<_> = inputs
+        .iter()
+        .filter(|(path, hash)| golden.provenance.inputs.get(*path) != Some(hash))
+        .map(|(path, _)| path.as_str())
+        .collect();
+    let (golden, film) = (Picture::Radiance(golden.film), Picture::Radiance(film));
+    let radiance = "both images are radiance";
+    let exact = judge(Gate::Exact, &golden, &film, 0.0).expect(radiance);
+    let tolerant = judge(Gate::Deterministic, &golden, &film, 0.0).expect(radiance);
+    let mut reason = exact.reason;
+    reason.push_str(if tolerant.passed {
+        " (within the tolerance for other renderers)"
+    } else {
+        " (beyond the tolerance for other renderers)"
+    });
+    if !moved.is_empty() {
+        reason.push_str(&format!(
+            "; input changed since the golden was made: {}",
+            moved.join(", ")
+        ));
+    }
+    let mut finding = Finding::new(Verdict::Fail, Cause::Mismatch, reason);
+    finding.metrics = tolerant.metrics;
+    finding.metrics.extend(exact.metrics);
+    finding
+}
