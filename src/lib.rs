@@ -1,4 +1,55 @@
-//! volref: a reference renderer for volumes, and the harness that judges others by it.
+//! volref: a reference renderer for volumes, and the harness that judges other renderers by it.
+//!
+//! Somebody writes a volume renderer and gets an image. volref tells them what the right image
+//! is and whether theirs differs from it. The renderer is deliberately straightforward: scalar,
+//! `f64`, one idea per file, written to be read.
+//!
+//! # What is solved
+//!
+//! **Classified volume** (direct volume rendering, after Levoy 1988 and Max 1995). A ray through
+//! the centre of each pixel is sampled in the middle of steps of length `h`. At sample `i` the
+//! density `d_i` is interpolated from a grid and classified:
+//!
+//! ```text
+//! a_i = 1 − T(d_i)^(h/h0)               opacity of the step, T stated over the length h0
+//! L_i = d_i² · shade(colormap(d_i)) · v_i      radiance, v_i the light that arrives
+//! C   = Σ_i a_i · L_i · Π_{j<i} (1 − a_j)       what the eye sees
+//! ```
+//!
+//! The sum is evaluated front to back or back to front ([`render::compositing`]); `T` is in
+//! [`media::TransferOpacity`], shading in [`media::Phong`], `v` in [`render::volume_shadow`].
+//!
+//! # Conventions
+//!
+//! - Right-handed, y up; looking along +z, +x is to the left of the image.
+//! - Lengths in world units, angles in degrees in files and radians in code.
+//! - Radiance is linear RGB. EXR holds it as it is; PNG is a preview, sRGB encoded at a stated
+//!   exposure. Images are stored top row first.
+//! - Grids are node-centred, x fastest; interpolation is `a + (b − a)·t`. *One voxel* as a length
+//!   is the smallest distance of neighbouring nodes.
+//! - Sample positions follow from an index, `t0 + (i + ½)·h`; the last step is as long as what is
+//!   left of the ray.
+//! - Nothing is skipped unless it is exactly zero, and there is no absolute epsilon anywhere:
+//!   scaling every length by a power of two moves no bit.
+//! - **Same bits everywhere**: for any number of threads, debug or release, any platform.
+//!   Transcendental functions come from [`math`] alone, which forwards to a pinned `libm`.
+//!
+//! # Where to begin
+//!
+//! [`render::ray_caster`] is the renderer, [`scene`] what it is given, [`render::plan`] how the
+//! code that runs follows from the scene. [`compare`] judges two images, [`suite`] keeps the
+//! goldens. Arrows between modules only point down this list: `cli`, [`report`], [`suite`],
+//! [`compare`] and [`render`], [`scene`], [`media`], [`volume`], [`geometry`], [`film`], [`math`].
+//!
+//! ```no_run
+//! use volref::{render, render::Plan, scene::Scene};
+//!
+//! let scene = Scene::load("fixtures/scenes/figures/figure-3.toml".as_ref())?;
+//! let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
+//! let image = render::render(&scene, &plans, &|| {})?.film;
+//! std::fs::write("figure-3.png", image.to_png(1.0))?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod atomic_file;
 pub mod cli;
