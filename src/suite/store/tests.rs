@@ -664,7 +664,7 @@ fn accept_until_killed() {
 #[test]
 fn a_killed_process_leaves_old_or_new_and_no_lock() {
     let (_directory, root) = world(Some("old"));
-    for round in 0..20 {
+    for round in 0..8 {
         let mut child = std::process::Command::new(std::env::current_exe().unwrap())
             .args([
                 "--exact",
@@ -680,7 +680,7 @@ fn a_killed_process_leaves_old_or_new_and_no_lock() {
             assert!(child.try_wait().unwrap().is_none(), "ended by itself");
             std::thread::yield_now();
         }
-        std::thread::sleep(std::time::Duration::from_micros(733 * round));
+        std::thread::sleep(std::time::Duration::from_micros(1733 * round));
         child.kill().unwrap();
         child.wait().unwrap();
 
