@@ -13,7 +13,6 @@ type Files = Vec<(PathBuf, Vec<u8>)>;
 fn files(version: &str) -> Files {
     let paths = [
         "box/one.exr",
-        "box/one.png",
         "box/one.toml",
         "deep/er/two.exr",
         "index.toml",
@@ -275,7 +274,7 @@ fn creates_all_or_nothing_whatever_fails() {
     every_fault(&FAULTS, &|| world(None), None, "new");
 }
 
-/// A crash of the first accept at every operation, then faults at every one of the second.
+/// A crash of the first accept at every operation, then one of the second at every operation.
 #[test]
 fn recovers_all_or_nothing_whatever_fails() {
     for at in 0.. {
@@ -294,12 +293,7 @@ fn recovers_all_or_nothing_whatever_fails() {
             let (directory, root, _) = crashed();
             (directory, root)
         };
-        every_fault(
-            &[Fault::Full, Fault::CrashHalfway],
-            &prepare,
-            before.as_deref(),
-            "newer",
-        );
+        every_fault(&[Fault::CrashHalfway], &prepare, before.as_deref(), "newer");
     }
 }
 
