@@ -191,8 +191,7 @@ impl<D: Disk> Store<D> {
         self.install(&journal).map_err(StoreError::Unfinished)
     }
 
-    /// Held until the returned file is closed.
-    fn lock(&self) -> Result<File, StoreError> {
+    fn lock(&self) -> Result<Lock, StoreError> {
         let lock = self.root.join(LOCK);
         self.create_directory(&self.root)
             .map_err(StoreError::Untouched)?;
@@ -204,7 +203,7 @@ impl<D: Disk> Store<D> {
         let file = opened.map_err(failed("open the lock file", &lock));
         let file = file.map_err(StoreError::Untouched)?;
         match file.try_lock() {
-            Ok(()) => Ok(file),
+            Ok(()) => Ok(Lock(file)),
             Err(TryLockError::WouldBlock) => Err(StoreError::Locked { lock }),
             Err(TryLockError::Error(cause)) => {
                 Err(StoreError::Untouched(failed("lock", &lock)(cause)))
@@ -226,7 +225,7 @@ impl<D: Disk> Store<D> {
         if let Some(bytes) = read_if_present(&draft)? {
             match Journal::parse(&bytes) {
                 Ok(journal) => self.unstage(&journal),
-                Err(_cut_off) => self.remove_if_present(&draft),
+                Err(_cut_off) => self.remove_draft(),
             }
             .map_err(StoreError::Untouched)?;
         }
@@ -302,6 +301,10 @@ impl<D: Disk> Store<D> {
                 self.sync(&directory)?;
             }
         }
+        self.remove_draft()
+    }
+
+    fn remove_draft(&self) -> Result<(), Failure> {
         self.remove_if_present(&self.root.join(DRAFT))?;
         self.sync(&self.root)
     }
@@ -346,6 +349,18 @@ impl<D: Disk> Store<D> {
         self.disk
             .sync_dir(directory)
             .map_err(failed("sync the directory", directory))
+    }
+}
+
+/// The right to write, until dropped.
+struct Lock(File);
+
+impl Drop for Lock {
+    /// Closing the file would not do: a process just being started by another thread has a copy
+    /// of the descriptor for a moment, and the lock lasts until the last copy is closed.
+    fn drop(&mut self) {
+        // If unlocking fails, closing the file is the next best.
+        let _ = self.0.unlock();
     }
 }
 
