@@ -638,9 +638,9 @@ fn readers_see_no_mixture_while_accepts_run() {
 /// Set for the process that the next test starts, to the root it is to write to.
 const CHILD: &str = "VOLREF_TEST_STORE_CHILD";
 
-/// Not a test of its own: accepts for longer than it is going to live.
+/// Not a test of its own, and over at once unless started by the next one: accepts for longer
+/// than it is going to live.
 #[test]
-#[ignore = "started by a_killed_process_leaves_old_or_new_and_no_lock"]
 fn accept_until_killed() {
     let Some(root) = std::env::var_os(CHILD) else {
         return;
@@ -660,11 +660,7 @@ fn a_killed_process_leaves_old_or_new_and_no_lock() {
     let (_directory, root) = world(Some("old"));
     for round in 0..8 {
         let mut child = std::process::Command::new(std::env::current_exe().unwrap())
-            .args([
-                "--exact",
-                "--ignored",
-                "suite::store::tests::accept_until_killed",
-            ])
+            .args(["--exact", "suite::store::tests::accept_until_killed"])
             .env(CHILD, &root)
             .stdout(std::process::Stdio::null())
             .spawn()
