@@ -7,6 +7,7 @@ use super::work::{Event, Work};
 use crate::media::TransferFunction;
 use crate::volume::{Grid, Lattice, Scalar};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Tells how far a ray can go without meeting anything.
 pub trait Space: Sync {
@@ -49,6 +50,7 @@ impl EmptySpace {
             distance: Vec::new(),
         };
         space.distance = (0..blocks.iter().product())
+            .into_par_iter()
             .map(|block| {
                 let densest = densest_node(grid, space.block(block));
                 if transfer_function.is_transparent_up_to(densest) {
@@ -76,6 +78,9 @@ impl EmptySpace {
     fn measure_distances(&mut self) {
         let count = self.distance.len();
         for index in (0..count).chain((0..count).rev()) {
+            if self.distance[index] == 0 {
+                continue;
+            }
             let nearest = self
                 .neighbours(index)
                 .map(|n| self.distance[n])
@@ -125,8 +130,9 @@ impl Space for EmptySpace {
         work.count(Event::CellWalked);
         let mut block = [0; 3];
         for axis in 0..3 {
-            // The cast saturates: a point half a node before the first lies in block 0.
-            block[axis] = (point[axis] as usize / BLOCK).min(self.blocks[axis] - 1);
+            // A point half a node before the first lies in block 0.
+            let cell = (point[axis] as i64).max(0) as usize;
+            block[axis] = (cell / BLOCK).min(self.blocks[axis] - 1);
         }
         let distance = usize::from(self.distance[self.index(block)]);
         if distance <= 1 {

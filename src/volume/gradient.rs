@@ -14,17 +14,15 @@ pub fn gradients<T: Scalar>(grid: &Grid<T>) -> Grid<[T; 3]> {
     let lattice = *grid.lattice();
     let mut values = vec![[T::rounded(0.0); 3]; lattice.node_count()];
     let [nx, ny, _] = lattice.nodes();
-    values
-        .par_chunks_mut(nx * ny)
-        .enumerate()
-        .for_each(|(k, plane)| {
-            for (index, gradient) in plane.iter_mut().enumerate() {
-                let node = [index % nx, index / nx, k];
-                *gradient = central_difference(grid, inner(&lattice, node))
-                    .to_array()
-                    .map(T::rounded);
+    let planes = values.par_chunks_mut(nx * ny).enumerate();
+    planes.for_each(|(k, plane)| {
+        for (j, row) in plane.chunks_mut(nx).enumerate() {
+            for (i, gradient) in row.iter_mut().enumerate() {
+                let inner = inner(&lattice, [i, j, k]);
+                *gradient = central_difference(grid, inner).to_array().map(T::rounded);
             }
-        });
+        }
+    });
     Grid::new(lattice, values).expect("one gradient per node")
 }
 
@@ -40,17 +38,17 @@ fn inner(lattice: &Lattice, node: [usize; 3]) -> [usize; 3] {
 }
 
 fn central_difference<T: Scalar>(grid: &Grid<T>, node: [usize; 3]) -> DVec3 {
-    let lattice = grid.lattice();
+    let (lattice, values) = (grid.lattice(), grid.values());
+    let nodes = lattice.nodes();
+    let index = lattice.index(node);
     let mut gradient = DVec3::ZERO;
+    let mut stride = 1;
     for axis in 0..3 {
-        if lattice.nodes()[axis] < 3 {
-            continue;
+        if nodes[axis] >= 3 {
+            let difference = values[index + stride].value() - values[index - stride].value();
+            gradient[axis] = difference / (2.0 * lattice.spacing()[axis]);
         }
-        let (mut before, mut after) = (node, node);
-        before[axis] -= 1;
-        after[axis] += 1;
-        let value = |node| grid.values()[lattice.index(node)].value();
-        gradient[axis] = (value(after) - value(before)) / (2.0 * lattice.spacing()[axis]);
+        stride *= nodes[axis];
     }
     gradient
 }

@@ -94,10 +94,9 @@ impl Cell {
         for axis in 0..3 {
             let floor = floor(point[axis]);
             let last = nodes[axis] as i64 - 1;
-            let low = floor.clamp(0, last);
-            let high = floor.saturating_add(1).clamp(0, last);
-            cell.low += low as usize * strides[axis];
-            cell.step[axis] = (high - low) as usize * strides[axis];
+            cell.low += floor.clamp(0, last) as usize * strides[axis];
+            let between = floor >= 0 && floor < last;
+            cell.step[axis] = if between { strides[axis] } else { 0 };
             cell.t[axis] = point[axis] - floor as f64;
         }
         cell
