@@ -45,7 +45,7 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
 fn smoke_128() -> Grid<f32> {
     let cloud = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/volumes/smoke.obj");
     let splatting = volref::volume::Splatting {
-        resolution: 128,
+        resolution: Some(128),
         padding: 2,
     };
     let plume = volref::volume::load(&cloud, splatting).expect("the smoke of the suite");

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use volref::volume::*;
 
 const SPLATTING: Splatting = Splatting {
-    resolution: 4,
+    resolution: Some(4),
     padding: 1,
 };
 

@@ -78,7 +78,7 @@ fn cloud() -> impl Strategy<Value = Vec<Point>> {
 
 fn splatting() -> impl Strategy<Value = Splatting> {
     (0..4_usize, 2..20_usize).prop_map(|(padding, inside)| Splatting {
-        resolution: inside + 2 * padding,
+        resolution: Some(inside + 2 * padding),
         padding,
     })
 }
@@ -103,7 +103,7 @@ proptest! {
     fn splatted_grids_fit_their_cloud(points in cloud(), splatting in splatting()) {
         let lattice = *splat_weights(&points, splatting).unwrap().lattice();
         let longest = lattice.nodes().into_iter().max();
-        prop_assert_eq!(longest, Some(splatting.resolution));
+        prop_assert_eq!(longest, splatting.resolution);
         let padding = splatting.padding as f64;
         let last = in_node_units(lattice.nodes().map(|n| n - 1)) - padding;
         // In nodes, with B the largest coordinate, h the spacing, n the longest side: rounding
@@ -111,7 +111,7 @@ proptest! {
         // within 16u(B/h + n) of a node count as on it.
         let largest = points.iter().map(|point| point.position.abs().max_element());
         let largest = largest.fold(0.0, f64::max);
-        let slack = 20.0 * U * (largest / lattice.voxel() + splatting.resolution as f64);
+        let slack = 20.0 * U * (largest / lattice.voxel() + longest.unwrap() as f64);
         for point in &points {
             let position = lattice.to_nodes(point.position);
             prop_assert!(position.cmpge(DVec3::splat(padding - slack)).all());

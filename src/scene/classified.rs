@@ -3,7 +3,8 @@
 use super::SceneError;
 use super::format::{Absent, Key, Kind, Literal, Range, Table};
 use super::reader::{Length, Reader};
-use crate::geometry::{Camera, CameraError};
+use crate::geometry::{Aabb, Camera, CameraError};
+use crate::math;
 use crate::media::{Phong, TransferFunction};
 use crate::volume::{Grid, Lattice};
 use glam::DVec3;
@@ -77,7 +78,7 @@ const VOLUME: Table = Table {
         Key {
             name: "resolution",
             kind: Kind::Count(2, 4096),
-            absent: Absent::Default(Literal::Count(128)),
+            absent: Absent::Derived("one point to a voxel, on average"),
             doc: "Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.",
         },
         Key {
@@ -94,7 +95,7 @@ const LIGHT: Table = Table {
     keys: &[Key {
         name: "position",
         kind: Kind::Vector,
-        absent: Absent::Derived("camera eye + (0, 5, 0)"),
+        absent: Absent::Derived("above the eye, as high as the target is far"),
         doc: "Where the light stands, world units.",
     }],
 };
@@ -154,7 +155,7 @@ pub(super) const CAMERA: Table = Table {
         Key {
             name: "eye",
             kind: Kind::Vector,
-            absent: Absent::Derived("volume centre − 2.5·(0, 0, depth of the volume)"),
+            absent: Absent::Derived("before the volume on the −z side, as near as shows all of it"),
             doc: "Where the camera stands, world units.",
         },
         Key {
@@ -248,7 +249,7 @@ const MOST_SAMPLES_PER_RAY: f64 = 1e8;
 /// What `[classified.volume]` asks for.
 pub(super) struct VolumeRequest {
     pub file: String,
-    pub resolution: usize,
+    pub resolution: Option<usize>,
     pub padding: usize,
 }
 
@@ -266,11 +267,11 @@ impl VolumeRequest {
             }
             return Ok(VolumeRequest {
                 file,
-                resolution: 0,
+                resolution: None,
                 padding: 0,
             });
         }
-        let resolution = reader.count("resolution")?.expect("has a default") as usize;
+        let resolution = reader.count("resolution")?.map(|nodes| nodes as usize);
         let padding = reader.count("padding")?.expect("has a default") as usize;
         Ok(VolumeRequest {
             file,
@@ -281,12 +282,13 @@ impl VolumeRequest {
 }
 
 impl Classified {
-    /// Reads `[classified]` and `[camera]`.
+    /// Reads `[classified]` and `[camera]`; `aspect` is the width of the image over its height.
     pub(super) fn read(
         reader: &Reader<'_, '_>,
         camera: &Reader<'_, '_>,
         (grid, volume): (Arc<Grid<f32>>, VolumeSource),
         transfer_function: TransferFunction,
+        aspect: f64,
     ) -> Result<Classified, Box<SceneError>> {
         let empty = DeTable::new();
         let lattice = *grid.lattice();
@@ -301,11 +303,14 @@ impl Classified {
         let step = step_length(reader, "step", &lattice)?;
         let background = reader.vector("background")?.expect("has a default");
 
-        let (camera, eye) = read_camera(camera, &lattice)?;
+        let View {
+            camera,
+            eye,
+            target,
+        } = View::read(camera, &lattice, aspect)?;
         let light = reader.table_or_default("light", &empty)?;
-        let light = light
-            .vector("position")?
-            .unwrap_or(eye + DVec3::new(0.0, 5.0, 0.0));
+        let above = DVec3::new(0.0, eye.distance(target), 0.0);
+        let light = light.vector("position")?.unwrap_or(eye + above);
 
         let phong = reader
             .table("phong")?
@@ -375,28 +380,51 @@ fn read_shadow(reader: &Reader<'_, '_>, lattice: &Lattice) -> Result<Shadow, Box
     })
 }
 
-/// The camera and its eye; what the scene leaves out follows from the volume.
-fn read_camera(
-    reader: &Reader<'_, '_>,
-    lattice: &Lattice,
-) -> Result<(Camera, DVec3), Box<SceneError>> {
-    let bounds = lattice.bounds();
-    let depth = bounds.size().z;
-    let eye = reader
-        .vector("eye")?
-        .unwrap_or(bounds.centre() - DVec3::new(0.0, 0.0, 2.5 * depth));
-    let target = reader.vector("target")?.unwrap_or(bounds.centre());
-    let up = reader.vector("up")?.expect("has a default");
-    let vertical_fov = reader
-        .number("vertical_fov")?
-        .expect("has a default")
-        .to_radians();
-    let camera = Camera::new(eye, target, up, vertical_fov).map_err(|error| {
-        let key = match error {
-            CameraError::NoDirection => "eye",
-            CameraError::NoUpright => "up",
-        };
-        reader.error(key, error.to_string())
-    })?;
-    Ok((camera, eye))
+/// The camera, and where it stands and looks.
+struct View {
+    camera: Camera,
+    eye: DVec3,
+    target: DVec3,
+}
+
+impl View {
+    /// Reads `[camera]`; what the scene leaves out follows from the volume. `aspect` is the width
+    /// of the image over its height.
+    fn read(
+        reader: &Reader<'_, '_>,
+        lattice: &Lattice,
+        aspect: f64,
+    ) -> Result<View, Box<SceneError>> {
+        let bounds = lattice.bounds();
+        let vertical_fov = reader
+            .number("vertical_fov")?
+            .expect("has a default")
+            .to_radians();
+        let eye = reader
+            .vector("eye")?
+            .unwrap_or_else(|| eye_that_sees_all(&bounds, vertical_fov, aspect));
+        let target = reader.vector("target")?.unwrap_or(bounds.centre());
+        let up = reader.vector("up")?.expect("has a default");
+        let camera = Camera::new(eye, target, up, vertical_fov).map_err(|error| {
+            let key = match error {
+                CameraError::NoDirection => "eye",
+                CameraError::NoUpright => "up",
+            };
+            reader.error(key, error.to_string())
+        })?;
+        Ok(View {
+            camera,
+            eye,
+            target,
+        })
+    }
+}
+
+/// Before the middle of the box on its −z side, where its front face fills the image but for a
+/// margin of 5 %.
+fn eye_that_sees_all(bounds: &Aabb, vertical_fov: f64, aspect: f64) -> DVec3 {
+    let half = bounds.size() * 0.5;
+    let half_height = half.y.max(half.x / aspect);
+    let to_front = half_height / (0.95 * math::tan(0.5 * vertical_fov));
+    bounds.centre() - DVec3::new(0.0, 0.0, half.z + to_front)
 }

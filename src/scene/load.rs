@@ -6,7 +6,7 @@ use super::format::{Absent, Key, Kind, Literal, Range, Table};
 use super::reader::{Document, Reader, Reading, overridden};
 use super::{Classified, Curve, SceneError};
 use crate::media::{Colormap, TransferFunction, TransferOpacity};
-use crate::volume::{self, Grid, Splatting};
+use crate::volume::{self, Grid, Splatting, VolumeFormat};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -154,6 +154,15 @@ impl Scene {
         if path.is_dir() {
             return Err(unreadable("this is a folder, not a scene file".into()));
         }
+        if VolumeFormat::of(path).is_some() {
+            let file = path.file_name().unwrap_or_default().display().to_string();
+            let message = "this is a volume, not a scene";
+            let help = format!(
+                "put this into a file beside it, say mine.toml, and give that:\n\
+                 [classified]\n[classified.volume]\nfile = {file:?}\n[classified.phong]"
+            );
+            return Err(SceneError::new(&name, "", None, message, Some(help)));
+        }
         let bytes = std::fs::read(path)
             .map_err(|error| unreadable(format!("cannot read the scene: {error}")))?;
         let text = String::from_utf8(bytes)
@@ -256,7 +265,7 @@ type Loaded = (Arc<Grid<f32>>, VolumeSource);
 /// The grids of a scene; a file asked for by several panels is read once.
 struct Grids<'p> {
     folder: &'p Path,
-    loaded: BTreeMap<(String, usize, usize), Loaded>,
+    loaded: BTreeMap<(String, Option<usize>, usize), Loaded>,
 }
 
 impl Grids<'_> {
@@ -305,7 +314,13 @@ impl Panel {
                 let transfer_function =
                     read_transfer_function(&transfer_function, opacity, &loaded.0)?;
                 let camera = root.table_or_default("camera", &empty)?;
-                let classified = Classified::read(&reader, &camera, loaded, transfer_function)?;
+                let classified = Classified::read(
+                    &reader,
+                    &camera,
+                    loaded,
+                    transfer_function,
+                    width as f64 / height as f64,
+                )?;
                 Model::Classified(Box::new(classified))
             }
             (None, Some(reader)) => {

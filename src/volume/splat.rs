@@ -8,7 +8,8 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Splatting {
     /// Nodes along the longest side of the cloud, padding included: at least 2 + 2·padding.
-    pub resolution: usize,
+    /// `None`: as many as leave one point to a voxel of the cloud's box, on average.
+    pub resolution: Option<usize>,
     /// Empty nodes beyond the cloud on each side of each axis.
     pub padding: usize,
 }
@@ -156,6 +157,18 @@ fn check(points: &[Point]) -> Result<(), SplatError> {
     }
 }
 
+/// Intervals along the longest side of a box of size `extent` for which its voxels are about as
+/// many as `points`; a side shorter than a voxel counts as one.
+fn one_point_per_voxel(extent: DVec3, points: usize) -> usize {
+    let shape = extent / extent.max_element();
+    let voxels = |intervals: usize| (shape * intervals as f64).max(DVec3::ONE).element_product();
+    // 1024 intervals of a flat cloud are a million points; more is asked for by name.
+    (1..=1024)
+        .take_while(|&n| voxels(n) <= points as f64)
+        .last()
+        .unwrap_or(1)
+}
+
 /// Where a cloud's nodes lie.
 struct Frame {
     /// Corners of the cloud.
@@ -187,6 +200,8 @@ impl Frame {
             return Err(SplatError::TooWide);
         }
         let around = padding.saturating_mul(2).saturating_add(1);
+        let resolution = resolution
+            .unwrap_or_else(|| around.saturating_add(one_point_per_voxel(max - min, points.len())));
         let intervals = resolution.saturating_sub(around);
         if intervals == 0 {
             return Err(SplatError::TooFew {
@@ -276,7 +291,7 @@ mod tests {
 
     fn error(points: &[Point], resolution: usize, padding: usize) -> String {
         let splatting = Splatting {
-            resolution,
+            resolution: Some(resolution),
             padding,
         };
         splat(points, splatting).unwrap_err().to_string()
@@ -284,7 +299,7 @@ mod tests {
 
     fn weights(points: &[Point], resolution: usize, padding: usize) -> Grid<f64> {
         let splatting = Splatting {
-            resolution,
+            resolution: Some(resolution),
             padding,
         };
         splat_weights(points, splatting).unwrap()
@@ -317,7 +332,7 @@ mod tests {
             point(1.0, 0.0, 0.0),
         ];
         let splatting = Splatting {
-            resolution: 2,
+            resolution: Some(2),
             padding: 0,
         };
         let grid = splat(&points, splatting).unwrap();
@@ -460,5 +475,15 @@ mod tests {
         let mut weightless = [point(0.0, 0.0, 0.0), point(1.0, 0.0, 0.0)];
         weightless.iter_mut().for_each(|point| point.weight = 0.0);
         assert!(error(&weightless, 4, 0).starts_with("every weight is zero"));
+    }
+
+    #[test]
+    fn without_a_resolution_a_voxel_holds_one_point_on_average() {
+        // A solid block of 10 × 20 × 5 points has as many points as voxels at 20 intervals.
+        assert_eq!(one_point_per_voxel(DVec3::new(1.0, 2.0, 0.5), 1000), 20);
+        // A flat cloud has voxels in one layer only, a line in one row.
+        assert_eq!(one_point_per_voxel(DVec3::new(3.0, 3.0, 0.0), 900), 30);
+        assert_eq!(one_point_per_voxel(DVec3::new(0.0, 0.0, 7.0), 50), 50);
+        assert_eq!(one_point_per_voxel(DVec3::ONE, 2), 1);
     }
 }
