@@ -1,0 +1,152 @@
+//! `volref list`, and the command as a whole.
+
+use crate::folder::{Folder, Run, assert_shown};
+use std::process::Stdio;
+
+#[test]
+fn text() {
+    let suite = Folder::with_suite();
+    assert_shown!(suite.volref(&["list"]).shown(), @"");
+}
+
+#[test]
+fn json() {
+    let suite = Folder::with_suite();
+    let run = suite.volref(&["list", "plots", "--json"]);
+    assert_shown!(run.shown(), @"");
+}
+
+#[test]
+fn json_in_a_file_beside_the_text() {
+    let suite = Folder::with_suite();
+    let run = suite.volref(&["list", "plots", "--json=cases.json"]);
+    assert!(run.stdout.starts_with("plots/curve"), "{}", run.stdout);
+    assert!(suite.text("cases.json").contains("volref/list/1"));
+}
+
+#[test]
+fn filters() {
+    let suite = Folder::with_suite();
+    for (filter, found) in [
+        ("smoke", "smoke/nearest smoke/plain smoke/shadow"),
+        ("smoke/plain", "smoke/plain"),
+        ("plain", "smoke/plain"),
+        ("*/*a*", "smoke/nearest smoke/plain smoke/shadow"),
+        ("{plots,smoke/s*}", "plots/curve smoke/shadow"),
+    ] {
+        let run = suite.volref(&["list", filter]);
+        let names = run.stdout.lines().map(|line| line.split(' ').next().unwrap());
+        assert_eq!(names.collect::<Vec<_>>().join(" "), found, "{filter}");
+    }
+}
+
+#[test]
+fn a_filter_that_matches_nothing_decides_nothing() {
+    let suite = Folder::with_goldens();
+    let before = suite.files();
+    for command in [
+        &["list", "smok/plain"][..],
+        &["verify", "plots", "smok/plain"],
+        &["accept", "plots", "smok/plain", "--reason", "none"],
+    ] {
+        let run = suite.volref(command);
+        run.expect(5, &["no case matches \"smok/plain\"", "did you mean \"smoke/plain\"?"]);
+    }
+    assert_eq!(suite.files(), before);
+}
+
+#[test]
+fn an_empty_suite_decides_nothing() {
+    let suite = Folder::new();
+    suite.write("fixtures/cases/smoke/notes.txt", "no manifest");
+    suite.volref(&["verify"]).expect(5, &["fixtures/cases", "no case"]);
+}
+
+#[test]
+fn a_filter_that_is_no_pattern() {
+    let run = Folder::with_suite().volref(&["list", "smoke/{a"]);
+    run.expect(2, &["\"smoke/{a\" is not a pattern", "unclosed"]);
+}
+
+#[test]
+fn a_folder_that_is_no_suite() {
+    let folder = Folder::new();
+    folder.write("fixtures/cases", "a file where a folder should be");
+    folder.volref(&["list"]).expect(2, &["holds no suite", "fixtures/cases", "--suite DIR"]);
+    let run = folder.volref(&["verify", "--suite", "nowhere"]);
+    run.expect(2, &["nowhere holds no suite"]);
+}
+
+#[test]
+fn a_manifest_with_a_mistake() {
+    let suite = Folder::with_suite();
+    suite.edit("fixtures/cases/smoke/plain.toml", "shows =", "show =");
+    let place = "fixtures/cases/smoke/plain.toml:2:1";
+    let run = suite.volref(&["list"]);
+    run.expect(2, &[place, "unknown key `show`", "did you mean `shows`?"]);
+    suite.write("fixtures/cases/smoke/plain.toml", [0xff, 0xfe]);
+    let run = suite.volref(&["verify"]);
+    run.expect(2, &["fixtures/cases/smoke/plain.toml", "UTF-8"]);
+}
+
+/// `volref list | true`: the reader is gone before the first byte. No panic, no complaint.
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let suite = Folder::with_suite();
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    for arguments in [&["list"][..], &["schema"], &["--help"]] {
+        let mut command = suite.command(arguments);
+        let child = command.stdout(writer.try_clone().unwrap()).stderr(Stdio::piped());
+        let run = Run::of(child.spawn().unwrap().wait_with_output().unwrap());
+        assert_eq!((run.code, run.stderr.as_str()), (0, ""), "{arguments:?}");
+    }
+    let mut command = suite.command(&["list", "nothing"]);
+    let child = command.stderr(writer.try_clone().unwrap()).stdout(Stdio::piped());
+    let run = Run::of(child.spawn().unwrap().wait_with_output().unwrap());
+    assert_eq!(run.code, 5);
+}
+
+#[test]
+fn help() {
+    assert_shown!(Folder::new().volref(&["--help"]).shown(), @"");
+}
+
+#[test]
+fn help_of_a_command() {
+    assert_shown!(Folder::new().volref(&["render", "--help"]).shown(), @"");
+}
+
+#[test]
+fn version() {
+    let run = Folder::new().volref(&["--version"]);
+    assert_eq!(run.stdout, concat!("volref ", env!("CARGO_PKG_VERSION"), "\n"));
+    assert_eq!(run.code, 0);
+}
+
+#[test]
+fn usage_mistakes() {
+    let folder = Folder::with_scenes();
+    for (arguments, message) in [
+        (&[][..], "Usage: volref <COMMAND>"),
+        (&["verfy"], "'verify'"),
+        (&["verify", "--threads", "0"], "0 is not in 1..=1024"),
+        (&["render", "scene.toml"], "--output <FILE>"),
+        (&["accept", "--reason", "r"], "<CASE>"),
+        (&["plan", "scene.toml", "--force", "scatering"], "unknown effect \"scatering\""),
+        (&["compare", "a.exr", "b.exr", "--gate", "ssim"], "unknown gate \"ssim\""),
+        (&["schema", "plot"], "scene, case"),
+    ] {
+        folder.volref(arguments).expect(2, &[message]);
+    }
+}
+
+/// Nothing that a pipe or a file receives is coloured.
+#[test]
+fn no_colour_in_a_pipe() {
+    let folder = Folder::with_scenes();
+    for arguments in [&["plan", "none.toml"][..], &["--help"], &["lst"], &["plan", "scene.toml"]] {
+        let run = folder.volref(arguments);
+        assert!(!(run.stdout + &run.stderr).contains('\u{1b}'), "{arguments:?}");
+    }
+}
