@@ -43,8 +43,8 @@ pub enum FilmError {
         height: usize,
     },
     /// A file name that stands for no format.
-    #[error("{0:?} is no image file: known are .exr (linear radiance) and .png (preview)")]
-    Format(String),
+    #[error("not an image by its extension: known are .exr (linear radiance) and .png (preview)")]
+    Format,
 }
 
 impl Film {

@@ -6,7 +6,14 @@ use crate::folder::{Folder, assert_shown};
 fn new_goldens() {
     let suite = Folder::with_suite();
     let run = suite.volref(&["accept", "smoke/plain", "plots", "--reason", "first goldens"]);
-    assert_shown!(run.shown(), @"");
+    assert_shown!(run.shown(), @r"
+    exit code 0
+    --- stdout
+    new        plots/curve: there was no golden that could be read
+    new        smoke/plain: there was no golden that could be read
+
+    Now look at the pictures in ./golden.
+    ");
     let files: Vec<_> = suite.files().into_keys().filter(|name| name.starts_with("golden")).collect();
     assert_eq!(
         files,
@@ -27,7 +34,11 @@ fn unchanged_goldens_keep_their_files_and_reasons() {
     let suite = Folder::with_goldens();
     let before = suite.files();
     let run = suite.volref(&["accept", "smoke/plain", "--reason", "again"]);
-    assert_shown!(run.shown(), @"");
+    assert_shown!(run.shown(), @r"
+    exit code 0
+    --- stdout
+    unchanged  smoke/plain: left as it was, with its old reason
+    ");
     assert_eq!(suite.files(), before);
 }
 
@@ -42,7 +53,11 @@ fn another_scene_with_the_same_picture_is_recorded() {
     let run = suite.volref(&["verify", "smoke/plain"]);
     assert_eq!(run.code, 3, "{}", run.stdout);
     let run = suite.volref(&["accept", "plain", "--reason", "world units read better"]);
-    assert_shown!(run.shown(), @"");
+    assert_shown!(run.shown(), @r"
+    exit code 0
+    --- stdout
+    recorded   smoke/plain: same picture; scene or plan changed
+    ");
     assert_eq!(suite.volref(&["verify"]).code, 0);
 }
 
@@ -56,7 +71,30 @@ fn replaced_goldens_remember_what_they_replaced() {
     let before = field("pixels");
     suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 3");
     let run = suite.volref(&["accept", "smoke", "--reason", "  a denser middle ", "--json"]);
-    assert_shown!(run.shown(), @"");
+    assert_shown!(run.shown(), @r#"
+    exit code 0
+    --- stdout
+    {
+      "cases": [
+        {
+          "change": "replaced",
+          "name": "smoke/nearest",
+          "reason": "16 of 120 pixels have other colours and 16 another opacity; the largest difference of a channel is 5.625e-1"
+        },
+        {
+          "change": "replaced",
+          "name": "smoke/plain",
+          "reason": "36 of 120 pixels have other colours and 36 another opacity; the largest difference of a channel is 1.742e-1"
+        },
+        {
+          "change": "replaced",
+          "name": "smoke/shadow",
+          "reason": "60 of 120 pixels have other colours and 36 another opacity; the largest difference of a channel is 1.112e-1"
+        }
+      ],
+      "schema": "volref/accept/1"
+    }
+    "#);
     assert_eq!(field("replaces"), before);
     assert_ne!(field("pixels"), before);
     assert_eq!(field("reason"), "a denser middle");
@@ -116,7 +154,14 @@ fn a_golden_that_cannot_be_read_is_made_new() {
     suite.write("golden/smoke/plain.toml", "garbage");
     suite.remove("golden/plots/curve.png");
     let run = suite.volref(&["accept", "plain", "curve", "--reason", "mended"]);
-    assert_shown!(run.shown(), @"");
+    assert_shown!(run.shown(), @r"
+    exit code 0
+    --- stdout
+    new        plots/curve: there was no golden that could be read
+    new        smoke/plain: there was no golden that could be read
+
+    Now look at the pictures in ./golden.
+    ");
     assert_eq!(suite.volref(&["verify"]).code, 0);
 }
 
@@ -127,7 +172,7 @@ fn an_unwritable_folder_of_goldens() {
     suite.write("golden", "a file where the folder should be");
     let before = suite.files();
     let run = suite.volref(&["accept", "curve", "--reason", "first"]);
-    run.expect(2, &["golden", "as they were before"]);
+    run.expect(2, &["golden", "move the file that stands in the place of a directory"]);
     assert_eq!(suite.files(), before);
 }
 

@@ -19,7 +19,18 @@ fn after(old: &str, new: &str) -> String {
 fn an_error_as_it_is_drawn() {
     let folder = Folder::with_scenes();
     folder.edit("scene.toml", "width = 12", "widht = 12");
-    assert_shown!(folder.volref(&["plan", "scene.toml"]).shown(), @"");
+    assert_shown!(folder.volref(&["plan", "scene.toml"]).shown(), @r"
+    exit code 2
+    --- stderr
+      × scene.toml:2:1: unknown key `widht` in [film]
+       ╭─[scene.toml:2:1]
+     1 │ [film]
+     2 │ widht = 12
+       · ─────
+     3 │ height = 10
+       ╰────
+      help: did you mean `width`?
+    ");
 }
 
 #[test]
@@ -35,7 +46,14 @@ fn unknown_keys() {
     ] {
         said.push_str(&after(old, new));
     }
-    assert_shown!(said, @"");
+    assert_shown!(said, @r"
+    scene.toml:3:1: unknown key `hieght` in [film] help: did you mean `height`?
+    scene.toml:5:2: unknown key `transferfunction` in the file help: did you mean `transfer_function`?
+    scene.toml:9:1: unknown key `interpolaton` in [classified] help: did you mean `interpolation`?
+    scene.toml:8:13: unknown key `shading` in [classified] help: did you mean `shadow`?
+    scene.toml:9:1: unknown key `fov` in [camera] help: [camera] may hold: eye, target, up, vertical_fov
+    scene.toml:10:1: unknown key `widht` in [film] help: did you mean `width`?
+    ");
 }
 
 #[test]
@@ -63,7 +81,26 @@ fn wrong_types() {
     ] {
         said.push_str(&after(old, new));
     }
-    assert_shown!(said, @"");
+    assert_shown!(said, @r#"
+    scene.toml:2:9: `width` takes a whole number from 1 to 16384, got string help: `film.width`: Columns of pixels.
+    scene.toml:2:9: `width` takes a whole number from 1 to 16384, got float help: `film.width`: Columns of pixels.
+    scene.toml:2:9: `width` takes a whole number from 1 to 16384, got array help: `film.width`: Columns of pixels.
+    scene.toml:1:8: `film` takes a table, got integer help: `film`: The image.
+    scene.toml:1:1: `film` takes a table, got array help: `film`: The image.
+    scene.toml:6:20: `reference_length` takes a length: a number in world units, or text such as "0.5 voxels", got boolean help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
+    scene.toml:6:20: `reference_length`: expected a length such as 0.01 (world units) or "0.5 voxels", got "0.2 pixels" help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
+    scene.toml:9:17: `interpolation` takes one of "trilinear", "nearest", got integer help: `classified.interpolation`: How densities and gradients between the nodes follow from those at the nodes.
+    scene.toml:9:17: `interpolation` takes one of "trilinear", "nearest", got "cubic" help: `classified.interpolation`: How densities and gradients between the nodes follow from those at the nodes.
+    scene.toml:9:14: `background` takes three numbers red, green, blue, such as [1, 0.5, 0], got integer help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:9:14: `background` takes three numbers, got 2 help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:9:14: `background` takes three numbers red, green, blue, such as [1, 0.5, 0], got string help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:9:16: `vertical_fov` takes a number, got string help: `camera.vertical_fov`: Full angle between the top and bottom edge of the image, degrees.
+    scene.toml:11:8: `file` takes text in quotes, got integer help: `classified.volume.file`: Point cloud (.obj) or grid (.bin), relative to the folder of the scene.
+    scene.toml:1:9: `panel` takes tables in double brackets, [[panel]]
+    scene.toml:1:9: `panel` takes tables in double brackets, [[panel]]
+    scene.toml:1:10: `panel` takes tables in double brackets, [[panel]]
+    scene.toml:1:10: a panel holds no panels
+    "#);
 }
 
 #[test]
@@ -97,7 +134,32 @@ fn out_of_range() {
     ] {
         said.push_str(&after(old, new));
     }
-    assert_shown!(said, @"");
+    assert_shown!(said, @r#"
+    scene.toml:2:9: `width` must lie in [1, 16384], got 0 help: `film.width`: Columns of pixels.
+    scene.toml:2:9: `width` must lie in [1, 16384], got -1 help: `film.width`: Columns of pixels.
+    scene.toml:2:9: `width` must lie in [1, 16384], got 16385 help: `film.width`: Columns of pixels.
+    scene.toml:2:9: `width` must lie in [1, 16384], got 99999999999999999999 help: `film.width`: Columns of pixels.
+    scene.toml:6:20: `reference_length`: a length must be positive and finite, got "0" help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
+    scene.toml:6:20: `reference_length`: a length must be positive and finite, got "-1 voxels" help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
+    scene.toml:6:20: `reference_length` must be finite, got inf help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
+    scene.toml:9:8: `step`: a length must be positive and finite, got "0" help: `classified.step`: Distance between samples along a ray, world units or voxels.
+    scene.toml:9:8: `step`: a length must be positive and finite, got "-0.5" help: `classified.step`: Distance between samples along a ray, world units or voxels.
+    scene.toml:9:8: `step` must be finite, got nan help: `classified.step`: Distance between samples along a ray, world units or voxels.
+    scene.toml:9:8: a step of 1e-300 world units means up to 2.1e300 samples on a ray through a volume 2.0688 across; at most 1e8 are accepted help: `classified.step`: Distance between samples along a ray, world units or voxels.
+    scene.toml:9:8: a step of 2e-13 world units means up to 1.0e13 samples on a ray through a volume 2.0688 across; at most 1e8 are accepted help: `classified.step`: Distance between samples along a ray, world units or voxels.
+    scene.toml:9:14: `background` must not be negative, got [0, -1, 0] help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:9:14: `background` must be finite, got inf help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:10:11: `ambient` must be finite and at least 0, got -0.1 help: `classified.phong.ambient`: Share of the light that reaches every side.
+    scene.toml:10:13: `shininess` must lie in [1, 1048576], got 0 help: `classified.phong.shininess`: Exponent of the highlight, a whole number.
+    scene.toml:9:16: `vertical_fov` must lie in (0, 180), got 0 help: `camera.vertical_fov`: Full angle between the top and bottom edge of the image, degrees.
+    scene.toml:9:16: `vertical_fov` must lie in (0, 180), got 180 help: `camera.vertical_fov`: Full angle between the top and bottom edge of the image, degrees.
+    scene.toml:6:9: `floor` must lie in [0, 1), got 1 help: `transfer_function.floor`: Value of exp(−d²) that counts as opaque.
+    scene.toml:6:9: `floor` must be finite, got nan help: `transfer_function.floor`: Value of exp(−d²) that counts as opaque.
+    scene.toml:12:14: `resolution` must lie in [2, 4096], got 1 help: `classified.volume.resolution`: Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.
+    scene.toml:11:8: cloud.obj: a resolution of 3 with 1 nodes of padding on each side leaves no room for the cloud: use at least 4 help: `classified.volume.file`: Point cloud (.obj) or grid (.bin), relative to the folder of the scene.
+    scene.toml:12:14: `resolution` must lie in [2, 4096], got 4097 help: `classified.volume.resolution`: Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.
+    scene.toml:13:11: `padding` must lie in [0, 1024], got -1 help: `classified.volume.padding`: Point clouds only: empty nodes kept around the cloud on each side.
+    "#);
 }
 
 #[test]
@@ -123,7 +185,18 @@ fn missing_and_contradictory() {
     ] {
         said.push_str(&after(old, new));
     }
-    assert_shown!(said, @"");
+    assert_shown!(said, @r#"
+    scene.toml:10:1: missing key `file` in [classified.volume] help: `classified.volume.file`: Point cloud (.obj) or grid (.bin), relative to the folder of the scene.
+    scene.toml:8:1: missing table [classified.volume] help: `classified.volume`: The densities.
+    scene.toml:9:1: missing key `reference_step` in [classified.shadow] help: `classified.shadow.reference_step`: Length that counts as one unit of S, world units or voxels; smaller means darker.
+    scene.toml:8:1: a scene holds one model, but this one has both [classified] and [curve] help: `curve`: Model: a plot of the transfer function.
+    scene.toml: the scene has no model: give [classified] or [curve]
+    scene.toml:12:14: `resolution` applies to point clouds; "cloud.bin" brings a grid of its own help: `classified.volume.resolution`: Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.
+    scene.toml:9:7: the camera stands at its target, so it looks nowhere help: `camera.eye`: Where the camera stands, world units.
+    scene.toml:11:6: `up` is parallel to the viewing direction, so the image has no upright help: `camera.up`: The direction that points up in the image, any length.
+    scene.toml:9:6: `up` is parallel to the viewing direction, so the image has no upright help: `camera.up`: The direction that points up in the image, any length.
+    scene.toml:1:1: panels stand side by side and must be of one height, but panel 1 has 10 rows and panel 2 has 4
+    "#);
 }
 
 #[test]
@@ -136,7 +209,11 @@ fn a_plot_of_the_curve_has_no_volume() {
     }
     let run = folder.volref(&["render", "curve.toml", "-o", "image.exr", "--step", "1"]);
     said.push_str(&run.message());
-    assert_shown!(said, @"");
+    assert_shown!(said, @r"
+    broken.toml:6:1: a plot of the curve has no camera help: `camera`: The eye.
+    broken.toml:7:12: `colormap` means nothing to a plot of the curve help: `transfer_function.colormap`: Colours for densities 0 to 1.
+    --step: a plot of the curve has no steps
+    ");
 }
 
 #[test]
@@ -151,7 +228,13 @@ fn not_toml() {
     ] {
         said.push_str(&after(old, new));
     }
-    assert_shown!(said, @"");
+    assert_shown!(said, @r#"
+    scene.toml:2:9: string values must be quoted, expected literal string help: the file is not valid TOML; see https://toml.io for its rules
+    scene.toml:3:1: duplicate key help: the file is not valid TOML; see https://toml.io for its rules
+    scene.toml:2:7: key with no value, expected `=` help: the file is not valid TOML; see https://toml.io for its rules
+    scene.toml:1:6: unclosed table, expected `]` help: the file is not valid TOML; see https://toml.io for its rules
+    scene.toml:11:18: invalid basic string, expected `"` help: the file is not valid TOML; see https://toml.io for its rules
+    "#);
 }
 
 #[test]
@@ -183,7 +266,7 @@ fn places_after_letters_of_several_bytes() {
     let text = "film = { \"héllo, wörld\" = 1 }\n".to_owned() + &folder.text("curve.toml")[29..];
     folder.write("scene.toml", text);
     folder.volref(&["plan", "scene.toml"]).expect(2, &["scene.toml:1:10: unknown key"]);
-    folder.write("scene.toml", "# é\n[curve]\ndensities = { ä = 1, densities = 2 }\n");
+    folder.write("scene.toml", "# é\n[curve]\ndensities = { \"ä\" = 1, densities = 2 }\n");
     folder.volref(&["plan", "scene.toml"]).expect(2, &["scene.toml:3:13: `densities` takes"]);
 }
 
@@ -223,5 +306,17 @@ fn steps_on_the_command_line() {
         said.push_str(&(run.message() + "\n"));
     }
     assert!(!folder.path("image.exr").exists());
-    assert_shown!(said, @"");
+    assert_shown!(said, @r#"
+    error: invalid value '0' for '--step <LENGTH>': a length must be positive and finite, got "0" For more information, try '--help'.
+    error: invalid value '0' for '--step <LENGTH>': a length must be positive and finite, got "0" For more information, try '--help'.
+    error: invalid value '-1' for '--step <LENGTH>': a length must be positive and finite, got "-1" For more information, try '--help'.
+    error: invalid value '-1' for '--step <LENGTH>': a length must be positive and finite, got "-1" For more information, try '--help'.
+    error: invalid value '-0.5 voxels' for '--step <LENGTH>': a length must be positive and finite, got "-0.5 voxels" For more information, try '--help'.
+    error: invalid value 'nan' for '--step <LENGTH>': a length must be positive and finite, got "nan" For more information, try '--help'.
+    error: invalid value 'inf' for '--step <LENGTH>': a length must be positive and finite, got "inf" For more information, try '--help'.
+    error: invalid value 'half' for '--step <LENGTH>': expected a length such as 0.01 (world units) or "0.5 voxels", got "half" For more information, try '--help'.
+    error: invalid value '' for '--step <LENGTH>': expected a length such as 0.01 (world units) or "0.5 voxels", got "" For more information, try '--help'.
+    --step: a step of 1e-300 world units means up to 2.1e300 samples on a ray through a volume 2.0688 across; at most 1e8 are accepted
+    --step: a step of 2e-13 world units means up to 1.0e13 samples on a ray through a volume 2.0688 across; at most 1e8 are accepted
+    "#);
 }

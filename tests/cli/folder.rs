@@ -208,8 +208,8 @@ impl Run {
             start.is_some_and(|letter| letter.is_ascii_digit() || "╭·╰".contains(letter))
         };
         let frames = self.stderr.lines().filter(|line| !framed(line));
-        let words = frames.flat_map(str::split_whitespace);
-        let words: Vec<_> = words.filter(|word| !["×", "│"].contains(word)).collect();
+        let text = frames.map(|line| line.trim_start().trim_start_matches(['×', '│']));
+        let words: Vec<_> = text.flat_map(str::split_whitespace).collect();
         words.join(" ")
     }
 

@@ -6,14 +6,40 @@ use std::process::Stdio;
 #[test]
 fn text() {
     let suite = Folder::with_suite();
-    assert_shown!(suite.volref(&["list"]).shown(), @"");
+    assert_shown!(suite.volref(&["list"]).shown(), @r"
+    exit code 0
+    --- stdout
+    plots/curve    deterministic  a test
+    smoke/nearest  deterministic  a test
+    smoke/plain    deterministic  a test
+    smoke/shadow   deterministic  a test
+    ");
 }
 
 #[test]
 fn json() {
     let suite = Folder::with_suite();
     let run = suite.volref(&["list", "plots", "--json"]);
-    assert_shown!(run.shown(), @"");
+    assert_shown!(run.shown(), @r#"
+    exit code 0
+    --- stdout
+    {
+      "cases": [
+        {
+          "class": "deterministic",
+          "computes": "what the scene says",
+          "exposure": 0.0,
+          "family": "plots",
+          "gate": "deterministic",
+          "name": "plots/curve",
+          "scene": "./fixtures/scenes/plots/curve.toml",
+          "shows": "a diamond",
+          "source": "a test"
+        }
+      ],
+      "schema": "volref/list/1"
+    }
+    "#);
 }
 
 #[test]
@@ -109,12 +135,61 @@ fn a_closed_pipe_is_no_error() {
 
 #[test]
 fn help() {
-    assert_shown!(Folder::new().volref(&["--help"]).shown(), @"");
+    assert_shown!(Folder::new().volref(&["--help"]).shown(), @r"
+    exit code 0
+    --- stdout
+    A reference renderer for volumes, and the golden-image harness that judges other volume renderers by
+    it
+
+    Usage: volref <COMMAND>
+
+    Commands:
+      verify   Render the suite with the reference and compare every bit with the goldens
+      compare  Compare one pair of images
+      render   Render a scene to an image
+      plan     Show what a scene calls for: effects with reasons, the kernel, filled-in defaults
+      accept   Render cases and make the results their goldens; look at the pictures before and after
+      list     List the cases of the suite
+      schema   Print the JSON Schema of a kind of file, for completion and checks in editors
+      help     Print this message or the help of the given subcommand(s)
+
+    Options:
+      -h, --help     Print help
+      -V, --version  Print version
+
+    Exit codes, the highest cause wins: 0 all compared and passed; 1 mismatch; 2 usage or bad input; 3
+    golden missing, stale or tampered; 4 the other renderer's image missing, unreadable, crashed or
+    timed out; 5 nothing compared, or inconclusive; 6 self-test failed.
+    ");
 }
 
 #[test]
 fn help_of_a_command() {
-    assert_shown!(Folder::new().volref(&["render", "--help"]).shown(), @"");
+    assert_shown!(Folder::new().volref(&["render", "--help"]).shown(), @r#"
+    exit code 0
+    --- stdout
+    Render a scene to an image
+
+    Usage: volref render [OPTIONS] --output <FILE> <SCENE>
+
+    Arguments:
+      <SCENE>  Scene file (TOML)
+
+    Options:
+      -o, --output <FILE>     Image to write: .exr (linear radiance, 32-bit float) or .png (8-bit sRGB
+                              preview)
+          --spp <N>           Samples per pixel, for sampled scenes; a classified volume has one ray a
+                              pixel
+          --seed <N>          Seed of the random numbers, for sampled scenes
+          --step <LENGTH>     Distance between samples along a ray, in place of the scene's: world
+                              units, or "0.5 voxels"
+          --threads <N>       Threads to use; the image is the same for any number [default: all cores]
+          --exposure <STOPS>  Exposure of a .png, in stops: radiance is multiplied by 2^STOPS [default:
+                              0]
+          --json[=<FILE>]     Print the result as JSON instead of text; with =FILE, write it there as
+                              well as the text
+      -h, --help              Print help
+    "#);
 }
 
 #[test]

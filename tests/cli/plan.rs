@@ -13,11 +13,165 @@ fn figures() {
         let mut command = folder.command(&["plan", &scene]);
         crate::folder::Run::of(command.current_dir(root).output().unwrap()).shown()
     };
-    insta::assert_snapshot!(plan("figure-1"), @"");
-    insta::assert_snapshot!(plan("figure-2"), @"");
-    insta::assert_snapshot!(plan("figure-3"), @"");
-    insta::assert_snapshot!(plan("figure-4"), @"");
-    insta::assert_snapshot!(plan("figure-5"), @"");
+    insta::assert_snapshot!(plan("figure-1"), @r#"
+    exit code 0
+    --- stdout
+    kernel  ray caster: nearest, front to back, Phong, no shadow, leaps over empty space
+
+    effects
+      elided   surfaces                the classified model has no surfaces
+      on       absorption              densities up to 1  (transfer_function)
+      on       emission                the colormap sends out light  (transfer_function)
+      elided   single-scattering       the classified model scatters no light; shading stands in for it
+      elided   multiple-scattering     the classified model scatters no light; shading stands in for it
+      omitted  medium-shadow           not asked for: the scene has no [classified.shadow]
+      elided   surface-shadow          the classified model has no surfaces
+      on       gradient-shading        the density has a gradient  (classified.phong)
+      on       heterogeneity           densities from 0 to 1  (classified.volume)
+      elided   chromatic-coefficients  opacity is the same for all colours
+      elided   anisotropic-phase       the classified model has no phase function
+
+    defaults filled in
+      transfer_function.floor     0.36
+      transfer_function.colormap  "heat"
+      classified.background       [0, 0, 0]
+      camera.eye                  volume centre − 2.5·(0, 0, depth of the volume)
+      camera.target               volume centre
+      camera.up                   [0, 1, 0]
+      camera.vertical_fov         45
+      classified.light.position   camera eye + (0, 5, 0)
+    "#);
+    insta::assert_snapshot!(plan("figure-2"), @r"
+    exit code 0
+    --- stdout
+    kernel  plot of the transfer function
+
+    effects
+      elided   surfaces                a plot of the transfer function has no light
+      elided   absorption              a plot of the transfer function has no light
+      elided   emission                a plot of the transfer function has no light
+      elided   single-scattering       a plot of the transfer function has no light
+      elided   multiple-scattering     a plot of the transfer function has no light
+      elided   medium-shadow           a plot of the transfer function has no light
+      elided   surface-shadow          a plot of the transfer function has no light
+      elided   gradient-shading        a plot of the transfer function has no light
+      elided   heterogeneity           a plot of the transfer function has no light
+      elided   chromatic-coefficients  a plot of the transfer function has no light
+      elided   anisotropic-phase       a plot of the transfer function has no light
+
+    defaults filled in
+    ");
+    insta::assert_snapshot!(plan("figure-3"), @r#"
+    exit code 0
+    --- stdout
+    kernel  ray caster: trilinear, front to back, Phong, no shadow, leaps over empty space
+
+    effects
+      elided   surfaces                the classified model has no surfaces
+      on       absorption              densities up to 1  (transfer_function)
+      on       emission                the colormap sends out light  (transfer_function)
+      elided   single-scattering       the classified model scatters no light; shading stands in for it
+      elided   multiple-scattering     the classified model scatters no light; shading stands in for it
+      omitted  medium-shadow           not asked for: the scene has no [classified.shadow]
+      elided   surface-shadow          the classified model has no surfaces
+      on       gradient-shading        the density has a gradient  (classified.phong)
+      on       heterogeneity           densities from 0 to 1  (classified.volume)
+      elided   chromatic-coefficients  opacity is the same for all colours
+      elided   anisotropic-phase       the classified model has no phase function
+
+    defaults filled in
+      transfer_function.floor     0.36
+      transfer_function.colormap  "heat"
+      classified.background       [0, 0, 0]
+      camera.eye                  volume centre − 2.5·(0, 0, depth of the volume)
+      camera.target               volume centre
+      camera.up                   [0, 1, 0]
+      camera.vertical_fov         45
+      classified.light.position   camera eye + (0, 5, 0)
+    "#);
+    insta::assert_snapshot!(plan("figure-4"), @r#"
+    exit code 0
+    --- stdout
+    kernel  ray caster: trilinear, back to front, Phong, no shadow, leaps over empty space
+
+    effects
+      elided   surfaces                the classified model has no surfaces
+      on       absorption              densities up to 1  (transfer_function)
+      on       emission                the colormap sends out light  (transfer_function)
+      elided   single-scattering       the classified model scatters no light; shading stands in for it
+      elided   multiple-scattering     the classified model scatters no light; shading stands in for it
+      omitted  medium-shadow           not asked for: the scene has no [classified.shadow]
+      elided   surface-shadow          the classified model has no surfaces
+      on       gradient-shading        the density has a gradient  (classified.phong)
+      on       heterogeneity           densities from 0 to 1  (classified.volume)
+      elided   chromatic-coefficients  opacity is the same for all colours
+      elided   anisotropic-phase       the classified model has no phase function
+
+    defaults filled in
+      transfer_function.floor     0.36
+      transfer_function.colormap  "heat"
+      classified.background       [0, 0, 0]
+      camera.eye                  volume centre − 2.5·(0, 0, depth of the volume)
+      camera.target               volume centre
+      camera.up                   [0, 1, 0]
+      camera.vertical_fov         45
+      classified.light.position   camera eye + (0, 5, 0)
+    "#);
+    insta::assert_snapshot!(plan("figure-5"), @r#"
+    exit code 0
+    --- stdout
+    panel 1: without shadow
+    kernel  ray caster: trilinear, front to back, Phong, no shadow, leaps over empty space
+
+    effects
+      elided   surfaces                the classified model has no surfaces
+      on       absorption              densities up to 1  (transfer_function)
+      on       emission                the colormap sends out light  (transfer_function)
+      elided   single-scattering       the classified model scatters no light; shading stands in for it
+      elided   multiple-scattering     the classified model scatters no light; shading stands in for it
+      omitted  medium-shadow           not asked for: the scene has no [classified.shadow]
+      elided   surface-shadow          the classified model has no surfaces
+      on       gradient-shading        the density has a gradient  (classified.phong)
+      on       heterogeneity           densities from 0 to 1  (classified.volume)
+      elided   chromatic-coefficients  opacity is the same for all colours
+      elided   anisotropic-phase       the classified model has no phase function
+
+    defaults filled in
+      transfer_function.floor     0.36
+      transfer_function.colormap  "heat"
+      classified.background       [0, 0, 0]
+      camera.eye                  volume centre − 2.5·(0, 0, depth of the volume)
+      camera.target               volume centre
+      camera.up                   [0, 1, 0]
+      camera.vertical_fov         45
+      classified.light.position   camera eye + (0, 5, 0)
+
+    panel 2: with shadow
+    kernel  ray caster: trilinear, front to back, Phong, volume shadow, leaps over empty space
+
+    effects
+      elided   surfaces                the classified model has no surfaces
+      on       absorption              densities up to 1  (transfer_function)
+      on       emission                the colormap sends out light  (transfer_function)
+      elided   single-scattering       the classified model scatters no light; shading stands in for it
+      elided   multiple-scattering     the classified model scatters no light; shading stands in for it
+      on       medium-shadow           densities darken what lies behind  (classified.shadow)
+      elided   surface-shadow          the classified model has no surfaces
+      on       gradient-shading        the density has a gradient  (classified.phong)
+      on       heterogeneity           densities from 0 to 1  (classified.volume)
+      elided   chromatic-coefficients  opacity is the same for all colours
+      elided   anisotropic-phase       the classified model has no phase function
+
+    defaults filled in
+      transfer_function.floor     0.36
+      transfer_function.colormap  "heat"
+      classified.background       [0, 0, 0]
+      camera.eye                  volume centre − 2.5·(0, 0, depth of the volume)
+      camera.target               volume centre
+      camera.up                   [0, 1, 0]
+      camera.vertical_fov         45
+      classified.light.position   camera eye + (0, 5, 0)
+    "#);
 }
 
 #[test]
@@ -25,7 +179,96 @@ fn json() {
     let folder = Folder::with_scenes();
     let run = folder.volref(&["plan", "curve.toml", "--json"]);
     assert_eq!(run.code, 0);
-    assert_shown!(run.stdout, @"");
+    assert_shown!(run.stdout, @r#"
+    {
+      "schema": "volref/plan/1",
+      "scene": "curve.toml",
+      "panels": [
+        {
+          "title": null,
+          "kernel": "plot of the transfer function",
+          "effects": [
+            {
+              "effect": "surfaces",
+              "state": "elided",
+              "reason": "a plot of the transfer function has no light",
+              "field": null
+            },
+            {
+              "effect": "absorption",
+              "state": "elided",
+              "reason": "a plot of the transfer function has no light",
+              "field": null
+            },
+            {
+              "effect": "emission",
+              "state": "elided",
+              "reason": "a plot of the transfer function has no light",
+              "field": null
+            },
+            {
+              "effect": "single-scattering",
+              "state": "elided",
+              "reason": "a plot of the transfer function has no light",
+              "field": null
+            },
+            {
+              "effect": "multiple-scattering",
+              "state": "elided",
+              "reason": "a plot of the transfer function has no light",
+              "field": null
+            },
+            {
+              "effect": "medium-shadow",
+              "state": "elided",
+              "reason": "a plot of the transfer function has no light",
+              "field": null
+            },
+            {
+              "effect": "surface-shadow",
+              "state": "elided",
+              "reason": "a plot of the transfer function has no light",
+              "field": null
+            },
+            {
+              "effect": "gradient-shading",
+              "state": "elided",
+              "reason": "a plot of the transfer function has no light",
+              "field": null
+            },
+            {
+              "effect": "heterogeneity",
+              "state": "elided",
+              "reason": "a plot of the transfer function has no light",
+              "field": null
+            },
+            {
+              "effect": "chromatic-coefficients",
+              "state": "elided",
+              "reason": "a plot of the transfer function has no light",
+              "field": null
+            },
+            {
+              "effect": "anisotropic-phase",
+              "state": "elided",
+              "reason": "a plot of the transfer function has no light",
+              "field": null
+            }
+          ],
+          "defaults": [
+            {
+              "key": "transfer_function.floor",
+              "value": "0.36"
+            },
+            {
+              "key": "curve.densities",
+              "value": "1.2"
+            }
+          ]
+        }
+      ]
+    }
+    "#);
 }
 
 #[test]
@@ -50,7 +293,17 @@ fn counters() {
     let folder = Folder::with_scenes();
     let run = folder.volref(&["plan", "scene.toml", "--counters"]);
     let work = &run.stdout[run.stdout.find("\nwork\n").unwrap()..];
-    insta::assert_snapshot!(work, @"");
+    insta::assert_snapshot!(work, @r"
+    work
+      780  cells walked
+      780  density lookups
+      0  gradient lookups
+      0  null collisions
+      0  phase evaluations
+      0  random draws
+      0  shadow rays
+      0  surface tests
+    ");
 }
 
 /// A grid of one density: shading and heterogeneity are provably null, and can be forced.
@@ -63,10 +316,100 @@ fn force_on_a_constant_grid() {
         "[film]\nwidth = 6\nheight = 6\n[classified]\n[classified.phong]\n\
          [classified.volume]\nfile = \"flat.bin\"\n",
     );
-    insta::assert_snapshot!(folder.volref(&["plan", "flat.toml", "--counters"]).shown(), @"");
+    insta::assert_snapshot!(folder.volref(&["plan", "flat.toml", "--counters"]).shown(), @r#"
+    exit code 0
+    --- stdout
+    kernel  ray caster: constant density, front to back, unshaded, no shadow, every sample
+
+    effects
+      elided   surfaces                the classified model has no surfaces
+      on       absorption              densities up to 0.5  (transfer_function)
+      on       emission                the colormap sends out light  (transfer_function)
+      elided   single-scattering       the classified model scatters no light; shading stands in for it
+      elided   multiple-scattering     the classified model scatters no light; shading stands in for it
+      omitted  medium-shadow           not asked for: the scene has no [classified.shadow]
+      elided   surface-shadow          the classified model has no surfaces
+      elided   gradient-shading        the density is constant: its gradient is 0  (classified.phong)
+      elided   heterogeneity           every voxel holds 0.5  (classified.volume)
+      elided   chromatic-coefficients  opacity is the same for all colours
+      elided   anisotropic-phase       the classified model has no phase function
+
+    defaults filled in
+      transfer_function.floor             0.36
+      transfer_function.reference_length  "1 voxel"
+      transfer_function.colormap          "heat"
+      classified.interpolation            "trilinear"
+      classified.compositing              "front-to-back"
+      classified.step                     "0.5 voxels"
+      classified.background               [0, 0, 0]
+      camera.eye                          volume centre − 2.5·(0, 0, depth of the volume)
+      camera.target                       volume centre
+      camera.up                           [0, 1, 0]
+      camera.vertical_fov                 45
+      classified.light.position           camera eye + (0, 5, 0)
+      classified.phong.ambient            0.1
+      classified.phong.diffuse            1
+      classified.phong.specular           1
+      classified.phong.shininess          32
+
+    work
+      0  cells walked
+      0  density lookups
+      0  gradient lookups
+      0  null collisions
+      0  phase evaluations
+      0  random draws
+      0  shadow rays
+      0  surface tests
+    "#);
     let forced = ["plan", "flat.toml", "--counters", "--force", "heterogeneity", "--force",
         "gradient-shading"];
-    insta::assert_snapshot!(folder.volref(&forced).shown(), @"");
+    insta::assert_snapshot!(folder.volref(&forced).shown(), @r#"
+    exit code 0
+    --- stdout
+    kernel  ray caster: trilinear, front to back, Phong, no shadow, every sample
+
+    effects
+      elided   surfaces                the classified model has no surfaces
+      on       absorption              densities up to 0.5  (transfer_function)
+      on       emission                the colormap sends out light  (transfer_function)
+      elided   single-scattering       the classified model scatters no light; shading stands in for it
+      elided   multiple-scattering     the classified model scatters no light; shading stands in for it
+      omitted  medium-shadow           not asked for: the scene has no [classified.shadow]
+      elided   surface-shadow          the classified model has no surfaces
+      on       gradient-shading        forced, although null: the density is constant: its gradient is 0  (classified.phong)
+      on       heterogeneity           forced, although null: every voxel holds 0.5  (classified.volume)
+      elided   chromatic-coefficients  opacity is the same for all colours
+      elided   anisotropic-phase       the classified model has no phase function
+
+    defaults filled in
+      transfer_function.floor             0.36
+      transfer_function.reference_length  "1 voxel"
+      transfer_function.colormap          "heat"
+      classified.interpolation            "trilinear"
+      classified.compositing              "front-to-back"
+      classified.step                     "0.5 voxels"
+      classified.background               [0, 0, 0]
+      camera.eye                          volume centre − 2.5·(0, 0, depth of the volume)
+      camera.target                       volume centre
+      camera.up                           [0, 1, 0]
+      camera.vertical_fov                 45
+      classified.light.position           camera eye + (0, 5, 0)
+      classified.phong.ambient            0.1
+      classified.phong.diffuse            1
+      classified.phong.specular           1
+      classified.phong.shininess          32
+
+    work
+      0  cells walked
+      44  density lookups
+      44  gradient lookups
+      0  null collisions
+      0  phase evaluations
+      0  random draws
+      0  shadow rays
+      0  surface tests
+    "#);
 }
 
 /// What is not there cannot be forced: that would be another picture.

@@ -11,7 +11,11 @@ fn film(folder: &Folder, name: &str) -> Film {
 fn exr() {
     let folder = Folder::with_scenes();
     let run = folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
-    assert_shown!(run.shown(), @"");
+    assert_shown!(run.shown(), @r"
+    exit code 0
+    --- stdout
+    image.exr: 12 × 10 pixels in [seconds]
+    ");
     let film = film(&folder, "image.exr");
     assert_eq!((film.width(), film.height()), (12, 10));
     assert!(film.opacity().is_some());
@@ -62,7 +66,12 @@ fn samples_and_seed_change_nothing_and_say_so() {
     let folder = Folder::with_scenes();
     folder.volref(&["render", "scene.toml", "-o", "plain.exr"]);
     let arguments = ["render", "scene.toml", "-o", "image.exr", "--spp", "16", "--seed", "7"];
-    assert_shown!(folder.volref(&arguments).shown(), @"");
+    assert_shown!(folder.volref(&arguments).shown(), @r"
+    exit code 0
+    --- stdout
+    image.exr: 12 × 10 pixels in [seconds]
+    note: this scene is rendered without random numbers; --spp and --seed change nothing
+    ");
     assert_eq!(folder.read("image.exr"), folder.read("plain.exr"));
 }
 
@@ -70,7 +79,19 @@ fn samples_and_seed_change_nothing_and_say_so() {
 fn json() {
     let folder = Folder::with_scenes();
     let run = folder.volref(&["render", "curve.toml", "-o", "curve.png", "--json"]);
-    assert_shown!(run.shown(), @"");
+    assert_shown!(run.shown(), @r#"
+    exit code 0
+    --- stdout
+    {
+      "hash": "[hash]",
+      "height": 12,
+      "output": "curve.png",
+      "scene": "curve.toml",
+      "schema": "volref/render/1",
+      "seconds": "[seconds]",
+      "width": 16
+    }
+    "#);
 }
 
 #[test]

@@ -7,7 +7,16 @@ use serde_json::Value;
 fn a_suite_that_passes() {
     let suite = Folder::with_goldens();
     let before = suite.files();
-    assert_shown!(suite.volref(&["verify"]).shown(), @"");
+    assert_shown!(suite.volref(&["verify"]).shown(), @r"
+    exit code 0
+    --- stdout
+    pass          plots/curve [seconds]
+    pass          smoke/nearest [seconds]
+    pass          smoke/plain [seconds]
+    pass          smoke/shadow [seconds]
+
+    4 cases: 4 passed
+    ");
     assert_eq!(suite.files(), before, "verify writes nothing");
 }
 
@@ -17,7 +26,14 @@ fn filters_choose_and_the_suite_may_be_elsewhere() {
     let elsewhere = Folder::new();
     let there = suite.path("");
     let run = elsewhere.volref(&["verify", "curve", "*/near*", "--suite", there.to_str().unwrap()]);
-    assert_shown!(run.shown(), @"");
+    assert_shown!(run.shown(), @r"
+    exit code 0
+    --- stdout
+    pass          plots/curve [seconds]
+    pass          smoke/nearest [seconds]
+
+    2 cases: 2 passed
+    ");
 }
 
 #[test]
@@ -26,7 +42,56 @@ fn json_in_place_of_the_text() {
     suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 2.5");
     let run = suite.volref(&["verify", "plots", "smoke/plain", "--json"]);
     assert_eq!(run.code, 1);
-    assert_shown!(run.stdout, @"");
+    assert_shown!(run.stdout, @r#"
+    {
+      "cases": [
+        {
+          "class": "deterministic",
+          "family": "plots",
+          "gate": "exact",
+          "looks_like": [],
+          "metrics": {},
+          "name": "plots/curve",
+          "reason": "the same bits as the golden ([hash])",
+          "seconds": "[seconds]",
+          "verdict": "pass",
+          "work": {}
+        },
+        {
+          "class": "deterministic",
+          "family": "smoke",
+          "gate": "exact",
+          "looks_like": [],
+          "metrics": {
+            "max_abs_error": 0.08119858801364899,
+            "mean_difference_blue": 0.0008302309478588862,
+            "mean_difference_green": 0.005810443414134383,
+            "mean_difference_red": 0.0022928441564242044,
+            "moved_opacities": 36.0,
+            "moved_pixels": 36.0,
+            "outlier_pixels": 16.0,
+            "outlier_share": 0.13333333333333333,
+            "worst_column": 5.0,
+            "worst_in_tolerances": 68.78532469272614,
+            "worst_row": 4.0
+          },
+          "name": "smoke/plain",
+          "reason": "36 of 120 pixels have other colours and 36 another opacity; the largest difference of a channel is 8.120e-2 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj",
+          "seconds": "[seconds]",
+          "verdict": "fail",
+          "work": {}
+        }
+      ],
+      "schema": "volref/verify/1",
+      "summary": {
+        "error": 0,
+        "fail": 1,
+        "inconclusive": 0,
+        "missing": 0,
+        "pass": 1
+      }
+    }
+    "#);
 }
 
 /// The contract, to the letter: other programs read this.
@@ -90,7 +155,21 @@ fn json_and_junit_in_files() {
     assert!(run.stdout.contains("2 cases: 0 passed, 1 failed, 1 missing"), "{}", run.stdout);
     let json: Value = serde_json::from_slice(&suite.read("out.json")).unwrap();
     assert_eq!(json["summary"]["missing"], 1);
-    assert_shown!(suite.text("out.xml"), @"");
+    assert_shown!(suite.text("out.xml"), @r#"
+    <?xml version="1.0" encoding="UTF-8"?>
+    <testsuites name="volref" tests="2" skipped="0" failures="1" errors="1">
+        <testsuite name="volref/plots" tests="1" skipped="0" errors="1" failures="0">
+            <testcase name="plots/curve" classname="plots" time="[seconds]">
+                <error message="there is no golden yet; look at the picture, then accept it" type="missing"/>
+            </testcase>
+        </testsuite>
+        <testsuite name="volref/smoke" tests="1" skipped="0" errors="0" failures="1">
+            <testcase name="smoke/plain" classname="smoke" time="[seconds]">
+                <failure message="22 of 120 pixels have other colours and 22 another opacity; the largest difference of a channel is 2.354e-1 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj" type="fail"/>
+            </testcase>
+        </testsuite>
+    </testsuites>
+    "#);
 }
 
 #[test]
@@ -107,7 +186,23 @@ fn a_changed_voxel_names_the_figures_it_moved() {
     let suite = Folder::with_goldens();
     assert!(CLOUD.contains("v 0 0.5 0.5\n"));
     suite.edit("fixtures/volumes/cloud.obj", "v 0 0.5 0.5\n", "v 0 0.5 0.5 1.01\n");
-    assert_shown!(suite.volref(&["verify"]).shown(), @"");
+    assert_shown!(suite.volref(&["verify"]).shown(), @r"
+    exit code 1
+    --- stdout
+    pass          plots/curve [seconds]
+    fail          smoke/nearest [seconds]
+                  8 of 120 pixels have other colours and 8 another opacity; the largest difference of a channel is 5.822e-3 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj
+    fail          smoke/plain [seconds]
+                  22 of 120 pixels have other colours and 22 another opacity; the largest difference of a channel is 2.983e-3 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj
+    fail          smoke/shadow [seconds]
+                  24 of 120 pixels have other colours and 22 another opacity; the largest difference of a channel is 2.405e-3 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj
+
+    4 cases: 1 passed, 3 failed
+
+    To see what moved:
+      volref render ./fixtures/scenes/smoke/nearest.toml -o now.exr
+      volref compare ./golden/smoke/nearest.exr now.exr --heatmap moved.png
+    ");
 }
 
 #[test]
@@ -131,7 +226,17 @@ fn a_scene_that_no_longer_loads_is_bad_input() {
     suite.edit("fixtures/scenes/smoke/plain.toml", "width = 12", "width = 0");
     let run = suite.volref(&["verify"]);
     assert_eq!(run.code, 2, "{}", run.stdout);
-    assert_shown!(run.shown(), @"");
+    assert_shown!(run.shown(), @r"
+    exit code 2
+    --- stdout
+    pass          plots/curve [seconds]
+    pass          smoke/nearest [seconds]
+    error         smoke/plain [seconds]
+                  ./fixtures/scenes/smoke/plain.toml:2:9: `width` must lie in [1, 16384], got 0
+    pass          smoke/shadow [seconds]
+
+    4 cases: 3 passed, 1 in error
+    ");
 }
 
 #[test]
