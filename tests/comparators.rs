@@ -28,7 +28,9 @@ fn ball() -> Vec<[f32; 3]> {
 
 fn edited(edit: impl Fn(usize, [f32; 3]) -> [f32; 3]) -> Vec<[f32; 3]> {
     let pixels = ball();
-    (0..pixels.len()).map(|index| edit(index, pixels[index])).collect()
+    (0..pixels.len())
+        .map(|index| edit(index, pixels[index]))
+        .collect()
 }
 
 fn film(pixels: Vec<[f32; 3]>) -> Film {
@@ -36,7 +38,10 @@ fn film(pixels: Vec<[f32; 3]>) -> Film {
 }
 
 fn judged(gate: Gate, test: Vec<[f32; 3]>) -> Judgement {
-    let (reference, test) = (Picture::Radiance(film(ball())), Picture::Radiance(film(test)));
+    let (reference, test) = (
+        Picture::Radiance(film(ball())),
+        Picture::Radiance(film(test)),
+    );
     judge(gate, &reference, &test, 0.0).unwrap()
 }
 
@@ -47,7 +52,10 @@ fn half(value: f32) -> f32 {
 
 /// ±1, by a hash of the place: noise without a pattern.
 fn sign(index: usize) -> f32 {
-    let mixed = (index as u32).wrapping_mul(0x9e37_79b9).rotate_left(13).wrapping_mul(0x85eb_ca6b);
+    let mixed = (index as u32)
+        .wrapping_mul(0x9e37_79b9)
+        .rotate_left(13)
+        .wrapping_mul(0x85eb_ca6b);
     if mixed >> 31 == 0 { 1.0 } else { -1.0 }
 }
 
@@ -58,17 +66,49 @@ fn what_every_gate_must_reject() {
     let all = &[Exact, Deterministic, Perceptual][..];
     let radiance = &[Exact, Deterministic][..];
     let table: &[(&str, &[Gate], Vec<[f32; 3]>)] = &[
-        ("red and blue swapped", all, edited(|_, [r, g, b]| [b, g, r])),
+        (
+            "red and blue swapped",
+            all,
+            edited(|_, [r, g, b]| [b, g, r]),
+        ),
         ("mirrored", all, edited(|i, _| mirrored(i))),
-        ("upside down", all, edited(|i, _| ball()[(SIZE - 1 - i / SIZE) * SIZE + i % SIZE])),
-        ("gamma encoded", all, edited(|_, pixel| pixel.map(f32::sqrt))),
-        ("half as bright", all, edited(|_, pixel| pixel.map(|value| 0.5 * value))),
-        ("shifted by a pixel", all, edited(|i, _| ball()[i.saturating_sub(1)])),
+        (
+            "upside down",
+            all,
+            edited(|i, _| ball()[(SIZE - 1 - i / SIZE) * SIZE + i % SIZE]),
+        ),
+        (
+            "gamma encoded",
+            all,
+            edited(|_, pixel| pixel.map(f32::sqrt)),
+        ),
+        (
+            "half as bright",
+            all,
+            edited(|_, pixel| pixel.map(|value| 0.5 * value)),
+        ),
+        (
+            "shifted by a pixel",
+            all,
+            edited(|i, _| ball()[i.saturating_sub(1)]),
+        ),
         ("black", all, edited(|_, _| [0.0; 3])),
         // Too faint or too small for an 8-bit image, and plain in a linear one.
-        ("one hot pixel", radiance, edited(|i, [r, g, b]| [r, if i == 900 { 4.0 } else { g }, b])),
-        ("a faint bias", radiance, edited(|_, pixel| pixel.map(|value| value + 4e-4))),
-        ("a faint bias of one channel", radiance, edited(|_, [r, g, b]| [r, g, b * 1.008 + 2e-4])),
+        (
+            "one hot pixel",
+            radiance,
+            edited(|i, [r, g, b]| [r, if i == 900 { 4.0 } else { g }, b]),
+        ),
+        (
+            "a faint bias",
+            radiance,
+            edited(|_, pixel| pixel.map(|value| value + 4e-4)),
+        ),
+        (
+            "a faint bias of one channel",
+            radiance,
+            edited(|_, [r, g, b]| [r, g, b * 1.008 + 2e-4]),
+        ),
         (
             "0.1 % of the pixels off by twice the tolerance",
             radiance,
@@ -77,15 +117,30 @@ fn what_every_gate_must_reject() {
                 pixel.map(|value| value + off * (2e-3 + 0.02 * value))
             }),
         ),
-        ("one value off by its last bit", &[Exact], edited(|i, pixel| {
-            if i == 36 * SIZE + 24 { pixel.map(f32::next_up) } else { pixel }
-        })),
+        (
+            "one value off by its last bit",
+            &[Exact],
+            edited(|i, pixel| {
+                if i == 36 * SIZE + 24 {
+                    pixel.map(f32::next_up)
+                } else {
+                    pixel
+                }
+            }),
+        ),
     ];
     for (fault, gates, test) in table {
         for gate in *gates {
             let judgement = judged(*gate, test.clone());
-            assert!(!judgement.passed, "{gate} accepts: {fault}. {}", judgement.reason);
-            assert!(judgement.metrics.values().all(|value| value.is_finite()), "{fault}");
+            assert!(
+                !judgement.passed,
+                "{gate} accepts: {fault}. {}",
+                judgement.reason
+            );
+            assert!(
+                judgement.metrics.values().all(|value| value.is_finite()),
+                "{fault}"
+            );
         }
     }
 }
@@ -97,22 +152,40 @@ fn noise_that_gates_must_accept() {
         let codes = Film::new(1, 1, vec![[value; 3]]).srgb_codes(0.0)[0][0];
         let noisy = (f32::from(codes) + sign(i)).clamp(0.0, 255.0) / 255.0;
         // Back to linear light, by the definition of sRGB.
-        if noisy <= 0.04045 { noisy / 12.92 } else { ((noisy + 0.055) / 1.055).powf(2.4) }
+        if noisy <= 0.04045 {
+            noisy / 12.92
+        } else {
+            ((noisy + 0.055) / 1.055).powf(2.4)
+        }
     };
     let both = &[Deterministic, Perceptual][..];
     let table: &[(&str, &[Gate], Vec<[f32; 3]>)] = &[
         ("nothing", &[Exact, Deterministic, Perceptual], ball()),
-        ("rounding", both, edited(|i, pixel| {
-            pixel.map(|value| value * (1.0 + sign(i) * f32::EPSILON))
-        })),
+        (
+            "rounding",
+            both,
+            edited(|i, pixel| pixel.map(|value| value * (1.0 + sign(i) * f32::EPSILON))),
+        ),
         ("half floats", both, edited(|_, pixel| pixel.map(half))),
-        ("half the tolerance, both ways", both, edited(|i, pixel| {
-            pixel.map(|value| (value + 0.5 * sign(i) * (1e-3 + 0.01 * value)).max(0.0))
-        })),
-        ("one pixel just outside", both, edited(|i, pixel| {
-            pixel.map(|value| value + if i == 2000 { 2e-3 + 0.02 * value } else { 0.0 })
-        })),
-        ("one code more or less", &[Perceptual], edited(|i, pixel| pixel.map(|v| code(i, v)))),
+        (
+            "half the tolerance, both ways",
+            both,
+            edited(|i, pixel| {
+                pixel.map(|value| (value + 0.5 * sign(i) * (1e-3 + 0.01 * value)).max(0.0))
+            }),
+        ),
+        (
+            "one pixel just outside",
+            both,
+            edited(|i, pixel| {
+                pixel.map(|value| value + if i == 2000 { 2e-3 + 0.02 * value } else { 0.0 })
+            }),
+        ),
+        (
+            "one code more or less",
+            &[Perceptual],
+            edited(|i, pixel| pixel.map(|v| code(i, v))),
+        ),
     ];
     for (noise, gates, test) in table {
         for gate in *gates {
@@ -121,7 +194,11 @@ fn noise_that_gates_must_accept() {
             if *noise == "half the tolerance, both ways" && *gate == Deterministic {
                 continue;
             }
-            assert!(judgement.passed, "{gate} rejects: {noise}. {}", judgement.reason);
+            assert!(
+                judgement.passed,
+                "{gate} rejects: {noise}. {}",
+                judgement.reason
+            );
         }
     }
 }
@@ -135,7 +212,10 @@ fn sizes_and_what_is_not_finite() {
             let other = Picture::Radiance(Film::new(width, height, vec![[0.5; 3]; width * height]));
             for (a, b) in [(&right, &other), (&other, &right)] {
                 let judgement = judge(gate, a, b, 0.0).unwrap();
-                assert!(!judgement.passed && judgement.reason.contains("size differs"), "{gate}");
+                assert!(
+                    !judgement.passed && judgement.reason.contains("size differs"),
+                    "{gate}"
+                );
             }
         }
         for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
@@ -179,17 +259,27 @@ type Channels<'n> = Vec<(&'n str, FlatSamples)>;
 
 fn exr_layers(layers: Vec<(Option<&str>, Channels<'_>)>, encoding: Encoding) -> Vec<u8> {
     let layers = layers.into_iter().map(|(name, channels)| {
-        let list = channels.into_iter().map(|(name, samples)| AnyChannel::new(name, samples));
+        let list = channels
+            .into_iter()
+            .map(|(name, samples)| AnyChannel::new(name, samples));
         let attributes = LayerAttributes {
             layer_name: name.map(Text::from),
             ..LayerAttributes::default()
         };
-        Layer::new((4, 2), attributes, encoding, AnyChannels::sort(list.collect()))
+        Layer::new(
+            (4, 2),
+            attributes,
+            encoding,
+            AnyChannels::sort(list.collect()),
+        )
     });
     let layers: SmallVec<[_; 2]> = layers.collect();
     let mut bytes = Cursor::new(Vec::new());
     let attributes = ImageAttributes::new(IntegerBounds::new((0, 0), (4, 2)));
-    Image::from_layers(attributes, layers).write().to_buffered(&mut bytes).unwrap();
+    Image::from_layers(attributes, layers)
+        .write()
+        .to_buffered(&mut bytes)
+        .unwrap();
     bytes.into_inner()
 }
 
@@ -204,7 +294,8 @@ fn rgb() -> Channels<'static> {
 #[test]
 fn every_exr_that_holds_red_green_and_blue_is_read() {
     let scan = Encoding::UNCOMPRESSED;
-    let halves = |offset| FlatSamples::F16((0..8).map(|i| f16::from_f32(i as f32 + offset)).collect());
+    let halves =
+        |offset| FlatSamples::F16((0..8).map(|i| f16::from_f32(i as f32 + offset)).collect());
     let whole = FlatSamples::U32((0..8).collect());
     let mut more = rgb();
     more.extend([("Z", f32s(9.0)), ("albedo.R", f32s(7.0)), ("A", f32s(0.0))]);
@@ -212,7 +303,10 @@ fn every_exr_that_holds_red_green_and_blue_is_read() {
         ("f32", exr(rgb(), scan), [5.0, 5.25, 5.5]),
         (
             "f16",
-            exr(vec![("R", halves(0.0)), ("G", halves(0.25)), ("B", halves(0.5))], scan),
+            exr(
+                vec![("R", halves(0.0)), ("G", halves(0.25)), ("B", halves(0.5))],
+                scan,
+            ),
             [5.0, 5.25, 5.5],
         ),
         (
@@ -223,12 +317,30 @@ fn every_exr_that_holds_red_green_and_blue_is_read() {
         ("further channels", exr(more, scan), [5.0, 5.25, 5.5]),
         (
             "the second layer",
-            exr_layers(vec![(Some("depth"), vec![("Z", f32s(1.0))]), (Some("beauty"), rgb())], scan),
+            exr_layers(
+                vec![
+                    (Some("depth"), vec![("Z", f32s(1.0))]),
+                    (Some("beauty"), rgb()),
+                ],
+                scan,
+            ),
             [5.0, 5.25, 5.5],
         ),
-        ("run lengths", exr(rgb(), Encoding::FAST_LOSSLESS), [5.0, 5.25, 5.5]),
-        ("zip", exr(rgb(), Encoding::SMALL_FAST_LOSSLESS), [5.0, 5.25, 5.5]),
-        ("piz", exr(rgb(), Encoding::SMALL_LOSSLESS), [5.0, 5.25, 5.5]),
+        (
+            "run lengths",
+            exr(rgb(), Encoding::FAST_LOSSLESS),
+            [5.0, 5.25, 5.5],
+        ),
+        (
+            "zip",
+            exr(rgb(), Encoding::SMALL_FAST_LOSSLESS),
+            [5.0, 5.25, 5.5],
+        ),
+        (
+            "piz",
+            exr(rgb(), Encoding::SMALL_LOSSLESS),
+            [5.0, 5.25, 5.5],
+        ),
     ];
     for (what, bytes, expected) in cases {
         let film = Film::from_exr(bytes).unwrap_or_else(|error| panic!("{what}: {error}"));
@@ -240,19 +352,31 @@ fn every_exr_that_holds_red_green_and_blue_is_read() {
 #[test]
 fn channels_that_are_missing_are_named() {
     for missing in ["R", "G", "B"] {
-        let channels = rgb().into_iter().filter(|(name, _)| *name != missing).collect();
+        let channels = rgb()
+            .into_iter()
+            .filter(|(name, _)| *name != missing)
+            .collect();
         let error = Film::from_exr(&exr(channels, Encoding::UNCOMPRESSED)).unwrap_err();
         assert!(matches!(error, FilmError::Channels { .. }), "{error}");
     }
     // Red in one layer and green and blue in another are no colour.
-    let layers = vec![(Some("a"), rgb()[..1].to_vec()), (Some("b"), rgb()[1..].to_vec())];
+    let layers = vec![
+        (Some("a"), rgb()[..1].to_vec()),
+        (Some("b"), rgb()[1..].to_vec()),
+    ];
     let error = Film::from_exr(&exr_layers(layers, Encoding::UNCOMPRESSED)).unwrap_err();
-    assert!(error.to_string().contains("R, B, G are") || error.to_string().contains('R'), "{error}");
+    assert!(
+        error.to_string().contains("R, B, G are") || error.to_string().contains('R'),
+        "{error}"
+    );
 }
 
 /// The first place of `needle` in `bytes`.
 fn find(bytes: &[u8], needle: &[u8]) -> usize {
-    bytes.windows(needle.len()).position(|window| window == needle).unwrap()
+    bytes
+        .windows(needle.len())
+        .position(|window| window == needle)
+        .unwrap()
 }
 
 /// `bytes` with the data and display windows of the header set to `width` × `height`.
@@ -271,7 +395,11 @@ fn claiming(bytes: &[u8], width: u32, height: u32) -> Vec<u8> {
 /// before anything is allocated.
 #[test]
 fn exr_bombs() {
-    for encoding in [Encoding::UNCOMPRESSED, Encoding::SMALL_LOSSLESS, Encoding::FAST_LOSSLESS] {
+    for encoding in [
+        Encoding::UNCOMPRESSED,
+        Encoding::SMALL_LOSSLESS,
+        Encoding::FAST_LOSSLESS,
+    ] {
         let small = exr(rgb(), encoding);
         for (width, height) in [
             (1 << 31, 1 << 31),
@@ -282,7 +410,13 @@ fn exr_bombs() {
             (1, 1 << 28),
         ] {
             let bomb = claiming(&small, width, height);
-            assert!(Film::from_exr(&bomb).is_err(), "{width} × {height}");
+            let error = Film::from_exr(&bomb).unwrap_err();
+            if u64::from(width) * u64::from(height) <= Film::MOST_PIXELS as u64 {
+                assert!(
+                    matches!(error, FilmError::Bomb { .. }),
+                    "{width} × {height}: {error}"
+                );
+            }
         }
     }
 }
@@ -300,7 +434,11 @@ fn crc(bytes: &[u8]) -> u32 {
     for byte in bytes {
         crc ^= u32::from(*byte);
         for _ in 0..8 {
-            crc = if crc & 1 == 1 { 0xedb8_8320 ^ (crc >> 1) } else { crc >> 1 };
+            crc = if crc & 1 == 1 {
+                0xedb8_8320 ^ (crc >> 1)
+            } else {
+                crc >> 1
+            };
         }
     }
     !crc
@@ -314,7 +452,12 @@ fn chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
 
 /// One row of two pixels, indices 1 and 0 of a palette, in a stored block of zlib.
 fn palette_png() -> Vec<u8> {
-    let header = [&2_u32.to_be_bytes()[..], &1_u32.to_be_bytes(), &[8, 3, 0, 0, 0]].concat();
+    let header = [
+        &2_u32.to_be_bytes()[..],
+        &1_u32.to_be_bytes(),
+        &[8, 3, 0, 0, 0],
+    ]
+    .concat();
     let row = [0, 1, 0];
     // Adler-32 of the row: 1 + 1 = 2 and 1 + 2 + 2 = 5.
     let zlib = [&[0x78, 0x01, 1, 3, 0, !3, !0][..], &row, &[0, 5, 0, 2]].concat();
@@ -332,18 +475,37 @@ fn palette_png() -> Vec<u8> {
 fn every_kind_of_png_is_read() {
     use ExtendedColorType::{L8, L16, La8, Rgb8, Rgb16, Rgba8, Rgba16};
     let wide = |codes: &[u8]| -> Vec<u8> {
-        codes.iter().flat_map(|&code| (u16::from(code) * 257).to_ne_bytes()).collect()
+        codes
+            .iter()
+            .flat_map(|&code| (u16::from(code) * 257).to_ne_bytes())
+            .collect()
     };
     let [grey, colour] = [[[7, 7, 7], [200, 200, 200]], [[1, 2, 3], [250, 128, 0]]];
     for (what, bytes, expected) in [
-        ("8-bit colour", png(2, 1, Rgb8, &[1, 2, 3, 250, 128, 0]), colour),
-        ("16-bit colour", png(2, 1, Rgb16, &wide(&[1, 2, 3, 250, 128, 0])), colour),
+        (
+            "8-bit colour",
+            png(2, 1, Rgb8, &[1, 2, 3, 250, 128, 0]),
+            colour,
+        ),
+        (
+            "16-bit colour",
+            png(2, 1, Rgb16, &wide(&[1, 2, 3, 250, 128, 0])),
+            colour,
+        ),
         ("8-bit grey", png(2, 1, L8, &[7, 200]), grey),
         ("16-bit grey", png(2, 1, L16, &wide(&[7, 200])), grey),
         ("grey with alpha", png(2, 1, La8, &[7, 0, 200, 255]), grey),
         // Opacity is dropped, not multiplied in.
-        ("alpha", png(2, 1, Rgba8, &[1, 2, 3, 0, 250, 128, 0, 99]), colour),
-        ("16-bit alpha", png(2, 1, Rgba16, &wide(&[1, 2, 3, 9, 250, 128, 0, 99])), colour),
+        (
+            "alpha",
+            png(2, 1, Rgba8, &[1, 2, 3, 0, 250, 128, 0, 99]),
+            colour,
+        ),
+        (
+            "16-bit alpha",
+            png(2, 1, Rgba16, &wide(&[1, 2, 3, 9, 250, 128, 0, 99])),
+            colour,
+        ),
         ("palette", palette_png(), [[200, 100, 50], [10, 20, 30]]),
     ] {
         let read = Film::codes_from_png(&bytes);
@@ -356,12 +518,25 @@ fn png_bombs() {
     let header = |width: u32, height: u32, kind: &[u8]| {
         let header = [&width.to_be_bytes()[..], &height.to_be_bytes(), kind].concat();
         let data = chunk(b"IDAT", &[0x78, 0x01, 3, 0, 0, 0, 0, 1]);
-        [&b"\x89PNG\r\n\x1a\n"[..], &chunk(b"IHDR", &header), &data, &chunk(b"IEND", &[])].concat()
+        [
+            &b"\x89PNG\r\n\x1a\n"[..],
+            &chunk(b"IHDR", &header),
+            &data,
+            &chunk(b"IEND", &[]),
+        ]
+        .concat()
     };
     for kind in [[8, 2, 0, 0, 0], [16, 6, 0, 0, 0], [1, 0, 0, 0, 1]] {
-        for (width, height) in [(i32::MAX as u32, i32::MAX as u32), (16384, 16384), (0, 5), (5, 0)] {
+        for (width, height) in [
+            (i32::MAX as u32, i32::MAX as u32),
+            (16384, 16384),
+            (0, 5),
+            (5, 0),
+        ] {
             let error = Film::codes_from_png(&header(width, height, &kind)).unwrap_err();
-            assert!(!error.to_string().is_empty());
+            if width == 16384 {
+                assert!(matches!(error, FilmError::Bomb { .. }), "{error}");
+            }
         }
     }
 }

@@ -70,7 +70,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let result = result(&arguments.test, judgement, start.elapsed().as_secs_f64());
 
     let verdict = result.verdict.name();
-    let mut text = format!("{verdict}  ({gate} gate)\n{}\n\n", result.reason);
+    let mut text = format!("{verdict}  ({gate} gate)\n{}\n", result.reason);
+    if !result.metrics.is_empty() {
+        text.push('\n');
+    }
     let widest = result.metrics.keys().map(String::len).max().unwrap_or(0);
     for (name, value) in &result.metrics {
         text.push_str(&format!("  {name:<widest$}  {value}\n"));

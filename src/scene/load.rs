@@ -275,8 +275,8 @@ impl Grids<'_> {
             resolution,
             padding,
         };
-        let (grid, hash) = volume::load_hashed(&self.folder.join(&file), splatting)
-            .map_err(|error| {
+        let (grid, hash) =
+            volume::load_hashed(&self.folder.join(&file), splatting).map_err(|error| {
                 let key = match &error {
                     VolumeError::Splat {
                         error: SplatError::TooFew { .. } | SplatError::TooFine { .. },

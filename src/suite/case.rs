@@ -142,7 +142,11 @@ impl Suite {
     pub fn open(root: &Path) -> Result<Suite, SuiteError> {
         let shown = root;
         // Not ./fixtures: shown in messages, the short way reads better.
-        let root = if root == Path::new(".") { Path::new("") } else { root };
+        let root = if root == Path::new(".") {
+            Path::new("")
+        } else {
+            root
+        };
         let folder = root.join(CASES);
         if !folder.is_dir() {
             return Err(SuiteError::NoSuite(shown.to_owned()));

@@ -5,16 +5,26 @@ use crate::folder::{Folder, assert_shown};
 #[test]
 fn new_goldens() {
     let suite = Folder::with_suite();
-    let run = suite.volref(&["accept", "smoke/plain", "plots", "--reason", "first goldens"]);
+    let run = suite.volref(&[
+        "accept",
+        "smoke/plain",
+        "plots",
+        "--reason",
+        "first goldens",
+    ]);
     assert_shown!(run.shown(), @r"
     exit code 0
     --- stdout
-    new        plots/curve: there was no golden that could be read
-    new        smoke/plain: there was no golden that could be read
+    new        plots/curve: its first golden
+    new        smoke/plain: its first golden
 
-    Now look at the pictures in ./golden.
+    Now look at the pictures in golden.
     ");
-    let files: Vec<_> = suite.files().into_keys().filter(|name| name.starts_with("golden")).collect();
+    let files: Vec<_> = suite
+        .files()
+        .into_keys()
+        .filter(|name| name.starts_with("golden"))
+        .collect();
     assert_eq!(
         files,
         [
@@ -46,7 +56,11 @@ fn unchanged_goldens_keep_their_files_and_reasons() {
 fn another_scene_with_the_same_picture_is_recorded() {
     let suite = Folder::with_goldens();
     // The default, written down.
-    suite.edit("fixtures/scenes/plots/curve.toml", "[curve]", "[curve]\ndensities = 1.20");
+    suite.edit(
+        "fixtures/scenes/plots/curve.toml",
+        "[curve]",
+        "[curve]\ndensities = 1.20",
+    );
     assert_eq!(suite.volref(&["verify", "plots"]).code, 0);
     // Another text for the same picture: a row of voxels as a length.
     suite.edit("fixtures/scenes/smoke/plain.toml", "0.2 voxels", "0.04");
@@ -70,7 +84,13 @@ fn replaced_goldens_remember_what_they_replaced() {
     };
     let before = field("pixels");
     suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 3");
-    let run = suite.volref(&["accept", "smoke", "--reason", "  a denser middle ", "--json"]);
+    let run = suite.volref(&[
+        "accept",
+        "smoke",
+        "--reason",
+        "  a denser middle ",
+        "--json",
+    ]);
     assert_shown!(run.shown(), @r#"
     exit code 0
     --- stdout
@@ -116,7 +136,9 @@ fn refusals() {
         let run = suite.volref(&["accept", "*", "--reason", blank]);
         run.expect(2, &["reason"]);
     }
-    suite.volref(&["accept", "*"]).expect(2, &["--reason <TEXT>"]);
+    suite
+        .volref(&["accept", "*"])
+        .expect(2, &["--reason <TEXT>"]);
     let run = suite.volref(&["accept", "smoke", "smoke/plane", "--reason", "r"]);
     run.expect(5, &["no case matches \"smoke/plane\"", "smoke/plain"]);
     assert_eq!(suite.files(), before);
@@ -133,7 +155,11 @@ fn an_empty_ci_variable_is_no_ci() {
 fn one_broken_case_spoils_them_all() {
     let suite = Folder::with_goldens();
     suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 3");
-    suite.edit("fixtures/scenes/smoke/shadow.toml", "width = 12", "width = \"12\"");
+    suite.edit(
+        "fixtures/scenes/smoke/shadow.toml",
+        "width = 12",
+        "width = \"12\"",
+    );
     let before = suite.files();
     let run = suite.volref(&["accept", "smoke", "--reason", "denser"]);
     run.expect(
@@ -157,10 +183,10 @@ fn a_golden_that_cannot_be_read_is_made_new() {
     assert_shown!(run.shown(), @r"
     exit code 0
     --- stdout
-    new        plots/curve: there was no golden that could be read
-    new        smoke/plain: there was no golden that could be read
+    new        plots/curve: the old golden was damaged
+    new        smoke/plain: the old golden was damaged
 
-    Now look at the pictures in ./golden.
+    Now look at the pictures in golden.
     ");
     assert_eq!(suite.volref(&["verify"]).code, 0);
 }
@@ -172,7 +198,13 @@ fn an_unwritable_folder_of_goldens() {
     suite.write("golden", "a file where the folder should be");
     let before = suite.files();
     let run = suite.volref(&["accept", "curve", "--reason", "first"]);
-    run.expect(2, &["golden", "move the file that stands in the place of a directory"]);
+    run.expect(
+        2,
+        &[
+            "golden",
+            "move the file that stands in the place of a directory",
+        ],
+    );
     assert_eq!(suite.files(), before);
 }
 
@@ -186,16 +218,37 @@ fn a_full_disk_leaves_the_old_goldens() {
     }
     let suite = Folder::with_goldens();
     // An image of more than a block (512 bytes, or 1024), whatever its compression.
-    suite.edit("fixtures/scenes/smoke/plain.toml", "width = 12", "width = 48");
+    suite.edit(
+        "fixtures/scenes/smoke/plain.toml",
+        "width = 12",
+        "width = 48",
+    );
     let before = suite.files();
     let script = "ulimit -f 2; trap '' XFSZ; exec \"$@\"";
     let volref = env!("CARGO_BIN_EXE_volref");
-    let limited = ["-c", script, "sh", volref, "accept", "smoke", "--reason", "wider"];
+    let limited = [
+        "-c", script, "sh", volref, "accept", "smoke", "--reason", "wider",
+    ];
     let mut command = std::process::Command::new("sh");
-    let command = command.args(limited).current_dir(suite.path("")).env_remove("CI");
+    let command = command
+        .args(limited)
+        .current_dir(suite.path(""))
+        .env_remove("CI");
     let run = crate::folder::Run::of(command.output().unwrap());
-    run.expect(2, &["cannot write", "too large", "as they were before", "free some space"]);
+    run.expect(
+        2,
+        &[
+            "cannot write",
+            "too large",
+            "as they were before",
+            "free some space",
+        ],
+    );
     assert_eq!(suite.files(), before);
-    suite.edit("fixtures/scenes/smoke/plain.toml", "width = 48", "width = 12");
+    suite.edit(
+        "fixtures/scenes/smoke/plain.toml",
+        "width = 48",
+        "width = 12",
+    );
     assert_eq!(suite.volref(&["verify"]).code, 0);
 }

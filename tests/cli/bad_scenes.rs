@@ -42,7 +42,10 @@ fn unknown_keys() {
         ("[classified]", "[classified]\ninterpolaton = \"nearest\""),
         ("[classified]", "[classified.shading]\n[classified]"),
         ("[classified]", "[camera]\nfov = 45\n[classified]"),
-        ("[classified]", "[[panel]]\n[panel.film]\nwidht = 3\n[classified]"),
+        (
+            "[classified]",
+            "[[panel]]\n[panel.film]\nwidht = 3\n[classified]",
+        ),
     ] {
         said.push_str(&after(old, new));
     }
@@ -72,7 +75,10 @@ fn wrong_types() {
         ("[classified]", "[classified]\nbackground = 0"),
         ("[classified]", "[classified]\nbackground = [0, 0]"),
         ("[classified]", "[classified]\nbackground = [0, 0, \"0\"]"),
-        ("[classified]", "[camera]\nvertical_fov = \"45\"\n[classified]"),
+        (
+            "[classified]",
+            "[camera]\nvertical_fov = \"45\"\n[classified]",
+        ),
         ("\"cloud.obj\"", "1"),
         ("[film]", "panel = 1\n[film]"),
         ("[film]", "panel = []\n[film]"),
@@ -121,8 +127,14 @@ fn out_of_range() {
         ("[classified]", "[classified]\nstep = \"1e-12 voxels\""),
         ("[classified]", "[classified]\nbackground = [0, -1, 0]"),
         ("[classified]", "[classified]\nbackground = [0, inf, 0]"),
-        ("[classified]", "[classified]\n[classified.phong]\nambient = -0.1"),
-        ("[classified]", "[classified]\n[classified.phong]\nshininess = 0"),
+        (
+            "[classified]",
+            "[classified]\n[classified.phong]\nambient = -0.1",
+        ),
+        (
+            "[classified]",
+            "[classified]\n[classified.phong]\nshininess = 0",
+        ),
         ("[classified]", "[camera]\nvertical_fov = 0\n[classified]"),
         ("[classified]", "[camera]\nvertical_fov = 180\n[classified]"),
         ("reference_length = \"0.2 voxels\"", "floor = 1"),
@@ -156,7 +168,7 @@ fn out_of_range() {
     scene.toml:6:9: `floor` must lie in [0, 1), got 1 help: `transfer_function.floor`: Value of exp(−d²) that counts as opaque.
     scene.toml:6:9: `floor` must be finite, got nan help: `transfer_function.floor`: Value of exp(−d²) that counts as opaque.
     scene.toml:12:14: `resolution` must lie in [2, 4096], got 1 help: `classified.volume.resolution`: Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.
-    scene.toml:11:8: cloud.obj: a resolution of 3 with 1 nodes of padding on each side leaves no room for the cloud: use at least 4 help: `classified.volume.file`: Point cloud (.obj) or grid (.bin), relative to the folder of the scene.
+    scene.toml:12:14: cloud.obj: a resolution of 3 with 1 nodes of padding on each side leaves no room for the cloud: use at least 4 help: `classified.volume.resolution`: Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.
     scene.toml:12:14: `resolution` must lie in [2, 4096], got 4097 help: `classified.volume.resolution`: Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.
     scene.toml:13:11: `padding` must lie in [0, 1024], got -1 help: `classified.volume.padding`: Point clouds only: empty nodes kept around the cloud on each side.
     "#);
@@ -167,21 +179,33 @@ fn missing_and_contradictory() {
     let mut said = String::new();
     for (old, new) in [
         ("file = \"cloud.obj\"\n", ""),
-        ("[classified.volume]\nfile = \"cloud.obj\"\nresolution = 8\npadding = 1\n", ""),
-        ("[classified]", "[classified]\n[classified.shadow]\nstep = 1"),
+        (
+            "[classified.volume]\nfile = \"cloud.obj\"\nresolution = 8\npadding = 1\n",
+            "",
+        ),
+        (
+            "[classified]",
+            "[classified]\n[classified.shadow]\nstep = 1",
+        ),
         ("[classified]", "[curve]\n[classified]"),
         (
             "[classified]\n\n[classified.volume]\nfile = \"cloud.obj\"\nresolution = 8\npadding = 1\n",
             "",
         ),
         ("cloud.obj", "cloud.bin"),
-        ("[classified]", "[camera]\neye = [1, 2, 3]\ntarget = [1, 2, 3]\n[classified]"),
+        (
+            "[classified]",
+            "[camera]\neye = [1, 2, 3]\ntarget = [1, 2, 3]\n[classified]",
+        ),
         (
             "[classified]",
             "[camera]\neye = [0, 0, 0]\ntarget = [0, 1, 0]\nup = [0, 2, 0]\n[classified]",
         ),
         ("[classified]", "[camera]\nup = [0, 0, 0]\n[classified]"),
-        ("[classified]", "[[panel]]\n[[panel]]\nfilm.height = 4\n[classified]"),
+        (
+            "[classified]",
+            "[[panel]]\n[[panel]]\nfilm.height = 4\n[classified]",
+        ),
     ] {
         said.push_str(&after(old, new));
     }
@@ -195,7 +219,7 @@ fn missing_and_contradictory() {
     scene.toml:9:7: the camera stands at its target, so it looks nowhere help: `camera.eye`: Where the camera stands, world units.
     scene.toml:11:6: `up` is parallel to the viewing direction, so the image has no upright help: `camera.up`: The direction that points up in the image, any length.
     scene.toml:9:6: `up` is parallel to the viewing direction, so the image has no upright help: `camera.up`: The direction that points up in the image, any length.
-    scene.toml:1:1: panels stand side by side and must be of one height, but panel 1 has 10 rows and panel 2 has 4
+    scene.toml:9:1: panels stand side by side and must be of one height, but panel 1 has 10 rows and panel 2 has 4
     "#);
 }
 
@@ -256,7 +280,9 @@ fn text_from_windows() {
     folder.write("windows.toml", windows(folder.text("scene.toml")));
     assert_eq!(folder.volref(&["plan", "windows.toml"]).code, 0);
     folder.edit("windows.toml", "width = 12", "width = 0");
-    folder.volref(&["plan", "windows.toml"]).expect(2, &["windows.toml:2:9: `width` must lie"]);
+    folder
+        .volref(&["plan", "windows.toml"])
+        .expect(2, &["windows.toml:2:9: `width` must lie"]);
 }
 
 /// Columns count characters, as editors do.
@@ -265,9 +291,16 @@ fn places_after_letters_of_several_bytes() {
     let folder = Folder::with_scenes();
     let text = "film = { \"héllo, wörld\" = 1 }\n".to_owned() + &folder.text("curve.toml")[29..];
     folder.write("scene.toml", text);
-    folder.volref(&["plan", "scene.toml"]).expect(2, &["scene.toml:1:10: unknown key"]);
-    folder.write("scene.toml", "# é\n[curve]\ndensities = { \"ä\" = 1, densities = 2 }\n");
-    folder.volref(&["plan", "scene.toml"]).expect(2, &["scene.toml:3:13: `densities` takes"]);
+    folder
+        .volref(&["plan", "scene.toml"])
+        .expect(2, &["scene.toml:1:10: unknown key"]);
+    folder.write(
+        "scene.toml",
+        "# é\n[curve]\ndensities = { \"ä\" = 1, densities = 2 }\n",
+    );
+    folder
+        .volref(&["plan", "scene.toml"])
+        .expect(2, &["scene.toml:3:13: `densities` takes"]);
 }
 
 #[test]
@@ -275,7 +308,11 @@ fn no_such_scene() {
     let folder = Folder::with_scenes();
     folder.write("folder/scene.toml", "");
     for command in ["plan", "render"] {
-        let output: &[&str] = if command == "render" { &["-o", "image.exr"] } else { &[] };
+        let output: &[&str] = if command == "render" {
+            &["-o", "image.exr"]
+        } else {
+            &[]
+        };
         let run = |scene| folder.volref(&[&[command, scene], output].concat());
         run("none.toml").expect(2, &["none.toml: cannot read the scene", "give the path"]);
         run("folder").expect(2, &["folder: this is a folder, not a scene file"]);

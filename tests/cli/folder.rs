@@ -136,7 +136,13 @@ impl Folder {
             .args(arguments)
             .current_dir(self.0.path())
             .stdin(Stdio::null());
-        for name in ["CI", "NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "FORCE_COLOR"] {
+        for name in [
+            "CI",
+            "NO_COLOR",
+            "CLICOLOR",
+            "CLICOLOR_FORCE",
+            "FORCE_COLOR",
+        ] {
             command.env_remove(name);
         }
         // Help is wrapped to the terminal; without one, to its widest.
@@ -177,7 +183,11 @@ impl Run {
         let text = |bytes| {
             let text = String::from_utf8(bytes).expect("the command writes UTF-8");
             // The one difference between platforms that paths make.
-            if cfg!(windows) { text.replace('\\', "/") } else { text }
+            if cfg!(windows) {
+                text.replace('\\', "/")
+            } else {
+                text
+            }
         };
         let run = Run {
             code: output.status.code().expect("no signal ended the command"),

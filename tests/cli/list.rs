@@ -32,7 +32,7 @@ fn json() {
           "family": "plots",
           "gate": "deterministic",
           "name": "plots/curve",
-          "scene": "./fixtures/scenes/plots/curve.toml",
+          "scene": "fixtures/scenes/plots/curve.toml",
           "shows": "a diamond",
           "source": "a test"
         }
@@ -61,7 +61,10 @@ fn filters() {
         ("{plots,smoke/s*}", "plots/curve smoke/shadow"),
     ] {
         let run = suite.volref(&["list", filter]);
-        let names = run.stdout.lines().map(|line| line.split(' ').next().unwrap());
+        let names = run
+            .stdout
+            .lines()
+            .map(|line| line.split(' ').next().unwrap());
         assert_eq!(names.collect::<Vec<_>>().join(" "), found, "{filter}");
     }
 }
@@ -76,7 +79,13 @@ fn a_filter_that_matches_nothing_decides_nothing() {
         &["accept", "plots", "smok/plain", "--reason", "none"],
     ] {
         let run = suite.volref(command);
-        run.expect(5, &["no case matches \"smok/plain\"", "did you mean \"smoke/plain\"?"]);
+        run.expect(
+            5,
+            &[
+                "no case matches \"smok/plain\"",
+                "did you mean \"smoke/plain\"?",
+            ],
+        );
     }
     assert_eq!(suite.files(), before);
 }
@@ -85,7 +94,9 @@ fn a_filter_that_matches_nothing_decides_nothing() {
 fn an_empty_suite_decides_nothing() {
     let suite = Folder::new();
     suite.write("fixtures/cases/smoke/notes.txt", "no manifest");
-    suite.volref(&["verify"]).expect(5, &["fixtures/cases", "no case"]);
+    suite
+        .volref(&["verify"])
+        .expect(5, &["fixtures/cases", "no case"]);
 }
 
 #[test]
@@ -98,7 +109,9 @@ fn a_filter_that_is_no_pattern() {
 fn a_folder_that_is_no_suite() {
     let folder = Folder::new();
     folder.write("fixtures/cases", "a file where a folder should be");
-    folder.volref(&["list"]).expect(2, &["holds no suite", "fixtures/cases", "--suite DIR"]);
+    folder
+        .volref(&["list"])
+        .expect(2, &["holds no suite", "fixtures/cases", "--suite DIR"]);
     let run = folder.volref(&["verify", "--suite", "nowhere"]);
     run.expect(2, &["nowhere holds no suite"]);
 }
@@ -123,12 +136,16 @@ fn a_closed_pipe_is_no_error() {
     drop(reader);
     for arguments in [&["list"][..], &["schema"], &["--help"]] {
         let mut command = suite.command(arguments);
-        let child = command.stdout(writer.try_clone().unwrap()).stderr(Stdio::piped());
+        let child = command
+            .stdout(writer.try_clone().unwrap())
+            .stderr(Stdio::piped());
         let run = Run::of(child.spawn().unwrap().wait_with_output().unwrap());
         assert_eq!((run.code, run.stderr.as_str()), (0, ""), "{arguments:?}");
     }
     let mut command = suite.command(&["list", "nothing"]);
-    let child = command.stderr(writer.try_clone().unwrap()).stdout(Stdio::piped());
+    let child = command
+        .stderr(writer.try_clone().unwrap())
+        .stdout(Stdio::piped());
     let run = Run::of(child.spawn().unwrap().wait_with_output().unwrap());
     assert_eq!(run.code, 5);
 }
@@ -195,7 +212,10 @@ fn help_of_a_command() {
 #[test]
 fn version() {
     let run = Folder::new().volref(&["--version"]);
-    assert_eq!(run.stdout, concat!("volref ", env!("CARGO_PKG_VERSION"), "\n"));
+    assert_eq!(
+        run.stdout,
+        concat!("volref ", env!("CARGO_PKG_VERSION"), "\n")
+    );
     assert_eq!(run.code, 0);
 }
 
@@ -208,8 +228,14 @@ fn usage_mistakes() {
         (&["verify", "--threads", "0"], "0 is not in 1..=1024"),
         (&["render", "scene.toml"], "--output <FILE>"),
         (&["accept", "--reason", "r"], "<CASE>"),
-        (&["plan", "scene.toml", "--force", "scatering"], "unknown effect \"scatering\""),
-        (&["compare", "a.exr", "b.exr", "--gate", "ssim"], "unknown gate \"ssim\""),
+        (
+            &["plan", "scene.toml", "--force", "scatering"],
+            "unknown effect \"scatering\"",
+        ),
+        (
+            &["compare", "a.exr", "b.exr", "--gate", "ssim"],
+            "unknown gate \"ssim\"",
+        ),
         (&["schema", "plot"], "scene, case"),
     ] {
         folder.volref(arguments).expect(2, &[message]);
@@ -220,8 +246,16 @@ fn usage_mistakes() {
 #[test]
 fn no_colour_in_a_pipe() {
     let folder = Folder::with_scenes();
-    for arguments in [&["plan", "none.toml"][..], &["--help"], &["lst"], &["plan", "scene.toml"]] {
+    for arguments in [
+        &["plan", "none.toml"][..],
+        &["--help"],
+        &["lst"],
+        &["plan", "scene.toml"],
+    ] {
         let run = folder.volref(arguments);
-        assert!(!(run.stdout + &run.stderr).contains('\u{1b}'), "{arguments:?}");
+        assert!(
+            !(run.stdout + &run.stderr).contains('\u{1b}'),
+            "{arguments:?}"
+        );
     }
 }

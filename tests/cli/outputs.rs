@@ -10,7 +10,12 @@ fn every_output_is_refused_in_words_and_leaves_nothing() {
         let scenes = Folder::with_scenes();
         folder.write(name, scenes.read(name));
     }
-    assert_eq!(folder.volref(&["render", "scene.toml", "-o", "image.exr"]).code, 0);
+    assert_eq!(
+        folder
+            .volref(&["render", "scene.toml", "-o", "image.exr"])
+            .code,
+        0
+    );
     folder.write("plain", "a file");
     let before = folder.files();
     let commands: &[(&[&str], &str, &str)] = &[
@@ -31,7 +36,7 @@ fn every_output_is_refused_in_words_and_leaves_nothing() {
         ] {
             let path = format!("{place}.{extension}");
             let run = folder.volref(&[*command, &[&format!("{option}{path}")]].concat());
-            run.expect(2, &[&format!("cannot write {path}"), "folder"]);
+            run.expect(2, &[&format!("cannot write {path}: "), "help: "]);
             run.expect(2, parts);
             assert_eq!(folder.files(), before, "{command:?} {option}{path}");
         }

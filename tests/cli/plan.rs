@@ -60,6 +60,7 @@ fn figures() {
       elided   anisotropic-phase       a plot of the transfer function has no light
 
     defaults filled in
+      none
     ");
     insta::assert_snapshot!(plan("figure-3"), @r#"
     exit code 0
@@ -274,12 +275,17 @@ fn json() {
 #[test]
 fn json_of_a_volume() {
     let folder = Folder::with_scenes();
-    let json = folder.volref(&["plan", "scene.toml", "--json", "--counters"]).json();
+    let json = folder
+        .volref(&["plan", "scene.toml", "--json", "--counters"])
+        .json();
     assert_eq!(json["schema"], "volref/plan/1");
     let panel = &json["panels"][0];
     let effects = panel["effects"].as_array().unwrap();
     assert_eq!(effects.len(), 11);
-    let shadow = effects.iter().find(|effect| effect["effect"] == "medium-shadow").unwrap();
+    let shadow = effects
+        .iter()
+        .find(|effect| effect["effect"] == "medium-shadow")
+        .unwrap();
     assert_eq!(shadow["state"], "omitted");
     assert_eq!(shadow["field"], "classified.shadow");
     let counters = panel["counters"].as_object().unwrap();
@@ -310,7 +316,10 @@ fn counters() {
 #[test]
 fn force_on_a_constant_grid() {
     let folder = Folder::with_scenes();
-    folder.write("flat.bin", crate::bad_files::grid([3, 3, 3], [1.0; 3], &[0.5; 27]));
+    folder.write(
+        "flat.bin",
+        crate::bad_files::grid([3, 3, 3], [1.0; 3], &[0.5; 27]),
+    );
     folder.write(
         "flat.toml",
         "[film]\nwidth = 6\nheight = 6\n[classified]\n[classified.phong]\n\
@@ -362,8 +371,15 @@ fn force_on_a_constant_grid() {
       0  shadow rays
       0  surface tests
     "#);
-    let forced = ["plan", "flat.toml", "--counters", "--force", "heterogeneity", "--force",
-        "gradient-shading"];
+    let forced = [
+        "plan",
+        "flat.toml",
+        "--counters",
+        "--force",
+        "heterogeneity",
+        "--force",
+        "gradient-shading",
+    ];
     insta::assert_snapshot!(folder.volref(&forced).shown(), @r#"
     exit code 0
     --- stdout
@@ -417,10 +433,26 @@ fn force_on_a_constant_grid() {
 fn force_of_what_is_omitted_or_absent() {
     let folder = Folder::with_scenes();
     for (scene, effect, reason) in [
-        ("scene.toml", "medium-shadow", "the scene has no [classified.shadow]"),
-        ("scene.toml", "gradient-shading", "the scene has no [classified.phong]"),
-        ("scene.toml", "surfaces", "the classified model has no surfaces"),
-        ("curve.toml", "emission", "a plot of the transfer function has no light"),
+        (
+            "scene.toml",
+            "medium-shadow",
+            "the scene has no [classified.shadow]",
+        ),
+        (
+            "scene.toml",
+            "gradient-shading",
+            "the scene has no [classified.phong]",
+        ),
+        (
+            "scene.toml",
+            "surfaces",
+            "the classified model has no surfaces",
+        ),
+        (
+            "curve.toml",
+            "emission",
+            "a plot of the transfer function has no light",
+        ),
     ] {
         let run = folder.volref(&["plan", scene, "--force", effect]);
         run.expect(2, &[effect, "would change the picture", reason]);

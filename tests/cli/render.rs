@@ -27,7 +27,14 @@ fn png_at_an_exposure() {
     let folder = Folder::with_scenes();
     folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
     for exposure in ["0", "1.5", "-2"] {
-        let arguments = ["render", "scene.toml", "-o", "image.PNG", "--exposure", exposure];
+        let arguments = [
+            "render",
+            "scene.toml",
+            "-o",
+            "image.PNG",
+            "--exposure",
+            exposure,
+        ];
         assert_eq!(folder.volref(&arguments).code, 0);
         let expected = film(&folder, "image.exr").srgb_codes(exposure.parse().unwrap());
         let (width, height, codes) = Film::codes_from_png(&folder.read("image.PNG")).unwrap();
@@ -40,9 +47,20 @@ fn the_same_bytes_for_any_number_of_threads() {
     let folder = Folder::with_scenes();
     folder.volref(&["render", "scene.toml", "-o", "all.exr"]);
     for threads in ["1", "2", "7"] {
-        let run = folder.volref(&["render", "scene.toml", "-o", "some.exr", "--threads", threads]);
+        let run = folder.volref(&[
+            "render",
+            "scene.toml",
+            "-o",
+            "some.exr",
+            "--threads",
+            threads,
+        ]);
         assert_eq!(run.code, 0, "{}", run.stderr);
-        assert_eq!(folder.read("some.exr"), folder.read("all.exr"), "{threads} threads");
+        assert_eq!(
+            folder.read("some.exr"),
+            folder.read("all.exr"),
+            "{threads} threads"
+        );
     }
 }
 
@@ -65,7 +83,16 @@ fn another_step() {
 fn samples_and_seed_change_nothing_and_say_so() {
     let folder = Folder::with_scenes();
     folder.volref(&["render", "scene.toml", "-o", "plain.exr"]);
-    let arguments = ["render", "scene.toml", "-o", "image.exr", "--spp", "16", "--seed", "7"];
+    let arguments = [
+        "render",
+        "scene.toml",
+        "-o",
+        "image.exr",
+        "--spp",
+        "16",
+        "--seed",
+        "7",
+    ];
     assert_shown!(folder.volref(&arguments).shown(), @r"
     exit code 0
     --- stdout
@@ -99,7 +126,12 @@ fn an_existing_image_is_replaced_and_nothing_left_beside_it() {
     let folder = Folder::with_scenes();
     folder.write("image.exr", "not an image");
     let before: Vec<_> = folder.files().into_keys().collect();
-    assert_eq!(folder.volref(&["render", "scene.toml", "-o", "image.exr"]).code, 0);
+    assert_eq!(
+        folder
+            .volref(&["render", "scene.toml", "-o", "image.exr"])
+            .code,
+        0
+    );
     assert_eq!(folder.files().into_keys().collect::<Vec<_>>(), before);
     assert_eq!(film(&folder, "image.exr").width(), 12);
 }
@@ -115,6 +147,9 @@ fn panels_side_by_side() {
     let (one, two) = (film(&folder, "one.exr"), film(&folder, "two.exr"));
     assert_eq!((two.width(), two.height()), (12 + 5, 10));
     for row in 0..10 {
-        assert_eq!(two.radiance()[17 * row..][..12], one.radiance()[12 * row..][..12]);
+        assert_eq!(
+            two.radiance()[17 * row..][..12],
+            one.radiance()[12 * row..][..12]
+        );
     }
 }

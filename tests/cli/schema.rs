@@ -28,7 +28,10 @@ fn the_committed_schemas_are_those_of_the_command() {
 #[test]
 fn the_scene_is_the_default() {
     let folder = Folder::new();
-    assert_eq!(folder.volref(&["schema"]).stdout, folder.volref(&["schema", "scene"]).stdout);
+    assert_eq!(
+        folder.volref(&["schema"]).stdout,
+        folder.volref(&["schema", "scene"]).stdout
+    );
 }
 
 /// The files `fixtures/<folder>/*/*.toml`, as JSON.
@@ -38,7 +41,10 @@ fn tables_in(folder: &str) -> Vec<(String, Value)> {
         for file in std::fs::read_dir(family.unwrap().path()).unwrap() {
             let path = file.unwrap().path();
             let table: toml::Table = std::fs::read_to_string(&path).unwrap().parse().unwrap();
-            files.push((path.display().to_string(), serde_json::to_value(table).unwrap()));
+            files.push((
+                path.display().to_string(),
+                serde_json::to_value(table).unwrap(),
+            ));
         }
     }
     assert!(files.len() >= 5, "only {} files in {folder}", files.len());
@@ -83,9 +89,16 @@ fn what_the_reader_refuses_the_schema_refuses() {
     ] {
         let broken = valid.replacen(old, new, 1);
         assert_ne!(broken, valid);
-        assert!(!validator.is_valid(&as_json(&broken)), "the schema accepts {new:?}");
+        assert!(
+            !validator.is_valid(&as_json(&broken)),
+            "the schema accepts {new:?}"
+        );
         folder.write("broken.toml", &broken);
-        assert_eq!(folder.volref(&["plan", "broken.toml"]).code, 2, "the reader accepts {new:?}");
+        assert_eq!(
+            folder.volref(&["plan", "broken.toml"]).code,
+            2,
+            "the reader accepts {new:?}"
+        );
     }
 }
 
@@ -94,7 +107,11 @@ fn tables<'s>(path: &str, schema: &'s Value, found: &mut Vec<(String, &'s Value)
     if let Some(properties) = schema["properties"].as_object() {
         found.push((path.to_owned(), schema));
         for (name, property) in properties {
-            let below = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+            let below = if path.is_empty() {
+                name.clone()
+            } else {
+                format!("{path}.{name}")
+            };
             tables(&below, property, found);
         }
     }
@@ -105,7 +122,9 @@ fn with_key(text: &str, path: &str, key: &str, value: &Value) -> String {
     let mut root: toml::Table = text.parse().unwrap();
     let mut table = &mut root;
     for name in path.split('.').filter(|name| !name.is_empty()) {
-        let below = table.entry(name).or_insert_with(|| toml::Table::new().into());
+        let below = table
+            .entry(name)
+            .or_insert_with(|| toml::Table::new().into());
         table = below.as_table_mut().unwrap();
     }
     table.insert(key.to_owned(), toml::Value::try_from(value).unwrap());
@@ -140,7 +159,11 @@ fn schema_and_reader_agree_on_keys_and_defaults() {
             };
             let read = |key: &str, value: &Value| {
                 let text = with_key(base, &path, key, value);
-                if kind == "case" { read_case(text) } else { read_scene(text) }
+                if kind == "case" {
+                    read_case(text)
+                } else {
+                    read_scene(text)
+                }
             };
             read("no_such_key", &json!(1)).expect(2, &["unknown key `no_such_key`"]);
             for (key, property) in table["properties"].as_object().unwrap() {

@@ -25,7 +25,13 @@ fn filters_choose_and_the_suite_may_be_elsewhere() {
     let suite = Folder::with_goldens();
     let elsewhere = Folder::new();
     let there = suite.path("");
-    let run = elsewhere.volref(&["verify", "curve", "*/near*", "--suite", there.to_str().unwrap()]);
+    let run = elsewhere.volref(&[
+        "verify",
+        "curve",
+        "*/near*",
+        "--suite",
+        there.to_str().unwrap(),
+    ]);
     assert_shown!(run.shown(), @r"
     exit code 0
     --- stdout
@@ -149,10 +155,17 @@ fn json_and_junit_in_files() {
     suite.remove("golden/plots/curve.png");
     suite.remove("golden/plots/curve.toml");
     suite.edit("fixtures/volumes/cloud.obj", "v 1 0.5 0.5", "v 1 0.5 0.6");
-    let arguments = ["verify", "curve", "plain", "--json", "out.json", "--junit", "out.xml"];
+    let arguments = [
+        "verify", "curve", "plain", "--json", "out.json", "--junit", "out.xml",
+    ];
     let run = suite.volref(&arguments);
     assert_eq!(run.code, 3, "{}", run.stdout);
-    assert!(run.stdout.contains("2 cases: 0 passed, 1 failed, 1 missing"), "{}", run.stdout);
+    assert!(
+        run.stdout
+            .contains("2 cases: 0 passed, 1 failed, 1 missing"),
+        "{}",
+        run.stdout
+    );
     let json: Value = serde_json::from_slice(&suite.read("out.json")).unwrap();
     assert_eq!(json["summary"]["missing"], 1);
     assert_shown!(suite.text("out.xml"), @r#"
@@ -185,7 +198,11 @@ fn any_number_of_threads() {
 fn a_changed_voxel_names_the_figures_it_moved() {
     let suite = Folder::with_goldens();
     assert!(CLOUD.contains("v 0 0.5 0.5\n"));
-    suite.edit("fixtures/volumes/cloud.obj", "v 0 0.5 0.5\n", "v 0 0.5 0.5 1.01\n");
+    suite.edit(
+        "fixtures/volumes/cloud.obj",
+        "v 0 0.5 0.5\n",
+        "v 0 0.5 0.5 1.01\n",
+    );
     assert_shown!(suite.volref(&["verify"]).shown(), @r"
     exit code 1
     --- stdout
@@ -200,8 +217,8 @@ fn a_changed_voxel_names_the_figures_it_moved() {
     4 cases: 1 passed, 3 failed
 
     To see what moved:
-      volref render ./fixtures/scenes/smoke/nearest.toml -o now.exr
-      volref compare ./golden/smoke/nearest.exr now.exr --heatmap moved.png
+      volref render fixtures/scenes/smoke/nearest.toml -o now.exr
+      volref compare golden/smoke/nearest.exr now.exr --heatmap moved.png
     ");
 }
 
@@ -210,7 +227,10 @@ fn the_hint_of_a_failure_can_be_followed() {
     let suite = Folder::with_goldens();
     suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 3");
     let run = suite.volref(&["verify", "smoke/plain"]);
-    let mut commands = run.stdout.lines().filter_map(|line| line.strip_prefix("  volref "));
+    let mut commands = run
+        .stdout
+        .lines()
+        .filter_map(|line| line.strip_prefix("  volref "));
     let mut follow = || {
         let command: Vec<_> = commands.next().unwrap().split(' ').collect();
         suite.volref(&command)
@@ -223,7 +243,11 @@ fn the_hint_of_a_failure_can_be_followed() {
 #[test]
 fn a_scene_that_no_longer_loads_is_bad_input() {
     let suite = Folder::with_goldens();
-    suite.edit("fixtures/scenes/smoke/plain.toml", "width = 12", "width = 0");
+    suite.edit(
+        "fixtures/scenes/smoke/plain.toml",
+        "width = 12",
+        "width = 0",
+    );
     let run = suite.volref(&["verify"]);
     assert_eq!(run.code, 2, "{}", run.stdout);
     assert_shown!(run.shown(), @r"
@@ -232,7 +256,7 @@ fn a_scene_that_no_longer_loads_is_bad_input() {
     pass          plots/curve [seconds]
     pass          smoke/nearest [seconds]
     error         smoke/plain [seconds]
-                  ./fixtures/scenes/smoke/plain.toml:2:9: `width` must lie in [1, 16384], got 0
+                  fixtures/scenes/smoke/plain.toml:2:9: `width` must lie in [1, 16384], got 0
     pass          smoke/shadow [seconds]
 
     4 cases: 3 passed, 1 in error
@@ -245,7 +269,11 @@ fn the_highest_cause_wins() {
     // A mismatch in three cases, bad input in one of them.
     suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 3");
     assert_eq!(suite.volref(&["verify"]).code, 1);
-    suite.edit("fixtures/scenes/smoke/plain.toml", "width = 12", "width = 0");
+    suite.edit(
+        "fixtures/scenes/smoke/plain.toml",
+        "width = 12",
+        "width = 0",
+    );
     assert_eq!(suite.volref(&["verify"]).code, 2);
     suite.remove("golden/plots/curve.png");
     assert_eq!(suite.volref(&["verify"]).code, 3);
