@@ -16,6 +16,13 @@ fn main() {
         };
         move || has_cases(found)
     })];
+    trials.push(Trial::test("an-empty-suite-is-a-failure", || {
+        let passed = [Ok(0), Err("no suite".to_owned())].map(|found| has_cases(found).is_ok());
+        match passed {
+            [false, false] => Ok(()),
+            _ => Err("a run without cases passes".into()),
+        }
+    }));
     if let Ok(suite) = suite {
         let goldens = suite.golden_folder();
         trials.extend(suite.cases().iter().map(|case| {

@@ -44,10 +44,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if let Some(path) = &arguments.heatmap {
         check_heatmap(path)?;
     }
-    let reference =
-        Picture::read(&arguments.reference).map_err(|error| unreadable(error, Exit::BadInput))?;
+    // The test image first: where both are unreadable, its exit code is the higher one.
     let test =
         Picture::read(&arguments.test).map_err(|error| unreadable(error, Exit::OtherRenderer))?;
+    let reference =
+        Picture::read(&arguments.reference).map_err(|error| unreadable(error, Exit::BadInput))?;
     let both_radiance = matches!(
         (&reference, &test),
         (Picture::Radiance(_), Picture::Radiance(_))

@@ -88,13 +88,12 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
             });
         }
     }
-    let names = image
-        .layer_data
-        .iter()
-        .flat_map(|layer| &layer.channel_data.list);
-    let found = names
-        .map(|channel| channel.name.to_string())
-        .collect::<Vec<_>>()
-        .join(", ");
+    let found = image.layer_data.iter().flat_map(|layer| {
+        let layer_name = layer.attributes.layer_name.as_ref();
+        let prefix = layer_name.map_or(String::new(), |name| format!("{name}."));
+        let channels = layer.channel_data.list.iter();
+        channels.map(move |channel| format!("{prefix}{}", channel.name))
+    });
+    let found = found.collect::<Vec<_>>().join(", ");
     Err(FilmError::Channels { found })
 }

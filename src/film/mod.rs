@@ -36,9 +36,9 @@ pub enum FilmError {
         bytes: usize,
     },
     /// No colours inside.
-    #[error("the image has the channels {found}, but R, G and B are needed")]
+    #[error("no layer of the image has the channels R, G and B; there are: {found}")]
     Channels {
-        /// Names of the channels there are.
+        /// Names of the channels there are, `layer.channel` in a named layer.
         found: String,
     },
     /// Larger than any image of the suite.

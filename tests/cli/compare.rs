@@ -275,6 +275,10 @@ fn images_that_cannot_be_read() {
         let as_reference = folder.volref(&["compare", name, "right.exr"]);
         as_reference.expect(2, &[&run.message()]);
     }
+    // The highest cause wins.
+    folder
+        .volref(&["compare", "cut.exr", "text.exr"])
+        .expect(4, &["text.exr"]);
     // Here the words are the operating system's.
     for name in ["none.exr", "folder.exr"] {
         let message = format!("{name}: cannot be read: ");
