@@ -314,7 +314,7 @@ impl Classified {
         let shadow = reader
             .table("shadow")?
             .map(|reader| read_shadow(&reader, &lattice));
-        Ok(Classified {
+        let scene = Classified {
             grid,
             volume,
             interpolation,
@@ -326,7 +326,33 @@ impl Classified {
             light,
             background,
             camera,
-        })
+        };
+        scene
+            .check_brightness()
+            .map_err(|message| reader.error("volume", message))?;
+        Ok(scene)
+    }
+
+    /// Refuses a scene whose radiance may be more than an image of `f32` can hold.
+    ///
+    /// A pixel is an average of what its samples send out and of the background. A sample sends
+    /// out at most the strength of the densest voxel times the weights of its shading.
+    pub fn check_brightness(&self) -> Result<(), String> {
+        let (_, most) = self.grid.range();
+        let weights = self.phong.map_or(1.0, |phong| {
+            (phong.ambient + phong.diffuse + phong.specular).max(1.0)
+        });
+        let sent = self.transfer_function.strength(most) * weights;
+        let brightest = sent.max(self.background.max_element());
+        // Half of the largest number leaves room for the rounding of cosines and sums.
+        let limit = f64::from(f32::MAX / 2.0);
+        if brightest <= limit {
+            return Ok(());
+        }
+        Err(format!(
+            "densities up to {most:e}, which send out the square of that, make pixels of up to \
+             {brightest:e} with this shading and background; an image holds at most {limit:e}"
+        ))
     }
 
     /// Replaces the distance between samples; fails where rays would get too many of them.
