@@ -40,7 +40,8 @@ impl Span {
     }
 }
 
-/// `v / |v|`, or `None` for the zero vector, which has no direction.
+/// `v / |v|`, or `None` for the zero vector and for one that is not finite: they have no
+/// direction.
 ///
 /// Works over the whole range of finite vectors: where `|v|²` would leave the range of normal
 /// numbers, `v` is first brought near 1 by a power of two, which changes no digit of it.
@@ -50,7 +51,8 @@ pub fn direction_of(v: DVec3) -> Option<DVec3> {
         return Some(v / length_squared.sqrt());
     }
     let largest = v.abs().max_element();
-    if largest == 0.0 || !largest.is_finite() {
+    // Component by component: the largest of some numbers and a NaN may be a number.
+    if largest == 0.0 || !v.is_finite() {
         return None;
     }
     // 2^±300 in up to three steps reaches every finite number, subnormal ones included.
@@ -88,5 +90,12 @@ mod tests {
         assert_eq!(direction_of(DVec3::new(-0.0, 0.0, 0.0)), None);
         assert_eq!(direction_of(DVec3::splat(f64::INFINITY)), None);
         assert_eq!(direction_of(DVec3::splat(f64::NAN)), None);
+        for axis in 0..3 {
+            for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let mut vector = DVec3::ONE;
+                vector[axis] = odd;
+                assert_eq!(direction_of(vector), None, "{vector}");
+            }
+        }
     }
 }

@@ -9,8 +9,9 @@ use crate::math;
 /// Here the relative error is a few roundings over the whole domain, `opacity` in [0, 1],
 /// `ratio ≥ 0`.
 pub fn over_length(opacity: f64, ratio: f64) -> f64 {
-    // Nothing is opaque over no distance, not even opacity 1, where 0 · ln 0 would be NaN.
-    if ratio == 0.0 {
+    // Nothing is opaque over no distance, not even opacity 1, where 0 · ln 0 would be NaN; and
+    // what is transparent stays so, even over a ratio beyond the largest number.
+    if ratio == 0.0 || opacity == 0.0 {
         return 0.0;
     }
     -math::exp_m1(ratio * math::ln_1p(-opacity))
@@ -59,6 +60,8 @@ mod tests {
         assert_eq!(over_length(1.0, 0.5), 1.0);
         assert_eq!(over_length(0.0, 0.5), 0.0);
         assert_eq!(over_length(1.0, 0.0), 0.0);
+        assert_eq!(over_length(0.0, f64::INFINITY), 0.0);
+        assert_eq!(over_length(1e-300, f64::INFINITY), 1.0);
     }
 
     #[test]

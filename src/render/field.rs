@@ -54,7 +54,7 @@ pub trait Field: Sync {
     /// Density at a place.
     fn density<W: Work>(&self, place: &Self::Place, work: &mut W) -> f64;
 
-    /// Stored gradient at a place, reconstructed like the density, per world unit.
+    /// Stored gradient at a place, reconstructed like the density, in the unit it is stored in.
     fn gradient<W: Work>(
         &self,
         gradients: &Grid<[f32; 3]>,

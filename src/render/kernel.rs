@@ -10,7 +10,7 @@ use super::ray_caster::{RayCaster, Shaded, Shading, Unshaded};
 use super::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
 use super::work::Work;
 use crate::scene::{Classified, Compositing};
-use crate::volume::{Node, gradients};
+use crate::volume::{Node, relative_gradients};
 use std::marker::PhantomData;
 
 /// The parts of a ray caster, as a plan names them.
@@ -62,7 +62,7 @@ fn with_shading<F: Field, O: Order + Sync, W: Work>(
 ) -> (Vec<[f32; 4]>, W) {
     match scene.phong.filter(|_| parts.shading) {
         Some(phong) => {
-            let gradients = gradients(&*scene.grid);
+            let gradients = relative_gradients(&*scene.grid);
             let shading = Shaded {
                 phong,
                 gradients,

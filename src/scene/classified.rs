@@ -255,7 +255,7 @@ pub(super) struct VolumeRequest {
 
 impl VolumeRequest {
     pub(super) fn read(reader: &Reader<'_, '_>) -> Result<VolumeRequest, Box<SceneError>> {
-        let file = reader.text("file")?.expect("required");
+        let file = reader.text("file")?;
         if !file.to_ascii_lowercase().ends_with(".obj") {
             if let Some(key) = ["resolution", "padding"]
                 .into_iter()
@@ -271,8 +271,10 @@ impl VolumeRequest {
                 padding: 0,
             });
         }
-        let resolution = reader.count("resolution")?.map(|nodes| nodes as usize);
-        let padding = reader.count("padding")?.expect("has a default") as usize;
+        let resolution = reader
+            .optional_count("resolution")?
+            .map(|nodes| nodes as usize);
+        let padding = reader.count("padding")? as usize;
         Ok(VolumeRequest {
             file,
             resolution,
@@ -292,16 +294,16 @@ impl Classified {
     ) -> Result<Classified, Box<SceneError>> {
         let empty = DeTable::new();
         let lattice = *grid.lattice();
-        let interpolation = match reader.text("interpolation")?.as_deref() {
-            Some("nearest") => Interpolation::Nearest,
+        let interpolation = match reader.text("interpolation")?.as_str() {
+            "nearest" => Interpolation::Nearest,
             _ => Interpolation::Trilinear,
         };
-        let compositing = match reader.text("compositing")?.as_deref() {
-            Some("back-to-front") => Compositing::BackToFront,
+        let compositing = match reader.text("compositing")?.as_str() {
+            "back-to-front" => Compositing::BackToFront,
             _ => Compositing::FrontToBack,
         };
         let step = step_length(reader, "step", &lattice)?;
-        let background = reader.vector("background")?.expect("has a default");
+        let background = reader.vector("background")?;
 
         let View {
             camera,
@@ -310,7 +312,7 @@ impl Classified {
         } = View::read(camera, &lattice, aspect)?;
         let light = reader.table_or_default("light", &empty)?;
         let above = DVec3::new(0.0, eye.distance(target), 0.0);
-        let light = light.vector("position")?.unwrap_or(eye + above);
+        let light = light.optional_vector("position")?.unwrap_or(eye + above);
 
         let phong = reader
             .table("phong")?
@@ -319,7 +321,7 @@ impl Classified {
         let shadow = reader
             .table("shadow")?
             .map(|reader| read_shadow(&reader, &lattice));
-        Ok(Classified {
+        let scene = Classified {
             grid,
             volume,
             interpolation,
@@ -331,7 +333,33 @@ impl Classified {
             light,
             background,
             camera,
-        })
+        };
+        scene
+            .check_brightness()
+            .map_err(|message| reader.error("volume", message))?;
+        Ok(scene)
+    }
+
+    /// Refuses a scene whose radiance may be more than an image of `f32` can hold.
+    ///
+    /// A pixel is an average of what its samples send out and of the background. A sample sends
+    /// out at most the strength of the densest voxel times the weights of its shading.
+    pub fn check_brightness(&self) -> Result<(), String> {
+        let (_, most) = self.grid.range();
+        let weights = self.phong.map_or(1.0, |phong| {
+            (phong.ambient + phong.diffuse + phong.specular).max(1.0)
+        });
+        let sent = self.transfer_function.strength(most) * weights;
+        let brightest = sent.max(self.background.max_element());
+        // Half of the largest number leaves room for the rounding of cosines and sums.
+        let limit = f64::from(f32::MAX / 2.0);
+        if brightest <= limit {
+            return Ok(());
+        }
+        Err(format!(
+            "densities up to {most:e}, which send out the square of that, make pixels of up to \
+             {brightest:e} with this shading and background; an image holds at most {limit:e}"
+        ))
     }
 
     /// Replaces the distance between samples; fails where rays would get too many of them.
@@ -359,21 +387,21 @@ fn step_length(
     name: &str,
     lattice: &Lattice,
 ) -> Result<f64, Box<SceneError>> {
-    let step = reader.length(name)?.expect("required or has a default");
+    let step = reader.length(name)?;
     checked_step(step, lattice).map_err(|message| reader.error(name, message))
 }
 
 fn read_phong(reader: &Reader<'_, '_>) -> Result<Phong, Box<SceneError>> {
     Ok(Phong {
-        ambient: reader.number("ambient")?.expect("has a default"),
-        diffuse: reader.number("diffuse")?.expect("has a default"),
-        specular: reader.number("specular")?.expect("has a default"),
-        shininess: reader.count("shininess")?.expect("has a default") as u32,
+        ambient: reader.number("ambient")?,
+        diffuse: reader.number("diffuse")?,
+        specular: reader.number("specular")?,
+        shininess: reader.count("shininess")? as u32,
     })
 }
 
 fn read_shadow(reader: &Reader<'_, '_>, lattice: &Lattice) -> Result<Shadow, Box<SceneError>> {
-    let reference = reader.length("reference_step")?.expect("required");
+    let reference = reader.length("reference_step")?;
     Ok(Shadow {
         step: step_length(reader, "step", lattice)?,
         reference_step: reference.in_world_units(lattice.voxel()),
@@ -396,15 +424,12 @@ impl View {
         aspect: f64,
     ) -> Result<View, Box<SceneError>> {
         let bounds = lattice.bounds();
-        let vertical_fov = reader
-            .number("vertical_fov")?
-            .expect("has a default")
-            .to_radians();
+        let vertical_fov = reader.number("vertical_fov")?.to_radians();
         let eye = reader
-            .vector("eye")?
+            .optional_vector("eye")?
             .unwrap_or_else(|| eye_that_sees_all(&bounds, vertical_fov, aspect));
-        let target = reader.vector("target")?.unwrap_or(bounds.centre());
-        let up = reader.vector("up")?.expect("has a default");
+        let target = reader.optional_vector("target")?.unwrap_or(bounds.centre());
+        let up = reader.vector("up")?;
         let camera = Camera::new(eye, target, up, vertical_fov).map_err(|error| {
             let key = match error {
                 CameraError::NoDirection => "eye",

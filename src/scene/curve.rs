@@ -30,7 +30,7 @@ impl Curve {
         reader: &Reader<'_, '_>,
         opacity: TransferOpacity,
     ) -> Result<Curve, Box<SceneError>> {
-        let densities = reader.number("densities")?.expect("has a default");
+        let densities = reader.number("densities")?;
         Ok(Curve { opacity, densities })
     }
 }

@@ -310,12 +310,12 @@ impl Panel {
         let log = RefCell::default();
         let empty = DeTable::new();
         let root = Reader::new(document, &SCENE, table, &log)?;
-        let title = root.text("title")?;
+        let title = root.optional_text("title")?;
         let film = root.table_or_default("film", &empty)?;
-        let width = film.count("width")?.expect("has a default") as usize;
-        let height = film.count("height")?.expect("has a default") as usize;
+        let width = film.count("width")? as usize;
+        let height = film.count("height")? as usize;
         let transfer_function = root.table_or_default("transfer_function", &empty)?;
-        let floor = transfer_function.number("floor")?.expect("has a default");
+        let floor = transfer_function.number("floor")?;
         let opacity = TransferOpacity { floor };
         let model = match (root.table("classified")?, root.table("curve")?) {
             (Some(reader), None) => {
@@ -370,8 +370,8 @@ fn read_transfer_function(
     opacity: TransferOpacity,
     grid: &Grid<f32>,
 ) -> Result<TransferFunction, Box<SceneError>> {
-    let reference_length = reader.length("reference_length")?.expect("has a default");
-    let colormap = reader.text("colormap")?.expect("has a default");
+    let reference_length = reader.length("reference_length")?;
+    let colormap = reader.text("colormap")?;
     Ok(TransferFunction {
         opacity,
         reference_length: reference_length.in_world_units(grid.lattice().voxel()),

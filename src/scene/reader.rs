@@ -286,8 +286,14 @@ impl<'d, 's> Reader<'d, 's> {
         Ok(DVec3::from_array(numbers))
     }
 
-    /// A declared [`Kind::Count`]; `None` only where the key may be left out.
-    pub fn count(&self, name: &str) -> Result<Option<u64>, Box<SceneError>> {
+    /// A declared [`Kind::Count`] that is required or has a default.
+    pub fn count(&self, name: &str) -> Result<u64, Box<SceneError>> {
+        let value = self.optional_count(name)?;
+        Ok(value.expect("required or has a default"))
+    }
+
+    /// A declared [`Kind::Count`] that may be left out.
+    pub fn optional_count(&self, name: &str) -> Result<Option<u64>, Box<SceneError>> {
         let Kind::Count(low, high) = self.declared(name).kind else {
             panic!("{name} is not a count")
         };
@@ -313,8 +319,14 @@ impl<'d, 's> Reader<'d, 's> {
         self.present(name, read, literal, u64::to_string)
     }
 
-    /// A declared [`Kind::Number`].
-    pub fn number(&self, name: &str) -> Result<Option<f64>, Box<SceneError>> {
+    /// A declared [`Kind::Number`] that is required or has a default.
+    pub fn number(&self, name: &str) -> Result<f64, Box<SceneError>> {
+        let value = self.optional_number(name)?;
+        Ok(value.expect("required or has a default"))
+    }
+
+    /// A declared [`Kind::Number`] that may be left out.
+    pub fn optional_number(&self, name: &str) -> Result<Option<f64>, Box<SceneError>> {
         let Kind::Number(range) = self.declared(name).kind else {
             panic!("{name} is not a number")
         };
@@ -332,8 +344,14 @@ impl<'d, 's> Reader<'d, 's> {
         self.present(name, read, literal, f64::to_string)
     }
 
-    /// A declared [`Kind::Vector`] or [`Kind::Colour`].
-    pub fn vector(&self, name: &str) -> Result<Option<DVec3>, Box<SceneError>> {
+    /// A declared [`Kind::Vector`] or [`Kind::Colour`] that is required or has a default.
+    pub fn vector(&self, name: &str) -> Result<DVec3, Box<SceneError>> {
+        let value = self.optional_vector(name)?;
+        Ok(value.expect("required or has a default"))
+    }
+
+    /// A declared [`Kind::Vector`] or [`Kind::Colour`] that may be left out.
+    pub fn optional_vector(&self, name: &str) -> Result<Option<DVec3>, Box<SceneError>> {
         let is_colour = matches!(self.declared(name).kind, Kind::Colour);
         let read = |value: &Spanned<DeValue<'s>>| {
             let vector = self.three(name, value)?;
@@ -352,8 +370,14 @@ impl<'d, 's> Reader<'d, 's> {
         })
     }
 
-    /// A declared [`Kind::Length`].
-    pub fn length(&self, name: &str) -> Result<Option<Length>, Box<SceneError>> {
+    /// A declared [`Kind::Length`] that is required or has a default.
+    pub fn length(&self, name: &str) -> Result<Length, Box<SceneError>> {
+        let value = self.optional_length(name)?;
+        Ok(value.expect("required or has a default"))
+    }
+
+    /// A declared [`Kind::Length`] that may be left out.
+    pub fn optional_length(&self, name: &str) -> Result<Option<Length>, Box<SceneError>> {
         let read = |value: &Spanned<DeValue<'s>>| {
             let text = match value.get_ref() {
                 DeValue::String(text) => text.to_string(),
@@ -371,8 +395,14 @@ impl<'d, 's> Reader<'d, 's> {
         self.present(name, read, literal, Length::to_string)
     }
 
-    /// A declared [`Kind::Text`] or [`Kind::Choice`].
-    pub fn text(&self, name: &str) -> Result<Option<String>, Box<SceneError>> {
+    /// A declared [`Kind::Text`] or [`Kind::Choice`] that is required or has a default.
+    pub fn text(&self, name: &str) -> Result<String, Box<SceneError>> {
+        let value = self.optional_text(name)?;
+        Ok(value.expect("required or has a default"))
+    }
+
+    /// A declared [`Kind::Text`] or [`Kind::Choice`] that may be left out.
+    pub fn optional_text(&self, name: &str) -> Result<Option<String>, Box<SceneError>> {
         let read = |value: &Spanned<DeValue<'s>>| {
             let DeValue::String(text) = value.get_ref() else {
                 return Err(self.wrong_type(name, value));

@@ -274,7 +274,6 @@ fn read_manifest(path: &Path) -> Result<Case, Box<SceneError>> {
     let root = document.parse()?;
     let log = RefCell::default();
     let reader = Reader::new(&document, &MANIFEST, &root, &log)?;
-    let required = |key: &str| reader.text(key).map(|text| text.expect("required"));
 
     let part = |path: Option<&Path>| {
         let name = path
@@ -284,7 +283,7 @@ fn read_manifest(path: &Path) -> Result<Case, Box<SceneError>> {
     };
     let (family, name) = (part(path.parent()), part(Some(path)));
     let folder = path.parent().unwrap_or(Path::new(""));
-    let scene = match reader.text("scene")? {
+    let scene = match reader.optional_text("scene")? {
         Some(scene) => folder.join(scene),
         // Not folder/../../scenes: shown in messages, the short way reads better.
         None => {
@@ -301,11 +300,11 @@ fn read_manifest(path: &Path) -> Result<Case, Box<SceneError>> {
     Ok(Case {
         name: format!("{family}/{name}"),
         scene,
-        source: required("source")?,
-        shows: required("shows")?,
-        computes: required("computes")?,
-        class: required("class")?,
-        exposure: reader.number("exposure")?.expect("has a default"),
+        source: reader.text("source")?,
+        shows: reader.text("shows")?,
+        computes: reader.text("computes")?,
+        class: reader.text("class")?,
+        exposure: reader.number("exposure")?,
         family,
     })
 }

@@ -11,6 +11,28 @@ use rayon::prelude::*;
 /// most quadratic along each axis, but for the rounding of the stored numbers. Gradients are
 /// stored in the precision of the grid.
 pub fn gradients<T: Scalar>(grid: &Grid<T>) -> Grid<[T; 3]> {
+    gradients_over(grid, 1.0)
+}
+
+/// [`gradients`] for those who want directions only: per a length of the grid's own size, the
+/// power of two at or below its [voxel](Lattice::voxel).
+///
+/// Another power of two as unit moves no digit. Per world unit, the gradients of a small volume
+/// leave the range of `f32` upwards and those of a large one downwards. Here none exceeds half
+/// the largest density, and scaling the volume by a power of two changes no bit.
+pub fn relative_gradients<T: Scalar>(grid: &Grid<T>) -> Grid<[T; 3]> {
+    gradients_over(grid, power_of_two_below(grid.lattice().voxel()))
+}
+
+/// The largest power of two `≤ x`, for a [normal](f64::is_normal) `x > 0`, as every spacing is.
+fn power_of_two_below(x: f64) -> f64 {
+    const EXPONENT: u64 = 0x7ff << 52;
+    f64::from_bits(x.to_bits() & EXPONENT)
+}
+
+/// Gradients per `unit` of length, a power of two.
+fn gradients_over<T: Scalar>(grid: &Grid<T>, unit: f64) -> Grid<[T; 3]> {
+    let spacing = grid.lattice().spacing() / unit;
     let lattice = *grid.lattice();
     let mut values = vec![[T::rounded(0.0); 3]; lattice.node_count()];
     let [nx, ny, _] = lattice.nodes();
@@ -19,7 +41,9 @@ pub fn gradients<T: Scalar>(grid: &Grid<T>) -> Grid<[T; 3]> {
         for (j, row) in plane.chunks_mut(nx).enumerate() {
             for (i, gradient) in row.iter_mut().enumerate() {
                 let inner = inner(&lattice, [i, j, k]);
-                *gradient = central_difference(grid, inner).to_array().map(T::rounded);
+                *gradient = central_difference(grid, spacing, inner)
+                    .to_array()
+                    .map(T::rounded);
             }
         }
     });
@@ -37,7 +61,7 @@ fn inner(lattice: &Lattice, node: [usize; 3]) -> [usize; 3] {
     inner
 }
 
-fn central_difference<T: Scalar>(grid: &Grid<T>, node: [usize; 3]) -> DVec3 {
+fn central_difference<T: Scalar>(grid: &Grid<T>, spacing: DVec3, node: [usize; 3]) -> DVec3 {
     let (lattice, values) = (grid.lattice(), grid.values());
     let nodes = lattice.nodes();
     let index = lattice.index(node);
@@ -46,7 +70,7 @@ fn central_difference<T: Scalar>(grid: &Grid<T>, node: [usize; 3]) -> DVec3 {
     for axis in 0..3 {
         if nodes[axis] >= 3 {
             let difference = values[index + stride].value() - values[index - stride].value();
-            gradient[axis] = difference / (2.0 * lattice.spacing()[axis]);
+            gradient[axis] = difference / (2.0 * spacing[axis]);
         }
         stride *= nodes[axis];
     }

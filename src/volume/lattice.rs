@@ -24,8 +24,11 @@ pub enum LatticeError {
     /// More nodes than [`Lattice::MOST_NODES`].
     #[error("a grid of {0} × {1} × {2} nodes is too large: at most 2³¹ nodes are accepted")]
     TooLarge(usize, usize, usize),
-    /// A spacing that is zero, negative or not finite.
-    #[error("the node spacing must be positive and finite on every axis, got {0}")]
+    /// A spacing that is zero, negative, not finite, or so small that its inverse is not.
+    #[error(
+        "the node spacing must be positive and finite on every axis, and not below 2.3e-308, \
+         got {0}"
+    )]
     Spacing(DVec3),
     /// A first node that is nowhere.
     #[error("the position of the first node must be finite, got {0}")]
@@ -51,7 +54,8 @@ impl Lattice {
             Some(1..=Self::MOST_NODES) => {}
             _ => return Err(LatticeError::TooLarge(nx, ny, nz)),
         }
-        if !(spacing.is_finite() && spacing.min_element() > 0.0) {
+        let usable = |spacing: &f64| spacing.is_normal() && *spacing > 0.0;
+        if !spacing.to_array().iter().all(usable) {
             return Err(LatticeError::Spacing(spacing));
         }
         if !first.is_finite() {
@@ -151,7 +155,7 @@ mod tests {
             lattice([usize::MAX, 3, 3], 1.0),
             Err(LatticeError::TooLarge(..))
         ));
-        for spacing in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        for spacing in [0.0, -1.0, 1e-310, f64::NAN, f64::INFINITY] {
             assert!(matches!(
                 lattice([2, 2, 2], spacing),
                 Err(LatticeError::Spacing(_))

@@ -11,7 +11,7 @@ mod splat;
 
 pub use course_grid::{CourseGridError, read_course_grid, write_course_grid};
 pub use file::{VolumeError, VolumeFormat, load, load_hashed};
-pub use gradient::gradients;
+pub use gradient::{gradients, relative_gradients};
 pub use grid::{Grid, GridError};
 pub use interpolation::{Cell, Lerp, Node, Scalar};
 pub use lattice::{Lattice, LatticeError};

@@ -1,0 +1,143 @@
+//! What a plan leaves out would have changed nothing, and what it leaves out costs nothing.
+
+use super::{config, scenes};
+use glam::DVec3;
+use proptest::prelude::*;
+use volref::geometry::Camera;
+use volref::render::{Counters, Effect, Plan, State};
+use volref::scene::{Classified, Shadow};
+use volref::volume::Lattice;
+
+/// Scenes with much to leave out: the grid the same everywhere, often 0.
+fn scene() -> impl Strategy<Value = Classified> {
+    let density = prop_oneof![
+        Just(None),
+        Just(Some(0.0_f32)),
+        (0.0..1.5_f32).prop_map(Some),
+    ];
+    (
+        scenes::lattice(7),
+        any::<u64>(),
+        density,
+        scenes::settings(),
+    )
+        .prop_map(|(lattice, seed, density, settings)| {
+            settings.scene(match density {
+                None => scenes::sparse_grid(lattice, seed, 0.5),
+                Some(density) => scenes::sampled(lattice, |_| density),
+            })
+        })
+}
+
+/// Every set of effects that can be forced though a plan leaves them out.
+fn forcible(scene: &Classified) -> Vec<Vec<Effect>> {
+    let panel = scenes::panel(scene, 1);
+    let plan = Plan::new(&panel);
+    let elided: Vec<Effect> = Effect::ALL
+        .into_iter()
+        .filter(|&effect| plan.state(effect) == State::Elided)
+        .filter(|&effect| Plan::forcing(&panel, &[effect]).is_ok())
+        .collect();
+    let chosen = |set: u32| {
+        let members = elided.iter().enumerate();
+        let members = members.filter(move |(n, _)| set & (1 << n) != 0);
+        members.map(|(_, &effect)| effect).collect()
+    };
+    (0..1 << elided.len()).map(chosen).collect()
+}
+
+fn numbers(work: Counters) -> [u64; 4] {
+    [
+        work.density_lookups,
+        work.gradient_lookups,
+        work.cells_walked,
+        work.shadow_rays,
+    ]
+}
+
+proptest! {
+    #![proptest_config(config(64))]
+
+    #[test]
+    fn forced_effects_change_no_bit(scene in scene()) {
+        let (least, leanest) = scenes::rendered(&scene, 4);
+        for effects in forcible(&scene) {
+            let plan = scenes::forced(&scene, &effects);
+            prop_assert!(effects.iter().all(|&effect| plan.is_on(effect)));
+            let (film, work) = scenes::render_by(&scene, plan, 4);
+            prop_assert_eq!(scenes::bits(&film), scenes::bits(&least), "{:?}", effects);
+            for (more, less) in numbers(work).into_iter().zip(numbers(leanest)) {
+                prop_assert!(more >= less, "{effects:?}: {work:?} {leanest:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_off_does_no_work(scene in scene()) {
+        let plan = Plan::new(&scenes::panel(&scene, 4));
+        let (_, work) = scenes::rendered(&scene, 4);
+        if !plan.is_on(Effect::GradientShading) {
+            prop_assert_eq!(work.gradient_lookups, 0);
+        }
+        if !plan.is_on(Effect::MediumShadow) {
+            prop_assert_eq!(work.shadow_rays, 0);
+        }
+        if !plan.is_on(Effect::Heterogeneity) {
+            prop_assert_eq!(work.density_lookups, 0);
+            prop_assert_eq!(work.cells_walked, 0);
+        }
+        if !plan.is_on(Effect::Absorption) {
+            prop_assert_eq!(work, Counters::default());
+        }
+    }
+
+    /// A ray along z through a grid without empty space: every number is known.
+    #[test]
+    fn the_work_of_a_lone_ray_is_known(
+        nodes in 3..12_usize, steps in 1..60_u32, shading in any::<bool>(), shadow in any::<bool>()
+    ) {
+        let lattice = Lattice::new([3, 3, nodes], DVec3::ONE, DVec3::ZERO).unwrap();
+        let mut scene =
+            scenes::plain(scenes::sampled(lattice, |[i, j, k]| 0.01 * (1 + i + j + k) as f32));
+        let depth = (nodes - 1) as f64;
+        // Half a step short of a whole number, so that rounding decides nothing.
+        scene.step = depth / (f64::from(steps) - 0.5);
+        scene.phong = shading.then_some(scenes::PHONG);
+        // The light stands in the middle of the front face, the eye before it: the way of each
+        // sample to the light is its way to the face, one voxel a step.
+        let front = DVec3::new(1.0, 1.0, 0.0);
+        scene.light = front;
+        scene.shadow = shadow.then_some(Shadow { step: 1.0, reference_step: 0.1 });
+        scene.camera = Camera::new(front - DVec3::Z, front, DVec3::Y, 1.0).unwrap();
+        let (_, work) = scenes::rendered(&scene, 1);
+        let samples = u64::from(steps);
+        let mut towards_light = 0;
+        if shadow {
+            for index in 0..steps {
+                let begin = f64::from(index) * scene.step;
+                let middle = 0.5 * (begin + (begin + scene.step).min(depth));
+                towards_light += middle.ceil() as u64;
+            }
+        }
+        prop_assert_eq!(work, Counters {
+            density_lookups: samples + towards_light,
+            gradient_lookups: if shading { samples } else { 0 },
+            shadow_rays: if shadow { samples } else { 0 },
+            ..Counters::default()
+        });
+    }
+}
+
+/// The generator above leaves nothing out only if it meets every case.
+#[test]
+fn an_empty_volume_leaves_every_effect_out() {
+    let lattice = Lattice::new([3, 3, 3], DVec3::ONE, DVec3::ZERO).unwrap();
+    let mut scene = scenes::plain(scenes::sampled(lattice, |_| 0.0));
+    scene.phong = Some(scenes::PHONG);
+    scene.shadow = Some(Shadow {
+        step: 1.0,
+        reference_step: 1.0,
+    });
+    // Absorption, emission, shadow, shading, heterogeneity.
+    assert_eq!(forcible(&scene).len(), 32);
+}
