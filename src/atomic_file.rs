@@ -121,7 +121,19 @@ fn temporary_beside(target: &Path) -> io::Result<tempfile::NamedTempFile> {
     // tempfile's own choice is 0600, private to the user; the umask applies to this one.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(directory_of(target))
+    builder
+        .tempfile_in(directory_of(target))
+        .map_err(without_temporary_name)
+}
+
+/// The system's own error, where tempfile has put the random name of its file into the message:
+/// that name means nothing to the user.
+fn without_temporary_name(error: io::Error) -> io::Error {
+    let inner = error.get_ref().and_then(|error| error.source());
+    let code = inner
+        .and_then(|error| error.downcast_ref::<io::Error>())
+        .and_then(io::Error::raw_os_error);
+    code.map_or(error, io::Error::from_raw_os_error)
 }
 
 /// The directory a file is in; `.` for a bare file name, whose `parent` is empty.

@@ -49,7 +49,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let mut entries = Vec::new();
     for entry in &accepted {
         let (word, detail) = match &entry.change {
-            Change::New => ("new", "there was no golden that could be read".to_owned()),
+            Change::New { damaged: false } => ("new", "its first golden".to_owned()),
+            Change::New { damaged: true } => ("new", "the old golden was damaged".to_owned()),
             Change::Unchanged => (
                 "unchanged",
                 "left as it was, with its old reason".to_owned(),
@@ -62,7 +63,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     if accepted
         .iter()
-        .any(|entry| matches!(entry.change, Change::New | Change::Replaced(_)))
+        .any(|entry| matches!(entry.change, Change::New { .. } | Change::Replaced(_)))
     {
         let folder = suite.golden_folder();
         text.push_str(&format!(

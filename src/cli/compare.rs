@@ -27,7 +27,8 @@ pub struct Arguments {
         long,
         value_name = "STOPS",
         default_value_t = 0.0,
-        allow_negative_numbers = true
+        allow_hyphen_values = true,
+        value_parser = output::stops
     )]
     exposure: f64,
     /// Write a picture of the perceived difference (FLIP): black where equal, bright where not
@@ -40,17 +41,14 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let start = Instant::now();
-    if !arguments.exposure.is_finite() {
-        return Err(Failure::new(
-            Exit::BadInput,
-            "--exposure must be finite",
-            None,
-        ));
+    if let Some(path) = &arguments.heatmap {
+        check_heatmap(path)?;
     }
-    let reference =
-        Picture::read(&arguments.reference).map_err(|error| unreadable(error, Exit::BadInput))?;
+    // The test image first: where both are unreadable, its exit code is the higher one.
     let test =
         Picture::read(&arguments.test).map_err(|error| unreadable(error, Exit::OtherRenderer))?;
+    let reference =
+        Picture::read(&arguments.reference).map_err(|error| unreadable(error, Exit::BadInput))?;
     let both_radiance = matches!(
         (&reference, &test),
         (Picture::Radiance(_), Picture::Radiance(_))
@@ -62,17 +60,26 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     });
     let judgement = judge(gate, &reference, &test, arguments.exposure)
         .map_err(|error| unreadable(error, Exit::BadInput))?;
+    let mut note = "";
     if let Some(path) = &arguments.heatmap {
-        write_heatmap(path, &reference, &test, arguments.exposure)?;
+        if reference.size() == test.size() {
+            write_heatmap(path, &reference, &test, arguments.exposure)?;
+        } else {
+            note = "\nno heat map: images of two sizes cannot be laid over each other\n";
+        }
     }
     let result = result(&arguments.test, judgement, start.elapsed().as_secs_f64());
 
     let verdict = result.verdict.name();
-    let mut text = format!("{verdict}  ({gate} gate)\n{}\n\n", result.reason);
+    let mut text = format!("{verdict}  ({gate} gate)\n{}\n", result.reason);
+    if !result.metrics.is_empty() {
+        text.push('\n');
+    }
     let widest = result.metrics.keys().map(String::len).max().unwrap_or(0);
     for (name, value) in &result.metrics {
         text.push_str(&format!("  {name:<widest$}  {value}\n"));
     }
+    text.push_str(note);
     let exit = if result.cause == Cause::None {
         Exit::Passed
     } else {
@@ -108,6 +115,15 @@ fn result(test: &Path, judgement: Judgement, seconds: f64) -> CaseResult {
     }
 }
 
+fn check_heatmap(path: &Path) -> Result<(), Failure> {
+    let extension = path.extension();
+    if !extension.is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+        let message = format!("--heatmap writes a .png, not {}", path.display());
+        return Err(Failure::new(Exit::BadInput, message, None));
+    }
+    output::check_place(path)
+}
+
 fn write_heatmap(
     path: &Path,
     reference: &Picture,
@@ -115,15 +131,6 @@ fn write_heatmap(
     exposure: f64,
 ) -> Result<(), Failure> {
     let fail = |message: String| Failure::new(Exit::BadInput, message, None);
-    if !path
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
-    {
-        return Err(fail(format!(
-            "--heatmap writes a .png, not {:?}",
-            path.display()
-        )));
-    }
     let srgb = |picture: &Picture| picture.srgb(exposure).map_err(|e| fail(e.to_string()));
     let errors = flip(&srgb(reference)?, &srgb(test)?, DEFAULT_PIXELS_PER_DEGREE)
         .map_err(|error| fail(format!("no heat map: {error}")))?;

@@ -61,7 +61,8 @@ impl From<Box<SceneError>> for Failure {
     }
 }
 
-/// Colours and line width by the terminal; plain text in a pipe or with `NO_COLOR`.
+/// Colours and line width by the terminal; in a pipe plain text, each message on one line, so
+/// that other programs find path, line and column together.
 pub fn draw_errors_for_the_terminal() {
     let terminal = std::io::stderr().is_terminal();
     let _ = miette::set_hook(Box::new(move |_| {
@@ -69,7 +70,7 @@ pub fn draw_errors_for_the_terminal() {
         let options = if terminal {
             options
         } else {
-            options.color(false)
+            options.color(false).wrap_lines(false)
         };
         Box::new(options.build())
     }));

@@ -1,11 +1,11 @@
 //! Printing that survives a reader who leaves early.
 
 use super::failure::{Exit, Failure};
-use crate::atomic_file::write_atomically;
+use crate::atomic_file::{directory_of, remedy, write_atomically};
 use clap::Args;
 use serde::Serialize;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Writes `text` to stdout. A closed pipe (`volref list | head -1`) is no error.
 pub fn print(text: &str) {
@@ -47,13 +47,32 @@ pub fn pretty(value: &impl Serialize) -> String {
 }
 
 /// Writes a whole file or nothing.
-pub fn write(path: &std::path::Path, bytes: &[u8]) -> Result<(), Failure> {
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     write_atomically(path, bytes).map_err(|error| {
-        let message = format!("cannot write {}: {error}", path.display());
-        Failure::new(
-            Exit::BadInput,
-            message,
-            Some("give a file in a folder that exists and may be written to"),
-        )
+        let cause = &error.cause;
+        let message = format!("cannot write {}: {cause}", path.display());
+        Failure::new(Exit::BadInput, message, Some(remedy(cause.kind())))
     })
+}
+
+/// Fails where [`write`] is bound to: asked before long work, not after it.
+pub fn check_place(path: &Path) -> Result<(), Failure> {
+    let what = if path.is_dir() {
+        "it is a folder"
+    } else if !directory_of(path).is_dir() {
+        "its folder does not exist"
+    } else {
+        return Ok(());
+    };
+    let message = format!("cannot write {}: {what}", path.display());
+    let help = "nothing was rendered; give a file in a folder that exists";
+    Err(Failure::new(Exit::BadInput, message, Some(help)))
+}
+
+/// Stops of exposure on the command line.
+pub fn stops(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(stops) if f64::is_finite(stops) => Ok(stops),
+        _ => Err("an exposure is a finite number of stops, such as -1.5".to_owned()),
+    }
 }

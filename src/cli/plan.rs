@@ -120,6 +120,9 @@ fn describe(panel: &Panel, plan: &Plan, work: Option<&Counters>) -> String {
         }
     }
     text.push_str("\ndefaults filled in\n");
+    if defaults(panel).next().is_none() {
+        text.push_str("  none\n");
+    }
     let widest = defaults(panel).map(|(key, _)| key.len()).max().unwrap_or(0);
     for (key, value) in defaults(panel) {
         text.push_str(&format!("  {key:<widest$}  {value}\n"));

@@ -25,7 +25,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// Distance between samples along a ray, in place of the scene's: world units, or "0.5 voxels"
-    #[arg(long, value_name = "LENGTH")]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<Length>,
     /// Threads to use; the image is the same for any number [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -35,7 +35,8 @@ pub struct Arguments {
         long,
         value_name = "STOPS",
         default_value_t = 0.0,
-        allow_negative_numbers = true
+        allow_hyphen_values = true,
+        value_parser = output::stops
     )]
     exposure: f64,
     #[command(flatten)]
@@ -45,7 +46,7 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let format = Format::of(&arguments.output)?;
-    writable_folder(&arguments.output)?;
+    output::check_place(&arguments.output)?;
     let mut scene = Scene::load(&arguments.scene)?;
     if let Some(step) = arguments.step {
         set_step(&mut scene, step)?;
@@ -111,33 +112,11 @@ impl Format {
             "exr" => Ok(Format::Exr),
             "png" => Ok(Format::Png),
             _ => {
-                let error = FilmError::Format(path.display().to_string());
-                Err(Failure::new(Exit::BadInput, error.to_string(), None))
+                let message = format!("{}: {}", path.display(), FilmError::Format);
+                Err(Failure::new(Exit::BadInput, message, None))
             }
         }
     }
-}
-
-/// Fails before a long render rather than after it.
-fn writable_folder(path: &Path) -> Result<(), Failure> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    if folder.is_dir() && !path.is_dir() {
-        return Ok(());
-    }
-    let what = if path.is_dir() {
-        "it is a folder"
-    } else {
-        "its folder does not exist"
-    };
-    let message = format!("cannot write {}: {what}", path.display());
-    Err(Failure::new(
-        Exit::BadInput,
-        message,
-        Some("nothing was rendered"),
-    ))
 }
 
 fn set_step(scene: &mut Scene, step: Length) -> Result<(), Failure> {

@@ -29,6 +29,9 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
+    for path in [&arguments.json, &arguments.junit].into_iter().flatten() {
+        output::check_place(path)?;
+    }
     let cases = select(&suite, &arguments.filters)?;
     let store = store(&suite);
     let results: Vec<_> = render::with_threads(arguments.threads, || {

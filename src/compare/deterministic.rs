@@ -61,7 +61,7 @@ pub(super) fn judge(reference: &Film, test: &Film) -> Judgement {
 
     let (passed, reason) = if share > OUTLIERS {
         let reason = format!(
-            "{outside} of {count} pixels ({:.2} %) are off by more than 0.001 + 1 %; at most \
+            "{outside} of {count} pixels ({:.3} %) are off by more than 0.001 + 1 %; at most \
              0.02 % may be. The worst is ({column}, {row}), {:.1} times the tolerance",
             100.0 * share,
             worst.1

@@ -19,7 +19,7 @@ pub enum Picture {
 #[derive(Debug, Error)]
 pub enum PictureError {
     /// The file cannot be read.
-    #[error("{path}: {error}")]
+    #[error("{path}: cannot be read: {error}")]
     Read {
         /// The file.
         path: String,
@@ -60,7 +60,7 @@ impl Picture {
         let is_exr = match extension.to_ascii_lowercase().as_str() {
             "exr" => true,
             "png" => false,
-            _ => return Err(in_film(FilmError::Format(name.clone()))),
+            _ => return Err(in_film(FilmError::Format)),
         };
         let bytes = std::fs::read(path).map_err(|error| PictureError::Read {
             path: name.clone(),

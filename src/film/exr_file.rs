@@ -1,6 +1,6 @@
 //! OpenEXR, through the `exr` crate.
 
-use super::{Film, FilmError};
+use super::{Film, FilmError, check_claim};
 use exr::meta::MetaData;
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels,
@@ -9,9 +9,15 @@ use exr::prelude::{
 use std::io::Cursor;
 
 fn unreadable(error: exr::error::Error) -> FilmError {
+    let reason = match error.to_string().as_str() {
+        // The words of the crate for the end of a file before the end of the image.
+        "invalid: reference to missing bytes" => "the file ends too early".to_owned(),
+        "invalid: file identifier missing" => "it does not begin like one".to_owned(),
+        other => other.to_owned(),
+    };
     FilmError::Unreadable {
         format: "EXR",
-        reason: error.to_string(),
+        reason,
     }
 }
 
@@ -43,12 +49,16 @@ pub(super) fn encode(film: &Film) -> Result<Vec<u8>, FilmError> {
 pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
     // The size is checked in the header, before anything of that size is allocated.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
+    let mut claimed = 0_u64;
     for header in &meta.headers {
         let (width, height) = (header.layer_size.width(), header.layer_size.height());
         if width.saturating_mul(height) > Film::MOST_PIXELS {
             return Err(FilmError::TooLarge { width, height });
         }
+        let pixel = header.channels.bytes_per_pixel as u64;
+        claimed = claimed.saturating_add((width * height) as u64 * pixel);
     }
+    check_claim(claimed, bytes.len())?;
     let image = read()
         .no_deep_data()
         .largest_resolution_level()
@@ -78,13 +88,12 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
             });
         }
     }
-    let names = image
-        .layer_data
-        .iter()
-        .flat_map(|layer| &layer.channel_data.list);
-    let found = names
-        .map(|channel| channel.name.to_string())
-        .collect::<Vec<_>>()
-        .join(", ");
+    let found = image.layer_data.iter().flat_map(|layer| {
+        let layer_name = layer.attributes.layer_name.as_ref();
+        let prefix = layer_name.map_or(String::new(), |name| format!("{name}."));
+        let channels = layer.channel_data.list.iter();
+        channels.map(move |channel| format!("{prefix}{}", channel.name))
+    });
+    let found = found.collect::<Vec<_>>().join(", ");
     Err(FilmError::Channels { found })
 }

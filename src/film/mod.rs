@@ -25,10 +25,20 @@ pub enum FilmError {
         /// What the reader says.
         reason: String,
     },
+    /// Pixels that the file is too short to hold.
+    #[error(
+        "the image claims {claimed} bytes of pixels, which a file of {bytes} bytes cannot hold"
+    )]
+    Bomb {
+        /// Bytes of all pixels, uncompressed.
+        claimed: u64,
+        /// Bytes of the file.
+        bytes: usize,
+    },
     /// No colours inside.
-    #[error("the image has the channels {found}, but R, G and B are needed")]
+    #[error("no layer of the image has the channels R, G and B; there are: {found}")]
     Channels {
-        /// Names of the channels there are.
+        /// Names of the channels there are, `layer.channel` in a named layer.
         found: String,
     },
     /// Larger than any image of the suite.
@@ -43,8 +53,20 @@ pub enum FilmError {
         height: usize,
     },
     /// A file name that stands for no format.
-    #[error("{0:?} is no image file: known are .exr (linear radiance) and .png (preview)")]
-    Format(String),
+    #[error("not an image by its extension: known are .exr (linear radiance) and .png (preview)")]
+    Format,
+}
+
+/// No compression of PNG or EXR makes more of a byte: deflate, the strongest, reaches 1032.
+const MOST_BYTES_FROM_ONE: u64 = 1100;
+
+/// Fails where a file of that many bytes cannot hold `claimed` bytes of pixels: asked before
+/// they are allocated.
+fn check_claim(claimed: u64, bytes: usize) -> Result<(), FilmError> {
+    if claimed <= MOST_BYTES_FROM_ONE.saturating_mul(bytes as u64) {
+        return Ok(());
+    }
+    Err(FilmError::Bomb { claimed, bytes })
 }
 
 impl Film {

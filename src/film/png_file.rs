@@ -1,6 +1,6 @@
 //! PNG, through the `image` crate.
 
-use super::{Film, FilmError};
+use super::{Film, FilmError, check_claim};
 use crate::math;
 use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder};
@@ -40,6 +40,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmE
     if width.saturating_mul(height) > Film::MOST_PIXELS {
         return Err(FilmError::TooLarge { width, height });
     }
+    check_claim(decoder.total_bytes(), bytes.len())?;
     let codes = DynamicImage::from_decoder(decoder)
         .map_err(unreadable)?
         .into_rgb8();

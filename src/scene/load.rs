@@ -6,7 +6,7 @@ use super::format::{Absent, Key, Kind, Literal, Range, Table};
 use super::reader::{Document, Reader, Reading, overridden};
 use super::{Classified, Curve, SceneError};
 use crate::media::{Colormap, TransferFunction, TransferOpacity};
-use crate::volume::{self, Grid, Splatting};
+use crate::volume::{self, Grid, SplatError, Splatting, VolumeError};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -171,7 +171,8 @@ impl Scene {
             folder: path.parent().unwrap_or(Path::new("")),
             loaded: BTreeMap::new(),
         };
-        let panels = panel_tables(&document, &root)?
+        let tables = panel_tables(&document, &root)?;
+        let panels = tables
             .iter()
             .map(|table| Panel::read(&document, table, &mut grids))
             .collect::<Result<Vec<_>, _>>()?;
@@ -185,7 +186,7 @@ impl Scene {
                 odd + 1,
                 panels[odd].height
             );
-            return Err(document.error(Some(root.span()), message, None));
+            return Err(document.error(Some(tables[odd].span()), message, None));
         }
         Ok(Scene {
             path: path.to_owned(),
@@ -274,8 +275,17 @@ impl Grids<'_> {
             resolution,
             padding,
         };
-        let (grid, hash) = volume::load_hashed(&self.folder.join(&file), splatting)
-            .map_err(|error| reader.error("file", error.to_string()))?;
+        let (grid, hash) =
+            volume::load_hashed(&self.folder.join(&file), splatting).map_err(|error| {
+                let key = match &error {
+                    VolumeError::Splat {
+                        error: SplatError::TooFew { .. } | SplatError::TooFine { .. },
+                        ..
+                    } => "resolution",
+                    _ => "file",
+                };
+                reader.error(key, error.to_string())
+            })?;
         let loaded = (Arc::new(grid), VolumeSource { name: file, hash });
         self.loaded.insert(key, loaded.clone());
         Ok(loaded)

@@ -19,8 +19,11 @@ pub struct Accepted {
 /// How a golden changed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// There was none, or none that could be read.
-    New,
+    /// There was none, or none that could be trusted.
+    New {
+        /// Whether there were files of one.
+        damaged: bool,
+    },
     /// Same picture, scene and plan: left as it is, with its old reason.
     Unchanged,
     /// Same picture, but of a changed scene or plan.
@@ -106,10 +109,15 @@ fn prepare(
     let rendering =
         render::render(&scene, &plans, progress).map_err(|error| incomplete(error.to_string()))?;
     let film = rendering.film;
+    let mut damaged = false;
     let old = match Golden::read(store, case) {
         Ok(golden) => Some(golden),
         Err(GoldenError::Store(error)) => return Err(error.into()),
-        Err(_) => None,
+        Err(GoldenError::Missing) => None,
+        Err(_) => {
+            damaged = true;
+            None
+        }
     };
     let same_file = |old: &Golden| {
         old.provenance.case == case.name
@@ -117,7 +125,7 @@ fn prepare(
             && old.provenance.plan == plan_hash(&plans)
     };
     let change = match &old {
-        None => Change::New,
+        None => Change::New { damaged },
         Some(old) if old.provenance.pixels == film.pixel_hash() => {
             if same_file(old) {
                 return Ok((Change::Unchanged, Vec::new()));

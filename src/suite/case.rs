@@ -140,9 +140,16 @@ pub enum SuiteError {
 impl Suite {
     /// The suite in the folder `root`: reads every manifest, renders nothing.
     pub fn open(root: &Path) -> Result<Suite, SuiteError> {
+        let shown = root;
+        // Not ./fixtures: shown in messages, the short way reads better.
+        let root = if root == Path::new(".") {
+            Path::new("")
+        } else {
+            root
+        };
         let folder = root.join(CASES);
         if !folder.is_dir() {
-            return Err(SuiteError::NoSuite(root.to_owned()));
+            return Err(SuiteError::NoSuite(shown.to_owned()));
         }
         let mut cases = Vec::new();
         for family in sorted_entries(&folder)?
@@ -258,7 +265,11 @@ fn read_manifest(path: &Path) -> Result<Case, Box<SceneError>> {
         text: text.as_deref().unwrap_or(""),
     };
     if let Err(error) = &text {
-        return Err(document.error(None, format!("cannot read the manifest: {error}"), None));
+        let message = match error.kind() {
+            std::io::ErrorKind::InvalidData => "the manifest is not UTF-8 text".to_owned(),
+            _ => format!("cannot read the manifest: {error}"),
+        };
+        return Err(document.error(None, message, None));
     }
     let root = document.parse()?;
     let log = RefCell::default();

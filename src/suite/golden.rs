@@ -167,6 +167,16 @@ impl Golden {
             return Err(unreadable(2, reason));
         }
         let film = Film::from_exr(&bytes[0]).map_err(|error| unreadable(0, error.to_string()))?;
+        let (width, height) = (provenance.width, provenance.height);
+        if (film.width(), film.height()) != (width, height) {
+            let reason = format!(
+                "the image has {} × {} pixels, but {} says {width} × {height}",
+                film.width(),
+                film.height(),
+                shown(2)
+            );
+            return Err(unreadable(0, reason));
+        }
         for (index, found, expected) in [
             (0, film.pixel_hash(), &provenance.pixels),
             (1, hash(&bytes[1]), &provenance.preview),

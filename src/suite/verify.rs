@@ -78,20 +78,20 @@ fn stale(case: &Case, scene: &Scene, plans: &[Plan], golden: &Golden) -> Option<
     let size = (golden.film.width(), golden.film.height());
     if provenance.case != case.name {
         return Some(format!(
-            "the golden is of the case {:?}, not of this one",
+            "the golden is of the case {:?}, not of this one; restore it from version control",
             provenance.case
-        ));
-    }
-    if size != (width, height) {
-        return Some(format!(
-            "the golden has {} × {} pixels, the scene asks for {width} × {height}",
-            size.0, size.1
         ));
     }
     let what = if provenance.scene != scene_hash(scene) {
         "the scene has changed since the golden was accepted"
     } else if provenance.plan != plan_hash(plans) {
         "the plan has changed since the golden was accepted: other effects are simulated"
+    } else if size != (width, height) {
+        return Some(format!(
+            "the golden has {} × {} pixels, the scene asks for {width} × {height}; restore it \
+             from version control",
+            size.0, size.1
+        ));
     } else {
         return None;
     };
