@@ -1,0 +1,218 @@
+//! The rooms of `src/` and the arrows between them: imports only point down.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Each room, and the rooms it may import, from the top down. `main.rs` and `lib.rs` are doors,
+/// not rooms.
+const ROOMS: &[(&str, &[&str])] = &[
+    (
+        "cli",
+        &[
+            "report",
+            "suite",
+            "cost",
+            "exchange",
+            "compare",
+            "render",
+            "scene",
+            "media",
+            "volume",
+            "geometry",
+            "film",
+            "math",
+            "atomic_file",
+        ],
+    ),
+    ("report", &["suite", "cost", "compare"]),
+    ("cost", &["compare", "render"]),
+    (
+        "suite",
+        &["compare", "render", "scene", "film", "atomic_file"],
+    ),
+    ("compare", &["film", "math"]),
+    ("exchange", &["scene"]),
+    (
+        "render",
+        &["scene", "media", "volume", "geometry", "film", "math"],
+    ),
+    ("scene", &["media", "volume", "geometry", "math"]),
+    ("media", &["volume", "geometry", "math"]),
+    ("volume", &["geometry", "math"]),
+    ("geometry", &["math"]),
+    ("film", &["math"]),
+    ("math", &[]),
+    ("atomic_file", &[]),
+];
+
+/// What is wrong with the imports of `text`, a source file of the room `room`.
+fn wrong_arrows(room: &str, text: &str) -> Vec<String> {
+    let Some((_, allowed)) = ROOMS.iter().find(|(name, _)| *name == room) else {
+        return vec![format!("{room} is no room of the map")];
+    };
+    let mut wrong = Vec::new();
+    for target in imports(text) {
+        if target == room || allowed.contains(&target.as_str()) {
+            continue;
+        }
+        wrong.push(if ROOMS.iter().any(|(name, _)| *name == target) {
+            format!("{room} must not import {target}")
+        } else {
+            format!("{room} imports {target}, which is no room of the map")
+        });
+    }
+    wrong
+}
+
+/// The first name of every `crate::…` path outside comments: code and tests alike, for a test
+/// that reaches up makes its room as hard to move as code does.
+fn imports(text: &str) -> BTreeSet<String> {
+    let code = text
+        .lines()
+        .map(|line| line.split("//").next().unwrap_or(""))
+        .collect::<Vec<_>>()
+        .join("\n");
+    let mut found = BTreeSet::new();
+    for (at, path) in code.match_indices("crate::") {
+        // `$crate::` and `some_crate::` are other things.
+        let before = code[..at].chars().next_back();
+        if before.is_some_and(|letter| letter.is_alphanumeric() || letter == '_' || letter == '$') {
+            continue;
+        }
+        let after = code[at + path.len()..].trim_start();
+        match after.strip_prefix('{') {
+            Some(list) => found.extend(first_names(list)),
+            None => found.extend(name_at_start(after)),
+        }
+    }
+    found
+}
+
+/// The first name of each entry of `a::b, c::{d, e}, f}`, up to the closing brace.
+fn first_names(list: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    let mut depth = 0;
+    let mut entry_begins = true;
+    for (at, letter) in list.char_indices() {
+        match letter {
+            '{' => depth += 1,
+            '}' if depth == 0 => break,
+            '}' => depth -= 1,
+            ',' if depth == 0 => entry_begins = true,
+            _ if letter.is_whitespace() => {}
+            _ if entry_begins => {
+                names.extend(name_at_start(&list[at..]));
+                entry_begins = false;
+            }
+            _ => {}
+        }
+    }
+    names
+}
+
+fn name_at_start(text: &str) -> Option<String> {
+    let name: String = text
+        .chars()
+        .take_while(|letter| letter.is_alphanumeric() || *letter == '_')
+        .collect();
+    (!name.is_empty()).then_some(name)
+}
+
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files.extend(rust_files(&path));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    files
+}
+
+/// The room a file of `src/` is in: `film/png_file.rs` and `film.rs` are in `film`.
+fn room_of(relative: &Path) -> String {
+    let first = relative.iter().next().unwrap().to_str().unwrap();
+    first.trim_end_matches(".rs").to_owned()
+}
+
+#[test]
+fn arrows_only_point_down() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut wrong = Vec::new();
+    let mut seen = BTreeSet::new();
+    for path in rust_files(&source) {
+        let relative = path.strip_prefix(&source).unwrap();
+        let room = room_of(relative);
+        if room == "main" || room == "lib" {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        let faults = wrong_arrows(&room, &text);
+        wrong.extend(
+            faults
+                .into_iter()
+                .map(|fault| format!("src/{}: {fault}", relative.display())),
+        );
+        seen.insert(room);
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    // A walk that finds nothing finds no fault either.
+    for room in ["cli", "suite", "render", "scene", "film", "math"] {
+        assert!(seen.contains(room), "no file of {room} was read");
+    }
+}
+
+#[test]
+fn main_only_calls_the_command_line() {
+    let main = include_str!("../src/main.rs");
+    let calls: Vec<_> = main
+        .lines()
+        .filter(|line| line.contains("volref::"))
+        .collect();
+    assert_eq!(calls, ["    volref::cli::main()"]);
+}
+
+#[test]
+fn the_map_itself_has_no_rings() {
+    let place = |name: &str| ROOMS.iter().position(|(room, _)| *room == name).unwrap();
+    for (room, allowed) in ROOMS {
+        for target in *allowed {
+            assert!(place(target) > place(room), "{room} → {target} points up");
+        }
+    }
+}
+
+#[test]
+fn the_checker_can_fail() {
+    let faults = |room: &str, text: &str| wrong_arrows(room, text).join("; ");
+    let upward = "use crate::scene::Scene;";
+    assert_eq!(faults("film", upward), "film must not import scene");
+    assert_eq!(faults("render", upward), "");
+    assert_eq!(
+        faults("volume", "fn f() { crate::atomic_file::write() }"),
+        "volume must not import atomic_file"
+    );
+    assert_eq!(
+        faults(
+            "math",
+            "use crate::{\n    math::Sum,\n    film::{Film, render},\n    suite,\n};"
+        ),
+        "math must not import film; math must not import suite"
+    );
+    assert_eq!(
+        faults("cli", "use crate::kitchen::Sink;"),
+        "cli imports kitchen, which is no room of the map"
+    );
+    assert_eq!(faults("attic", ""), "attic is no room of the map");
+    assert_eq!(
+        faults("math", "//! See [`crate::film`].\nuse other_crate::film;"),
+        ""
+    );
+    assert_eq!(
+        faults("geometry", "#[cfg(test)]\nmod tests { use crate::render; }"),
+        "geometry must not import render"
+    );
+}

@@ -1,0 +1,196 @@
+//! Volumes that cannot be used.
+
+use crate::folder::{Folder, scene};
+
+/// A course grid: int32 nodes, float32 sizes, float32 densities.
+pub fn grid(nodes: [i32; 3], size: [f32; 3], densities: &[f32]) -> Vec<u8> {
+    let nodes = nodes.iter().flat_map(|word| word.to_le_bytes());
+    let floats = size.iter().chain(densities);
+    nodes
+        .chain(floats.flat_map(|word| word.to_le_bytes()))
+        .collect()
+}
+
+/// Renders a scene of a volume with these contents, and expects a refusal.
+fn refused(name: &str, contents: &[u8], parts: &[&str]) {
+    let folder = Folder::new();
+    folder.write(name, contents);
+    let mut text = scene("").replace("../../volumes/cloud.obj", name);
+    if name.ends_with(".bin") {
+        text = text.replace("resolution = 8\npadding = 1\n", "");
+    }
+    folder.write("scene.toml", text);
+    let before = folder.files();
+    let run = folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
+    // The place of the key in the scene, then the file and what is wrong in it.
+    run.expect(2, &["scene.toml:11:8: ", name]);
+    run.expect(2, parts);
+    assert_eq!(folder.files(), before, "nothing is written");
+}
+
+#[test]
+fn clouds() {
+    for (text, parts) in [
+        ("", &["cloud.obj: the file is empty"][..]),
+        (
+            "# nothing\n\n",
+            &["cloud.obj: no point", "only comments and blank lines"],
+        ),
+        (
+            "vn 0 1 0\nf 1 1 1\n",
+            &["cloud.obj: no point", "1 × `f`, 1 × `vn`"],
+        ),
+        (
+            "v 0 0 0\nv 1 1\n",
+            &["cloud.obj:2:1: a `v` line has 3 numbers", "this one has 2"],
+        ),
+        (
+            "v 0 0 0\nv 1 1 1 1 1 1 1\n",
+            &["cloud.obj:2:1:", "this one has 7"],
+        ),
+        (
+            "v 0 0 0\nv 1 NaN 1\n",
+            &["cloud.obj:2:5: y is \"NaN\", which is not finite"],
+        ),
+        (
+            "v 0 0 0\nv inf 1 1\n",
+            &["cloud.obj:2:3: x is \"inf\", which is not finite"],
+        ),
+        (
+            "v 0 0 0\nv 1 1 1e999\n",
+            &["cloud.obj:2:7: z is \"1e999\", which is not finite"],
+        ),
+        (
+            "v 0 0 zero\n",
+            &["cloud.obj:1:7: z is \"zero\", which is not a number"],
+        ),
+        (
+            "v 0 0 0\nv 1 1 1 -0.5\n",
+            &["cloud.obj:2:9: the density is -0.5", "not be negative"],
+        ),
+        (
+            "v 0 0 0 0\nv 1 1 1 0\n",
+            &["cloud.obj: every density is zero"],
+        ),
+        (
+            "v 1 2 3\nv 1 2 3\n",
+            &[
+                "cloud.obj: the cloud has no size",
+                "(2)",
+                "two points apart",
+            ],
+        ),
+        (
+            "v 1 2 3\n",
+            &[
+                "cloud.obj: the cloud has no size",
+                "(1)",
+                "two points apart",
+            ],
+        ),
+        (
+            "v 0 0 0\nvertex 1 1 1\n",
+            &["cloud.obj:2:1: \"vertex\" is no keyword"],
+        ),
+        ("v 0 0 0\n\0\0\0\0", &["cloud.obj: this is not plain text"]),
+        (
+            "v -1e308 0 0\nv 1.7e308 0 0\n",
+            &["cloud.obj: the cloud is wider"],
+        ),
+    ] {
+        refused("cloud.obj", text.as_bytes(), parts);
+    }
+}
+
+#[test]
+fn grids() {
+    let whole = grid([2, 2, 2], [1.0; 3], &[0.5; 8]);
+    let bomb = grid([1 << 20, 1 << 20, 1 << 20], [1.0; 3], &[0.5; 8]);
+    for (bytes, parts) in [
+        (
+            &whole[..0],
+            &["ends after 0 of the 24 bytes of its header"][..],
+        ),
+        (
+            &whole[..23],
+            &["ends after 23 of the 24 bytes of its header"],
+        ),
+        (
+            &whole[..24],
+            &["56 bytes in all", "the file has 24", "cut short"],
+        ),
+        (
+            &whole[..whole.len() - 1],
+            &["56 bytes in all", "the file has 55", "cut short"],
+        ),
+        (
+            &[&whole[..], b"more"].concat(),
+            &["the file has 60", "holds something else"],
+        ),
+        // 2^60 voxels: refused by the header, before anything is allocated.
+        (&bomb, &["1048576 × 1048576 × 1048576"]),
+        (&grid([2, 0, 2], [1.0; 3], &[]), &["2 × 0 × 2 nodes"]),
+        (
+            &grid([-2, 2, 2], [1.0; 3], &[]),
+            &["-2 × 2 × 2 nodes", "little endian"],
+        ),
+        (&grid([1, 1, 1], [1.0; 3], &[1.0]), &["1 × 1 × 1"]),
+        (&grid([2, 2, 2], [0.0; 3], &[1.0; 8]), &["size 0 along x"]),
+        (&grid([2, 2, 2], [f32::NAN; 3], &[1.0; 8]), &["NaN"]),
+        (&grid([1, 1, 2], [1.0; 3], &[0.5, f32::NAN]), &["NaN"]),
+        (&grid([1, 1, 2], [1.0; 3], &[0.5, f32::INFINITY]), &["inf"]),
+        (&grid([1, 1, 2], [1.0; 3], &[0.5, -1.0]), &["-1"]),
+    ] {
+        refused("grid.bin", bytes, parts);
+    }
+}
+
+/// A sheet, a rod: unusual, and no mistake.
+#[test]
+fn grids_of_one_voxel_thickness_work() {
+    for nodes in [[4, 4, 1], [1, 4, 4], [4, 1, 4], [1, 1, 4]] {
+        let folder = Folder::new();
+        let count = nodes.iter().product::<i32>() as usize;
+        folder.write("grid.bin", grid(nodes, [1.0; 3], &vec![1.0; count]));
+        for camera in [
+            "",
+            "camera = { eye = [2, 3, -4], target = [0.5, 0.5, 0.5] }\n",
+        ] {
+            let scene = "film = { width = 8, height = 8 }\n[classified]\n\
+                         volume = { file = \"grid.bin\" }\nphong = {}\n\
+                         shadow = { reference_step = \"0.05 voxels\" }\n";
+            folder.write("scene.toml", camera.to_owned() + scene);
+            let run = folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
+            assert_eq!(run.code, 0, "{nodes:?}: {}", run.stderr);
+        }
+    }
+}
+
+#[test]
+fn no_such_volume() {
+    let folder = Folder::with_scenes();
+    folder.remove("cloud.obj");
+    let run = folder.volref(&["plan", "scene.toml"]);
+    run.expect(2, &["scene.toml:11:8: cloud.obj: there is no such file"]);
+}
+
+#[test]
+fn a_folder_for_a_volume() {
+    let folder = Folder::with_scenes();
+    folder.edit("scene.toml", "cloud.obj", "clouds.obj");
+    folder.write("clouds.obj/cloud.obj", "");
+    let run = folder.volref(&["plan", "scene.toml"]);
+    run.expect(2, &["scene.toml:11:8: clouds.obj: this is a directory"]);
+}
+
+#[test]
+fn an_unknown_kind_of_volume() {
+    let folder = Folder::with_scenes();
+    folder.edit("scene.toml", "cloud.obj", "cloud.vdb");
+    folder.edit("scene.toml", "resolution = 8\npadding = 1\n", "");
+    let run = folder.volref(&["plan", "scene.toml"]);
+    run.expect(
+        2,
+        &["scene.toml:11:8: cloud.vdb: not a volume", ".obj", ".bin"],
+    );
+}

@@ -1,0 +1,293 @@
+//! Goldens that cannot be trusted: a failure with a reason, never a new golden.
+
+use crate::folder::{Folder, assert_shown};
+use volref::film::Film;
+
+const EXR: &str = "golden/smoke/plain.exr";
+const PNG: &str = "golden/smoke/plain.png";
+const TOML: &str = "golden/smoke/plain.toml";
+
+/// Verifies `smoke/plain` after `change`; returns what is said, seconds apart.
+fn after(change: impl Fn(&Folder)) -> String {
+    let suite = Folder::with_suite();
+    let run = suite.volref(&["accept", "smoke/plain", "--reason", "first"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    change(&suite);
+    let before = suite.files();
+    let run = suite.volref(&["verify", "smoke/plain"]);
+    assert_eq!(run.code, 3, "{}{}", run.stdout, run.stderr);
+    assert_eq!(suite.files(), before, "verify writes nothing");
+    let summary = run.stdout.rfind("\n\n").unwrap();
+    run.stdout[..summary].to_owned() + "\n"
+}
+
+fn said(changes: &[&dyn Fn(&Folder)]) -> String {
+    changes.iter().map(after).collect()
+}
+
+fn film(suite: &Folder) -> Film {
+    Film::from_exr(&suite.read(EXR)).unwrap()
+}
+
+/// A line of the provenance replaced.
+fn set(suite: &Folder, key: &str, value: &str) {
+    let text = suite.text(TOML);
+    let start = format!("{key} = ");
+    let line = text.lines().find(|line| line.starts_with(&start)).unwrap();
+    suite.edit(TOML, &format!("{line}\n"), &format!("{key} = {value}\n"));
+}
+
+#[test]
+fn missing_and_incomplete() {
+    let shown = said(&[
+        &|suite| {
+            [EXR, PNG, TOML]
+                .map(|name| suite.remove(name))
+                .into_iter()
+                .collect()
+        },
+        &|suite| std::fs::remove_dir_all(suite.path("golden")).unwrap(),
+        &|suite| suite.remove(EXR),
+        &|suite| suite.remove(PNG),
+        &|suite| suite.remove(TOML),
+    ]);
+    assert_shown!(shown, @r"
+    missing       smoke/plain [seconds]
+                  there is no golden yet; look at the picture, then accept it
+    missing       smoke/plain [seconds]
+                  there is no golden yet; look at the picture, then accept it
+    error         smoke/plain [seconds]
+                  the golden is incomplete: golden/smoke/plain.exr is missing; restore it from version control
+    error         smoke/plain [seconds]
+                  the golden is incomplete: golden/smoke/plain.png is missing; restore it from version control
+    error         smoke/plain [seconds]
+                  the golden is incomplete: golden/smoke/plain.toml is missing; restore it from version control
+    ");
+}
+
+#[test]
+fn images_that_cannot_be_read() {
+    let suite_file =
+        |length: usize| move |suite: &Folder| suite.write(EXR, &suite.read(EXR)[..length]);
+    let shown = said(&[
+        &suite_file(0),
+        &suite_file(3),
+        &suite_file(100),
+        &|suite| {
+            let whole = suite.read(EXR);
+            suite.write(EXR, &whole[..whole.len() - 1]);
+        },
+        &|suite| suite.write(EXR, "version https://git-lfs.github.com/spec/v1\n"),
+    ]);
+    assert_shown!(shown, @r"
+    error         smoke/plain [seconds]
+                  golden/smoke/plain.exr: not a readable EXR image: the file ends too early; restore it from version control
+    error         smoke/plain [seconds]
+                  golden/smoke/plain.exr: not a readable EXR image: the file ends too early; restore it from version control
+    error         smoke/plain [seconds]
+                  golden/smoke/plain.exr: not a readable EXR image: the file ends too early; restore it from version control
+    error         smoke/plain [seconds]
+                  golden/smoke/plain.exr: not a readable EXR image: the file ends too early; restore it from version control
+    error         smoke/plain [seconds]
+                  golden/smoke/plain.exr: not a readable EXR image: it does not begin like one; restore it from version control
+    ");
+}
+
+#[test]
+fn images_that_were_changed() {
+    let shown = said(&[
+        // One pixel, by its last bit.
+        &|suite| {
+            let film = film(suite);
+            let mut pixels: Vec<_> = film.radiance().to_vec();
+            pixels[65][1] = pixels[65][1].next_up();
+            let opacity = film.opacity().unwrap();
+            let pixels = pixels
+                .iter()
+                .zip(opacity)
+                .map(|(&[r, g, b], &a)| [r, g, b, a]);
+            let film = Film::with_opacity(12, 10, pixels.collect());
+            suite.write(EXR, film.to_exr().unwrap());
+        },
+        // Opacity dropped.
+        &|suite| {
+            let film = Film::new(12, 10, film(suite).radiance().to_vec());
+            suite.write(EXR, film.to_exr().unwrap());
+        },
+        &|suite| {
+            let mut png = suite.read(PNG);
+            *png.last_mut().unwrap() ^= 1;
+            suite.write(PNG, png);
+        },
+        // Another size, with the old hash.
+        &|suite| suite.write(EXR, Film::new(6, 5, vec![[0.5; 3]; 30]).to_exr().unwrap()),
+        // Another size, with hashes to match.
+        &|suite| {
+            let film = Film::new(6, 5, vec![[0.5; 3]; 30]);
+            suite.write(EXR, film.to_exr().unwrap());
+            set(suite, "pixels", &format!("{:?}", film.pixel_hash()));
+            set(suite, "width", "6");
+            set(suite, "height", "5");
+        },
+    ]);
+    assert_shown!(shown, @r"
+    error         smoke/plain [seconds]
+                  golden/smoke/plain.exr is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
+    error         smoke/plain [seconds]
+                  golden/smoke/plain.exr is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
+    error         smoke/plain [seconds]
+                  golden/smoke/plain.png is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
+    error         smoke/plain [seconds]
+                  golden/smoke/plain.exr: the image has 6 × 5 pixels, but golden/smoke/plain.toml says 12 × 10; restore it from version control
+    error         smoke/plain [seconds]
+                  the golden has 6 × 5 pixels, the scene asks for 12 × 10; restore it from version control
+    ");
+}
+
+#[test]
+fn provenance_that_was_changed() {
+    let zeros = "\"0000000000000000000000000000000000000000000000000000000000000000\"";
+    let shown = said(&[
+        &|suite| suite.write(TOML, "garbage"),
+        &|suite| suite.write(TOML, [0xff, 0xfe, 0]),
+        &|suite| suite.write(TOML, ""),
+        &|suite| set(suite, "schema", "\"volref/golden/2\""),
+        &|suite| set(suite, "width", "6"),
+        &|suite| set(suite, "samples", "1\nsigned_off_by = \"nobody\""),
+        &|suite| set(suite, "case", "\"smoke/nearest\""),
+        &|suite| set(suite, "pixels", zeros),
+        &|suite| set(suite, "preview", zeros),
+        &|suite| set(suite, "scene", zeros),
+        &|suite| set(suite, "plan", zeros),
+    ]);
+    assert_shown!(shown, @r#"
+    error         smoke/plain [seconds]
+                  golden/smoke/plain.toml: TOML parse error at line 1, column 8
+                    |
+                  1 | garbage
+                    |        ^
+                  key with no value, expected `=`; restore it from version control
+    error         smoke/plain [seconds]
+                  golden/smoke/plain.toml: not UTF-8 text; restore it from version control
+    error         smoke/plain [seconds]
+                  golden/smoke/plain.toml: TOML parse error at line 1, column 1
+                    |
+                  1 | 
+                    | ^
+                  missing field `schema`; restore it from version control
+    error         smoke/plain [seconds]
+                  golden/smoke/plain.toml: its schema is "volref/golden/2", not known here; restore it from version control
+    error         smoke/plain [seconds]
+                  golden/smoke/plain.exr: the image has 12 × 10 pixels, but golden/smoke/plain.toml says 6 × 10; restore it from version control
+    error         smoke/plain [seconds]
+                  golden/smoke/plain.toml: TOML parse error at line 14, column 1
+                     |
+                  14 | signed_off_by = "nobody"
+                     | ^^^^^^^^^^^^^
+                  unknown field `signed_off_by`, expected one of `schema`, `case`, `reason`, `replaces`, `pixels`, `preview`, `scene`, `plan`, `omitted`, `width`, `height`, `samples`, `seed`, `error_estimate`, `volref`, `libm`, `target`, `inputs`; restore it from version control
+    error         smoke/plain [seconds]
+                  the golden is of the case "smoke/nearest", not of this one; restore it from version control
+    error         smoke/plain [seconds]
+                  golden/smoke/plain.exr is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
+    error         smoke/plain [seconds]
+                  golden/smoke/plain.png is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
+    error         smoke/plain [seconds]
+                  stale: the scene has changed since the golden was accepted; look at the new picture, then accept it
+    error         smoke/plain [seconds]
+                  stale: the plan has changed since the golden was accepted: other effects are simulated; look at the new picture, then accept it
+    "#);
+}
+
+#[test]
+fn stale() {
+    let scene = "fixtures/scenes/smoke/plain.toml";
+    let shown = said(&[
+        &|suite| {
+            suite.edit(
+                scene,
+                "[classified]",
+                "[classified]\nstep = \"0.25 voxels\"",
+            )
+        },
+        &|suite| suite.edit(scene, "[classified]", "[classified]\n[classified.phong]"),
+        &|suite| suite.edit(scene, "width = 12", "width = 13"),
+    ]);
+    assert_shown!(shown, @r"
+    error         smoke/plain [seconds]
+                  stale: the scene has changed since the golden was accepted; look at the new picture, then accept it
+    error         smoke/plain [seconds]
+                  stale: the scene has changed since the golden was accepted; look at the new picture, then accept it
+    error         smoke/plain [seconds]
+                  stale: the scene has changed since the golden was accepted; look at the new picture, then accept it
+    ");
+}
+
+#[test]
+fn goldens_of_another_case() {
+    let suite = Folder::with_goldens();
+    for extension in ["exr", "png", "toml"] {
+        let other = suite.read(&format!("golden/smoke/nearest.{extension}"));
+        suite.write(&format!("golden/smoke/plain.{extension}"), other);
+    }
+    let run = suite.volref(&["verify", "smoke/plain"]);
+    assert_eq!(run.code, 3);
+    assert!(
+        run.stdout.contains("of the case \"smoke/nearest\""),
+        "{}",
+        run.stdout
+    );
+}
+
+#[test]
+fn a_folder_in_the_place_of_a_golden() {
+    let suite = Folder::with_goldens();
+    suite.remove(EXR);
+    suite.write("golden/smoke/plain.exr/kept", "");
+    let run = suite.volref(&["verify", "smoke/plain"]);
+    assert_eq!(run.code, 3);
+    assert!(
+        run.stdout.contains("cannot read golden/smoke/plain.exr"),
+        "{}",
+        run.stdout
+    );
+    let before = suite.files();
+    let run = suite.volref(&["accept", "smoke/plain", "--reason", "r"]);
+    run.expect(2, &["golden/smoke/plain.exr"]);
+    assert_eq!(suite.files(), before);
+}
+
+/// What no crash leaves behind: only a hand can have done this, so a hand must mend it.
+#[test]
+fn a_garbled_journal() {
+    let suite = Folder::with_goldens();
+    suite.write("golden/accept.journal", "garbage");
+    let before = suite.files();
+    let run = suite.volref(&["verify", "smoke/plain"]);
+    assert_eq!(run.code, 3);
+    assert!(
+        run.stdout.contains("accept.journal, line 1"),
+        "{}",
+        run.stdout
+    );
+    let run = suite.volref(&["accept", "smoke/plain", "--reason", "r"]);
+    run.expect(
+        3,
+        &[
+            "accept.journal, line 1",
+            "restore the goldens from version control",
+        ],
+    );
+    assert_eq!(suite.files(), before);
+}
+
+#[test]
+fn one_bad_golden_does_not_hide_the_other_cases() {
+    let suite = Folder::with_goldens();
+    suite.write(EXR, "");
+    suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 3");
+    let json = suite.volref(&["verify", "--json"]).json();
+    let summary = serde_json::json!({
+        "pass": 1, "fail": 2, "inconclusive": 0, "missing": 0, "error": 1
+    });
+    assert_eq!(json["summary"], summary);
+}

@@ -1,0 +1,359 @@
+//! Scenes with mistakes: what, where, and how to mend it.
+
+use crate::folder::{Folder, assert_shown};
+
+/// The scene of [`Folder::with_scenes`] after one edit, and what is said about it.
+fn after(old: &str, new: &str) -> String {
+    let folder = Folder::with_scenes();
+    folder.edit("scene.toml", old, new);
+    let before = folder.files();
+    let run = folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
+    assert_eq!(run.code, 2, "{new:?}: {}{}", run.stdout, run.stderr);
+    assert_eq!(run.stdout, "");
+    assert_eq!(folder.files(), before, "{new:?}: nothing is written");
+    format!("{}\n", run.message())
+}
+
+/// What a user sees.
+#[test]
+fn an_error_as_it_is_drawn() {
+    let folder = Folder::with_scenes();
+    folder.edit("scene.toml", "width = 12", "widht = 12");
+    assert_shown!(folder.volref(&["plan", "scene.toml"]).shown(), @r"
+    exit code 2
+    --- stderr
+      × scene.toml:2:1: unknown key `widht` in [film]
+       ╭─[scene.toml:2:1]
+     1 │ [film]
+     2 │ widht = 12
+       · ─────
+     3 │ height = 10
+       ╰────
+      help: did you mean `width`?
+    ");
+}
+
+#[test]
+fn unknown_keys() {
+    let mut said = String::new();
+    for (old, new) in [
+        ("height = 10", "hieght = 10"),
+        ("[transfer_function]", "[transferfunction]"),
+        ("[classified]", "[classified]\ninterpolaton = \"nearest\""),
+        ("[classified]", "[classified.shading]\n[classified]"),
+        ("[classified]", "[camera]\nfov = 45\n[classified]"),
+        (
+            "[classified]",
+            "[[panel]]\n[panel.film]\nwidht = 3\n[classified]",
+        ),
+    ] {
+        said.push_str(&after(old, new));
+    }
+    assert_shown!(said, @r"
+    scene.toml:3:1: unknown key `hieght` in [film] help: did you mean `height`?
+    scene.toml:5:2: unknown key `transferfunction` in the file help: did you mean `transfer_function`?
+    scene.toml:9:1: unknown key `interpolaton` in [classified] help: did you mean `interpolation`?
+    scene.toml:8:13: unknown key `shading` in [classified] help: did you mean `shadow`?
+    scene.toml:9:1: unknown key `fov` in [camera] help: [camera] may hold: eye, target, up, vertical_fov
+    scene.toml:10:1: unknown key `widht` in [film] help: did you mean `width`?
+    ");
+}
+
+#[test]
+fn wrong_types() {
+    let mut said = String::new();
+    for (old, new) in [
+        ("width = 12", "width = \"12\""),
+        ("width = 12", "width = 12.0"),
+        ("width = 12", "width = [12]"),
+        ("[film]\nwidth = 12\nheight = 10", "film = 12"),
+        ("[film]\nwidth = 12\nheight = 10", "[[film]]\nwidth = 12"),
+        ("\"0.2 voxels\"", "true"),
+        ("\"0.2 voxels\"", "\"0.2 pixels\""),
+        ("[classified]", "[classified]\ninterpolation = 1"),
+        ("[classified]", "[classified]\ninterpolation = \"cubic\""),
+        ("[classified]", "[classified]\nbackground = 0"),
+        ("[classified]", "[classified]\nbackground = [0, 0]"),
+        ("[classified]", "[classified]\nbackground = [0, 0, \"0\"]"),
+        (
+            "[classified]",
+            "[camera]\nvertical_fov = \"45\"\n[classified]",
+        ),
+        ("\"cloud.obj\"", "1"),
+        ("[film]", "panel = 1\n[film]"),
+        ("[film]", "panel = []\n[film]"),
+        ("[film]", "panel = [1]\n[film]"),
+        ("[film]", "panel = [{ panel = [] }]\n[film]"),
+    ] {
+        said.push_str(&after(old, new));
+    }
+    assert_shown!(said, @r#"
+    scene.toml:2:9: `width` takes a whole number from 1 to 16384, got string help: `film.width`: Columns of pixels.
+    scene.toml:2:9: `width` takes a whole number from 1 to 16384, got float help: `film.width`: Columns of pixels.
+    scene.toml:2:9: `width` takes a whole number from 1 to 16384, got array help: `film.width`: Columns of pixels.
+    scene.toml:1:8: `film` takes a table, got integer help: `film`: The image.
+    scene.toml:1:1: `film` takes a table, got array help: `film`: The image.
+    scene.toml:6:20: `reference_length` takes a length: a number in world units, or text such as "0.5 voxels", got boolean help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
+    scene.toml:6:20: `reference_length`: expected a length such as 0.01 (world units) or "0.5 voxels", got "0.2 pixels" help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
+    scene.toml:9:17: `interpolation` takes one of "trilinear", "nearest", got integer help: `classified.interpolation`: How densities and gradients between the nodes follow from those at the nodes.
+    scene.toml:9:17: `interpolation` takes one of "trilinear", "nearest", got "cubic" help: `classified.interpolation`: How densities and gradients between the nodes follow from those at the nodes.
+    scene.toml:9:14: `background` takes three numbers red, green, blue, such as [1, 0.5, 0], got integer help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:9:14: `background` takes three numbers, got 2 help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:9:14: `background` takes three numbers red, green, blue, such as [1, 0.5, 0], got string help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:9:16: `vertical_fov` takes a number, got string help: `camera.vertical_fov`: Full angle between the top and bottom edge of the image, degrees.
+    scene.toml:11:8: `file` takes text in quotes, got integer help: `classified.volume.file`: Point cloud (.obj) or grid (.bin), relative to the folder of the scene.
+    scene.toml:1:9: `panel` takes tables in double brackets, [[panel]]
+    scene.toml:1:9: `panel` takes tables in double brackets, [[panel]]
+    scene.toml:1:10: `panel` takes tables in double brackets, [[panel]]
+    scene.toml:1:10: a panel holds no panels
+    "#);
+}
+
+#[test]
+fn out_of_range() {
+    let mut said = String::new();
+    for (old, new) in [
+        ("width = 12", "width = 0"),
+        ("width = 12", "width = -1"),
+        ("width = 12", "width = 16385"),
+        ("width = 12", "width = 99999999999999999999"),
+        ("\"0.2 voxels\"", "0"),
+        ("\"0.2 voxels\"", "\"-1 voxels\""),
+        ("\"0.2 voxels\"", "inf"),
+        ("[classified]", "[classified]\nstep = 0"),
+        ("[classified]", "[classified]\nstep = -0.5"),
+        ("[classified]", "[classified]\nstep = nan"),
+        ("[classified]", "[classified]\nstep = 1e-300"),
+        ("[classified]", "[classified]\nstep = \"1e-12 voxels\""),
+        ("[classified]", "[classified]\nbackground = [0, -1, 0]"),
+        ("[classified]", "[classified]\nbackground = [0, inf, 0]"),
+        (
+            "[classified]",
+            "[classified]\n[classified.phong]\nambient = -0.1",
+        ),
+        (
+            "[classified]",
+            "[classified]\n[classified.phong]\nshininess = 0",
+        ),
+        ("[classified]", "[camera]\nvertical_fov = 0\n[classified]"),
+        ("[classified]", "[camera]\nvertical_fov = 180\n[classified]"),
+        ("reference_length = \"0.2 voxels\"", "floor = 1"),
+        ("reference_length = \"0.2 voxels\"", "floor = nan"),
+        ("resolution = 8", "resolution = 1"),
+        ("resolution = 8", "resolution = 3"),
+        ("resolution = 8", "resolution = 4097"),
+        ("padding = 1", "padding = -1"),
+    ] {
+        said.push_str(&after(old, new));
+    }
+    assert_shown!(said, @r#"
+    scene.toml:2:9: `width` must lie in [1, 16384], got 0 help: `film.width`: Columns of pixels.
+    scene.toml:2:9: `width` must lie in [1, 16384], got -1 help: `film.width`: Columns of pixels.
+    scene.toml:2:9: `width` must lie in [1, 16384], got 16385 help: `film.width`: Columns of pixels.
+    scene.toml:2:9: `width` must lie in [1, 16384], got 99999999999999999999 help: `film.width`: Columns of pixels.
+    scene.toml:6:20: `reference_length`: a length must be positive and finite, got "0" help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
+    scene.toml:6:20: `reference_length`: a length must be positive and finite, got "-1 voxels" help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
+    scene.toml:6:20: `reference_length` must be finite, got inf help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
+    scene.toml:9:8: `step`: a length must be positive and finite, got "0" help: `classified.step`: Distance between samples along a ray, world units or voxels.
+    scene.toml:9:8: `step`: a length must be positive and finite, got "-0.5" help: `classified.step`: Distance between samples along a ray, world units or voxels.
+    scene.toml:9:8: `step` must be finite, got nan help: `classified.step`: Distance between samples along a ray, world units or voxels.
+    scene.toml:9:8: a step of 1e-300 world units means up to 2.1e300 samples on a ray through a volume 2.0688 across; at most 1e8 are accepted help: `classified.step`: Distance between samples along a ray, world units or voxels.
+    scene.toml:9:8: a step of 2e-13 world units means up to 1.0e13 samples on a ray through a volume 2.0688 across; at most 1e8 are accepted help: `classified.step`: Distance between samples along a ray, world units or voxels.
+    scene.toml:9:14: `background` must not be negative, got [0, -1, 0] help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:9:14: `background` must be finite, got inf help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:10:11: `ambient` must be finite and at least 0, got -0.1 help: `classified.phong.ambient`: Share of the light that reaches every side.
+    scene.toml:10:13: `shininess` must lie in [1, 1048576], got 0 help: `classified.phong.shininess`: Exponent of the highlight, a whole number.
+    scene.toml:9:16: `vertical_fov` must lie in (0, 180), got 0 help: `camera.vertical_fov`: Full angle between the top and bottom edge of the image, degrees.
+    scene.toml:9:16: `vertical_fov` must lie in (0, 180), got 180 help: `camera.vertical_fov`: Full angle between the top and bottom edge of the image, degrees.
+    scene.toml:6:9: `floor` must lie in [0, 1), got 1 help: `transfer_function.floor`: Value of exp(−d²) that counts as opaque.
+    scene.toml:6:9: `floor` must be finite, got nan help: `transfer_function.floor`: Value of exp(−d²) that counts as opaque.
+    scene.toml:12:14: `resolution` must lie in [2, 4096], got 1 help: `classified.volume.resolution`: Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.
+    scene.toml:12:14: cloud.obj: a resolution of 3 with 1 nodes of padding on each side leaves no room for the cloud: use at least 4 help: `classified.volume.resolution`: Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.
+    scene.toml:12:14: `resolution` must lie in [2, 4096], got 4097 help: `classified.volume.resolution`: Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.
+    scene.toml:13:11: `padding` must lie in [0, 1024], got -1 help: `classified.volume.padding`: Point clouds only: empty nodes kept around the cloud on each side.
+    "#);
+}
+
+#[test]
+fn missing_and_contradictory() {
+    let mut said = String::new();
+    for (old, new) in [
+        ("file = \"cloud.obj\"\n", ""),
+        (
+            "[classified.volume]\nfile = \"cloud.obj\"\nresolution = 8\npadding = 1\n",
+            "",
+        ),
+        (
+            "[classified]",
+            "[classified]\n[classified.shadow]\nstep = 1",
+        ),
+        ("[classified]", "[curve]\n[classified]"),
+        (
+            "[classified]\n\n[classified.volume]\nfile = \"cloud.obj\"\nresolution = 8\npadding = 1\n",
+            "",
+        ),
+        ("cloud.obj", "cloud.bin"),
+        (
+            "[classified]",
+            "[camera]\neye = [1, 2, 3]\ntarget = [1, 2, 3]\n[classified]",
+        ),
+        (
+            "[classified]",
+            "[camera]\neye = [0, 0, 0]\ntarget = [0, 1, 0]\nup = [0, 2, 0]\n[classified]",
+        ),
+        ("[classified]", "[camera]\nup = [0, 0, 0]\n[classified]"),
+        (
+            "[classified]",
+            "[[panel]]\n[[panel]]\nfilm.height = 4\n[classified]",
+        ),
+    ] {
+        said.push_str(&after(old, new));
+    }
+    assert_shown!(said, @r#"
+    scene.toml:10:1: missing key `file` in [classified.volume] help: `classified.volume.file`: Point cloud (.obj) or grid (.bin), relative to the folder of the scene.
+    scene.toml:8:1: missing table [classified.volume] help: `classified.volume`: The densities.
+    scene.toml:9:1: missing key `reference_step` in [classified.shadow] help: `classified.shadow.reference_step`: Length that counts as one unit of S, world units or voxels; smaller means darker.
+    scene.toml:8:1: a scene holds one model, but this one has both [classified] and [curve] help: `curve`: Model: a plot of the transfer function.
+    scene.toml: the scene has no model: give [classified] or [curve]
+    scene.toml:12:14: `resolution` applies to point clouds; "cloud.bin" brings a grid of its own help: `classified.volume.resolution`: Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.
+    scene.toml:9:7: the camera stands at its target, so it looks nowhere help: `camera.eye`: Where the camera stands, world units.
+    scene.toml:11:6: `up` is parallel to the viewing direction, so the image has no upright help: `camera.up`: The direction that points up in the image, any length.
+    scene.toml:9:6: `up` is parallel to the viewing direction, so the image has no upright help: `camera.up`: The direction that points up in the image, any length.
+    scene.toml:9:1: panels stand side by side and must be of one height, but panel 1 has 10 rows and panel 2 has 4
+    "#);
+}
+
+#[test]
+fn a_plot_of_the_curve_has_no_volume() {
+    let folder = Folder::with_scenes();
+    let mut said = String::new();
+    for more in ["[camera]\n", "[transfer_function]\ncolormap = \"heat\"\n"] {
+        folder.write("broken.toml", crate::folder::CURVE.to_owned() + more);
+        said.push_str(&(folder.volref(&["plan", "broken.toml"]).message() + "\n"));
+    }
+    let run = folder.volref(&["render", "curve.toml", "-o", "image.exr", "--step", "1"]);
+    said.push_str(&run.message());
+    assert_shown!(said, @r"
+    broken.toml:6:1: a plot of the curve has no camera help: `camera`: The eye.
+    broken.toml:7:12: `colormap` means nothing to a plot of the curve help: `transfer_function.colormap`: Colours for densities 0 to 1.
+    --step: a plot of the curve has no steps
+    ");
+}
+
+#[test]
+fn not_toml() {
+    let mut said = String::new();
+    for (old, new) in [
+        ("width = 12", "width = "),
+        ("width = 12", "width = 12\nwidth = 13"),
+        ("width = 12", "width 12"),
+        ("[film]", "[film"),
+        ("\"cloud.obj\"", "\"cloud.obj"),
+    ] {
+        said.push_str(&after(old, new));
+    }
+    assert_shown!(said, @r#"
+    scene.toml:2:9: string values must be quoted, expected literal string help: the file is not valid TOML; see https://toml.io for its rules
+    scene.toml:3:1: duplicate key help: the file is not valid TOML; see https://toml.io for its rules
+    scene.toml:2:7: key with no value, expected `=` help: the file is not valid TOML; see https://toml.io for its rules
+    scene.toml:1:6: unclosed table, expected `]` help: the file is not valid TOML; see https://toml.io for its rules
+    scene.toml:11:18: invalid basic string, expected `"` help: the file is not valid TOML; see https://toml.io for its rules
+    "#);
+}
+
+#[test]
+fn not_text() {
+    let folder = Folder::new();
+    folder.write("scene.toml", b"title = \"caf\xe9\"\n");
+    let run = folder.volref(&["plan", "scene.toml"]);
+    run.expect(2, &["scene.toml", "not UTF-8"]);
+    folder.write("empty.toml", "");
+    let run = folder.volref(&["plan", "empty.toml"]);
+    run.expect(2, &["empty.toml", "no model: give [classified] or [curve]"]);
+}
+
+/// A byte order mark and Windows line ends are no mistakes, and places stay right.
+#[test]
+fn text_from_windows() {
+    let folder = Folder::with_scenes();
+    let windows = |text: String| format!("\u{feff}{}", text.replace('\n', "\r\n"));
+    folder.write("windows.toml", windows(folder.text("scene.toml")));
+    assert_eq!(folder.volref(&["plan", "windows.toml"]).code, 0);
+    folder.edit("windows.toml", "width = 12", "width = 0");
+    folder
+        .volref(&["plan", "windows.toml"])
+        .expect(2, &["windows.toml:2:9: `width` must lie"]);
+}
+
+/// Columns count characters, as editors do.
+#[test]
+fn places_after_letters_of_several_bytes() {
+    let folder = Folder::with_scenes();
+    let text = "film = { \"héllo, wörld\" = 1 }\n".to_owned() + &folder.text("curve.toml")[29..];
+    folder.write("scene.toml", text);
+    folder
+        .volref(&["plan", "scene.toml"])
+        .expect(2, &["scene.toml:1:10: unknown key"]);
+    folder.write(
+        "scene.toml",
+        "# é\n[curve]\ndensities = { \"ä\" = 1, densities = 2 }\n",
+    );
+    folder
+        .volref(&["plan", "scene.toml"])
+        .expect(2, &["scene.toml:3:13: `densities` takes"]);
+}
+
+#[test]
+fn no_such_scene() {
+    let folder = Folder::with_scenes();
+    folder.write("folder/scene.toml", "");
+    for command in ["plan", "render"] {
+        let output: &[&str] = if command == "render" {
+            &["-o", "image.exr"]
+        } else {
+            &[]
+        };
+        let run = |scene| folder.volref(&[&[command, scene], output].concat());
+        run("none.toml").expect(2, &["none.toml: cannot read the scene", "give the path"]);
+        run("folder").expect(2, &["folder: this is a folder, not a scene file"]);
+        run("cloud.obj/x").expect(2, &["cloud.obj/x: cannot read the scene"]);
+        run("cloud.obj").expect(2, &["cloud.obj:1:3", "not valid TOML"]);
+    }
+}
+
+#[test]
+fn steps_on_the_command_line() {
+    let folder = Folder::with_scenes();
+    let mut said = String::new();
+    for step in [
+        &["--step", "0"][..],
+        &["--step=0"],
+        &["--step", "-1"],
+        &["--step=-1"],
+        &["--step", "-0.5 voxels"],
+        &["--step", "nan"],
+        &["--step", "inf"],
+        &["--step", "half"],
+        &["--step", ""],
+        &["--step", "1e-300"],
+        &["--step", "1e-12voxels"],
+    ] {
+        let run = folder.volref(&[&["render", "scene.toml", "-o", "image.exr"], step].concat());
+        assert_eq!(run.code, 2, "{step:?}");
+        said.push_str(&(run.message() + "\n"));
+    }
+    assert!(!folder.path("image.exr").exists());
+    assert_shown!(said, @r#"
+    error: invalid value '0' for '--step <LENGTH>': a length must be positive and finite, got "0" For more information, try '--help'.
+    error: invalid value '0' for '--step <LENGTH>': a length must be positive and finite, got "0" For more information, try '--help'.
+    error: invalid value '-1' for '--step <LENGTH>': a length must be positive and finite, got "-1" For more information, try '--help'.
+    error: invalid value '-1' for '--step <LENGTH>': a length must be positive and finite, got "-1" For more information, try '--help'.
+    error: invalid value '-0.5 voxels' for '--step <LENGTH>': a length must be positive and finite, got "-0.5 voxels" For more information, try '--help'.
+    error: invalid value 'nan' for '--step <LENGTH>': a length must be positive and finite, got "nan" For more information, try '--help'.
+    error: invalid value 'inf' for '--step <LENGTH>': a length must be positive and finite, got "inf" For more information, try '--help'.
+    error: invalid value 'half' for '--step <LENGTH>': expected a length such as 0.01 (world units) or "0.5 voxels", got "half" For more information, try '--help'.
+    error: invalid value '' for '--step <LENGTH>': expected a length such as 0.01 (world units) or "0.5 voxels", got "" For more information, try '--help'.
+    --step: a step of 1e-300 world units means up to 2.1e300 samples on a ray through a volume 2.0688 across; at most 1e8 are accepted
+    --step: a step of 2e-13 world units means up to 1.0e13 samples on a ray through a volume 2.0688 across; at most 1e8 are accepted
+    "#);
+}

@@ -1,0 +1,261 @@
+//! `volref list`, and the command as a whole.
+
+use crate::folder::{Folder, Run, assert_shown};
+use std::process::Stdio;
+
+#[test]
+fn text() {
+    let suite = Folder::with_suite();
+    assert_shown!(suite.volref(&["list"]).shown(), @r"
+    exit code 0
+    --- stdout
+    plots/curve    deterministic  a test
+    smoke/nearest  deterministic  a test
+    smoke/plain    deterministic  a test
+    smoke/shadow   deterministic  a test
+    ");
+}
+
+#[test]
+fn json() {
+    let suite = Folder::with_suite();
+    let run = suite.volref(&["list", "plots", "--json"]);
+    assert_shown!(run.shown(), @r#"
+    exit code 0
+    --- stdout
+    {
+      "cases": [
+        {
+          "class": "deterministic",
+          "computes": "what the scene says",
+          "exposure": 0.0,
+          "family": "plots",
+          "gate": "deterministic",
+          "name": "plots/curve",
+          "scene": "fixtures/scenes/plots/curve.toml",
+          "shows": "a diamond",
+          "source": "a test"
+        }
+      ],
+      "schema": "volref/list/1"
+    }
+    "#);
+}
+
+#[test]
+fn json_in_a_file_beside_the_text() {
+    let suite = Folder::with_suite();
+    let run = suite.volref(&["list", "plots", "--json=cases.json"]);
+    assert!(run.stdout.starts_with("plots/curve"), "{}", run.stdout);
+    assert!(suite.text("cases.json").contains("volref/list/1"));
+}
+
+#[test]
+fn filters() {
+    let suite = Folder::with_suite();
+    for (filter, found) in [
+        ("smoke", "smoke/nearest smoke/plain smoke/shadow"),
+        ("smoke/plain", "smoke/plain"),
+        ("plain", "smoke/plain"),
+        ("*/*a*", "smoke/nearest smoke/plain smoke/shadow"),
+        ("{plots,smoke/s*}", "plots/curve smoke/shadow"),
+    ] {
+        let run = suite.volref(&["list", filter]);
+        let names = run
+            .stdout
+            .lines()
+            .map(|line| line.split(' ').next().unwrap());
+        assert_eq!(names.collect::<Vec<_>>().join(" "), found, "{filter}");
+    }
+}
+
+#[test]
+fn a_filter_that_matches_nothing_decides_nothing() {
+    let suite = Folder::with_goldens();
+    let before = suite.files();
+    for command in [
+        &["list", "smok/plain"][..],
+        &["verify", "plots", "smok/plain"],
+        &["accept", "plots", "smok/plain", "--reason", "none"],
+    ] {
+        let run = suite.volref(command);
+        run.expect(
+            5,
+            &[
+                "no case matches \"smok/plain\"",
+                "did you mean \"smoke/plain\"?",
+            ],
+        );
+    }
+    assert_eq!(suite.files(), before);
+}
+
+#[test]
+fn an_empty_suite_decides_nothing() {
+    let suite = Folder::new();
+    suite.write("fixtures/cases/smoke/notes.txt", "no manifest");
+    suite
+        .volref(&["verify"])
+        .expect(5, &["fixtures/cases", "no case"]);
+}
+
+#[test]
+fn a_filter_that_is_no_pattern() {
+    let run = Folder::with_suite().volref(&["list", "smoke/{a"]);
+    run.expect(2, &["\"smoke/{a\" is not a pattern", "unclosed"]);
+}
+
+#[test]
+fn a_folder_that_is_no_suite() {
+    let folder = Folder::new();
+    folder.write("fixtures/cases", "a file where a folder should be");
+    folder
+        .volref(&["list"])
+        .expect(2, &["holds no suite", "fixtures/cases", "--suite DIR"]);
+    let run = folder.volref(&["verify", "--suite", "nowhere"]);
+    run.expect(2, &["nowhere holds no suite"]);
+}
+
+#[test]
+fn a_manifest_with_a_mistake() {
+    let suite = Folder::with_suite();
+    suite.edit("fixtures/cases/smoke/plain.toml", "shows =", "show =");
+    let place = "fixtures/cases/smoke/plain.toml:2:1";
+    let run = suite.volref(&["list"]);
+    run.expect(2, &[place, "unknown key `show`", "did you mean `shows`?"]);
+    suite.write("fixtures/cases/smoke/plain.toml", [0xff, 0xfe]);
+    let run = suite.volref(&["verify"]);
+    run.expect(2, &["fixtures/cases/smoke/plain.toml", "UTF-8"]);
+}
+
+/// `volref list | true`: the reader is gone before the first byte. No panic, no complaint.
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let suite = Folder::with_suite();
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    for arguments in [&["list"][..], &["schema"], &["--help"]] {
+        let mut command = suite.command(arguments);
+        let child = command
+            .stdout(writer.try_clone().unwrap())
+            .stderr(Stdio::piped());
+        let run = Run::of(child.spawn().unwrap().wait_with_output().unwrap());
+        assert_eq!((run.code, run.stderr.as_str()), (0, ""), "{arguments:?}");
+    }
+    let mut command = suite.command(&["list", "nothing"]);
+    let child = command
+        .stderr(writer.try_clone().unwrap())
+        .stdout(Stdio::piped());
+    let run = Run::of(child.spawn().unwrap().wait_with_output().unwrap());
+    assert_eq!(run.code, 5);
+}
+
+#[test]
+fn help() {
+    assert_shown!(Folder::new().volref(&["--help"]).shown(), @r"
+    exit code 0
+    --- stdout
+    A reference renderer for volumes, and the golden-image harness that judges other volume renderers by
+    it
+
+    Usage: volref <COMMAND>
+
+    Commands:
+      verify   Render the suite with the reference and compare every bit with the goldens
+      compare  Compare one pair of images
+      render   Render a scene to an image
+      plan     Show what a scene calls for: effects with reasons, the kernel, filled-in defaults
+      accept   Render cases and make the results their goldens; look at the pictures before and after
+      list     List the cases of the suite
+      schema   Print the JSON Schema of a kind of file, for completion and checks in editors
+      help     Print this message or the help of the given subcommand(s)
+
+    Options:
+      -h, --help     Print help
+      -V, --version  Print version
+
+    Exit codes, the highest cause wins: 0 all compared and passed; 1 mismatch; 2 usage or bad input; 3
+    golden missing, stale or tampered; 4 the other renderer's image missing, unreadable, crashed or
+    timed out; 5 nothing compared, or inconclusive; 6 self-test failed.
+    ");
+}
+
+#[test]
+fn help_of_a_command() {
+    assert_shown!(Folder::new().volref(&["render", "--help"]).shown(), @r#"
+    exit code 0
+    --- stdout
+    Render a scene to an image
+
+    Usage: volref render [OPTIONS] --output <FILE> <SCENE>
+
+    Arguments:
+      <SCENE>  Scene file (TOML)
+
+    Options:
+      -o, --output <FILE>     Image to write: .exr (linear radiance, 32-bit float) or .png (8-bit sRGB
+                              preview)
+          --spp <N>           Samples per pixel, for sampled scenes; a classified volume has one ray a
+                              pixel
+          --seed <N>          Seed of the random numbers, for sampled scenes
+          --step <LENGTH>     Distance between samples along a ray, in place of the scene's: world
+                              units, or "0.5 voxels"
+          --threads <N>       Threads to use; the image is the same for any number [default: all cores]
+          --exposure <STOPS>  Exposure of a .png, in stops: radiance is multiplied by 2^STOPS [default:
+                              0]
+          --json[=<FILE>]     Print the result as JSON instead of text; with =FILE, write it there as
+                              well as the text
+      -h, --help              Print help
+    "#);
+}
+
+#[test]
+fn version() {
+    let run = Folder::new().volref(&["--version"]);
+    assert_eq!(
+        run.stdout,
+        concat!("volref ", env!("CARGO_PKG_VERSION"), "\n")
+    );
+    assert_eq!(run.code, 0);
+}
+
+#[test]
+fn usage_mistakes() {
+    let folder = Folder::with_scenes();
+    for (arguments, message) in [
+        (&[][..], "Usage: volref <COMMAND>"),
+        (&["verfy"], "'verify'"),
+        (&["verify", "--threads", "0"], "0 is not in 1..=1024"),
+        (&["render", "scene.toml"], "--output <FILE>"),
+        (&["accept", "--reason", "r"], "<CASE>"),
+        (
+            &["plan", "scene.toml", "--force", "scatering"],
+            "unknown effect \"scatering\"",
+        ),
+        (
+            &["compare", "a.exr", "b.exr", "--gate", "ssim"],
+            "unknown gate \"ssim\"",
+        ),
+        (&["schema", "plot"], "scene, case"),
+    ] {
+        folder.volref(arguments).expect(2, &[message]);
+    }
+}
+
+/// Nothing that a pipe or a file receives is coloured.
+#[test]
+fn no_colour_in_a_pipe() {
+    let folder = Folder::with_scenes();
+    for arguments in [
+        &["plan", "none.toml"][..],
+        &["--help"],
+        &["lst"],
+        &["plan", "scene.toml"],
+    ] {
+        let run = folder.volref(arguments);
+        assert!(
+            !(run.stdout + &run.stderr).contains('\u{1b}'),
+            "{arguments:?}"
+        );
+    }
+}

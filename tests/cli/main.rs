@@ -1,0 +1,15 @@
+//! The built command on throw-away suites: one file for each command, one for each kind of
+//! bad input.
+
+mod accept;
+mod bad_files;
+mod bad_goldens;
+mod bad_scenes;
+mod compare;
+mod folder;
+mod list;
+mod outputs;
+mod plan;
+mod render;
+mod schema;
+mod verify;

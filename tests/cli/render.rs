@@ -1,0 +1,155 @@
+//! `volref render`
+
+use crate::folder::{Folder, assert_shown};
+use volref::film::Film;
+
+fn film(folder: &Folder, name: &str) -> Film {
+    Film::from_exr(&folder.read(name)).unwrap()
+}
+
+#[test]
+fn exr() {
+    let folder = Folder::with_scenes();
+    let run = folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
+    assert_shown!(run.shown(), @r"
+    exit code 0
+    --- stdout
+    image.exr: 12 × 10 pixels in [seconds]
+    ");
+    let film = film(&folder, "image.exr");
+    assert_eq!((film.width(), film.height()), (12, 10));
+    assert!(film.opacity().is_some());
+    assert!(film.radiance().iter().flatten().any(|value| *value > 0.0));
+}
+
+#[test]
+fn png_at_an_exposure() {
+    let folder = Folder::with_scenes();
+    folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
+    for exposure in ["0", "1.5", "-2"] {
+        let arguments = [
+            "render",
+            "scene.toml",
+            "-o",
+            "image.PNG",
+            "--exposure",
+            exposure,
+        ];
+        assert_eq!(folder.volref(&arguments).code, 0);
+        let expected = film(&folder, "image.exr").srgb_codes(exposure.parse().unwrap());
+        let (width, height, codes) = Film::codes_from_png(&folder.read("image.PNG")).unwrap();
+        assert_eq!((width, height, codes), (12, 10, expected));
+    }
+}
+
+#[test]
+fn the_same_bytes_for_any_number_of_threads() {
+    let folder = Folder::with_scenes();
+    folder.volref(&["render", "scene.toml", "-o", "all.exr"]);
+    for threads in ["1", "2", "7"] {
+        let run = folder.volref(&[
+            "render",
+            "scene.toml",
+            "-o",
+            "some.exr",
+            "--threads",
+            threads,
+        ]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        assert_eq!(
+            folder.read("some.exr"),
+            folder.read("all.exr"),
+            "{threads} threads"
+        );
+    }
+}
+
+#[test]
+fn another_step() {
+    let folder = Folder::with_scenes();
+    let render = |step: &str| {
+        let run = folder.volref(&["render", "scene.toml", "-o", "image.exr", "--step", step]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        film(&folder, "image.exr").pixel_hash()
+    };
+    // The extent of the cloud, 1, is divided into 8 - 1 - 2·1 = 5 intervals of a voxel each.
+    assert_eq!(render("0.5 voxels"), render("0.1"));
+    assert_ne!(render("0.5 voxels"), render("0.25 voxels"));
+    folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
+    assert_eq!(film(&folder, "image.exr").pixel_hash(), render("0.5voxel"));
+}
+
+#[test]
+fn samples_and_seed_change_nothing_and_say_so() {
+    let folder = Folder::with_scenes();
+    folder.volref(&["render", "scene.toml", "-o", "plain.exr"]);
+    let arguments = [
+        "render",
+        "scene.toml",
+        "-o",
+        "image.exr",
+        "--spp",
+        "16",
+        "--seed",
+        "7",
+    ];
+    assert_shown!(folder.volref(&arguments).shown(), @r"
+    exit code 0
+    --- stdout
+    image.exr: 12 × 10 pixels in [seconds]
+    note: this scene is rendered without random numbers; --spp and --seed change nothing
+    ");
+    assert_eq!(folder.read("image.exr"), folder.read("plain.exr"));
+}
+
+#[test]
+fn json() {
+    let folder = Folder::with_scenes();
+    let run = folder.volref(&["render", "curve.toml", "-o", "curve.png", "--json"]);
+    assert_shown!(run.shown(), @r#"
+    exit code 0
+    --- stdout
+    {
+      "hash": "[hash]",
+      "height": 12,
+      "output": "curve.png",
+      "scene": "curve.toml",
+      "schema": "volref/render/1",
+      "seconds": "[seconds]",
+      "width": 16
+    }
+    "#);
+}
+
+#[test]
+fn an_existing_image_is_replaced_and_nothing_left_beside_it() {
+    let folder = Folder::with_scenes();
+    folder.write("image.exr", "not an image");
+    let before: Vec<_> = folder.files().into_keys().collect();
+    assert_eq!(
+        folder
+            .volref(&["render", "scene.toml", "-o", "image.exr"])
+            .code,
+        0
+    );
+    assert_eq!(folder.files().into_keys().collect::<Vec<_>>(), before);
+    assert_eq!(film(&folder, "image.exr").width(), 12);
+}
+
+#[test]
+fn panels_side_by_side() {
+    let folder = Folder::with_scenes();
+    let panels = "\n[[panel]]\n[[panel]]\nfilm.width = 5\nclassified.interpolation = \"nearest\"\n";
+    folder.write("panels.toml", folder.text("scene.toml") + panels);
+    folder.volref(&["render", "scene.toml", "-o", "one.exr"]);
+    let run = folder.volref(&["render", "panels.toml", "-o", "two.exr"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let (one, two) = (film(&folder, "one.exr"), film(&folder, "two.exr"));
+    assert_eq!((two.width(), two.height()), (12 + 5, 10));
+    for row in 0..10 {
+        assert_eq!(
+            two.radiance()[17 * row..][..12],
+            one.radiance()[12 * row..][..12]
+        );
+    }
+}

@@ -1,0 +1,280 @@
+//! `volref verify`
+
+use crate::folder::{CLOUD, Folder, assert_shown};
+use serde_json::Value;
+
+#[test]
+fn a_suite_that_passes() {
+    let suite = Folder::with_goldens();
+    let before = suite.files();
+    assert_shown!(suite.volref(&["verify"]).shown(), @r"
+    exit code 0
+    --- stdout
+    pass          plots/curve [seconds]
+    pass          smoke/nearest [seconds]
+    pass          smoke/plain [seconds]
+    pass          smoke/shadow [seconds]
+
+    4 cases: 4 passed
+    ");
+    assert_eq!(suite.files(), before, "verify writes nothing");
+}
+
+#[test]
+fn filters_choose_and_the_suite_may_be_elsewhere() {
+    let suite = Folder::with_goldens();
+    let elsewhere = Folder::new();
+    let there = suite.path("");
+    let run = elsewhere.volref(&[
+        "verify",
+        "curve",
+        "*/near*",
+        "--suite",
+        there.to_str().unwrap(),
+    ]);
+    assert_shown!(run.shown(), @r"
+    exit code 0
+    --- stdout
+    pass          plots/curve [seconds]
+    pass          smoke/nearest [seconds]
+
+    2 cases: 2 passed
+    ");
+}
+
+#[test]
+fn json_in_place_of_the_text() {
+    let suite = Folder::with_goldens();
+    suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 2.5");
+    let run = suite.volref(&["verify", "plots", "smoke/plain", "--json"]);
+    assert_eq!(run.code, 1);
+    assert_shown!(run.stdout, @r#"
+    {
+      "cases": [
+        {
+          "class": "deterministic",
+          "family": "plots",
+          "gate": "exact",
+          "looks_like": [],
+          "metrics": {},
+          "name": "plots/curve",
+          "reason": "the same bits as the golden ([hash])",
+          "seconds": "[seconds]",
+          "verdict": "pass",
+          "work": {}
+        },
+        {
+          "class": "deterministic",
+          "family": "smoke",
+          "gate": "exact",
+          "looks_like": [],
+          "metrics": {
+            "max_abs_error": 0.08119858801364899,
+            "mean_difference_blue": 0.0008302309478588862,
+            "mean_difference_green": 0.005810443414134383,
+            "mean_difference_red": 0.0022928441564242044,
+            "moved_opacities": 36.0,
+            "moved_pixels": 36.0,
+            "outlier_pixels": 16.0,
+            "outlier_share": 0.13333333333333333,
+            "worst_column": 5.0,
+            "worst_in_tolerances": 68.78532469272614,
+            "worst_row": 4.0
+          },
+          "name": "smoke/plain",
+          "reason": "36 of 120 pixels have other colours and 36 another opacity; the largest difference of a channel is 8.120e-2 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj",
+          "seconds": "[seconds]",
+          "verdict": "fail",
+          "work": {}
+        }
+      ],
+      "schema": "volref/verify/1",
+      "summary": {
+        "error": 0,
+        "fail": 1,
+        "inconclusive": 0,
+        "missing": 0,
+        "pass": 1
+      }
+    }
+    "#);
+}
+
+/// The contract, to the letter: other programs read this.
+#[test]
+fn json_has_the_promised_keys() {
+    let suite = Folder::with_goldens();
+    suite.remove("golden/smoke/plain.exr");
+    let json = suite.volref(&["verify", "--json"]).json();
+    let keys = |value: &Value| -> Vec<String> {
+        let mut keys: Vec<_> = value.as_object().unwrap().keys().cloned().collect();
+        keys.sort();
+        keys
+    };
+    assert_eq!(json["schema"], "volref/verify/1");
+    assert_eq!(keys(&json), ["cases", "schema", "summary"]);
+    assert_eq!(
+        keys(&json["summary"]),
+        ["error", "fail", "inconclusive", "missing", "pass"]
+    );
+    let cases = json["cases"].as_array().unwrap();
+    assert_eq!(cases.len(), 4);
+    for case in cases {
+        assert_eq!(
+            keys(case),
+            [
+                "class",
+                "family",
+                "gate",
+                "looks_like",
+                "metrics",
+                "name",
+                "reason",
+                "seconds",
+                "verdict",
+                "work"
+            ]
+        );
+        for (name, value) in case["metrics"].as_object().unwrap() {
+            assert!(value.is_number(), "{name} is {value}");
+        }
+    }
+    let counted: u64 = json["summary"]
+        .as_object()
+        .unwrap()
+        .values()
+        .map(|count| count.as_u64().unwrap())
+        .sum();
+    assert_eq!(counted, 4);
+}
+
+#[test]
+fn json_and_junit_in_files() {
+    let suite = Folder::with_goldens();
+    suite.remove("golden/plots/curve.exr");
+    suite.remove("golden/plots/curve.png");
+    suite.remove("golden/plots/curve.toml");
+    suite.edit("fixtures/volumes/cloud.obj", "v 1 0.5 0.5", "v 1 0.5 0.6");
+    let arguments = [
+        "verify", "curve", "plain", "--json", "out.json", "--junit", "out.xml",
+    ];
+    let run = suite.volref(&arguments);
+    assert_eq!(run.code, 3, "{}", run.stdout);
+    assert!(
+        run.stdout
+            .contains("2 cases: 0 passed, 1 failed, 1 missing"),
+        "{}",
+        run.stdout
+    );
+    let json: Value = serde_json::from_slice(&suite.read("out.json")).unwrap();
+    assert_eq!(json["summary"]["missing"], 1);
+    assert_shown!(suite.text("out.xml"), @r#"
+    <?xml version="1.0" encoding="UTF-8"?>
+    <testsuites name="volref" tests="2" skipped="0" failures="1" errors="1">
+        <testsuite name="volref/plots" tests="1" skipped="0" errors="1" failures="0">
+            <testcase name="plots/curve" classname="plots" time="[seconds]">
+                <error message="there is no golden yet; look at the picture, then accept it" type="missing"/>
+            </testcase>
+        </testsuite>
+        <testsuite name="volref/smoke" tests="1" skipped="0" errors="0" failures="1">
+            <testcase name="smoke/plain" classname="smoke" time="[seconds]">
+                <failure message="22 of 120 pixels have other colours and 22 another opacity; the largest difference of a channel is 2.354e-1 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj" type="fail"/>
+            </testcase>
+        </testsuite>
+    </testsuites>
+    "#);
+}
+
+#[test]
+fn any_number_of_threads() {
+    let suite = Folder::with_goldens();
+    for threads in ["1", "3", "16"] {
+        assert_eq!(suite.volref(&["verify", "--threads", threads]).code, 0);
+    }
+}
+
+/// One voxel of the smoke: one point moved by less than a voxel.
+#[test]
+fn a_changed_voxel_names_the_figures_it_moved() {
+    let suite = Folder::with_goldens();
+    assert!(CLOUD.contains("v 0 0.5 0.5\n"));
+    suite.edit(
+        "fixtures/volumes/cloud.obj",
+        "v 0 0.5 0.5\n",
+        "v 0 0.5 0.5 1.01\n",
+    );
+    assert_shown!(suite.volref(&["verify"]).shown(), @r"
+    exit code 1
+    --- stdout
+    pass          plots/curve [seconds]
+    fail          smoke/nearest [seconds]
+                  8 of 120 pixels have other colours and 8 another opacity; the largest difference of a channel is 5.822e-3 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj
+    fail          smoke/plain [seconds]
+                  22 of 120 pixels have other colours and 22 another opacity; the largest difference of a channel is 2.983e-3 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj
+    fail          smoke/shadow [seconds]
+                  24 of 120 pixels have other colours and 22 another opacity; the largest difference of a channel is 2.405e-3 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj
+
+    4 cases: 1 passed, 3 failed
+
+    To see what moved:
+      volref render fixtures/scenes/smoke/nearest.toml -o now.exr
+      volref compare golden/smoke/nearest.exr now.exr --heatmap moved.png
+    ");
+}
+
+#[test]
+fn the_hint_of_a_failure_can_be_followed() {
+    let suite = Folder::with_goldens();
+    suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 3");
+    let run = suite.volref(&["verify", "smoke/plain"]);
+    let mut commands = run
+        .stdout
+        .lines()
+        .filter_map(|line| line.strip_prefix("  volref "));
+    let mut follow = || {
+        let command: Vec<_> = commands.next().unwrap().split(' ').collect();
+        suite.volref(&command)
+    };
+    assert_eq!(follow().code, 0);
+    assert_eq!(follow().code, 1);
+    assert!(suite.path("moved.png").is_file());
+}
+
+#[test]
+fn a_scene_that_no_longer_loads_is_bad_input() {
+    let suite = Folder::with_goldens();
+    suite.edit(
+        "fixtures/scenes/smoke/plain.toml",
+        "width = 12",
+        "width = 0",
+    );
+    let run = suite.volref(&["verify"]);
+    assert_eq!(run.code, 2, "{}", run.stdout);
+    assert_shown!(run.shown(), @r"
+    exit code 2
+    --- stdout
+    pass          plots/curve [seconds]
+    pass          smoke/nearest [seconds]
+    error         smoke/plain [seconds]
+                  fixtures/scenes/smoke/plain.toml:2:9: `width` must lie in [1, 16384], got 0
+    pass          smoke/shadow [seconds]
+
+    4 cases: 3 passed, 1 in error
+    ");
+}
+
+#[test]
+fn the_highest_cause_wins() {
+    let suite = Folder::with_goldens();
+    // A mismatch in three cases, bad input in one of them.
+    suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 3");
+    assert_eq!(suite.volref(&["verify"]).code, 1);
+    suite.edit(
+        "fixtures/scenes/smoke/plain.toml",
+        "width = 12",
+        "width = 0",
+    );
+    assert_eq!(suite.volref(&["verify"]).code, 2);
+    suite.remove("golden/plots/curve.png");
+    assert_eq!(suite.volref(&["verify"]).code, 3);
+}
