@@ -317,7 +317,10 @@ fn no_such_scene() {
         run("none.toml").expect(2, &["none.toml: cannot read the scene", "give the path"]);
         run("folder").expect(2, &["folder: this is a folder, not a scene file"]);
         run("cloud.obj/x").expect(2, &["cloud.obj/x: cannot read the scene"]);
-        run("cloud.obj").expect(2, &["cloud.obj:1:3", "not valid TOML"]);
+        run("cloud.obj").expect(
+            2,
+            &["cloud.obj: this is a volume, not a scene", "mine.toml"],
+        );
     }
 }
 
