@@ -102,8 +102,15 @@ pub const PHONG: Phong = Phong {
     shininess: 32,
 };
 
-/// A strategy for phong: off, ordinary, or without any say.
+/// Shading off, ordinary, or of weights among which are those that leave colours as they are.
 fn phong() -> impl Strategy<Value = Option<Phong>> {
+    let weight = prop_oneof![Just(0.0), Just(1.0)];
+    let weights = prop::array::uniform3(weight).prop_map(|[ambient, diffuse, specular]| Phong {
+        ambient,
+        diffuse,
+        specular,
+        shininess: 3,
+    });
     let identity = Phong {
         ambient: 1.0,
         diffuse: 0.0,
@@ -112,7 +119,8 @@ fn phong() -> impl Strategy<Value = Option<Phong>> {
     };
     prop_oneof![
         2 => Just(None),
-        3 => Just(Some(PHONG)),
+        2 => Just(Some(PHONG)),
+        2 => weights.prop_map(Some),
         1 => Just(Some(identity)),
     ]
 }
