@@ -2,7 +2,7 @@
 
 use super::work::{Event, Work};
 use crate::geometry::Ray;
-use crate::volume::{Cell, Grid, Lattice};
+use crate::volume::{Cell, Grid, Lattice, Reconstruction};
 use glam::DVec3;
 
 /// A ray in node units, parametrised by distance in world units.
@@ -63,62 +63,49 @@ pub trait Field: Sync {
     ) -> DVec3;
 }
 
-/// Linear along each axis between the eight nodes around.
+/// A grid between its nodes, by one way of reconstruction.
 #[derive(Clone, Copy, Debug)]
-pub struct Trilinear<'g>(pub &'g Grid<f32>);
+pub struct Sampled<'g, R> {
+    grid: &'g Grid<f32>,
+    reconstruction: R,
+}
 
-/// The value of the nearest node.
-#[derive(Clone, Copy, Debug)]
-pub struct Nearest<'g>(pub &'g Grid<f32>);
+impl<'g, R: Reconstruction> Sampled<'g, R> {
+    /// `grid` as `reconstruction` sees it.
+    pub fn new(grid: &'g Grid<f32>, reconstruction: R) -> Sampled<'g, R> {
+        Sampled {
+            grid,
+            reconstruction,
+        }
+    }
+}
+
+impl<R: Reconstruction> Field for Sampled<'_, R> {
+    type Place = Cell;
+
+    fn lattice(&self) -> &Lattice {
+        self.grid.lattice()
+    }
+
+    fn locate(&self, point: DVec3) -> Cell {
+        Cell::around(self.grid.lattice(), point)
+    }
+
+    fn density<W: Work>(&self, place: &Cell, work: &mut W) -> f64 {
+        work.count(Event::DensityLookup);
+        self.reconstruction.read(self.grid, place)
+    }
+
+    fn gradient<W: Work>(&self, gradients: &Grid<[f32; 3]>, place: &Cell, work: &mut W) -> DVec3 {
+        work.count(Event::GradientLookup);
+        self.reconstruction.read(gradients, place)
+    }
+}
 
 /// A grid that holds the same density everywhere: known without looking. Interpolation of
 /// equal numbers is exact, so this is the same field to the last bit.
 #[derive(Clone, Copy, Debug)]
 pub struct Constant<'g>(pub &'g Lattice, pub f64);
-
-impl Field for Trilinear<'_> {
-    type Place = Cell;
-
-    fn lattice(&self) -> &Lattice {
-        self.0.lattice()
-    }
-
-    fn locate(&self, point: DVec3) -> Cell {
-        Cell::around(self.0.lattice(), point)
-    }
-
-    fn density<W: Work>(&self, place: &Cell, work: &mut W) -> f64 {
-        work.count(Event::DensityLookup);
-        place.trilinear(self.0)
-    }
-
-    fn gradient<W: Work>(&self, gradients: &Grid<[f32; 3]>, place: &Cell, work: &mut W) -> DVec3 {
-        work.count(Event::GradientLookup);
-        place.trilinear(gradients)
-    }
-}
-
-impl Field for Nearest<'_> {
-    type Place = Cell;
-
-    fn lattice(&self) -> &Lattice {
-        self.0.lattice()
-    }
-
-    fn locate(&self, point: DVec3) -> Cell {
-        Cell::around(self.0.lattice(), point)
-    }
-
-    fn density<W: Work>(&self, place: &Cell, work: &mut W) -> f64 {
-        work.count(Event::DensityLookup);
-        place.nearest(self.0)
-    }
-
-    fn gradient<W: Work>(&self, gradients: &Grid<[f32; 3]>, place: &Cell, work: &mut W) -> DVec3 {
-        work.count(Event::GradientLookup);
-        place.nearest(gradients)
-    }
-}
 
 impl Field for Constant<'_> {
     type Place = DVec3;

@@ -3,14 +3,14 @@
 
 use super::compositing::{BackToFront, FrontToBack, Order};
 use super::empty_space::{EmptySpace, Space, Unexplored};
-use super::field::{Constant, Field, Nearest, Trilinear};
+use super::field::{Constant, Field, Sampled};
 use super::image::{Pixels, rows};
 use super::plan::FieldKind;
 use super::ray_caster::{RayCaster, Shaded, Shading, Unshaded};
 use super::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
 use super::work::Work;
 use crate::scene::{Classified, Compositing};
-use crate::volume::{Node, relative_gradients};
+use crate::volume::{Nearest, Node, Trilinear, relative_gradients};
 use std::marker::PhantomData;
 
 /// The parts of a ray caster, as a plan names them.
@@ -31,8 +31,8 @@ pub(super) fn cast<W: Work>(
 ) -> (Vec<[f32; 4]>, W) {
     let grid = &*scene.grid;
     match parts.field {
-        FieldKind::Trilinear => with_order(scene, parts, pixels, Trilinear(grid)),
-        FieldKind::Nearest => with_order(scene, parts, pixels, Nearest(grid)),
+        FieldKind::Trilinear => with_order(scene, parts, pixels, Sampled::new(grid, Trilinear)),
+        FieldKind::Nearest => with_order(scene, parts, pixels, Sampled::new(grid, Nearest)),
         FieldKind::Constant => with_order(
             scene,
             parts,

@@ -126,6 +126,32 @@ impl Cell {
     }
 }
 
+/// A way to come by values between the nodes.
+pub trait Reconstruction: Copy + Sync {
+    /// The value of `grid` at the place that `cell` stands for.
+    fn read<T: Node>(self, grid: &Grid<T>, cell: &Cell) -> T::Value;
+}
+
+/// Linear along each axis between the eight nodes around.
+#[derive(Clone, Copy, Debug)]
+pub struct Trilinear;
+
+impl Reconstruction for Trilinear {
+    fn read<T: Node>(self, grid: &Grid<T>, cell: &Cell) -> T::Value {
+        cell.trilinear(grid)
+    }
+}
+
+/// The value of the nearest node.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearest;
+
+impl Reconstruction for Nearest {
+    fn read<T: Node>(self, grid: &Grid<T>, cell: &Cell) -> T::Value {
+        cell.nearest(grid)
+    }
+}
+
 /// `⌊x⌋`, saturating far outside any grid. A cast and a comparison: `f64::floor` is a function
 /// call on processors whose baseline lacks the instruction.
 fn floor(x: f64) -> i64 {

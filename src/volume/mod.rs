@@ -13,7 +13,7 @@ pub use course_grid::{CourseGridError, read_course_grid, write_course_grid};
 pub use file::{VolumeError, VolumeFormat, load, load_hashed};
 pub use gradient::{gradients, relative_gradients};
 pub use grid::{Grid, GridError};
-pub use interpolation::{Cell, Lerp, Node, Scalar};
+pub use interpolation::{Cell, Lerp, Nearest, Node, Reconstruction, Scalar, Trilinear};
 pub use lattice::{Lattice, LatticeError};
 pub use obj_points::{ObjError, ObjFault, Point, read_obj_points};
 pub use splat::{SplatError, Splatting, splat, splat_weights};

@@ -10,14 +10,14 @@ use volref::math;
 use volref::media::{Colormap, Phong, TransferFunction, TransferOpacity};
 use volref::render::compositing::{BackToFront, FrontToBack, Layers, Order};
 use volref::render::empty_space::Unexplored;
-use volref::render::field::{Field, Nearest, Trilinear};
+use volref::render::field::{Field, Sampled};
 use volref::render::ray_caster::{RayCaster, Shaded, Shading, Unshaded};
 use volref::render::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
 use volref::render::{Counters, Effect, Plan, render_counted};
 use volref::scene::{
     Classified, Compositing, Interpolation, Model, Panel, Scene, Shadow, VolumeSource,
 };
-use volref::volume::{Grid, Lattice, relative_gradients};
+use volref::volume::{Grid, Lattice, Nearest, Trilinear, relative_gradients};
 
 /// `2^exponent`, exactly.
 pub fn power_of_two(exponent: i32) -> f64 {
@@ -271,8 +271,8 @@ pub fn rays(scene: &Classified, size: usize) -> Vec<Ray> {
 /// What `rays` see in full precision, without leaps over empty space.
 pub fn layers(scene: &Classified, rays: &[Ray]) -> Vec<Layers> {
     match scene.interpolation {
-        Interpolation::Nearest => with_order(scene, rays, Nearest(&scene.grid)),
-        Interpolation::Trilinear => with_order(scene, rays, Trilinear(&scene.grid)),
+        Interpolation::Nearest => with_order(scene, rays, Sampled::new(&scene.grid, Nearest)),
+        Interpolation::Trilinear => with_order(scene, rays, Sampled::new(&scene.grid, Trilinear)),
     }
 }
 

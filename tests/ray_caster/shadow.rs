@@ -6,10 +6,10 @@ use proptest::prelude::*;
 use volref::math;
 use volref::render::Counters;
 use volref::render::empty_space::Unexplored;
-use volref::render::field::{Field, Trilinear};
+use volref::render::field::{Field, Sampled};
 use volref::render::volume_shadow::{Sample, Visibility, VolumeShadow};
 use volref::scene::Shadow;
-use volref::volume::{Cell, Grid, Lattice};
+use volref::volume::{Cell, Grid, Lattice, Trilinear};
 
 fn visibility(grid: &Grid<f32>, shadow: Shadow, light: DVec3, at: DVec3) -> (f64, Counters) {
     let lattice = grid.lattice();
@@ -23,7 +23,7 @@ fn visibility(grid: &Grid<f32>, shadow: Shadow, light: DVec3, at: DVec3) -> (f64
         nodes: lattice.to_nodes(at),
     };
     let mut work = Counters::default();
-    let field = Trilinear(grid);
+    let field = Sampled::new(grid, Trilinear);
     assert_eq!(field.lattice(), lattice);
     (visibility.at(sample, &field, &Unexplored, &mut work), work)
 }
