@@ -1,8 +1,11 @@
 #!/usr/bin/env bash
 # Everything that must hold before a change lands. CI runs exactly this; run it before a commit.
-# Needs the Rust toolchain and a C compiler. Writes nothing but target/.
+# Needs the Rust toolchain and a C compiler.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+
+goldens() { git status --porcelain golden; }
+goldens_before=$(goldens)
 
 step() { printf '\n== %s\n' "$*"; }
 
@@ -32,6 +35,6 @@ step "the smoke cloud is what its generator makes"
 scripts/generate-smoke.sh --check
 
 step "no golden was written"
-test -z "$(git status --porcelain golden)" || { git status --short golden; exit 1; }
+test "$(goldens)" = "$goldens_before" || { goldens; exit 1; }
 
 printf '\nall checks passed\n'

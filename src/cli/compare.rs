@@ -40,6 +40,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+    arguments.json.check()?;
     let start = Instant::now();
     if let Some(path) = &arguments.heatmap {
         check_heatmap(path)?;

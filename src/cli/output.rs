@@ -29,6 +29,14 @@ pub struct Json {
 }
 
 impl Json {
+    /// Fails where the file cannot be written: asked before long work, not after it.
+    pub fn check(&self) -> Result<(), Failure> {
+        match &self.json {
+            Some(path) if path.as_os_str() != "-" => check_place(path),
+            _ => Ok(()),
+        }
+    }
+
     /// The text to print: `text`, or `value` as JSON if asked for on stdout.
     pub fn instead_of(&self, text: String, value: &impl Serialize) -> Result<String, Failure> {
         match &self.json {

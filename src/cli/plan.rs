@@ -4,7 +4,7 @@ use super::failure::{Exit, Failure};
 use super::output::Json;
 use super::{Outcome, progress};
 use crate::render::{self, Counters, Effect, Plan, State};
-use crate::scene::{Panel, Scene};
+use crate::scene::{Origin, Panel, Scene};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -44,10 +44,13 @@ struct PanelJson<'s> {
 struct DefaultJson<'s> {
     key: &'s str,
     value: &'s str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rule: Option<&'static str>,
 }
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+    arguments.json.check()?;
     let scene = Scene::load(&arguments.scene)?;
     let plans = scene
         .panels
@@ -81,9 +84,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             title: panel.title.as_deref(),
             kernel: plan.kernel.to_string(),
             effects: &plan.decisions,
-            defaults: defaults(panel)
-                .map(|(key, value)| DefaultJson { key, value })
-                .collect(),
+            defaults: defaults(panel).collect(),
             counters: work,
         });
     }
@@ -95,22 +96,27 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     arguments.json.instead_of(text, &value).map(Outcome::from)
 }
 
-fn defaults(panel: &Panel) -> impl Iterator<Item = (&str, &str)> {
-    let filled_in = panel.readings.iter().filter(|reading| reading.defaulted);
-    filled_in.map(|reading| (reading.key.as_str(), reading.value.as_str()))
+fn defaults(panel: &Panel) -> impl Iterator<Item = DefaultJson<'_>> {
+    panel.readings.iter().filter_map(|reading| {
+        let rule = match reading.origin {
+            Origin::Given => return None,
+            Origin::Default => None,
+            Origin::Derived(rule) => Some(rule),
+        };
+        Some(DefaultJson {
+            key: &reading.key,
+            value: &reading.value,
+            rule,
+        })
+    })
 }
 
 fn describe(panel: &Panel, plan: &Plan, work: Option<&Counters>) -> String {
     let mut text = format!("kernel  {}\n\neffects\n", plan.kernel);
     for decision in &plan.decisions {
-        let mark = match decision.state {
-            State::On => "on     ",
-            State::Elided => "elided ",
-            State::Omitted => "omitted",
-        };
         text.push_str(&format!(
-            "  {mark}  {:<22}  {}",
-            decision.effect, decision.reason
+            "  {:<7}  {:<22}  {}",
+            decision.state, decision.effect, decision.reason
         ));
         match decision.field {
             Some(field) if decision.state != State::Omitted => {
@@ -123,9 +129,11 @@ fn describe(panel: &Panel, plan: &Plan, work: Option<&Counters>) -> String {
     if defaults(panel).next().is_none() {
         text.push_str("  none\n");
     }
-    let widest = defaults(panel).map(|(key, _)| key.len()).max().unwrap_or(0);
-    for (key, value) in defaults(panel) {
-        text.push_str(&format!("  {key:<widest$}  {value}\n"));
+    let widest = defaults(panel).map(|default| default.key.len()).max();
+    let widest = widest.unwrap_or(0);
+    for DefaultJson { key, value, rule } in defaults(panel) {
+        let rule = rule.map_or(String::new(), |rule| format!("  ({rule})"));
+        text.push_str(&format!("  {key:<widest$}  {value}{rule}\n"));
     }
     if let Some(work) = work {
         text.push_str("\nwork\n");

@@ -46,6 +46,7 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let format = Format::of(&arguments.output)?;
+    arguments.json.check()?;
     output::check_place(&arguments.output)?;
     let mut scene = Scene::load(&arguments.scene)?;
     if let Some(step) = arguments.step {

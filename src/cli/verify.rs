@@ -1,6 +1,6 @@
 //! `volref verify [FILTER…]`
 
-use super::failure::Failure;
+use super::failure::{Exit, Failure};
 use super::suite::{Selection, exit, select, store};
 use super::{Outcome, output, progress, render};
 use crate::report;
@@ -31,6 +31,16 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
     for path in [&arguments.json, &arguments.junit].into_iter().flatten() {
         output::check_place(path)?;
+    }
+    if let Some(path) = &arguments.json
+        && suite.select(&[path.display().to_string()]).is_ok()
+    {
+        let message = format!(
+            "--json {0}: is {0} a file to write or the cases to verify?",
+            path.display()
+        );
+        let help = "write filters before --json, or a file name that is no case";
+        return Err(Failure::new(Exit::BadInput, message, Some(help)));
     }
     let cases = select(&suite, &arguments.filters)?;
     let store = store(&suite);

@@ -2,6 +2,7 @@
 //!
 //! A pixel agrees if every channel does: `|test − golden| ≤ 1e-3 + 1 % of golden`. All but
 //! 0.02 % of the pixels must agree, none may be far off, and the differences must not add up.
+//! Opacity is not judged: renderers differ in what they write there.
 //! Structural and mean-pooled metrics are no substitute: of sixteen seeded faults they caught
 //! between one and twelve, this rule all.
 
@@ -77,7 +78,7 @@ pub(super) fn judge(reference: &Film, test: &Film) -> Judgement {
     } else if bias[worst_bias].abs() > 1.0 {
         let reason = format!(
             "every pixel is close, but {} is too {} on the whole: its mean is off by {:.3e}, \
-             {:.1} times what rounding can do",
+             {:.1} times what is allowed",
             ["red", "green", "blue"][worst_bias],
             if bias[worst_bias] > 0.0 {
                 "bright"

@@ -7,7 +7,7 @@
 mod deterministic;
 mod exact;
 pub mod flip;
-mod perceptual;
+pub mod perceptual;
 mod picture;
 
 pub use picture::{Picture, PictureError};
@@ -126,16 +126,17 @@ fn incomparable(gate: Gate, reference: &Picture, test: &Picture) -> Option<Judge
         let Picture::Radiance(film) = picture else {
             continue;
         };
-        let broken = |pixel: &[f32; 3]| pixel.iter().any(|value| !value.is_finite());
-        let count = film.radiance().iter().filter(|pixel| broken(pixel)).count();
-        if let Some(first) = film.radiance().iter().position(broken) {
+        let broken = |&index: &usize| film.pixel(index).iter().any(|value| !value.is_finite());
+        let pixels = 0..width * height;
+        let count = pixels.clone().filter(broken).count();
+        if let Some(first) = pixels.clone().find(broken) {
             let reason = format!(
                 "{count} of {} pixels of the {name} are not finite; the first is \
-                 ({}, {}) with {:?}",
+                 ({}, {}) with red, green, blue, opacity {:?}",
                 width * height,
                 first % width,
                 first / width,
-                film.radiance()[first]
+                film.pixel(first)
             );
             return Some(Judgement::new(
                 gate,

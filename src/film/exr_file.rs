@@ -55,7 +55,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
         if width.saturating_mul(height) > Film::MOST_PIXELS {
             return Err(FilmError::TooLarge { width, height });
         }
-        let pixel = header.channels.bytes_per_pixel as u64;
+        // PXR24 drops one byte of four before it deflates.
+        let pixel = header.channels.bytes_per_pixel as u64 * 3 / 4;
         claimed = claimed.saturating_add((width * height) as u64 * pixel);
     }
     check_claim(claimed, bytes.len())?;

@@ -134,6 +134,14 @@ impl Film {
         &self.radiance
     }
 
+    /// Red, green, blue and opacity of pixel `index`, counted row by row; opacity 1 where the
+    /// image has none.
+    pub fn pixel(&self, index: usize) -> [f32; 4] {
+        let [r, g, b] = self.radiance[index];
+        let opacity = self.opacity.as_ref();
+        [r, g, b, opacity.map_or(1.0, |opacity| opacity[index])]
+    }
+
     /// Opacity of every pixel, in [0, 1], where the image has it.
     pub fn opacity(&self) -> Option<&[f32]> {
         self.opacity.as_deref()
@@ -142,18 +150,13 @@ impl Film {
     /// The first pixel whose radiance or opacity is negative or not finite: [column, row], and
     /// what it holds.
     pub fn first_without_radiance(&self) -> Option<([usize; 2], [f32; 4])> {
-        let pixel = |index: usize| {
-            let [r, g, b] = self.radiance[index];
-            [
-                r,
-                g,
-                b,
-                self.opacity.as_ref().map_or(1.0, |opacity| opacity[index]),
-            ]
-        };
         (0..self.radiance.len())
-            .find(|&index| pixel(index).iter().any(|v| !(v.is_finite() && *v >= 0.0)))
-            .map(|index| ([index % self.width, index / self.width], pixel(index)))
+            .find(|&index| {
+                self.pixel(index)
+                    .iter()
+                    .any(|v| !(v.is_finite() && *v >= 0.0))
+            })
+            .map(|index| ([index % self.width, index / self.width], self.pixel(index)))
     }
 
     /// BLAKE3 of size, channels and the bits of every pixel: equal for equal images only.

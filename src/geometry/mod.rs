@@ -6,4 +6,4 @@ mod ray;
 
 pub use aabb::Aabb;
 pub use camera::{Camera, CameraError};
-pub use ray::{Ray, Span, direction_of};
+pub use ray::{Ray, Span, direction_of, length_of};

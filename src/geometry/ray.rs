@@ -66,6 +66,23 @@ pub fn direction_of(v: DVec3) -> Option<DVec3> {
     Some(scaled / scaled.length())
 }
 
+/// `|v|` of a finite vector, over its whole range: where `|v|²` would leave the range of normal
+/// numbers, it is taken of `v` brought near 1 by a power of two.
+pub fn length_of(v: DVec3) -> f64 {
+    let length_squared = v.length_squared();
+    if (1e-290..1e290).contains(&length_squared) {
+        return length_squared.sqrt();
+    }
+    // 2^±600 brings the squares of the smallest and of the largest numbers into range.
+    let exponent = if v.abs().max_element() < 1.0 {
+        1023 + 600
+    } else {
+        1023 - 600
+    };
+    let factor = f64::from_bits(exponent << 52);
+    (v * factor).length() / factor
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -82,6 +99,22 @@ mod tests {
             );
             assert_eq!(direction.x, -direction.y);
         }
+    }
+
+    #[test]
+    fn lengths_over_the_whole_range() {
+        for exponent in [-1074, -1060, -600, -300, -1, 0, 1, 300, 600, 1020] {
+            let size = libm::exp2(f64::from(exponent));
+            assert_eq!(length_of(DVec3::new(0.0, -size, 0.0)), size, "2^{exponent}");
+            if exponent > -1070 {
+                assert_eq!(
+                    length_of(DVec3::new(3.0, 0.0, 4.0) * size),
+                    5.0 * size,
+                    "2^{exponent}"
+                );
+            }
+        }
+        assert_eq!(length_of(DVec3::ZERO), 0.0);
     }
 
     #[test]

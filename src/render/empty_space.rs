@@ -139,7 +139,7 @@ impl Space for EmptySpace {
             return distance;
         }
         // Everything within this many nodes is empty. Half a node is kept back: sample
-        // positions are rounded, but never by that much.
+        // positions are rounded, but by less than that for an eye nearer than 2⁵⁰ nodes.
         let clear = ((distance - 1) * BLOCK) as f64 - 0.5;
         1 + (clear / reach) as usize
     }

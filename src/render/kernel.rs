@@ -8,7 +8,7 @@ use super::image::{Pixels, rows};
 use super::plan::FieldKind;
 use super::ray_caster::{RayCaster, Shaded, Shading, Unshaded};
 use super::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
-use super::work::Work;
+use super::work::{Event, Work};
 use crate::scene::{Classified, Compositing};
 use crate::volume::{Nearest, Node, Trilinear, relative_gradients};
 use std::marker::PhantomData;
@@ -68,7 +68,11 @@ fn with_shading<F: Field, O: Order + Sync, W: Work>(
                 gradients,
                 light: scene.light,
             };
-            with_visibility::<F, O, _, W>(scene, parts, pixels, field, shading)
+            let nodes = scene.grid.lattice().node_count() as u64;
+            let (image, mut work) =
+                with_visibility::<F, O, _, W>(scene, parts, pixels, field, shading);
+            work.count_times(Event::GradientComputed, nodes);
+            (image, work)
         }
         None => with_visibility::<F, O, _, W>(scene, parts, pixels, field, Unshaded),
     }

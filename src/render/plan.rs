@@ -277,7 +277,8 @@ impl Plan {
 
     /// The plan as text that changes with anything it covers.
     pub fn canonical_text(&self) -> String {
-        let mut text = format!("{}\n", self.kernel);
+        // The structure of the kernel, not the words it is described with.
+        let mut text = format!("{:?}\n", self.kernel);
         for decision in &self.decisions {
             text.push_str(&format!("{} {}\n", decision.effect, decision.state));
         }
@@ -374,6 +375,10 @@ fn classified_plan(scene: &Classified, forced: &[Effect]) -> Plan {
             Some(_) if constant => Null(
                 "classified.phong",
                 "the density is constant: its gradient is 0".to_owned(),
+            ),
+            Some(_) if scene.grid.lattice().nodes().iter().all(|&nodes| nodes < 3) => Null(
+                "classified.phong",
+                "no axis has three nodes: the stored gradient is 0".to_owned(),
             ),
             Some(phong) if is_identity(phong) => Null(
                 "classified.phong",

@@ -18,7 +18,11 @@ pub struct Steps {
 impl Steps {
     /// Steps of `length > 0` world units over `span`; none over a span of length 0.
     pub fn over(span: Span, length: f64) -> Steps {
-        let count = (span.length() / length).ceil() as usize;
+        let mut count = (span.length() / length).ceil() as usize;
+        // The quotient may underflow; what is longer than 0 has a step nevertheless.
+        if span.length() > 0.0 {
+            count = count.max(1);
+        }
         // The product may round past the end of the span by an ulp: a last step of length 0.
         let last = (span.length() - count.saturating_sub(1) as f64 * length).max(0.0);
         Steps {

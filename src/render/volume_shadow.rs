@@ -4,7 +4,7 @@ use super::empty_space::Space;
 use super::field::{Field, NodePath};
 use super::steps::Steps;
 use super::work::{Event, Work};
-use crate::geometry::{Aabb, Ray, Span};
+use crate::geometry::{Aabb, Ray, Span, length_of};
 use crate::math;
 use crate::scene::Shadow;
 use glam::DVec3;
@@ -73,7 +73,7 @@ impl Visibility for VolumeShadow {
         work.count(Event::ShadowRay);
         let span = Span {
             near: 0.0,
-            far: inside.far.min(to_light.length()),
+            far: inside.far.min(length_of(to_light)),
         };
         let steps = Steps::over(span, self.shadow.step);
         let path = NodePath::from(sample.nodes, ray.direction, field.lattice());

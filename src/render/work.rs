@@ -9,6 +9,8 @@ pub enum Event {
     DensityLookup,
     /// Stored gradient at a point.
     GradientLookup,
+    /// Gradient of a node, computed to be stored.
+    GradientComputed,
     /// A cell or block of a grid asked whether it is empty.
     CellWalked,
     /// A ray towards a light through the volume.
@@ -18,8 +20,13 @@ pub enum Event {
 /// Something that is told of every unit of work. Kernels are compiled once for each
 /// implementation: told to [`Uncounted`], they count nothing and spend nothing on it.
 pub trait Work: Clone + Default + Send {
+    /// That many units of work were done.
+    fn count_times(&mut self, event: Event, times: u64);
+
     /// One unit of work was done.
-    fn count(&mut self, event: Event);
+    fn count(&mut self, event: Event) {
+        self.count_times(event, 1);
+    }
 
     /// The numbers of another row of pixels.
     fn add(&mut self, other: &Self);
@@ -30,7 +37,7 @@ pub trait Work: Clone + Default + Send {
 pub struct Uncounted;
 
 impl Work for Uncounted {
-    fn count(&mut self, _: Event) {}
+    fn count_times(&mut self, _: Event, _: u64) {}
     fn add(&mut self, _: &Self) {}
 }
 
@@ -41,6 +48,8 @@ pub struct Counters {
     pub density_lookups: u64,
     /// Gradients looked up in a grid.
     pub gradient_lookups: u64,
+    /// Gradients computed for the nodes of a grid.
+    pub gradients_computed: u64,
     /// Blocks of a grid asked whether they are empty.
     pub cells_walked: u64,
     /// Rays towards a light through the volume.
@@ -56,18 +65,21 @@ pub struct Counters {
 }
 
 impl Work for Counters {
-    fn count(&mut self, event: Event) {
-        match event {
-            Event::DensityLookup => self.density_lookups += 1,
-            Event::GradientLookup => self.gradient_lookups += 1,
-            Event::CellWalked => self.cells_walked += 1,
-            Event::ShadowRay => self.shadow_rays += 1,
-        }
+    fn count_times(&mut self, event: Event, times: u64) {
+        let counter = match event {
+            Event::DensityLookup => &mut self.density_lookups,
+            Event::GradientLookup => &mut self.gradient_lookups,
+            Event::GradientComputed => &mut self.gradients_computed,
+            Event::CellWalked => &mut self.cells_walked,
+            Event::ShadowRay => &mut self.shadow_rays,
+        };
+        *counter += times;
     }
 
     fn add(&mut self, other: &Counters) {
         self.density_lookups += other.density_lookups;
         self.gradient_lookups += other.gradient_lookups;
+        self.gradients_computed += other.gradients_computed;
         self.cells_walked += other.cells_walked;
         self.shadow_rays += other.shadow_rays;
         self.phase_evaluations += other.phase_evaluations;

@@ -3,11 +3,12 @@
 use super::SceneError;
 use super::format::{Absent, Key, Kind, Literal, Range, Table};
 use super::reader::{Length, Reader};
-use crate::geometry::{Aabb, Camera, CameraError};
+use crate::geometry::{Aabb, Camera, CameraError, length_of};
 use crate::math;
 use crate::media::{Phong, TransferFunction};
-use crate::volume::{Grid, Lattice};
+use crate::volume::{Grid, Lattice, VolumeFormat};
 use glam::DVec3;
+use std::path::Path;
 use std::sync::Arc;
 use toml::de::DeTable;
 
@@ -256,7 +257,7 @@ pub(super) struct VolumeRequest {
 impl VolumeRequest {
     pub(super) fn read(reader: &Reader<'_, '_>) -> Result<VolumeRequest, Box<SceneError>> {
         let file = reader.text("file")?;
-        if !file.to_ascii_lowercase().ends_with(".obj") {
+        if VolumeFormat::of(Path::new(&file)) == Some(VolumeFormat::CourseGrid) {
             if let Some(key) = ["resolution", "padding"]
                 .into_iter()
                 .find(|key| reader.has(key))
@@ -303,7 +304,8 @@ impl Classified {
             _ => Compositing::FrontToBack,
         };
         let step = step_length(reader, "step", &lattice)?;
-        let background = reader.vector("background")?;
+        // −0 is black as well, but another bit: as +0 an image is the same whatever is elided.
+        let background = reader.vector("background")? + DVec3::ZERO;
 
         let View {
             camera,
@@ -311,8 +313,9 @@ impl Classified {
             target,
         } = View::read(camera, &lattice, aspect)?;
         let light = reader.table_or_default("light", &empty)?;
-        let above = DVec3::new(0.0, eye.distance(target), 0.0);
-        let light = light.optional_vector("position")?.unwrap_or(eye + above);
+        let light = light.vector_or("position", || {
+            eye + DVec3::new(0.0, length_of(target - eye), 0.0)
+        })?;
 
         let phong = reader
             .table("phong")?
@@ -370,8 +373,8 @@ impl Classified {
 }
 
 fn checked_step(step: Length, lattice: &Lattice) -> Result<f64, String> {
-    let length = step.in_world_units(lattice.voxel());
-    let diagonal = lattice.bounds().size().length();
+    let length = step.in_world_units(lattice.voxel())?;
+    let diagonal = length_of(lattice.bounds().size());
     if diagonal / length > MOST_SAMPLES_PER_RAY {
         return Err(format!(
             "a step of {length:e} world units means up to {:.1e} samples on a ray through a \
@@ -401,10 +404,13 @@ fn read_phong(reader: &Reader<'_, '_>) -> Result<Phong, Box<SceneError>> {
 }
 
 fn read_shadow(reader: &Reader<'_, '_>, lattice: &Lattice) -> Result<Shadow, Box<SceneError>> {
-    let reference = reader.length("reference_step")?;
+    let reference_step = reader
+        .length("reference_step")?
+        .in_world_units(lattice.voxel())
+        .map_err(|message| reader.error("reference_step", message))?;
     Ok(Shadow {
         step: step_length(reader, "step", lattice)?,
-        reference_step: reference.in_world_units(lattice.voxel()),
+        reference_step,
     })
 }
 
@@ -425,10 +431,8 @@ impl View {
     ) -> Result<View, Box<SceneError>> {
         let bounds = lattice.bounds();
         let vertical_fov = reader.number("vertical_fov")?.to_radians();
-        let eye = reader
-            .optional_vector("eye")?
-            .unwrap_or_else(|| eye_that_sees_all(&bounds, vertical_fov, aspect));
-        let target = reader.optional_vector("target")?.unwrap_or(bounds.centre());
+        let eye = reader.vector_or("eye", || eye_that_sees_all(&bounds, vertical_fov, aspect))?;
+        let target = reader.vector_or("target", || bounds.centre())?;
         let up = reader.vector("up")?;
         let camera = Camera::new(eye, target, up, vertical_fov).map_err(|error| {
             let key = match error {

@@ -3,7 +3,7 @@
 use super::classified::{CAMERA, CLASSIFIED, VolumeRequest, VolumeSource};
 use super::curve::CURVE;
 use super::format::{Absent, Key, Kind, Literal, Range, Table};
-use super::reader::{Document, Reader, Reading, overridden};
+use super::reader::{Document, Origin, Reader, Reading, overridden};
 use super::{Classified, Curve, SceneError};
 use crate::media::{Colormap, TransferFunction, TransferOpacity};
 use crate::volume::{self, Grid, SplatError, Splatting, VolumeError, VolumeFormat};
@@ -105,6 +105,9 @@ const TRANSFER_FUNCTION: Table = Table {
     ],
 };
 
+/// Largest image rendered, all panels together: 16384², which is also the largest image read.
+const MOST_PIXELS: usize = 1 << 28;
+
 /// A scene: one picture, or several side by side.
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -154,6 +157,12 @@ impl Scene {
         if path.is_dir() {
             return Err(unreadable("this is a folder, not a scene file".into()));
         }
+        // To open a named pipe is to wait for a writer, and a device may never end.
+        if path.exists() && !path.is_file() {
+            return Err(unreadable(
+                "this is a device or pipe, not a scene file".into(),
+            ));
+        }
         if VolumeFormat::of(path).is_some() {
             let file = path.file_name().unwrap_or_default().display().to_string();
             let message = "this is a volume, not a scene";
@@ -197,6 +206,12 @@ impl Scene {
             );
             return Err(document.error(Some(tables[odd].span()), message, None));
         }
+        let pixels: usize = panels.iter().map(|panel| panel.width * panel.height).sum();
+        if pixels > MOST_PIXELS {
+            let message =
+                format!("{pixels} pixels are too many; at most {MOST_PIXELS} are rendered");
+            return Err(document.error(Some(root.span()), message, None));
+        }
         Ok(Scene {
             path: path.to_owned(),
             panels,
@@ -209,12 +224,15 @@ impl Scene {
         let mut text = String::new();
         for panel in &self.panels {
             text.push_str("[panel]\n");
-            for reading in panel
-                .readings
-                .iter()
-                .filter(|reading| reading.key != "title")
-            {
-                text.push_str(&format!("{} = {}\n", reading.key, reading.value));
+            let readings = panel.readings.iter();
+            for reading in readings.filter(|reading| reading.key != "title") {
+                let value = match reading.origin {
+                    // Follows from the other keys and the files: neither its digits nor the
+                    // wording of the rule are the scene's.
+                    Origin::Derived(_) => "derived",
+                    Origin::Given | Origin::Default => &reading.value,
+                };
+                text.push_str(&format!("{} = {value}\n", reading.key));
             }
         }
         text
@@ -321,6 +339,9 @@ impl Panel {
             (Some(reader), None) => {
                 let volume = reader.table("volume")?.expect("required");
                 let loaded = grids.get(&volume)?;
+                if let Some(nodes) = loaded.0.lattice().nodes().iter().max() {
+                    volume.resolved("resolution", nodes);
+                }
                 let transfer_function =
                     read_transfer_function(&transfer_function, opacity, &loaded.0)?;
                 let camera = root.table_or_default("camera", &empty)?;
@@ -370,11 +391,15 @@ fn read_transfer_function(
     opacity: TransferOpacity,
     grid: &Grid<f32>,
 ) -> Result<TransferFunction, Box<SceneError>> {
-    let reference_length = reader.length("reference_length")?;
+    let voxel = grid.lattice().voxel();
+    let reference_length = reader
+        .length("reference_length")?
+        .in_world_units(voxel)
+        .map_err(|message| reader.error("reference_length", message))?;
     let colormap = reader.text("colormap")?;
     Ok(TransferFunction {
         opacity,
-        reference_length: reference_length.in_world_units(grid.lattice().voxel()),
+        reference_length,
         colormap: Colormap::named(&colormap).expect("one of the declared names"),
     })
 }

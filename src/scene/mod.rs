@@ -11,4 +11,4 @@ pub use classified::{Classified, Compositing, Interpolation, Shadow, VolumeSourc
 pub use curve::Curve;
 pub use error::SceneError;
 pub use load::{Model, Panel, SCENE, Scene};
-pub use reader::{Length, Reading};
+pub use reader::{Length, Origin, Reading};

@@ -19,11 +19,19 @@ pub enum Length {
 }
 
 impl Length {
-    /// The length in world units, where one voxel is `voxel` world units.
-    pub fn in_world_units(self, voxel: f64) -> f64 {
-        match self {
+    /// The length in world units, where one voxel is `voxel` world units. Fails where the
+    /// product leaves the range of positive finite numbers.
+    pub fn in_world_units(self, voxel: f64) -> Result<f64, String> {
+        let length = match self {
             Length::World(length) => length,
             Length::Voxels(count) => count * voxel,
+        };
+        if length.is_finite() && length > 0.0 {
+            Ok(length)
+        } else {
+            Err(format!(
+                "{self} of {voxel:e} world units each is no positive finite length"
+            ))
         }
     }
 }
@@ -68,10 +76,21 @@ impl Display for Length {
 pub struct Reading {
     /// Dotted path from the root of the file, such as `classified.phong.ambient`.
     pub key: String,
-    /// The value, as TOML; for a derived default the rule in words.
+    /// The value, as TOML.
     pub value: String,
-    /// Whether the file left the key out.
-    pub defaulted: bool,
+    /// Where the value came from.
+    pub origin: Origin,
+}
+
+/// Where a value came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// The file gives it.
+    Given,
+    /// The file leaves it out, and the format has this value for it.
+    Default,
+    /// The file leaves it out, and it follows from other things by this rule.
+    Derived(&'static str),
 }
 
 /// A TOML file: its name, for messages, and its text.
@@ -198,13 +217,19 @@ impl<'d, 's> Reader<'d, 's> {
         }
     }
 
-    fn note(&self, name: &str, value: impl Display, defaulted: bool) {
-        let reading = Reading {
-            key: self.key_path(name),
-            value: value.to_string(),
-            defaulted,
-        };
-        self.log.borrow_mut().push(reading);
+    fn note(&self, name: &str, value: String, origin: Origin) {
+        let key = self.key_path(name);
+        self.log.borrow_mut().push(Reading { key, value, origin });
+    }
+
+    /// Notes what a key that the file leaves out came to.
+    pub fn resolved(&self, name: &str, value: impl Display) {
+        let key = self.key_path(name);
+        let mut log = self.log.borrow_mut();
+        let reading = log.iter_mut().rev().find(|reading| reading.key == key);
+        if let Some(reading) = reading.filter(|reading| reading.origin != Origin::Given) {
+            reading.value = value.to_string();
+        }
     }
 
     /// A mistake in the value of `name`, or in its absence.
@@ -233,7 +258,7 @@ impl<'d, 's> Reader<'d, 's> {
     ) -> Result<Option<T>, Box<SceneError>> {
         if let Some(value) = self.value(name) {
             let value = read(value)?;
-            self.note(name, show(&value), false);
+            self.note(name, show(&value), Origin::Given);
             return Ok(Some(value));
         }
         match self.declared(name).absent {
@@ -247,11 +272,11 @@ impl<'d, 's> Reader<'d, 's> {
             }
             Absent::Default(literal) => {
                 let value = from_literal(literal).expect("the default has the kind of the key");
-                self.note(name, literal, true);
+                self.note(name, show(&value), Origin::Default);
                 Ok(Some(value))
             }
             Absent::Derived(rule) => {
-                self.note(name, rule, true);
+                self.note(name, String::new(), Origin::Derived(rule));
                 Ok(None)
             }
             Absent::Nothing => Ok(None),
@@ -368,6 +393,20 @@ impl<'d, 's> Reader<'d, 's> {
         self.present(name, read, literal, |v| {
             Literal::Vector(v.to_array()).to_string()
         })
+    }
+
+    /// A declared [`Kind::Vector`] that, left out, follows from other things.
+    pub fn vector_or(
+        &self,
+        name: &str,
+        derived: impl FnOnce() -> DVec3,
+    ) -> Result<DVec3, Box<SceneError>> {
+        if let Some(vector) = self.optional_vector(name)? {
+            return Ok(vector);
+        }
+        let vector = derived();
+        self.resolved(name, Literal::Vector(vector.to_array()));
+        Ok(vector)
     }
 
     /// A declared [`Kind::Length`] that is required or has a default.

@@ -1,6 +1,6 @@
 //! New goldens, on purpose and with a reason.
 
-use super::golden::{Golden, plan_hash, scene_hash};
+use super::golden::{Golden, input_hashes, plan_hash, scene_hash};
 use super::{Case, GoldenError, Store, StoreError};
 use crate::compare::{Gate, Picture, judge};
 use crate::render::{self, Plan};
@@ -83,9 +83,8 @@ pub fn accept(
         });
         files.append(&mut new);
     }
-    if !files.is_empty() {
-        store.publish(&files)?;
-    }
+    // Also without files: an accept that was interrupted after it was decided is completed.
+    store.publish(&files)?;
     Ok(accepted)
 }
 
@@ -123,6 +122,8 @@ fn prepare(
         old.provenance.case == case.name
             && old.provenance.scene == scene_hash(&scene)
             && old.provenance.plan == plan_hash(&plans)
+            && old.provenance.exposure == case.exposure
+            && old.provenance.inputs == input_hashes(&scene)
     };
     let change = match &old {
         None => Change::New { damaged },

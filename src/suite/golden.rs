@@ -29,6 +29,8 @@ pub struct Provenance {
     pub pixels: String,
     /// Hash of the preview file.
     pub preview: String,
+    /// Stops at which the preview is exposed.
+    pub exposure: f64,
     /// Hash of the canonical scene: every key with its value.
     pub scene: String,
     /// Hash of the plan: what was simulated and what was not.
@@ -51,6 +53,8 @@ pub struct Provenance {
     pub libm: String,
     /// Platform it was rendered on; the bits are the same on every other.
     pub target: String,
+    /// Hash of this file without this line: nothing else here changes unnoticed either.
+    pub seal: String,
     /// Hashes of the files the scene names, by path.
     pub inputs: BTreeMap<String, String>,
 }
@@ -58,6 +62,19 @@ pub struct Provenance {
 impl Provenance {
     /// The value of [`Provenance::schema`].
     pub const SCHEMA: &str = "volref/golden/1";
+
+    fn to_toml(&self) -> String {
+        toml::to_string(self).expect("plain data becomes TOML")
+    }
+
+    /// What [`Provenance::seal`] must be.
+    fn seal(&self) -> String {
+        let unsealed = Provenance {
+            seal: String::new(),
+            ..self.clone()
+        };
+        hash(unsealed.to_toml().as_bytes())
+    }
 }
 
 /// A golden as it stands.
@@ -178,6 +195,7 @@ impl Golden {
             return Err(unreadable(0, reason));
         }
         for (index, found, expected) in [
+            (2, provenance.seal(), &provenance.seal),
             (0, film.pixel_hash(), &provenance.pixels),
             (1, hash(&bytes[1]), &provenance.preview),
         ] {
@@ -210,6 +228,7 @@ impl Golden {
             replaces,
             pixels: film.pixel_hash(),
             preview: hash(&png),
+            exposure: case.exposure,
             scene: scene_hash(scene),
             plan: plan_hash(plans),
             omitted: plans.iter().map(Plan::omitted).collect(),
@@ -221,11 +240,16 @@ impl Golden {
             volref: env!("CARGO_PKG_VERSION").to_owned(),
             libm: LIBM_VERSION.to_owned(),
             target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
+            seal: String::new(),
             inputs: input_hashes(scene),
         };
-        let text = toml::to_string(&provenance).expect("plain data becomes TOML");
+        let provenance = Provenance {
+            seal: provenance.seal(),
+            ..provenance
+        };
         let header = "# Written by `volref accept`; not to be edited by hand.\n";
-        let contents = [exr, png, format!("{header}{text}").into_bytes()];
+        let text = format!("{header}{}", provenance.to_toml());
+        let contents = [exr, png, text.into_bytes()];
         Ok(files(case).into_iter().zip(contents).collect())
     }
 }

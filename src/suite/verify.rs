@@ -66,7 +66,7 @@ fn examine(case: &Case, store: &Store, progress: render::Progress<'_>) -> Findin
         return Finding::new(Verdict::Error, Cause::Golden, reason);
     }
     match render::render(&scene, &plans, progress) {
-        Ok(rendering) => compare(&scene, golden, rendering.film),
+        Ok(rendering) => compare(&scene, &plans, golden, rendering.film),
         Err(error) => Finding::new(Verdict::Fail, Cause::Mismatch, error.to_string()),
     }
 }
@@ -86,6 +86,8 @@ fn stale(case: &Case, scene: &Scene, plans: &[Plan], golden: &Golden) -> Option<
         "the scene has changed since the golden was accepted"
     } else if provenance.plan != plan_hash(plans) {
         "the plan has changed since the golden was accepted: other effects are simulated"
+    } else if provenance.exposure != case.exposure {
+        "the exposure of the case has changed since the golden was accepted"
     } else if size != (width, height) {
         return Some(format!(
             "the golden has {} × {} pixels, the scene asks for {width} × {height}; restore it \
@@ -100,12 +102,32 @@ fn stale(case: &Case, scene: &Scene, plans: &[Plan], golden: &Golden) -> Option<
     ))
 }
 
-fn compare(scene: &Scene, golden: Golden, film: Film) -> Finding {
+/// What the picture is declared to leave out, said with every comparison made with it.
+fn without(plans: &[Plan]) -> String {
+    let omitted: Vec<_> = plans.iter().map(|plan| plan.omitted().join(", ")).collect();
+    match &omitted[..] {
+        all if all.iter().all(String::is_empty) => String::new(),
+        [one] => format!("; without {one}"),
+        panels => {
+            let said = panels
+                .iter()
+                .enumerate()
+                .filter(|(_, names)| !names.is_empty());
+            let said: Vec<_> = said
+                .map(|(index, names)| format!("panel {} without {names}", index + 1))
+                .collect();
+            format!("; {}", said.join(", "))
+        }
+    }
+}
+
+fn compare(scene: &Scene, plans: &[Plan], golden: Golden, film: Film) -> Finding {
     if film.pixel_hash() == golden.provenance.pixels {
-        let reason = format!(
+        let mut reason = format!(
             "the same bits as the golden ({})",
             short(&golden.provenance.pixels)
         );
+        reason.push_str(&without(plans));
         return Finding::new(Verdict::Pass, Cause::None, reason);
     }
     let inputs = input_hashes(scene);
@@ -130,6 +152,7 @@ fn compare(scene: &Scene, golden: Golden, film: Film) -> Finding {
             moved.join(", ")
         ));
     }
+    reason.push_str(&without(plans));
     let mut finding = Finding::new(Verdict::Fail, Cause::Mismatch, reason);
     finding.metrics = tolerant.metrics;
     finding.metrics.extend(exact.metrics);
