@@ -11,7 +11,7 @@ filters=()
 reason=()
 while [ $# -gt 0 ]; do
     case "$1" in
-        --reason) reason=(--reason "${2:?--reason needs a text: what was wrong before?}"); shift 2 ;;
+        --reason) reason=(--reason "${2-}"); shift; [ $# -eq 0 ] || shift ;;
         --reason=*) reason=("$1"); shift ;;
         -h|--help) sed -n '2,6s/^# \{0,1\}//p' "$0"; exit 0 ;;
         -*) echo "unknown option $1; see --help" >&2; exit 2 ;;

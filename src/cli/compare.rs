@@ -62,6 +62,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let judgement = judge(gate, &reference, &test, arguments.exposure)
         .map_err(|error| unreadable(error, Exit::BadInput))?;
     let mut note = "";
+    let codes = |picture: &Picture| matches!(picture, Picture::Codes(_));
+    if gate == Gate::Perceptual && codes(&reference) != codes(&test) {
+        note = "\nradiance was turned into 8 bits at the exposure given with --exposure (default 0): it must be\nthe one the .png was made with\n";
+    }
     if let Some(path) = &arguments.heatmap {
         if reference.size() == test.size() {
             write_heatmap(path, &reference, &test, arguments.exposure)?;

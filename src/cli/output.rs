@@ -80,7 +80,7 @@ pub fn check_place(path: &Path) -> Result<(), Failure> {
 /// Stops of exposure on the command line.
 pub fn stops(text: &str) -> Result<f64, String> {
     match text.parse() {
-        Ok(stops) if f64::is_finite(stops) => Ok(stops),
-        _ => Err("an exposure is a finite number of stops, such as -1.5".to_owned()),
+        Ok(stops) if f64::abs(stops) <= 64.0 => Ok(stops),
+        _ => Err("an exposure is a number of stops from -64 to 64, such as -1.5".to_owned()),
     }
 }

@@ -4,7 +4,7 @@ use super::failure::{Exit, Failure};
 use super::output::Json;
 use super::{Outcome, progress};
 use crate::render::{self, Counters, Effect, Plan, State};
-use crate::scene::{Origin, Panel, Scene};
+use crate::scene::{Model, Origin, Panel, Scene};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -35,6 +35,8 @@ struct PanelJson<'s> {
     title: Option<&'s str>,
     kernel: String,
     effects: &'s [render::plan::Decision],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    volume: Option<VolumeJson>,
     defaults: Vec<DefaultJson<'s>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     counters: Option<Counters>,
@@ -46,6 +48,29 @@ struct DefaultJson<'s> {
     value: &'s str,
     #[serde(skip_serializing_if = "Option::is_none")]
     rule: Option<&'static str>,
+}
+
+/// Where the grid lies, world units.
+#[derive(Serialize)]
+struct VolumeJson {
+    nodes: [usize; 3],
+    voxel: f64,
+    min: [f64; 3],
+    max: [f64; 3],
+}
+
+fn volume(panel: &Panel) -> Option<VolumeJson> {
+    let Model::Classified(classified) = &panel.model else {
+        return None;
+    };
+    let lattice = classified.grid.lattice();
+    let bounds = lattice.bounds();
+    Some(VolumeJson {
+        nodes: lattice.nodes(),
+        voxel: lattice.voxel(),
+        min: bounds.min.to_array(),
+        max: bounds.max.to_array(),
+    })
 }
 
 /// Runs the command.
@@ -84,6 +109,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             title: panel.title.as_deref(),
             kernel: plan.kernel.to_string(),
             effects: &plan.decisions,
+            volume: volume(panel),
             defaults: defaults(panel).collect(),
             counters: work,
         });
@@ -112,7 +138,15 @@ fn defaults(panel: &Panel) -> impl Iterator<Item = DefaultJson<'_>> {
 }
 
 fn describe(panel: &Panel, plan: &Plan, work: Option<&Counters>) -> String {
-    let mut text = format!("kernel  {}\n\neffects\n", plan.kernel);
+    let mut text = format!("kernel  {}\n", plan.kernel);
+    if let Some(volume) = volume(panel) {
+        let ([nx, ny, nz], [x, y, z], [u, v, w]) = (volume.nodes, volume.min, volume.max);
+        text.push_str(&format!(
+            "volume  {nx} × {ny} × {nz} nodes, voxel {}, from ({x}, {y}, {z}) to ({u}, {v}, {w})\n",
+            volume.voxel
+        ));
+    }
+    text.push_str("\neffects\n");
     for decision in &plan.decisions {
         text.push_str(&format!(
             "  {:<7}  {:<22}  {}",

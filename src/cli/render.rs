@@ -3,7 +3,8 @@
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use super::{Outcome, progress};
-use crate::film::FilmError;
+use crate::film::{Film, FilmError};
+use crate::math;
 use crate::render::{self, Plan};
 use crate::scene::{Length, Model, Scene};
 use serde_json::json;
@@ -79,6 +80,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         film.width(),
         film.height()
     );
+    if let Some(note) = brightness_note(&film, format, arguments.exposure) {
+        text.push_str(&note);
+    }
     if arguments.spp.is_some() || arguments.seed.is_some() {
         text.push_str(
             "note: this scene is rendered without random numbers; --spp and --seed change nothing\n",
@@ -96,8 +100,32 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     arguments.json.instead_of(text, &value).map(Outcome::from)
 }
 
+/// What to say of an image that is empty, or too dark to see as a preview.
+fn brightness_note(film: &Film, format: Format, exposure: f64) -> Option<String> {
+    let mut lit: Vec<f32> = film
+        .radiance()
+        .iter()
+        .map(|pixel| pixel[0].max(pixel[1]).max(pixel[2]))
+        .filter(|&brightest| brightest > 0.0)
+        .collect();
+    if lit.is_empty() {
+        let empty = "note: the image is black: no ray meets anything that sends out light\n";
+        return Some(empty.to_owned());
+    }
+    // The brightest hundredth of what is lit: a single hot pixel says nothing.
+    lit.sort_by(f32::total_cmp);
+    let bright = f64::from(lit[(lit.len() - 1) * 99 / 100]);
+    let stops = (-math::log2(bright)).round();
+    if format == Format::Png && stops - exposure >= 2.0 {
+        return Some(format!(
+            "note: the picture is dark; --exposure {stops} shows it better\n"
+        ));
+    }
+    None
+}
+
 /// Image formats that can be written.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Exr,
     Png,

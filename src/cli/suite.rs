@@ -29,7 +29,8 @@ pub fn store(suite: &Suite) -> Store {
     Store::open(suite.golden_folder())
 }
 
-fn suite_failure(error: SuiteError) -> Failure {
+/// No such case is exit code 5, a suite that cannot be read 2.
+pub fn suite_failure(error: SuiteError) -> Failure {
     let exit = match error {
         SuiteError::NoMatch { .. } => Exit::Undecided,
         _ => Exit::BadInput,

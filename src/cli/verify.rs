@@ -1,11 +1,12 @@
 //! `volref verify [FILTER…]`
 
 use super::failure::{Exit, Failure};
-use super::suite::{Selection, exit, select, store};
+use super::suite::{Selection, exit, select, store, suite_failure};
 use super::{Outcome, output, progress, render};
+use crate::atomic_file::directory_of;
 use crate::report;
 use crate::suite::{self, Verdict};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Render the suite with the reference and compare every bit with the goldens
 #[derive(Debug, clap::Args)]
@@ -31,6 +32,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
     for path in [&arguments.json, &arguments.junit].into_iter().flatten() {
         output::check_place(path)?;
+        if is_below(path, &suite.golden_folder()) {
+            let message = format!("{} lies among the goldens", path.display());
+            let help = "goldens change by `volref accept` alone; write the report elsewhere";
+            return Err(Failure::new(Exit::BadInput, message, Some(help)));
+        }
     }
     if let Some(path) = &arguments.json
         && suite.select(&[path.display().to_string()]).is_ok()
@@ -44,7 +50,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     let cases = select(&suite, &arguments.filters)?;
     let store = store(&suite);
-    let results: Vec<_> = render::with_threads(arguments.threads, || {
+    let mut results: Vec<_> = render::with_threads(arguments.threads, || {
         let bar = progress::cases(cases.len());
         let results = cases
             .iter()
@@ -59,6 +65,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         results
     })?;
 
+    if arguments.filters.is_empty() {
+        results.extend(suite::without_case(&suite).map_err(suite_failure)?);
+    }
     let json = report::results_json("verify", &results);
     if let Some(path) = &arguments.junit {
         output::write(path, report::results_junit(&results).as_bytes())?;
@@ -89,4 +98,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         text,
         exit: exit(&results),
     })
+}
+
+/// Whether `path` names something in `folder`, however either is spelt.
+fn is_below(path: &Path, folder: &Path) -> bool {
+    let place = directory_of(path).canonicalize();
+    matches!((place, folder.canonicalize()), (Ok(place), Ok(folder)) if place.starts_with(&folder))
 }

@@ -25,6 +25,11 @@ pub fn ln_1p(x: f64) -> f64 {
     libm::log1p(x)
 }
 
+/// Logarithm to base 2 of `x ≥ 0`.
+pub fn log2(x: f64) -> f64 {
+    libm::log2(x)
+}
+
 /// `2^x`.
 pub fn exp2(x: f64) -> f64 {
     libm::exp2(x)

@@ -62,6 +62,18 @@ mod tests {
     }
 
     #[test]
+    fn lit_from_the_side_the_highlight_falls_by_its_exponent() {
+        // n = v = z, l at the angle of the triangle 3, 4, 5: n·l = r·v = 0.8.
+        let to_light = DVec3::new(0.6, 0.0, 0.8);
+        let shaded = PHONG.shade(RED, DVec3::NEG_Z, to_light, DVec3::Z);
+        // 0.8^32, half of it for the weight; Blinn's half vector would give 0.90^32 = 0.034.
+        let highlight = 0.5 * 7.922_816_251_426_434e-4;
+        let expected = DVec3::new(0.1 + 0.8 + highlight, highlight, highlight);
+        // 32 roundings of the power and a few of sums of size 1.
+        assert!((shaded - expected).abs().max_element() <= 4.0 * f64::EPSILON);
+    }
+
+    #[test]
     fn the_far_side_gets_ambient_light_only() {
         assert_eq!(PHONG.shade(RED, DVec3::Z, DVec3::Z, DVec3::Z), RED * 0.1);
     }

@@ -457,3 +457,53 @@ fn eye_that_sees_all(bounds: &Aabb, vertical_fov: f64, aspect: f64) -> DVec3 {
     let to_front = half_height / (0.95 * math::tan(0.5 * vertical_fov));
     bounds.centre() - DVec3::new(0.0, 0.0, half.z + to_front)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The camera that a scene gets if it says nothing shows all corners of the volume, and does
+    /// not stand farther away than that needs.
+    #[test]
+    fn the_default_eye_sees_all_and_no_more() {
+        for size in [
+            [1.0, 1.0, 1.0],
+            [4.0, 0.5, 2.0],
+            [0.1, 3.0, 9.0],
+            [2.0, 2.0, 0.01],
+        ] {
+            for aspect in [0.25, 1.0, 16.0 / 9.0] {
+                for degrees in [10.0_f64, 45.0, 120.0] {
+                    let fov = degrees.to_radians();
+                    let min = DVec3::new(-3.0, 5.0, 7.0);
+                    let bounds = Aabb {
+                        min,
+                        max: min + DVec3::from_array(size),
+                    };
+                    let eye = eye_that_sees_all(&bounds, fov, aspect);
+                    let edge = math::tan(0.5 * fov);
+                    let mut widest = 0.0_f64;
+                    for corner in 0..8 {
+                        let pick = |axis: usize| {
+                            if corner >> axis & 1 == 1 {
+                                bounds.max[axis]
+                            } else {
+                                bounds.min[axis]
+                            }
+                        };
+                        let seen = DVec3::new(pick(0), pick(1), pick(2)) - eye;
+                        assert!(seen.z > 0.0);
+                        let across = seen.x.abs() / (seen.z * edge * aspect);
+                        let up = seen.y.abs() / (seen.z * edge);
+                        widest = widest.max(across).max(up);
+                    }
+                    // 1 is the edge of the image; a margin of 5 % is kept.
+                    assert!(
+                        (widest - 0.95).abs() < 1e-9,
+                        "{size:?} {aspect} {degrees}: {widest}"
+                    );
+                }
+            }
+        }
+    }
+}

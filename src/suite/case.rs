@@ -181,6 +181,30 @@ impl Suite {
         self.root.join(GOLDEN)
     }
 
+    /// `family/name` of every golden there is, by its provenance file.
+    pub fn golden_names(&self) -> Result<Vec<String>, SuiteError> {
+        let root = self.golden_folder();
+        let mut names = Vec::new();
+        if !root.is_dir() {
+            return Ok(names);
+        }
+        for family in sorted_entries(&root)?
+            .into_iter()
+            .filter(|path| path.is_dir())
+        {
+            for path in sorted_entries(&family)? {
+                if path
+                    .extension()
+                    .is_some_and(|extension| extension == "toml")
+                    && let Ok(name) = path.with_extension("").strip_prefix(&root)
+                {
+                    names.push(name.display().to_string());
+                }
+            }
+        }
+        Ok(names)
+    }
+
     /// The cases that any of the filters matches, all of them without filters. A filter is a
     /// family, a case (`family/name` or just `name`), or a glob over either. One that matches
     /// nothing is an error: a check that silently checks nothing is worse than none.

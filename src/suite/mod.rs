@@ -12,4 +12,4 @@ pub use case::{Case, MANIFEST, Suite, SuiteError};
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance};
 pub use results::{CaseResult, Cause, Summary, Verdict};
 pub use store::{Disk, Failure, RealDisk, Store, StoreError};
-pub use verify::verify;
+pub use verify::{verify, without_case};

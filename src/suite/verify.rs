@@ -1,7 +1,7 @@
 //! The reference against its own goldens.
 
 use super::golden::{input_hashes, plan_hash, scene_hash, short};
-use super::{Case, CaseResult, Cause, Golden, GoldenError, Store, Verdict};
+use super::{Case, CaseResult, Cause, Golden, GoldenError, Store, Suite, SuiteError, Verdict};
 use crate::compare::{Gate, Picture, judge};
 use crate::film::Film;
 use crate::render::{self, Plan};
@@ -71,6 +71,31 @@ fn examine(case: &Case, store: &Store, progress: render::Progress<'_>) -> Findin
     }
 }
 
+/// A result for each golden that belongs to no case: a case that disappears must not go
+/// unnoticed.
+pub fn without_case(suite: &Suite) -> Result<Vec<CaseResult>, SuiteError> {
+    let names = suite.golden_names()?;
+    let unknown = names
+        .into_iter()
+        .filter(|name| suite.cases().iter().all(|c| c.name != *name));
+    let result = |name: String| CaseResult {
+        family: name.split('/').next().unwrap_or_default().to_owned(),
+        class: String::new(),
+        verdict: Verdict::Error,
+        metrics: BTreeMap::new(),
+        gate: Gate::Exact,
+        reason:
+            "this golden belongs to no case: restore the manifest, or remove the golden with it"
+                .to_owned(),
+        looks_like: Vec::new(),
+        seconds: 0.0,
+        work: BTreeMap::new(),
+        cause: Cause::Golden,
+        name,
+    };
+    Ok(unknown.map(result).collect())
+}
+
 /// Why the golden is one of another case, scene or plan.
 fn stale(case: &Case, scene: &Scene, plans: &[Plan], golden: &Golden) -> Option<String> {
     let provenance = &golden.provenance;
@@ -85,7 +110,7 @@ fn stale(case: &Case, scene: &Scene, plans: &[Plan], golden: &Golden) -> Option<
     let what = if provenance.scene != scene_hash(scene) {
         "the scene has changed since the golden was accepted"
     } else if provenance.plan != plan_hash(plans) {
-        "the plan has changed since the golden was accepted: other effects are simulated"
+        "the plan has changed since the golden was accepted: what is simulated, or by which kernel"
     } else if provenance.exposure != case.exposure {
         "the exposure of the case has changed since the golden was accepted"
     } else if size != (width, height) {
