@@ -76,12 +76,17 @@ fn asymmetry(kind: u32, u: f64) -> f64 {
         _ => 1.0 - exp2(-1.0 - 49.0 * u),
     };
     let magnitude = magnitude.min(1.0 - U);
-    if kind % 2 == 0 { magnitude } else { -magnitude }
+    if kind.is_multiple_of(2) {
+        magnitude
+    } else {
+        -magnitude
+    }
 }
 
 #[test]
 fn s1_both_distances_of_the_cosine_from_one_to_eight_roundings() {
     let (mut minus, mut plus) = (Worst::default(), Worst::default());
+    let mut cosine: f64 = 0.0;
     let shares = Stream::new(2, 0, 0);
     for (i, [u, kind]) in (0..).zip(random_pairs()) {
         let g = asymmetry((kind * 6.0) as u32, u);
@@ -104,7 +109,16 @@ fn s1_both_distances_of_the_cosine_from_one_to_eight_roundings() {
         let exact_plus = big(2.0) * &ahead * &ahead * &u * (&one - &g + &g * &u) / &square;
         minus.see(turn.one_minus_cos, &exact_minus, (phase, xi));
         plus.see(turn.one_plus_cos, &exact_plus, (phase, xi));
+        // The cosine is 2u − 1 plus a shift by g: two roundings, and those of the shift.
+        let exact = &one - &exact_minus;
+        let balance = big(2.0) * &u - &one;
+        let shift = (&exact - &balance).to_f64().value().abs();
+        let error = (big(turn.cos) - &exact).to_f64().value().abs();
+        let both = exact.to_f64().value().abs() + balance.to_f64().value().abs();
+        cosine = cosine.max((error / U - both) / shift);
     }
+    println!("cos: {cosine:.2} u of the shift");
+    assert!(cosine <= 8.0);
     minus.at_most(8.0, "1 - cos");
     plus.at_most(8.0, "1 + cos");
 }
