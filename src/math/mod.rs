@@ -1,11 +1,18 @@
-//! Elementary functions with the same bits on every platform, and sums that keep their digits.
+//! Elementary functions with the same bits on every platform, sums that keep their digits,
+//! random numbers and what is made of them.
 
 mod cube_root;
 mod elementary;
+mod frame;
+mod moments;
+pub mod rng;
+pub mod sampling;
 mod srgb;
 mod sum;
 
 pub use cube_root::quick_cbrt;
 pub use elementary::*;
+pub use frame::Frame;
+pub use moments::Moments;
 pub use srgb::{linear_to_srgb, srgb_to_linear};
 pub use sum::Sum;

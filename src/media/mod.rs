@@ -1,11 +1,20 @@
 //! What a volume does to light.
 
+mod coefficients;
 mod colormap;
+pub mod emission;
+pub mod estimators;
 mod opacity;
+mod optical_depth;
+mod phase;
 mod phong;
+pub mod profiles;
 mod transfer_function;
 
+pub use coefficients::{Coefficients, InvalidCoefficient, collision_weight, escape_weight};
 pub use colormap::Colormap;
 pub use opacity::{TransferOpacity, over_length};
+pub use optical_depth::{opacity, optical_depth, source_factor, transmittance};
+pub use phase::{Asymmetry, AsymmetryOutOfRange, Deflection, HenyeyGreenstein};
 pub use phong::Phong;
 pub use transfer_function::TransferFunction;

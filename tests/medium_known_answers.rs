@@ -1,0 +1,469 @@
+//! Phase function, transmittance, emission and free flights against numbers from outside.
+//!
+//! Every number of the four files is asked of the library, but these:
+//!
+//! - `transmittance` p012 to p017: how long a chord of a sphere is. Their optical depths and
+//!   transmittances are tested, for the lengths given.
+//! - `free_flight` p008 and p009: the variances are predictions here; the mean number of
+//!   tentative collisions and the variances as measured belong to the trackers' own tests.
+
+#[path = "common/quadrature.rs"]
+mod quadrature;
+
+use glam::DVec3;
+use quadrature::integral;
+use serde_json::Value;
+use std::f64::consts::TAU;
+use volref::geometry::{Aabb, Ray, direction_of};
+use volref::math::sampling::*;
+use volref::math::{Sum, exp};
+use volref::media::emission::*;
+use volref::media::estimators::*;
+use volref::media::profiles::*;
+use volref::media::*;
+use volref::volume::{Cell, Grid, Lattice};
+
+/// The largest relative error of one rounding.
+const U: f64 = f64::EPSILON / 2.0;
+
+/// One question of a file, with what is needed to say which number is wrong.
+struct Entry(Value);
+
+impl Entry {
+    fn all(text: &str) -> Vec<Entry> {
+        let mut file: Value = serde_json::from_str(text).unwrap();
+        let Value::Array(entries) = file["entries"].take() else {
+            panic!("no entries")
+        };
+        entries.into_iter().map(Entry).collect()
+    }
+
+    fn case(&self) -> &str {
+        self.0["inputs"]["case"].as_str().unwrap()
+    }
+
+    fn input(&self, name: &str) -> f64 {
+        self.0["inputs"][name].as_f64().unwrap()
+    }
+
+    fn inputs(&self, name: &str) -> Vec<f64> {
+        numbers(&self.0["inputs"][name])
+    }
+
+    fn vector(&self, name: &str) -> DVec3 {
+        DVec3::from_slice(&self.inputs(name))
+    }
+
+    fn expected(&self, name: &str) -> f64 {
+        self.0["expected"][name].as_f64().unwrap()
+    }
+
+    /// Half a unit of the last digit that is to be trusted, relatively.
+    fn digits(&self) -> f64 {
+        let digits = self.0["digits"].as_u64().unwrap();
+        format!("1e-{digits}").parse().unwrap()
+    }
+
+    #[track_caller]
+    fn is(&self, name: &str, found: f64) {
+        self.is_within(name, found, 0.0);
+    }
+
+    /// To the entry's digits, or to `absolute` where that allows more.
+    #[track_caller]
+    fn is_within(&self, name: &str, found: f64, absolute: f64) {
+        self.compare(name, found, self.expected(name), absolute);
+    }
+
+    #[track_caller]
+    fn are(&self, name: &str, found: impl IntoIterator<Item = f64>) {
+        let expected = numbers(&self.0["expected"][name]);
+        let found: Vec<f64> = found.into_iter().collect();
+        assert_eq!(found.len(), expected.len());
+        for (found, expected) in found.into_iter().zip(expected) {
+            self.compare(name, found, expected, 0.0);
+        }
+    }
+
+    #[track_caller]
+    fn compare(&self, name: &str, found: f64, expected: f64, absolute: f64) {
+        let magnitude = if expected == 0.0 { 1.0 } else { expected.abs() };
+        let tolerance = (self.digits() * magnitude).max(absolute);
+        let error = (found - expected).abs();
+        assert!(
+            error <= tolerance,
+            "{} {name}: {found:e} is not {expected:e}, {} of the tolerance",
+            self.0["id"],
+            error / tolerance
+        );
+    }
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    let numbers = value.as_array().unwrap().iter();
+    numbers.map(|number| number.as_f64().unwrap()).collect()
+}
+
+// Phase function.
+
+fn phase_entries() -> Vec<(Entry, HenyeyGreenstein)> {
+    let entries = Entry::all(include_str!("../fixtures/known-answers/phase_hg.json"));
+    assert_eq!(entries.len(), 15);
+    let phase = |entry: &Entry| HenyeyGreenstein(Asymmetry::new(entry.input("g")).unwrap());
+    let with_phase = entries.into_iter().map(|entry| {
+        let phase = phase(&entry);
+        (entry, phase)
+    });
+    with_phase.collect()
+}
+
+#[test]
+fn phase_values_and_distribution() {
+    for (entry, phase) in phase_entries() {
+        let turns = || entry.inputs("mu").into_iter().map(Deflection::from_cos);
+        entry.are("pdf_sr", turns().map(|turn| phase.per_steradian(&turn)));
+        entry.are("pdf_mu", turns().map(|turn| phase.pdf(&turn)));
+        entry.are("cdf", turns().map(|turn| phase.cdf(&turn)));
+    }
+}
+
+#[test]
+fn phase_inverse_distribution() {
+    for (entry, phase) in phase_entries() {
+        let turns = || entry.inputs("xi").into_iter().map(|u| phase.deflection(u));
+        entry.are("one_minus_mu_of_xi", turns().map(|turn| turn.one_minus_cos));
+        entry.are("one_plus_mu_of_xi", turns().map(|turn| turn.one_plus_cos));
+        // The cosine is 2u − 1 plus a shift by g. Where they cancel the relative error grows by
+        // shift/cosine, the condition of the sum; the absolute one stays at 8 roundings of the
+        // shift.
+        let expected = numbers(&entry.0["expected"]["mu_of_xi"]);
+        for ((u, turn), cosine) in entry.inputs("xi").into_iter().zip(turns()).zip(expected) {
+            let shift = (cosine - (2.0 * u - 1.0)).abs();
+            entry.compare("mu_of_xi", turn.cos, cosine, 8.0 * U * shift);
+        }
+    }
+}
+
+/// Integral over the sphere of the phase function times a function of the cosine, in panels that
+/// double in width away from the peak.
+fn over_sphere(phase: HenyeyGreenstein, function: impl Fn(f64) -> f64) -> f64 {
+    let g = phase.0.g();
+    // Over this distance of the cosine from the peak the bracket doubles.
+    let width = (1.0 - g.abs()) * (1.0 - g.abs()) / (2.0 * g.abs());
+    let mut panels = Sum::default();
+    let (mut from, mut to) = (0.0_f64, width.min(2.0));
+    while from < 2.0 {
+        panels.add(integral(from, to, 16, |from_peak| {
+            let turn = if g >= 0.0 {
+                Deflection {
+                    cos: 1.0 - from_peak,
+                    one_minus_cos: from_peak,
+                    one_plus_cos: 2.0 - from_peak,
+                }
+            } else {
+                Deflection {
+                    cos: from_peak - 1.0,
+                    one_minus_cos: 2.0 - from_peak,
+                    one_plus_cos: from_peak,
+                }
+            };
+            TAU * phase.per_steradian(&turn) * function(turn.cos)
+        }));
+        (from, to) = (to, (2.0 * to).min(2.0));
+    }
+    panels.value()
+}
+
+#[test]
+fn phase_moments() {
+    for (entry, phase) in phase_entries() {
+        // The phase function to 10 roundings, node and weight of the quadrature to 3 and 1, all
+        // against ∫|…| p ≤ 1: no digit of a mean cosine of 1e-15 can come out of an integral.
+        let roundings = 16.0 * U;
+        entry.is_within("norm", over_sphere(phase, |_| 1.0), roundings);
+        entry.is_within("mean_mu", over_sphere(phase, |mu| mu), roundings);
+        entry.is_within(
+            "mean_mu_squared",
+            over_sphere(phase, |mu| mu * mu),
+            roundings,
+        );
+    }
+}
+
+// Transmittance.
+
+/// Optical depth and what follows from it. The rounding of a depth is amplified by the depth in
+/// the exponential.
+#[track_caller]
+fn crosses(entry: &Entry, depth: f64) {
+    entry.is("optical_depth", depth);
+    let (crossing, held) = (entry.expected("transmittance"), entry.expected("opacity"));
+    let amplified = entry.digits() * entry.expected("optical_depth") * crossing;
+    entry.compare(
+        "transmittance",
+        transmittance(depth),
+        crossing,
+        amplified + entry.digits() * crossing,
+    );
+    entry.compare("opacity", opacity(depth), held, amplified);
+}
+
+fn box_length(entry: &Entry) -> f64 {
+    let (min, max) = (entry.vector("box_min"), entry.vector("box_max"));
+    let towards = entry.vector("direction_unnormalised");
+    let ray = Ray::new(entry.vector("origin"), towards).unwrap();
+    let span = Aabb { min, max }.span(&ray);
+    let length = span.map_or(0.0, |span| span.length());
+    // A length is the difference of two distances of three roundings each.
+    let roundings = span.map_or(0.0, |span| 6.0 * U * span.far);
+    entry.is_within("path_length", length, roundings);
+    length
+}
+
+fn linear_depth(entry: &Entry) -> f64 {
+    let direction = direction_of(entry.vector("direction_unnormalised")).unwrap();
+    let (sigma0, gradient) = (entry.input("sigma0"), entry.vector("gradient"));
+    let profile = LinearProfile {
+        start: sigma0 * (1.0 + gradient.dot(entry.vector("origin"))),
+        slope: sigma0 * gradient.dot(direction),
+    };
+    profile.optical_depth(entry.input("t_min"), entry.input("t_max"))
+}
+
+fn exponential_depth(entry: &Entry) -> f64 {
+    let scale_height = entry.input("scale_height");
+    let profile = ExponentialProfile {
+        start: entry.input("sigma0") * exp(-entry.input("z0") / scale_height),
+        rate: entry.input("dz") / scale_height,
+    };
+    profile.optical_depth(0.0, entry.input("length"))
+}
+
+fn gaussian_depth(entry: &Entry) -> f64 {
+    let direction = direction_of(entry.vector("direction_unnormalised")).unwrap();
+    let (origin, width) = (entry.vector("origin"), entry.input("width"));
+    let centre = -origin.dot(direction);
+    let closest = origin + direction * centre;
+    let profile = GaussianProfile {
+        peak: entry.input("sigma0") * exp(-closest.length_squared() / (2.0 * width * width)),
+        centre,
+        width,
+    };
+    profile.optical_depth(entry.input("t_min"), entry.input("t_max"))
+}
+
+fn layers_depth(entry: &Entry) -> f64 {
+    let layers = entry.0["inputs"]["layers_sigma_length"].as_array().unwrap();
+    let depths = layers.iter().map(numbers);
+    Sum::from_iter(depths.map(|layer| optical_depth(layer[0], layer[1]))).value()
+}
+
+fn cell_depth(entry: &Entry) -> f64 {
+    let lattice = Lattice::new([2; 3], DVec3::ONE, DVec3::ZERO).unwrap();
+    let grid = Grid::new(lattice, entry.inputs("corners")).unwrap();
+    let (from, to) = (entry.vector("from"), entry.vector("to"));
+    let ray = Ray::new(from, to - from).unwrap();
+    let density = |t: f64| Cell::around(&lattice, lattice.to_nodes(ray.at(t))).trilinear(&grid);
+    entry.input("sigma_scale") * cubic_integral(density, (to - from).length())
+}
+
+#[test]
+fn transmittance_along_rays() {
+    let entries = Entry::all(include_str!("../fixtures/known-answers/transmittance.json"));
+    assert_eq!(entries.len(), 31);
+    for entry in &entries {
+        let homogeneous = |length| optical_depth(entry.input("sigma_t"), length);
+        let depth = match entry.case() {
+            "homogeneous" => homogeneous(entry.input("length")),
+            "box" => homogeneous(box_length(entry)),
+            "sphere" => homogeneous(entry.expected("path_length")),
+            "linear" => linear_depth(entry),
+            "exponential" => exponential_depth(entry),
+            "gaussian" => gaussian_depth(entry),
+            "layers" => layers_depth(entry),
+            "trilinear cell" => cell_depth(entry),
+            unknown => panic!("{unknown}"),
+        };
+        crosses(entry, depth);
+    }
+}
+
+// Emission and absorption.
+
+#[test]
+fn emission_and_absorption() {
+    let text = include_str!("../fixtures/known-answers/emission_absorption.json");
+    let entries = Entry::all(text);
+    assert_eq!(entries.len(), 11);
+    for entry in &entries {
+        match entry.case() {
+            "two layers" => two_layers(entry),
+            "linear density" => linear_density(entry),
+            _ => one_layer(entry),
+        }
+    }
+}
+
+fn one_layer(entry: &Entry) {
+    let (sigma_t, length) = (entry.input("sigma_t"), entry.input("length"));
+    let emitted = match entry.case() {
+        "constant emission" => constant_emission(entry.input("j"), sigma_t, length),
+        "linear emission" => linear_emission(entry.input("j0"), entry.input("j1"), sigma_t, length),
+        "linear source function" => {
+            let (s0, s1) = (entry.input("S0"), entry.input("S1"));
+            linear_emission(sigma_t * s0, sigma_t * s1, sigma_t, length)
+        }
+        unknown => panic!("{unknown}"),
+    };
+    let depth = optical_depth(sigma_t, length);
+    entry.is("L_emitted", emitted);
+    entry.is("transmittance", transmittance(depth));
+    let total = through_layer(emitted, depth, entry.input("L_background"));
+    entry.is("L_total", total);
+}
+
+fn two_layers(entry: &Entry) {
+    let layer = |name: &str, behind: f64| {
+        let [sigma, length, source] =
+            ["sigma", "length", "S"].map(|what| entry.input(&format!("{name}_{what}")));
+        let depth = optical_depth(sigma, length);
+        through_layer(constant_source(source, depth), depth, behind)
+    };
+    let background = entry.input("L_background");
+    entry.is("L_total", layer("near", layer("far", background)));
+    let reversed = layer("far", layer("near", background));
+    entry.is("L_total_if_order_is_wrongly_reversed", reversed);
+}
+
+fn linear_density(entry: &Entry) {
+    let (sigma0, a, source) = (entry.input("sigma0"), entry.input("a"), entry.input("S0"));
+    let (profile, length) = (
+        LinearProfile {
+            start: sigma0,
+            slope: sigma0 * a,
+        },
+        entry.input("length"),
+    );
+    let depth = profile.optical_depth(0.0, length);
+    entry.is("L_isothermal", constant_source(source, depth));
+    let squared = integral(0.0, length, 256, |t| {
+        let density = 1.0 + a * t;
+        let seen = transmittance(profile.optical_depth(0.0, t));
+        source * sigma0 * density * density * seen
+    });
+    entry.is("L_emission_density_squared", squared);
+}
+
+// Free flights.
+
+#[test]
+fn free_flights() {
+    let entries = Entry::all(include_str!("../fixtures/known-answers/free_flight.json"));
+    assert_eq!(entries.len(), 10);
+    for entry in &entries {
+        match entry.case() {
+            "exponential" => exponential_flight(entry),
+            "truncated to [0,d]" => truncated_flight(entry),
+            "linear density" => flight_in_linear_density(entry),
+            "exponential density" => flight_in_exponential_density(entry),
+            "null-collision tracking" => null_collisions(entry),
+            "expected sample sizes" => sample_sizes(entry),
+            unknown => panic!("{unknown}"),
+        }
+    }
+}
+
+fn exponential_flight(entry: &Entry) {
+    let sigma_t = entry.input("sigma_t");
+    let distances = entry.inputs("xi").into_iter();
+    entry.are(
+        "t_of_xi",
+        distances.map(|u| free_flight(sigma_t, u).unwrap()),
+    );
+    entry.is("median", free_flight(sigma_t, 0.5).unwrap());
+    // Beyond 60 mean free paths lies e^(-60) · 60³ = 2e-21 of the third moment.
+    let mean_of = |function: &dyn Fn(f64) -> f64| {
+        let density = |t| free_flight_pdf(sigma_t, t) * function(t);
+        integral(0.0, 60.0 / sigma_t, 600, density)
+    };
+    let mean = mean_of(&|t| t);
+    entry.is("mean", mean);
+    entry.is("variance", mean_of(&|t| (t - mean) * (t - mean)));
+    // Of the integral of |t − mean|³ a part cancels: 2.4 stand against 2.
+    let cubed = mean_of(&|t| (t - mean) * (t - mean) * (t - mean));
+    let roundings = 16.0 * U * entry.expected("third_central_moment");
+    entry.is_within("third_central_moment", cubed, roundings);
+}
+
+fn truncated_flight(entry: &Entry) {
+    let (sigma_t, length) = (entry.input("sigma_t"), entry.input("d"));
+    let depth = optical_depth(sigma_t, length);
+    entry.is("p_interaction", opacity(depth));
+    entry.is("mean_min_t_d", length * source_factor(depth));
+    let mean_of = |function: &dyn Fn(f64) -> f64| {
+        let density = |t| truncated_free_flight_pdf(sigma_t, length, t) * function(t);
+        integral(0.0, length, 256, density)
+    };
+    let mean = mean_of(&|t| t);
+    entry.is("mean_given_interaction", mean);
+    let variance = mean_of(&|t| (t - mean) * (t - mean));
+    entry.is("variance_given_interaction", variance);
+}
+
+fn depths(entry: &Entry) -> impl Iterator<Item = f64> {
+    let shares = entry.inputs("xi").into_iter();
+    shares.map(|u| free_flight(1.0, u).unwrap())
+}
+
+fn flight_in_linear_density(entry: &Entry) {
+    let (sigma0, a) = (entry.input("sigma0"), entry.input("a"));
+    let profile = LinearProfile {
+        start: sigma0,
+        slope: sigma0 * a,
+    };
+    let distances = depths(entry).map(|depth| profile.distance(depth).unwrap());
+    entry.are("t_of_xi", distances);
+    // At 16 the optical depth is 59.
+    let mean = integral(0.0, 16.0, 256, |t| {
+        transmittance(profile.optical_depth(0.0, t))
+    });
+    entry.is("mean", mean);
+}
+
+fn flight_in_exponential_density(entry: &Entry) {
+    let profile = ExponentialProfile {
+        start: entry.input("sigma0"),
+        rate: 1.0 / entry.input("scale_height"),
+    };
+    let everything = profile.optical_depth(0.0, f64::INFINITY);
+    entry.is("p_interaction", opacity(everything));
+    let distances = depths(entry).map(|depth| profile.distance(depth).unwrap());
+    entry.are("t_of_xi", distances);
+}
+
+fn null_collisions(entry: &Entry) {
+    let (sigma_t, majorant) = (entry.input("sigma_t"), entry.input("majorant"));
+    let length = entry.input("length");
+    let depth = optical_depth(sigma_t, length);
+    entry.is("transmittance", transmittance(depth));
+    let squared = optical_depth(sigma_t * sigma_t / majorant, length);
+    entry.is(
+        "variance_ratio_tracking",
+        ratio_tracking_variance(depth, squared),
+    );
+    entry.is(
+        "variance_delta_tracking_survival",
+        delta_tracking_variance(depth),
+    );
+}
+
+fn sample_sizes(entry: &Entry) {
+    let depth = optical_depth(entry.input("sigma_t"), entry.input("length"));
+    let mean = transmittance(depth);
+    entry.is("transmittance", mean);
+    let relative_variance = delta_tracking_variance(depth) / (mean * mean);
+    entry.is(
+        "samples_for_rel_std_err_1e-3_by_survival_counting",
+        samples_for_relative_error(relative_variance, 1e-3),
+    );
+}

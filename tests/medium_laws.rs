@@ -1,0 +1,654 @@
+//! Laws of random numbers, warps and media, each over its whole domain; and the rows E1 to E7,
+//! S1 to S3, S8 to S10 and A3 of the catalogue of hard cases, by their numbers.
+
+mod common;
+#[path = "common/quadrature.rs"]
+mod quadrature;
+
+use glam::DVec3;
+use proptest::prelude::*;
+use quadrature::integral;
+use std::f64::consts::{PI, TAU};
+use volref::geometry::direction_of;
+use volref::math::rng::{Purpose, Stream};
+use volref::math::sampling::*;
+use volref::math::{Frame, Moments, Sum, exp};
+use volref::media::emission::constant_source;
+use volref::media::profiles::*;
+use volref::media::*;
+
+/// The largest relative error of one rounding.
+const U: f64 = f64::EPSILON / 2.0;
+/// The largest random number there is.
+const LAST: f64 = 1.0 - U;
+
+fn config() -> ProptestConfig {
+    common::failures_in("fixtures/proptest-regressions/medium_laws.txt")
+}
+
+#[track_caller]
+fn assert_relative(found: f64, expected: f64, roundings: f64) {
+    let bound = roundings * U * expected.abs();
+    assert!(
+        (found - expected).abs() <= bound,
+        "{found:e} is not {expected:e}"
+    );
+}
+
+fn phase(g: f64) -> HenyeyGreenstein {
+    HenyeyGreenstein(Asymmetry::new(g).unwrap())
+}
+
+/// A number as the generator makes them, the ends included.
+fn share() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        8 => (0..1_u64 << 53).prop_map(|i| i as f64 * U),
+        1 => Just(0.0),
+        1 => Just(LAST),
+    ]
+}
+
+fn asymmetry() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        -0.999..0.999,
+        -1e-6..1e-6,
+        Just(0.0),
+        Just(LAST),
+        Just(-LAST)
+    ]
+}
+
+fn direction() -> impl Strategy<Value = DVec3> {
+    (share(), share()).prop_map(|(u, v)| sphere([u, v]))
+}
+
+// Random numbers.
+
+fn purpose() -> impl Strategy<Value = Purpose> {
+    (0..Purpose::ALL.len()).prop_map(|i| Purpose::ALL[i])
+}
+
+type Use = (u32, u32, u32, Purpose, u32);
+
+fn numbers_of((pixel, sample, bounce, purpose, pair): Use) -> [f64; 2] {
+    Stream::new(11, pixel, sample).pair(bounce, purpose, pair)
+}
+
+fn any_use() -> impl Strategy<Value = Use> {
+    (
+        any::<u32>(),
+        any::<u32>(),
+        0..Stream::BOUNCES,
+        purpose(),
+        0..=u32::MAX / 2,
+    )
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    /// Two uses that differ in one field alone have different numbers, and so in any.
+    #[test]
+    fn no_two_uses_share_a_number(a in any_use(), b in any_use()) {
+        let one_field_apart = [
+            (b.0, a.1, a.2, a.3, a.4),
+            (a.0, b.1, a.2, a.3, a.4),
+            (a.0, a.1, b.2, a.3, a.4),
+            (a.0, a.1, a.2, b.3, a.4),
+            (a.0, a.1, a.2, a.3, b.4),
+            b,
+        ];
+        for other in one_field_apart.into_iter().filter(|other| *other != a) {
+            // Equal by chance: 2^-106.
+            prop_assert_ne!(numbers_of(a), numbers_of(other));
+        }
+    }
+
+    #[test]
+    fn single_numbers_are_the_halves_of_pairs(a in any_use()) {
+        let (pixel, sample, bounce, purpose, pair) = a;
+        let stream = Stream::new(11, pixel, sample);
+        let single = |half| stream.uniform(bounce, purpose, 2 * pair + half);
+        prop_assert_eq!([single(0), single(1)], numbers_of(a));
+        prop_assert!((0.0..1.0).contains(&single(0)));
+    }
+}
+
+/// Asserts that `counts` of equally likely classes pass Pearson's test. For `k` degrees of
+/// freedom a sum above `k + 2√(kx) + 2x` has a probability below e^(−x) (Laurent & Massart 2000,
+/// lemma 1); x = 6.9 makes that 1e-3.
+#[track_caller]
+fn assert_evenly_spread(counts: &[u32]) {
+    let total: u32 = counts.iter().sum();
+    let expected = f64::from(total) / counts.len() as f64;
+    let squares = counts.iter().map(|&count| {
+        let excess = f64::from(count) - expected;
+        excess * excess / expected
+    });
+    let chi_squared = Sum::from_iter(squares).value();
+    let (k, x) = ((counts.len() - 1) as f64, 6.9);
+    let bound = k + 2.0 * (k * x).sqrt() + 2.0 * x;
+    assert!(chi_squared <= bound, "{chi_squared} exceeds {bound}");
+}
+
+/// Counts how often a pair of numbers falls into each of 16 × 16 squares.
+fn squares(pairs: impl Iterator<Item = [f64; 2]>) -> Vec<u32> {
+    let mut counts = vec![0; 256];
+    for [u, v] in pairs {
+        counts[(u * 16.0) as usize * 16 + (v * 16.0) as usize] += 1;
+    }
+    counts
+}
+
+#[test]
+fn numbers_are_uniform_and_neighbours_independent() {
+    const DRAWS: u32 = 1 << 16;
+    let use_at = |pixel, sample, bounce, purpose, index| {
+        Stream::new(0, pixel, sample).uniform(bounce, purpose, index)
+    };
+    let flight = Purpose::FreeFlight;
+    let here = |i| use_at(0, 0, 0, flight, i);
+    let draws = || 0..DRAWS;
+    // One number against the next along every field of the counter.
+    assert_evenly_spread(&squares(draws().map(|i| [here(2 * i), here(2 * i + 1)])));
+    assert_evenly_spread(&squares(
+        draws().map(|i| [here(2 * i + 1), here(2 * i + 2)]),
+    ));
+    let next = |other: &dyn Fn(u32) -> f64| squares(draws().map(|i| [here(i), other(i)]));
+    assert_evenly_spread(&next(&|i| use_at(1, 0, 0, flight, i)));
+    assert_evenly_spread(&next(&|i| use_at(0, 1, 0, flight, i)));
+    assert_evenly_spread(&next(&|i| use_at(0, 0, 1, flight, i)));
+    assert_evenly_spread(&next(&|i| use_at(0, 0, 0, Purpose::Collision, i)));
+    assert_evenly_spread(&next(&|i| Stream::new(1, 0, 0).uniform(0, flight, i)));
+    // The first number of each pixel against its neighbour's, and the lowest eight bits.
+    let first = |pixel| use_at(pixel, 0, 0, flight, 0);
+    assert_evenly_spread(&squares(draws().map(|i| [first(2 * i), first(2 * i + 1)])));
+    let mut low = vec![0; 256];
+    draws().for_each(|i| low[((here(i) / U) as u64 % 256) as usize] += 1);
+    assert_evenly_spread(&low);
+}
+
+// Warps.
+
+proptest! {
+    #![proptest_config(config())]
+
+    #[test]
+    fn directions_have_length_one_and_a_density(u in share(), v in share(), angle in 1e-9..PI) {
+        let cone = Cone::of_half_angle(angle).unwrap();
+        let (anywhere, up, inside) =
+            (sphere([u, v]), cosine_hemisphere([u, v]), cone.direction([u, v]));
+        for direction in [anywhere, up, inside] {
+            prop_assert!((direction.length() - 1.0).abs() <= 8.0 * U);
+        }
+        prop_assert!(sphere_pdf() > 0.0 && cosine_hemisphere_pdf(up.z) > 0.0);
+        prop_assert!(cone.pdf() > 0.0 && cone.pdf().is_finite());
+        prop_assert!(up.z > 0.0 && inside.z >= cone.cos());
+    }
+
+    #[test]
+    fn points_lie_in_their_shapes(u in share(), v in share()) {
+        prop_assert!(disc([u, v]).length() <= 1.0 + 4.0 * U);
+        let corners = triangle([u, v]);
+        prop_assert!(corners.iter().all(|&weight| (0.0..=1.0).contains(&weight)));
+        prop_assert!((corners.iter().sum::<f64>() - 1.0).abs() <= 4.0 * U);
+    }
+
+    /// The share of flights that have collided by the distance for `u` is `u`.
+    #[test]
+    fn flights_invert_opacity(u in share(), sigma in 1e-6..1e6_f64, length in 1e-6..1e6_f64) {
+        let t = free_flight(sigma, u).unwrap();
+        prop_assert!((opacity(optical_depth(sigma, t)) - u).abs() <= 8.0 * U);
+        let t = truncated_free_flight(sigma, length, u);
+        prop_assert!((0.0..=length).contains(&t));
+        let collided = opacity(optical_depth(sigma, t)) / opacity(optical_depth(sigma, length));
+        prop_assert!((collided - u).abs() <= 16.0 * U);
+        prop_assert!(truncated_free_flight_pdf(sigma, length, t) >= 0.0);
+    }
+
+    /// S8: against the inverse square of the distance every place has the same weight,
+    /// so that one sample is the integral.
+    #[test]
+    fn s8_equiangular_sampling_of_the_inverse_square_has_no_variance(
+        distance in prop_oneof![1e-6..1e-3, 1e-3..10.0_f64],
+        near in -3.0..3.0, length in 1e-6..10.0, endless: bool, u in share(),
+    ) {
+        let far = if endless { f64::INFINITY } else { near + length };
+        let light = Equiangular::new(distance, near, far).unwrap();
+        let t = light.place(u);
+        prop_assert!((near..=far).contains(&t));
+        let inverse_square = 1.0 / (distance * distance + t * t);
+        let integral = light.angle() / distance;
+        prop_assert!((inverse_square / light.pdf(t) / integral - 1.0).abs() <= 8.0 * U);
+    }
+
+    #[test]
+    fn equiangular_places_invert_the_angle(
+        distance in 1e-3..10.0_f64, near in -3.0..3.0_f64, length in 1e-3..10.0_f64, u in share(),
+    ) {
+        let whole = Equiangular::new(distance, near, near + length).unwrap();
+        let t = whole.place(u);
+        prop_assume!(t > near);
+        let part = Equiangular::new(distance, near, t).unwrap();
+        // t is rounded relative to the size of the stretch, seen from at least the distance.
+        let error = 16.0 * U * (PI + (near.abs() + length) / distance);
+        prop_assert!((part.angle() - u * whole.angle()).abs() <= error);
+    }
+
+    /// S3: orthonormal around every direction.
+    #[test]
+    fn s3_frames_are_orthonormal(z in direction()) {
+        prop_assert!(orthonormality_error(Frame::around(z)) <= 8.0 * U);
+    }
+}
+
+fn orthonormality_error(Frame { x, y, z }: Frame) -> f64 {
+    let lengths = [x, y].map(|axis| (axis.length_squared() - 1.0).abs());
+    let angles = [x.dot(y), y.dot(z), z.dot(x)].map(f64::abs);
+    let handedness = (x.cross(y) - z).length();
+    let errors = lengths.into_iter().chain(angles).chain([handedness]);
+    errors.fold(0.0, f64::max)
+}
+
+#[test]
+fn s3_frames_at_and_near_the_poles() {
+    let mut directions = vec![DVec3::Z, DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y];
+    directions.push(DVec3::new(1.0, -0.0, -0.0));
+    directions.push(DVec3::new(-0.0, 1.0, -0.0));
+    for exponent in -90..=-30 {
+        let sine = volref::math::pow(10.0, f64::from(exponent) / 10.0);
+        for (a, b) in [(sine, 0.0), (0.0, -sine), (sine, sine), (-sine, -0.0)] {
+            directions.push(direction_of(DVec3::new(a, b, -1.0)).unwrap());
+            directions.push(direction_of(DVec3::new(a, b, 1.0)).unwrap());
+        }
+    }
+    for z in directions {
+        let frame = Frame::around(z);
+        assert!(orthonormality_error(frame) <= 8.0 * U, "{z}");
+        assert_eq!(frame.to_world(DVec3::Z), z);
+    }
+}
+
+#[test]
+fn s8_light_near_the_ray() {
+    let cases = [
+        (1.0, 1.892_546_881_191_539),
+        (1e-3, 3_140.092_653_964_793),
+        (1e-6, 3_141_591.153_589_793),
+    ];
+    for (distance, integral) in cases {
+        let light = Equiangular::new(distance, -1.0, 2.0).unwrap();
+        for u in [0.0, 0.1, 0.5, 0.9, LAST] {
+            let t = light.place(u);
+            let estimate = 1.0 / (distance * distance + t * t) / light.pdf(t);
+            assert!((estimate / integral - 1.0).abs() <= 1e-12);
+        }
+    }
+    assert_eq!(Equiangular::new(0.0, -1.0, 2.0), Err(LightOnRay));
+    assert_eq!(Equiangular::new(-0.0, 1.0, 2.0), Err(LightOnRay));
+}
+
+#[test]
+fn s9_every_warp_at_the_ends_of_the_random_range() {
+    let cone = Cone::of_half_angle(0.3).unwrap();
+    for (u, v) in [(0.0, 0.0), (0.0, LAST), (LAST, 0.0), (LAST, LAST)] {
+        for direction in [
+            sphere([u, v]),
+            cosine_hemisphere([u, v]),
+            cone.direction([u, v]),
+        ] {
+            assert!((direction.length() - 1.0).abs() <= 8.0 * U);
+        }
+        assert!(cosine_hemisphere_pdf(cosine_hemisphere([u, v]).z) > 0.0);
+        assert!(disc([u, v]).is_finite() && disc_pdf(2.0) > 0.0);
+        assert!(triangle([u, v]).iter().all(|&weight| weight >= 0.0));
+        assert!(free_flight_pdf(2.0, free_flight(2.0, u).unwrap()) > 0.0);
+        let t = truncated_free_flight(2.0, 3.0, u);
+        assert!((0.0..=3.0).contains(&t) && truncated_free_flight_pdf(2.0, 3.0, t) > 0.0);
+        let uniform = truncated_free_flight(0.0, 3.0, u);
+        assert_eq!(
+            (uniform, truncated_free_flight_pdf(0.0, 3.0, uniform)),
+            (3.0 * u, 1.0 / 3.0)
+        );
+        for far in [2.0, f64::INFINITY] {
+            let light = Equiangular::new(1e-6, 1.0, far).unwrap();
+            assert!(light.place(u).is_finite() && light.pdf(light.place(u)) > 0.0);
+        }
+        let turn = phase(0.9).deflection(u);
+        assert!(turn.sin().is_finite() && phase(0.9).per_steradian(&turn) > 0.0);
+    }
+    // No cone has no inside.
+    assert_eq!(Cone::of_half_angle(0.0), None);
+    assert_eq!(Cone::of_half_angle(f64::NAN), None);
+    assert_relative(Cone::of_half_angle(PI).unwrap().pdf(), sphere_pdf(), 2.0);
+    // A cone of 1e-9 rad has the solid angle π·1e-18, though its cosine is 1.
+    assert_relative(Cone::of_half_angle(1e-9).unwrap().pdf(), 1e18 / PI, 8.0);
+}
+
+/// Moments that a uniform direction, a direction by cosine and a point of a disc must have.
+#[test]
+fn warps_have_the_moments_of_their_densities() {
+    let mut moments = [Moments::default(); 6];
+    let stream = Stream::new(5, 0, 0);
+    for pair in 0..1 << 16 {
+        let uv = stream.pair(0, Purpose::Surface, pair);
+        let (anywhere, up) = (sphere(uv), cosine_hemisphere(uv));
+        let (point, corners) = (disc(uv), triangle(uv));
+        let inside = Cone::of_half_angle(0.5).unwrap().direction(uv);
+        let values = [
+            anywhere.x * anywhere.x,
+            anywhere.z,
+            up.z,
+            point.x * point.x,
+            corners[1],
+        ];
+        let values = values.into_iter().chain([inside.z]);
+        moments
+            .iter_mut()
+            .zip(values)
+            .for_each(|(moments, value)| moments.add(value));
+    }
+    let cone_mean = (1.0 + Cone::of_half_angle(0.5).unwrap().cos()) / 2.0;
+    let expected = [1.0 / 3.0, 0.0, 2.0 / 3.0, 0.25, 1.0 / 3.0, cone_mean];
+    for (moments, expected) in moments.iter().zip(expected) {
+        let error = (moments.mean() - expected).abs();
+        assert!(
+            error <= 4.0 * moments.variance_of_mean().unwrap().sqrt(),
+            "{expected}"
+        );
+    }
+}
+
+// Exponentials and opacity.
+
+#[test]
+fn e1_very_thin_media() {
+    assert_relative(opacity(1e-12), 9.999_999_999_995e-13, 4.0);
+    assert_relative(opacity(1e-16), 1e-16, 4.0);
+    assert_relative(opacity(1e-300), 1e-300, 4.0);
+}
+
+#[test]
+fn e2_very_thick_media() {
+    assert!((transmittance(700.0) / 9.859_676_543_759_77e-305 - 1.0).abs() <= 1e-13);
+    assert_eq!(transmittance(745.0), f64::from_bits(1));
+    assert_eq!(transmittance(746.0), 0.0);
+    assert_eq!(transmittance(1e6), 0.0);
+    for depth in [700.0, 745.0, 746.0, 1e6, f64::INFINITY] {
+        assert_eq!(constant_source(0.7, depth), 0.7);
+    }
+}
+
+#[test]
+fn e3_source_factor() {
+    assert_eq!(source_factor(0.0), 1.0);
+    assert_relative(source_factor(1e-12), 1.0 - 0.5e-12, 4.0);
+    assert_relative(source_factor(1e-5), 0.999_995_000_016_666_6, 4.0);
+    assert_relative(source_factor(1.0), 0.632_120_558_828_557_7, 4.0);
+    assert_relative(source_factor(50.0), 0.02, 4.0);
+}
+
+#[test]
+fn e4_opacity_correction() {
+    assert_relative(over_length(1e-12, 0.1), 1.000_000_000_000_45e-13, 4.0);
+    assert_relative(over_length(1e-16, 0.25), 2.5e-17, 4.0);
+    // The catalogue gives 15 digits, which are 8 roundings.
+    assert_relative(over_length(0.5, 1e-9), 6.931_471_803_197_19e-10, 8.0);
+    assert_eq!(over_length(1.0, 0.5), 1.0);
+    assert_eq!(over_length(0.0, 0.5), 0.0);
+}
+
+#[test]
+fn e5_zero_times_infinity() {
+    let endless = f64::INFINITY;
+    assert_eq!(over_length(1.0, 0.0), 0.0);
+    assert_eq!(over_length(1.0, 2.0), 1.0);
+    assert_eq!(transmittance(optical_depth(0.0, endless)), 1.0);
+    assert_eq!(transmittance(optical_depth(1e-9, endless)), 0.0);
+    assert_eq!(transmittance(optical_depth(endless, 0.0)), 1.0);
+}
+
+#[test]
+fn e6_free_flight_at_the_ends_of_the_random_range() {
+    for sigma in [0.25, 1.0, 3.0] {
+        assert_eq!(free_flight(sigma, 0.0), Some(0.0));
+        assert_relative(
+            free_flight(sigma, LAST).unwrap(),
+            36.736_800_569_677_1 / sigma,
+            4.0,
+        );
+    }
+    assert_eq!(free_flight(0.0, 0.5), None);
+    assert_eq!(free_flight(-0.0, 0.0), None);
+    assert_relative(
+        free_flight(1e-300, 0.5).unwrap(),
+        6.931_471_805_599_453e299,
+        4.0,
+    );
+    assert_eq!(free_flight(f64::from_bits(1), LAST), Some(f64::INFINITY));
+    assert_eq!(free_flight(f64::from_bits(1), 0.0), Some(0.0));
+}
+
+#[test]
+fn e7_weights_when_transmittance_underflows() {
+    let grey = Coefficients::new(DVec3::ZERO, DVec3::splat(800.0)).unwrap();
+    assert_eq!(
+        grey.albedo() * collision_weight(grey.sigma_t(), 1.0),
+        DVec3::ONE
+    );
+    assert_eq!(escape_weight(grey.sigma_t(), 1.0), DVec3::ONE);
+    for sigma in [1e-300, 0.1, 0.7, 1e300] {
+        assert_eq!(collision_weight(DVec3::splat(sigma), 1e300), DVec3::ONE);
+    }
+}
+
+#[test]
+fn s10_strongly_coloured_media() {
+    let sigma_t = DVec3::new(1e-3, 1.0, 1e3);
+    let expected = [0.999_000_499_833_375, 0.367_879_441_171_442_3, 0.0];
+    let mut escaped = [Moments::default(); 3];
+    let mut all = [Moments::default(); 3];
+    let stream = Stream::new(9, 0, 0);
+    for sample in 0..1 << 16 {
+        let channel = (3.0 * stream.uniform(0, Purpose::Channel, sample)) as usize;
+        let u = stream.uniform(0, Purpose::FreeFlight, sample);
+        let t = free_flight(sigma_t[channel], u).unwrap();
+        let (through, weight) = if t < 1.0 {
+            (DVec3::ZERO, collision_weight(sigma_t, t))
+        } else {
+            let weight = escape_weight(sigma_t, 1.0);
+            (weight, weight)
+        };
+        assert!(weight.min_element() >= 0.0 && weight.max_element() <= 3.0 * (1.0 + 4.0 * U));
+        for c in 0..3 {
+            escaped[c].add(through[c]);
+            all[c].add(weight[c]);
+        }
+    }
+    for c in 0..3 {
+        let error = |moments: &Moments, expected: f64| {
+            (moments.mean() - expected).abs() / moments.variance_of_mean().unwrap().sqrt()
+        };
+        // The blue channel lets 1e-435 through: 0, without variance.
+        assert!(expected[c] == escaped[c].mean() || error(&escaped[c], expected[c]) <= 4.0);
+        // Whatever does not collide escapes.
+        assert!(error(&all[c], 1.0) <= 4.0, "{c}");
+    }
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    /// Crossing a path in two steps changes nothing.
+    #[test]
+    fn transmittance_composes(sigma in 0.0..50.0_f64, near in 0.0..4.0_f64, far in 0.0..4.0_f64) {
+        let (a, b) = (optical_depth(sigma, near), optical_depth(sigma, far));
+        let whole = transmittance(optical_depth(sigma, near + far));
+        // exp turns rounding of its argument into relative error.
+        let bound = whole * 4.0 * (a + b + 2.0) * U;
+        prop_assert!((whole - transmittance(a) * transmittance(b)).abs() <= bound);
+    }
+
+    #[test]
+    fn profiles_invert_their_optical_depth(
+        start in 0.01..10.0_f64, change in -1.0..1.0_f64, t in 0.0..5.0_f64,
+    ) {
+        let exponential = ExponentialProfile { start, rate: change };
+        let depth = exponential.optical_depth(0.0, t);
+        let found = exponential.distance(depth).unwrap();
+        // dt = dτ/σ(t), with τ and its share known to a few roundings.
+        let local = start * exp(-change * t);
+        prop_assert!((found - t).abs() <= 16.0 * U * (t + (depth + start / 0.1) / local));
+        let rising = LinearProfile { start, slope: change.abs() };
+        let found = rising.distance(rising.optical_depth(0.0, t)).unwrap();
+        prop_assert!((found - t).abs() <= 16.0 * U * t);
+    }
+}
+
+// Scattering.
+
+#[test]
+fn s1_deflections_at_the_ends_for_every_asymmetry() {
+    let magnitudes = [
+        0.0,
+        1e-17,
+        1e-12,
+        1e-8,
+        1e-3,
+        0.5,
+        0.9,
+        0.999,
+        1.0 - 1e-12,
+        LAST,
+    ];
+    for g in magnitudes.into_iter().flat_map(|g| [g, -g]) {
+        let (back, ahead) = (phase(g).deflection(0.0), phase(g).deflection(1.0));
+        assert_eq!((back.cos, back.one_plus_cos), (-1.0, 0.0), "{g}");
+        assert_eq!((ahead.cos, ahead.one_minus_cos), (1.0, 0.0), "{g}");
+        assert_relative(back.one_minus_cos, 2.0, 8.0);
+        assert_relative(ahead.one_plus_cos, 2.0, 8.0);
+        let last = phase(g).deflection(LAST);
+        // One step of u from straight on. Nothing cancels: the terms with U count for g < 0 only.
+        let (gap, sum) = (1.0 - g, 1.0 + g);
+        let ratio = gap / (sum - 2.0 * g * U);
+        assert_relative(
+            last.one_minus_cos,
+            2.0 * U * ratio * ratio * (sum - g * U),
+            16.0,
+        );
+    }
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    #[test]
+    fn s1_deflections_are_on_the_circle_and_mirror(g in asymmetry(), u in share()) {
+        let turn = phase(g).deflection(u);
+        prop_assert!((-1.0..=1.0).contains(&turn.cos));
+        prop_assert!((turn.one_minus_cos + turn.one_plus_cos - 2.0).abs() <= 16.0 * U);
+        prop_assert!((turn.cos - (1.0 - turn.one_minus_cos)).abs() <= 24.0 * U);
+        prop_assert!(turn.sin() >= 0.0);
+        let mirror = phase(-g).deflection(1.0 - u);
+        prop_assert_eq!(mirror.one_minus_cos, turn.one_plus_cos);
+        prop_assert_eq!(mirror.cos, -turn.cos);
+    }
+
+    #[test]
+    fn s1_deflections_invert_the_distribution(g in asymmetry(), u in share()) {
+        let turn = phase(g).deflection(u);
+        // The inverse to 8 roundings in the distances from both ends, the distribution to 10 and
+        // with a condition of at most 3/2 in them.
+        prop_assert!((phase(g).cdf(&turn) - u).abs() <= 32.0 * U);
+    }
+}
+
+#[test]
+fn s2_the_phase_function_integrates_to_one_with_mean_cosine_g() {
+    for g in [-0.999, -0.9, -0.3, 0.0, 1e-9, 0.5, 0.99, 0.999] {
+        // By the angle from the peak, in units in which the peak is as wide as the rest.
+        let width = (1.0 - f64::abs(g)).max(1e-3);
+        let upper = 1.0 / (1.0 + width);
+        let over_sphere = |function: &dyn Fn(f64) -> f64| {
+            integral(0.0, upper, 2000, |s| {
+                let from_peak = 2.0 * width * width * s * s / ((1.0 - s) * (1.0 - s));
+                let slope = 4.0 * width * width * s / ((1.0 - s) * (1.0 - s) * (1.0 - s));
+                let ahead = Deflection {
+                    cos: 1.0 - from_peak,
+                    one_minus_cos: from_peak,
+                    one_plus_cos: 2.0 - from_peak,
+                };
+                let turn = if g >= 0.0 {
+                    ahead
+                } else {
+                    Deflection {
+                        cos: -ahead.cos,
+                        one_minus_cos: ahead.one_plus_cos,
+                        one_plus_cos: ahead.one_minus_cos,
+                    }
+                };
+                TAU * phase(g).per_steradian(&turn) * slope * function(turn.cos)
+            })
+        };
+        assert!((over_sphere(&|_| 1.0) - 1.0).abs() <= 1e-12, "{g}");
+        assert!((over_sphere(&|cos| cos) - g).abs() <= 1e-12, "{g}");
+    }
+}
+
+#[test]
+fn s2_sampled_turns_fill_the_distribution_evenly() {
+    for (pixel, g) in [
+        (0, -0.999),
+        (1, -0.5),
+        (2, 0.0),
+        (3, 1e-9),
+        (4, 0.9),
+        (5, 0.999),
+    ] {
+        let stream = Stream::new(3, pixel, 0);
+        let mut counts = vec![0_u32; 64];
+        let mut moments = Moments::default();
+        for i in 0..1 << 15 {
+            let turn = phase(g).deflection(stream.uniform(0, Purpose::PhaseDirection, i));
+            moments.add(turn.cos);
+            counts[((phase(g).cdf(&turn) * 64.0) as usize).min(63)] += 1;
+        }
+        assert_evenly_spread(&counts);
+        let error = (moments.mean() - g).abs();
+        assert!(
+            error <= 4.0 * moments.variance_of_mean().unwrap().sqrt(),
+            "{g}"
+        );
+    }
+}
+
+// Accumulation.
+
+#[test]
+fn a3_variance_of_a_small_spread_on_a_large_mean() {
+    for samples in [2, 10, 1000, 1_000_000] {
+        let alternating = (0..samples).map(|i| 1e8 + f64::from(i % 2));
+        let moments = Moments::from_iter(alternating);
+        assert_eq!(moments.population_variance(), 0.25, "{samples}");
+    }
+    assert_eq!(Sum::from_iter([1.0, 1e100, 1.0, -1e100]).value(), 2.0);
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    #[test]
+    fn a3_merged_moments_are_those_of_the_whole(
+        samples in prop::collection::vec(-10.0..10.0_f64, 2..200), cut in 0.0..1.0_f64,
+    ) {
+        let (head, tail) = samples.split_at((cut * samples.len() as f64) as usize);
+        let moments = |part: &[f64]| Moments::from_iter(part.iter().copied());
+        let (whole, merged) = (moments(&samples), moments(head).merged(moments(tail)));
+        prop_assert_eq!(whole.count(), merged.count());
+        // A few roundings of values up to 10 in each of up to 200 updates.
+        let bound = 200.0 * 4.0 * U * 10.0;
+        prop_assert!((whole.mean() - merged.mean()).abs() <= bound);
+        let (whole, merged) = (whole.variance().unwrap(), merged.variance().unwrap());
+        prop_assert!((whole - merged).abs() <= bound * 20.0);
+    }
+}
