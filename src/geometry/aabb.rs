@@ -1,6 +1,8 @@
 //! Axis-aligned boxes.
 
-use super::{Ray, Span};
+use super::hit::RELATIVE_CLEARANCE;
+use super::shape_error::finite;
+use super::{Hit, Ray, ShapeError, Side, Solid, Span, Surface, SurfacePoint};
 use glam::DVec3;
 
 /// A box with faces at `min` and `max`. Each axis is half open: a ray lying *in* a face belongs
@@ -15,6 +17,52 @@ pub struct Aabb {
 }
 
 impl Aabb {
+    /// The box between two corners. It may be flat, and then holds nothing; a `min` above `max`
+    /// is an error.
+    pub fn new(min: DVec3, max: DVec3) -> Result<Aabb, ShapeError> {
+        finite("a corner of the box", min)?;
+        finite("a corner of the box", max)?;
+        finite("the size of the box", max - min)?;
+        if min.cmpgt(max).any() {
+            return Err(ShapeError::Inverted { min, max });
+        }
+        Ok(Aabb { min, max })
+    }
+
+    /// The smallest box around some points; `None` around none.
+    pub fn around(points: impl IntoIterator<Item = DVec3>) -> Option<Aabb> {
+        let single = |point| Aabb {
+            min: point,
+            max: point,
+        };
+        points.into_iter().map(single).reduce(Aabb::union)
+    }
+
+    /// The smallest box around two boxes.
+    pub fn union(self, other: Aabb) -> Aabb {
+        Aabb {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+        }
+    }
+
+    /// Magnitude of the largest coordinate, in world units: what rounding is relative to.
+    pub fn reach(&self) -> f64 {
+        self.min.abs().max(self.max.abs()).max_element()
+    }
+
+    /// The axis along which the box is longest, the first of several.
+    pub fn longest_axis(&self) -> usize {
+        let size = self.size();
+        if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        }
+    }
+
     /// Edge lengths, in world units.
     pub fn size(&self) -> DVec3 {
         self.max - self.min
@@ -49,6 +97,106 @@ impl Aabb {
             far = far.min((last - origin) / direction);
         }
         (near <= far).then_some(Span { near, far })
+    }
+}
+
+/// Where a line goes in or out of a box.
+#[derive(Clone, Copy)]
+struct Passage {
+    t: f64,
+    axis: usize,
+}
+
+impl Aabb {
+    /// As [`span`](Aabb::span), of the whole line and with the axes of the faces.
+    fn passages(&self, ray: &Ray) -> Option<[Passage; 2]> {
+        let mut near = Passage {
+            t: f64::NEG_INFINITY,
+            axis: 0,
+        };
+        let mut far = Passage {
+            t: f64::INFINITY,
+            axis: 0,
+        };
+        for axis in 0..3 {
+            let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
+            let (low, high) = (self.min[axis], self.max[axis]);
+            if direction == 0.0 {
+                if origin < low || origin >= high {
+                    return None;
+                }
+                continue;
+            }
+            let [first, last] = if direction > 0.0 {
+                [low, high]
+            } else {
+                [high, low]
+            }
+            .map(|face| (face - origin) / direction);
+            if first > near.t {
+                near = Passage { t: first, axis };
+            }
+            if last < far.t {
+                far = Passage { t: last, axis };
+            }
+        }
+        (near.t <= far.t).then_some([near, far])
+    }
+
+    /// The point where the ray passes the maximum (`upper`) or minimum face of an axis: exactly
+    /// in that face, and not beyond its edges.
+    ///
+    /// So the point needs no clearance for itself. A ray that starts off the face by more than
+    /// a rounding of its coordinate is on the right side of it in [`passages`](Aabb::passages),
+    /// where the sign of `face − origin` is exact.
+    fn point(&self, ray: &Ray, passage: Passage, upper: bool) -> SurfacePoint {
+        let mut position = ray.at(passage.t).clamp(self.min, self.max);
+        let mut normal = DVec3::ZERO;
+        let (face, outward) = if upper {
+            (self.max, 1.0)
+        } else {
+            (self.min, -1.0)
+        };
+        position[passage.axis] = face[passage.axis];
+        normal[passage.axis] = outward;
+        SurfacePoint {
+            position,
+            normal,
+            clearance: RELATIVE_CLEARANCE * self.reach(),
+        }
+    }
+}
+
+impl Surface for Aabb {
+    fn bounds(&self) -> Aabb {
+        *self
+    }
+
+    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+        let [near, far] = self.passages(ray)?;
+        let (passage, side) = if near.t > 0.0 {
+            (near, Side::Front)
+        } else {
+            (far, Side::Back)
+        };
+        if !(passage.t > 0.0 && passage.t < limit) {
+            return None;
+        }
+        let forward = ray.direction[passage.axis] > 0.0;
+        let upper = forward == (side == Side::Back);
+        Some(Hit {
+            t: passage.t,
+            point: self.point(ray, passage, upper),
+            side,
+            face: passage.axis + if upper { 3 } else { 0 },
+            uv: [0.0; 2],
+        })
+    }
+}
+
+impl Solid for Aabb {
+    fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
+        spans.extend(self.span(ray));
     }
 }
 
