@@ -221,6 +221,7 @@ proptest! {
         let mut text = meshes::obj("mutated", &parts).into_bytes();
         let pieces: [&[u8]; 8] = [b"-", b"nan", b"1e999", b"\nf 1 2\n", b"\nf -9999999999999999999 1 2 3\n", b"/", b"\no x\n", b"4294967296"];
         for (place, byte, kind) in edits {
+            if text.is_empty() { break; }
             let at = place.index(text.len());
             match kind {
                 0 => text[at] = byte,
@@ -485,7 +486,9 @@ fn samples_are_uniform_and_on_the_surface() {
         (0..20_000).map(at).sum::<DVec3>() / 20_000.0
     };
     assert!((mean(&sphere) - sphere.centre()).length() < 2e-3);
-    assert!(mean(&mesh).length() < 2e-3);
+    // The first number also chooses the face, which leaves no more than chance: the standard
+    // error of a mean of unit vectors is √(1/20 000) = 0.007.
+    assert!(mean(&mesh).length() < 0.02);
     for uv in [[0.0, 0.0], [1.0 - U, 1.0 - U], [0.0, 1.0 - U], [0.3, 0.9]] {
         let point = sphere.sample(uv);
         assert!(((point.position - sphere.centre()).length() - 2.0).abs() < 1e-15 * 8.0);

@@ -175,13 +175,14 @@ impl Transform {
     /// `None` if the direction leaves the range of numbers on the way.
     pub fn ray_to_object(&self, ray: &Ray) -> Option<(Ray, f64)> {
         let towards = self.inverse_linear * ray.direction;
-        let direction = direction_of(towards)?;
+        // Relative to the ray's own length, 1 up to rounding: so a scaling by a power of two
+        // gives back every digit of the direction.
+        let factor = length(towards)? / length(ray.direction)?;
         let object_ray = Ray {
             origin: self.inverse().point(ray.origin),
-            direction,
+            direction: towards / factor,
         };
-        // |towards|, by projection: no square that could leave the range.
-        Some((object_ray, towards.dot(direction)))
+        Some((object_ray, factor))
     }
 
     /// The smallest world box around the image of `bounds`, up to rounding.
@@ -209,6 +210,11 @@ impl Transform {
     pub(super) fn stretch(&self) -> f64 {
         norm(&self.linear)
     }
+}
+
+/// `|v|`, by projection: no square that could leave the range. `None` for the zero vector.
+fn length(v: DVec3) -> Option<f64> {
+    direction_of(v).map(|direction| v.dot(direction))
 }
 
 /// Largest row sum of magnitudes: the norm that belongs to the largest coordinate.
