@@ -2,6 +2,7 @@
 
 use super::hit::RELATIVE_CLEARANCE;
 use super::shape_error::finite;
+use super::surface::ahead;
 use super::{Hit, Ray, ShapeError, Side, Solid, Span, Surface, SurfacePoint};
 use glam::DVec3;
 
@@ -76,27 +77,8 @@ impl Aabb {
     /// The stretch of `ray` inside the box, from the origin of the ray if that lies inside;
     /// `None` where the ray misses. A ray that touches an edge has a span of length 0.
     pub fn span(&self, ray: &Ray) -> Option<Span> {
-        let mut near = 0.0_f64;
-        let mut far = f64::INFINITY;
-        for axis in 0..3 {
-            let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
-            let (low, high) = (self.min[axis], self.max[axis]);
-            if direction == 0.0 {
-                // A branch of its own: (low − origin) · (1/0) would be 0·∞ on a face.
-                if origin < low || origin >= high {
-                    return None;
-                }
-                continue;
-            }
-            let (first, last) = if direction > 0.0 {
-                (low, high)
-            } else {
-                (high, low)
-            };
-            near = near.max((first - origin) / direction);
-            far = far.min((last - origin) / direction);
-        }
-        (near <= far).then_some(Span { near, far })
+        let [near, far] = self.passages(ray)?;
+        ahead(near.t, far.t)
     }
 }
 
@@ -108,7 +90,7 @@ struct Passage {
 }
 
 impl Aabb {
-    /// As [`span`](Aabb::span), of the whole line and with the axes of the faces.
+    /// Where the whole line, `t < 0` included, goes in and out.
     fn passages(&self, ray: &Ray) -> Option<[Passage; 2]> {
         let mut near = Passage {
             t: f64::NEG_INFINITY,
@@ -122,6 +104,7 @@ impl Aabb {
             let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
             let (low, high) = (self.min[axis], self.max[axis]);
             if direction == 0.0 {
+                // A branch of its own: (low − origin) · (1/0) would be 0·∞ on a face.
                 if origin < low || origin >= high {
                     return None;
                 }
@@ -230,6 +213,46 @@ mod tests {
         assert_eq!(span([0.5, 0.5, 0.0], [0.0, 0.0, 1.0]), Some((0.0, 1.0)));
         assert_eq!(span([0.5, 0.5, 0.0], [0.0, 0.0, -1.0]), Some((0.0, 0.0)));
         assert_eq!(span([0.5, 0.5, 3.0], [0.0, 0.0, 1.0]), None);
+    }
+
+    #[test]
+    fn g5_flat_boxes_hold_nothing_and_inverted_ones_are_refused() {
+        let flat = Aabb::new(DVec3::ZERO, DVec3::new(1.0, 0.0, 1.0)).unwrap();
+        let lengths = |towards: DVec3| {
+            let ray = Ray::new(DVec3::new(0.5, -1.0, 0.5), towards).unwrap();
+            flat.spans(&ray).iter().map(Span::length).sum::<f64>()
+        };
+        assert_eq!(lengths(DVec3::Y), 0.0);
+        assert_eq!(lengths(DVec3::X), 0.0);
+        let along = Ray::new(DVec3::new(-1.0, 0.0, 0.5), DVec3::X).unwrap();
+        assert!(flat.spans(&along).is_empty());
+        let refused = Aabb::new(DVec3::ONE, DVec3::new(2.0, 0.5, 2.0));
+        assert!(matches!(refused, Err(ShapeError::Inverted { .. })));
+        assert!(Aabb::new(DVec3::splat(f64::NAN), DVec3::ONE).is_err());
+        assert!(Aabb::new(DVec3::splat(-1e308), DVec3::splat(1e308)).is_err());
+    }
+
+    #[test]
+    fn hits_name_the_face_and_lie_in_it() {
+        let hit = |origin: [f64; 3], direction: [f64; 3]| {
+            let ray = Ray::new(origin.into(), direction.into()).unwrap();
+            let hit = UNIT.hit(&ray, f64::INFINITY).unwrap();
+            (hit.t, hit.face, hit.side, hit.point.normal)
+        };
+        let up = [0.0, 0.0, 1.0];
+        assert_eq!(
+            hit([0.5, 0.5, -1.0], up),
+            (1.0, 2, Side::Front, DVec3::NEG_Z)
+        );
+        assert_eq!(hit([0.5, 0.5, 0.5], up), (0.5, 5, Side::Back, DVec3::Z));
+        assert_eq!(
+            hit([2.0, 0.5, 0.5], [-1.0, 0.0, 0.0]),
+            (1.0, 3, Side::Front, DVec3::X)
+        );
+        assert_eq!(
+            hit([0.5, 0.5, 0.5], [-1.0, 0.0, 0.0]),
+            (0.5, 0, Side::Back, DVec3::NEG_X)
+        );
     }
 
     #[test]
