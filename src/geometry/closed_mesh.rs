@@ -60,8 +60,8 @@ impl Surface for ClosedMesh {
 
 impl Solid for ClosedMesh {
     /// Counts how often the line has gone in more than out, from its far end on. Over the whole
-    /// line the count returns to zero (see [`super::crossing`]), so whether the origin lies
-    /// inside needs no test of its own.
+    /// line the count returns to zero, through edges and vertices too, so whether the origin
+    /// lies inside needs no test of its own.
     fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
         let mut crossings = Vec::new();
         self.0.crossings(ray, &mut crossings);
