@@ -1,6 +1,9 @@
 //! Axis-aligned boxes.
 
-use super::{Ray, Span};
+use super::hit::RELATIVE_CLEARANCE;
+use super::shape_error::finite;
+use super::surface::ahead;
+use super::{Hit, Ray, ShapeError, Side, Solid, Span, Surface, SurfacePoint};
 use glam::DVec3;
 
 /// A box with faces at `min` and `max`. Each axis is half open: a ray lying *in* a face belongs
@@ -15,6 +18,52 @@ pub struct Aabb {
 }
 
 impl Aabb {
+    /// The box between two corners. It may be flat, and then holds nothing; a `min` above `max`
+    /// is an error.
+    pub fn new(min: DVec3, max: DVec3) -> Result<Aabb, ShapeError> {
+        finite("a corner of the box", min)?;
+        finite("a corner of the box", max)?;
+        finite("the size of the box", max - min)?;
+        if min.cmpgt(max).any() {
+            return Err(ShapeError::Inverted { min, max });
+        }
+        Ok(Aabb { min, max })
+    }
+
+    /// The smallest box around some points; `None` around none.
+    pub fn around(points: impl IntoIterator<Item = DVec3>) -> Option<Aabb> {
+        let single = |point| Aabb {
+            min: point,
+            max: point,
+        };
+        points.into_iter().map(single).reduce(Aabb::union)
+    }
+
+    /// The smallest box around two boxes.
+    pub fn union(self, other: Aabb) -> Aabb {
+        Aabb {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+        }
+    }
+
+    /// Magnitude of the largest coordinate, in world units: what rounding is relative to.
+    pub fn reach(&self) -> f64 {
+        self.min.abs().max(self.max.abs()).max_element()
+    }
+
+    /// The axis along which the box is longest, the first of several.
+    pub fn longest_axis(&self) -> usize {
+        let size = self.size();
+        if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        }
+    }
+
     /// Edge lengths, in world units.
     pub fn size(&self) -> DVec3 {
         self.max - self.min
@@ -28,8 +77,29 @@ impl Aabb {
     /// The stretch of `ray` inside the box, from the origin of the ray if that lies inside;
     /// `None` where the ray misses. A ray that touches an edge has a span of length 0.
     pub fn span(&self, ray: &Ray) -> Option<Span> {
-        let mut near = 0.0_f64;
-        let mut far = f64::INFINITY;
+        let [near, far] = self.passages(ray)?;
+        ahead(near.t, far.t)
+    }
+}
+
+/// Where a line goes in or out of a box.
+#[derive(Clone, Copy)]
+struct Passage {
+    t: f64,
+    axis: usize,
+}
+
+impl Aabb {
+    /// Where the whole line, `t < 0` included, goes in and out.
+    fn passages(&self, ray: &Ray) -> Option<[Passage; 2]> {
+        let mut near = Passage {
+            t: f64::NEG_INFINITY,
+            axis: 0,
+        };
+        let mut far = Passage {
+            t: f64::INFINITY,
+            axis: 0,
+        };
         for axis in 0..3 {
             let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
             let (low, high) = (self.min[axis], self.max[axis]);
@@ -40,15 +110,76 @@ impl Aabb {
                 }
                 continue;
             }
-            let (first, last) = if direction > 0.0 {
-                (low, high)
+            let [first, last] = if direction > 0.0 {
+                [low, high]
             } else {
-                (high, low)
-            };
-            near = near.max((first - origin) / direction);
-            far = far.min((last - origin) / direction);
+                [high, low]
+            }
+            .map(|face| (face - origin) / direction);
+            if first > near.t {
+                near = Passage { t: first, axis };
+            }
+            if last < far.t {
+                far = Passage { t: last, axis };
+            }
         }
-        (near <= far).then_some(Span { near, far })
+        (near.t <= far.t).then_some([near, far])
+    }
+
+    /// The point where the ray passes the maximum (`upper`) or minimum face of an axis: exactly
+    /// in that face, and not beyond its edges.
+    ///
+    /// So the point needs no clearance for itself. A ray that starts off the face by more than
+    /// a rounding of its coordinate is on the right side of it in [`passages`](Aabb::passages),
+    /// where the sign of `face − origin` is exact.
+    fn point(&self, ray: &Ray, passage: Passage, upper: bool) -> SurfacePoint {
+        let mut position = ray.at(passage.t).clamp(self.min, self.max);
+        let mut normal = DVec3::ZERO;
+        let (face, outward) = if upper {
+            (self.max, 1.0)
+        } else {
+            (self.min, -1.0)
+        };
+        position[passage.axis] = face[passage.axis];
+        normal[passage.axis] = outward;
+        SurfacePoint {
+            position,
+            normal,
+            clearance: RELATIVE_CLEARANCE * self.reach(),
+        }
+    }
+}
+
+impl Surface for Aabb {
+    fn bounds(&self) -> Aabb {
+        *self
+    }
+
+    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+        let [near, far] = self.passages(ray)?;
+        let (passage, side) = if near.t > 0.0 {
+            (near, Side::Front)
+        } else {
+            (far, Side::Back)
+        };
+        if !(passage.t > 0.0 && passage.t < limit) {
+            return None;
+        }
+        let forward = ray.direction[passage.axis] > 0.0;
+        let upper = forward == (side == Side::Back);
+        Some(Hit {
+            t: passage.t,
+            point: self.point(ray, passage, upper),
+            side,
+            face: passage.axis + if upper { 3 } else { 0 },
+            uv: [0.0; 2],
+        })
+    }
+}
+
+impl Solid for Aabb {
+    fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
+        spans.extend(self.span(ray));
     }
 }
 
@@ -82,6 +213,46 @@ mod tests {
         assert_eq!(span([0.5, 0.5, 0.0], [0.0, 0.0, 1.0]), Some((0.0, 1.0)));
         assert_eq!(span([0.5, 0.5, 0.0], [0.0, 0.0, -1.0]), Some((0.0, 0.0)));
         assert_eq!(span([0.5, 0.5, 3.0], [0.0, 0.0, 1.0]), None);
+    }
+
+    #[test]
+    fn g5_flat_boxes_hold_nothing_and_inverted_ones_are_refused() {
+        let flat = Aabb::new(DVec3::ZERO, DVec3::new(1.0, 0.0, 1.0)).unwrap();
+        let lengths = |towards: DVec3| {
+            let ray = Ray::new(DVec3::new(0.5, -1.0, 0.5), towards).unwrap();
+            flat.spans(&ray).iter().map(Span::length).sum::<f64>()
+        };
+        assert_eq!(lengths(DVec3::Y), 0.0);
+        assert_eq!(lengths(DVec3::X), 0.0);
+        let along = Ray::new(DVec3::new(-1.0, 0.0, 0.5), DVec3::X).unwrap();
+        assert!(flat.spans(&along).is_empty());
+        let refused = Aabb::new(DVec3::ONE, DVec3::new(2.0, 0.5, 2.0));
+        assert!(matches!(refused, Err(ShapeError::Inverted { .. })));
+        assert!(Aabb::new(DVec3::splat(f64::NAN), DVec3::ONE).is_err());
+        assert!(Aabb::new(DVec3::splat(-1e308), DVec3::splat(1e308)).is_err());
+    }
+
+    #[test]
+    fn hits_name_the_face_and_lie_in_it() {
+        let hit = |origin: [f64; 3], direction: [f64; 3]| {
+            let ray = Ray::new(origin.into(), direction.into()).unwrap();
+            let hit = UNIT.hit(&ray, f64::INFINITY).unwrap();
+            (hit.t, hit.face, hit.side, hit.point.normal)
+        };
+        let up = [0.0, 0.0, 1.0];
+        assert_eq!(
+            hit([0.5, 0.5, -1.0], up),
+            (1.0, 2, Side::Front, DVec3::NEG_Z)
+        );
+        assert_eq!(hit([0.5, 0.5, 0.5], up), (0.5, 5, Side::Back, DVec3::Z));
+        assert_eq!(
+            hit([2.0, 0.5, 0.5], [-1.0, 0.0, 0.0]),
+            (1.0, 3, Side::Front, DVec3::X)
+        );
+        assert_eq!(
+            hit([0.5, 0.5, 0.5], [-1.0, 0.0, 0.0]),
+            (0.5, 0, Side::Back, DVec3::NEG_X)
+        );
     }
 
     #[test]

@@ -1,9 +1,37 @@
-//! Rays, spans, boxes and the camera.
+//! Rays, spans, shapes, transforms and the camera.
+//!
+//! [`Surface`], [`Solid`] and [`Emitter`] are what a renderer asks of a shape: the nearest hit,
+//! the stretches of a ray inside, points uniform by area. [`Sphere`], [`Aabb`], [`Rectangle`],
+//! [`Mesh`] and [`ClosedMesh`] answer; [`Placed`] puts any of them somewhere else. How a ray
+//! leaves a surface without meeting it again is [`SurfacePoint`]'s.
 
 mod aabb;
+mod bvh;
 mod camera;
+mod closed_mesh;
+mod crossing;
+mod hit;
+mod mesh;
+mod mesh_error;
+mod mesh_file;
+mod placed;
 mod ray;
+mod rectangle;
+mod shape_error;
+mod sphere;
+mod surface;
+mod transform;
 
 pub use aabb::Aabb;
 pub use camera::{Camera, CameraError};
+pub use closed_mesh::ClosedMesh;
+pub use hit::{Hit, Side, SurfacePoint};
+pub use mesh::Mesh;
+pub use mesh_error::MeshError;
+pub use placed::Placed;
 pub use ray::{Ray, Span, direction_of, length_of};
+pub use rectangle::Rectangle;
+pub use shape_error::ShapeError;
+pub use sphere::Sphere;
+pub use surface::{Emitter, Solid, Surface};
+pub use transform::{Transform, TransformError};

@@ -1,0 +1,187 @@
+//! Meshes that enclose something.
+
+use super::{Aabb, Hit, Mesh, MeshError, Ray, Side, Solid, Span, Surface, Transform};
+use crate::math::Sum;
+
+/// A mesh without border, its normals outward: the boundary of a body or a medium. It may be
+/// concave, have holes like a ring, and be in several pieces; a piece turned inside out within
+/// another is a cavity.
+#[derive(Clone, Debug)]
+pub struct ClosedMesh(Mesh);
+
+/// A side of a face: the lower vertex number first.
+struct Edge {
+    ends: [usize; 2],
+    /// Whether the face runs from the lower number to the higher.
+    ascending: bool,
+    face: usize,
+}
+
+impl ClosedMesh {
+    /// `mesh`, if every edge belongs to exactly two faces that run along it in opposite
+    /// directions, and the enclosed volume is positive.
+    ///
+    /// Vertices at the same place count as different unless they have the same number;
+    /// [`Mesh::load`] gives them the same number.
+    pub fn new(mesh: Mesh) -> Result<ClosedMesh, MeshError> {
+        let mut edges = edges(&mesh);
+        edges.sort_by_key(|edge| (edge.ends, edge.face));
+        for edge in edges.chunk_by(|a, b| a.ends == b.ends) {
+            check(&mesh, edge)?;
+        }
+        let volume = volume(&mesh);
+        if volume > 0.0 {
+            Ok(ClosedMesh(mesh))
+        } else {
+            Err(MeshError::InsideOut { volume })
+        }
+    }
+
+    /// The surface itself.
+    pub fn mesh(&self) -> &Mesh {
+        &self.0
+    }
+
+    /// The solid with every vertex moved by `transform`.
+    pub fn transformed(&self, transform: &Transform) -> Result<ClosedMesh, MeshError> {
+        ClosedMesh::new(self.0.transformed(transform)?)
+    }
+}
+
+impl Surface for ClosedMesh {
+    fn bounds(&self) -> Aabb {
+        self.0.bounds()
+    }
+
+    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+        self.0.hit(ray, limit)
+    }
+}
+
+impl Solid for ClosedMesh {
+    /// Counts how often the line has gone in more than out, from its far end on. Over the whole
+    /// line the count returns to zero, through edges and vertices too, so whether the origin
+    /// lies inside needs no test of its own.
+    fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
+        let mut crossings = Vec::new();
+        self.0.crossings(ray, &mut crossings);
+        // In before out where both are at the same place: pieces that touch make one span.
+        crossings.sort_by(|a, b| {
+            let out = |side| side == Side::Back;
+            a.t.total_cmp(&b.t).then(out(a.side).cmp(&out(b.side)))
+        });
+        let mut depth = 0;
+        let mut entered = 0.0;
+        for crossing in &crossings {
+            if crossing.side == Side::Front {
+                depth += 1;
+                if depth == 1 {
+                    entered = crossing.t;
+                }
+            } else {
+                if depth == 1 {
+                    spans.extend(super::surface::ahead(entered, crossing.t));
+                }
+                depth -= 1;
+            }
+        }
+    }
+}
+
+fn edges(mesh: &Mesh) -> Vec<Edge> {
+    let sides = |&[a, b, c]: &[usize; 3]| [[a, b], [b, c], [c, a]];
+    let faces = mesh.faces().iter().enumerate();
+    faces
+        .flat_map(|(face, corners)| {
+            sides(corners).map(|[from, to]| Edge {
+                ends: [from.min(to), from.max(to)],
+                ascending: from < to,
+                face,
+            })
+        })
+        .collect()
+}
+
+/// Checks the faces that share one edge.
+fn check(mesh: &Mesh, sharing: &[Edge]) -> Result<(), MeshError> {
+    let [from, to] = sharing[0].ends.map(|vertex| mesh.vertices()[vertex]);
+    let face = sharing[0].face + 1;
+    match sharing {
+        [a, b] if a.ascending != b.ascending => Ok(()),
+        [_] => Err(MeshError::Open { from, to, face }),
+        [a, b] => Err(MeshError::Orientation {
+            from,
+            to,
+            faces: [a.face + 1, b.face + 1],
+        }),
+        more => Err(MeshError::Branching {
+            from,
+            to,
+            face,
+            count: more.len(),
+        }),
+    }
+}
+
+/// Signed volume, by tetrahedra from one vertex: a far origin would cost their digits.
+fn volume(mesh: &Mesh) -> f64 {
+    let apex = mesh.vertices()[mesh.faces()[0][0]];
+    let tetrahedra = mesh.faces().iter().map(|face| {
+        let [a, b, c] = face.map(|vertex| mesh.vertices()[vertex] - apex);
+        a.dot(b.cross(c)) / 6.0
+    });
+    tetrahedra.collect::<Sum>().value()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::crossing::Crossing;
+    use glam::DVec3;
+    use std::path::Path;
+
+    fn mesh(name: &str) -> Mesh {
+        Mesh::load(&Path::new("fixtures/meshes").join(name)).unwrap()
+    }
+
+    /// A sequence without pattern: the golden ratio's multiples, in [−1, 1).
+    fn spread(index: usize) -> f64 {
+        2.0 * (index as f64 * 0.618_033_988_749_894_9).fract() - 1.0
+    }
+
+    /// Crossings in and out, one way of many, must cancel to the last.
+    fn check_parity(mesh: &Mesh, ray: &Ray) {
+        let mut crossings: Vec<Crossing> = Vec::new();
+        mesh.crossings(ray, &mut crossings);
+        let out = crossings.iter().filter(|c| c.side == Side::Back).count();
+        assert_eq!(2 * out, crossings.len(), "{ray:?}");
+    }
+
+    #[test]
+    fn every_line_leaves_a_closed_mesh_as_often_as_it_enters() {
+        for name in ["gem.obj", "knot.obj"] {
+            let mesh = mesh(name);
+            let (centre, size) = (mesh.bounds().centre(), mesh.bounds().size().length());
+            for index in 0..50_000 {
+                let somewhere = |k: usize| {
+                    let at = |j| spread(9 * index + 3 * k + j);
+                    centre + DVec3::new(at(0), at(1), at(2)) * size
+                };
+                let face = mesh.faces()[index % mesh.faces().len()];
+                let [a, b, _] = face.map(|vertex| mesh.vertices()[vertex]);
+                // At nothing special; at a vertex, an edge, along an edge; along the axes.
+                let (origin, target) = match index % 6 {
+                    0 => (somewhere(0), somewhere(1)),
+                    1 => (somewhere(0), a),
+                    2 => (somewhere(0), a + (b - a) * (0.5 + 0.5 * spread(index))),
+                    3 => (a, b),
+                    4 => (a - DVec3::AXES[index / 6 % 3] * size, a),
+                    _ => (a, a - DVec3::AXES[index / 6 % 3]),
+                };
+                if let Some(ray) = Ray::new(origin, target - origin) {
+                    check_parity(&mesh, &ray);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! Where a ray meets a surface, and how it leaves again.
+//!
+//! # Leaving without meeting the same surface again
+//!
+//! A computed point lies a little beside its surface. A ray that starts there may find the
+//! surface it is leaving, or slip through it. The remedy is to start a little off the surface,
+//! along its normal, by more than all rounding together and no more than needed.
+//!
+//! Every hit carries `clearance`, a length with two properties, shown with each shape:
+//!
+//! 1. the computed `point` lies within a quarter of it of the true surface;
+//! 2. a computed crossing `t` of a ray that starts within the shape's reach belongs to a point
+//!    within a quarter of it of the true surface, whatever the angle.
+//!
+//! The new origin is `point ± normal · clearance`. By (1) its distance from the tangent plane is
+//! at least ¾ of the clearance, less the rounding of this sum (one rounding of the coordinate,
+//! and of a normal within 4u of unit length, both below ¼). A ray that heads away from that plane
+//! stays at least ½ away from it for `t ≥ 0`, and by (2) no crossing `t ≥ 0` of the same plane
+//! can be computed. For flat faces the reach is that of the whole shape, so that the same holds
+//! for the neighbours of the face, which lie behind its plane where the surface is convex.
+//!
+//! The clearance is a multiple of the unit roundoff times the shape's largest coordinate
+//! (`2^−44` or a little more), so scaling a scene by a power of two scales it exactly, and there
+//! is no absolute length in it.
+//!
+//! Sources: Wächter & Binder 2019, "A fast and robust method for avoiding self-intersection",
+//! Ray Tracing Gems, ch. 6; Pharr, Jakob & Humphreys 2023, *Physically Based Rendering*, §6.8.
+
+use super::{Ray, direction_of};
+use glam::DVec3;
+
+/// The unit of clearance, 2^−44 = 512u, relative to a shape's largest coordinate. Each shape
+/// shows that its own roundings stay below a quarter of it, 128u.
+pub(super) const RELATIVE_CLEARANCE: f64 = 1.0 / (1_u64 << 44) as f64;
+
+/// Which side of a surface was met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The side the normal points to; outside, for closed shapes.
+    Front,
+    /// The other side; a ray leaving a closed shape meets it.
+    Back,
+}
+
+/// A point of a surface, as something to start a ray from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// World point, on the surface up to a quarter of `clearance`.
+    pub position: DVec3,
+    /// Unit geometric normal: outward for closed shapes, by the order of edges or vertices for
+    /// open ones. It does not turn towards the ray.
+    pub normal: DVec3,
+    /// How far off the surface a ray must start not to meet it, in world units.
+    pub clearance: f64,
+}
+
+/// Where a ray meets a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Distance from the ray's origin, in world units, positive.
+    pub t: f64,
+    /// The point met. More accurate than `ray.at(t)`: it is put onto the surface.
+    pub point: SurfacePoint,
+    /// The side met.
+    pub side: Side,
+    /// Face of a mesh or side of a box (−x, −y, −z, +x, +y, +z); 0 for other shapes.
+    pub face: usize,
+    /// Place on the face, each in [0, 1]: along the two edges of a rectangle, weights of the
+    /// second and third vertex of a triangle; 0 for spheres and boxes.
+    pub uv: [f64; 2],
+}
+
+impl SurfacePoint {
+    /// The ray that leaves the surface towards `direction` (any length; `None` if it is zero):
+    /// it starts off the surface, on the side it heads for. A direction exactly along the
+    /// surface counts as heading for the front.
+    pub fn leave(&self, direction: DVec3) -> Option<Ray> {
+        Ray::new(self.origin_towards(direction), direction)
+    }
+
+    /// The ray from this point to another one, and the distance at which to stop looking for
+    /// anything in between: both surfaces lie outside that stretch. `None` where the two
+    /// starting points coincide.
+    pub fn towards(&self, other: &SurfacePoint) -> Option<(Ray, f64)> {
+        let line = other.position - self.position;
+        let (from, to) = (self.origin_towards(line), other.origin_towards(-line));
+        let ray = Ray::new(from, to - from)?;
+        Some((ray, (to - from).dot(ray.direction)))
+    }
+
+    /// The ray from this point to a point in free space, and its distance.
+    pub fn towards_point(&self, target: DVec3) -> Option<(Ray, f64)> {
+        let from = self.origin_towards(target - self.position);
+        let ray = Ray::new(from, target - from)?;
+        Some((ray, (target - from).dot(ray.direction)))
+    }
+
+    fn origin_towards(&self, direction: DVec3) -> DVec3 {
+        // Products of a normal and a tiny direction may vanish: compare what has length 1.
+        let direction = direction_of(direction).unwrap_or(DVec3::ZERO);
+        let off = if direction.dot(self.normal) < 0.0 {
+            -self.clearance
+        } else {
+            self.clearance
+        };
+        self.position + self.normal * off
+    }
+}

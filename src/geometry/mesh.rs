@@ -1,0 +1,247 @@
+//! Triangle meshes, open or closed.
+
+use super::bvh::Bvh;
+use super::crossing::{Crossing, RayFrame};
+use super::hit::RELATIVE_CLEARANCE;
+use super::{Aabb, Emitter, Hit, MeshError, Ray, Surface, SurfacePoint, Transform, direction_of};
+use crate::math::Sum;
+use glam::DVec3;
+
+/// A triangle mesh. Corners run anticlockwise seen from the front. It may be open; what bounds
+/// a medium is a [`ClosedMesh`](super::ClosedMesh).
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    vertices: Vec<DVec3>,
+    faces: Vec<[usize; 3]>,
+    normals: Vec<DVec3>,
+    /// Area of all faces up to and including each.
+    areas: Vec<f64>,
+    bounds: Aabb,
+    bvh: Bvh,
+}
+
+impl Mesh {
+    /// The mesh of these faces, each three indices into `vertices`, from 0.
+    pub fn new(vertices: Vec<DVec3>, faces: Vec<[usize; 3]>) -> Result<Mesh, MeshError> {
+        let mut normals = Vec::with_capacity(faces.len());
+        let mut areas = Vec::with_capacity(faces.len());
+        let mut boxes = Vec::with_capacity(faces.len());
+        let mut area = Sum::default();
+        for (index, face) in faces.iter().enumerate() {
+            let corners = corners(&vertices, *face, index + 1)?;
+            normals.push(normal(corners).ok_or(MeshError::Degenerate {
+                face: index + 1,
+                corners,
+            })?);
+            area.add(
+                0.5 * (corners[1] - corners[0])
+                    .cross(corners[2] - corners[0])
+                    .length(),
+            );
+            areas.push(area.value());
+            boxes.extend(Aabb::around(corners));
+        }
+        let bounds = boxes
+            .iter()
+            .copied()
+            .reduce(Aabb::union)
+            .ok_or(MeshError::Empty)?;
+        let area = area.value();
+        if !(area > 0.0 && area.is_finite()) {
+            return Err(MeshError::Range(area));
+        }
+        Ok(Mesh {
+            bvh: Bvh::new(&boxes),
+            vertices,
+            faces,
+            normals,
+            areas,
+            bounds,
+        })
+    }
+
+    /// Positions, in world units.
+    pub fn vertices(&self) -> &[DVec3] {
+        &self.vertices
+    }
+
+    /// Indices of each face's corners.
+    pub fn faces(&self) -> &[[usize; 3]] {
+        &self.faces
+    }
+
+    /// The mesh with every vertex moved by `transform`. Mirroring keeps the front in front.
+    pub fn transformed(&self, transform: &Transform) -> Result<Mesh, MeshError> {
+        let vertices = self.vertices.iter().map(|&v| transform.point(v)).collect();
+        let mut faces = self.faces.clone();
+        if transform.mirrors() {
+            faces.iter_mut().for_each(|face| face.swap(1, 2));
+        }
+        Mesh::new(vertices, faces)
+    }
+
+    /// All crossings of the whole line, `t < 0` included, in no particular order.
+    pub(super) fn crossings(&self, ray: &Ray, crossings: &mut Vec<Crossing>) {
+        let frame = RayFrame::new(ray);
+        self.bvh
+            .walk(ray, f64::NEG_INFINITY, f64::INFINITY, |face, limit| {
+                crossings.extend(frame.crossing(self.corners(face)));
+                limit
+            });
+    }
+
+    fn corners(&self, face: usize) -> [DVec3; 3] {
+        self.faces[face].map(|vertex| self.vertices[vertex])
+    }
+
+    /// The crossing's error, 104u of the reach, stays below a quarter of this (see
+    /// [`super::hit`]); so does that of a point by weights: three products and sums.
+    fn point(&self, face: usize, weights: [f64; 3]) -> SurfacePoint {
+        let [a, b, c] = self.corners(face);
+        SurfacePoint {
+            position: a + (b - a) * weights[1] + (c - a) * weights[2],
+            normal: self.normals[face],
+            clearance: RELATIVE_CLEARANCE * self.bounds.reach(),
+        }
+    }
+
+    /// A crossing at `t > 0` that is nearer than `best`, or as near with a smaller number.
+    fn nearer(
+        &self,
+        frame: &RayFrame,
+        face: usize,
+        best: Option<(usize, Crossing)>,
+        limit: f64,
+    ) -> Option<(usize, Crossing)> {
+        let crossing = frame.crossing(self.corners(face))?;
+        let wins = match best {
+            None => crossing.t < limit,
+            Some((number, best)) => crossing.t < best.t || (crossing.t == best.t && face < number),
+        };
+        (crossing.t > 0.0 && wins).then_some((face, crossing))
+    }
+
+    fn hit_at(&self, (face, crossing): (usize, Crossing)) -> Hit {
+        Hit {
+            t: crossing.t,
+            point: self.point(face, crossing.weights),
+            side: crossing.side,
+            face,
+            uv: [crossing.weights[1], crossing.weights[2]],
+        }
+    }
+}
+
+impl Surface for Mesh {
+    fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+        let frame = RayFrame::new(ray);
+        let mut best = None;
+        self.bvh.walk(ray, 0.0, limit, |face, nearest| {
+            best = self.nearer(&frame, face, best, limit).or(best);
+            best.map_or(nearest, |(_, crossing)| crossing.t)
+        });
+        best.map(|best| self.hit_at(best))
+    }
+}
+
+impl Emitter for Mesh {
+    fn area(&self) -> f64 {
+        self.areas[self.areas.len() - 1]
+    }
+
+    /// The first number chooses the face by area; what is left of it and the second choose the
+    /// point, weights `1 − √a`, `√a·(1 − b)`, `√a·b`.
+    fn sample(&self, [u, v]: [f64; 2]) -> SurfacePoint {
+        let target = u * self.area();
+        let face = self
+            .areas
+            .partition_point(|&area| area <= target)
+            .min(self.faces.len() - 1);
+        let before = if face == 0 { 0.0 } else { self.areas[face - 1] };
+        let left = ((target - before) / (self.areas[face] - before)).clamp(0.0, 1.0);
+        let root = left.sqrt();
+        self.point(face, [1.0 - root, root * (1.0 - v), root * v])
+    }
+}
+
+fn corners(vertices: &[DVec3], face: [usize; 3], number: usize) -> Result<[DVec3; 3], MeshError> {
+    let mut corners = [DVec3::ZERO; 3];
+    for (corner, &vertex) in corners.iter_mut().zip(&face) {
+        *corner = *vertices.get(vertex).ok_or(MeshError::NoSuchVertex {
+            face: number,
+            vertex,
+            count: vertices.len(),
+        })?;
+        if !corner.is_finite() {
+            return Err(MeshError::NotFinite {
+                face: number,
+                vertex: *corner,
+            });
+        }
+    }
+    Ok(corners)
+}
+
+/// The unit normal, or `None` for corners on a line.
+fn normal([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
+    perpendicular(b - a, c - a)
+}
+
+/// The unit vector perpendicular to two others, or `None` where they are parallel up to
+/// rounding.
+pub(super) fn perpendicular(first: DVec3, second: DVec3) -> Option<DVec3> {
+    let across = direction_of(first)?.cross(direction_of(second)?);
+    // Each component is a difference of products of numbers off by 4u: an error of at most 10u,
+    // so below 16·√3·u the direction of the product is noise.
+    if across.length() <= 16.0 * f64::EPSILON {
+        return None;
+    }
+    direction_of(across)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn vertices() -> Vec<DVec3> {
+        vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X * 2.0]
+    }
+
+    #[test]
+    fn what_is_no_mesh_is_refused_by_name() {
+        let refused =
+            |faces: Vec<[usize; 3]>| Mesh::new(vertices(), faces).unwrap_err().to_string();
+        assert!(refused(vec![]).contains("no faces"));
+        assert!(refused(vec![[0, 1, 2], [0, 1, 4]]).contains("face 2 refers to vertex 4"));
+        let line = refused(vec![[0, 1, 3]]);
+        assert!(
+            line.contains("face 1") && line.contains("[2, 0, 0]"),
+            "{line}"
+        );
+        assert!(refused(vec![[1, 1, 2]]).contains("no area"));
+        let mut bad = vertices();
+        bad[2].z = f64::NAN;
+        let error = Mesh::new(bad, vec![[0, 1, 2]]).unwrap_err();
+        assert!(matches!(error, MeshError::NotFinite { face: 1, .. }));
+    }
+
+    #[test]
+    fn a_triangle_is_hit_from_both_sides() {
+        let mesh = Mesh::new(vertices(), vec![[0, 1, 2]]).unwrap();
+        let hit = |z: f64| {
+            let ray = Ray::new(DVec3::new(0.25, 0.5, z), DVec3::Z * -z).unwrap();
+            mesh.hit(&ray, f64::INFINITY).unwrap()
+        };
+        let (above, below) = (hit(2.0), hit(-3.0));
+        assert_eq!((above.t, above.side), (2.0, super::super::Side::Front));
+        assert_eq!((below.t, below.side), (3.0, super::super::Side::Back));
+        assert_eq!(above.point.normal, DVec3::Z);
+        assert_eq!(above.uv, [0.25, 0.5]);
+        assert_eq!(above.point.position, DVec3::new(0.25, 0.5, 0.0));
+        assert_eq!(mesh.area(), 0.5);
+    }
+}

@@ -1,0 +1,163 @@
+//! Rectangles and parallelograms.
+
+use super::crossing::RayFrame;
+use super::hit::RELATIVE_CLEARANCE;
+use super::mesh::perpendicular;
+use super::shape_error::finite;
+use super::{Aabb, Emitter, Hit, Ray, ShapeError, Surface, SurfacePoint, Transform};
+use glam::DVec3;
+
+/// A flat piece spanned by two edges at a corner; a parallelogram if they are not perpendicular.
+/// Its normal is along `edge_u × edge_v`. Whether light uses one side or both is the material's.
+///
+/// Two rectangles whose corners have the same bits have no gap between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rectangle {
+    corner: DVec3,
+    edge_u: DVec3,
+    edge_v: DVec3,
+    normal: DVec3,
+}
+
+impl Rectangle {
+    /// The rectangle with a corner and the two edges that start there, in world units.
+    pub fn new(corner: DVec3, edge_u: DVec3, edge_v: DVec3) -> Result<Rectangle, ShapeError> {
+        finite("the corner of the rectangle", corner)?;
+        finite("an edge of the rectangle", edge_u)?;
+        finite("an edge of the rectangle", edge_v)?;
+        finite(
+            "the opposite corner of the rectangle",
+            corner + edge_u + edge_v,
+        )?;
+        let no_area = ShapeError::NoArea(edge_u, edge_v);
+        let normal = perpendicular(edge_u, edge_v).ok_or(no_area)?;
+        let rectangle = Rectangle {
+            corner,
+            edge_u,
+            edge_v,
+            normal,
+        };
+        // Also where the product leaves the range, or the edges vanish beside the corner.
+        let [a, b, c, d] = rectangle.corners();
+        let seen = perpendicular(b - a, d - a).and(perpendicular(b - c, d - c));
+        let area = rectangle.area();
+        if seen.is_none() || !(area > 0.0 && area.is_finite()) {
+            return Err(no_area);
+        }
+        Ok(rectangle)
+    }
+
+    /// The rectangle around `centre` that reaches `±half_u` and `±half_v` from it.
+    pub fn centred(centre: DVec3, half_u: DVec3, half_v: DVec3) -> Result<Rectangle, ShapeError> {
+        Rectangle::new(centre - half_u - half_v, half_u * 2.0, half_v * 2.0)
+    }
+
+    /// The rectangle moved by `transform`; its front stays in front.
+    pub fn transformed(&self, transform: &Transform) -> Result<Rectangle, ShapeError> {
+        let (mut u, mut v) = (self.edge_u, self.edge_v);
+        if transform.mirrors() {
+            (u, v) = (v, u);
+        }
+        Rectangle::new(
+            transform.point(self.corner),
+            transform.direction(u),
+            transform.direction(v),
+        )
+    }
+
+    /// Unit normal.
+    pub fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
+    fn corners(&self) -> [DVec3; 4] {
+        let Rectangle {
+            corner,
+            edge_u,
+            edge_v,
+            ..
+        } = *self;
+        [
+            corner,
+            corner + edge_u,
+            corner + (edge_u + edge_v),
+            corner + edge_v,
+        ]
+    }
+
+    /// Four roundings for the point and as many for a corner, beside the crossing's 104u of the
+    /// reach: below the quarter of [`super::hit`].
+    fn point(&self, [u, v]: [f64; 2]) -> SurfacePoint {
+        SurfacePoint {
+            position: self.corner + (self.edge_u * u + self.edge_v * v),
+            normal: self.normal,
+            clearance: RELATIVE_CLEARANCE * self.bounds().reach(),
+        }
+    }
+}
+
+impl Surface for Rectangle {
+    fn bounds(&self) -> Aabb {
+        Aabb::around(self.corners()).expect("four corners")
+    }
+
+    /// As two triangles with the diagonal in common, of which a line crosses at most one.
+    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+        let frame = RayFrame::new(ray);
+        let [a, b, c, d] = self.corners();
+        let (crossing, uv) = if let Some(crossing) = frame.crossing([a, b, c]) {
+            let [_, at_b, at_c] = crossing.weights;
+            (crossing, [at_b + at_c, at_c])
+        } else {
+            let crossing = frame.crossing([a, c, d])?;
+            let [_, at_c, at_d] = crossing.weights;
+            (crossing, [at_c, at_c + at_d])
+        };
+        let uv = uv.map(|part: f64| part.min(1.0));
+        (crossing.t > 0.0 && crossing.t < limit).then(|| Hit {
+            t: crossing.t,
+            point: self.point(uv),
+            side: crossing.side,
+            face: 0,
+            uv,
+        })
+    }
+}
+
+impl Emitter for Rectangle {
+    fn area(&self) -> f64 {
+        self.edge_u.cross(self.edge_v).length()
+    }
+
+    fn sample(&self, uv: [f64; 2]) -> SurfacePoint {
+        self.point(uv)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_centre_and_normal() {
+        let light = Rectangle::centred(DVec3::Y * 5.0, DVec3::X * 2.0, DVec3::Z).unwrap();
+        assert_eq!(light.normal(), DVec3::NEG_Y);
+        assert_eq!(light.area(), 8.0);
+        assert_eq!(light.sample([0.5, 0.5]).position, DVec3::Y * 5.0);
+        let ray = Ray::new(DVec3::new(1.0, 0.0, -0.5), DVec3::Y).unwrap();
+        let hit = light.hit(&ray, f64::INFINITY).unwrap();
+        assert_eq!((hit.t, hit.uv), (5.0, [0.75, 0.25]));
+        assert_eq!(hit.side, super::super::Side::Front);
+        assert!(light.hit(&ray, 5.0).is_none());
+    }
+
+    #[test]
+    fn rectangles_without_area_are_refused() {
+        let refused = |u, v| Rectangle::new(DVec3::ONE, u, v).is_err();
+        assert!(refused(DVec3::ZERO, DVec3::X));
+        assert!(refused(DVec3::X, DVec3::X * -3.0));
+        assert!(refused(DVec3::X * f64::NAN, DVec3::Y));
+        assert!(refused(DVec3::X * 1e-30, DVec3::Y));
+        assert!(refused(DVec3::X * 1e200, DVec3::Y * 1e200));
+    }
+}

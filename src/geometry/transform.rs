@@ -1,0 +1,306 @@
+//! Affine maps between object space and the world.
+
+use super::{Aabb, Ray, direction_of};
+use crate::math;
+use glam::{DMat3, DVec3};
+use thiserror::Error;
+
+/// An invertible affine map `p ↦ M·p + o`, kept together with its inverse.
+///
+/// Maps built from translations, rotations and scalings carry the inverse as the same factors
+/// in reverse order, so that no matrix is ever inverted numerically for them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transform {
+    linear: DMat3,
+    offset: DVec3,
+    inverse_linear: DMat3,
+    inverse_offset: DVec3,
+}
+
+/// Why numbers make no invertible map.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum TransformError {
+    /// A component is NaN or infinite, or the inverse of one would be.
+    #[error(
+        "a transform needs finite numbers with finite inverses, got {0}; check the scene's units"
+    )]
+    NotFinite(DVec3),
+    /// A factor of the scaling is zero.
+    #[error("scaling by {0} flattens the object; give a factor other than 0 on every axis")]
+    FlatScale(DVec3),
+    /// The axis of a rotation is the zero vector.
+    #[error("a rotation needs an axis other than the zero vector")]
+    NoAxis,
+    /// The columns of the matrix lie in a plane, up to rounding.
+    #[error(
+        "the matrix maps space onto a plane (determinant {determinant}); give three independent columns"
+    )]
+    Singular {
+        /// Determinant of the refused matrix.
+        determinant: f64,
+    },
+}
+
+impl Transform {
+    /// The map that moves nothing.
+    pub const IDENTITY: Transform = Transform {
+        linear: DMat3::IDENTITY,
+        offset: DVec3::ZERO,
+        inverse_linear: DMat3::IDENTITY,
+        inverse_offset: DVec3::ZERO,
+    };
+
+    /// Moves every point by `offset`, in world units.
+    pub fn translation(offset: DVec3) -> Result<Transform, TransformError> {
+        finite(offset)?;
+        Ok(Transform {
+            offset,
+            inverse_offset: -offset,
+            ..Transform::IDENTITY
+        })
+    }
+
+    /// Turns about an axis through the origin by `degrees`, right-handed: seen with the axis
+    /// pointing at the viewer, anticlockwise. `axis` has any length but 0. Multiples of 90°
+    /// about a coordinate axis are exact.
+    pub fn rotation(axis: DVec3, degrees: f64) -> Result<Transform, TransformError> {
+        finite(axis)?;
+        finite(DVec3::splat(degrees))?;
+        let axis = direction_of(axis).ok_or(TransformError::NoAxis)?;
+        let (sine, cosine) = sine_and_cosine_of_degrees(degrees);
+        // Rodrigues: R·v = v cos θ + (a × v) sin θ + a (a·v)(1 − cos θ).
+        let rotated =
+            |v: DVec3| v * cosine + axis.cross(v) * sine + axis * (axis.dot(v) * (1.0 - cosine));
+        let linear = DMat3::from_cols(rotated(DVec3::X), rotated(DVec3::Y), rotated(DVec3::Z));
+        Ok(Transform {
+            linear,
+            inverse_linear: linear.transpose(),
+            ..Transform::IDENTITY
+        })
+    }
+
+    /// Stretches along the coordinate axes; negative factors mirror.
+    pub fn scale(factors: DVec3) -> Result<Transform, TransformError> {
+        finite(factors)?;
+        if factors.cmpeq(DVec3::ZERO).any() {
+            return Err(TransformError::FlatScale(factors));
+        }
+        finite(factors.recip())?;
+        Ok(Transform {
+            linear: DMat3::from_diagonal(factors),
+            inverse_linear: DMat3::from_diagonal(factors.recip()),
+            ..Transform::IDENTITY
+        })
+    }
+
+    /// The map `p ↦ linear·p + offset`.
+    pub fn from_matrix(linear: DMat3, offset: DVec3) -> Result<Transform, TransformError> {
+        for column in [linear.x_axis, linear.y_axis, linear.z_axis, offset] {
+            finite(column)?;
+        }
+        let determinant = linear.determinant();
+        let volume = linear.x_axis.length() * linear.y_axis.length() * linear.z_axis.length();
+        // Six products of three factors, five roundings each: a determinant below this share of
+        // the volume of the columns' box has no correct digit, not even its sign.
+        if determinant.abs() <= 32.0 * f64::EPSILON * volume {
+            return Err(TransformError::Singular { determinant });
+        }
+        let inverse_linear = DMat3::from_cols(
+            linear.y_axis.cross(linear.z_axis) / determinant,
+            linear.z_axis.cross(linear.x_axis) / determinant,
+            linear.x_axis.cross(linear.y_axis) / determinant,
+        )
+        .transpose();
+        for column in [
+            inverse_linear.x_axis,
+            inverse_linear.y_axis,
+            inverse_linear.z_axis,
+        ] {
+            finite(column)?;
+        }
+        Ok(Transform {
+            linear,
+            offset,
+            inverse_linear,
+            inverse_offset: -(inverse_linear * offset),
+        })
+    }
+
+    /// First this map, then `next`: "turned, then moved" reads in the order it happens.
+    pub fn then(&self, next: &Transform) -> Transform {
+        Transform {
+            linear: next.linear * self.linear,
+            offset: next.point(self.offset),
+            inverse_linear: self.inverse_linear * next.inverse_linear,
+            inverse_offset: self.inverse().point(next.inverse_offset),
+        }
+    }
+
+    /// The map that undoes this one.
+    pub fn inverse(&self) -> Transform {
+        Transform {
+            linear: self.inverse_linear,
+            offset: self.inverse_offset,
+            inverse_linear: self.linear,
+            inverse_offset: self.offset,
+        }
+    }
+
+    /// Where the point `p` goes.
+    pub fn point(&self, p: DVec3) -> DVec3 {
+        self.linear * p + self.offset
+    }
+
+    /// Where the difference of two points goes; its length changes with the scale.
+    pub fn direction(&self, v: DVec3) -> DVec3 {
+        self.linear * v
+    }
+
+    /// The unit normal, after the map, of a surface whose normal was `normal`: by the inverse
+    /// transpose, so that it stays perpendicular to the surface under unequal scaling. A mirror
+    /// keeps outward normals outward. `normal` must not be zero.
+    pub fn normal(&self, normal: DVec3) -> DVec3 {
+        let turned = self.inverse_linear.transpose() * normal;
+        direction_of(turned).expect("an invertible map keeps a normal from vanishing")
+    }
+
+    /// Whether the map turns right-handed frames into left-handed ones.
+    pub fn mirrors(&self) -> bool {
+        self.linear.determinant() < 0.0
+    }
+
+    /// A world ray as object space sees it, and the object length of one world unit along it:
+    /// a hit at object distance `t` lies at world distance `t / factor`.
+    ///
+    /// `None` if the direction leaves the range of numbers on the way.
+    pub fn ray_to_object(&self, ray: &Ray) -> Option<(Ray, f64)> {
+        let towards = self.inverse_linear * ray.direction;
+        // Relative to the ray's own length, 1 up to rounding: so a scaling by a power of two
+        // gives back every digit of the direction.
+        let factor = length(towards)? / length(ray.direction)?;
+        let object_ray = Ray {
+            origin: self.inverse().point(ray.origin),
+            direction: towards / factor,
+        };
+        Some((object_ray, factor))
+    }
+
+    /// The smallest world box around the image of `bounds`, up to rounding.
+    pub fn bounds(&self, bounds: &Aabb) -> Aabb {
+        let corners = (0..8).map(|corner| {
+            let pick = |axis: usize| [bounds.min, bounds.max][corner >> axis & 1][axis];
+            self.point(DVec3::new(pick(0), pick(1), pick(2)))
+        });
+        Aabb::around(corners).expect("a box has eight corners")
+    }
+
+    /// Bound on the distance, in world units, by which a world point near `world_reach` moves
+    /// when it is mapped to object space and back.
+    ///
+    /// Each map is three products and three sums per coordinate: γ₆ < 8u of
+    /// `|M|·|p| + |o|`. An error made in object space is stretched by at most `‖M‖` on the way
+    /// back. All norms are of the largest coordinate.
+    pub(super) fn round_trip_error(&self, world_reach: f64, object_reach: f64) -> f64 {
+        let there = norm(&self.inverse_linear) * world_reach + largest(self.inverse_offset);
+        let back = norm(&self.linear) * object_reach + largest(self.offset);
+        8.0 * f64::EPSILON / 2.0 * (norm(&self.linear) * there + back)
+    }
+
+    /// How many times longer, at most, the largest coordinate of a vector becomes.
+    pub(super) fn stretch(&self) -> f64 {
+        norm(&self.linear)
+    }
+}
+
+/// `|v|`, by projection: no square that could leave the range. `None` for the zero vector.
+fn length(v: DVec3) -> Option<f64> {
+    direction_of(v).map(|direction| v.dot(direction))
+}
+
+/// Largest row sum of magnitudes: the norm that belongs to the largest coordinate.
+fn norm(m: &DMat3) -> f64 {
+    (m.x_axis.abs() + m.y_axis.abs() + m.z_axis.abs()).max_element()
+}
+
+fn largest(v: DVec3) -> f64 {
+    v.abs().max_element()
+}
+
+fn finite(v: DVec3) -> Result<(), TransformError> {
+    if v.is_finite() {
+        Ok(())
+    } else {
+        Err(TransformError::NotFinite(v))
+    }
+}
+
+/// Sine and cosine of an angle in degrees, exact at multiples of 90°, where π/180 is not.
+fn sine_and_cosine_of_degrees(degrees: f64) -> (f64, f64) {
+    // Both steps are exact: the remainder by definition, the difference because it is small.
+    let turn = degrees % 360.0;
+    let quarters = (turn / 90.0).round();
+    let rest = (turn - quarters * 90.0).to_radians();
+    let (sine, cosine) = (math::sin(rest), math::cos(rest));
+    match (quarters as i64).rem_euclid(4) {
+        0 => (sine, cosine),
+        1 => (cosine, -sine),
+        2 => (-sine, -cosine),
+        _ => (-cosine, sine),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quarter_turns_are_exact() {
+        let turn = |axis, degrees| Transform::rotation(axis, degrees).unwrap();
+        assert_eq!(turn(DVec3::Y, 90.0).point(DVec3::Z), DVec3::X);
+        assert_eq!(turn(DVec3::Z, 90.0).point(DVec3::X), DVec3::Y);
+        assert_eq!(turn(DVec3::X, -270.0).point(DVec3::Y), DVec3::Z);
+        assert_eq!(turn(DVec3::Z, 180.0).point(DVec3::X), -DVec3::X);
+        let far = DVec3::new(1.0, 2.0, 3.0);
+        assert_eq!(turn(DVec3::ONE, 720.0).point(far), far);
+    }
+
+    #[test]
+    fn the_first_map_of_then_happens_first() {
+        let turn = Transform::rotation(DVec3::Y, 90.0).unwrap();
+        let shift = Transform::translation(DVec3::X).unwrap();
+        assert_eq!(turn.then(&shift).point(DVec3::Z), DVec3::new(2.0, 0.0, 0.0));
+        assert_eq!(
+            shift.then(&turn).point(DVec3::X),
+            DVec3::new(0.0, 0.0, -2.0)
+        );
+    }
+
+    #[test]
+    fn normals_stay_perpendicular_under_unequal_scaling() {
+        let squash = Transform::scale(DVec3::new(1.0, 0.25, 1.0)).unwrap();
+        let (normal, tangent) = (DVec3::new(1.0, 1.0, 0.0), DVec3::new(1.0, -1.0, 0.0));
+        assert_eq!(squash.normal(normal).dot(squash.direction(tangent)), 0.0);
+    }
+
+    #[test]
+    fn maps_without_an_inverse_are_refused() {
+        let flat = DVec3::new(1.0, 0.0, 1.0);
+        assert_eq!(Transform::scale(flat), Err(TransformError::FlatScale(flat)));
+        assert_eq!(
+            Transform::rotation(DVec3::ZERO, 1.0),
+            Err(TransformError::NoAxis)
+        );
+        for bad in [f64::NAN, f64::INFINITY, 1e-310] {
+            assert!(Transform::scale(DVec3::splat(bad)).is_err(), "{bad}");
+        }
+        assert!(Transform::rotation(DVec3::X, f64::NAN).is_err());
+        assert!(Transform::translation(DVec3::splat(f64::INFINITY)).is_err());
+        // Rank 2, with a determinant that is not zero but rounding.
+        let (a, b) = (DVec3::new(0.1, 0.7, 0.3), DVec3::new(0.9, 0.2, 0.4));
+        let matrix = DMat3::from_cols(a, b, a * 0.3 + b * 0.7);
+        assert!(matches!(
+            Transform::from_matrix(matrix, DVec3::ZERO),
+            Err(TransformError::Singular { .. })
+        ));
+    }
+}
