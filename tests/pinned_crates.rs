@@ -33,9 +33,7 @@ fn tobj_positions(text: &str) -> Vec<[f64; 3]> {
     let positions = models
         .iter()
         .flat_map(|model| model.mesh.positions.chunks_exact(3));
-    positions
-        .map(|p| [f64::from(p[0]), f64::from(p[1]), f64::from(p[2])])
-        .collect()
+    positions.map(|p| [p[0], p[1], p[2]]).collect()
 }
 
 fn our_positions(text: &str) -> Vec<[f64; 3]> {

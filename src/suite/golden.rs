@@ -177,8 +177,8 @@ impl Golden {
         };
         let text = std::str::from_utf8(&bytes[2])
             .map_err(|_| unreadable(2, "not UTF-8 text".to_owned()))?;
-        let provenance: Provenance = toml::from_str(text)
-            .map_err(|error| unreadable(2, error.to_string().trim_end().to_owned()))?;
+        let provenance: Provenance =
+            toml::from_str(text).map_err(|error| unreadable(2, error.message().to_owned()))?;
         if provenance.schema != Provenance::SCHEMA {
             let reason = format!("its schema is {:?}, not known here", provenance.schema);
             return Err(unreadable(2, reason));
