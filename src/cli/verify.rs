@@ -30,14 +30,6 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
-    for path in [&arguments.json, &arguments.junit].into_iter().flatten() {
-        output::check_place(path)?;
-        if is_below(path, &suite.golden_folder()) {
-            let message = format!("{} lies among the goldens", path.display());
-            let help = "goldens change by `volref accept` alone; write the report elsewhere";
-            return Err(Failure::new(Exit::BadInput, message, Some(help)));
-        }
-    }
     if let Some(path) = &arguments.json
         && suite.select(&[path.display().to_string()]).is_ok()
     {
@@ -47,6 +39,14 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         );
         let help = "write filters before --json, or a file name that is no case";
         return Err(Failure::new(Exit::BadInput, message, Some(help)));
+    }
+    for path in [&arguments.json, &arguments.junit].into_iter().flatten() {
+        output::check_place(path)?;
+        if is_below(path, &suite.golden_folder()) {
+            let message = format!("{} lies among the goldens", path.display());
+            let help = "goldens change by `volref accept` alone; write the report elsewhere";
+            return Err(Failure::new(Exit::BadInput, message, Some(help)));
+        }
     }
     let cases = select(&suite, &arguments.filters)?;
     let store = store(&suite);

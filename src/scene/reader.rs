@@ -66,6 +66,7 @@ impl Display for Length {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Length::World(length) => write!(f, "{length}"),
+            Length::Voxels(1.0) => write!(f, "\"1 voxel\""),
             Length::Voxels(count) => write!(f, "\"{count} voxels\""),
         }
     }

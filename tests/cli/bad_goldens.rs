@@ -130,7 +130,7 @@ fn images_that_were_changed() {
             set(suite, "height", "5");
         },
     ]);
-    assert_shown!(shown, @r"
+    assert_shown!(shown, @"
     error         smoke/plain [seconds]
                   golden/smoke/plain.exr is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
     error         smoke/plain [seconds]
@@ -140,7 +140,7 @@ fn images_that_were_changed() {
     error         smoke/plain [seconds]
                   golden/smoke/plain.exr: the image has 6 × 5 pixels, but golden/smoke/plain.toml says 12 × 10; restore it from version control
     error         smoke/plain [seconds]
-                  the golden has 6 × 5 pixels, the scene asks for 12 × 10; restore it from version control
+                  golden/smoke/plain.toml is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
     ");
 }
 
@@ -162,39 +162,27 @@ fn provenance_that_was_changed() {
     ]);
     assert_shown!(shown, @r#"
     error         smoke/plain [seconds]
-                  golden/smoke/plain.toml: TOML parse error at line 1, column 8
-                    |
-                  1 | garbage
-                    |        ^
-                  key with no value, expected `=`; restore it from version control
+                  golden/smoke/plain.toml: key with no value, expected `=`; restore it from version control
     error         smoke/plain [seconds]
                   golden/smoke/plain.toml: not UTF-8 text; restore it from version control
     error         smoke/plain [seconds]
-                  golden/smoke/plain.toml: TOML parse error at line 1, column 1
-                    |
-                  1 | 
-                    | ^
-                  missing field `schema`; restore it from version control
+                  golden/smoke/plain.toml: missing field `schema`; restore it from version control
     error         smoke/plain [seconds]
                   golden/smoke/plain.toml: its schema is "volref/golden/2", not known here; restore it from version control
     error         smoke/plain [seconds]
                   golden/smoke/plain.exr: the image has 12 × 10 pixels, but golden/smoke/plain.toml says 6 × 10; restore it from version control
     error         smoke/plain [seconds]
-                  golden/smoke/plain.toml: TOML parse error at line 14, column 1
-                     |
-                  14 | signed_off_by = "nobody"
-                     | ^^^^^^^^^^^^^
-                  unknown field `signed_off_by`, expected one of `schema`, `case`, `reason`, `replaces`, `pixels`, `preview`, `scene`, `plan`, `omitted`, `width`, `height`, `samples`, `seed`, `error_estimate`, `volref`, `libm`, `target`, `inputs`; restore it from version control
+                  golden/smoke/plain.toml: unknown field `signed_off_by`, expected one of `schema`, `case`, `reason`, `replaces`, `pixels`, `preview`, `exposure`, `scene`, `plan`, `omitted`, `width`, `height`, `samples`, `seed`, `error_estimate`, `volref`, `libm`, `target`, `seal`, `inputs`; restore it from version control
     error         smoke/plain [seconds]
-                  the golden is of the case "smoke/nearest", not of this one; restore it from version control
+                  golden/smoke/plain.toml is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
     error         smoke/plain [seconds]
-                  golden/smoke/plain.exr is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
+                  golden/smoke/plain.toml is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
     error         smoke/plain [seconds]
-                  golden/smoke/plain.png is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
+                  golden/smoke/plain.toml is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
     error         smoke/plain [seconds]
-                  stale: the scene has changed since the golden was accepted; look at the new picture, then accept it
+                  golden/smoke/plain.toml is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
     error         smoke/plain [seconds]
-                  stale: the plan has changed since the golden was accepted: other effects are simulated; look at the new picture, then accept it
+                  golden/smoke/plain.toml is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
     "#);
 }
 
@@ -290,4 +278,60 @@ fn one_bad_golden_does_not_hide_the_other_cases() {
         "pass": 1, "fail": 2, "inconclusive": 0, "missing": 0, "error": 1
     });
     assert_eq!(json["summary"], summary);
+}
+
+#[test]
+fn a_golden_without_a_case() {
+    let suite = Folder::with_goldens();
+    suite.remove("fixtures/cases/smoke/plain.toml");
+    let run = suite.volref(&["verify"]);
+    assert_eq!(run.code, 3, "{}", run.stdout);
+    assert!(
+        run.stdout.contains("this golden belongs to no case"),
+        "{}",
+        run.stdout
+    );
+    // Asked for by name, the other cases are nobody else's business.
+    assert_eq!(suite.volref(&["verify", "plots"]).code, 0);
+}
+
+#[test]
+fn another_exposure_makes_the_preview_stale_and_can_be_accepted() {
+    let suite = Folder::with_goldens();
+    let manifest = "fixtures/cases/smoke/plain.toml";
+    let text = suite.text(manifest).replace("exposure", "# exposure");
+    suite.write(manifest, format!("exposure = 3.5\n{text}"));
+    let run = suite.volref(&["verify", "smoke/plain"]);
+    assert_eq!(run.code, 3, "{}", run.stdout);
+    assert!(
+        run.stdout.contains("stale: the exposure of the case"),
+        "{}",
+        run.stdout
+    );
+    let run = suite.volref(&["accept", "smoke/plain", "--reason", "brighter"]);
+    assert!(
+        run.stdout.contains("recorded"),
+        "{}{}",
+        run.stdout,
+        run.stderr
+    );
+    assert_eq!(suite.volref(&["verify"]).code, 0);
+}
+
+#[test]
+fn reports_are_not_written_over_goldens_or_cases() {
+    let suite = Folder::with_goldens();
+    let before = suite.files();
+    for (option, path, said) in [
+        ("--json", "golden/smoke/plain.exr", "lies among the goldens"),
+        ("--junit", "golden/smoke/new.xml", "lies among the goldens"),
+        (
+            "--json",
+            "smoke/plain",
+            "a file to write or the cases to verify?",
+        ),
+    ] {
+        suite.volref(&["verify", option, path]).expect(2, &[said]);
+    }
+    assert_eq!(suite.files(), before);
 }

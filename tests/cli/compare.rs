@@ -149,7 +149,7 @@ fn every_gate() {
             lines[0], lines[1]
         ));
     }
-    assert_shown!(said, @r"
+    assert_shown!(said, @"
     right.exr right.exr: pass  (exact gate)
       all 128 pixels have the same bits
     right.exr ulp.exr: fail  (exact gate)
@@ -171,9 +171,9 @@ fn every_gate() {
     right.exr small.exr: fail  (exact gate)
       size differs: the reference has 16 × 8 pixels, the test image 8 × 8
     right.exr nan.exr: fail  (deterministic gate)
-      1 of 128 pixels of the test image are not finite; the first is (5, 2) with [0.3125, 0.25, NaN]
+      1 of 128 pixels of the test image are not finite; the first is (5, 2) with red, green, blue, opacity [0.3125, 0.25, NaN, 1.0]
     nan.exr right.exr: fail  (perceptual gate)
-      1 of 128 pixels of the reference are not finite; the first is (5, 2) with [0.3125, 0.25, NaN]
+      1 of 128 pixels of the reference are not finite; the first is (5, 2) with red, green, blue, opacity [0.3125, 0.25, NaN, 1.0]
     right.png small.png: fail  (perceptual gate)
       size differs: the reference has 16 × 8 pixels, the test image 8 × 8
     ");

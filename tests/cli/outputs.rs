@@ -40,9 +40,9 @@ fn every_output_is_refused_in_words_and_leaves_nothing() {
             run.expect(2, parts);
             assert_eq!(folder.files(), before, "{command:?} {option}{path}");
         }
-        let path = format!("{option}golden/{}.{extension}", "x".repeat(300));
+        let path = format!("{option}fixtures/{}.{extension}", "x".repeat(300));
         let run = folder.volref(&[*command, &[&path]].concat());
-        run.expect(2, &["cannot write golden/xxx"]);
+        run.expect(2, &["cannot write fixtures/xxx"]);
         assert_eq!(folder.files(), before, "{command:?}");
     }
 }
@@ -79,7 +79,7 @@ fn exposures_that_are_no_number() {
     for exposure in ["nan", "inf", "-inf"] {
         let option = format!("--exposure={exposure}");
         let run = folder.volref(&["render", "scene.toml", "-o", "image.png", &option]);
-        run.expect(2, &["exposure", "finite"]);
+        run.expect(2, &["exposure", "from -64 to 64"]);
     }
     assert!(!folder.path("image.png").exists());
 }

@@ -17,6 +17,7 @@ fn figures() {
     exit code 0
     --- stdout
     kernel  ray caster: nearest, front to back, Phong, no shadow, leaps over empty space
+    volume  70 × 106 × 67 nodes, voxel 0.01, from (-0.02, -0.02, -0.02) to (0.67, 1.03, 0.64)
 
     effects
       elided   surfaces                the classified model has no surfaces
@@ -61,6 +62,7 @@ fn figures() {
     exit code 0
     --- stdout
     kernel  ray caster: trilinear, front to back, Phong, no shadow, leaps over empty space
+    volume  70 × 106 × 67 nodes, voxel 0.01, from (-0.02, -0.02, -0.02) to (0.67, 1.03, 0.64)
 
     effects
       elided   surfaces                the classified model has no surfaces
@@ -84,6 +86,7 @@ fn figures() {
     exit code 0
     --- stdout
     kernel  ray caster: trilinear, back to front, Phong, no shadow, leaps over empty space
+    volume  70 × 106 × 67 nodes, voxel 0.01, from (-0.02, -0.02, -0.02) to (0.67, 1.03, 0.64)
 
     effects
       elided   surfaces                the classified model has no surfaces
@@ -108,6 +111,7 @@ fn figures() {
     --- stdout
     panel 1: without shadow
     kernel  ray caster: trilinear, front to back, Phong, no shadow, leaps over empty space
+    volume  70 × 106 × 67 nodes, voxel 0.01, from (-0.02, -0.02, -0.02) to (0.67, 1.03, 0.64)
 
     effects
       elided   surfaces                the classified model has no surfaces
@@ -129,6 +133,7 @@ fn figures() {
 
     panel 2: with shadow
     kernel  ray caster: trilinear, front to back, Phong, volume shadow, leaps over empty space
+    volume  70 × 106 × 67 nodes, voxel 0.01, from (-0.02, -0.02, -0.02) to (0.67, 1.03, 0.64)
 
     effects
       elided   surfaces                the classified model has no surfaces
@@ -280,6 +285,7 @@ fn counters() {
       520  cells walked
       520  density lookups
       0  gradient lookups
+      0  gradients computed
       0  null collisions
       0  phase evaluations
       0  random draws
@@ -305,6 +311,7 @@ fn force_on_a_constant_grid() {
     exit code 0
     --- stdout
     kernel  ray caster: constant density, front to back, unshaded, no shadow, every sample
+    volume  3 × 3 × 3 nodes, voxel 0.5, from (0, 0, 0) to (1, 1, 1)
 
     effects
       elided   surfaces                the classified model has no surfaces
@@ -328,10 +335,10 @@ fn force_on_a_constant_grid() {
       classified.step                     "0.5 voxels"
       classified.background               [0, 0, 0]
       camera.vertical_fov                 45
-      camera.eye                          before the volume on the −z side, as near as shows all of it
-      camera.target                       volume centre
+      camera.eye                          [0.5, 0.5, -1.2706387170384712]  (before the volume on the −z side, as near as shows all of it)
+      camera.target                       [0.5, 0.5, 0.5]  (volume centre)
       camera.up                           [0, 1, 0]
-      classified.light.position           above the eye, as high as the target is far
+      classified.light.position           [0.5, 2.270638717038471, -1.2706387170384712]  (above the eye, as high as the target is far)
       classified.phong.ambient            0.1
       classified.phong.diffuse            1
       classified.phong.specular           1
@@ -341,6 +348,7 @@ fn force_on_a_constant_grid() {
       0  cells walked
       0  density lookups
       0  gradient lookups
+      0  gradients computed
       0  null collisions
       0  phase evaluations
       0  random draws
@@ -360,6 +368,7 @@ fn force_on_a_constant_grid() {
     exit code 0
     --- stdout
     kernel  ray caster: trilinear, front to back, Phong, no shadow, every sample
+    volume  3 × 3 × 3 nodes, voxel 0.5, from (0, 0, 0) to (1, 1, 1)
 
     effects
       elided   surfaces                the classified model has no surfaces
@@ -383,10 +392,10 @@ fn force_on_a_constant_grid() {
       classified.step                     "0.5 voxels"
       classified.background               [0, 0, 0]
       camera.vertical_fov                 45
-      camera.eye                          before the volume on the −z side, as near as shows all of it
-      camera.target                       volume centre
+      camera.eye                          [0.5, 0.5, -1.2706387170384712]  (before the volume on the −z side, as near as shows all of it)
+      camera.target                       [0.5, 0.5, 0.5]  (volume centre)
       camera.up                           [0, 1, 0]
-      classified.light.position           above the eye, as high as the target is far
+      classified.light.position           [0.5, 2.270638717038471, -1.2706387170384712]  (above the eye, as high as the target is far)
       classified.phong.ambient            0.1
       classified.phong.diffuse            1
       classified.phong.specular           1
@@ -396,6 +405,7 @@ fn force_on_a_constant_grid() {
       0  cells walked
       100  density lookups
       100  gradient lookups
+      27  gradients computed
       0  null collisions
       0  phase evaluations
       0  random draws

@@ -46,10 +46,11 @@ fn forcible(scene: &Classified) -> Vec<Vec<Effect>> {
     (0..1 << elided.len()).map(chosen).collect()
 }
 
-fn numbers(work: Counters) -> [u64; 4] {
+fn numbers(work: Counters) -> [u64; 5] {
     [
         work.density_lookups,
         work.gradient_lookups,
+        work.gradients_computed,
         work.cells_walked,
         work.shadow_rays,
     ]
@@ -78,6 +79,7 @@ proptest! {
         let (_, work) = scenes::rendered(&scene, 4);
         if !plan.is_on(Effect::GradientShading) {
             prop_assert_eq!(work.gradient_lookups, 0);
+            prop_assert_eq!(work.gradients_computed, 0);
         }
         if !plan.is_on(Effect::MediumShadow) {
             prop_assert_eq!(work.shadow_rays, 0);
@@ -124,6 +126,7 @@ proptest! {
         prop_assert_eq!(work, Counters {
             density_lookups: samples + towards_light,
             gradient_lookups: if shading { samples } else { 0 },
+            gradients_computed: if shading { 9 * nodes as u64 } else { 0 },
             shadow_rays: if shadow { samples } else { 0 },
             ..Counters::default()
         });
