@@ -136,6 +136,9 @@ pub(super) fn rows<W: Work>(
 ) -> (Vec<[f32; 4]>, W) {
     let rows: Vec<(Vec<[f32; 4]>, W)> = (0..pixels.height)
         .into_par_iter()
+        // Row by row: rows through the volume cost far more than rows beside it, and a thread
+        // cannot help with a batch that another has begun.
+        .with_max_len(1)
         .map(|row| {
             let mut work = W::default();
             let values = (0..pixels.width)
