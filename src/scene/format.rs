@@ -129,9 +129,6 @@ impl Range {
         }
     }
 
-    /// Every finite number.
-    pub const ANY: Range = Range::open(f64::NEG_INFINITY, f64::INFINITY);
-
     /// Whether `x` lies in the range. NaN lies in none.
     pub fn contains(&self, x: f64) -> bool {
         (x > self.low || (x == self.low && !self.low_open))

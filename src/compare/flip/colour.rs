@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::SrgbImage;
 use super::plane::Plane;
 use super::power::power;
-use crate::math::{pow, quick_cbrt};
+use crate::math::{quick_cbrt, srgb_to_linear};
 
 /// A colour as three numbers; which three, the name of the variable says.
 pub type Colour = [f64; 3];
@@ -59,16 +59,6 @@ const fn inverse(m: Matrix) -> Matrix {
 
 fn apply(m: &Matrix, v: Colour) -> Colour {
     m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
-}
-
-/// The light of an sRGB value in [0, 1], as a fraction of white.
-/// Source: IEC 61966-2-1.
-fn srgb_to_linear(encoded: f64) -> f64 {
-    if encoded <= 0.04045 {
-        encoded / 12.92
-    } else {
-        pow((encoded + 0.055) / 1.055, 2.4)
-    }
 }
 
 /// An image in the linear opponent space YCxCz: luminance, red–green and blue–yellow.
@@ -246,7 +236,7 @@ mod tests {
     #[test]
     fn the_scale_is_continuous_and_rising() {
         let scale = ColourScale::new();
-        let knee = pow(KNEE_DISTANCE * scale.largest, 1.0 / COMPRESSION);
+        let knee = crate::math::pow(KNEE_DISTANCE * scale.largest, 1.0 / COMPRESSION);
         let [below, above] = [0.999_999, 1.000_001].map(|f| scale.of_distance(f * knee));
         assert!(below < KNEE_DIFFERENCE && above > KNEE_DIFFERENCE);
         assert!(above - below < 2e-6);
