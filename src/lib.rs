@@ -39,7 +39,8 @@
 //! [`render::ray_caster`] is the renderer, [`scene`] what it is given, [`render::plan`] how the
 //! code that runs follows from the scene. [`compare`] judges two images, [`suite`] keeps the
 //! goldens. Arrows between modules only point down this list: `cli`, [`report`], [`suite`],
-//! [`compare`] and [`render`], [`scene`], [`media`], [`volume`], [`geometry`], [`film`], [`math`].
+//! [`compare`] and [`render`], [`scene`], [`media`], [`optics`],
+//! [`volume`], [`geometry`], [`film`], [`math`].
 //!
 //! ```no_run
 //! use volref::{render, render::Plan, scene::Scene};
@@ -58,6 +59,7 @@ pub mod film;
 pub mod geometry;
 pub mod math;
 pub mod media;
+pub mod optics;
 pub mod render;
 pub mod report;
 pub mod scene;

@@ -154,6 +154,7 @@ fn set_step(scene: &mut Scene, step: Length) -> Result<(), Failure> {
         match &mut panel.model {
             Model::Classified(classified) => classified.set_step(step).map_err(fail)?,
             Model::Curve(_) => return Err(fail("a plot of the curve has no steps".into())),
+            Model::Radiative(_) => return Err(fail("light in media is not found by steps".into())),
         }
     }
     Ok(())

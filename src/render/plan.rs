@@ -236,6 +236,7 @@ impl Plan {
     pub fn forcing(panel: &Panel, forced: &[Effect]) -> Result<Plan, PlanError> {
         let plan = match &panel.model {
             Model::Curve(_) => curve_plan(),
+            Model::Radiative(_) => todo!(),
             Model::Classified(classified) => classified_plan(classified, forced),
         };
         for decision in &plan.decisions {

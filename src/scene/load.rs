@@ -4,7 +4,7 @@ use super::classified::{CAMERA, CLASSIFIED, VolumeRequest, VolumeSource};
 use super::curve::CURVE;
 use super::format::{Absent, Key, Kind, Literal, Range, Table};
 use super::reader::{Document, Origin, Reader, Reading, overridden};
-use super::{Classified, Curve, SceneError};
+use super::{Classified, Curve, Radiative, SceneError};
 use crate::media::{Colormap, TransferFunction, TransferOpacity};
 use crate::volume::{self, Grid, SplatError, Splatting, VolumeError, VolumeFormat};
 use std::cell::RefCell;
@@ -137,6 +137,8 @@ pub struct Panel {
 pub enum Model {
     /// Direct volume rendering of a scalar grid.
     Classified(Box<Classified>),
+    /// Surfaces, participating media and lights.
+    Radiative(Box<Radiative>),
     /// A plot of the transfer function.
     Curve(Curve),
 }

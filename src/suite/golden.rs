@@ -145,7 +145,7 @@ pub(super) fn plan_hash(plans: &[Plan]) -> String {
 pub(super) fn input_hashes(scene: &Scene) -> BTreeMap<String, String> {
     let files = scene.panels.iter().filter_map(|panel| match &panel.model {
         Model::Classified(classified) => Some(&classified.volume),
-        Model::Curve(_) => None,
+        Model::Curve(_) | Model::Radiative(_) => None,
     });
     files
         .map(|volume| (volume.name.clone(), volume.hash.clone()))

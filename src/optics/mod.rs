@@ -1,0 +1,7 @@
+//! Surfaces and lights: what turns light where matter ends, and where light comes from.
+
+mod light;
+mod material;
+
+pub use light::{Directional, Light, Point, Spot, SpotError};
+pub use material::{Material, Sides};
