@@ -185,7 +185,7 @@ fn render_panel<W: Work>(
 /// The film of the means, and of how sure they are.
 fn mean_of_samples(
     panel: &Panel,
-    _samples: u32,
+    samples: u32,
     pixels: Vec<Result<[Moments; 3], Endless>>,
 ) -> Result<Film, RenderError> {
     let (width, height) = (panel.width, panel.height);
@@ -198,7 +198,19 @@ fn mean_of_samples(
     }
     let moments: Vec<_> = pixels.into_iter().flatten().collect();
     let mean = |pixel: &[Moments; 3]| pixel.map(|channel| channel.mean() as f32);
-    Ok(Film::new(width, height, moments.iter().map(mean).collect()))
+    let variance = |pixel: &[Moments; 3]| {
+        pixel.map(|channel| {
+            channel
+                .variance_of_mean()
+                .map_or(0.0, |variance| variance as f32)
+        })
+    };
+    let means = moments.iter().map(mean).collect();
+    if samples < 2 {
+        return Ok(Film::new(width, height, means));
+    }
+    let variances = moments.iter().map(variance).collect();
+    Ok(Film::with_noise(width, height, means, variances, samples))
 }
 
 fn background<W: Work>(scene: &Classified, pixels: &Pixels<'_>) -> (Vec<[f32; 4]>, W) {
