@@ -91,6 +91,30 @@ pub fn judge_at(reference: &Film, test: &Film, level: f64) -> Result<Judgement, 
     Ok(Comparison::new(reference, test).judgement(level / QUESTIONS))
 }
 
+/// The standard error of the mean of a block, relative to that mean plus [`DARK`], that 99 % of
+/// the blocks and channels do not exceed; nothing of an image without noise.
+pub fn block_error(film: &Film) -> Option<f64> {
+    let noise = film.noise()?;
+    let mut errors = Vec::new();
+    for rows in parts(film.height()) {
+        for columns in parts(film.width()) {
+            for channel in 0..3 {
+                let (mut radiance, mut variance, mut count) = (0.0, 0.0, 0.0);
+                for row in rows.clone() {
+                    for index in columns.clone().map(|column| row * film.width() + column) {
+                        radiance += f64::from(film.radiance()[index][channel]);
+                        variance += f64::from(noise.variance()[index][channel]);
+                        count += 1.0;
+                    }
+                }
+                errors.push(variance.sqrt() / (radiance.abs() + DARK * count));
+            }
+        }
+    }
+    errors.sort_by(f64::total_cmp);
+    Some(errors[(errors.len() * 99).div_ceil(100) - 1])
+}
+
 /// A difference of means, test minus reference.
 #[derive(Clone, Copy, Debug, Default)]
 struct Difference {
