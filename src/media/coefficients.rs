@@ -69,26 +69,30 @@ impl Coefficients {
     }
 }
 
-/// Weight, by channel, of a collision at distance `t` whose distance was sampled by one channel,
-/// all equally likely: `σ_c T_c / mean_k(σ_k T_k)`, between 0 and 3. The albedo is not in it.
+/// Weight, by channel, of a collision whose distance was sampled by one channel, all equally
+/// likely: `σ_c T_c / mean_k(σ_k T_k)`, between 0 and 3. The albedo is not in it.
 ///
 /// Numerator and denominator underflow together, so only their ratios are formed,
-/// `σ_k/σ_c · e^((σ_c − σ_k) t)`: at any depth a grey medium has the weight 1, exactly.
+/// `σ_k/σ_c · e^(τ_c − τ_k)`: at any depth a grey medium has the weight 1, exactly.
 ///
-/// Domain: `sigma_t` positive in the channel that was sampled by, `t` finite.
-pub fn collision_weight(sigma_t: DVec3, t: f64) -> DVec3 {
+/// Domain: `sigma_t`, the extinction there, positive in the channel that was sampled by;
+/// `depth ≥ 0`, the optical depth up to there, finite in that channel.
+pub fn collision_weight(sigma_t: DVec3, depth: DVec3) -> DVec3 {
     weight(|c, k| {
+        if sigma_t[c] == 0.0 {
+            return f64::INFINITY;
+        }
         if sigma_t[k] == 0.0 {
             return 0.0;
         }
-        sigma_t[k] / sigma_t[c] * exp(difference(sigma_t[c], sigma_t[k], t))
+        sigma_t[k] / sigma_t[c] * exp(difference(depth[c], depth[k]))
     })
 }
 
-/// Weight, by channel, of a flight that left the medium after `length`, its distance having been
-/// sampled as for [`collision_weight`]: `T_c / mean_k(T_k)`, between 0 and 3.
-pub fn escape_weight(sigma_t: DVec3, length: f64) -> DVec3 {
-    weight(|c, k| exp(difference(sigma_t[c], sigma_t[k], length)))
+/// Weight, by channel, of a flight that left the media after the optical `depth`, its distance
+/// having been sampled as for [`collision_weight`]: `T_c / mean_k(T_k)`, between 0 and 3.
+pub fn escape_weight(depth: DVec3) -> DVec3 {
+    weight(|c, k| exp(difference(depth[c], depth[k])))
 }
 
 /// `3 / Σ_k ratio(c, k)`. A ratio that overflows is the weight 0.
@@ -98,9 +102,9 @@ fn weight(ratio: impl Fn(usize, usize) -> f64) -> DVec3 {
     }))
 }
 
-/// `(a − b)·t`, where equal extinctions differ by nothing over any length.
-fn difference(a: f64, b: f64, t: f64) -> f64 {
-    if a == b { 0.0 } else { (a - b) * t }
+/// `a − b`, where equal depths differ by nothing, infinite ones too.
+fn difference(a: f64, b: f64) -> f64 {
+    if a == b { 0.0 } else { a - b }
 }
 
 #[cfg(test)]
@@ -132,11 +136,12 @@ mod tests {
     #[test]
     fn a_channel_without_extinction_never_collides_and_always_escapes() {
         let sigma_t = DVec3::new(0.0, 2.0, 2.0);
-        assert_eq!(collision_weight(sigma_t, 1.0), DVec3::new(0.0, 1.5, 1.5));
         assert_eq!(
-            escape_weight(sigma_t, f64::INFINITY),
-            DVec3::new(3.0, 0.0, 0.0)
+            collision_weight(sigma_t, sigma_t),
+            DVec3::new(0.0, 1.5, 1.5)
         );
-        assert_eq!(escape_weight(DVec3::ONE, f64::INFINITY), DVec3::ONE);
+        let endless = DVec3::new(0.0, f64::INFINITY, f64::INFINITY);
+        assert_eq!(escape_weight(endless), DVec3::new(3.0, 0.0, 0.0));
+        assert_eq!(escape_weight(DVec3::INFINITY), DVec3::ONE);
     }
 }

@@ -6,13 +6,22 @@
 
 pub mod compositing;
 mod curve;
+pub mod direct_light;
+pub mod effects;
 pub mod empty_space;
 pub mod field;
 mod image;
+pub mod in_scattering;
 mod kernel;
+pub mod line_of_sight;
+pub mod media_path;
+pub mod path_tracer;
 pub mod plan;
+mod radiative_kernel;
 pub mod ray_caster;
 pub mod steps;
+pub mod surroundings;
+pub mod vertex;
 pub mod volume_shadow;
 pub mod work;
 

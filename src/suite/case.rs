@@ -76,6 +76,7 @@ pub const MANIFEST: Table = Table {
             doc: "Stops at which 8-bit images are made and judged: radiance times 2^exposure.",
         },
     ],
+    rules: &[],
 };
 
 /// A case of the suite.

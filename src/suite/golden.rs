@@ -4,7 +4,7 @@ use super::{Case, Store, StoreError};
 use crate::compare::stochastic;
 use crate::film::{Film, FilmError};
 use crate::render::Plan;
-use crate::scene::{Model, Scene};
+use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -159,14 +159,11 @@ pub(super) fn plan_hash(plans: &[Plan]) -> String {
     hash(text.join("\n").as_bytes())
 }
 
-/// Hashes of the volume files of a scene, by the path the scene gives.
+/// Hashes of the files a scene names, by the path it gives.
 pub(super) fn input_hashes(scene: &Scene) -> BTreeMap<String, String> {
-    let files = scene.panels.iter().filter_map(|panel| match &panel.model {
-        Model::Classified(classified) => Some(&classified.volume),
-        Model::Curve(_) | Model::Radiative(_) => None,
-    });
+    let files = scene.panels.iter().flat_map(|panel| &panel.inputs);
     files
-        .map(|volume| (volume.name.clone(), volume.hash.clone()))
+        .map(|file| (file.name.clone(), file.hash.clone()))
         .collect()
 }
 

@@ -1,0 +1,238 @@
+//! Light from a point that media turn into a ray, once, somewhere along it.
+//!
+//! Near the light the irradiance grows with one over the squared distance, and a path that
+//! collides near it by chance carries that factor: its variance has no bound. So the place on
+//! the ray is chosen for the light instead: by equal angles seen from it, which takes the factor
+//! away, or by free flight, which suits dense media, with equal probability; the sample is
+//! weighted by the mean of both densities.
+
+use super::direct_light::arriving;
+use super::effects::Effects;
+use super::media_path::{Depths, Media, MediaPath, transmittance};
+use super::vertex::Vertex;
+use super::work::{Event, Work};
+use crate::geometry::{Ray, Span};
+use crate::math::rng::{Purpose, Stream};
+use crate::math::sampling::Equiangular;
+use crate::math::{exp, exp_m1, ln_1p};
+use crate::optics::{Light, Spot};
+use crate::scene::Radiative;
+use glam::DVec3;
+
+/// The stretch of `ray` on which `light` shines on matter that scatters, if there is one.
+pub fn lit_span(path: &MediaPath, ray: &Ray, light: &Light) -> Option<Span> {
+    let matter = path.scattering_span()?;
+    let lit = match light {
+        Light::Spot(spot) => within_cone(spot, ray, matter)?,
+        Light::Point(_) | Light::Directional(_) => matter,
+    };
+    (lit.near < lit.far).then_some(lit)
+}
+
+/// The part of `span` in the cone of a spotlight, or a little more than it.
+///
+/// The cone is convex up to a half-angle of 90°, so the part is one piece. Its ends are roots of
+/// `(v·a)² = c² v²`, with `v` from the light to the ray, `a` the axis and `c` the cosine; it is
+/// whatever lies between those roots and is lit.
+fn within_cone(spot: &Spot, ray: &Ray, span: Span) -> Option<Span> {
+    let c = spot.cos_outer();
+    if c <= 0.0 {
+        return Some(span);
+    }
+    // Both measured from the foot of the perpendicular from the light, where v² is smallest.
+    let foot = (spot.position - ray.origin).dot(ray.direction);
+    let v = ray.at(foot) - spot.position;
+    let (along, aside) = (ray.direction.dot(spot.axis()), v.dot(spot.axis()));
+    // A s² + 2 B s + C > 0 at distance s from the foot.
+    let a = along * along - c * c;
+    let b = along * aside;
+    let constant = aside * aside - c * c * v.length_squared();
+    let discriminant = b * b - a * constant;
+    let mut ends = [span.near, span.far, span.near, span.far];
+    if discriminant >= 0.0 {
+        // The larger root of the two in magnitude first, the other from their product.
+        let sum = -(b + discriminant.sqrt().copysign(b));
+        let roots = [foot + sum / a, foot + constant / sum];
+        for (end, root) in ends[1..3].iter_mut().zip(roots) {
+            // A root that is no number lies beyond every end.
+            *end = if root.is_nan() {
+                span.far
+            } else {
+                root.clamp(span.near, span.far)
+            };
+        }
+    } else {
+        ends[1] = span.near;
+        ends[2] = span.far;
+    }
+    ends.sort_unstable_by(f64::total_cmp);
+    let lit = |near: f64, far: f64| {
+        let middle = if far.is_finite() {
+            near + 0.5 * (far - near)
+        } else {
+            2.0 * near.abs() + foot.abs() + v.length()
+        };
+        near < far
+            && crate::geometry::direction_of(ray.at(middle) - spot.position)
+                .is_some_and(|towards| spot.falloff(towards) > 0.0)
+    };
+    let pieces = [[ends[0], ends[1]], [ends[1], ends[2]], [ends[2], ends[3]]];
+    let mut inside = pieces.into_iter().filter(|&[near, far]| lit(near, far));
+    let first = inside.next()?;
+    let last = inside.next_back().unwrap_or(first);
+    // The roots are off by some roundings of the lengths involved: a little wider, so that
+    // nothing lit is missed. What is not lit in there counts as dark.
+    let margin = 1e-9 * (foot.abs() + v.length() + first[0].abs());
+    Some(Span {
+        near: (first[0] - margin).max(span.near),
+        far: (last[1] + margin).min(span.far),
+    })
+}
+
+/// Estimates the radiance that `light`, which has a position, sends into the ray by one
+/// scattering. `media` lie along the ray as `path`.
+#[allow(
+    clippy::too_many_arguments,
+    reason = "a step of an estimator, given what it works on"
+)]
+pub fn from_light<E: Effects, W: Work>(
+    scene: &Radiative,
+    media: &Media<'_>,
+    path: &MediaPath,
+    ray: &Ray,
+    (light, position): (&Light, DVec3),
+    (random, bounce, index): (&Stream, u32, u32),
+    spans: &mut Vec<Span>,
+    work: &mut W,
+) -> DVec3 {
+    let Some(lit) = lit_span(path, ray, light) else {
+        return DVec3::ZERO;
+    };
+    let foot = (position - ray.origin).dot(ray.direction);
+    let distance = (ray.at(foot) - position).length();
+    let Ok(equiangular) = Equiangular::new(distance, lit.near - foot, lit.far - foot) else {
+        return DVec3::INFINITY;
+    };
+    let flight = TruncatedFlight::<E>::new(path, lit);
+    work.count_times(Event::RandomDraw, 2);
+    let [choice, u] = random.pair(bounce, Purpose::LightDistance, index);
+    let t = if choice < 0.5 {
+        foot + equiangular.place(u)
+    } else {
+        // What is left of the choice chooses the channel.
+        flight.place(path, u, 2.0 * choice - 1.0)
+    };
+    let t = t.clamp(lit.near, lit.far);
+    let (depths, Some(stretch)) = path.depths_to(t) else {
+        return DVec3::ZERO;
+    };
+    if !stretch.matter.scatters() {
+        return DVec3::ZERO;
+    }
+    let pdf = 0.5 * (equiangular.pdf(t - foot) + flight.pdf(&depths, stretch.matter.sigma_t));
+    let radiance = scattered_at::<E, W>(
+        scene,
+        media,
+        ray,
+        t,
+        &depths,
+        stretch.set,
+        stretch.matter.sigma_s,
+        light,
+        spans,
+        work,
+    );
+    radiance / pdf
+}
+
+/// Radiance per length that `light` sends into the ray by one scattering at distance `t`, as the
+/// origin of the ray sees it.
+#[allow(
+    clippy::too_many_arguments,
+    reason = "a step of an estimator, given what it works on"
+)]
+pub fn scattered_at<E: Effects, W: Work>(
+    scene: &Radiative,
+    media: &Media<'_>,
+    ray: &Ray,
+    t: f64,
+    depths: &Depths,
+    set: u64,
+    sigma_s: DVec3,
+    light: &Light,
+    spans: &mut Vec<Span>,
+    work: &mut W,
+) -> DVec3 {
+    let vertex = Vertex::Medium {
+        point: ray.at(t),
+        direction: ray.direction,
+        set,
+    };
+    if arriving(light, ray.at(t)).strength == DVec3::ZERO {
+        return DVec3::ZERO;
+    }
+    let lit = super::direct_light::from_light::<E, W>(scene, media, &vertex, light, spans, work);
+    lit * sigma_s * transmittance::<E>(depths.all())
+}
+
+/// Free flight of those alone that collide on a stretch of the ray; in chromatic media by one of
+/// the channels that can, all equally likely.
+struct TruncatedFlight<E> {
+    before: DVec3,
+    /// Probability, by channel, of a collision on the stretch.
+    colliding: DVec3,
+    /// Channels in which it is not 0.
+    channels: f64,
+    effects: std::marker::PhantomData<E>,
+}
+
+impl<E: Effects> TruncatedFlight<E> {
+    fn new(path: &MediaPath, lit: Span) -> Self {
+        let before = path.depths_to(lit.near).0.scattering;
+        let depth = path.depths_to(lit.far).0.scattering - before;
+        let mut colliding = DVec3::ZERO;
+        let mut channels = 0.0;
+        for c in 0..Self::CHANNELS {
+            colliding[c] = -exp_m1(-depth[c]);
+            channels += if colliding[c] > 0.0 { 1.0 } else { 0.0 };
+        }
+        TruncatedFlight {
+            before,
+            colliding,
+            channels,
+            effects: std::marker::PhantomData,
+        }
+    }
+
+    /// Channels that differ.
+    const CHANNELS: usize = if E::CHROMATIC { 3 } else { 1 };
+
+    fn place(&self, path: &MediaPath, u: f64, choice: f64) -> f64 {
+        let mut nth = (choice * self.channels) as usize;
+        let mut channel = 0;
+        for c in 0..Self::CHANNELS {
+            if self.colliding[c] > 0.0 {
+                channel = c;
+                if nth == 0 {
+                    break;
+                }
+                nth -= 1;
+            }
+        }
+        let into = -ln_1p(-(u * self.colliding[channel]));
+        path.place_at(self.before[channel] + into, channel)
+    }
+
+    /// Density, per length, where the extinction of what scatters is `sigma_t` and the depths up
+    /// to there are `depths`.
+    fn pdf(&self, depths: &Depths, sigma_t: DVec3) -> f64 {
+        let mut sum = 0.0;
+        for c in 0..Self::CHANNELS {
+            if self.colliding[c] > 0.0 {
+                let into = depths.scattering[c] - self.before[c];
+                sum += sigma_t[c] * exp(-into) / self.colliding[c];
+            }
+        }
+        if sum == 0.0 { 0.0 } else { sum / self.channels }
+    }
+}

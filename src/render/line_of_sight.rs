@@ -1,0 +1,182 @@
+//! Light turned once at most, without random numbers: integrals along the line of sight.
+//!
+//! What media emit and take away is a closed form on each stretch. What they turn into the line
+//! of sight from a light without extent is an integral along it, evaluated to a tolerance.
+
+use super::direct_light::{from_light, radiance_of};
+use super::effects::Effects;
+use super::in_scattering::{lit_span, scattered_at};
+use super::media_path::{Media, MediaPath, transmittance};
+use super::surroundings::{Met, nearest};
+use super::vertex::Vertex;
+use super::work::Work;
+use crate::geometry::{Ray, Side, Span};
+use crate::math::quadrature::integrate;
+use crate::math::sampling::Equiangular;
+use crate::optics::{Light, Material};
+use crate::scene::Radiative;
+use glam::DVec3;
+use std::marker::PhantomData;
+
+/// Light along the line of sight, for the effects `E`.
+pub struct LineOfSight<'s, E> {
+    /// What is looked at. Lights have no extent and surfaces are diffuse, where light is turned.
+    pub scene: &'s Radiative,
+    /// Its media.
+    pub media: Media<'s>,
+    /// Whether light is turned at all.
+    pub turned: bool,
+    /// Error of an integral relative to its value.
+    pub tolerance: f64,
+    /// For which effects.
+    pub effects: PhantomData<E>,
+}
+
+/// Relative error of an integral in an image: a hundredth of the last bit of 32-bit radiance.
+pub const TOLERANCE: f64 = 6e-10;
+
+/// Pieces that an integral begins with where surfaces may shade parts of the ray: a shadow that
+/// is narrower than what lies between the points of a single rule would go unseen.
+const PIECES_WITH_SHADOWS: usize = 16;
+
+impl<E: Effects> LineOfSight<'_, E> {
+    /// Radiance that comes back along `ray`.
+    pub fn radiance<W: Work>(
+        &self,
+        ray: &Ray,
+        path: &mut MediaPath,
+        spans: &mut Vec<Span>,
+        work: &mut W,
+    ) -> DVec3 {
+        let met = if E::SURFACES {
+            nearest(self.scene, ray, work)
+        } else {
+            None
+        };
+        let end = met.as_ref().map_or(f64::INFINITY, |(_, hit)| hit.t);
+        let mut radiance = DVec3::ZERO;
+        let mut through = DVec3::ONE;
+        if E::MEDIA {
+            path.lay(&self.media, ray, end);
+            through = transmittance::<E>(path.depth());
+            if E::EMISSION {
+                radiance += path.emitted::<E>();
+            }
+            if self.turned {
+                for light in &self.scene.lights {
+                    radiance += self.turned_by_media(light, path, ray, spans, work);
+                }
+            }
+        }
+        radiance
+            + through
+                * match met {
+                    None => self.scene.environment,
+                    Some((Met::AreaLight(index), hit)) => {
+                        radiance_of(&self.scene.area_lights[index], &hit)
+                    }
+                    Some((Met::Object(index), hit)) => {
+                        let normal = match hit.side {
+                            Side::Front => hit.point.normal,
+                            Side::Back => -hit.point.normal,
+                        };
+                        match self.scene.objects[index].material {
+                            Material::Diffuse(reflectance) if self.turned => {
+                                let vertex = Vertex::Diffuse {
+                                    point: hit.point,
+                                    normal,
+                                    reflectance,
+                                };
+                                self.turned_at(&vertex, spans, work)
+                            }
+                            _ => DVec3::ZERO,
+                        }
+                    }
+                }
+    }
+
+    /// Radiance that a surface makes of what the lights send there.
+    fn turned_at<W: Work>(&self, vertex: &Vertex, spans: &mut Vec<Span>, work: &mut W) -> DVec3 {
+        let lights = self.scene.lights.iter();
+        lights.fold(DVec3::ZERO, |sum, light| {
+            sum + from_light::<E, W>(self.scene, &self.media, vertex, light, spans, work)
+        })
+    }
+
+    /// Radiance that the media make, by one turn, of what `light` sends them.
+    fn turned_by_media<W: Work>(
+        &self,
+        light: &Light,
+        path: &MediaPath,
+        ray: &Ray,
+        spans: &mut Vec<Span>,
+        work: &mut W,
+    ) -> DVec3 {
+        let Some(lit) = lit_span(path, ray, light) else {
+            return DVec3::ZERO;
+        };
+        let position = match light {
+            Light::Point(light) => Some(light.position),
+            Light::Spot(light) => Some(light.position),
+            Light::Directional(_) => None,
+        };
+        let mut radiance = DVec3::ZERO;
+        for stretch in path
+            .stretches()
+            .iter()
+            .filter(|stretch| stretch.matter.scatters())
+        {
+            let near = stretch.span.near.max(lit.near);
+            let far = stretch.span.far.min(lit.far);
+            if near >= far {
+                continue;
+            }
+            let mut at = |t: f64| {
+                let (depths, _) = path.depths_to(t);
+                let matter = &stretch.matter;
+                scattered_at::<E, W>(
+                    self.scene,
+                    &self.media,
+                    ray,
+                    t,
+                    &depths,
+                    stretch.set,
+                    matter.sigma_s,
+                    light,
+                    spans,
+                    work,
+                )
+            };
+            radiance += match position {
+                // By the angle at which the light sees the ray: in it, the integrand is smooth
+                // however near the ray passes, and the end may be infinitely far away.
+                Some(position) => {
+                    let foot = (position - ray.origin).dot(ray.direction);
+                    let distance = (ray.at(foot) - position).length();
+                    let Ok(angle) = Equiangular::new(distance, near - foot, far - foot) else {
+                        return DVec3::INFINITY;
+                    };
+                    self.integral(
+                        |u| {
+                            let s = angle.place(u);
+                            at(foot + s) / angle.pdf(s)
+                        },
+                        [0.0, 1.0],
+                    )
+                }
+                // Light from infinitely far away does not get through an endless medium.
+                None if far.is_infinite() => DVec3::ZERO,
+                None => self.integral(at, [near, far]),
+            };
+        }
+        radiance
+    }
+
+    fn integral(&self, mut f: impl FnMut(f64) -> DVec3, [from, to]: [f64; 2]) -> DVec3 {
+        let pieces = if E::SURFACES { PIECES_WITH_SHADOWS } else { 1 };
+        let cut = |index: usize| from + (to - from) * (index as f64 / pieces as f64);
+        (0..pieces).fold(DVec3::ZERO, |sum, index| {
+            sum + integrate(&mut f, cut(index), cut(index + 1), self.tolerance).value
+        })
+    }
+}
