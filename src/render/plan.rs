@@ -327,14 +327,6 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Whether the picture is made with random numbers: then samples and seed matter, and it
-    /// has noise.
-    pub fn is_sampled(&self) -> bool {
-        match self.kernel {
-            Kernel::Curve | Kernel::Background | Kernel::RayCaster { .. } => false,
-        }
-    }
-
     /// Whether an effect is simulated.
     pub fn is_on(&self, effect: Effect) -> bool {
         self.state(effect) == State::On
