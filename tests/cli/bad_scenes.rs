@@ -269,7 +269,14 @@ fn not_text() {
     run.expect(2, &["scene.toml", "not UTF-8"]);
     folder.write("empty.toml", "");
     let run = folder.volref(&["plan", "empty.toml"]);
-    run.expect(2, &["empty.toml", "the file has no model", "[classified], [radiative], [curve]"]);
+    run.expect(
+        2,
+        &[
+            "empty.toml",
+            "the file has no model",
+            "[classified], [radiative], [curve]",
+        ],
+    );
 }
 
 /// A byte order mark and Windows line ends are no mistakes, and places stay right.
