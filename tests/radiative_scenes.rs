@@ -506,6 +506,20 @@ fn shapes() {
         (BOX, "rectangle = { corner = [0, 0, 0] }"),
         (BOX, "translate = [1, 0, 0]"),
     ]), @r#"
+    7:1: [radiative.surface[0]] has no shape
+        give one of `rectangle`, `sphere`, `box`, `mesh`
+    9:8: [radiative.surface[0]] has more than one shape: `sphere`, `mesh`
+        keep exactly one of `sphere`, `mesh`
+    8:41: `radius` must be finite and above 0, got 0
+        `radiative.surface[0].sphere.radius`: Its radius, world units.
+    8:41: `radius` must be finite and above 0, got -1
+        `radiative.surface[0].sphere.radius`: Its radius, world units.
+    8:41: a sphere of radius 0.00000000000000000001 vanishes at [1, 0, 0]: coordinates there are too coarse; move the scene nearer to the origin
+        `radiative.surface[0].sphere.radius`: Its radius, world units.
+    8:32: unknown key `raduis` in [radiative.surface[0].sphere]
+        did you mean `radius`?
+    8:64: a rectangle with edges [1, 0, 0] and [2, 0, 0] has no area; give two edges that are not parallel
+        `radiative.surface[0].rectangle.edge_v`: From the corner to the other neighbour, world units.
     8:15: the box's min [0, 2, 0] must not exceed its max [1, 1, 1] on any axis; swap them where it does
         `radiative.surface[0].box.min`: The corner with the smallest coordinates, world units.
     8:7: the box is a line or a point: no ray can meet it
@@ -519,6 +533,17 @@ fn shapes() {
     8:17: thin.obj: face 2 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
         `radiative.surface[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
     12:17: open.obj: the mesh is open: the edge from [0, 1, 0] to [1, 0, 0] belongs to face 1 only; a medium needs a closed boundary, so fill the hole
+        `radiative.medium[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
+    12:17: thin.obj: face 2 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
+        `radiative.medium[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
+    12:7: the box is flat: it has no inside, as a medium needs
+        give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
+    13:10: [radiative.medium[0]] has more than one shape: `sphere`, `box`
+        keep at most one of `sphere`, `box`
+    12:1: unknown key `rectangle` in [radiative.medium[0]]
+        [radiative.medium[0]] may hold: sphere, box, mesh, scale, rotate, translate, sigma_a, sigma_s, sigma_t, albedo, emission, g
+    12:13: a medium without a shape fills all space: `translate` moves nothing
+        give the medium a `sphere`, `box` or `mesh`, or remove `translate`
     "#);
 }
 
