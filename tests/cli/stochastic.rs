@@ -115,7 +115,7 @@ fn manifests_with_mistakes() {
         (
             "= 128",
             "= 63",
-            ["converged_samples", "whole number from 64"],
+            ["converged_samples", "must lie in [64, 16777216]"],
         ),
         ("= 0.9", "= 0", ["resolution", "(0, 1)"]),
     ] {
