@@ -120,7 +120,7 @@ pub fn accept(
     accept_with(&Reference, cases, store, cache, reason, in_ci, watch)
 }
 
-fn accept_with(
+pub(super) fn accept_with(
     renderer: &dyn Renderer,
     cases: &[&Case],
     store: &Store,

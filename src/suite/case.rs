@@ -15,7 +15,7 @@ const CASES: &str = "fixtures/cases";
 /// Where the goldens are.
 const GOLDEN: &str = "golden";
 /// Where renderings of an interrupted accept are.
-const CACHE: &str = ".volref/accept";
+const CACHE: &str = ".volref";
 
 /// The declaration of a manifest, `fixtures/cases/<family>/<name>.toml`.
 pub const MANIFEST: Table = Table {

@@ -6,6 +6,8 @@ mod case;
 mod golden;
 mod rendering;
 mod results;
+#[cfg(test)]
+mod sampled_tests;
 mod store;
 mod verify;
 
