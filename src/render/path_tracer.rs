@@ -292,7 +292,6 @@ impl<'s, E: Effects> PathTracer<'s, E> {
             }
         }
     }
-
 }
 
 /// The probability with which a path is carried on, by its throughput as a share of that which
