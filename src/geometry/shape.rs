@@ -71,6 +71,11 @@ impl Surface for Shape {
         each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
             shape => shape.hit(ray, limit))
     }
+
+    fn blocks(&self, ray: &Ray, limit: f64) -> bool {
+        each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
+            shape => shape.blocks(ray, limit))
+    }
 }
 
 impl Surface for Boundary {
@@ -99,6 +104,11 @@ impl Surface for Luminous {
 
     fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
         each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.hit(ray, limit))
+    }
+
+    fn blocks(&self, ray: &Ray, limit: f64) -> bool {
+        each!(self, Luminous: Sphere | Rectangle | Mesh,
+            shape => shape.blocks(ray, limit))
     }
 }
 

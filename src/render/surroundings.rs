@@ -32,15 +32,14 @@ pub fn nearest<W: Work>(scene: &Radiative, ray: &Ray, work: &mut W) -> Option<(M
 /// Whether no surface stands between the origin of `ray` and the distance `limit`.
 pub fn is_clear<W: Work>(scene: &Radiative, ray: &Ray, limit: f64, work: &mut W) -> bool {
     work.count_times(Event::SurfaceTest, surfaces(scene));
-    let objects = scene
+    !scene
         .objects
         .iter()
-        .map(|object| object.shape.hit(ray, limit));
-    let lights = scene
-        .area_lights
-        .iter()
-        .map(|light| light.shape.hit(ray, limit));
-    objects.chain(lights).all(|hit| hit.is_none())
+        .any(|object| object.shape.blocks(ray, limit))
+        && !scene
+            .area_lights
+            .iter()
+            .any(|light| light.shape.blocks(ray, limit))
 }
 
 fn surfaces(scene: &Radiative) -> u64 {

@@ -6,6 +6,7 @@ use super::reader::Reader;
 use crate::geometry::{ClosedMesh, Mesh, MeshError};
 use crate::volume::{self, Grid, SplatError, Splatting, VolumeError};
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -136,6 +137,9 @@ impl<'p> Files<'p> {
 
 fn bad_mesh(reader: &Reader<'_, '_>, name: &str, error: &MeshError) -> Box<SceneError> {
     let message = match error {
+        MeshError::Unreadable { source, .. } if source.kind() == ErrorKind::NotFound => {
+            format!("there is no file {name}")
+        }
         // Names the file itself.
         MeshError::Unreadable { .. } => error.to_string(),
         _ => format!("{name}: {error}"),

@@ -245,36 +245,51 @@ fn table_schema(root: &'static Table, table: &'static Table, complete: bool) -> 
     if complete && !required.is_empty() {
         schema["required"] = json!(required);
     }
-    // What a scene with panels lacks, its panels may bring.
-    let alone = |table: &Table| {
-        !table
-            .keys
-            .iter()
-            .any(|key| matches!(key.kind, Kind::Overrides))
+    let overrides = |key: &&Key| matches!(key.kind, Kind::Overrides);
+    let rules: Vec<Value> = match table.keys.iter().find(overrides) {
+        _ if !complete => table.rules.iter().flat_map(limits).collect(),
+        None => table.rules.iter().flat_map(demands).collect(),
+        // What the file itself lacks, the tables that override it may bring.
+        Some(key) => {
+            let demands: Vec<Value> = table.rules.iter().flat_map(demands).collect();
+            let either = json!({ "anyOf": [{ "required": [key.name] }, { "allOf": demands }] });
+            let limits = table.rules.iter().flat_map(limits);
+            limits.chain([either]).collect()
+        }
     };
-    let rules: Vec<Value> = table
-        .rules
-        .iter()
-        .flat_map(|rule| rule_schemas(rule, complete && alone(table)))
-        .collect();
     if !rules.is_empty() {
         schema["allOf"] = json!(rules);
     }
     schema
 }
 
-/// A rule as schemas that must all hold; in a table that is `complete` by itself, what it asks
-/// for must be there.
-fn rule_schemas(rule: &Rule, complete: bool) -> Vec<Value> {
-    let not_both = |a: &str, b: &str| json!({ "not": { "required": [a, b] } });
+/// What a rule says about a table that is complete: schemas that must all hold.
+fn demands(rule: &Rule) -> Vec<Value> {
     match rule {
-        Rule::ExactlyOne { keys, .. } if complete => {
+        Rule::ExactlyOne { keys, .. } => {
             let one: Vec<_> = keys
                 .iter()
                 .map(|key| json!({ "required": [key] }))
                 .collect();
             vec![json!({ "oneOf": one })]
         }
+        Rule::Together(keys) => {
+            let needs = keys.iter().map(|key| {
+                let others: Vec<_> = keys.iter().filter(|other| *other != key).collect();
+                ((*key).to_owned(), json!(others))
+            });
+            let needs: serde_json::Map<String, Value> = needs.collect();
+            vec![json!({ "dependentRequired": needs })]
+        }
+        Rule::AtMostOne { .. } | Rule::Apart(_) => limits(rule),
+    }
+}
+
+/// What a rule says about a table whose keys stand beside those of another: schemas that must
+/// all hold.
+fn limits(rule: &Rule) -> Vec<Value> {
+    let not_both = |a: &str, b: &str| json!({ "not": { "required": [a, b] } });
+    match rule {
         Rule::ExactlyOne { keys, .. } | Rule::AtMostOne { keys, .. } => {
             let pairs = keys.iter().enumerate();
             pairs
@@ -284,14 +299,6 @@ fn rule_schemas(rule: &Rule, complete: bool) -> Vec<Value> {
         Rule::Apart([left, right]) => {
             let pairs = left.iter().flat_map(|a| right.iter().map(move |b| (a, b)));
             pairs.map(|(a, b)| not_both(a, b)).collect()
-        }
-        Rule::Together(keys) if complete => {
-            let needs = keys.iter().map(|key| {
-                let others: Vec<_> = keys.iter().filter(|other| *other != key).collect();
-                ((*key).to_owned(), json!(others))
-            });
-            let needs: serde_json::Map<String, Value> = needs.collect();
-            vec![json!({ "dependentRequired": needs })]
         }
         Rule::Together(_) => Vec::new(),
     }

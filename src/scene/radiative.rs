@@ -214,7 +214,8 @@ fn radiance(reader: &Reader<'_, '_>, name: &str) -> Result<DVec3, Box<SceneError
     if most <= LARGEST_RADIANCE {
         return Ok(colour);
     }
-    let message = format!("`{name}` is {most:e}, but an image holds at most {LARGEST_RADIANCE:e}");
+    let message =
+        format!("`{name}` is {most:e}, but an image holds at most {LARGEST_RADIANCE:.3e}");
     let help = "an image holds 32-bit numbers; choose another unit of radiance";
     Err(reader.mistake(name, message, help))
 }

@@ -192,7 +192,7 @@ impl<'d, 's> Reader<'d, 's> {
                 let needed = matches!(rule, Rule::ExactlyOne { .. });
                 if found.is_empty() && needed {
                     let message = format!("{} has no {what}", self.place());
-                    let help = format!("give one of {}", quoted(keys));
+                    let help = format!("give one of {}", self.named(keys));
                     // Of a whole file, no place is more wrong than another.
                     let span = (!self.path.is_empty()).then(|| self.span.clone());
                     return Err(self.document.error(span, message, Some(help)));
@@ -203,10 +203,10 @@ impl<'d, 's> Reader<'d, 's> {
                 let message = format!(
                     "{} has more than one {what}: {}",
                     self.place(),
-                    quoted(&found)
+                    self.named(&found)
                 );
                 let amount = if needed { "exactly" } else { "at most" };
-                let help = format!("keep {amount} one of {}", quoted(&found));
+                let help = format!("keep {amount} one of {}", self.named(&found));
                 Err(self.mistake(last, message, help))
             }
             Rule::Apart([left, right]) => {
@@ -218,13 +218,13 @@ impl<'d, 's> Reader<'d, 's> {
                 let message = format!(
                     "{} mixes {} with {}",
                     self.place(),
-                    quoted(&left),
-                    quoted(&right)
+                    self.named(&left),
+                    self.named(&right)
                 );
                 let Rule::Apart([left, right]) = *rule else {
                     unreachable!()
                 };
-                let help = format!("give either {} or {}", quoted(left), quoted(right));
+                let help = format!("give either {} or {}", self.named(left), self.named(right));
                 Err(self.mistake(last.expect("two are given"), message, help))
             }
             Rule::Together(keys) => {
@@ -248,6 +248,15 @@ impl<'d, 's> Reader<'d, 's> {
     fn last(&self, names: &[&'static str]) -> Option<&'static str> {
         let start = |name: &str| self.value(name).map(|value| value.span().start);
         names.iter().copied().max_by_key(|name| start(name))
+    }
+
+    /// Keys as a list in words; those that are headings of the file as such.
+    fn named(&self, keys: &[&str]) -> String {
+        let named = keys.iter().map(|key| match self.declared(key).kind {
+            Kind::Table(_) if self.path.is_empty() => format!("[{key}]"),
+            _ => format!("`{key}`"),
+        });
+        named.collect::<Vec<_>>().join(", ")
     }
 
     /// The table as messages call it.
@@ -660,12 +669,6 @@ impl<'d, 's> Reader<'d, 's> {
             }
         }
     }
-}
-
-/// Keys in backquotes, as a list in words.
-fn quoted(keys: &[&str]) -> String {
-    let quoted: Vec<_> = keys.iter().map(|key| format!("`{key}`")).collect();
-    quoted.join(", ")
 }
 
 /// `base` with every key of `over` put in its place, table by table; a list is one value, so

@@ -151,6 +151,8 @@ fn schema_and_reader_agree_on_keys_and_defaults() {
         let schema = schema(kind);
         let mut found = Vec::new();
         tables("", &schema, &mut found);
+        // tests/radiative_scenes.rs looks at those of radiative scenes, lists included.
+        found.retain(|(path, _)| !path.starts_with("radiative") && path != "sampling");
         for (path, table) in found {
             let base = match kind {
                 "case" => MANIFEST,

@@ -100,9 +100,11 @@ fn coefficients(reader: &Reader<'_, '_>) -> Result<Coefficients, Box<SceneError>
             ("sigma_a", sigma_a, reader.vector("sigma_s")?)
         }
     };
+    // Finite and not negative by declaration, but their sum need not be finite.
     Coefficients::new(sigma_a, sigma_s).map_err(|error| {
+        let message = format!("the coefficients are too large: {error}");
         let help = "give smaller coefficients, or choose another unit of length";
-        reader.mistake(key, error.to_string(), help)
+        reader.mistake(key, message, help)
     })
 }
 
@@ -123,8 +125,8 @@ fn check_brightness(body: &Body) -> Result<(), (String, String)> {
         return Ok(());
     }
     let message = format!(
-        "the medium sends out up to {brightest:e} towards the eye; an image holds at most \
-         {LARGEST_RADIANCE:e}"
+        "the medium sends out up to {brightest:.3e} towards the eye; an image holds at most \
+         {LARGEST_RADIANCE:.3e}"
     );
     Err((message, "give a smaller emission or a smaller shape".into()))
 }

@@ -178,8 +178,13 @@ pub(super) fn shape(
     let place = Place::read(reader)?;
     if let Form::Box(cuboid) = &form {
         let flat = cuboid.size().cmpeq(DVec3::ZERO).bitmask().count_ones();
-        if flat > 0 && (solid || flat > 1) {
-            return Err(flat_box(reader, "a surface"));
+        if flat > 1 {
+            let message = "the box is a line or a point: no ray can meet it";
+            let help = "give `max` larger coordinates than `min` on two axes or all three";
+            return Err(reader.mistake("box", message, help));
+        }
+        if solid && flat == 1 {
+            return Err(flat_box(reader, "glass"));
         }
     }
     let Some(to_world) = place.transform else {
@@ -227,7 +232,7 @@ pub(super) fn luminous(
         }
         (Form::Box(cuboid), transform) => {
             if cuboid.size().cmpeq(DVec3::ZERO).any() {
-                return Err(flat_box(reader, "a surface that sends out light"));
+                return Err(flat_box(reader, "a light in the shape of a box"));
             }
             let mesh = Mesh::cuboid(&cuboid).and_then(|mesh| match transform {
                 Some(to_world) => mesh.transformed(to_world),
@@ -294,7 +299,7 @@ pub(super) fn boundary(
 }
 
 fn flat_box(reader: &Reader<'_, '_>, what: &str) -> Box<SceneError> {
-    let message = format!("the box is flat, so it encloses nothing that could be {what}");
+    let message = format!("the box is flat: it has no inside, as {what} needs");
     let help =
         "give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`";
     reader.mistake("box", message, help)
@@ -316,9 +321,8 @@ fn placed<S: Surface>(
         return Ok(placed);
     }
     let message = format!(
-        "scaled, turned and moved, the {key} reaches from {} to {}, where numbers are too coarse \
-         or have an end",
-        bounds.min, bounds.max
+        "scaled, turned and moved, the {key} lies where numbers are too coarse for it, or beyond \
+         the largest"
     );
     let help = "scale it less, or move the scene nearer to the origin";
     Err(reader.mistake(key, message, help))
