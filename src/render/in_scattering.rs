@@ -226,13 +226,17 @@ impl<E: Effects> TruncatedFlight<E> {
     /// Density, per length, where the extinction of what scatters is `sigma_t` and the depths up
     /// to there are `depths`.
     fn pdf(&self, depths: &Depths, sigma_t: DVec3) -> f64 {
-        let mut sum = 0.0;
-        for c in 0..Self::CHANNELS {
-            if self.colliding[c] > 0.0 {
-                let into = depths.scattering[c] - self.before[c];
-                sum += sigma_t[c] * exp(-into) / self.colliding[c];
-            }
-        }
-        if sum == 0.0 { 0.0 } else { sum / self.channels }
+        let density = |c: usize| {
+            let into = depths.scattering[c] - self.before[c];
+            sigma_t[c] * exp(-into) / self.colliding[c]
+        };
+        let mut colliding = (0..Self::CHANNELS).filter(|&c| self.colliding[c] > 0.0);
+        let Some(first) = colliding.next().map(density) else {
+            return 0.0;
+        };
+        // The mean of the channels, from the first of them on: the density itself, to the bit,
+        // where all are the same.
+        let more: f64 = colliding.map(|c| density(c) - first).sum();
+        first + more / self.channels
     }
 }
