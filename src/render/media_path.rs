@@ -212,6 +212,10 @@ impl MediaPath {
                 }),
                 Some(boundary) => boundary.append_spans(ray, &mut self.spans),
             }
+            if body.matter == Matter::default() {
+                // Nothing begins here: a cut would round the depths of what goes on.
+                continue;
+            }
             for span in &self.spans {
                 let far = span.far.min(end);
                 if span.near < far {
