@@ -27,8 +27,11 @@ pub(super) fn plan(scene: &Radiative, forced: &[Effect]) -> Plan {
         anisotropic: on(Effect::AnisotropicPhase),
     };
     let turned = on(Effect::SingleScattering) || on(Effect::MultipleScattering);
+    // By what there is, not by what is forced: the path tracer looks through other places of a
+    // pixel than its centre.
+    let turns = scene.scattering != Scattering::None && contents.turns();
     let kernel = match scene.scattering {
-        _ if !turned => Kernel::LineOfSight { parts, turned },
+        _ if !turns => Kernel::LineOfSight { parts, turned },
         Scattering::Single if contents.is_one_integral(scene) => {
             Kernel::LineOfSight { parts, turned }
         }
