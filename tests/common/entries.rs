@@ -19,6 +19,13 @@ impl Entry {
         self.0["id"].as_str().unwrap()
     }
 
+    /// A seed for one use of this entry, another for each: entries are sampled independently.
+    pub fn seed(&self, purpose: u64) -> u64 {
+        let digits = self.id().trim_start_matches(|c: char| !c.is_ascii_digit());
+        let number: u64 = digits.parse().unwrap();
+        purpose << 32 | number
+    }
+
     pub fn case(&self) -> &str {
         self.text("case")
     }

@@ -41,8 +41,8 @@ fn entries() -> Vec<Entry> {
 ///
 /// It is √(1−ω) H(μ) of a half-space, and H(μ)/(√3 (τ + 2q)) of the conservative slab. Returned
 /// with that factor of H.
-fn not_reflected(entry: &Entry, seed: u64, beam: impl Fn(&Stream) -> Ray) -> (Moments, f64) {
-    let albedo = entry.input("albedo");
+fn not_reflected(entry: &Entry, purpose: u64, beam: impl Fn(&Stream) -> Ray) -> (Moments, f64) {
+    let (seed, albedo) = (entry.seed(purpose), entry.input("albedo"));
     if albedo < 1.0 {
         let scene = Radiative {
             environment: DVec3::ONE,
@@ -66,8 +66,7 @@ fn plane_albedo_and_h() {
         let albedos = entry.answers("plane_albedo");
         assert_eq!(albedos, entry.answers("L_uniform_sky"));
         for ((mu, h), plane_albedo) in entry.inputs("mu").into_iter().zip(values).zip(albedos) {
-            let (found, factor) =
-                not_reflected(&entry, 31, |_| leaving(Face::Upper, mu));
+            let (found, factor) = not_reflected(&entry, 31, |_| leaving(Face::Upper, mu));
             let what = format!("{} H({mu})", entry.id());
             share_agrees(what, &found, factor * h);
             if entry.input("albedo") < 1.0 {
@@ -84,13 +83,16 @@ fn plane_albedo_and_h() {
 /// The moments of H are what beams of all cosines, and diffuse light, do.
 #[test]
 fn spherical_albedo_and_moments_of_h() {
-    let uniform = |random: &Stream| {
-        leaving(Face::Upper, 1.0 - random.uniform(0, Purpose::Camera, 0))
-    };
+    let uniform =
+        |random: &Stream| leaving(Face::Upper, 1.0 - random.uniform(0, Purpose::Camera, 0));
     for entry in entries() {
         let (found, factor) = not_reflected(&entry, 32, uniform);
         let alpha0 = entry.expected("alpha0");
-        share_agrees(format_args!("{} alpha0", entry.id()), &found, factor * alpha0);
+        share_agrees(
+            format_args!("{} alpha0", entry.id()),
+            &found,
+            factor * alpha0,
+        );
         // The weight of diffuse light is 2μ.
         let (found, factor) = not_reflected(&entry, 33, diffuse);
         let alpha1 = entry.expected("alpha1");
@@ -125,7 +127,7 @@ fn reflected_radiance() {
                 ..slab(tau, albedo, 0.0)
             };
             let ray = leaving(Face::Upper, mu);
-            let [found, ..] = sampled(&scene, None, (34, SAMPLES), |_| ray);
+            let [found, ..] = sampled(&scene, None, (entry.seed(34), SAMPLES), |_| ray);
             let what = format!("{} L({mu0}, {mu})", entry.id());
             agrees(what, &found, whole * (1.0 - missing), 0.0);
         }

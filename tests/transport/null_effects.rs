@@ -151,7 +151,10 @@ fn media_of_nothing() {
             vec![everywhere(nothing())],
             vec![
                 within(cuboid(DVec3::splat(-0.3), DVec3::splat(0.4)), nothing()),
-                within(Boundary::Sphere(Sphere::new(DVec3::Y, 0.9).unwrap()), nothing()),
+                within(
+                    Boundary::Sphere(Sphere::new(DVec3::Y, 0.9).unwrap()),
+                    nothing(),
+                ),
             ],
         ];
         for null in null {
@@ -201,7 +204,10 @@ fn force_all(radiative: Radiative) -> Vec<Effect> {
     let null: Vec<_> = null.collect();
     for &effect in &null {
         let forced = Plan::forcing(&panel, &[effect]).unwrap();
-        assert!(film(&panel, forced) == bare, "{effect} forced changes the film");
+        assert!(
+            film(&panel, forced) == bare,
+            "{effect} forced changes the film"
+        );
     }
     let all = Plan::forcing(&panel, &null).unwrap();
     assert!(film(&panel, all) == bare, "all forced change the film");

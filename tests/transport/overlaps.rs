@@ -45,7 +45,11 @@ fn two_halves_in_one_place() {
     let ray = into_the_middle();
     assert_eq!(straight(&halves, &ray), straight(&whole, &ray));
     // Sums of halves are exact, but for the phase function: a sum over a sum.
-    close(by_quadrature(&halves, &ray), by_quadrature(&whole, &ray), 8.0);
+    close(
+        by_quadrature(&halves, &ray),
+        by_quadrature(&whole, &ray),
+        8.0,
+    );
     let [a, ..] = sampled(&whole, None, (61, SAMPLES), |_| ray);
     let [b, ..] = sampled(&halves, None, (62, SAMPLES), |_| ray);
     same("two halves", &a, &b);
@@ -69,7 +73,11 @@ fn layers_that_overlap() {
     ]);
     let ray = into_the_middle();
     // Depths to a few roundings; the integral adds as many as it has pieces.
-    close(straight(&overlapping, &ray), straight(&touching, &ray), 16.0);
+    close(
+        straight(&overlapping, &ray),
+        straight(&touching, &ray),
+        16.0,
+    );
     close(
         by_quadrature(&overlapping, &ray),
         by_quadrature(&touching, &ray),
@@ -92,11 +100,8 @@ fn phase_functions_in_proportion() {
     let with_g = |g| {
         let (a, b) = (forward.coefficients, backward.coefficients);
         let medium = Homogeneous {
-            coefficients: Coefficients::new(
-                a.sigma_a() + b.sigma_a(),
-                a.sigma_s() + b.sigma_s(),
-            )
-            .unwrap(),
+            coefficients: Coefficients::new(a.sigma_a() + b.sigma_a(), a.sigma_s() + b.sigma_s())
+                .unwrap(),
             emission: DVec3::ZERO,
             phase: HenyeyGreenstein(Asymmetry::new(g).unwrap()),
         };
@@ -120,21 +125,15 @@ fn phase_functions_in_proportion() {
 #[test]
 fn mixed_phases_under_two_kinds_of_sky() {
     let mut blue = grey(0.5, 0.6, -0.4);
-    blue.coefficients = Coefficients::new(
-        DVec3::new(0.1, 0.2, 0.3),
-        DVec3::new(0.2, 0.8, 1.6),
-    )
-    .unwrap();
+    blue.coefficients =
+        Coefficients::new(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.2, 0.8, 1.6)).unwrap();
     let sky = DVec3::new(1.0, 0.8, 0.6);
     let half = DVec3::new(0.0, 9.0, 0.0);
     let media = vec![within(cube(), grey(1.5, 0.8, 0.7)), within(cube(), blue)];
     // Half a sky: everything is the same from all sides of a whole one.
-    let floor = volref::geometry::Rectangle::centred(
-        DVec3::NEG_Y * 2.0,
-        DVec3::X * 1e5,
-        DVec3::Z * 1e5,
-    )
-    .unwrap();
+    let floor =
+        volref::geometry::Rectangle::centred(DVec3::NEG_Y * 2.0, DVec3::X * 1e5, DVec3::Z * 1e5)
+            .unwrap();
     let floor = object(volref::geometry::Shape::Rectangle(floor), black());
     let met = Radiative {
         objects: vec![floor.clone()],
@@ -156,7 +155,11 @@ fn mixed_phases_under_two_kinds_of_sky() {
     let a = sampled(&met, None, (66, SAMPLES), |_| ray);
     let b = sampled(&connected, None, (67, SAMPLES), |_| ray);
     for channel in 0..3 {
-        same(format_args!("sky, channel {channel}"), &a[channel], &b[channel]);
+        same(
+            format_args!("sky, channel {channel}"),
+            &a[channel],
+            &b[channel],
+        );
     }
 }
 
@@ -170,7 +173,11 @@ fn an_absorber_within_what_scatters() {
     let together = lit(vec![within(cube(), grey(2.0, 0.6, 0.5))]);
     let ray = into_the_middle();
     close(straight(&apart, &ray), straight(&together, &ray), 16.0);
-    close(by_quadrature(&apart, &ray), by_quadrature(&together, &ray), 64.0);
+    close(
+        by_quadrature(&apart, &ray),
+        by_quadrature(&together, &ray),
+        64.0,
+    );
     let [a, ..] = sampled(&apart, None, (68, SAMPLES), |_| ray);
     let [b, ..] = sampled(&together, None, (69, SAMPLES), |_| ray);
     same("an absorber apart", &a, &b);

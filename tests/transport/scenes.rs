@@ -28,11 +28,8 @@ pub fn empty() -> Radiative {
 pub fn grey(sigma_t: f64, albedo: f64, g: f64) -> Homogeneous {
     let sigma_s = sigma_t * albedo;
     Homogeneous {
-        coefficients: Coefficients::new(
-            DVec3::splat(sigma_t - sigma_s),
-            DVec3::splat(sigma_s),
-        )
-        .unwrap(),
+        coefficients: Coefficients::new(DVec3::splat(sigma_t - sigma_s), DVec3::splat(sigma_s))
+            .unwrap(),
         emission: DVec3::ZERO,
         phase: HenyeyGreenstein(Asymmetry::new(g).unwrap()),
     }

@@ -73,7 +73,7 @@ fn all_orders() {
         let samples = if thin { SAMPLES_IF_THIN } else { SAMPLES };
         for_each_direction(&entry, "", |face, mu, expected| {
             let ray = leaving(face, mu);
-            let found = sampled(&scene, None, (21, samples), |_| ray);
+            let found = sampled(&scene, None, (entry.seed(21), samples), |_| ray);
             for (channel, (expected, found)) in expected.into_iter().zip(&found).enumerate() {
                 let what = format!("{} {face:?} {mu} {channel}", entry.id());
                 if expected < DARK {
@@ -96,14 +96,11 @@ fn fluxes() {
     for entry in with_flux {
         let incident = entry.input("mu0") * entry.input("E0");
         let beam = leaving(Face::Upper, entry.input("mu0"));
-        for (name, lit) in [
-            ("flux_up", Face::Upper),
-            ("flux_down_diffuse", Face::Lower),
-        ] {
+        for (name, lit) in [("flux_up", Face::Upper), ("flux_down_diffuse", Face::Lower)] {
             let sky = under_sky(&slab_of(&entry), lit);
             // Without what is not turned: it is on the other side of the slab only.
             let direct = straight(&sky, &beam).x;
-            let [found, ..] = sampled(&sky, None, (22, SAMPLES), |_| beam);
+            let [found, ..] = sampled(&sky, None, (entry.seed(22), SAMPLES), |_| beam);
             let share = entry.expected(name) / incident + direct;
             share_agrees(format_args!("{} {name}", entry.id()), &found, share);
             asked += 1;

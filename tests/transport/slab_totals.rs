@@ -100,7 +100,7 @@ fn every_entry_has_a_test() {
 fn all_agree(entry: &Entry, beam: impl Fn(&Stream) -> Ray) {
     let thin = entry.input("tau") < 0.01;
     let samples = if thin { SAMPLES_IF_THIN } else { SAMPLES };
-    let found = totals(&slab_of(entry), (3, samples), beam);
+    let found = totals(&slab_of(entry), (entry.seed(3), samples), beam);
     for (name, found) in [
         ("R", &found.reflected),
         ("T_total", &found.transmitted),
@@ -161,7 +161,12 @@ fn by_scattering_order() {
         for (name, lit) in [("R_order", Face::Upper), ("T_order", Face::Lower)] {
             let expected = entry.answers(name);
             let sky = under_sky(&slab_of(&entry), lit);
-            let found = by_order(&sky, expected.len() as u32, (4, SAMPLES), |_| beam);
+            let found = by_order(
+                &sky,
+                expected.len() as u32,
+                (entry.seed(4), SAMPLES),
+                |_| beam,
+            );
             // Light that is not turned reaches the sky on the other side only.
             let unturned = direct(&entry, entry.input("mu0"));
             let unturned = if lit == Face::Lower { unturned } else { 0.0 };
@@ -193,7 +198,7 @@ fn under_an_emitting_plane() {
                 ..slab_of(&entry)
             };
             let beam = incoming(entry.input("mu0"));
-            let [found, ..] = sampled(&scene, None, (5, SAMPLES), |_| beam);
+            let [found, ..] = sampled(&scene, None, (entry.seed(5), SAMPLES), |_| beam);
             let what = format!("{} {name} from a plane", entry.id());
             agrees(what, &found, entry.expected(name), 0.0);
         }
@@ -209,4 +214,31 @@ fn s6_a_thick_slab_keeps_nothing() {
     // `semi_infinite` p008.
     let transmitted = 2.907_810_529_078_606 / (3.0_f64.sqrt() * (50.0 + 2.0 * 0.710_446_089_6));
     share_agrees("S6", &found.transmitted, transmitted);
+}
+
+/// The comparison can fail: what each likely mistake would make of p001 is more than ten standard
+/// errors away from it.
+#[test]
+fn mistakes_are_seen() {
+    let entry = &entries("collimated")[0];
+    let (albedo, tau, g) = (0.9, 2.0, 0.75);
+    assert_eq!(
+        [entry.input("albedo"), entry.input("tau"), entry.input("g")],
+        [albedo, tau, g]
+    );
+    for (mistake, slab) in [
+        ("the albedo twice", slab(tau, albedo * albedo, g)),
+        ("no albedo", slab(tau, 1.0, g)),
+        ("g the other way", slab(tau, albedo, -g)),
+        ("no g", slab(tau, albedo, 0.0)),
+        ("a tenth more matter", slab(1.1 * tau, albedo, g)),
+    ] {
+        let found = totals(&slab, (entry.seed(3), SAMPLES), |_| incoming(1.0));
+        let off = |name: &str, found: &Moments| {
+            let variance = found.variance_of_mean().unwrap();
+            (found.mean() - entry.expected(name)).abs() / variance.sqrt()
+        };
+        let worst = off("R", &found.reflected).max(off("T_total", &found.transmitted));
+        assert!(worst > 10.0, "{mistake}: {worst}");
+    }
 }

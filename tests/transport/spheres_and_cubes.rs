@@ -56,7 +56,7 @@ fn all_orders() {
             ..scene.clone()
         };
         entry.is("transmittance", straight(&white, &ray).x);
-        let [found, ..] = sampled(&scene, None, (41, SAMPLES), |_| ray);
+        let [found, ..] = sampled(&scene, None, (entry.seed(41), SAMPLES), |_| ray);
         let error = entry.expected("L_std_err");
         agrees(entry.id(), &found, entry.expected("L"), error);
     }
@@ -68,7 +68,12 @@ fn each_order() {
         let (scene, ray) = question(&entry);
         let orders = entry.answers("L_by_order");
         let errors = entry.answers("L_by_order_std_err");
-        let found = by_order(&scene, orders.len() as u32 - 1, (42, SAMPLES), |_| ray);
+        let found = by_order(
+            &scene,
+            orders.len() as u32 - 1,
+            (entry.seed(42), SAMPLES),
+            |_| ray,
+        );
         for (order, (found, (expected, error))) in
             found.iter().zip(orders.into_iter().zip(errors)).enumerate()
         {
