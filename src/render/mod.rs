@@ -15,7 +15,7 @@ mod image;
 pub mod in_scattering;
 mod kernel;
 pub mod line_of_sight;
-pub mod lit_media;
+pub mod lit_places;
 pub mod media_path;
 pub mod path_tracer;
 pub mod plan;

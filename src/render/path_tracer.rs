@@ -18,7 +18,7 @@
 use super::direct_light::{radiance_of, weight_of_meeting};
 use super::draws::Draws;
 use super::effects::Effects;
-use super::lit_media::weight_of_finding;
+use super::lit_places::{weight_of_finding, weight_of_reaching};
 use super::media_path::{Flight, MediaPath, transmittance};
 use super::smooth::{facing, mirrored, through_glass};
 use super::surroundings::{Met, Surroundings};
@@ -130,8 +130,9 @@ impl<'s, E: Effects> PathTracer<'s, E> {
 
             let next = match turned_by {
                 TurnedBy::Range(vertex) => {
-                    radiance +=
-                        throughput * self.connected(&vertex, turns_left, &draws, scratch, work);
+                    let arrived = (&ray, came);
+                    radiance += throughput
+                        * self.connected(&vertex, arrived, turns_left, &draws, scratch, work);
                     let turn = vertex.turn::<E, W>(&around.media, &draws, work);
                     turn.map(|turn| (turn.ray, turn.weight, Came::Turned(turn.pdf)))
                 }
@@ -229,11 +230,17 @@ impl<'s, E: Effects> PathTracer<'s, E> {
     }
 
     /// What is sent back from a vertex for light that it is connected to: from lights, straight,
-    /// and from media that they shine on. What lights with a position send straight to a vertex
-    /// in a medium has been counted along the ray.
+    /// and from places that they shine on. What lights with a position send straight to a vertex
+    /// in a medium has been counted along the ray; what they send to a surface is weighted
+    /// against the connection that the last vertex made with it.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "a step of an estimator, and memory to work in"
+    )]
     fn connected<W: Work>(
         &self,
         vertex: &Vertex,
+        (ray, came): (&Ray, Came),
         turns_left: u32,
         draws: &Draws<'_>,
         scratch: &mut Scratch,
@@ -244,15 +251,19 @@ impl<'s, E: Effects> PathTracer<'s, E> {
             connection, spans, ..
         } = scratch;
         let mut radiance = DVec3::ZERO;
-        let in_medium = matches!(vertex, Vertex::Medium { .. });
         for light in &around.scene.lights {
-            if !(in_medium && light.position().is_some()) {
-                radiance += around.from_light(vertex, light, spans, work);
-            }
+            let weight = match (vertex, light.position(), came) {
+                (Vertex::Medium { .. }, Some(_), _) => continue,
+                (Vertex::Diffuse { point, .. }, Some(position), Came::Turned(pdf)) => {
+                    weight_of_reaching((light, position), ray, point, pdf)
+                }
+                _ => 1.0,
+            };
+            radiance += around.from_light(vertex, light, spans, work) * weight;
         }
-        if E::MEDIA && turns_left >= 2 {
+        if turns_left >= 2 {
             for source in self.positioned() {
-                radiance += around.from_lit_media(vertex, source, draws, connection, spans, work);
+                radiance += around.from_lit_places(vertex, source, draws, connection, spans, work);
             }
         }
         for index in 0..around.scene.area_lights.len() {
