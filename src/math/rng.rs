@@ -33,11 +33,13 @@ pub enum Purpose {
     Roulette = 9,
     /// Colour channel by which the next distance is sampled.
     Channel = 10,
+    /// Place in a medium, chosen from a light.
+    LitPlace = 11,
 }
 
 impl Purpose {
     /// Every use, by rising discriminant.
-    pub const ALL: [Purpose; 11] = [
+    pub const ALL: [Purpose; 12] = [
         Purpose::Camera,
         Purpose::FreeFlight,
         Purpose::Collision,
@@ -49,6 +51,7 @@ impl Purpose {
         Purpose::Surface,
         Purpose::Roulette,
         Purpose::Channel,
+        Purpose::LitPlace,
     ];
 }
 

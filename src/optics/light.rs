@@ -16,6 +16,30 @@ pub enum Light {
     Directional(Directional),
 }
 
+impl Light {
+    /// Where the light stands; `None` for one infinitely far away.
+    pub fn position(&self) -> Option<DVec3> {
+        match self {
+            Light::Point(light) => Some(light.position),
+            Light::Spot(light) => Some(light.position),
+            Light::Directional(_) => None,
+        }
+    }
+
+    /// What the light sends towards `point`, by channel: intensity, per steradian, or, of one
+    /// that is infinitely far away, irradiance.
+    pub fn strength_towards(&self, point: DVec3) -> DVec3 {
+        match self {
+            Light::Point(light) => light.intensity,
+            Light::Spot(light) => {
+                let towards = direction_of(point - light.position);
+                light.intensity * towards.map_or(0.0, |towards| light.falloff(towards))
+            }
+            Light::Directional(light) => light.irradiance,
+        }
+    }
+}
+
 /// A point light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {

@@ -5,19 +5,23 @@
 //! the ray is chosen for the light instead: by equal angles seen from it, which takes the factor
 //! away, or by free flight, which suits dense media, with equal probability; the sample is
 //! weighted by the mean of both densities.
+//!
+//! Source: Kulla & Fajardo 2012, "Importance sampling techniques for path tracing in
+//! participating media", Computer Graphics Forum 31, 1519–1528.
 
-use super::direct_light::arriving;
+use super::draws::Draws;
 use super::effects::Effects;
-use super::media_path::{Depths, Media, MediaPath, transmittance};
+use super::media_path::{Depths, MediaPath, Stretch, transmittance};
+use super::surroundings::Surroundings;
 use super::vertex::Vertex;
-use super::work::{Event, Work};
+use super::work::Work;
 use crate::geometry::{Ray, Span};
-use crate::math::rng::{Purpose, Stream};
-use crate::math::sampling::Equiangular;
+use crate::math::rng::Purpose;
+use crate::math::sampling::{Equiangular, LightOnRay};
 use crate::math::{exp, exp_m1, ln_1p};
 use crate::optics::{Light, Spot};
-use crate::scene::Radiative;
 use glam::DVec3;
+use std::marker::PhantomData;
 
 /// The stretch of `ray` on which `light` shines on matter that scatters, if there is one.
 pub fn lit_span(path: &MediaPath, ray: &Ray, light: &Light) -> Option<Span> {
@@ -89,90 +93,133 @@ fn within_cone(spot: &Spot, ray: &Ray, span: Span) -> Option<Span> {
     })
 }
 
-/// Estimates the radiance that `light`, which has a position, sends into the ray by one
-/// scattering. `media` lie along the ray as `path`.
-#[allow(
-    clippy::too_many_arguments,
-    reason = "a step of an estimator, given what it works on"
-)]
-pub fn from_light<E: Effects, W: Work>(
-    scene: &Radiative,
-    media: &Media<'_>,
-    path: &MediaPath,
-    ray: &Ray,
-    (light, position): (&Light, DVec3),
-    (random, bounce, index): (&Stream, u32, u32),
-    spans: &mut Vec<Span>,
-    work: &mut W,
-) -> DVec3 {
-    let Some(lit) = lit_span(path, ray, light) else {
-        return DVec3::ZERO;
-    };
-    let foot = (position - ray.origin).dot(ray.direction);
-    let distance = (ray.at(foot) - position).length();
-    let Ok(equiangular) = Equiangular::new(distance, lit.near - foot, lit.far - foot) else {
-        return DVec3::INFINITY;
-    };
-    let flight = TruncatedFlight::<E>::new(path, lit);
-    work.count_times(Event::RandomDraw, 2);
-    let [choice, u] = random.pair(bounce, Purpose::LightDistance, index);
-    let t = if choice < 0.5 {
-        foot + equiangular.place(u)
-    } else {
-        // What is left of the choice chooses the channel.
-        flight.place(path, u, 2.0 * choice - 1.0)
-    };
-    let t = t.clamp(lit.near, lit.far);
-    let (depths, Some(stretch)) = path.depths_to(t) else {
-        return DVec3::ZERO;
-    };
-    if !stretch.matter.scatters() {
-        return DVec3::ZERO;
-    }
-    let pdf = 0.5 * (equiangular.pdf(t - foot) + flight.pdf(&depths, stretch.matter.sigma_t));
-    let radiance = scattered_at::<E, W>(
-        scene,
-        media,
-        ray,
-        t,
-        &depths,
-        stretch.set,
-        stretch.matter.sigma_s,
-        light,
-        spans,
-        work,
-    );
-    radiance / pdf
+/// How places on a ray are chosen for a light with a position.
+pub struct Places<'p, E> {
+    path: &'p MediaPath,
+    lit: Span,
+    foot: f64,
+    equiangular: Equiangular,
+    flight: TruncatedFlight<E>,
 }
 
-/// Radiance per length that `light` sends into the ray by one scattering at distance `t`, as the
-/// origin of the ray sees it.
-#[allow(
-    clippy::too_many_arguments,
-    reason = "a step of an estimator, given what it works on"
-)]
-pub fn scattered_at<E: Effects, W: Work>(
-    scene: &Radiative,
-    media: &Media<'_>,
-    ray: &Ray,
-    t: f64,
-    depths: &Depths,
-    set: u64,
-    sigma_s: DVec3,
-    light: &Light,
-    spans: &mut Vec<Span>,
-    work: &mut W,
-) -> DVec3 {
-    let vertex = Vertex::Medium {
-        point: ray.at(t),
-        direction: ray.direction,
-        set,
-    };
-    if arriving(light, ray.at(t)).strength == DVec3::ZERO {
-        return DVec3::ZERO;
+/// A place on a ray, in matter that scatters.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<'p> {
+    /// Distance from the origin of the ray.
+    pub t: f64,
+    /// Density with which it is chosen, per length.
+    pub pdf: f64,
+    /// Optical depths up to there.
+    pub depths: Depths,
+    /// What is there.
+    pub stretch: &'p Stretch,
+}
+
+impl<'p, E: Effects> Places<'p, E> {
+    /// Places for `light`, which stands at `position`, on the `ray` along which media lie as
+    /// `path`. `None` where it shines on no matter that scatters.
+    ///
+    /// # Errors
+    ///
+    /// [`LightOnRay`] where the light lies on the ray.
+    pub fn new(
+        path: &'p MediaPath,
+        ray: &Ray,
+        light: &Light,
+        position: DVec3,
+    ) -> Result<Option<Self>, LightOnRay> {
+        let Some(lit) = lit_span(path, ray, light) else {
+            return Ok(None);
+        };
+        let foot = (position - ray.origin).dot(ray.direction);
+        let distance = (ray.at(foot) - position).length();
+        Ok(Some(Places {
+            path,
+            lit,
+            foot,
+            equiangular: Equiangular::new(distance, lit.near - foot, lit.far - foot)?,
+            flight: TruncatedFlight::new(path, lit),
+        }))
     }
-    let lit = super::direct_light::from_light::<E, W>(scene, media, &vertex, light, spans, work);
-    lit * sigma_s * transmittance::<E>(depths.all())
+
+    /// The place that belongs to two numbers in [0, 1).
+    pub fn choose(&self, [choice, u]: [f64; 2]) -> Option<Place<'p>> {
+        let t = if choice < 0.5 {
+            self.foot + self.equiangular.place(u)
+        } else {
+            // What is left of the choice chooses the channel.
+            self.flight.place(self.path, u, 2.0 * choice - 1.0)
+        };
+        self.at(t.clamp(self.lit.near, self.lit.far))
+    }
+
+    /// The place at distance `t`, if it is one that can be chosen.
+    pub fn at(&self, t: f64) -> Option<Place<'p>> {
+        if !(self.lit.near <= t && t <= self.lit.far) {
+            return None;
+        }
+        let (depths, stretch) = self.path.depths_to(t);
+        let stretch = stretch.filter(|stretch| stretch.matter.scatters())?;
+        let by_flight = self.flight.pdf(&depths, stretch.matter.sigma_t);
+        Some(Place {
+            t,
+            pdf: 0.5 * (self.equiangular.pdf(t - self.foot) + by_flight),
+            depths,
+            stretch,
+        })
+    }
+}
+
+impl<E: Effects> Surroundings<'_, E> {
+    /// Chooses a place on `ray` for `light`, which stands at `position` and has number `index`,
+    /// and estimates the radiance that it sends into the ray there. `None` where it shines on
+    /// nothing there.
+    ///
+    /// # Errors
+    ///
+    /// [`LightOnRay`] where the light lies on the ray: the radiance has no bound.
+    #[allow(
+        clippy::type_complexity,
+        clippy::too_many_arguments,
+        reason = "a step of an estimator, and memory to work in"
+    )]
+    pub fn into_ray<'p, W: Work>(
+        &self,
+        path: &'p MediaPath,
+        ray: &Ray,
+        (light, position, index): (&Light, DVec3, usize),
+        draws: &Draws<'_>,
+        spans: &mut Vec<Span>,
+        work: &mut W,
+    ) -> Result<Option<(DVec3, Place<'p>)>, LightOnRay> {
+        let Some(places) = Places::<E>::new(path, ray, light, position)? else {
+            return Ok(None);
+        };
+        let Some(place) = places.choose(draws.pair(Purpose::LightDistance, index, work)) else {
+            return Ok(None);
+        };
+        let radiance = self.scattered_at(ray, &place, light, spans, work);
+        Ok(Some((radiance / place.pdf, place)))
+    }
+
+    /// Radiance per length that `light` sends into the ray by one scattering at a place, as the
+    /// origin of the ray sees it.
+    pub fn scattered_at<W: Work>(
+        &self,
+        ray: &Ray,
+        place: &Place<'_>,
+        light: &Light,
+        spans: &mut Vec<Span>,
+        work: &mut W,
+    ) -> DVec3 {
+        let vertex = Vertex::Medium {
+            point: ray.at(place.t),
+            direction: ray.direction,
+            set: place.stretch.set,
+        };
+        let sent = self.from_light(&vertex, light, spans, work);
+        sent * place.stretch.matter.sigma_s * transmittance::<E>(place.depths.all())
+    }
 }
 
 /// Free flight of those alone that collide on a stretch of the ray; in chromatic media by one of
@@ -183,7 +230,7 @@ struct TruncatedFlight<E> {
     colliding: DVec3,
     /// Channels in which it is not 0.
     channels: f64,
-    effects: std::marker::PhantomData<E>,
+    effects: PhantomData<E>,
 }
 
 impl<E: Effects> TruncatedFlight<E> {
@@ -200,7 +247,7 @@ impl<E: Effects> TruncatedFlight<E> {
             before,
             colliding,
             channels,
-            effects: std::marker::PhantomData,
+            effects: PhantomData,
         }
     }
 

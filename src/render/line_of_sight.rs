@@ -3,33 +3,28 @@
 //! What media emit and take away is a closed form on each stretch. What they turn into the line
 //! of sight from a light without extent is an integral along it, evaluated to a tolerance.
 
-use super::direct_light::{from_light, radiance_of};
+use super::direct_light::radiance_of;
 use super::effects::Effects;
-use super::in_scattering::{lit_span, scattered_at};
-use super::media_path::{Media, MediaPath, transmittance};
-use super::surroundings::{Met, nearest};
+use super::in_scattering::{Place, lit_span};
+use super::media_path::{MediaPath, transmittance};
+use super::smooth::facing;
+use super::surroundings::{Met, Surroundings};
 use super::vertex::Vertex;
 use super::work::Work;
-use crate::geometry::{Ray, Side, Span};
+use crate::geometry::{Ray, Span};
 use crate::math::quadrature::integrate;
 use crate::math::sampling::Equiangular;
 use crate::optics::{Light, Material};
-use crate::scene::Radiative;
 use glam::DVec3;
-use std::marker::PhantomData;
 
 /// Light along the line of sight, for the effects `E`.
 pub struct LineOfSight<'s, E> {
     /// What is looked at. Lights have no extent and surfaces are diffuse, where light is turned.
-    pub scene: &'s Radiative,
-    /// Its media.
-    pub media: Media<'s>,
+    pub around: Surroundings<'s, E>,
     /// Whether light is turned at all.
     pub turned: bool,
     /// Error of an integral relative to its value.
     pub tolerance: f64,
-    /// For which effects.
-    pub effects: PhantomData<E>,
 }
 
 /// Relative error of an integral in an image: a hundredth of the last bit of 32-bit radiance.
@@ -48,58 +43,46 @@ impl<E: Effects> LineOfSight<'_, E> {
         spans: &mut Vec<Span>,
         work: &mut W,
     ) -> DVec3 {
-        let met = if E::SURFACES {
-            nearest(self.scene, ray, work)
-        } else {
-            None
-        };
+        let scene = self.around.scene;
+        let met = self.around.nearest(ray, work);
         let end = met.as_ref().map_or(f64::INFINITY, |(_, hit)| hit.t);
         let mut radiance = DVec3::ZERO;
         let mut through = DVec3::ONE;
         if E::MEDIA {
-            path.lay(&self.media, ray, end);
+            path.lay(&self.around.media, ray, end);
             through = transmittance::<E>(path.depth());
             if E::EMISSION {
                 radiance += path.emitted::<E>();
             }
             if self.turned {
-                for light in &self.scene.lights {
+                for light in &scene.lights {
                     radiance += self.turned_by_media(light, path, ray, spans, work);
                 }
             }
         }
-        radiance
-            + through
-                * match met {
-                    None => self.scene.environment,
-                    Some((Met::AreaLight(index), hit)) => {
-                        radiance_of(&self.scene.area_lights[index], &hit)
-                    }
-                    Some((Met::Object(index), hit)) => {
-                        let normal = match hit.side {
-                            Side::Front => hit.point.normal,
-                            Side::Back => -hit.point.normal,
-                        };
-                        match self.scene.objects[index].material {
-                            Material::Diffuse(reflectance) if self.turned => {
-                                let vertex = Vertex::Diffuse {
-                                    point: hit.point,
-                                    normal,
-                                    reflectance,
-                                };
-                                self.turned_at(&vertex, spans, work)
-                            }
-                            _ => DVec3::ZERO,
-                        }
-                    }
+        let behind = match met {
+            None => scene.environment,
+            Some((Met::AreaLight(index), hit)) => radiance_of(&scene.area_lights[index], &hit),
+            Some((Met::Object(index), hit)) => match scene.objects[index].material {
+                Material::Diffuse(reflectance) if self.turned => {
+                    let vertex = Vertex::Diffuse {
+                        point: hit.point,
+                        normal: facing(&hit),
+                        reflectance,
+                    };
+                    self.turned_at(&vertex, spans, work)
                 }
+                _ => DVec3::ZERO,
+            },
+        };
+        radiance + through * behind
     }
 
     /// Radiance that a surface makes of what the lights send there.
     fn turned_at<W: Work>(&self, vertex: &Vertex, spans: &mut Vec<Span>, work: &mut W) -> DVec3 {
-        let lights = self.scene.lights.iter();
+        let lights = self.around.scene.lights.iter();
         lights.fold(DVec3::ZERO, |sum, light| {
-            sum + from_light::<E, W>(self.scene, &self.media, vertex, light, spans, work)
+            sum + self.around.from_light(vertex, light, spans, work)
         })
     }
 
@@ -115,11 +98,6 @@ impl<E: Effects> LineOfSight<'_, E> {
         let Some(lit) = lit_span(path, ray, light) else {
             return DVec3::ZERO;
         };
-        let position = match light {
-            Light::Point(light) => Some(light.position),
-            Light::Spot(light) => Some(light.position),
-            Light::Directional(_) => None,
-        };
         let mut radiance = DVec3::ZERO;
         for stretch in path
             .stretches()
@@ -133,21 +111,15 @@ impl<E: Effects> LineOfSight<'_, E> {
             }
             let mut at = |t: f64| {
                 let (depths, _) = path.depths_to(t);
-                let matter = &stretch.matter;
-                scattered_at::<E, W>(
-                    self.scene,
-                    &self.media,
-                    ray,
+                let place = Place {
                     t,
-                    &depths,
-                    stretch.set,
-                    matter.sigma_s,
-                    light,
-                    spans,
-                    work,
-                )
+                    pdf: 1.0,
+                    depths,
+                    stretch,
+                };
+                self.around.scattered_at(ray, &place, light, spans, work)
             };
-            radiance += match position {
+            radiance += match light.position() {
                 // By the angle at which the light sees the ray: in it, the integrand is smooth
                 // however near the ray passes, and the end may be infinitely far away.
                 Some(position) => {

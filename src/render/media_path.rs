@@ -7,7 +7,7 @@
 //! crossings can go wrong.
 
 use super::effects::Effects;
-use crate::geometry::{Boundary, Ray, Solid, Span};
+use crate::geometry::{Aabb, Boundary, Ray, Solid, Span, Surface};
 use crate::math::{exp, ln_1p};
 use crate::media::{self, HenyeyGreenstein, emission, optical_depth};
 use crate::scene::Body;
@@ -59,6 +59,16 @@ impl Matter {
 #[derive(Debug)]
 pub struct Media<'s> {
     bodies: Vec<Medium<'s>>,
+    /// Where light is scattered at all.
+    scattering: Reach,
+}
+
+/// How far something reaches.
+#[derive(Debug)]
+enum Reach {
+    Nowhere,
+    Within(Aabb),
+    Everywhere,
 }
 
 #[derive(Debug)]
@@ -81,7 +91,28 @@ impl<'s> Media<'s> {
         };
         let mut bodies: Vec<_> = bodies.iter().map(medium).collect();
         bodies.retain(|body| all || body.matter != Matter::default());
-        Media { bodies }
+        let mut scattering = Reach::Nowhere;
+        for body in bodies.iter().filter(|body| body.matter.scatters()) {
+            let bounds = body.boundary.map(Surface::bounds);
+            scattering = match (scattering, bounds) {
+                (Reach::Nowhere, Some(bounds)) => Reach::Within(bounds),
+                (Reach::Within(others), Some(bounds)) => Reach::Within(others.union(bounds)),
+                (Reach::Everywhere, _) | (_, None) => Reach::Everywhere,
+            };
+        }
+        Media { bodies, scattering }
+    }
+
+    /// A stretch of `ray` that holds all places where light is scattered, if there are any.
+    pub fn scattering_span(&self, ray: &Ray) -> Option<Span> {
+        match &self.scattering {
+            Reach::Nowhere => None,
+            Reach::Within(bounds) => bounds.span(ray).filter(|span| span.near < span.far),
+            Reach::Everywhere => Some(Span {
+                near: 0.0,
+                far: f64::INFINITY,
+            }),
+        }
     }
 
     /// What the media in `set` are together.

@@ -5,42 +5,43 @@
 //! out. Then it either collides with matter that scatters or reaches the surface; there it picks
 //! up what arrives straight from the lights, is turned, and goes on.
 //!
-//! Every light is counted once: those without extent can only be connected to; an area light is
-//! connected to *and* met, the two weighted by multiple importance sampling; the environment,
-//! being the same in all directions, is only met, since directions are chosen in the proportion
-//! in which they matter. So in a furnace, a conservative scene with an environment alone, every
+//! Every light is counted once. Lights without extent can only be connected to, straight or by
+//! one turn in a medium, and both ways of finding that turn are weighted by multiple importance
+//! sampling; an area light is connected to *and* met, weighted likewise; the environment, being
+//! the same in all directions, is only met, since directions are chosen in the proportion in
+//! which they matter. So in a furnace, a conservative scene with an environment alone, every
 //! path returns exactly the radiance of the environment.
 //!
 //! Sources: Kajiya 1986, "The rendering equation", SIGGRAPH '86; Veach 1997, thesis, ch. 9–11;
 //! Kulla & Fajardo 2012 for lights in media.
 
-use super::direct_light::{from_area_light, from_light, radiance_of, weight_of_meeting};
+use super::direct_light::{radiance_of, weight_of_meeting};
+use super::draws::Draws;
 use super::effects::Effects;
-use super::in_scattering;
-use super::media_path::{Flight, Media, MediaPath, transmittance};
-use super::surroundings::{Met, nearest};
+use super::lit_places::{weight_of_finding, weight_of_reaching};
+use super::media_path::{Flight, MediaPath, transmittance};
+use super::smooth::{facing, mirrored, through_glass};
+use super::surroundings::{Met, Surroundings};
 use super::vertex::Vertex;
-use super::work::{Event, Work};
-use crate::geometry::{Hit, Ray, Side, Span};
+use super::work::Work;
+use crate::geometry::{Hit, Ray, Span};
 use crate::math::rng::{Purpose, Stream};
-use crate::optics::{Light, Material, reflected, split};
+use crate::optics::{Light, Material};
 use crate::scene::Radiative;
 use glam::DVec3;
-use std::marker::PhantomData;
 
 /// Path tracing of a scene, for the effects `E`.
 pub struct PathTracer<'s, E> {
-    scene: &'s Radiative,
-    media: Media<'s>,
+    around: Surroundings<'s, E>,
     /// Turns at most.
     limit: u32,
-    effects: PhantomData<E>,
 }
 
 /// Memory that is kept from path to path.
 #[derive(Debug, Default)]
 pub struct Scratch {
     path: MediaPath,
+    connection: MediaPath,
     spans: Vec<Span>,
 }
 
@@ -62,10 +63,8 @@ impl<'s, E: Effects> PathTracer<'s, E> {
     /// With `null_media`, also media of no matter are asked where they are.
     pub fn new(scene: &'s Radiative, limit: Option<u32>, null_media: bool) -> Self {
         PathTracer {
-            media: Media::new(&scene.media, null_media),
-            scene,
-            limit: limit.unwrap_or(Stream::BOUNCES - 1),
-            effects: PhantomData,
+            around: Surroundings::new(scene, null_media),
+            limit: limit.unwrap_or(u32::MAX),
         }
     }
 
@@ -77,125 +76,117 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         scratch: &mut Scratch,
         work: &mut W,
     ) -> Result<DVec3, Endless> {
+        let around = &self.around;
         let mut radiance = DVec3::ZERO;
         let mut throughput = DVec3::ONE;
-        let mut came = Came::Alone;
         let mut first = DVec3::ONE;
-        for bounce in 0.. {
-            let met = if E::SURFACES {
-                nearest(self.scene, &ray, work)
-            } else {
-                None
-            };
+        let mut came = Came::Alone;
+        for bounce in 0..=self.limit {
+            let draws = Draws { random, bounce };
+            let turns_left = self.limit - bounce;
+            let met = around.nearest(&ray, work);
             let end = met.as_ref().map_or(f64::INFINITY, |(_, hit)| hit.t);
-            let turns_left = bounce < self.limit;
             if E::MEDIA {
-                scratch.path.lay(&self.media, &ray, end);
-                radiance +=
-                    throughput * self.along(&ray, turns_left, random, bounce, scratch, work);
+                scratch.path.lay(&around.media, &ray, end);
+                if E::EMISSION {
+                    radiance += throughput * scratch.path.emitted::<E>();
+                }
+                if turns_left >= 1 {
+                    radiance += throughput * self.into_ray(&ray, came, &draws, scratch, work);
+                }
             }
             if let Some((Met::AreaLight(index), hit)) = &met {
                 radiance += throughput * self.met_light(*index, &ray, hit, came, scratch);
             }
 
-            let (vertex, weight) = match self.flight(random, bounce, scratch, work) {
+            let turned_by = match self.flight(&draws, scratch, work) {
                 Flight::Collided(collision) => {
-                    let vertex = Vertex::Medium {
+                    throughput *= collision.weight;
+                    TurnedBy::Range(Vertex::Medium {
                         point: ray.at(collision.t),
                         direction: ray.direction,
                         set: collision.set,
-                    };
-                    (Ok(vertex), collision.weight)
+                    })
                 }
-                Flight::Escaped(weight) => match met {
-                    None => {
-                        radiance += throughput * weight * self.scene.environment;
-                        return Ok(radiance);
+                Flight::Escaped(weight) => {
+                    throughput *= weight;
+                    match met {
+                        None => {
+                            radiance += throughput * around.scene.environment;
+                            return Ok(radiance);
+                        }
+                        // Black, and what it sends out has been counted.
+                        Some((Met::AreaLight(_), _)) => return Ok(radiance),
+                        Some((Met::Object(index), hit)) => self.surface(index, hit),
                     }
-                    // Black, and what it sends out has been counted.
-                    Some((Met::AreaLight(_), _)) => return Ok(radiance),
-                    Some((Met::Object(index), hit)) => (self.surface(index, &ray, hit), weight),
-                },
+                }
             };
-            throughput *= weight;
+            if turns_left == 0 || throughput == DVec3::ZERO {
+                break;
+            }
             if bounce == 0 {
                 first = throughput;
             }
-            if !turns_left {
-                if self.limit == Stream::BOUNCES - 1 {
-                    return Err(Endless);
-                }
-                return Ok(radiance);
-            }
-            if throughput == DVec3::ZERO {
-                return Ok(radiance);
-            }
 
-            match vertex {
-                Ok(vertex) => {
-                    radiance += throughput * self.straight(&vertex, random, bounce, scratch, work);
-                    let Some(turn) = vertex.turn::<E, W>(&self.media, random, bounce, work) else {
-                        return Ok(radiance);
-                    };
-                    throughput *= turn.weight;
-                    came = Came::Turned(turn.pdf);
-                    ray = turn.ray;
+            let next = match turned_by {
+                TurnedBy::Range(vertex) => {
+                    let arrived = (&ray, came);
+                    radiance += throughput
+                        * self.connected(&vertex, arrived, turns_left, &draws, scratch, work);
+                    let turn = vertex.turn::<E, W>(&around.media, &draws, work);
+                    turn.map(|turn| (turn.ray, turn.weight, Came::Turned(turn.pdf)))
                 }
-                Err(smooth) => {
-                    let Some((next, weight)) = smooth.turn(&ray, random, bounce, work) else {
-                        return Ok(radiance);
-                    };
-                    throughput *= weight;
-                    came = Came::Alone;
-                    ray = next;
+                TurnedBy::Mirror(hit, reflectance) => {
+                    mirrored(&ray, &hit).map(|ray| (ray, reflectance, Came::Alone))
                 }
+                TurnedBy::Glass(hit, index) => through_glass(&ray, &hit, index, &draws, work)
+                    .map(|(ray, weight)| (ray, DVec3::splat(weight), Came::Alone)),
+            };
+            let Some((next, weight, by)) = next else {
+                break;
+            };
+            (ray, came) = (next, by);
+            throughput *= weight;
+            let survival = survival(throughput, first);
+            if survival < 1.0 {
+                if draws.one(Purpose::Roulette, work) >= survival {
+                    break;
+                }
+                throughput /= survival;
             }
-            match survival(throughput, first) {
-                1.0 => {}
-                survival => {
-                    work.count(Event::RandomDraw);
-                    if random.uniform(bounce, Purpose::Roulette, 0) >= survival {
-                        return Ok(radiance);
-                    }
-                    throughput /= survival;
-                }
+            if bounce == Stream::BOUNCES - 1 {
+                return Err(Endless);
             }
         }
-        unreachable!("the number of turns is limited")
+        Ok(radiance)
     }
 
-    /// What the media along the ray under way send back: their emission, and light without
-    /// extent that they turn once.
-    fn along<W: Work>(
+    /// What lights with a position send into the ray by one turn in the media along it, weighted
+    /// against the connection that the last vertex made with it.
+    fn into_ray<W: Work>(
         &self,
         ray: &Ray,
-        turns_left: bool,
-        random: &Stream,
-        bounce: u32,
+        came: Came,
+        draws: &Draws<'_>,
         scratch: &mut Scratch,
         work: &mut W,
     ) -> DVec3 {
-        let Scratch { path, spans } = scratch;
+        let Scratch { path, spans, .. } = scratch;
         let mut radiance = DVec3::ZERO;
-        if E::EMISSION {
-            radiance += path.emitted::<E>();
-        }
-        if !turns_left {
-            return radiance;
-        }
-        for (index, light) in self.scene.lights.iter().enumerate() {
-            if let Some(position) = position(light) {
-                let source = (random, bounce, index as u32);
-                radiance += in_scattering::from_light::<E, W>(
-                    self.scene,
-                    &self.media,
-                    path,
-                    ray,
-                    (light, position),
-                    source,
-                    spans,
-                    work,
-                );
+        for (light, position, index) in self.positioned() {
+            let source = (light, position, index);
+            match self.around.into_ray(path, ray, source, draws, spans, work) {
+                Err(_) => return DVec3::INFINITY,
+                Ok(None) => {}
+                Ok(Some((sent, place))) => {
+                    let weight = match came {
+                        Came::Alone => 1.0,
+                        Came::Turned(pdf) => {
+                            weight_of_finding(&self.around, (light, position), ray, &place, pdf)
+                        }
+                    };
+                    radiance += sent * weight;
+                }
             }
         }
         radiance
@@ -211,7 +202,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         came: Came,
         scratch: &Scratch,
     ) -> DVec3 {
-        let light = &self.scene.area_lights[index];
+        let light = &self.around.scene.area_lights[index];
         let weight = match came {
             Came::Alone => 1.0,
             Came::Turned(pdf) => weight_of_meeting(light, ray, hit, pdf),
@@ -224,74 +215,90 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         radiance_of(light, hit) * through * weight
     }
 
-    fn flight<W: Work>(
-        &self,
-        random: &Stream,
-        bounce: u32,
-        scratch: &Scratch,
-        work: &mut W,
-    ) -> Flight {
+    fn flight<W: Work>(&self, draws: &Draws<'_>, scratch: &Scratch, work: &mut W) -> Flight {
         if !E::MEDIA || scratch.path.stretches().is_empty() {
             return Flight::Escaped(DVec3::ONE);
         }
         let channel = if E::CHROMATIC {
-            work.count(Event::RandomDraw);
-            (3.0 * random.uniform(bounce, Purpose::Channel, 0)) as usize
+            (3.0 * draws.one(Purpose::Channel, work)) as usize
         } else {
             0
         };
-        work.count(Event::RandomDraw);
-        let u = random.uniform(bounce, Purpose::FreeFlight, 0);
-        scratch.path.flight::<E>(u, channel)
+        scratch
+            .path
+            .flight::<E>(draws.one(Purpose::FreeFlight, work), channel)
     }
 
-    /// What lights send straight to a vertex and it sends back along the path. Lights with a
-    /// position have been counted along the ray, for vertices in media.
-    fn straight<W: Work>(
+    /// What is sent back from a vertex for light that it is connected to: from lights, straight,
+    /// and from places that they shine on. What lights with a position send straight to a vertex
+    /// in a medium has been counted along the ray; what they send to a surface is weighted
+    /// against the connection that the last vertex made with it.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "a step of an estimator, and memory to work in"
+    )]
+    fn connected<W: Work>(
         &self,
         vertex: &Vertex,
-        random: &Stream,
-        bounce: u32,
+        (ray, came): (&Ray, Came),
+        turns_left: u32,
+        draws: &Draws<'_>,
         scratch: &mut Scratch,
         work: &mut W,
     ) -> DVec3 {
-        let (scene, spans) = (self.scene, &mut scratch.spans);
+        let around = &self.around;
+        let Scratch {
+            connection, spans, ..
+        } = scratch;
         let mut radiance = DVec3::ZERO;
-        let in_medium = matches!(vertex, Vertex::Medium { .. });
-        for light in &scene.lights {
-            if !(in_medium && position(light).is_some()) {
-                radiance += from_light::<E, W>(scene, &self.media, vertex, light, spans, work);
+        for light in &around.scene.lights {
+            let weight = match (vertex, light.position(), came) {
+                (Vertex::Medium { .. }, Some(_), _) => continue,
+                (Vertex::Diffuse { point, .. }, Some(position), Came::Turned(pdf)) => {
+                    weight_of_reaching((light, position), ray, point, pdf)
+                }
+                _ => 1.0,
+            };
+            radiance += around.from_light(vertex, light, spans, work) * weight;
+        }
+        if turns_left >= 2 {
+            for source in self.positioned() {
+                radiance += around.from_lit_places(vertex, source, draws, connection, spans, work);
             }
         }
-        for index in 0..scene.area_lights.len() {
-            let source = (random, bounce);
-            radiance +=
-                from_area_light::<E, W>(scene, &self.media, vertex, index, source, spans, work);
+        for index in 0..around.scene.area_lights.len() {
+            radiance += around.from_area_light(vertex, index, draws, spans, work);
         }
         radiance
     }
 
-    fn surface(&self, index: usize, ray: &Ray, hit: Hit) -> Result<Vertex, Smooth> {
-        let normal = match hit.side {
-            Side::Front => hit.point.normal,
-            Side::Back => -hit.point.normal,
-        };
-        match self.scene.objects[index].material {
-            Material::Diffuse(reflectance) => Ok(Vertex::Diffuse {
+    /// The lights that stand somewhere, with their places and numbers.
+    fn positioned(&self) -> impl Iterator<Item = (&'s Light, DVec3, usize)> {
+        let lights = self.around.scene.lights.iter().enumerate();
+        lights.filter_map(|(index, light)| Some((light, light.position()?, index)))
+    }
+
+    fn surface(&self, index: usize, hit: Hit) -> TurnedBy {
+        match self.around.scene.objects[index].material {
+            Material::Diffuse(reflectance) => TurnedBy::Range(Vertex::Diffuse {
                 point: hit.point,
-                normal,
+                normal: facing(&hit),
                 reflectance,
             }),
-            material => {
-                let _ = ray;
-                Err(Smooth {
-                    material,
-                    hit,
-                    normal,
-                })
-            }
+            Material::Mirror(reflectance) => TurnedBy::Mirror(hit, reflectance),
+            Material::Glass(index) => TurnedBy::Glass(hit, index),
         }
     }
+}
+
+/// What turns a path.
+enum TurnedBy {
+    /// Something that turns it into a range of directions.
+    Range(Vertex),
+    /// A mirror of this reflectance.
+    Mirror(Hit, DVec3),
+    /// Glass of this refractive index.
+    Glass(Hit, f64),
 }
 
 /// The probability with which a path is carried on, by its throughput as a share of that which
@@ -301,54 +308,4 @@ impl<'s, E: Effects> PathTracer<'s, E> {
 /// start, from the second or from the fifth turn on in proportion to what they carry.
 fn survival(throughput: DVec3, first: DVec3) -> f64 {
     (2.0 * throughput.max_element() / first.max_element()).min(1.0)
-}
-
-/// A mirror or glass: a path that meets it goes on in one or two directions.
-struct Smooth {
-    material: Material,
-    hit: Hit,
-    normal: DVec3,
-}
-
-impl Smooth {
-    /// The ray that goes on, and its weight by channel.
-    fn turn<W: Work>(
-        &self,
-        ray: &Ray,
-        random: &Stream,
-        bounce: u32,
-        work: &mut W,
-    ) -> Option<(Ray, DVec3)> {
-        let mirrored = reflected(ray.direction, self.normal);
-        let leave = |direction| self.hit.point.leave(direction);
-        match self.material {
-            Material::Mirror(reflectance) => Some((leave(mirrored)?, reflectance)),
-            Material::Glass(index) => {
-                let ratio = match self.hit.side {
-                    Side::Front => 1.0 / index,
-                    Side::Back => index,
-                };
-                let split = split(ray.direction, self.normal, ratio);
-                work.count(Event::RandomDraw);
-                let choice = random.uniform(bounce, Purpose::Surface, 0);
-                match split.refracted {
-                    // Radiance is measured per solid angle, which refraction stretches.
-                    Some(refracted) if choice >= split.reflectance => {
-                        Some((leave(refracted)?, DVec3::splat(ratio * ratio)))
-                    }
-                    _ => Some((leave(mirrored)?, DVec3::ONE)),
-                }
-            }
-            Material::Diffuse(_) => unreachable!("a diffuse surface is a vertex"),
-        }
-    }
-}
-
-/// Where a light stands; `None` for one infinitely far away.
-fn position(light: &Light) -> Option<DVec3> {
-    match light {
-        Light::Point(light) => Some(light.position),
-        Light::Spot(light) => Some(light.position),
-        Light::Directional(_) => None,
-    }
 }

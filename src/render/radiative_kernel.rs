@@ -4,9 +4,9 @@
 use super::effects::{Effects, Only};
 use super::image::{Pixels, rows};
 use super::line_of_sight::{LineOfSight, TOLERANCE};
-use super::media_path::Media;
 use super::path_tracer::{Endless, PathTracer, Scratch};
 use super::plan::Parts;
+use super::surroundings::Surroundings;
 use super::work::{Event, Work};
 use crate::math::Moments;
 use crate::math::rng::{Purpose, Stream};
@@ -67,11 +67,9 @@ impl<W: Work> Run for ByLineOfSight<'_, W> {
 
     fn run<E: Effects>(self) -> Self::Output {
         let renderer = LineOfSight::<E> {
-            scene: self.scene,
-            media: Media::new(&self.scene.media, self.parts.null_media),
+            around: Surroundings::new(self.scene, self.parts.null_media),
             turned: self.turned,
             tolerance: TOLERANCE,
-            effects: PhantomData,
         };
         let size = [self.pixels.width, self.pixels.height];
         rows(

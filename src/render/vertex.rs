@@ -1,10 +1,11 @@
 //! A place where a path is turned, and what it does to the light that arrives there.
 
+use super::draws::Draws;
 use super::effects::Effects;
 use super::media_path::{Media, Set};
 use super::work::{Event, Work};
 use crate::geometry::{Ray, SurfacePoint};
-use crate::math::rng::{Purpose, Stream};
+use crate::math::rng::Purpose;
 use crate::math::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
 use crate::math::{Frame, cos, sin};
 use crate::media::{Deflection, HenyeyGreenstein};
@@ -129,15 +130,13 @@ impl Vertex {
     pub fn turn<E: Effects, W: Work>(
         &self,
         media: &Media<'_>,
-        random: &Stream,
-        bounce: u32,
+        draws: &Draws<'_>,
         work: &mut W,
     ) -> Option<Turn> {
-        work.count_times(Event::RandomDraw, 2);
         match self {
             Vertex::Medium { direction, set, .. } => {
-                let (phase, weight) = chosen_phase(media, *set, random, bounce, work);
-                let [u, v] = random.pair(bounce, Purpose::PhaseDirection, 0);
+                let (phase, weight) = chosen_phase(media, *set, draws, work);
+                let [u, v] = draws.pair(Purpose::PhaseDirection, 0, work);
                 let turn = if E::ANISOTROPIC {
                     phase.deflection(u)
                 } else {
@@ -156,7 +155,7 @@ impl Vertex {
                 reflectance,
                 ..
             } => {
-                let local = cosine_hemisphere(random.pair(bounce, Purpose::Surface, 0));
+                let local = cosine_hemisphere(draws.pair(Purpose::Surface, 0, work));
                 let ray = self.leave(Frame::around(*normal).to_world(local))?;
                 let pdf = cosine_hemisphere_pdf(local.z);
                 Some(Turn {
@@ -218,8 +217,7 @@ fn scattered<E: Effects, W: Work>(
 fn chosen_phase<W: Work>(
     media: &Media<'_>,
     set: Set,
-    random: &Stream,
-    bounce: u32,
+    draws: &Draws<'_>,
     work: &mut W,
 ) -> (HenyeyGreenstein, DVec3) {
     let mut scatterers = media.scatterers(set);
@@ -233,8 +231,7 @@ fn chosen_phase<W: Work>(
         .scatterers(set)
         .fold(DVec3::ZERO, |sum, (sigma_s, _)| sum + sigma_s);
     let grey = |sigma: DVec3| sigma.x + sigma.y + sigma.z;
-    work.count(Event::RandomDraw);
-    let mut left = random.uniform(bounce, Purpose::Collision, 0) * grey(all);
+    let mut left = draws.one(Purpose::Collision, work) * grey(all);
     let (mut chosen, mut sigma_s) = (phase, first);
     for (candidate, phase) in media.scatterers(set) {
         (chosen, sigma_s) = (phase, candidate);
