@@ -2,14 +2,13 @@
 
 use glam::DVec3;
 use std::fmt::Display;
-use std::marker::PhantomData;
 use volref::geometry::Ray;
 use volref::math::Moments;
 use volref::math::rng::Stream;
 use volref::render::effects::{Effects, Everything};
 use volref::render::line_of_sight::LineOfSight;
-use volref::render::media_path::Media;
 use volref::render::path_tracer::{PathTracer, Scratch};
+use volref::render::surroundings::Surroundings;
 use volref::render::work::Uncounted;
 use volref::scene::Radiative;
 
@@ -29,11 +28,9 @@ pub fn straight(scene: &Radiative, ray: &Ray) -> DVec3 {
 
 fn line_of_sight(scene: &Radiative, ray: &Ray, turned: bool) -> DVec3 {
     let renderer = LineOfSight::<Everything> {
-        scene,
-        media: Media::new(&scene.media, false),
+        around: Surroundings::new(scene, false),
         turned,
         tolerance: 1e-14,
-        effects: PhantomData,
     };
     renderer.radiance(
         ray,
