@@ -135,8 +135,8 @@ impl Rectangle {
         let lengths = size(away) + size(self.edge_u) + size(self.edge_v);
         let in_t = ROUNDING * lengths / slope.abs();
         let in_uv = 2.0 * in_t * self.steepest;
-        // Written so that what is no number, as for a ray in the plane, goes to the triangles.
-        if !(in_uv < 0.01) {
+        // What is no number, as for a ray in the plane, goes to the triangles too.
+        if in_uv >= 0.01 || in_uv.is_nan() {
             return self.by_triangles(ray, limit);
         }
         if t < -in_t || t > limit + in_t {

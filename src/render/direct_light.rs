@@ -14,7 +14,7 @@ use glam::DVec3;
 
 impl<E: Effects> Surroundings<'_, E> {
     /// Radiance sent back from `vertex` for what arrives there from a light without extent.
-    pub fn from_light<W: Work>(
+    pub fn by_light<W: Work>(
         &self,
         vertex: &Vertex,
         light: &Light,
@@ -48,7 +48,7 @@ impl<E: Effects> Surroundings<'_, E> {
 
     /// Radiance sent back from `vertex` for what arrives there from the area light with number
     /// `index`: one point of the light, weighted against [`Vertex::turn`] meeting it by itself.
-    pub fn from_area_light<W: Work>(
+    pub fn by_area_light<W: Work>(
         &self,
         vertex: &Vertex,
         index: usize,

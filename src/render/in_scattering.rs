@@ -183,7 +183,7 @@ impl<E: Effects> Surroundings<'_, E> {
         clippy::too_many_arguments,
         reason = "a step of an estimator, and memory to work in"
     )]
-    pub fn into_ray<'p, W: Work>(
+    pub fn by_turning_into<'p, W: Work>(
         &self,
         path: &'p MediaPath,
         ray: &Ray,
@@ -217,7 +217,7 @@ impl<E: Effects> Surroundings<'_, E> {
             direction: ray.direction,
             set: place.stretch.set,
         };
-        let sent = self.from_light(&vertex, light, spans, work);
+        let sent = self.by_light(&vertex, light, spans, work);
         sent * place.stretch.matter.sigma_s * transmittance::<E>(place.depths.all())
     }
 }

@@ -82,7 +82,7 @@ impl<E: Effects> LineOfSight<'_, E> {
     fn turned_at<W: Work>(&self, vertex: &Vertex, spans: &mut Vec<Span>, work: &mut W) -> DVec3 {
         let lights = self.around.scene.lights.iter();
         lights.fold(DVec3::ZERO, |sum, light| {
-            sum + self.around.from_light(vertex, light, spans, work)
+            sum + self.around.by_light(vertex, light, spans, work)
         })
     }
 

@@ -127,7 +127,7 @@ impl<E: Effects> Surroundings<'_, E> {
         clippy::too_many_arguments,
         reason = "a step of an estimator, and memory to work in"
     )]
-    pub fn from_lit_places<W: Work>(
+    pub fn by_lit_places<W: Work>(
         &self,
         vertex: &Vertex,
         (light, position, index): (&Light, DVec3, usize),
@@ -156,12 +156,12 @@ impl<E: Effects> Surroundings<'_, E> {
             let [u, _] = draws.pair(Purpose::LitPlace, 2 * index + 1, work);
             let chosen = (per_steradian, u);
             radiance += self
-                .from_lit_medium(vertex, (light, position), &out, chosen, path, spans, work)
+                .by_lit_medium(vertex, (light, position), &out, chosen, path, spans, work)
                 .unwrap_or(DVec3::ZERO);
         }
         if E::SURFACES {
             radiance += self
-                .from_lit_surface(vertex, light, &out, per_steradian, spans, work)
+                .by_lit_surface(vertex, light, &out, per_steradian, spans, work)
                 .unwrap_or(DVec3::ZERO);
         }
         radiance
@@ -173,7 +173,7 @@ impl<E: Effects> Surroundings<'_, E> {
         clippy::too_many_arguments,
         reason = "a step of an estimator, and memory to work in"
     )]
-    fn from_lit_medium<W: Work>(
+    fn by_lit_medium<W: Work>(
         &self,
         vertex: &Vertex,
         (light, position): (&Light, DVec3),
@@ -210,7 +210,7 @@ impl<E: Effects> Surroundings<'_, E> {
 
     /// From the diffuse surface that the ray `out` of the light meets, whose direction has the
     /// density `per_steradian`.
-    fn from_lit_surface<W: Work>(
+    fn by_lit_surface<W: Work>(
         &self,
         vertex: &Vertex,
         light: &Light,

@@ -93,7 +93,8 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                     radiance += throughput * scratch.path.emitted::<E>();
                 }
                 if turns_left >= 1 {
-                    radiance += throughput * self.into_ray(&ray, came, &draws, scratch, work);
+                    radiance +=
+                        throughput * self.by_turning_into(&ray, came, &draws, scratch, work);
                 }
             }
             if let Some((Met::AreaLight(index), hit)) = &met {
@@ -164,7 +165,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
 
     /// What lights with a position send into the ray by one turn in the media along it, weighted
     /// against the connection that the last vertex made with it.
-    fn into_ray<W: Work>(
+    fn by_turning_into<W: Work>(
         &self,
         ray: &Ray,
         came: Came,
@@ -176,7 +177,10 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         let mut radiance = DVec3::ZERO;
         for (light, position, index) in self.positioned() {
             let source = (light, position, index);
-            match self.around.into_ray(path, ray, source, draws, spans, work) {
+            match self
+                .around
+                .by_turning_into(path, ray, source, draws, spans, work)
+            {
                 Err(_) => return DVec3::INFINITY,
                 Ok(None) => {}
                 Ok(Some((sent, place))) => {
@@ -265,15 +269,15 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                 }
                 _ => 1.0,
             };
-            radiance += around.from_light(vertex, light, spans, work) * weight;
+            radiance += around.by_light(vertex, light, spans, work) * weight;
         }
         if turns_left >= 2 {
             for source in self.positioned() {
-                radiance += around.from_lit_places(vertex, source, draws, connection, spans, work);
+                radiance += around.by_lit_places(vertex, source, draws, connection, spans, work);
             }
         }
         for index in 0..around.scene.area_lights.len() {
-            radiance += around.from_area_light(vertex, index, draws, spans, work);
+            radiance += around.by_area_light(vertex, index, draws, spans, work);
         }
         radiance
     }
