@@ -12,7 +12,9 @@ mod phong;
 pub mod profiles;
 mod transfer_function;
 
-pub use coefficients::{Coefficients, InvalidCoefficient, collision_weight, escape_weight};
+pub use coefficients::{
+    Coefficients, InvalidCoefficient, collision_weight, escape_weight, sampled_channel,
+};
 pub use colormap::Colormap;
 pub use homogeneous::Homogeneous;
 pub use opacity::{TransferOpacity, over_length};

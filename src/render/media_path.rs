@@ -348,12 +348,14 @@ impl MediaPath {
     }
 
     /// Samples where a ray collides with matter that scatters. `u` chooses the distance, uniform
-    /// in [0, 1); `channel` the channel by which it is chosen, all three equally likely.
+    /// in [0, 1); `channel` the channel by which it is chosen, by [`media::sampled_channel`] from
+    /// `throughput`, what the path carries.
     ///
-    /// In a chromatic medium the density is the mean of those of the three channels, so that no
-    /// weight is ever above 3. In a grey medium the weight of a collision is the albedo, and
-    /// what escapes has the weight 1, both exactly, but for what only absorbs.
-    pub fn flight<E: Effects>(&self, u: f64, channel: usize) -> Flight {
+    /// In a chromatic medium the density is the mean of those of the three channels in that
+    /// proportion, so that the channels of a path together never carry more than at its
+    /// beginning. In a grey medium the weight of a collision is the albedo, and what escapes has
+    /// the weight 1, both exactly, but for what only absorbs.
+    pub fn flight<E: Effects>(&self, u: f64, channel: usize, throughput: DVec3) -> Flight {
         let goal = -ln_1p(-u);
         let (mut scattered, mut dimmed) = (DVec3::ZERO, DVec3::ZERO);
         for stretch in &self.stretches {
@@ -372,7 +374,7 @@ impl MediaPath {
                 let dimmed = transmittance::<E>(dimmed + dimming * into);
                 let weight = if E::CHROMATIC {
                     let depth = scattered + over(sigma_t, into);
-                    media::collision_weight(sigma_t, depth)
+                    media::collision_weight(throughput, sigma_t, depth)
                 } else {
                     DVec3::ONE
                 };
@@ -386,7 +388,7 @@ impl MediaPath {
             dimmed += over(dimming, length);
         }
         let weight = if E::CHROMATIC {
-            media::escape_weight(scattered)
+            media::escape_weight(throughput, scattered)
         } else {
             DVec3::ONE
         };

@@ -26,6 +26,7 @@ use super::vertex::Vertex;
 use super::work::Work;
 use crate::geometry::{Hit, Ray, Span};
 use crate::math::rng::{Purpose, Stream};
+use crate::media::sampled_channel;
 use crate::optics::{Light, Material};
 use crate::scene::Radiative;
 use glam::DVec3;
@@ -100,7 +101,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                 radiance += throughput * self.met_light(*index, &ray, hit, came, scratch);
             }
 
-            let turned_by = match self.flight(&draws, scratch, work) {
+            let turned_by = match self.flight(throughput, &draws, scratch, work) {
                 Flight::Collided(collision) => {
                     throughput *= collision.weight;
                     TurnedBy::Range(Vertex::Medium {
@@ -219,18 +220,23 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         radiance_of(light, hit) * through * weight
     }
 
-    fn flight<W: Work>(&self, draws: &Draws<'_>, scratch: &Scratch, work: &mut W) -> Flight {
+    fn flight<W: Work>(
+        &self,
+        throughput: DVec3,
+        draws: &Draws<'_>,
+        scratch: &Scratch,
+        work: &mut W,
+    ) -> Flight {
         if !E::MEDIA || scratch.path.stretches().is_empty() {
             return Flight::Escaped(DVec3::ONE);
         }
         let channel = if E::CHROMATIC {
-            (3.0 * draws.one(Purpose::Channel, work)) as usize
+            sampled_channel(throughput, draws.one(Purpose::Channel, work))
         } else {
             0
         };
-        scratch
-            .path
-            .flight::<E>(draws.one(Purpose::FreeFlight, work), channel)
+        let u = draws.one(Purpose::FreeFlight, work);
+        scratch.path.flight::<E>(u, channel, throughput)
     }
 
     /// What is sent back from a vertex for light that it is connected to: from lights, straight,
