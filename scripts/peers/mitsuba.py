@@ -377,10 +377,14 @@ class Mitsuba:
     def __init__(self, translation, folder):
         self.scene, self.folder = mi.load_dict(translation.scene), folder
 
-    def render(self, spp, seed):
+    def render(self, spp, seed, threads=None):
+        # Set only while it renders: with a single thread, reading or writing an EXR never ends.
+        usual = max(2, dr.thread_count())
+        dr.set_thread_count(threads or usual)
         before = time.process_time()
         image = mi.render(self.scene, spp=spp, seed=seed)
         seconds = time.process_time() - before
+        dr.set_thread_count(usual)
         image = np.array(image, float)[:, :, :3]
         mi.Bitmap(image.astype(np.float32)).write(str(self.folder / f"mitsuba-{seed}.exr"))
         return image, seconds
@@ -423,7 +427,7 @@ def print_agreement(image, variance, others):
 
 def agree(volref, mitsuba, options):
     image, variance, _ = volref.render(options.spp, options.seed, options.threads)
-    others = [mitsuba.render(options.spp, options.seed + k)[0] for k in (1, 2)]
+    others = [mitsuba.render(options.spp, options.seed + k, options.threads)[0] for k in (1, 2)]
     print_agreement(image, variance, others)
 
 
@@ -445,8 +449,7 @@ def efficiency(volref, mitsuba, options):
     else:
         long, variance, _ = volref.render(options.reference_spp, 1 << 20, options.threads, "long")
     reference = Reference(long, variance)
-    dr.set_thread_count(1)
-    mitsuba.render(1, options.seed)
+    mitsuba.render(1, options.seed, 1)
     spp, rounds = options.spp, []
     ours, theirs = [], []
     for seed in range(options.seed + 1, options.seed + options.runs + 1):
@@ -455,7 +458,7 @@ def efficiency(volref, mitsuba, options):
         ours.append(image)
         # Of the whole run, the shorter one also rendered two samples.
         first = (whole - start) * spp / (spp - 2), reference.error(image)
-        image, second = mitsuba.render(spp, seed)
+        image, second = mitsuba.render(spp, seed, 1)
         theirs.append(image)
         rounds.append((*first, second, reference.error(image)))
     paths = long[:, :, 0].size * spp
@@ -502,8 +505,6 @@ def main():
     if not os.access(options.volref, os.X_OK):
         print(f"there is no {options.volref}: `cargo build --release` makes it", file=sys.stderr)
         return 2
-    if options.threads:
-        dr.set_thread_count(options.threads)
     status = 0
     for name in options.scene:
         try:
