@@ -91,8 +91,8 @@ pub fn judge_at(reference: &Film, test: &Film, level: f64) -> Result<Judgement, 
     Ok(Comparison::new(reference, test).judgement(level / QUESTIONS))
 }
 
-/// The standard error of the mean of a block, relative to that mean plus [`DARK`], that 99 % of
-/// the blocks and channels do not exceed; nothing of an image without noise.
+/// The standard error of the mean of a block, relative to that mean plus [`DARK`], that nine
+/// tenths of the blocks and channels do not exceed, as with [`Judgement::resolution`]; nothing of an image without noise.
 pub fn block_error(film: &Film) -> Option<f64> {
     let noise = film.noise()?;
     let mut errors = Vec::new();
@@ -112,7 +112,7 @@ pub fn block_error(film: &Film) -> Option<f64> {
         }
     }
     errors.sort_by(f64::total_cmp);
-    Some(errors[(errors.len() * 99).div_ceil(100) - 1])
+    Some(errors[(errors.len() * 9).div_ceil(10) - 1])
 }
 
 /// A difference of means, test minus reference.

@@ -135,7 +135,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                     let arrived = (&ray, came);
                     radiance += throughput
                         * self.connected(&vertex, arrived, turns_left, &draws, scratch, work);
-                    let turn = vertex.turn::<E, W>(&around.media, &draws, work);
+                    let turn = vertex.turn::<E, W>(&around.media, throughput, &draws, work);
                     turn.map(|turn| (turn.ray, turn.weight, Came::Turned(turn.pdf)))
                 }
                 TurnedBy::Mirror(hit, reflectance) => {

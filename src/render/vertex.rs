@@ -126,16 +126,17 @@ impl Vertex {
         }
     }
 
-    /// Samples the direction in which the path goes on.
+    /// Samples the direction in which a path that carries `throughput` goes on.
     pub fn turn<E: Effects, W: Work>(
         &self,
         media: &Media<'_>,
+        throughput: DVec3,
         draws: &Draws<'_>,
         work: &mut W,
     ) -> Option<Turn> {
         match self {
             Vertex::Medium { direction, set, .. } => {
-                let (phase, weight) = chosen_phase(media, *set, draws, work);
+                let (phase, weight) = chosen_phase(media, *set, throughput, draws, work);
                 let [u, v] = draws.pair(Purpose::PhaseDirection, 0, work);
                 let turn = if E::ANISOTROPIC {
                     phase.deflection(u)
@@ -212,11 +213,13 @@ fn scattered<E: Effects, W: Work>(
     }
 }
 
-/// One of the overlapping media, chosen in the proportion of their scattering over all channels,
-/// and by channel its share of the scattering over the probability of the choice.
+/// One of the overlapping media, chosen in the proportion of what they scatter of the throughput
+/// of the path, and by channel its share of the scattering over the probability of the choice.
+/// So the channels together carry as much as before, however often media are chosen.
 fn chosen_phase<W: Work>(
     media: &Media<'_>,
     set: Set,
+    throughput: DVec3,
     draws: &Draws<'_>,
     work: &mut W,
 ) -> (HenyeyGreenstein, DVec3) {
@@ -230,17 +233,22 @@ fn chosen_phase<W: Work>(
     let all = media
         .scatterers(set)
         .fold(DVec3::ZERO, |sum, (sigma_s, _)| sum + sigma_s);
-    let grey = |sigma: DVec3| sigma.x + sigma.y + sigma.z;
-    let mut left = draws.one(Purpose::Collision, work) * grey(all);
+    let carried = |sigma_s: DVec3| throughput.dot(share(sigma_s, all));
+    let mut left = draws.one(Purpose::Collision, work) * carried(all);
     let (mut chosen, mut sigma_s) = (phase, first);
     for (candidate, phase) in media.scatterers(set) {
+        let carried = carried(candidate);
+        if carried == 0.0 {
+            continue;
+        }
         (chosen, sigma_s) = (phase, candidate);
-        if left < grey(candidate) {
+        if left < carried {
             break;
         }
-        left -= grey(candidate);
+        left -= carried;
     }
-    (chosen, share(sigma_s, all) * (grey(all) / grey(sigma_s)))
+    let weight = share(sigma_s, all) * (carried(all) / carried(sigma_s));
+    (chosen, weight)
 }
 
 /// `a/b` by channel; 0 where nothing scatters.

@@ -67,7 +67,7 @@ pub enum AcceptError {
     TooNoisy {
         /// `family/name`.
         case: String,
-        /// Relative standard error of a block that 99 % do not exceed.
+        /// Relative standard error of a block that nine tenths do not exceed.
         error: f64,
         /// The bias the case promises to see.
         resolution: f64,

@@ -49,7 +49,7 @@ pub struct Provenance {
     pub seed: u64,
     /// Relative error of the image. Deterministic: of a pixel against the sum that the scene
     /// defines, by rounding to 32 bits. Stochastic: the standard error of a block of 8 × 8 pixels,
-    /// relative to its mean plus [`DARK`](crate::compare::stochastic::DARK), that 99 % of the
+    /// relative to its mean plus [`DARK`](crate::compare::stochastic::DARK), that nine tenths of the
     /// blocks and channels do not exceed.
     pub error_estimate: f64,
     /// Version of volref.
