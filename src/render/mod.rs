@@ -1,8 +1,14 @@
 //! From a scene to an image: the plan, the kernels, the pixel loop.
 //!
-//! Read [`RayCaster::layers`](ray_caster::RayCaster::layers) first: it is the renderer. Its
-//! parts have a file each: [`steps`], [`field`], [`compositing`], [`volume_shadow`],
-//! [`empty_space`].
+//! For classified volumes read [`RayCaster::layers`](ray_caster::RayCaster::layers) first: it is
+//! the renderer. Its parts have a file each: [`steps`], [`field`], [`compositing`],
+//! [`volume_shadow`], [`empty_space`].
+//!
+//! For surfaces, media and lights read
+//! [`PathTracer::radiance`](path_tracer::PathTracer::radiance). What a ray meets is in
+//! [`surroundings`] and [`media_path`], what turns it in [`vertex`] and [`smooth`], how it finds
+//! light in [`direct_light`], [`in_scattering`] and [`lit_places`]. [`line_of_sight`] does without
+//! random numbers what can be done so.
 
 pub mod compositing;
 mod curve;
