@@ -17,6 +17,8 @@ use volref::scene::{Model, Scene};
 
 const SIZE: usize = 256;
 const SAMPLES: u32 = 2;
+/// Radiance below which errors count as those of this radiance.
+const DARK: f64 = 0.01;
 
 const CORNELL: &str = "smoke/cornell";
 /// The same with smoke of no matter: what it costs to know that there is none.
@@ -69,7 +71,8 @@ fn print_cost(name: &str) {
     let pairs = film.radiance().as_flattened().iter();
     let pairs = pairs.zip(variance.as_flattened());
     let relative = |(&mean, &variance): (&f32, &f32)| {
-        f64::from(variance) / (f64::from(mean).powi(2) + 0.01_f64.powi(2))
+        let mean = f64::from(mean);
+        f64::from(variance) / (mean * mean + DARK * DARK)
     };
     let error = pairs.map(relative).sum::<f64>() / (3 * SIZE * SIZE) as f64;
     println!(
