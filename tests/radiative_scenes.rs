@@ -754,6 +754,39 @@ fn parts_that_make_no_picture_together() {
     "#);
 }
 
+/// A light in the plane of a rectangle is refused, one beside or off it is not.
+#[test]
+fn lights_exactly_in_surfaces() {
+    let scene = |lights: &str| {
+        format!(
+            "[camera]\neye = [0, 1, -4]\ntarget = [0, 1, 0]\n[radiative]\n\
+             [[radiative.surface]]\n\
+             rectangle = {{ corner = [-2, 5, -2], edge_u = [4, 0, 0], edge_v = [0, 0, 4] }}\n\
+             diffuse = {{ reflectance = 0.5 }}\n{lights}"
+        )
+    };
+    let point = |y: f64, x: f64| {
+        format!("[[radiative.light]]\npoint = {{ position = [{x}, {y}, 0], intensity = 1 }}\n")
+    };
+    let lamp = |y: f64| {
+        format!(
+            "[[radiative.surface]]\n\
+             rectangle = {{ corner = [-1, {y}, -1], edge_u = [1, 0, 0], edge_v = [0, 0, 1] }}\n\
+             emitter = {{ radiance = 1 }}\n"
+        )
+    };
+    for fine in [point(4.999, 0.0), point(5.0, 3.0), lamp(4.999)] {
+        assert!(parse(&scene(&fine)).is_ok(), "{fine}");
+    }
+    let said = [point(5.0, 0.0), lamp(5.0)].map(|light| said_about(&scene(&light)));
+    insta::assert_snapshot!(said.concat(), @r"
+    9:9: the light stands exactly in a rectangle, on neither side of it
+        move the light a little off the surface, to the side that it shines on
+    5:1: an emitting rectangle lies exactly in another surface: either hides the other
+        move the light a little off the surface, to the side that it shines on
+    ");
+}
+
 /// Next to each of these lies a mistake.
 #[test]
 fn what_is_not_refused() {

@@ -5,7 +5,8 @@ use crate::math;
 use glam::DVec3;
 use thiserror::Error;
 
-/// A pinhole camera: one ray through the centre of each pixel, no lens, no pixel filter.
+/// A pinhole camera: rays through the centres of pixels, or through any place of the image; no
+/// lens.
 ///
 /// Right-handed: looking along +z with +y up, +x is to the *left* of the image. Pixels are
 /// square; row 0 is the top row.

@@ -89,6 +89,13 @@ impl Rectangle {
         )
     }
 
+    /// Whether `point` lies exactly in the plane of the rectangle, and within its edges.
+    pub fn holds(&self, point: DVec3) -> bool {
+        let place = point - self.corner;
+        let within = |dual: DVec3| (0.0..=1.0).contains(&place.dot(dual));
+        place.dot(self.normal) == 0.0 && self.duals.into_iter().all(within)
+    }
+
     /// Unit normal.
     pub fn normal(&self) -> DVec3 {
         self.normal

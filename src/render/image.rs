@@ -103,19 +103,17 @@ fn render_with<W: Work>(
     let film = Film::side_by_side(&films);
     match film.first_without_radiance() {
         None => Ok((film, works)),
-        Some(([column, row], value))
-            if value.iter().any(|v| !v.is_finite()) && has_points(scene) =>
-        {
+        Some(([column, row], value)) if value.contains(&f32::INFINITY) && has_points(scene) => {
             Err(RenderError::Divergent { column, row })
         }
         Some(([column, row], value)) => Err(RenderError::NoRadiance { column, row, value }),
     }
 }
 
-/// Whether a light without extent stands anywhere in the scene.
+/// Whether a light stands anywhere in the scene whose radiance may have no bound.
 fn has_points(scene: &Scene) -> bool {
     scene.panels.iter().any(|panel| match &panel.model {
-        Model::Radiative(scene) => !scene.lights.is_empty(),
+        Model::Radiative(scene) => scene.lights.iter().any(|light| light.position().is_some()),
         Model::Classified(_) | Model::Curve(_) => false,
     })
 }

@@ -15,7 +15,7 @@ use super::media_path::{Depths, MediaPath, Stretch, transmittance};
 use super::surroundings::Surroundings;
 use super::vertex::Vertex;
 use super::work::Work;
-use crate::geometry::{Ray, Span};
+use crate::geometry::{Ray, Span, direction_of};
 use crate::math::rng::Purpose;
 use crate::math::sampling::{Equiangular, LightOnRay};
 use crate::math::{exp, exp_m1, ln_1p};
@@ -76,16 +76,17 @@ fn within_cone(spot: &Spot, ray: &Ray, span: Span) -> Option<Span> {
         } else {
             2.0 * near.abs() + foot.abs() + v.length()
         };
-        near < far
-            && crate::geometry::direction_of(ray.at(middle) - spot.position)
-                .is_some_and(|towards| spot.falloff(towards) > 0.0)
+        // Where the light itself is the middle, the ray leaves it along its direction.
+        let towards = direction_of(ray.at(middle) - spot.position).unwrap_or(ray.direction);
+        near < far && spot.falloff(towards) > 0.0
     };
     let pieces = [[ends[0], ends[1]], [ends[1], ends[2]], [ends[2], ends[3]]];
     let mut inside = pieces.into_iter().filter(|&[near, far]| lit(near, far));
     let first = inside.next()?;
     let last = inside.next_back().unwrap_or(first);
-    // The roots are off by some roundings of the lengths involved: a little wider, so that
-    // nothing lit is missed. What is not lit in there counts as dark.
+    // The roots are off by some roundings of the lengths involved, by more where the ray nearly
+    // touches the cone and next to nothing is lit: a little wider. What is not lit in there
+    // counts as dark.
     let margin = 1e-9 * (foot.abs() + v.length() + first[0].abs());
     Some(Span {
         near: (first[0] - margin).max(span.near),

@@ -103,6 +103,11 @@ impl<'s> Media<'s> {
         Media { bodies, scattering }
     }
 
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.bodies.len()
+    }
+
     /// A stretch of `ray` that holds all places where light is scattered, if there are any.
     pub fn scattering_span(&self, ray: &Ray) -> Option<Span> {
         match &self.scattering {

@@ -9,8 +9,8 @@
 //! one turn in a medium, and both ways of finding that turn are weighted by multiple importance
 //! sampling; an area light is connected to *and* met, weighted likewise; the environment, being
 //! the same in all directions, is only met, since directions are chosen in the proportion in
-//! which they matter. So in a furnace, a conservative scene with an environment alone, every
-//! path returns exactly the radiance of the environment.
+//! which they matter. So in a furnace, a conservative scene with an environment alone and no
+//! glass, every path returns exactly the radiance of the environment.
 //!
 //! Sources: Kajiya 1986, "The rendering equation", SIGGRAPH '86; Veach 1997, thesis, ch. 9–11;
 //! Kulla & Fajardo 2012 for lights in media.
@@ -313,7 +313,7 @@ enum TurnedBy {
 
 /// The probability with which a path is carried on, by its throughput as a share of that which
 /// it had when it first was turned: certain down to a half, so that a conservative path is never
-/// cut and a pixel behind something dark is not noisier for it. Half because it is cheapest: in
+/// cut (but in glass, where radiance is measured in other solid angles) and a pixel behind something dark is not noisier for it. Half because it is cheapest: in
 /// the Cornell room, error squared times time is 10 to 25 % larger if paths are cut from the
 /// start, from the second or from the fifth turn on in proportion to what they carry.
 fn survival(throughput: DVec3, first: DVec3) -> f64 {

@@ -41,7 +41,9 @@ pub struct Response {
     /// By channel, radiance sent back along the path for a unit of radiance that arrives, per
     /// steradian: the phase function, or the reflectance over π times the cosine.
     pub value: DVec3,
-    /// Density with which [`Vertex::turn`] chooses the direction, per steradian.
+    /// Density with which [`Vertex::turn`] chooses the direction, per steradian; of overlapping
+    /// media, which it chooses by what the path carries, one that stands in for it. Weights of
+    /// ways to find the same light use it on all sides, so they add up to 1 either way.
     pub pdf: f64,
 }
 
@@ -52,7 +54,7 @@ pub struct Turn {
     pub ray: Ray,
     /// By channel, response over density.
     pub weight: DVec3,
-    /// Density of the direction, per steradian.
+    /// Density of the direction, per steradian, as [`Response::pdf`].
     pub pdf: f64,
 }
 

@@ -170,6 +170,7 @@ impl Radiative {
             scattering,
             environment,
             objects: &objects,
+            area_lights: &area_lights,
             media: &media,
             lights: &lights,
         };

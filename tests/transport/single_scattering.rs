@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 use volref::geometry::{Ray, Rectangle, Shape};
 use volref::math::{Frame, atan2};
 use volref::media::{Asymmetry, HenyeyGreenstein};
+use volref::optics::{Light, Point};
 use volref::scene::Radiative;
 
 /// Samples where quadrature has already found every digit: enough to see an albedo or a phase
@@ -250,4 +251,43 @@ fn from_inside_a_medium() {
             "{found:e} {exact:e}"
         );
     }
+}
+
+/// However dense a slab is, what is lit of it is found: `E·ω/(4π(1 + 1))` straight back from an
+/// endless depth, lit from the eye's side.
+#[test]
+fn dense_media_by_quadrature() {
+    for sigma in [1.0e2, 1.0e5, 1.0e6, 1.0e9] {
+        let scene = Radiative {
+            media: vec![within(cube(), grey(sigma, 0.8, 0.0))],
+            lights: vec![sun(DVec3::NEG_Z, DVec3::ONE)],
+            ..empty()
+        };
+        let seen = by_quadrature(&scene, &ray(DVec3::new(0.2, 0.1, 5.0), DVec3::NEG_Z)).x;
+        let expected = 0.8 / (8.0 * PI);
+        // Distances within the cube are rounded where it is entered, at 5 · 2^-53 of 4 units:
+        // by as much times sigma in depth.
+        let rounding = 1e-13 + 8.0 * f64::EPSILON * sigma;
+        assert!(
+            (seen / expected - 1.0).abs() < rounding.min(0.5),
+            "{sigma}: {seen}"
+        );
+    }
+}
+
+/// A lamp at the eye, and fog ahead: every ray's line goes through the lamp, no ray meets it in
+/// matter. `∫₁³ σ_s/(4π) e^(−2σ(t − 1))/t² dt`.
+#[test]
+fn a_lamp_at_the_eye() {
+    let fog = cuboid(DVec3::new(-9.0, -9.0, 1.0), DVec3::new(9.0, 9.0, 3.0));
+    let scene = Radiative {
+        media: vec![within(fog, grey(1.0, 1.0, 0.0))],
+        lights: vec![Light::Point(Point {
+            position: DVec3::ZERO,
+            intensity: DVec3::ONE,
+        })],
+        ..empty()
+    };
+    let seen = by_quadrature(&scene, &ray(DVec3::ZERO, DVec3::Z)).x * 4.0 * PI;
+    assert!((seen - 0.27655889213918423).abs() < 1e-12, "{seen}");
 }

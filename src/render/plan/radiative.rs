@@ -102,13 +102,16 @@ impl Contents {
         (self.scattering || self.reflection) && (self.lights || self.environment || self.emission)
     }
 
-    /// Whether what light does by one turn is an integral along the line of sight: lights
-    /// without extent, and surfaces that do not only turn light into single directions.
+    /// Whether what light does by one turn is an integral along the line of sight that finds all
+    /// of it: lights have no extent, and there is either matter that scatters, all of it in the
+    /// open, or diffuse surfaces. (The shadow that a surface throws into a medium may be too
+    /// narrow for an integral to meet it.)
     fn is_one_integral(&self, scene: &Radiative) -> bool {
         let diffuse = |material| matches!(material, Material::Diffuse(_));
         scene.area_lights.is_empty()
             && !self.environment
             && !self.emission
+            && (scene.objects.is_empty() || !self.scattering)
             && scene.objects.iter().all(|object| diffuse(object.material))
     }
 

@@ -1,6 +1,7 @@
 //! What is valid part by part and makes no picture together.
 
-use super::{Body, Object, Scattering};
+use super::{AreaLight, Body, Object, Scattering};
+use crate::geometry::{Emitter, Luminous, Shape};
 use crate::optics::{Light, Material};
 use crate::scene::SceneError;
 use crate::scene::reader::Reader;
@@ -13,6 +14,7 @@ pub(super) struct Parts<'r, 'd, 's> {
     pub scattering: Scattering,
     pub environment: DVec3,
     pub objects: &'r [Object],
+    pub area_lights: &'r [AreaLight],
     pub media: &'r [(Reader<'d, 's>, Body)],
     pub lights: &'r [(Reader<'d, 's>, Light)],
 }
@@ -24,6 +26,7 @@ impl Parts<'_, '_, '_> {
     pub(super) fn check(&self) -> Result<(), Box<SceneError>> {
         self.check_light_that_diverges()?;
         self.check_light_that_never_arrives()?;
+        self.check_lights_in_surfaces()?;
         self.check_light_that_no_path_meets()
     }
 
@@ -90,6 +93,48 @@ impl Parts<'_, '_, '_> {
                 let message = "a directional light shines from infinitely far away, and a medium \
                                fills all space: none of that light arrives";
                 return Err(reader.mistake("directional", message, help));
+            }
+        }
+        Ok(())
+    }
+
+    /// A light exactly in a flat surface lies on neither side of it: roundings would decide.
+    fn check_lights_in_surfaces(&self) -> Result<(), Box<SceneError>> {
+        let help = "move the light a little off the surface, to the side that it shines on";
+        let rectangles = || {
+            self.objects
+                .iter()
+                .filter_map(|object| match &object.shape {
+                    Shape::Rectangle(rectangle) => Some(rectangle),
+                    _ => None,
+                })
+        };
+        for (reader, light) in self.lights {
+            let inside = |position| rectangles().any(|rectangle| rectangle.holds(position));
+            if light.position().is_some_and(inside) {
+                let key = match light {
+                    Light::Spot(_) => "spot",
+                    _ => "point",
+                };
+                let message = "the light stands exactly in a rectangle, on neither side of it";
+                return Err(reader.mistake(key, message, help.to_owned()));
+            }
+        }
+        // Nine places tell whether two rectangles in a plane overlap, but for slivers.
+        let grid = [0.0, 0.5, 1.0];
+        for light in self.area_lights {
+            let Luminous::Rectangle(lamp) = &light.shape else {
+                continue;
+            };
+            let places = || grid.into_iter().flat_map(|u| grid.map(|v| [u, v]));
+            let flush = rectangles().any(|wall| {
+                let within = places().any(|uv| wall.holds(lamp.sample(uv).position));
+                within && lamp.normal().dot(wall.normal()).abs() == 1.0
+            });
+            if flush {
+                let message = "an emitting rectangle lies exactly in another surface: either hides \
+                               the other";
+                return Err(self.reader.mistake("surface", message, help.to_owned()));
             }
         }
         Ok(())
