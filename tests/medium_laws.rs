@@ -285,7 +285,13 @@ fn s8_light_near_the_ray() {
         }
     }
     assert_eq!(Equiangular::new(0.0, -1.0, 2.0), Err(LightOnRay));
-    assert_eq!(Equiangular::new(-0.0, 1.0, 2.0), Err(LightOnRay));
+    assert_eq!(Equiangular::new(-0.0, -1.0, 2.0), Err(LightOnRay));
+    // Beside the stretch a light on its line is no divergence: `∫₁² dt/t² = 1/2`.
+    let light = Equiangular::new(-0.0, 1.0, 2.0).unwrap();
+    for u in [0.0, 0.5, LAST] {
+        let t = light.place(u);
+        assert!((1.0 / (t * t) / light.pdf(t) - 0.5).abs() <= 4.0 * U);
+    }
 }
 
 #[test]
