@@ -3,7 +3,8 @@
 #
 # Renders the cases that the filters name (all of them without a filter) and accepts the results
 # as goldens: all of them, or, if anything goes wrong, none. Look at the pictures before you
-# commit them. It refuses where CI is set.
+# commit them. It refuses where CI is set. Interrupted, it may be started again with the same
+# words: stochastic cases that are finished are not rendered again.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -13,7 +14,7 @@ while [ $# -gt 0 ]; do
     case "$1" in
         --reason) reason=(--reason "${2-}"); shift; [ $# -eq 0 ] || shift ;;
         --reason=*) reason=("$1"); shift ;;
-        -h|--help) sed -n '2,6s/^# \{0,1\}//p' "$0"; exit 0 ;;
+        -h|--help) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
         -*) echo "unknown option $1; see --help" >&2; exit 2 ;;
         *) filters+=("$1"); shift ;;
     esac

@@ -19,12 +19,29 @@
 //! The sum is evaluated front to back or back to front ([`render::compositing`]); `T` is in
 //! [`media::TransferOpacity`], shading in [`media::Phong`], `v` in [`render::volume_shadow`].
 //!
+//! **Participating media** (radiative transfer, Chandrasekhar 1950). Along a ray from `x` into
+//! direction `−ω`, up to a surface at distance `s`:
+//!
+//! ```text
+//! L(x, ω) = ∫₀^s T(t) [ j + σ_s ∫ p(cos θ) L(x_t, ω') dω' ] dt  +  T(s) L_surface
+//! T(t)    = exp(−σ_t t),  σ_t = σ_a + σ_s
+//! ```
+//!
+//! with `j` the emission and `p` the phase function; the surface sends out light, or reflects and
+//! refracts what arrives there. Solved by the cheapest method that is exact for what the scene
+//! asks: closed forms and integrals along the line of sight ([`render::line_of_sight`]), else path
+//! tracing ([`render::path_tracer`]).
+//!
 //! # Conventions
 //!
 //! - Right-handed, y up; looking along +z, +x is to the left of the image.
 //! - Lengths in world units, angles in degrees in files and radians in code.
 //! - Radiance is linear RGB. EXR holds it as it is; PNG is a preview, sRGB encoded at a stated
 //!   exposure. Images are stored top row first.
+//! - Phase functions: `cos θ` lies between the directions of travel before and after; `g > 0` is
+//!   forward. Coefficients are per world unit.
+//! - Pixels: the radiance through the centre where no random numbers are needed, else the mean over
+//!   the pixel's square.
 //! - Grids are node-centred, x fastest; interpolation is `a + (b − a)·t`. *One voxel* as a length
 //!   is the smallest distance of neighbouring nodes.
 //! - Sample positions follow from an index, `t0 + (i + ½)·h`; the last step is as long as what is
@@ -36,10 +53,11 @@
 //!
 //! # Where to begin
 //!
-//! [`render::ray_caster`] is the renderer, [`scene`] what it is given, [`render::plan`] how the
+//! [`render::ray_caster`] and [`render::path_tracer`] are the renderers, [`scene`] what it is given, [`render::plan`] how the
 //! code that runs follows from the scene. [`compare`] judges two images, [`suite`] keeps the
 //! goldens. Arrows between modules only point down this list: `cli`, [`report`], [`suite`],
-//! [`compare`] and [`render`], [`scene`], [`media`], [`volume`], [`geometry`], [`film`], [`math`].
+//! [`compare`] and [`render`], [`scene`], [`media`], [`optics`],
+//! [`volume`], [`geometry`], [`film`], [`math`].
 //!
 //! ```no_run
 //! use volref::{render, render::Plan, scene::Scene};
@@ -58,6 +76,7 @@ pub mod film;
 pub mod geometry;
 pub mod math;
 pub mod media;
+pub mod optics;
 pub mod render;
 pub mod report;
 pub mod scene;

@@ -17,6 +17,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "render",
             "scene",
             "media",
+            "optics",
             "volume",
             "geometry",
             "film",
@@ -34,10 +35,13 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("exchange", &["scene"]),
     (
         "render",
-        &["scene", "media", "volume", "geometry", "film", "math"],
+        &[
+            "scene", "media", "optics", "volume", "geometry", "film", "math",
+        ],
     ),
-    ("scene", &["media", "volume", "geometry", "math"]),
+    ("scene", &["media", "optics", "volume", "geometry", "math"]),
     ("media", &["volume", "geometry", "math"]),
+    ("optics", &["geometry", "math"]),
     ("volume", &["geometry", "math"]),
     ("geometry", &["math"]),
     ("film", &["math"]),

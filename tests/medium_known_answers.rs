@@ -2,19 +2,20 @@
 //!
 //! Every number of the four files is asked of the library, but these:
 //!
-//! - `transmittance` p012 to p017: how long a chord of a sphere is. Their optical depths and
-//!   transmittances are tested, for the lengths given.
 //! - `free_flight` p008 and p009: the variances are predictions here; the mean number of
 //!   tentative collisions and the variances as measured belong to the trackers' own tests.
 
+#[allow(dead_code, reason = "each test program asks for a part of it")]
+#[path = "common/entries.rs"]
+mod entries;
 #[path = "common/quadrature.rs"]
 mod quadrature;
 
+use entries::{Entry, numbers};
 use glam::DVec3;
 use quadrature::integral;
-use serde_json::Value;
 use std::f64::consts::TAU;
-use volref::geometry::{Aabb, Ray, direction_of};
+use volref::geometry::{Aabb, Ray, Solid, Sphere, direction_of};
 use volref::math::sampling::*;
 use volref::math::{Sum, exp};
 use volref::media::emission::*;
@@ -25,84 +26,6 @@ use volref::volume::{Cell, Grid, Lattice};
 
 /// The largest relative error of one rounding.
 const U: f64 = f64::EPSILON / 2.0;
-
-/// One question of a file, with what is needed to say which number is wrong.
-struct Entry(Value);
-
-impl Entry {
-    fn all(text: &str) -> Vec<Entry> {
-        let mut file: Value = serde_json::from_str(text).unwrap();
-        let Value::Array(entries) = file["entries"].take() else {
-            panic!("no entries")
-        };
-        entries.into_iter().map(Entry).collect()
-    }
-
-    fn case(&self) -> &str {
-        self.0["inputs"]["case"].as_str().unwrap()
-    }
-
-    fn input(&self, name: &str) -> f64 {
-        self.0["inputs"][name].as_f64().unwrap()
-    }
-
-    fn inputs(&self, name: &str) -> Vec<f64> {
-        numbers(&self.0["inputs"][name])
-    }
-
-    fn vector(&self, name: &str) -> DVec3 {
-        DVec3::from_slice(&self.inputs(name))
-    }
-
-    fn expected(&self, name: &str) -> f64 {
-        self.0["expected"][name].as_f64().unwrap()
-    }
-
-    /// Half a unit of the last digit that is to be trusted, relatively.
-    fn digits(&self) -> f64 {
-        let digits = self.0["digits"].as_u64().unwrap();
-        format!("1e-{digits}").parse().unwrap()
-    }
-
-    #[track_caller]
-    fn is(&self, name: &str, found: f64) {
-        self.is_within(name, found, 0.0);
-    }
-
-    /// To the entry's digits, or to `absolute` where that allows more.
-    #[track_caller]
-    fn is_within(&self, name: &str, found: f64, absolute: f64) {
-        self.compare(name, found, self.expected(name), absolute);
-    }
-
-    #[track_caller]
-    fn are(&self, name: &str, found: impl IntoIterator<Item = f64>) {
-        let expected = numbers(&self.0["expected"][name]);
-        let found: Vec<f64> = found.into_iter().collect();
-        assert_eq!(found.len(), expected.len());
-        for (found, expected) in found.into_iter().zip(expected) {
-            self.compare(name, found, expected, 0.0);
-        }
-    }
-
-    #[track_caller]
-    fn compare(&self, name: &str, found: f64, expected: f64, absolute: f64) {
-        let magnitude = if expected == 0.0 { 1.0 } else { expected.abs() };
-        let tolerance = (self.digits() * magnitude).max(absolute);
-        let error = (found - expected).abs();
-        assert!(
-            error <= tolerance,
-            "{} {name}: {found:e} is not {expected:e}, {} of the tolerance",
-            self.0["id"],
-            error / tolerance
-        );
-    }
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    let numbers = value.as_array().unwrap().iter();
-    numbers.map(|number| number.as_f64().unwrap()).collect()
-}
 
 // Phase function.
 
@@ -208,14 +131,15 @@ fn crosses(entry: &Entry, depth: f64) {
     entry.compare("opacity", opacity(depth), held, amplified);
 }
 
-fn box_length(entry: &Entry) -> f64 {
-    let (min, max) = (entry.vector("box_min"), entry.vector("box_max"));
+/// Length of the ray in a solid.
+fn length_in(solid: &impl Solid, entry: &Entry) -> f64 {
     let towards = entry.vector("direction_unnormalised");
     let ray = Ray::new(entry.vector("origin"), towards).unwrap();
-    let span = Aabb { min, max }.span(&ray);
-    let length = span.map_or(0.0, |span| span.length());
+    let spans = solid.spans(&ray);
+    assert!(spans.len() <= 1);
+    let length = spans.first().map_or(0.0, |span| span.length());
     // A length is the difference of two distances of three roundings each.
-    let roundings = span.map_or(0.0, |span| 6.0 * U * span.far);
+    let roundings = spans.first().map_or(0.0, |span| 6.0 * U * span.far);
     entry.is_within("path_length", length, roundings);
     length
 }
@@ -275,8 +199,14 @@ fn transmittance_along_rays() {
         let homogeneous = |length| optical_depth(entry.input("sigma_t"), length);
         let depth = match entry.case() {
             "homogeneous" => homogeneous(entry.input("length")),
-            "box" => homogeneous(box_length(entry)),
-            "sphere" => homogeneous(entry.expected("path_length")),
+            "box" => {
+                let (min, max) = (entry.vector("box_min"), entry.vector("box_max"));
+                homogeneous(length_in(&Aabb { min, max }, entry))
+            }
+            "sphere" => {
+                let sphere = Sphere::new(entry.vector("center"), entry.input("radius")).unwrap();
+                homogeneous(length_in(&sphere, entry))
+            }
             "linear" => linear_depth(entry),
             "exponential" => exponential_depth(entry),
             "gaussian" => gaussian_depth(entry),

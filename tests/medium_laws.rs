@@ -285,7 +285,13 @@ fn s8_light_near_the_ray() {
         }
     }
     assert_eq!(Equiangular::new(0.0, -1.0, 2.0), Err(LightOnRay));
-    assert_eq!(Equiangular::new(-0.0, 1.0, 2.0), Err(LightOnRay));
+    assert_eq!(Equiangular::new(-0.0, -1.0, 2.0), Err(LightOnRay));
+    // Beside the stretch a light on its line is no divergence: `∫₁² dt/t² = 1/2`.
+    let light = Equiangular::new(-0.0, 1.0, 2.0).unwrap();
+    for u in [0.0, 0.5, LAST] {
+        let t = light.place(u);
+        assert!((1.0 / (t * t) / light.pdf(t) - 0.5).abs() <= 4.0 * U);
+    }
 }
 
 #[test]
@@ -433,12 +439,16 @@ fn e6_free_flight_at_the_ends_of_the_random_range() {
 fn e7_weights_when_transmittance_underflows() {
     let grey = Coefficients::new(DVec3::ZERO, DVec3::splat(800.0)).unwrap();
     assert_eq!(
-        grey.albedo() * collision_weight(grey.sigma_t(), 1.0),
+        grey.albedo() * collision_weight(DVec3::ONE, grey.sigma_t(), grey.sigma_t()),
         DVec3::ONE
     );
-    assert_eq!(escape_weight(grey.sigma_t(), 1.0), DVec3::ONE);
+    assert_eq!(escape_weight(DVec3::ONE, grey.sigma_t()), DVec3::ONE);
     for sigma in [1e-300, 0.1, 0.7, 1e300] {
-        assert_eq!(collision_weight(DVec3::splat(sigma), 1e300), DVec3::ONE);
+        let sigma_t = DVec3::splat(sigma);
+        assert_eq!(
+            collision_weight(DVec3::ONE, sigma_t, sigma_t * 1e300),
+            DVec3::ONE
+        );
     }
 }
 
@@ -454,9 +464,12 @@ fn s10_strongly_coloured_media() {
         let u = stream.uniform(0, Purpose::FreeFlight, sample);
         let t = free_flight(sigma_t[channel], u).unwrap();
         let (through, weight) = if t < 1.0 {
-            (DVec3::ZERO, collision_weight(sigma_t, t))
+            (
+                DVec3::ZERO,
+                collision_weight(DVec3::ONE, sigma_t, sigma_t * t),
+            )
         } else {
-            let weight = escape_weight(sigma_t, 1.0);
+            let weight = escape_weight(DVec3::ONE, sigma_t);
             (weight, weight)
         };
         assert!(weight.min_element() >= 0.0 && weight.max_element() <= 3.0 * (1.0 + 4.0 * U));

@@ -4,10 +4,14 @@ use super::failure::{Exit, Failure};
 use super::output::Json;
 use super::suite::{Selection, select, store};
 use super::{Outcome, progress};
-use crate::suite::{self, AcceptError, Change, StoreError};
+use crate::suite::{self, AcceptError, Cache, Change, StoreError, Watch};
+use indicatif::ProgressBar;
 use serde_json::json;
 
 /// Render cases and make the results their goldens; look at the pictures before and after
+///
+/// All are accepted, or none. Finished renderings of stochastic cases are kept below .volref
+/// until their goldens are written: a run that was interrupted goes on after the last of them.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Cases, families, or patterns over them such as 'figures/*'
@@ -28,11 +32,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
     let cases = select(&suite, &arguments.cases)?;
     let in_ci = std::env::var_os("CI").is_some_and(|value| !value.is_empty());
-    let bar = progress::spinner(&format!("rendering {} cases", cases.len()));
-    let accepted = suite::accept(&cases, &store(&suite), &arguments.reason, in_ci, &|| {
-        bar.tick()
-    });
-    bar.finish_and_clear();
+    let bar = Bar(progress::work());
+    let cache = Cache::open(suite.cache_folder());
+    let (store, reason) = (store(&suite), &arguments.reason);
+    let accepted = suite::accept(&cases, &store, &cache, reason, in_ci, &bar);
+    bar.0.finish_and_clear();
     let accepted = accepted.map_err(|error| {
         let exit = match error {
             AcceptError::Store(StoreError::Journal { .. } | StoreError::Lost { .. }) => {
@@ -59,6 +63,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             Change::SamePicture => ("recorded", "same picture; scene or plan changed".to_owned()),
             Change::Replaced(difference) => ("replaced", difference.clone()),
         };
+        let detail = match entry.resumed {
+            true => format!("{detail} (rendered by an earlier run)"),
+            false => detail,
+        };
         text.push_str(&format!("{word:<9}  {}: {detail}\n", entry.case));
         entries.push(json!({ "name": entry.case, "change": word, "reason": detail }));
     }
@@ -74,4 +82,22 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     let value = json!({ "schema": "volref/accept/1", "cases": entries });
     arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+/// Shows how far the work has come.
+struct Bar(ProgressBar);
+
+impl Watch for Bar {
+    fn begin(&self, work: u64) {
+        self.0.set_length(work);
+        self.0.reset_eta();
+    }
+
+    fn case(&self, name: &str) {
+        self.0.set_message(name.to_owned());
+    }
+
+    fn did(&self, work: u64) {
+        self.0.inc(work);
+    }
 }

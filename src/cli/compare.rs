@@ -19,7 +19,8 @@ pub struct Arguments {
     reference: PathBuf,
     /// The image to judge
     test: PathBuf,
-    /// exact, deterministic or perceptual [default: deterministic for two .exr, else perceptual]
+    /// exact, deterministic, perceptual or stochastic (for noise) [default: deterministic for two
+    /// .exr, else perceptual]
     #[arg(long, value_name = "GATE")]
     gate: Option<Gate>,
     /// Exposure at which radiance is seen, in stops, for the perceptual gate and the heat map

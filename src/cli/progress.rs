@@ -18,7 +18,9 @@ pub fn cases(cases: usize) -> ProgressBar {
     ProgressBar::new(cases as u64).with_style(style)
 }
 
-/// A sign of life for work of unknown length.
-pub fn spinner(label: &str) -> ProgressBar {
-    ProgressBar::new_spinner().with_message(label.to_owned())
+/// A bar over work whose amount is said later, with the time that is left.
+pub fn work() -> ProgressBar {
+    let style = ProgressStyle::with_template("{msg:32} {bar:40} {percent:>3}% {eta:>5} left")
+        .expect("a valid template");
+    ProgressBar::new(0).with_style(style)
 }

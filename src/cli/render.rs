@@ -19,7 +19,7 @@ pub struct Arguments {
     /// Image to write: .exr (linear radiance, 32-bit float) or .png (8-bit sRGB preview)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Samples per pixel, for sampled scenes; a classified volume has one ray a pixel
+    /// Samples per pixel, for sampled scenes; from 2 on, an .exr holds their variance as well
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     spp: Option<u32>,
     /// Seed of the random numbers, for sampled scenes
@@ -53,8 +53,15 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if let Some(step) = arguments.step {
         set_step(&mut scene, step)?;
     }
+    if let Some(samples) = arguments.spp {
+        scene.set_samples(samples);
+    }
+    if let Some(seed) = arguments.seed {
+        scene.set_seed(seed);
+    }
     let start = Instant::now();
     let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
+    let is_sampled = plans.iter().any(Plan::is_sampled);
     let rendering = with_threads(arguments.threads, || {
         let rows = scene.panels.iter().map(|panel| panel.height).sum();
         let bar = progress::rows("rendering", rows);
@@ -83,7 +90,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if let Some(note) = brightness_note(&film, format, arguments.exposure) {
         text.push_str(&note);
     }
-    if arguments.spp.is_some() || arguments.seed.is_some() {
+    if !is_sampled && (arguments.spp.is_some() || arguments.seed.is_some()) {
         text.push_str(
             "note: this scene is rendered without random numbers; --spp and --seed change nothing\n",
         );
@@ -154,6 +161,7 @@ fn set_step(scene: &mut Scene, step: Length) -> Result<(), Failure> {
         match &mut panel.model {
             Model::Classified(classified) => classified.set_step(step).map_err(fail)?,
             Model::Curve(_) => return Err(fail("a plot of the curve has no steps".into())),
+            Model::Radiative(_) => return Err(fail("light in media is not found by steps".into())),
         }
     }
     Ok(())

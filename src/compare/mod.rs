@@ -1,17 +1,20 @@
 //! Two images to a judgement.
 //!
 //! First what makes images incomparable: another size, pixels that are no numbers. Then a gate:
-//! [exact](Gate::Exact), [deterministic](Gate::Deterministic) or
-//! [perceptual](Gate::Perceptual), each in its own file with its limits and their reasons.
+//! [exact](Gate::Exact), [deterministic](Gate::Deterministic), [perceptual](Gate::Perceptual) or
+//! [stochastic](Gate::Stochastic), each in its own file with its limits and their reasons.
 
 mod deterministic;
 mod exact;
 pub mod flip;
 pub mod perceptual;
 mod picture;
+pub mod significance;
+pub mod stochastic;
 
 pub use picture::{Picture, PictureError};
 
+use crate::film::Film;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -26,11 +29,18 @@ pub enum Gate {
     Deterministic,
     /// 8-bit images that look the same.
     Perceptual,
+    /// Means of random samples, by the noise they state.
+    Stochastic,
 }
 
 impl Gate {
     /// All gates.
-    pub const ALL: [Gate; 3] = [Gate::Exact, Gate::Deterministic, Gate::Perceptual];
+    pub const ALL: [Gate; 4] = [
+        Gate::Exact,
+        Gate::Deterministic,
+        Gate::Perceptual,
+        Gate::Stochastic,
+    ];
 }
 
 impl fmt::Display for Gate {
@@ -39,6 +49,7 @@ impl fmt::Display for Gate {
             Gate::Exact => "exact",
             Gate::Deterministic => "deterministic",
             Gate::Perceptual => "perceptual",
+            Gate::Stochastic => "stochastic",
         })
     }
 }
@@ -51,7 +62,8 @@ impl std::str::FromStr for Gate {
             .into_iter()
             .find(|gate| gate.to_string() == name)
             .ok_or_else(|| {
-                format!("unknown gate {name:?}; the gates are: exact, deterministic, perceptual")
+                let names = Gate::ALL.map(|gate| gate.to_string()).join(", ");
+                format!("unknown gate {name:?}; the gates are: {names}")
             })
     }
 }
@@ -67,6 +79,9 @@ pub struct Judgement {
     pub metrics: BTreeMap<String, f64>,
     /// The deciding number in words.
     pub reason: String,
+    /// Under the stochastic gate: the bias of a block that would have been seen, relative to the
+    /// mean of the block plus [`stochastic::DARK`]. A pass says nothing about smaller ones.
+    pub resolution: Option<f64>,
 }
 
 impl Judgement {
@@ -80,6 +95,7 @@ impl Judgement {
             gate,
             metrics,
             reason,
+            resolution: None,
         }
     }
 }
@@ -106,8 +122,34 @@ pub fn judge(
         (Gate::Deterministic, Picture::Radiance(reference), Picture::Radiance(test)) => {
             Ok(deterministic::judge(reference, test))
         }
+        (Gate::Stochastic, Picture::Radiance(reference), Picture::Radiance(test)) => {
+            stochastic::judge(reference, test, 1)
+        }
         _ => Err(PictureError::NeedsRadiance(gate)),
     }
+}
+
+/// [`incomparable`], of images that are radiance; a variance must be one, too.
+fn incomparable_films(gate: Gate, reference: &Film, test: &Film) -> Option<Judgement> {
+    let [a, b] = [reference, test].map(|film| Picture::Radiance(film.clone()));
+    if let Some(difference) = incomparable(gate, &a, &b) {
+        return Some(difference);
+    }
+    for (name, film) in [("reference", reference), ("test image", test)] {
+        if let Some(noise) = film.noise()
+            && let Some(first) = noise.first_without_variance()
+        {
+            let reason = format!(
+                "a variance of the {name} is negative or not finite; the first is ({}, {}) with \
+                 red, green, blue {:?}",
+                first % film.width(),
+                first / film.width(),
+                noise.variance()[first]
+            );
+            return Some(Judgement::new(gate, false, reason, &[]));
+        }
+    }
+    None
 }
 
 /// A failed judgement where no gate can be applied: sizes differ, or a pixel is no number.

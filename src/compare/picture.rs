@@ -43,6 +43,13 @@ pub enum PictureError {
          perceptual gate"
     )]
     NeedsRadiance(Gate),
+    /// Two images without noise under the gate for noise.
+    #[error(
+        "the stochastic gate needs the noise of at least one image: an .exr with the layers \
+         variance (of the mean; R, G, B) and samples (per pixel), as volref renders of 2 samples \
+         or more have them"
+    )]
+    NeedsNoise,
 }
 
 impl Picture {

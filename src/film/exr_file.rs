@@ -1,12 +1,22 @@
 //! OpenEXR, through the `exr` crate.
+//!
+//! Noise is written as channels of the one part, `variance.R` … `samples.Y`: a layer, in the
+//! words of OpenEXR, is a prefix of channel names. Viewers show R, G and B, and those that know
+//! layers offer the others; of several parts many programs read the first only.
 
-use super::{Film, FilmError, check_claim};
+use super::{Film, FilmError, Noise, check_claim};
 use exr::meta::MetaData;
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels,
     ReadLayers, WritableImage, read,
 };
 use std::io::Cursor;
+
+/// Channels with the variance of the mean of red, green and blue. Only in small letters:
+/// pbrt writes `Variance.R` for the variance of one sample, another quantity.
+const VARIANCE: [&str; 3] = ["variance.R", "variance.G", "variance.B"];
+/// Channel with the number of samples, the same in every pixel.
+const SAMPLES: &str = "samples.Y";
 
 fn unreadable(error: exr::error::Error) -> FilmError {
     let reason = match error.to_string().as_str() {
@@ -31,6 +41,15 @@ pub(super) fn encode(film: &Film) -> Result<Vec<u8>, FilmError> {
     ];
     if let Some(opacity) = film.opacity() {
         channels.push(channel("A", opacity.to_vec()));
+    }
+    if let Some(noise) = film.noise() {
+        for (c, name) in VARIANCE.into_iter().enumerate() {
+            let values = noise.variance().iter().map(|pixel| pixel[c]).collect();
+            channels.push(channel(name, values));
+        }
+        // As whole numbers: a float has none above 2²⁴.
+        let samples = FlatSamples::U32(vec![noise.samples(); film.radiance().len()]);
+        channels.push(AnyChannel::new(SAMPLES, samples));
     }
     let layer = Layer::new(
         (film.width(), film.height()),
@@ -68,24 +87,19 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
         .all_attributes()
         .from_buffered(Cursor::new(bytes))
         .map_err(unreadable)?;
-    let find = |layer: &Layer<AnyChannels<FlatSamples>>, name: &str| -> Option<Vec<f32>> {
-        let channel = layer
-            .channel_data
-            .list
-            .iter()
-            .find(|channel| channel.name == *name)?;
-        Some(channel.sample_data.values_as_f32().collect())
-    };
     for layer in &image.layer_data {
-        if let (Some(r), Some(g), Some(b)) = (find(layer, "R"), find(layer, "G"), find(layer, "B"))
-        {
+        if name_of(layer) == "variance" {
+            continue;
+        }
+        if let [Some(r), Some(g), Some(b)] = ["R", "G", "B"].map(|name| floats(layer, name)) {
             let radiance = (0..r.len()).map(|i| [r[i], g[i], b[i]]).collect();
             let (width, height) = (layer.size.width(), layer.size.height());
             return Ok(Film {
                 width,
                 height,
                 radiance,
-                opacity: find(layer, "A"),
+                opacity: floats(layer, "A"),
+                noise: noise(layer, &image.layer_data)?,
             });
         }
     }
@@ -97,4 +111,71 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
     });
     let found = found.collect::<Vec<_>>().join(", ");
     Err(FilmError::Channels { found })
+}
+
+type AnyLayer = Layer<AnyChannels<FlatSamples>>;
+
+fn name_of(layer: &AnyLayer) -> String {
+    let name = layer.attributes.layer_name.as_ref();
+    name.map_or(String::new(), |name| name.to_string())
+}
+
+fn samples_of<'l>(layer: &'l AnyLayer, name: &str) -> Option<&'l FlatSamples> {
+    let mut channels = layer.channel_data.list.iter();
+    channels
+        .find(|channel| channel.name == *name)
+        .map(|channel| &channel.sample_data)
+}
+
+fn floats(layer: &AnyLayer, name: &str) -> Option<Vec<f32>> {
+    samples_of(layer, name).map(|samples| samples.values_as_f32().collect())
+}
+
+/// The noise of the image in `colours`, from its own channels or from other layers of its size.
+fn noise(colours: &AnyLayer, layers: &[AnyLayer]) -> Result<Option<Noise>, FilmError> {
+    let find = |full_name: &str| {
+        let (layer_name, name) = full_name.split_once('.').expect("a name of ours");
+        samples_of(colours, full_name).or_else(|| {
+            let mut layers = layers.iter().filter(|layer| layer.size == colours.size);
+            layers.find_map(|layer| match name_of(layer) == layer_name {
+                true => samples_of(layer, name),
+                false => samples_of(layer, full_name),
+            })
+        })
+    };
+    let channels = VARIANCE.map(find);
+    if channels.iter().all(Option::is_none) {
+        return Ok(None);
+    }
+    let [Some(r), Some(g), Some(b)] = channels else {
+        return Err(FilmError::Noise("the layer variance lacks R, G or B"));
+    };
+    let [r, g, b]: [Vec<f32>; 3] = [r, g, b].map(|samples| samples.values_as_f32().collect());
+    let Some(samples) = find(SAMPLES) else {
+        return Err(FilmError::Noise(
+            "there are variances, but no channel samples.Y: of how many samples?",
+        ));
+    };
+    Ok(Some(Noise {
+        variance: (0..r.len()).map(|i| [r[i], g[i], b[i]]).collect(),
+        samples: count(samples)?,
+    }))
+}
+
+/// The one number of samples that every pixel states.
+fn count(samples: &FlatSamples) -> Result<u32, FilmError> {
+    let counts: Vec<f64> = match samples {
+        FlatSamples::U32(counts) => counts.iter().map(|&count| count.into()).collect(),
+        _ => samples.values_as_f32().map(f64::from).collect(),
+    };
+    let first = counts.first().copied().unwrap_or(0.0);
+    if counts.iter().any(|&count| count != first) {
+        return Err(FilmError::Noise("not every pixel has as many samples"));
+    }
+    if !(first >= 2.0 && first <= f64::from(u32::MAX) && first.fract() == 0.0) {
+        return Err(FilmError::Noise(
+            "the number of samples is no whole number of at least 2",
+        ));
+    }
+    Ok(first as u32)
 }

@@ -1,17 +1,22 @@
 //! Linear radiance on a grid of pixels; alone knows image files.
 
 mod exr_file;
+mod noise;
 mod png_file;
+
+pub use noise::Noise;
 
 use thiserror::Error;
 
-/// Linear, scene-referred RGB radiance, top row first, and opacity where a volume has one.
+/// Linear, scene-referred RGB radiance, top row first; opacity where a volume has one, and
+/// noise where the radiance is a mean of random samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: usize,
     height: usize,
     radiance: Vec<[f32; 3]>,
     opacity: Option<Vec<f32>>,
+    noise: Option<Noise>,
 }
 
 /// Why bytes are no image.
@@ -52,6 +57,9 @@ pub enum FilmError {
         /// Rows.
         height: usize,
     },
+    /// Variances that cannot be understood.
+    #[error("the noise of the image cannot be read: {0}")]
+    Noise(&'static str),
     /// A file name that stands for no format.
     #[error("not an image by its extension: known are .exr (linear radiance) and .png (preview)")]
     Format,
@@ -84,6 +92,7 @@ impl Film {
             height,
             radiance,
             opacity: None,
+            noise: None,
         }
     }
 
@@ -100,22 +109,55 @@ impl Film {
         }
     }
 
+    /// An image of means of `samples` random samples each, with the estimated variances of those
+    /// means ([`Moments::variance_of_mean`](crate::math::Moments::variance_of_mean)), which are
+    /// kept to eight significant bits. From a single sample nothing is known of the variance:
+    /// such an image is [`Film::new`], without noise.
+    ///
+    /// # Panics
+    /// If there is not one value per pixel, or below two samples.
+    pub fn with_noise(
+        width: usize,
+        height: usize,
+        radiance: Vec<[f32; 3]>,
+        variance: Vec<[f32; 3]>,
+        samples: u32,
+    ) -> Film {
+        assert_eq!(variance.len(), width * height, "one variance per pixel");
+        assert!(samples >= 2, "one sample has no variance");
+        let variance = variance
+            .into_iter()
+            .map(|pixel| pixel.map(noise::rounded))
+            .collect();
+        Film {
+            noise: Some(Noise { variance, samples }),
+            ..Film::new(width, height, radiance)
+        }
+    }
+
     /// The films next to each other, from left to right. All of one height, and all with
-    /// opacity or none.
+    /// opacity or none. The noise is kept where all have it, of as many samples.
     pub fn side_by_side(films: &[Film]) -> Film {
         let height = films[0].height;
         let width = films.iter().map(|film| film.width).sum();
         let mut radiance = Vec::with_capacity(width * height);
         let mut opacity = Vec::with_capacity(width * height);
+        let mut variance = Vec::new();
+        let samples = films[0].noise.as_ref().map_or(0, Noise::samples);
         for row in 0..height {
             for film in films {
                 let row = row * film.width..(row + 1) * film.width;
                 radiance.extend_from_slice(&film.radiance[row.clone()]);
-                opacity.extend_from_slice(film.opacity.as_ref().map_or(&[][..], |o| &o[row]));
+                let part = film.opacity.as_ref().map_or(&[][..], |o| &o[row.clone()]);
+                opacity.extend_from_slice(part);
+                let noise = film.noise.as_ref().filter(|n| n.samples == samples);
+                variance.extend_from_slice(noise.map_or(&[][..], |n| &n.variance[row]));
             }
         }
         let mut film = Film::new(width, height, radiance);
         film.opacity = (opacity.len() == width * height).then_some(opacity);
+        film.noise = (samples > 0 && variance.len() == width * height)
+            .then_some(Noise { variance, samples });
         film
     }
 
@@ -147,22 +189,34 @@ impl Film {
         self.opacity.as_deref()
     }
 
-    /// The first pixel whose radiance or opacity is negative or not finite: [column, row], and
-    /// what it holds.
-    pub fn first_without_radiance(&self) -> Option<([usize; 2], [f32; 4])> {
-        (0..self.radiance.len())
-            .find(|&index| {
-                self.pixel(index)
-                    .iter()
-                    .any(|v| !(v.is_finite() && *v >= 0.0))
-            })
-            .map(|index| ([index % self.width, index / self.width], self.pixel(index)))
+    /// How far the radiance may be off, where it is a mean of random samples.
+    pub fn noise(&self) -> Option<&Noise> {
+        self.noise.as_ref()
     }
 
-    /// BLAKE3 of size, channels and the bits of every pixel: equal for equal images only.
+    /// The first pixel whose radiance or opacity is negative or not finite: [column, row], and
+    /// what it holds. Where every radiance is one, the first pixel of which that is true of the
+    /// variance: its variances, and its opacity.
+    pub fn first_without_radiance(&self) -> Option<([usize; 2], [f32; 4])> {
+        let place = |index: usize| [index % self.width, index / self.width];
+        let broken = |value: &f32| !(value.is_finite() && *value >= 0.0);
+        if let Some(index) =
+            (0..self.radiance.len()).find(|&index| self.pixel(index).iter().any(broken))
+        {
+            return Some((place(index), self.pixel(index)));
+        }
+        let noise = self.noise.as_ref()?;
+        let index = noise.first_without_variance()?;
+        let [r, g, b] = noise.variance[index];
+        Some((place(index), [r, g, b, self.pixel(index)[3]]))
+    }
+
+    /// BLAKE3 of size, channels and the bits of every pixel, of its noise too where it has any:
+    /// equal for equal images only.
     pub fn pixel_hash(&self) -> String {
         let mut hasher = blake3::Hasher::new();
-        let channels = 3 + u64::from(self.opacity.is_some());
+        let noise = self.noise.as_ref();
+        let channels = 3 + u64::from(self.opacity.is_some()) + if noise.is_some() { 4 } else { 0 };
         for number in [self.width as u64, self.height as u64, channels] {
             hasher.update(&number.to_le_bytes());
         }
@@ -171,8 +225,12 @@ impl Film {
             .iter()
             .flatten()
             .chain(self.opacity.iter().flatten())
+            .chain(noise.iter().flat_map(|n| n.variance.as_flattened()))
         {
             hasher.update(&value.to_le_bytes());
+        }
+        if let Some(noise) = noise {
+            hasher.update(&noise.samples.to_le_bytes());
         }
         hasher.finalize().to_hex().to_string()
     }
@@ -196,12 +254,16 @@ impl Film {
         png_file::encode(codes, width, height)
     }
 
-    /// The image as EXR, 32-bit float, lossless.
+    /// The image as EXR, 32-bit float, lossless: R, G and B, A where there is opacity; where
+    /// there is noise, the variances of the means as layer `variance` and the number of samples
+    /// as layer `samples`.
     pub fn to_exr(&self) -> Result<Vec<u8>, FilmError> {
         exr_file::encode(self)
     }
 
-    /// Reads an EXR image: the first layer with R, G and B, and A where it has one.
+    /// Reads an EXR image: the first layer with R, G and B, and A where it has one. Noise where
+    /// there are the layers `variance` (R, G, B) and `samples`, be they parts of the file of
+    /// that name or channels called `variance.R` and so on.
     pub fn from_exr(bytes: &[u8]) -> Result<Film, FilmError> {
         exr_file::decode(bytes)
     }

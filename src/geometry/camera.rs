@@ -5,7 +5,8 @@ use crate::math;
 use glam::DVec3;
 use thiserror::Error;
 
-/// A pinhole camera: one ray through the centre of each pixel, no lens, no pixel filter.
+/// A pinhole camera: rays through the centres of pixels, or through any place of the image; no
+/// lens.
 ///
 /// Right-handed: looking along +z with +y up, +x is to the *left* of the image. Pixels are
 /// square; row 0 is the top row.
@@ -51,6 +52,11 @@ impl Camera {
         })
     }
 
+    /// The ray through a point of the image, in pixels from its upper left corner.
+    pub fn ray_through(&self, [x, y]: [f64; 2], [width, height]: [usize; 2]) -> Ray {
+        self.ray_at(2.0 * x - width as f64, 2.0 * y - height as f64, height)
+    }
+
     /// The ray through the centre of pixel (`column`, `row`) of an image of
     /// `width` × `height` pixels.
     pub fn ray(&self, [column, row]: [usize; 2], [width, height]: [usize; 2]) -> Ray {
@@ -58,6 +64,11 @@ impl Camera {
         // image mirror each other exactly.
         let across = (2 * column + 1) as f64 - width as f64;
         let down = (2 * row + 1) as f64 - height as f64;
+        self.ray_at(across, down, height)
+    }
+
+    /// The ray at twice the distance in pixels from the image centre, to the right and down.
+    fn ray_at(&self, across: f64, down: f64, height: usize) -> Ray {
         let towards = self.forward + self.half_right * (across / height as f64)
             - self.half_up * (down / height as f64);
         Ray {

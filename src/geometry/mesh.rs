@@ -60,6 +60,25 @@ impl Mesh {
         })
     }
 
+    /// The surface of a box, as twelve triangles with their fronts outside. A flat box has
+    /// triangles without area, and is refused.
+    pub fn cuboid(bounds: &Aabb) -> Result<Mesh, MeshError> {
+        let pick = |corner: usize, axis: usize| [bounds.min, bounds.max][corner >> axis & 1][axis];
+        let vertices = (0..8).map(|c| DVec3::new(pick(c, 0), pick(c, 1), pick(c, 2)));
+        let sides = [
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+        ];
+        let faces = sides
+            .iter()
+            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        Mesh::new(vertices.collect(), faces.collect())
+    }
+
     /// Positions, in world units.
     pub fn vertices(&self) -> &[DVec3] {
         &self.vertices

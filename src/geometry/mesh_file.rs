@@ -10,11 +10,23 @@ impl Mesh {
     /// The mesh in an OBJ file: all its objects and groups together, polygons cut into
     /// triangles, materials left aside.
     pub fn load(path: &Path) -> Result<Mesh, MeshError> {
-        let bytes = std::fs::read(path).map_err(|source| MeshError::Unreadable {
+        Mesh::load_hashed(path).map(|(mesh, _)| mesh)
+    }
+
+    /// [`load`](Mesh::load), and the BLAKE3 hash of the bytes read.
+    pub fn load_hashed(path: &Path) -> Result<(Mesh, String), MeshError> {
+        let unreadable = |source| MeshError::Unreadable {
             path: path.to_owned(),
             source,
-        })?;
-        Mesh::from_obj(bytes.as_slice())
+        };
+        // Before opening: to open a named pipe is to wait for a writer.
+        if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
+            let what = "this is a folder, device or pipe, not a file";
+            return Err(unreadable(std::io::Error::other(what)));
+        }
+        let bytes = std::fs::read(path).map_err(unreadable)?;
+        let mesh = Mesh::from_obj(bytes.as_slice())?;
+        Ok((mesh, blake3::hash(&bytes).to_hex().to_string()))
     }
 
     /// The mesh in the text of an OBJ file, as by [`load`](Mesh::load).

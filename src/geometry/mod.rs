@@ -2,7 +2,8 @@
 //!
 //! [`Surface`], [`Solid`] and [`Emitter`] are what a renderer asks of a shape: the nearest hit,
 //! the stretches of a ray inside, points uniform by area. [`Sphere`], [`Aabb`], [`Rectangle`],
-//! [`Mesh`] and [`ClosedMesh`] answer; [`Placed`] puts any of them somewhere else. How a ray
+//! [`Mesh`] and [`ClosedMesh`] answer; [`Placed`] puts any of them somewhere else, and
+//! [`Shape`], [`Boundary`] and [`Luminous`] hold one of several. How a ray
 //! leaves a surface without meeting it again is [`SurfacePoint`]'s.
 
 mod aabb;
@@ -17,6 +18,7 @@ mod mesh_file;
 mod placed;
 mod ray;
 mod rectangle;
+mod shape;
 mod shape_error;
 mod sphere;
 mod surface;
@@ -31,6 +33,7 @@ pub use mesh_error::MeshError;
 pub use placed::Placed;
 pub use ray::{Ray, Span, direction_of, length_of};
 pub use rectangle::Rectangle;
+pub use shape::{Boundary, Luminous, Shape};
 pub use shape_error::ShapeError;
 pub use sphere::Sphere;
 pub use surface::{Emitter, Solid, Surface};

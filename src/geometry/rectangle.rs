@@ -4,7 +4,7 @@ use super::crossing::RayFrame;
 use super::hit::RELATIVE_CLEARANCE;
 use super::mesh::perpendicular;
 use super::shape_error::finite;
-use super::{Aabb, Emitter, Hit, Ray, ShapeError, Surface, SurfacePoint, Transform};
+use super::{Aabb, Emitter, Hit, Ray, ShapeError, Side, Surface, SurfacePoint, Transform};
 use glam::DVec3;
 
 /// A flat piece spanned by two edges at a corner; a parallelogram if they are not perpendicular.
@@ -17,6 +17,18 @@ pub struct Rectangle {
     edge_u: DVec3,
     edge_v: DVec3,
     normal: DVec3,
+    /// Vectors in the plane whose products with a vector are its parts along the two edges.
+    duals: [DVec3; 2],
+    /// Largest component of the duals, per world unit.
+    steepest: f64,
+    clearance: f64,
+}
+
+/// Where a ray crosses a rectangle.
+struct Crossing {
+    t: f64,
+    side: Side,
+    uv: [f64; 2],
 }
 
 impl Rectangle {
@@ -31,11 +43,20 @@ impl Rectangle {
         )?;
         let no_area = ShapeError::NoArea(edge_u, edge_v);
         let normal = perpendicular(edge_u, edge_v).ok_or(no_area)?;
+        // Across the edges within the plane; the products are the area, up to its sign.
+        let (across_u, across_v) = (edge_v.cross(normal), normal.cross(edge_u));
+        let duals = [
+            across_u / across_u.dot(edge_u),
+            across_v / across_v.dot(edge_v),
+        ];
         let rectangle = Rectangle {
             corner,
             edge_u,
             edge_v,
             normal,
+            duals,
+            steepest: duals[0].abs().max(duals[1].abs()).max_element(),
+            clearance: 0.0,
         };
         // Also where the product leaves the range, or the edges vanish beside the corner.
         let [a, b, c, d] = rectangle.corners();
@@ -44,7 +65,10 @@ impl Rectangle {
         if seen.is_none() || !(area > 0.0 && area.is_finite()) {
             return Err(no_area);
         }
-        Ok(rectangle)
+        Ok(Rectangle {
+            clearance: RELATIVE_CLEARANCE * rectangle.bounds().reach(),
+            ..rectangle
+        })
     }
 
     /// The rectangle around `centre` that reaches `±half_u` and `±half_v` from it.
@@ -63,6 +87,13 @@ impl Rectangle {
             transform.direction(u),
             transform.direction(v),
         )
+    }
+
+    /// Whether `point` lies exactly in the plane of the rectangle, and within its edges.
+    pub fn holds(&self, point: DVec3) -> bool {
+        let place = point - self.corner;
+        let within = |dual: DVec3| (0.0..=1.0).contains(&place.dot(dual));
+        place.dot(self.normal) == 0.0 && self.duals.into_iter().all(within)
     }
 
     /// Unit normal.
@@ -91,18 +122,48 @@ impl Rectangle {
         SurfacePoint {
             position: self.corner + (self.edge_u * u + self.edge_v * v),
             normal: self.normal,
-            clearance: RELATIVE_CLEARANCE * self.bounds().reach(),
+            clearance: self.clearance,
         }
     }
-}
 
-impl Surface for Rectangle {
-    fn bounds(&self) -> Aabb {
-        Aabb::around(self.corners()).expect("four corners")
+    /// Where `ray` crosses, at a distance with `0 < t < limit`.
+    ///
+    /// By the plane first: most rays clearly miss or clearly hit, and the few near an edge, or
+    /// nearly parallel to the plane, are left to the triangles, which leave no gap between
+    /// rectangles with corners in common. *Clearly* means by more than rounding: with `S` the sum
+    /// of all lengths involved, `w·n` is off by less than 8uS and so `t` by 16uS/|d·n|; a place
+    /// in the plane by twice that, in parts of the edges times the largest component of the
+    /// duals and √3. 2^-47 is 64u.
+    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
+        let away = self.corner - ray.origin;
+        let slope = ray.direction.dot(self.normal);
+        let t = away.dot(self.normal) / slope;
+        let size = |v: DVec3| v.x.abs() + v.y.abs() + v.z.abs();
+        let lengths = size(away) + size(self.edge_u) + size(self.edge_v);
+        let in_t = ROUNDING * lengths / slope.abs();
+        let in_uv = 2.0 * in_t * self.steepest;
+        // What is no number, as for a ray in the plane, goes to the triangles too.
+        if in_uv >= 0.01 || in_uv.is_nan() {
+            return self.by_triangles(ray, limit);
+        }
+        if t < -in_t || t > limit + in_t {
+            return None;
+        }
+        let place = ray.direction * t - away;
+        let uv = self.duals.map(|dual| place.dot(dual));
+        if uv.iter().any(|&part| part < -in_uv || part > 1.0 + in_uv) {
+            return None;
+        }
+        let inside = uv.iter().all(|&part| part > in_uv && part < 1.0 - in_uv);
+        if !(inside && t > in_t && t < limit - in_t) {
+            return self.by_triangles(ray, limit);
+        }
+        let side = if slope < 0.0 { Side::Front } else { Side::Back };
+        Some(Crossing { t, side, uv })
     }
 
     /// As two triangles with the diagonal in common, of which a line crosses at most one.
-    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+    fn by_triangles(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
         let frame = RayFrame::new(ray);
         let [a, b, c, d] = self.corners();
         let (crossing, uv) = if let Some(crossing) = frame.crossing([a, b, c]) {
@@ -113,14 +174,35 @@ impl Surface for Rectangle {
             let [_, at_c, at_d] = crossing.weights;
             (crossing, [at_c, at_c + at_d])
         };
-        let uv = uv.map(|part: f64| part.min(1.0));
-        (crossing.t > 0.0 && crossing.t < limit).then(|| Hit {
+        (crossing.t > 0.0 && crossing.t < limit).then(|| Crossing {
             t: crossing.t,
-            point: self.point(uv),
+            side: crossing.side,
+            uv: uv.map(|part: f64| part.min(1.0)),
+        })
+    }
+}
+
+/// Relative rounding that a clear crossing is clear of.
+const ROUNDING: f64 = 1.0 / (1_u64 << 47) as f64;
+
+impl Surface for Rectangle {
+    fn bounds(&self) -> Aabb {
+        Aabb::around(self.corners()).expect("four corners")
+    }
+
+    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+        let crossing = self.crossing(ray, limit)?;
+        Some(Hit {
+            t: crossing.t,
+            point: self.point(crossing.uv),
             side: crossing.side,
             face: 0,
-            uv,
+            uv: crossing.uv,
         })
+    }
+
+    fn blocks(&self, ray: &Ray, limit: f64) -> bool {
+        self.crossing(ray, limit).is_some()
     }
 }
 

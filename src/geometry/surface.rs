@@ -10,6 +10,11 @@ pub trait Surface {
     /// The nearest hit with `0 < t < limit`, in world units. Of hits at the same distance, the
     /// one with the smallest face number.
     fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit>;
+
+    /// Whether there is a hit with `0 < t < limit`, wherever it is.
+    fn blocks(&self, ray: &Ray, limit: f64) -> bool {
+        self.hit(ray, limit).is_some()
+    }
 }
 
 /// A closed shape, the boundary of a body or a medium. Need not be convex.

@@ -5,6 +5,7 @@ mod cube_root;
 mod elementary;
 mod frame;
 mod moments;
+pub mod quadrature;
 pub mod rng;
 pub mod sampling;
 mod srgb;

@@ -15,7 +15,7 @@ pub enum Purpose {
     Camera = 0,
     /// Distance to the next collision, or tentative collision.
     FreeFlight = 1,
-    /// Whether a tentative collision absorbs, scatters or is null.
+    /// What a collision, or tentative collision, is with: which of the media there, or nothing.
     Collision = 2,
     /// Transmittance estimated by tracking, towards a light.
     Tracking = 3,
@@ -33,11 +33,13 @@ pub enum Purpose {
     Roulette = 9,
     /// Colour channel by which the next distance is sampled.
     Channel = 10,
+    /// Place in a medium or on a surface, chosen from a light.
+    LitPlace = 11,
 }
 
 impl Purpose {
     /// Every use, by rising discriminant.
-    pub const ALL: [Purpose; 11] = [
+    pub const ALL: [Purpose; 12] = [
         Purpose::Camera,
         Purpose::FreeFlight,
         Purpose::Collision,
@@ -49,6 +51,7 @@ impl Purpose {
         Purpose::Surface,
         Purpose::Roulette,
         Purpose::Channel,
+        Purpose::LitPlace,
     ];
 }
 

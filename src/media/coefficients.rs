@@ -69,38 +69,71 @@ impl Coefficients {
     }
 }
 
-/// Weight, by channel, of a collision at distance `t` whose distance was sampled by one channel,
-/// all equally likely: `σ_c T_c / mean_k(σ_k T_k)`, between 0 and 3. The albedo is not in it.
+/// The channel by which a distance is sampled: the one that `u`, uniform in [0, 1), falls to if
+/// each has a part in proportion to its share. `shares` are not negative and not all 0.
+///
+/// Shares are what a path carries. With equal ones in every flight its weights would multiply to
+/// 3^n, with a probability of 3^(−n), in the channel that it happens to be sampled by.
+pub fn sampled_channel(shares: DVec3, u: f64) -> usize {
+    let place = u * (shares.x + shares.y + shares.z);
+    if place < shares.x {
+        0
+    } else if place < shares.x + shares.y {
+        1
+    } else {
+        2
+    }
+}
+
+/// Weight, by channel, of a collision whose distance was sampled by [`sampled_channel`]: with
+/// `p` the shares brought to a sum of 1, `σ_c T_c / Σ_k p_k σ_k T_k`, between 0 and `1/p_c`; 0
+/// without a share. The albedo is not in it.
+///
+/// So the shares times their weights add up to what the shares do, whatever the medium.
 ///
 /// Numerator and denominator underflow together, so only their ratios are formed,
-/// `σ_k/σ_c · e^((σ_c − σ_k) t)`: at any depth a grey medium has the weight 1, exactly.
+/// `σ_k/σ_c · e^(τ_c − τ_k)`: at any depth a grey medium has the weight 1, exactly.
 ///
-/// Domain: `sigma_t` positive in the channel that was sampled by, `t` finite.
-pub fn collision_weight(sigma_t: DVec3, t: f64) -> DVec3 {
-    weight(|c, k| {
+/// Domain: `sigma_t`, the extinction there, positive in the channel that was sampled by;
+/// `depth ≥ 0`, the optical depth up to there, finite in that channel.
+pub fn collision_weight(shares: DVec3, sigma_t: DVec3, depth: DVec3) -> DVec3 {
+    weight(shares, |c, k| {
+        if sigma_t[c] == 0.0 {
+            return f64::INFINITY;
+        }
         if sigma_t[k] == 0.0 {
             return 0.0;
         }
-        sigma_t[k] / sigma_t[c] * exp(difference(sigma_t[c], sigma_t[k], t))
+        sigma_t[k] / sigma_t[c] * exp(difference(depth[c], depth[k]))
     })
 }
 
-/// Weight, by channel, of a flight that left the medium after `length`, its distance having been
-/// sampled as for [`collision_weight`]: `T_c / mean_k(T_k)`, between 0 and 3.
-pub fn escape_weight(sigma_t: DVec3, length: f64) -> DVec3 {
-    weight(|c, k| exp(difference(sigma_t[c], sigma_t[k], length)))
+/// Weight, by channel, of a flight that left the media after the optical `depth`, its distance
+/// having been sampled as for [`collision_weight`]: `T_c / Σ_k p_k T_k`, between 0 and `1/p_c`.
+pub fn escape_weight(shares: DVec3, depth: DVec3) -> DVec3 {
+    weight(shares, |c, k| exp(difference(depth[c], depth[k])))
 }
 
-/// `3 / Σ_k ratio(c, k)`. A ratio that overflows is the weight 0.
-fn weight(ratio: impl Fn(usize, usize) -> f64) -> DVec3 {
+/// `Σ_k s_k / Σ_k s_k ratio(c, k)` where channel `c` has a share `s_c`, else 0. Both sums in the
+/// same order: equal channels have the weight 1, exactly. A ratio that overflows is the weight 0.
+fn weight(shares: DVec3, ratio: impl Fn(usize, usize) -> f64) -> DVec3 {
+    let all = shares.x + shares.y + shares.z;
     DVec3::from_array(std::array::from_fn(|c| {
-        3.0 / (ratio(c, 0) + ratio(c, 1) + ratio(c, 2))
+        if shares[c] == 0.0 {
+            return 0.0;
+        }
+        // Without a share nothing is added, be the ratio infinite.
+        let part = |k: usize| match shares[k] {
+            0.0 => 0.0,
+            share => share * ratio(c, k),
+        };
+        all / (part(0) + part(1) + part(2))
     }))
 }
 
-/// `(a − b)·t`, where equal extinctions differ by nothing over any length.
-fn difference(a: f64, b: f64, t: f64) -> f64 {
-    if a == b { 0.0 } else { (a - b) * t }
+/// `a − b`, where equal depths differ by nothing, infinite ones too.
+fn difference(a: f64, b: f64) -> f64 {
+    if a == b { 0.0 } else { a - b }
 }
 
 #[cfg(test)]
@@ -132,11 +165,49 @@ mod tests {
     #[test]
     fn a_channel_without_extinction_never_collides_and_always_escapes() {
         let sigma_t = DVec3::new(0.0, 2.0, 2.0);
-        assert_eq!(collision_weight(sigma_t, 1.0), DVec3::new(0.0, 1.5, 1.5));
         assert_eq!(
-            escape_weight(sigma_t, f64::INFINITY),
-            DVec3::new(3.0, 0.0, 0.0)
+            collision_weight(DVec3::ONE, sigma_t, sigma_t),
+            DVec3::new(0.0, 1.5, 1.5)
         );
-        assert_eq!(escape_weight(DVec3::ONE, f64::INFINITY), DVec3::ONE);
+        let endless = DVec3::new(0.0, f64::INFINITY, f64::INFINITY);
+        let escaped = |depth| escape_weight(DVec3::ONE, depth);
+        assert_eq!(escaped(endless), DVec3::new(3.0, 0.0, 0.0));
+        assert_eq!(escaped(DVec3::INFINITY), DVec3::ONE);
+    }
+
+    #[test]
+    fn channels_are_sampled_by_their_shares() {
+        let chosen = |shares, u| sampled_channel(shares, u);
+        let last = 1.0 - f64::EPSILON / 2.0;
+        let thirds = [0.0, 0.34, 0.67, last].map(|u| chosen(DVec3::ONE, u));
+        assert_eq!(thirds, [0, 1, 2, 2]);
+        let shares = DVec3::new(1.0, 0.0, 3.0);
+        let uneven = [0.0, 0.24, 0.25, last].map(|u| chosen(shares, u));
+        assert_eq!(uneven, [0, 0, 2, 2]);
+        assert_eq!(chosen(DVec3::Y, 0.0), 1);
+        assert_eq!(chosen(DVec3::Z, 0.0), 2);
+        assert_eq!(chosen(DVec3::X, last), 0);
+    }
+
+    #[test]
+    fn shares_times_weights_keep_their_sum() {
+        let shares = DVec3::new(0.7, 0.1, 2.0);
+        let sigma_t = DVec3::new(0.3, 4.0, 1e3);
+        for depth in [DVec3::ZERO, sigma_t * 0.01, sigma_t * 2.0] {
+            for weight in [
+                collision_weight(shares, sigma_t, depth),
+                escape_weight(shares, depth),
+            ] {
+                let sum = (shares * weight).element_sum();
+                assert!((sum - 2.8).abs() <= 16.0 * f64::EPSILON, "{sum}");
+            }
+        }
+        let dark = DVec3::new(0.0, 0.3, 0.7);
+        let sigma_t = DVec3::new(1e300, 2.0, 2.0);
+        assert_eq!(
+            collision_weight(dark, sigma_t, sigma_t),
+            DVec3::new(0.0, 1.0, 1.0)
+        );
+        assert_eq!(escape_weight(dark, sigma_t), DVec3::new(0.0, 1.0, 1.0));
     }
 }

@@ -4,6 +4,7 @@ mod coefficients;
 mod colormap;
 pub mod emission;
 pub mod estimators;
+mod homogeneous;
 mod opacity;
 mod optical_depth;
 mod phase;
@@ -11,8 +12,11 @@ mod phong;
 pub mod profiles;
 mod transfer_function;
 
-pub use coefficients::{Coefficients, InvalidCoefficient, collision_weight, escape_weight};
+pub use coefficients::{
+    Coefficients, InvalidCoefficient, collision_weight, escape_weight, sampled_channel,
+};
 pub use colormap::Colormap;
+pub use homogeneous::Homogeneous;
 pub use opacity::{TransferOpacity, over_length};
 pub use optical_depth::{opacity, optical_depth, source_factor, transmittance};
 pub use phase::{Asymmetry, AsymmetryOutOfRange, Deflection, HenyeyGreenstein};

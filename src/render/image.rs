@@ -2,11 +2,15 @@
 
 use super::curve;
 use super::kernel::{self, Parts};
+use super::path_tracer::Endless;
 use super::plan::{Kernel, Plan};
+use super::radiative_kernel::{ByLineOfSight, ByPathTracing, with_parts};
 use super::work::{Counters, Uncounted, Work};
 use crate::film::Film;
+use crate::math::Moments;
 use crate::scene::{Classified, Model, Panel, Scene};
 use rayon::prelude::*;
+use std::marker::PhantomData;
 use thiserror::Error;
 
 /// Told of every finished row of pixels, from any thread.
@@ -24,6 +28,30 @@ pub struct Rendering {
 /// A renderer that broke its own promise.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum RenderError {
+    /// A path without an end.
+    #[error(
+        "a path of pixel ({column}, {row}) was turned 2^26 times and still carried light: \
+         nothing in the scene takes enough of it away. Let a medium or surface absorb some, \
+         leave a way out, or set max_bounces"
+    )]
+    Endless {
+        /// Column, from the left.
+        column: usize,
+        /// Row, from the top.
+        row: usize,
+    },
+    /// A light that a ray runs into, where radiance has no bound.
+    #[error(
+        "pixel ({column}, {row}) is infinitely bright: a light without extent lies exactly on \
+         its line of sight, in matter that scatters. Move the light or the camera a little, or \
+         make it a small emitting sphere"
+    )]
+    Divergent {
+        /// Column, from the left.
+        column: usize,
+        /// Row, from the top.
+        row: usize,
+    },
     /// A pixel that is no radiance.
     #[error(
         "pixel ({column}, {row}) is {value:?}: radiance must be finite and not negative. \
@@ -68,24 +96,40 @@ fn render_with<W: Work>(
     let mut films = Vec::new();
     let mut works = Vec::new();
     for (panel, plan) in scene.panels.iter().zip(plans) {
-        let (pixels, work) = render_panel(panel, plan, progress);
-        films.push(Film::with_opacity(panel.width, panel.height, pixels));
+        let (film, work) = render_panel(panel, plan, progress)?;
+        films.push(film);
         works.push(work);
     }
     let film = Film::side_by_side(&films);
     match film.first_without_radiance() {
         None => Ok((film, works)),
+        Some(([column, row], value)) if value.contains(&f32::INFINITY) && has_points(scene) => {
+            Err(RenderError::Divergent { column, row })
+        }
         Some(([column, row], value)) => Err(RenderError::NoRadiance { column, row, value }),
     }
 }
 
-fn render_panel<W: Work>(panel: &Panel, plan: &Plan, progress: Progress<'_>) -> (Vec<[f32; 4]>, W) {
+/// Whether a light stands anywhere in the scene whose radiance may have no bound.
+fn has_points(scene: &Scene) -> bool {
+    scene.panels.iter().any(|panel| match &panel.model {
+        Model::Radiative(scene) => scene.lights.iter().any(|light| light.position().is_some()),
+        Model::Classified(_) | Model::Curve(_) => false,
+    })
+}
+
+fn render_panel<W: Work>(
+    panel: &Panel,
+    plan: &Plan,
+    progress: Progress<'_>,
+) -> Result<(Film, W), RenderError> {
+    let (width, height) = (panel.width, panel.height);
     let pixels = Pixels {
-        width: panel.width,
-        height: panel.height,
+        width,
+        height,
         progress,
     };
-    match (&panel.model, plan.kernel) {
+    let (pixels, work) = match (&panel.model, plan.kernel) {
         (Model::Curve(plot), Kernel::Curve) => {
             (curve::draw(plot, panel.width, panel.height), W::default())
         }
@@ -109,8 +153,62 @@ fn render_panel<W: Work>(panel: &Panel, plan: &Plan, progress: Progress<'_>) -> 
             };
             kernel::cast(scene, parts, &pixels)
         }
+        (Model::Radiative(scene), Kernel::LineOfSight { parts, turned }) => {
+            let task = ByLineOfSight {
+                scene,
+                parts,
+                turned,
+                pixels: &pixels,
+                work: PhantomData,
+            };
+            let (pixels, work) = with_parts(parts, task);
+            return Ok((Film::new(width, height, pixels), work));
+        }
+        (Model::Radiative(scene), Kernel::PathTracer { parts, limit }) => {
+            let task = ByPathTracing {
+                scene,
+                parts,
+                limit,
+                pixels: &pixels,
+                work: PhantomData,
+            };
+            let (pixels, work) = with_parts(parts, task);
+            return Ok((mean_of_samples(panel, scene.samples, pixels)?, work));
+        }
         _ => unreachable!("the plan was made for another scene"),
+    };
+    Ok((Film::with_opacity(width, height, pixels), work))
+}
+
+/// The film of the means, and of how sure they are.
+fn mean_of_samples(
+    panel: &Panel,
+    samples: u32,
+    pixels: Vec<Result<[Moments; 3], Endless>>,
+) -> Result<Film, RenderError> {
+    let (width, height) = (panel.width, panel.height);
+    let endless = pixels.iter().position(Result::is_err);
+    if let Some(index) = endless {
+        return Err(RenderError::Endless {
+            column: index % width,
+            row: index / width,
+        });
     }
+    let moments: Vec<_> = pixels.into_iter().flatten().collect();
+    let mean = |pixel: &[Moments; 3]| pixel.map(|channel| channel.mean() as f32);
+    let variance = |pixel: &[Moments; 3]| {
+        pixel.map(|channel| {
+            channel
+                .variance_of_mean()
+                .map_or(0.0, |variance| variance as f32)
+        })
+    };
+    let means = moments.iter().map(mean).collect();
+    if samples < 2 {
+        return Ok(Film::new(width, height, means));
+    }
+    let variances = moments.iter().map(variance).collect();
+    Ok(Film::with_noise(width, height, means, variances, samples))
 }
 
 fn background<W: Work>(scene: &Classified, pixels: &Pixels<'_>) -> (Vec<[f32; 4]>, W) {
@@ -129,20 +227,23 @@ pub(super) struct Pixels<'p> {
 }
 
 /// Evaluates `pixel` for every pixel [column, row], rows in parallel. Pixels depend on nothing
-/// but their place, and are put together in order, so threads leave no trace.
-pub(super) fn rows<W: Work>(
+/// but their place, and are put together in order, so threads leave no trace; `scratch` makes
+/// memory that the pixels of a row may use one after the other.
+pub(super) fn rows<P: Send, S, W: Work>(
     pixels: &Pixels<'_>,
-    pixel: impl Fn([usize; 2], &mut W) -> [f32; 4] + Sync,
-) -> (Vec<[f32; 4]>, W) {
-    let rows: Vec<(Vec<[f32; 4]>, W)> = (0..pixels.height)
+    scratch: impl Fn() -> S + Sync,
+    pixel: impl Fn([usize; 2], &mut S, &mut W) -> P + Sync,
+) -> (Vec<P>, W) {
+    let rows: Vec<(Vec<P>, W)> = (0..pixels.height)
         .into_par_iter()
         // Row by row: rows through the volume cost far more than rows beside it, and a thread
         // cannot help with a batch that another has begun.
         .with_max_len(1)
         .map(|row| {
             let mut work = W::default();
+            let mut scratch = scratch();
             let values = (0..pixels.width)
-                .map(|column| pixel([column, row], &mut work))
+                .map(|column| pixel([column, row], &mut scratch, &mut work))
                 .collect();
             (pixels.progress)();
             (values, work)

@@ -134,9 +134,13 @@ fn with_all<F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space, W: W
         bounds: scene.grid.lattice().bounds(),
     };
     let size = [pixels.width, pixels.height];
-    rows(pixels, |pixel, work: &mut W| {
-        let layers = caster.layers(&scene.camera.ray(pixel, size), work);
-        let radiance = layers.colour + scene.background * (1.0 - layers.opacity);
-        [radiance.x, radiance.y, radiance.z, layers.opacity].map(|value| value as f32)
-    })
+    rows(
+        pixels,
+        || (),
+        |pixel, (), work: &mut W| {
+            let layers = caster.layers(&scene.camera.ray(pixel, size), work);
+            let radiance = layers.colour + scene.background * (1.0 - layers.opacity);
+            [radiance.x, radiance.y, radiance.z, layers.opacity].map(|value| value as f32)
+        },
+    )
 }

@@ -1,18 +1,36 @@
 //! From a scene to an image: the plan, the kernels, the pixel loop.
 //!
-//! Read [`RayCaster::layers`](ray_caster::RayCaster::layers) first: it is the renderer. Its
-//! parts have a file each: [`steps`], [`field`], [`compositing`], [`volume_shadow`],
-//! [`empty_space`].
+//! For classified volumes read [`RayCaster::layers`](ray_caster::RayCaster::layers) first: it is
+//! the renderer. Its parts have a file each: [`steps`], [`field`], [`compositing`],
+//! [`volume_shadow`], [`empty_space`].
+//!
+//! For surfaces, media and lights read
+//! [`PathTracer::radiance`](path_tracer::PathTracer::radiance). What a ray meets is in
+//! [`surroundings`] and [`media_path`], what turns it in [`vertex`] and [`smooth`], how it finds
+//! light in [`direct_light`], [`in_scattering`] and [`lit_places`]. [`line_of_sight`] does without
+//! random numbers what can be done so.
 
 pub mod compositing;
 mod curve;
+pub mod direct_light;
+pub mod draws;
+pub mod effects;
 pub mod empty_space;
 pub mod field;
 mod image;
+pub mod in_scattering;
 mod kernel;
+pub mod line_of_sight;
+pub mod lit_places;
+pub mod media_path;
+pub mod path_tracer;
 pub mod plan;
+mod radiative_kernel;
 pub mod ray_caster;
+pub mod smooth;
 pub mod steps;
+pub mod surroundings;
+pub mod vertex;
 pub mod volume_shadow;
 pub mod work;
 

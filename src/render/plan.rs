@@ -3,8 +3,10 @@
 //! The [`Plan`] is the only way from a scene to a kernel. For each effect it says whether it is
 //! simulated and why; the kernel is compiled for exactly that.
 
-use crate::media::Phong;
-use crate::scene::{Classified, Compositing, Interpolation, Model, Panel};
+mod classified;
+mod radiative;
+
+use crate::scene::{Compositing, Model, Panel};
 use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
@@ -158,6 +160,56 @@ pub enum Kernel {
         /// Leaps over regions known to be transparent.
         skip_empty: bool,
     },
+    /// Closed forms and integrals along the line of sight, without random numbers.
+    LineOfSight {
+        /// What it is compiled for.
+        parts: Parts,
+        /// Whether light is turned, once.
+        turned: bool,
+    },
+    /// Path tracing.
+    PathTracer {
+        /// What it is compiled for.
+        parts: Parts,
+        /// How often light is turned at most, if there is a limit.
+        limit: Option<u32>,
+    },
+}
+
+/// Parts of the kernels for surfaces and participating media.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parts {
+    /// Media.
+    pub media: bool,
+    /// Media of no matter are asked where they are, like others.
+    pub null_media: bool,
+    /// Surfaces.
+    pub surfaces: bool,
+    /// Light that media send out.
+    pub emission: bool,
+    /// Coefficients that differ between channels.
+    pub chromatic: bool,
+    /// Phase functions that prefer a direction.
+    pub anisotropic: bool,
+}
+
+impl fmt::Display for Parts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names = [
+            (self.surfaces, "surfaces"),
+            (self.media, "media"),
+            (self.emission, "emission"),
+            (self.chromatic, "colour"),
+            (self.anisotropic, "anisotropic scattering"),
+        ];
+        let names: Vec<_> = names
+            .iter()
+            .filter(|(on, _)| *on)
+            .map(|(_, name)| *name)
+            .collect();
+        f.write_str(if names.is_empty() { "nothing" } else { "" })?;
+        f.write_str(&names.join(", "))
+    }
 }
 
 /// How a kernel comes by densities.
@@ -181,10 +233,34 @@ impl fmt::Display for Kernel {
             skip_empty,
         } = self
         else {
-            return f.write_str(match self {
-                Kernel::Curve => "plot of the transfer function",
-                _ => "background only",
-            });
+            return match self {
+                Kernel::Curve => f.write_str("plot of the transfer function"),
+                Kernel::LineOfSight {
+                    parts,
+                    turned: false,
+                } => {
+                    write!(f, "line of sight: {parts}, by closed forms")
+                }
+                Kernel::LineOfSight {
+                    parts,
+                    turned: true,
+                } => {
+                    write!(
+                        f,
+                        "line of sight: {parts}, light turned once, by quadrature"
+                    )
+                }
+                Kernel::PathTracer { parts, limit: None } => {
+                    write!(f, "path tracer: {parts}, any number of turns")
+                }
+                Kernel::PathTracer {
+                    parts,
+                    limit: Some(limit),
+                } => {
+                    write!(f, "path tracer: {parts}, up to {limit} turns")
+                }
+                _ => f.write_str("background only"),
+            };
         };
         let field = match field {
             FieldKind::Nearest => "nearest",
@@ -236,7 +312,8 @@ impl Plan {
     pub fn forcing(panel: &Panel, forced: &[Effect]) -> Result<Plan, PlanError> {
         let plan = match &panel.model {
             Model::Curve(_) => curve_plan(),
-            Model::Classified(classified) => classified_plan(classified, forced),
+            Model::Radiative(radiative) => radiative::plan(radiative, forced),
+            Model::Classified(classified) => classified::plan(classified, forced),
         };
         for decision in &plan.decisions {
             if forced.contains(&decision.effect) && decision.state != State::On {
@@ -262,6 +339,11 @@ impl Plan {
             .iter()
             .find(|decision| decision.effect == effect);
         decision.expect("a decision for each effect").state
+    }
+
+    /// Whether the image is a mean of random samples.
+    pub fn is_sampled(&self) -> bool {
+        matches!(self.kernel, Kernel::PathTracer { .. })
     }
 
     /// Names of the effects that the scene could have asked for and did not.
@@ -292,10 +374,29 @@ enum Finding {
     Absent(&'static str),
     /// It could be asked for, under this key, and is not.
     NotAsked(&'static str),
+    /// It is there, but this key leaves it out, for this reason.
+    LeftOut(&'static str, String),
     /// Asked for under this key, and it matters.
     Matters(&'static str, String),
     /// Asked for under this key, but provably null.
     Null(&'static str, String),
+}
+
+/// A decision for each effect.
+struct Decisions(Vec<Decision>);
+
+impl Decisions {
+    /// What follows from what is known about each effect, with those in `forced` simulated
+    /// although they are null.
+    fn new(finding: impl Fn(Effect) -> Finding, forced: &[Effect]) -> Decisions {
+        let decide = |effect| decide(effect, finding(effect), forced);
+        Decisions(Effect::ALL.into_iter().map(decide).collect())
+    }
+
+    fn is_on(&self, effect: Effect) -> bool {
+        let mut on = self.0.iter().filter(|decision| decision.state == State::On);
+        on.any(|decision| decision.effect == effect)
+    }
 }
 
 fn decide(effect: Effect, finding: Finding, forced: &[Effect]) -> Decision {
@@ -306,6 +407,7 @@ fn decide(effect: Effect, finding: Finding, forced: &[Effect]) -> Decision {
             format!("not asked for: the scene has no [{field}]"),
             Some(field),
         ),
+        Finding::LeftOut(field, reason) => (State::Omitted, reason, Some(field)),
         Finding::Matters(field, reason) => (State::On, reason, Some(field)),
         Finding::Null(field, reason) if forced.contains(&effect) => (
             State::On,
@@ -323,112 +425,9 @@ fn decide(effect: Effect, finding: Finding, forced: &[Effect]) -> Decision {
 }
 
 fn curve_plan() -> Plan {
-    let absent = Finding::Absent;
-    let decisions = Effect::ALL
-        .into_iter()
-        .map(|effect| {
-            decide(
-                effect,
-                absent("a plot of the transfer function has no light"),
-                &[],
-            )
-        })
-        .collect();
+    let finding = |_| Finding::Absent("a plot of the transfer function has no light");
     Plan {
-        decisions,
+        decisions: Decisions::new(finding, &[]).0,
         kernel: Kernel::Curve,
     }
-}
-
-fn classified_plan(scene: &Classified, forced: &[Effect]) -> Plan {
-    use Finding::{Absent, Matters, NotAsked, Null};
-    let (least, most) = scene.grid.range();
-    let constant = least == most;
-    let transparent = scene.transfer_function.is_transparent_up_to(most);
-    let nothing = || format!("every density, up to {most}, has opacity 0");
-
-    let finding = |effect| match effect {
-        Effect::Surfaces => Absent("the classified model has no surfaces"),
-        Effect::Absorption | Effect::Emission if transparent => {
-            Null("transfer_function", nothing())
-        }
-        Effect::Absorption => Matters("transfer_function", format!("densities up to {most}")),
-        Effect::Emission => Matters(
-            "transfer_function",
-            "the colormap sends out light".to_owned(),
-        ),
-        Effect::SingleScattering | Effect::MultipleScattering => {
-            Absent("the classified model scatters no light; shading stands in for it")
-        }
-        Effect::MediumShadow => match scene.shadow {
-            None => NotAsked("classified.shadow"),
-            Some(_) if transparent => Null("classified.shadow", nothing()),
-            Some(_) => Matters(
-                "classified.shadow",
-                "densities darken what lies behind".to_owned(),
-            ),
-        },
-        Effect::SurfaceShadow => Absent("the classified model has no surfaces"),
-        Effect::GradientShading => match &scene.phong {
-            None => NotAsked("classified.phong"),
-            Some(_) if transparent => Null("classified.phong", nothing()),
-            Some(_) if constant => Null(
-                "classified.phong",
-                "the density is constant: its gradient is 0".to_owned(),
-            ),
-            Some(_) if scene.grid.lattice().nodes().iter().all(|&nodes| nodes < 3) => Null(
-                "classified.phong",
-                "no axis has three nodes: the stored gradient is 0".to_owned(),
-            ),
-            Some(phong) if is_identity(phong) => Null(
-                "classified.phong",
-                "ambient 1, diffuse 0 and specular 0 leave colours as they are".to_owned(),
-            ),
-            Some(_) => Matters("classified.phong", "the density has a gradient".to_owned()),
-        },
-        Effect::Heterogeneity if transparent => Null("classified.volume", nothing()),
-        Effect::Heterogeneity if constant => {
-            Null("classified.volume", format!("every voxel holds {most}"))
-        }
-        Effect::Heterogeneity => Matters(
-            "classified.volume",
-            format!("densities from {least} to {most}"),
-        ),
-        Effect::ChromaticCoefficients => Absent("opacity is the same for all colours"),
-        Effect::AnisotropicPhase => Absent("the classified model has no phase function"),
-    };
-    let decisions: Vec<_> = Effect::ALL
-        .into_iter()
-        .map(|effect| decide(effect, finding(effect), forced))
-        .collect();
-    let on = |effect| {
-        decisions
-            .iter()
-            .any(|decision| decision.effect == effect && decision.state == State::On)
-    };
-
-    let kernel = if !decisions.iter().any(|decision| decision.state == State::On) {
-        Kernel::Background
-    } else {
-        let field = match scene.interpolation {
-            _ if constant && !on(Effect::Heterogeneity) => FieldKind::Constant,
-            Interpolation::Nearest => FieldKind::Nearest,
-            Interpolation::Trilinear => FieldKind::Trilinear,
-        };
-        Kernel::RayCaster {
-            field,
-            compositing: scene.compositing,
-            shading: on(Effect::GradientShading),
-            shadow: on(Effect::MediumShadow),
-            // Where the volume is transparent everywhere, an effect was forced: its work is
-            // wanted, so nothing is skipped.
-            skip_empty: !transparent && scene.transfer_function.is_transparent_up_to(least),
-        }
-    };
-    Plan { decisions, kernel }
-}
-
-/// Whether shading returns every colour unchanged, to the bit.
-fn is_identity(phong: &Phong) -> bool {
-    phong.ambient == 1.0 && phong.diffuse == 0.0 && phong.specular == 0.0
 }

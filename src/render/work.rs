@@ -13,8 +13,14 @@ pub enum Event {
     GradientComputed,
     /// A cell or block of a grid asked whether it is empty.
     CellWalked,
-    /// A ray towards a light through the volume.
+    /// A ray towards a light, to see how much of it arrives.
     ShadowRay,
+    /// Value of a phase function.
+    PhaseEvaluation,
+    /// A ray tested against a surface.
+    SurfaceTest,
+    /// A random number.
+    RandomDraw,
 }
 
 /// Something that is told of every unit of work. Kernels are compiled once for each
@@ -52,7 +58,7 @@ pub struct Counters {
     pub gradients_computed: u64,
     /// Blocks of a grid asked whether they are empty.
     pub cells_walked: u64,
-    /// Rays towards a light through the volume.
+    /// Rays towards a light, to see how much of it arrives.
     pub shadow_rays: u64,
     /// Values of a phase function.
     pub phase_evaluations: u64,
@@ -72,6 +78,9 @@ impl Work for Counters {
             Event::GradientComputed => &mut self.gradients_computed,
             Event::CellWalked => &mut self.cells_walked,
             Event::ShadowRay => &mut self.shadow_rays,
+            Event::PhaseEvaluation => &mut self.phase_evaluations,
+            Event::SurfaceTest => &mut self.surface_tests,
+            Event::RandomDraw => &mut self.random_draws,
         };
         *counter += times;
     }

@@ -1,10 +1,10 @@
 //! A classified volume: a scalar grid, what its densities look like, and who looks at it.
 
 use super::SceneError;
+use super::camera::View;
 use super::format::{Absent, Key, Kind, Literal, Range, Table};
 use super::reader::{Length, Reader};
-use crate::geometry::{Aabb, Camera, CameraError, length_of};
-use crate::math;
+use crate::geometry::{Camera, length_of};
 use crate::media::{Phong, TransferFunction};
 use crate::volume::{Grid, Lattice, VolumeFormat};
 use glam::DVec3;
@@ -42,7 +42,7 @@ pub(super) const CLASSIFIED: Table = Table {
         },
         Key {
             name: "background",
-            kind: Kind::Colour,
+            kind: Kind::Colour(Range::at_least(0.0)),
             absent: Absent::Default(Literal::Vector([0.0, 0.0, 0.0])),
             doc: "Linear radiance behind the volume.",
         },
@@ -65,6 +65,7 @@ pub(super) const CLASSIFIED: Table = Table {
             doc: "Darkens each sample by the densities between it and the light. Left out: no shadow ray is traced.",
         },
     ],
+    rules: &[],
 };
 
 const VOLUME: Table = Table {
@@ -89,6 +90,7 @@ const VOLUME: Table = Table {
             doc: "Point clouds only: empty nodes kept around the cloud on each side.",
         },
     ],
+    rules: &[],
 };
 
 const LIGHT: Table = Table {
@@ -99,6 +101,7 @@ const LIGHT: Table = Table {
         absent: Absent::Derived("above the eye, as high as the target is far"),
         doc: "Where the light stands, world units.",
     }],
+    rules: &[],
 };
 
 const PHONG: Table = Table {
@@ -129,6 +132,7 @@ const PHONG: Table = Table {
             doc: "Exponent of the highlight, a whole number.",
         },
     ],
+    rules: &[],
 };
 
 const SHADOW: Table = Table {
@@ -147,37 +151,7 @@ const SHADOW: Table = Table {
             doc: "Length that counts as one unit of S, world units or voxels; smaller means darker.",
         },
     ],
-};
-
-/// The declaration of `[camera]`.
-pub(super) const CAMERA: Table = Table {
-    doc: "The pinhole camera. Left out: one that sees the whole volume from the front.",
-    keys: &[
-        Key {
-            name: "eye",
-            kind: Kind::Vector,
-            absent: Absent::Derived("before the volume on the −z side, as near as shows all of it"),
-            doc: "Where the camera stands, world units.",
-        },
-        Key {
-            name: "target",
-            kind: Kind::Vector,
-            absent: Absent::Derived("volume centre"),
-            doc: "The point in the middle of the image, world units.",
-        },
-        Key {
-            name: "up",
-            kind: Kind::Vector,
-            absent: Absent::Default(Literal::Vector([0.0, 1.0, 0.0])),
-            doc: "The direction that points up in the image, any length.",
-        },
-        Key {
-            name: "vertical_fov",
-            kind: Kind::Number(Range::open(0.0, 180.0)),
-            absent: Absent::Default(Literal::Number(45.0)),
-            doc: "Full angle between the top and bottom edge of the image, degrees.",
-        },
-    ],
+    rules: &[],
 };
 
 /// How a value between nodes follows from those at the nodes.
@@ -208,22 +182,11 @@ pub struct Shadow {
     pub reference_step: f64,
 }
 
-/// The file a grid was read from.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct VolumeSource {
-    /// As the scene names it.
-    pub name: String,
-    /// BLAKE3 of its bytes.
-    pub hash: String,
-}
-
 /// A classified volume and the view of it, all lengths in world units.
 #[derive(Clone, Debug)]
 pub struct Classified {
     /// Densities: finite, not negative.
     pub grid: Arc<Grid<f32>>,
-    /// Where the densities came from.
-    pub volume: VolumeSource,
     /// Reconstruction between the nodes.
     pub interpolation: Interpolation,
     /// Order of the samples.
@@ -289,7 +252,7 @@ impl Classified {
     pub(super) fn read(
         reader: &Reader<'_, '_>,
         camera: &Reader<'_, '_>,
-        (grid, volume): (Arc<Grid<f32>>, VolumeSource),
+        grid: Arc<Grid<f32>>,
         transfer_function: TransferFunction,
         aspect: f64,
     ) -> Result<Classified, Box<SceneError>> {
@@ -304,14 +267,13 @@ impl Classified {
             _ => Compositing::FrontToBack,
         };
         let step = step_length(reader, "step", &lattice)?;
-        // −0 is black as well, but another bit: as +0 an image is the same whatever is elided.
-        let background = reader.vector("background")? + DVec3::ZERO;
+        let background = reader.vector("background")?;
 
         let View {
             camera,
             eye,
             target,
-        } = View::read(camera, &lattice, aspect)?;
+        } = View::framing(camera, &lattice.bounds(), aspect)?;
         let light = reader.table_or_default("light", &empty)?;
         let light = light.vector_or("position", || {
             eye + DVec3::new(0.0, length_of(target - eye), 0.0)
@@ -326,7 +288,6 @@ impl Classified {
             .map(|reader| read_shadow(&reader, &lattice));
         let scene = Classified {
             grid,
-            volume,
             interpolation,
             compositing,
             step,
@@ -412,98 +373,4 @@ fn read_shadow(reader: &Reader<'_, '_>, lattice: &Lattice) -> Result<Shadow, Box
         step: step_length(reader, "step", lattice)?,
         reference_step,
     })
-}
-
-/// The camera, and where it stands and looks.
-struct View {
-    camera: Camera,
-    eye: DVec3,
-    target: DVec3,
-}
-
-impl View {
-    /// Reads `[camera]`; what the scene leaves out follows from the volume. `aspect` is the width
-    /// of the image over its height.
-    fn read(
-        reader: &Reader<'_, '_>,
-        lattice: &Lattice,
-        aspect: f64,
-    ) -> Result<View, Box<SceneError>> {
-        let bounds = lattice.bounds();
-        let vertical_fov = reader.number("vertical_fov")?.to_radians();
-        let eye = reader.vector_or("eye", || eye_that_sees_all(&bounds, vertical_fov, aspect))?;
-        let target = reader.vector_or("target", || bounds.centre())?;
-        let up = reader.vector("up")?;
-        let camera = Camera::new(eye, target, up, vertical_fov).map_err(|error| {
-            let key = match error {
-                CameraError::NoDirection => "eye",
-                CameraError::NoUpright => "up",
-            };
-            reader.error(key, error.to_string())
-        })?;
-        Ok(View {
-            camera,
-            eye,
-            target,
-        })
-    }
-}
-
-/// Before the middle of the box on its −z side, where its front face fills the image but for a
-/// margin of 5 %.
-fn eye_that_sees_all(bounds: &Aabb, vertical_fov: f64, aspect: f64) -> DVec3 {
-    let half = bounds.size() * 0.5;
-    let half_height = half.y.max(half.x / aspect);
-    let to_front = half_height / (0.95 * math::tan(0.5 * vertical_fov));
-    bounds.centre() - DVec3::new(0.0, 0.0, half.z + to_front)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The camera that a scene gets if it says nothing shows all corners of the volume, and does
-    /// not stand farther away than that needs.
-    #[test]
-    fn the_default_eye_sees_all_and_no_more() {
-        for size in [
-            [1.0, 1.0, 1.0],
-            [4.0, 0.5, 2.0],
-            [0.1, 3.0, 9.0],
-            [2.0, 2.0, 0.01],
-        ] {
-            for aspect in [0.25, 1.0, 16.0 / 9.0] {
-                for degrees in [10.0_f64, 45.0, 120.0] {
-                    let fov = degrees.to_radians();
-                    let min = DVec3::new(-3.0, 5.0, 7.0);
-                    let bounds = Aabb {
-                        min,
-                        max: min + DVec3::from_array(size),
-                    };
-                    let eye = eye_that_sees_all(&bounds, fov, aspect);
-                    let edge = math::tan(0.5 * fov);
-                    let mut widest = 0.0_f64;
-                    for corner in 0..8 {
-                        let pick = |axis: usize| {
-                            if corner >> axis & 1 == 1 {
-                                bounds.max[axis]
-                            } else {
-                                bounds.min[axis]
-                            }
-                        };
-                        let seen = DVec3::new(pick(0), pick(1), pick(2)) - eye;
-                        assert!(seen.z > 0.0);
-                        let across = seen.x.abs() / (seen.z * edge * aspect);
-                        let up = seen.y.abs() / (seen.z * edge);
-                        widest = widest.max(across).max(up);
-                    }
-                    // 1 is the edge of the image; a margin of 5 % is kept.
-                    assert!(
-                        (widest - 0.95).abs() < 1e-9,
-                        "{size:?} {aspect} {degrees}: {widest}"
-                    );
-                }
-            }
-        }
-    }
 }

@@ -14,6 +14,7 @@ pub(super) const CURVE: Table = Table {
         absent: Absent::Default(Literal::Number(1.2)),
         doc: "Density at the right end of the axis; the left end is 0.",
     }],
+    rules: &[],
 };
 
 /// A plot of transparency and opacity over density.

@@ -13,6 +13,31 @@ pub struct Table {
     pub doc: &'static str,
     /// Everything it may hold.
     pub keys: &'static [Key],
+    /// Which keys exclude or need each other.
+    pub rules: &'static [Rule],
+}
+
+/// What the keys of a table have to do with each other.
+#[derive(Clone, Copy, Debug)]
+pub enum Rule {
+    /// One of the keys, and no more, is there.
+    ExactlyOne {
+        /// What they are, as in "two shapes": the word in the singular.
+        what: &'static str,
+        /// Their names.
+        keys: &'static [&'static str],
+    },
+    /// At most one of the keys is there.
+    AtMostOne {
+        /// What they are: the word in the singular.
+        what: &'static str,
+        /// Their names.
+        keys: &'static [&'static str],
+    },
+    /// Keys of the first list do not stand beside keys of the second.
+    Apart([&'static [&'static str]; 2]),
+    /// All of the keys are there, or none.
+    Together(&'static [&'static str]),
 }
 
 /// A key of a table.
@@ -37,8 +62,8 @@ pub enum Kind {
     Number(Range),
     /// Three finite numbers x, y, z.
     Vector,
-    /// Three finite numbers red, green, blue, each at least 0.
-    Colour,
+    /// Three finite numbers red, green, blue, each in a range; one number means all three.
+    Colour(Range),
     /// A positive length: world units, or voxels as in `"0.5 voxels"`.
     Length,
     /// Any text.
@@ -171,7 +196,10 @@ impl Kind {
             Kind::Count(low, high) => format!("a whole number from {low} to {high}"),
             Kind::Number(_) => "a number".into(),
             Kind::Vector => "three numbers, such as [0, 1, 0]".into(),
-            Kind::Colour => "three numbers red, green, blue, such as [1, 0.5, 0]".into(),
+            Kind::Colour(_) => {
+                "a colour: three numbers red, green, blue, such as [1, 0.5, 0], or one for all three"
+                    .into()
+            }
             Kind::Length => {
                 "a length: a number in world units, or text such as \"0.5 voxels\"".into()
             }
@@ -217,41 +245,97 @@ fn table_schema(root: &'static Table, table: &'static Table, complete: bool) -> 
     if complete && !required.is_empty() {
         schema["required"] = json!(required);
     }
+    let overrides = |key: &&Key| matches!(key.kind, Kind::Overrides);
+    let rules: Vec<Value> = match table.keys.iter().find(overrides) {
+        _ if !complete => table.rules.iter().flat_map(limits).collect(),
+        None => table.rules.iter().flat_map(demands).collect(),
+        // What the file itself lacks, the tables that override it may bring.
+        Some(key) => {
+            let demands: Vec<Value> = table.rules.iter().flat_map(demands).collect();
+            let either = json!({ "anyOf": [{ "required": [key.name] }, { "allOf": demands }] });
+            let limits = table.rules.iter().flat_map(limits);
+            limits.chain([either]).collect()
+        }
+    };
+    if !rules.is_empty() {
+        schema["allOf"] = json!(rules);
+    }
+    schema
+}
+
+/// What a rule says about a table that is complete: schemas that must all hold.
+fn demands(rule: &Rule) -> Vec<Value> {
+    match rule {
+        Rule::ExactlyOne { keys, .. } => {
+            let one: Vec<_> = keys
+                .iter()
+                .map(|key| json!({ "required": [key] }))
+                .collect();
+            vec![json!({ "oneOf": one })]
+        }
+        Rule::Together(keys) => {
+            let needs = keys.iter().map(|key| {
+                let others: Vec<_> = keys.iter().filter(|other| *other != key).collect();
+                ((*key).to_owned(), json!(others))
+            });
+            let needs: serde_json::Map<String, Value> = needs.collect();
+            vec![json!({ "dependentRequired": needs })]
+        }
+        Rule::AtMostOne { .. } | Rule::Apart(_) => limits(rule),
+    }
+}
+
+/// What a rule says about a table whose keys stand beside those of another: schemas that must
+/// all hold.
+fn limits(rule: &Rule) -> Vec<Value> {
+    let not_both = |a: &str, b: &str| json!({ "not": { "required": [a, b] } });
+    match rule {
+        Rule::ExactlyOne { keys, .. } | Rule::AtMostOne { keys, .. } => {
+            let pairs = keys.iter().enumerate();
+            pairs
+                .flat_map(|(index, a)| keys[index + 1..].iter().map(|b| not_both(a, b)))
+                .collect()
+        }
+        Rule::Apart([left, right]) => {
+            let pairs = left.iter().flat_map(|a| right.iter().map(move |b| (a, b)));
+            pairs.map(|(a, b)| not_both(a, b)).collect()
+        }
+        Rule::Together(_) => Vec::new(),
+    }
+}
+
+fn number_schema(range: Range) -> Value {
+    let mut schema = json!({ "type": "number" });
+    if range.low.is_finite() {
+        let name = if range.low_open {
+            "exclusiveMinimum"
+        } else {
+            "minimum"
+        };
+        schema[name] = json!(range.low);
+    }
+    if range.high.is_finite() {
+        let name = if range.high_open {
+            "exclusiveMaximum"
+        } else {
+            "maximum"
+        };
+        schema[name] = json!(range.high);
+    }
     schema
 }
 
 fn key_schema(root: &'static Table, key: &Key, complete: bool) -> Value {
-    let numbers = |minimum: Option<f64>| {
-        let mut item = json!({ "type": "number" });
-        if let Some(minimum) = minimum {
-            item["minimum"] = json!(minimum);
-        }
-        json!({ "type": "array", "items": item, "minItems": 3, "maxItems": 3 })
-    };
+    let three =
+        |item: Value| json!({ "type": "array", "items": item, "minItems": 3, "maxItems": 3 });
     let mut schema = match key.kind {
         Kind::Count(low, high) => json!({ "type": "integer", "minimum": low, "maximum": high }),
-        Kind::Number(range) => {
-            let mut schema = json!({ "type": "number" });
-            if range.low.is_finite() {
-                let name = if range.low_open {
-                    "exclusiveMinimum"
-                } else {
-                    "minimum"
-                };
-                schema[name] = json!(range.low);
-            }
-            if range.high.is_finite() {
-                let name = if range.high_open {
-                    "exclusiveMaximum"
-                } else {
-                    "maximum"
-                };
-                schema[name] = json!(range.high);
-            }
-            schema
+        Kind::Number(range) => number_schema(range),
+        Kind::Vector => three(json!({ "type": "number" })),
+        Kind::Colour(range) => {
+            let one = number_schema(range);
+            json!({ "anyOf": [one, three(one.clone())] })
         }
-        Kind::Vector => numbers(None),
-        Kind::Colour => numbers(Some(0.0)),
         Kind::Length => json!({ "anyOf": [
             { "type": "number", "exclusiveMinimum": 0 },
             { "type": "string", "pattern": "^[0-9.eE+-]+ *voxels?$" },
@@ -260,7 +344,8 @@ fn key_schema(root: &'static Table, key: &Key, complete: bool) -> Value {
         Kind::Choice(words) => json!({ "enum": words }),
         Kind::Table(table) => table_schema(root, table, complete),
         Kind::Tables(table) => {
-            json!({ "type": "array", "items": table_schema(root, table, complete) })
+            // A list in a panel stands in the place of the scene's: each entry is complete.
+            json!({ "type": "array", "items": table_schema(root, table, true) })
         }
         Kind::Overrides => {
             json!({ "type": "array", "items": table_schema(root, root, false) })

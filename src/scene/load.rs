@@ -1,16 +1,18 @@
 //! From a scene file to a [`Scene`].
 
-use super::classified::{CAMERA, CLASSIFIED, VolumeRequest, VolumeSource};
+use super::camera::CAMERA;
+use super::classified::CLASSIFIED;
 use super::curve::CURVE;
-use super::format::{Absent, Key, Kind, Literal, Range, Table};
+use super::files::{Files, InputFile};
+use super::format::{Absent, Key, Kind, Literal, Range, Rule, Table};
+use super::radiative::RADIATIVE;
 use super::reader::{Document, Origin, Reader, Reading, overridden};
-use super::{Classified, Curve, SceneError};
+use super::sampling::{SAMPLING, Sampling};
+use super::{Classified, Curve, Radiative, SceneError};
 use crate::media::{Colormap, TransferFunction, TransferOpacity};
-use crate::volume::{self, Grid, SplatError, Splatting, VolumeError, VolumeFormat};
+use crate::volume::{Grid, VolumeFormat};
 use std::cell::RefCell;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -37,16 +39,28 @@ pub const SCENE: Table = Table {
             doc: "The eye.",
         },
         Key {
+            name: "sampling",
+            kind: Kind::Table(&SAMPLING),
+            absent: Absent::Nothing,
+            doc: "Random numbers; for radiative scenes only.",
+        },
+        Key {
             name: "transfer_function",
             kind: Kind::Table(&TRANSFER_FUNCTION),
             absent: Absent::Nothing,
-            doc: "What a density looks like.",
+            doc: "What a density looks like; not for radiative scenes.",
         },
         Key {
             name: "classified",
             kind: Kind::Table(&CLASSIFIED),
             absent: Absent::Nothing,
             doc: "Model: a classified volume.",
+        },
+        Key {
+            name: "radiative",
+            kind: Kind::Table(&RADIATIVE),
+            absent: Absent::Nothing,
+            doc: "Model: surfaces, participating media and lights.",
         },
         Key {
             name: "curve",
@@ -61,6 +75,10 @@ pub const SCENE: Table = Table {
             doc: "Several pictures side by side: each panel is the scene with the keys of the panel put in their places.",
         },
     ],
+    rules: &[Rule::ExactlyOne {
+        what: "model",
+        keys: &["classified", "radiative", "curve"],
+    }],
 };
 
 const FILM: Table = Table {
@@ -79,6 +97,7 @@ const FILM: Table = Table {
             doc: "Rows of pixels.",
         },
     ],
+    rules: &[],
 };
 
 const TRANSFER_FUNCTION: Table = Table {
@@ -103,6 +122,7 @@ const TRANSFER_FUNCTION: Table = Table {
             doc: "Colours for densities 0 to 1.",
         },
     ],
+    rules: &[],
 };
 
 /// Largest image rendered, all panels together: 16384², which is also the largest image read.
@@ -128,6 +148,8 @@ pub struct Panel {
     pub height: usize,
     /// What is rendered.
     pub model: Model,
+    /// The files it is made from, in the order in which they are named first.
+    pub inputs: Vec<InputFile>,
     /// Every key as read, defaults included, in a fixed order.
     pub readings: Vec<Reading>,
 }
@@ -137,12 +159,14 @@ pub struct Panel {
 pub enum Model {
     /// Direct volume rendering of a scalar grid.
     Classified(Box<Classified>),
+    /// Surfaces, participating media and lights.
+    Radiative(Box<Radiative>),
     /// A plot of the transfer function.
     Curve(Curve),
 }
 
 impl Scene {
-    /// Reads the scene file at `path` and the volumes it names.
+    /// Reads the scene file at `path` and the files it names.
     pub fn load(path: &Path) -> Result<Scene, Box<SceneError>> {
         let name = path.display().to_string();
         let unreadable = |message: String| {
@@ -179,20 +203,17 @@ impl Scene {
         Scene::parse(&text, path)
     }
 
-    /// Reads a scene from `text`; `path` names it in messages, and volumes are looked for
+    /// Reads a scene from `text`; `path` names it in messages, and files are looked for
     /// relative to its folder.
     pub fn parse(text: &str, path: &Path) -> Result<Scene, Box<SceneError>> {
         let name = path.display().to_string();
         let document = Document { path: &name, text };
         let root = document.parse()?;
-        let mut grids = Grids {
-            folder: path.parent().unwrap_or(Path::new("")),
-            loaded: BTreeMap::new(),
-        };
+        let mut files = Files::new(path.parent().unwrap_or(Path::new("")));
         let tables = panel_tables(&document, &root)?;
         let panels = tables
             .iter()
-            .map(|table| Panel::read(&document, table, &mut grids))
+            .map(|table| Panel::read(&document, table, &mut files))
             .collect::<Result<Vec<_>, _>>()?;
         if let Some(odd) = panels
             .iter()
@@ -238,6 +259,38 @@ impl Scene {
         text
     }
 
+    /// Sets the samples per pixel of every panel that may need random numbers. The canonical
+    /// text stays: it is about what the scene file says.
+    pub fn set_samples(&mut self, samples: u32) {
+        for radiative in self.radiative_mut() {
+            radiative.samples = samples;
+        }
+    }
+
+    /// Sets the seed of every panel that may need random numbers; canonical text as in
+    /// [`Scene::set_samples`].
+    pub fn set_seed(&mut self, seed: u64) {
+        for radiative in self.radiative_mut() {
+            radiative.seed = seed;
+        }
+    }
+
+    /// The seed of the first panel that may need random numbers.
+    pub fn seed(&self) -> Option<u64> {
+        self.panels.iter().find_map(|panel| match &panel.model {
+            Model::Radiative(radiative) => Some(radiative.seed),
+            Model::Classified(_) | Model::Curve(_) => None,
+        })
+    }
+
+    fn radiative_mut(&mut self) -> impl Iterator<Item = &mut Radiative> {
+        let panels = self.panels.iter_mut();
+        panels.filter_map(|panel| match &mut panel.model {
+            Model::Radiative(radiative) => Some(&mut **radiative),
+            Model::Classified(_) | Model::Curve(_) => None,
+        })
+    }
+
     /// Columns of pixels of the whole picture.
     pub fn width(&self) -> usize {
         self.panels.iter().map(|panel| panel.width).sum()
@@ -278,52 +331,11 @@ fn panel_tables<'s>(
     items.iter().map(table).collect()
 }
 
-/// A grid and the file it came from.
-type Loaded = (Arc<Grid<f32>>, VolumeSource);
-
-/// The grids of a scene; a file asked for by several panels is read once.
-struct Grids<'p> {
-    folder: &'p Path,
-    loaded: BTreeMap<(String, Option<usize>, usize), Loaded>,
-}
-
-impl Grids<'_> {
-    fn get(&mut self, reader: &Reader<'_, '_>) -> Result<Loaded, Box<SceneError>> {
-        let VolumeRequest {
-            file,
-            resolution,
-            padding,
-        } = VolumeRequest::read(reader)?;
-        let key = (file.clone(), resolution, padding);
-        if let Some(loaded) = self.loaded.get(&key) {
-            return Ok(loaded.clone());
-        }
-        let splatting = Splatting {
-            resolution,
-            padding,
-        };
-        let (grid, hash) =
-            volume::load_hashed(&self.folder.join(&file), splatting).map_err(|error| {
-                let key = match &error {
-                    VolumeError::Splat {
-                        error: SplatError::TooFew { .. } | SplatError::TooFine { .. },
-                        ..
-                    } => "resolution",
-                    _ => "file",
-                };
-                reader.error(key, error.to_string())
-            })?;
-        let loaded = (Arc::new(grid), VolumeSource { name: file, hash });
-        self.loaded.insert(key, loaded.clone());
-        Ok(loaded)
-    }
-}
-
 impl Panel {
     fn read<'s>(
         document: &Document<'s>,
         table: &Spanned<DeTable<'s>>,
-        grids: &mut Grids<'_>,
+        files: &mut Files<'_>,
     ) -> Result<Panel, Box<SceneError>> {
         let log = RefCell::default();
         let empty = DeTable::new();
@@ -332,58 +344,92 @@ impl Panel {
         let film = root.table_or_default("film", &empty)?;
         let width = film.count("width")? as usize;
         let height = film.count("height")? as usize;
-        let transfer_function = root.table_or_default("transfer_function", &empty)?;
-        let floor = transfer_function.number("floor")?;
-        let opacity = TransferOpacity { floor };
-        let model = match (root.table("classified")?, root.table("curve")?) {
-            (Some(reader), None) => {
-                let volume = reader.table("volume")?.expect("required");
-                let loaded = grids.get(&volume)?;
-                if let Some(nodes) = loaded.0.lattice().nodes().iter().max() {
-                    volume.resolved("resolution", nodes);
-                }
-                let transfer_function =
-                    read_transfer_function(&transfer_function, opacity, &loaded.0)?;
-                let camera = root.table_or_default("camera", &empty)?;
-                let classified = Classified::read(
-                    &reader,
-                    &camera,
-                    loaded,
-                    transfer_function,
-                    width as f64 / height as f64,
-                )?;
-                Model::Classified(Box::new(classified))
-            }
-            (None, Some(reader)) => {
-                for unused in ["reference_length", "colormap"] {
-                    if transfer_function.has(unused) {
-                        let message = format!("`{unused}` means nothing to a plot of the curve");
-                        return Err(transfer_function.error(unused, message));
-                    }
-                }
-                if root.has("camera") {
-                    return Err(root.error("camera", "a plot of the curve has no camera"));
-                }
-                Model::Curve(Curve::read(&reader, opacity)?)
-            }
-            (Some(_), Some(_)) => {
-                let message =
-                    "a scene holds one model, but this one has both [classified] and [curve]";
-                return Err(root.error("curve", message));
-            }
-            (None, None) => {
-                let message = "the scene has no model: give [classified] or [curve]";
-                return Err(document.error(None, message, None));
-            }
+        let model = if let Some(reader) = root.table("classified")? {
+            let aspect = width as f64 / height as f64;
+            let classified = read_classified(&root, &reader, files, aspect)?;
+            Model::Classified(Box::new(classified))
+        } else if let Some(reader) = root.table("radiative")? {
+            Model::Radiative(Box::new(read_radiative(&root, &reader, files)?))
+        } else {
+            let reader = root.table("curve")?.expect("one of the models");
+            Model::Curve(read_curve(&root, &reader)?)
         };
         Ok(Panel {
             title,
             width,
             height,
             model,
+            inputs: files.take_used(),
             readings: log.into_inner(),
         })
     }
+}
+
+fn read_classified(
+    root: &Reader<'_, '_>,
+    reader: &Reader<'_, '_>,
+    files: &mut Files<'_>,
+    aspect: f64,
+) -> Result<Classified, Box<SceneError>> {
+    let empty = DeTable::new();
+    let transfer_function = root.table_or_default("transfer_function", &empty)?;
+    let floor = transfer_function.number("floor")?;
+    refuse_sampling(
+        root,
+        "a classified volume is rendered without random numbers",
+    )?;
+    let volume = reader.table("volume")?.expect("required");
+    let grid = files.grid(&volume)?;
+    if let Some(nodes) = grid.lattice().nodes().iter().max() {
+        volume.resolved("resolution", nodes);
+    }
+    let opacity = TransferOpacity { floor };
+    let transfer_function = read_transfer_function(&transfer_function, opacity, &grid)?;
+    let camera = root.table_or_default("camera", &empty)?;
+    Classified::read(reader, &camera, grid, transfer_function, aspect)
+}
+
+fn read_radiative(
+    root: &Reader<'_, '_>,
+    reader: &Reader<'_, '_>,
+    files: &mut Files<'_>,
+) -> Result<Radiative, Box<SceneError>> {
+    let empty = DeTable::new();
+    if root.has("transfer_function") {
+        let message = "a radiative scene has no densities that a transfer function could map";
+        return Err(root.error("transfer_function", message));
+    }
+    let Some(camera) = root.table("camera")? else {
+        let message = "a radiative scene needs a camera";
+        let help = "give [camera] with `eye`, where it stands, and `target`, what it looks at";
+        return Err(reader.mistake_here(message, help));
+    };
+    let sampling = Sampling::read(&root.table_or_default("sampling", &empty)?)?;
+    Radiative::read(reader, &camera, sampling, files)
+}
+
+fn read_curve(root: &Reader<'_, '_>, reader: &Reader<'_, '_>) -> Result<Curve, Box<SceneError>> {
+    let empty = DeTable::new();
+    let transfer_function = root.table_or_default("transfer_function", &empty)?;
+    let floor = transfer_function.number("floor")?;
+    for unused in ["reference_length", "colormap"] {
+        if transfer_function.has(unused) {
+            let message = format!("`{unused}` means nothing to a plot of the curve");
+            return Err(transfer_function.error(unused, message));
+        }
+    }
+    if root.has("camera") {
+        return Err(root.error("camera", "a plot of the curve has no camera"));
+    }
+    refuse_sampling(root, "a plot of the curve is drawn without random numbers")?;
+    Curve::read(reader, TransferOpacity { floor })
+}
+
+fn refuse_sampling(root: &Reader<'_, '_>, message: &str) -> Result<(), Box<SceneError>> {
+    if root.has("sampling") {
+        return Err(root.mistake("sampling", message, "remove [sampling]"));
+    }
+    Ok(())
 }
 
 fn read_transfer_function(

@@ -1,14 +1,20 @@
 //! Text to a valid [`Scene`]; nothing invalid leaves this room.
 
+mod camera;
 mod classified;
 mod curve;
 mod error;
+mod files;
 pub mod format;
 mod load;
+mod radiative;
 pub mod reader;
+mod sampling;
 
-pub use classified::{Classified, Compositing, Interpolation, Shadow, VolumeSource};
+pub use classified::{Classified, Compositing, Interpolation, Shadow};
 pub use curve::Curve;
 pub use error::SceneError;
+pub use files::InputFile;
 pub use load::{Model, Panel, SCENE, Scene};
+pub use radiative::{AreaLight, Body, Object, Radiative, Scattering};
 pub use reader::{Length, Origin, Reading};

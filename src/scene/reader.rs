@@ -1,7 +1,7 @@
 //! Reads a TOML table by its [declaration](super::format), with the place of every mistake.
 
 use super::SceneError;
-use super::format::{Absent, Key, Kind, Literal, Table};
+use super::format::{Absent, Key, Kind, Literal, Rule, Table};
 use glam::DVec3;
 use std::cell::RefCell;
 use std::fmt::Display;
@@ -176,7 +176,96 @@ impl<'d, 's> Reader<'d, 's> {
                 return Err(reader.unknown(key));
             }
         }
+        for rule in declaration.rules {
+            reader.check(rule)?;
+        }
         Ok(reader)
+    }
+
+    fn check(&self, rule: &Rule) -> Result<(), Box<SceneError>> {
+        let given = |keys: &[&'static str]| -> Vec<&'static str> {
+            keys.iter().copied().filter(|key| self.has(key)).collect()
+        };
+        match *rule {
+            Rule::ExactlyOne { what, keys } | Rule::AtMostOne { what, keys } => {
+                let found = given(keys);
+                let needed = matches!(rule, Rule::ExactlyOne { .. });
+                if found.is_empty() && needed {
+                    let message = format!("{} has no {what}", self.place());
+                    let help = format!("give one of {}", self.named(keys));
+                    // Of a whole file, no place is more wrong than another.
+                    let span = (!self.path.is_empty()).then(|| self.span.clone());
+                    return Err(self.document.error(span, message, Some(help)));
+                }
+                let Some(last) = self.last(&found).filter(|_| found.len() > 1) else {
+                    return Ok(());
+                };
+                let message = format!(
+                    "{} has more than one {what}: {}",
+                    self.place(),
+                    self.named(&found)
+                );
+                let amount = if needed { "exactly" } else { "at most" };
+                let help = format!("keep {amount} one of {}", self.named(&found));
+                Err(self.mistake(last, message, help))
+            }
+            Rule::Apart([left, right]) => {
+                let (left, right) = (given(left), given(right));
+                if left.is_empty() || right.is_empty() {
+                    return Ok(());
+                }
+                let last = self.last(&[left.as_slice(), &right].concat());
+                let message = format!(
+                    "{} mixes {} with {}",
+                    self.place(),
+                    self.named(&left),
+                    self.named(&right)
+                );
+                let Rule::Apart([left, right]) = *rule else {
+                    unreachable!()
+                };
+                let help = format!("give either {} or {}", self.named(left), self.named(right));
+                Err(self.mistake(last.expect("two are given"), message, help))
+            }
+            Rule::Together(keys) => {
+                let found = given(keys);
+                let missing = keys.iter().copied().find(|key| !self.has(key));
+                match (found.first(), missing) {
+                    (Some(here), Some(missing)) => {
+                        let message =
+                            format!("{} gives `{here}` without `{missing}`", self.place());
+                        let doc = self.declared(missing).doc;
+                        let help = format!("give `{missing}` too: {doc}");
+                        Err(self.mistake(here, message, help))
+                    }
+                    _ => Ok(()),
+                }
+            }
+        }
+    }
+
+    /// Of some keys in the file, the one that stands last.
+    fn last(&self, names: &[&'static str]) -> Option<&'static str> {
+        let start = |name: &str| self.value(name).map(|value| value.span().start);
+        names.iter().copied().max_by_key(|name| start(name))
+    }
+
+    /// Keys as a list in words; those that are headings of the file as such.
+    fn named(&self, keys: &[&str]) -> String {
+        let named = keys.iter().map(|key| match self.declared(key).kind {
+            Kind::Table(_) if self.path.is_empty() => format!("[{key}]"),
+            _ => format!("`{key}`"),
+        });
+        named.collect::<Vec<_>>().join(", ")
+    }
+
+    /// The table as messages call it.
+    fn place(&self) -> String {
+        if self.path.is_empty() {
+            "the file".to_owned()
+        } else {
+            format!("[{}]", self.path)
+        }
     }
 
     fn unknown(&self, key: &Spanned<std::borrow::Cow<'s, str>>) -> Box<SceneError> {
@@ -187,11 +276,7 @@ impl<'d, 's> Reader<'d, 's> {
             .min()
             // Half the letters wrong is no misspelling any more.
             .filter(|(edits, name)| 2 * edits <= name.len());
-        let place = if self.path.is_empty() {
-            "the file".to_owned()
-        } else {
-            format!("[{}]", self.path)
-        };
+        let place = self.place();
         let help = match nearest {
             Some((_, name)) => format!("did you mean `{name}`?"),
             None => format!("{place} may hold: {}", known.join(", ")),
@@ -235,11 +320,31 @@ impl<'d, 's> Reader<'d, 's> {
 
     /// A mistake in the value of `name`, or in its absence.
     pub fn error(&self, name: &str, message: impl Into<String>) -> Box<SceneError> {
+        let help = format!("`{}`: {}", self.key_path(name), self.declared(name).doc);
+        self.mistake(name, message, help)
+    }
+
+    /// As [`Reader::error`], with words of its own on how to mend it.
+    pub fn mistake(
+        &self,
+        name: &str,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Box<SceneError> {
         let span = self
             .value(name)
             .map_or(self.span.clone(), |value| value.span());
-        let help = format!("`{}`: {}", self.key_path(name), self.declared(name).doc);
-        self.document.error(Some(span), message, Some(help))
+        self.document.error(Some(span), message, Some(help.into()))
+    }
+
+    /// A mistake of the table as a whole, and how to mend it.
+    pub fn mistake_here(
+        &self,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Box<SceneError> {
+        let span = Some(self.span.clone());
+        self.document.error(span, message, Some(help.into()))
     }
 
     fn wrong_type(&self, name: &str, value: &Spanned<DeValue<'s>>) -> Box<SceneError> {
@@ -264,11 +369,7 @@ impl<'d, 's> Reader<'d, 's> {
         }
         match self.declared(name).absent {
             Absent::Error => {
-                let place = if self.path.is_empty() {
-                    "the file".to_owned()
-                } else {
-                    format!("[{}]", self.path)
-                };
+                let place = self.place();
                 Err(self.error(name, format!("missing key `{name}` in {place}")))
             }
             Absent::Default(literal) => {
@@ -310,6 +411,29 @@ impl<'d, 's> Reader<'d, 's> {
             *number = self.float(name, item)?;
         }
         Ok(DVec3::from_array(numbers))
+    }
+
+    /// Three channels, or one number for all of them.
+    fn colour(
+        &self,
+        name: &str,
+        value: &Spanned<DeValue<'s>>,
+        range: &super::format::Range,
+    ) -> Result<DVec3, Box<SceneError>> {
+        let colour = match value.get_ref() {
+            DeValue::Float(_) | DeValue::Integer(_) => DVec3::splat(self.float(name, value)?),
+            _ => self.three(name, value)?,
+        };
+        if let Some(channel) = colour.to_array().iter().find(|&&c| !range.contains(c)) {
+            let message = if *channel < 0.0 {
+                format!("`{name}` must not be negative, got {colour}")
+            } else {
+                format!("`{name}` must {range} in every channel, got {colour}")
+            };
+            return Err(self.error(name, message));
+        }
+        // −0 is black as well, but another bit: as +0 an image is the same whatever is elided.
+        Ok(colour + DVec3::ZERO)
     }
 
     /// A declared [`Kind::Count`] that is required or has a default.
@@ -378,14 +502,9 @@ impl<'d, 's> Reader<'d, 's> {
 
     /// A declared [`Kind::Vector`] or [`Kind::Colour`] that may be left out.
     pub fn optional_vector(&self, name: &str) -> Result<Option<DVec3>, Box<SceneError>> {
-        let is_colour = matches!(self.declared(name).kind, Kind::Colour);
-        let read = |value: &Spanned<DeValue<'s>>| {
-            let vector = self.three(name, value)?;
-            if is_colour && vector.min_element() < 0.0 {
-                let message = format!("`{name}` must not be negative, got {vector}");
-                return Err(self.error(name, message));
-            }
-            Ok(vector)
+        let read = |value: &Spanned<DeValue<'s>>| match self.declared(name).kind {
+            Kind::Colour(range) => self.colour(name, value, &range),
+            _ => self.three(name, value),
         };
         let literal = |literal| match literal {
             Literal::Vector(vector) => Some(DVec3::from_array(vector)),
@@ -497,6 +616,35 @@ impl<'d, 's> Reader<'d, 's> {
         .map(Some)
     }
 
+    /// A declared [`Kind::Tables`]: each of them, in the order of the file; none where the file
+    /// leaves it out.
+    pub fn tables(&self, name: &str) -> Result<Vec<Reader<'d, 's>>, Box<SceneError>> {
+        let Kind::Tables(declaration) = self.declared(name).kind else {
+            panic!("{name} is not a list of tables")
+        };
+        let Some(value) = self.value(name) else {
+            return Ok(Vec::new());
+        };
+        let DeValue::Array(items) = value.get_ref() else {
+            return Err(self.wrong_type(name, value));
+        };
+        let open = |(index, item): (usize, &'d Spanned<DeValue<'s>>)| {
+            let DeValue::Table(table) = item.get_ref() else {
+                return Err(self.wrong_type(name, item));
+            };
+            let path = format!("{}[{index}]", self.key_path(name));
+            Reader::open(
+                self.document,
+                declaration,
+                table,
+                item.span(),
+                path,
+                self.log,
+            )
+        };
+        items.iter().enumerate().map(open).collect()
+    }
+
     /// A declared [`Kind::Table`]; where the file leaves it out, an empty one.
     pub fn table_or_default(
         &self,
@@ -523,7 +671,8 @@ impl<'d, 's> Reader<'d, 's> {
     }
 }
 
-/// `base` with every key of `over` put in its place, table by table.
+/// `base` with every key of `over` put in its place, table by table; a list is one value, so
+/// that of `over` replaces that of `base` as a whole.
 pub fn overridden<'s>(base: &DeTable<'s>, over: &DeTable<'s>) -> DeTable<'s> {
     let mut merged = base.clone();
     for (key, value) in over {

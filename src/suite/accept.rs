@@ -1,9 +1,13 @@
 //! New goldens, on purpose and with a reason.
 
 use super::golden::{Golden, input_hashes, plan_hash, scene_hash};
-use super::{Case, GoldenError, Store, StoreError};
-use crate::compare::{Gate, Picture, judge};
-use crate::render::{self, Plan};
+use super::rendering::{Reference, Renderer, Shot, check_class, render_case};
+use super::verify::{MARGIN, judge_quick};
+use super::{Cache, Case, GoldenError, Quick, Sampling, Store, StoreError};
+use crate::compare::{Gate, Picture, judge, stochastic};
+use crate::film::Film;
+use crate::render::Plan;
+use crate::scene::Scene;
 use miette::Diagnostic;
 use thiserror::Error;
 
@@ -14,6 +18,8 @@ pub struct Accepted {
     pub case: String,
     /// How it changed.
     pub change: Change,
+    /// Whether a rendering of it had been kept by an earlier run.
+    pub resumed: bool,
 }
 
 /// How a golden changed.
@@ -52,19 +58,76 @@ pub enum AcceptError {
         /// What went wrong.
         reason: String,
     },
+    /// A converged image that is not converged.
+    #[error(
+        "{case}: the golden would be too noisy: the standard error of a block is {error:.2e} of \
+         its mean, and a resolution of {resolution} needs a quarter of that"
+    )]
+    #[diagnostic(help("in the manifest: converged_samples = {enough}; nothing was accepted"))]
+    TooNoisy {
+        /// `family/name`.
+        case: String,
+        /// Relative standard error of a block that nine tenths do not exceed.
+        error: f64,
+        /// The bias the case promises to see.
+        resolution: f64,
+        /// Samples that would do.
+        enough: u64,
+    },
+    /// Two renderings of one scene that are not of one picture.
+    #[error(
+        "{case}: the quick rendering and the converged one differ by more than noise: {reason}"
+    )]
+    #[diagnostic(help(
+        "where light arrives rarely, few samples are far from normal: more quick_samples help; \
+         otherwise the renderer is wrong. Nothing was accepted"
+    ))]
+    Contradiction {
+        /// `family/name`.
+        case: String,
+        /// How they differ.
+        reason: String,
+    },
     /// The files could not be written.
     #[error(transparent)]
     Store(#[from] StoreError),
 }
 
-/// Renders `cases` and makes the results their goldens, all at once or none. `in_ci` is whether
-/// the environment variable CI is set.
+/// Told how far an accept has come, from any thread. Work is counted in pixels times samples.
+pub trait Watch: Sync {
+    /// This much work is to be done, without what was kept by earlier runs.
+    fn begin(&self, _work: u64) {}
+    /// The renderings of a case begin.
+    fn case(&self, _name: &str) {}
+    /// This much work was done.
+    fn did(&self, _work: u64) {}
+}
+
+/// Nobody watches.
+impl Watch for () {}
+
+/// Renders `cases` and makes the results their goldens, all at once or none. Finished renderings
+/// of stochastic cases are kept in `cache` until then: a run that was interrupted goes on after
+/// the last of them. `in_ci` is whether the environment variable CI is set.
 pub fn accept(
     cases: &[&Case],
     store: &Store,
+    cache: &Cache,
     reason: &str,
     in_ci: bool,
-    progress: render::Progress<'_>,
+    watch: &dyn Watch,
+) -> Result<Vec<Accepted>, AcceptError> {
+    accept_with(&Reference, cases, store, cache, reason, in_ci, watch)
+}
+
+pub(super) fn accept_with(
+    renderer: &dyn Renderer,
+    cases: &[&Case],
+    store: &Store,
+    cache: &Cache,
+    reason: &str,
+    in_ci: bool,
+    watch: &dyn Watch,
 ) -> Result<Vec<Accepted>, AcceptError> {
     if in_ci {
         return Err(AcceptError::Ci);
@@ -73,41 +136,180 @@ pub fn accept(
     if reason.is_empty() {
         return Err(AcceptError::NoReason);
     }
+    // All scenes first: a mistake in the last is not to be found after hours.
+    let tasks = cases
+        .iter()
+        .map(|case| Task::new(renderer, case, cache))
+        .collect::<Result<Vec<_>, _>>()?;
+    watch.begin(tasks.iter().map(Task::work).sum());
     let mut accepted = Vec::new();
     let mut files = Vec::new();
-    for case in cases {
-        let (change, mut new) = prepare(case, store, reason, progress)?;
+    for task in &tasks {
+        watch.case(&task.case.name);
+        let pictures = task.pictures(renderer, cache, watch)?;
+        let (change, mut new) = prepare(task, pictures, store, reason)?;
         accepted.push(Accepted {
-            case: case.name.clone(),
+            case: task.case.name.clone(),
             change,
+            resumed: task.shots.iter().any(|shot| shot.kept.is_some()),
         });
         files.append(&mut new);
     }
     // Also without files: an accept that was interrupted after it was decided is completed.
     store.publish(&files)?;
+    for case in cases.iter().filter(|case| case.sampling.is_some()) {
+        cache.forget(&case.name);
+    }
     Ok(accepted)
+}
+
+fn incomplete(case: &Case, reason: impl ToString) -> AcceptError {
+    AcceptError::Incomplete {
+        case: case.name.clone(),
+        reason: reason.to_string(),
+    }
+}
+
+/// A case with all that is needed to render it.
+struct Task<'c> {
+    case: &'c Case,
+    scene: Scene,
+    plans: Vec<Plan>,
+    /// The picture of the golden, and before it the quick one of a stochastic case.
+    shots: Vec<Picturing>,
+}
+
+/// One rendering to be made.
+struct Picturing {
+    shot: Shot,
+    /// Under what it is kept; deterministic renderings take seconds and are not.
+    key: Option<String>,
+    /// From an earlier run.
+    kept: Option<Film>,
+}
+
+/// What was rendered of a case.
+struct Pictures {
+    golden: Film,
+    quick: Option<Quick>,
+}
+
+impl<'c> Task<'c> {
+    fn new(
+        renderer: &dyn Renderer,
+        case: &'c Case,
+        cache: &Cache,
+    ) -> Result<Task<'c>, AcceptError> {
+        let scene = case.load_scene().map_err(|error| incomplete(case, error))?;
+        let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
+        check_class(renderer, case, &plans).map_err(|reason| incomplete(case, reason))?;
+        let shots = match case.sampling {
+            None => vec![Shot::Only],
+            Some(sampling) => vec![
+                Shot::Quick(sampling.quick),
+                Shot::Converged(sampling.converged),
+            ],
+        };
+        let picturing = |shot| {
+            let key = match shot {
+                Shot::Only => None,
+                _ => cache.key(&scene, &plans, shot),
+            };
+            let kept = key.as_ref().and_then(|key| cache.get(&case.name, key));
+            Picturing { shot, key, kept }
+        };
+        let shots = shots.into_iter().map(picturing).collect();
+        Ok(Task {
+            case,
+            scene,
+            plans,
+            shots,
+        })
+    }
+
+    /// Work of a row of one panel, as if all panels were of one width.
+    fn work_of_row(&self, shot: Shot) -> u64 {
+        let width = self.scene.width().div_ceil(self.scene.panels.len());
+        width as u64 * u64::from(shot.samples())
+    }
+
+    fn work(&self) -> u64 {
+        let rows: usize = self.scene.panels.iter().map(|panel| panel.height).sum();
+        let left = self.shots.iter().filter(|shot| shot.kept.is_none());
+        left.map(|shot| rows as u64 * self.work_of_row(shot.shot))
+            .sum()
+    }
+
+    fn pictures(
+        &self,
+        renderer: &dyn Renderer,
+        cache: &Cache,
+        watch: &dyn Watch,
+    ) -> Result<Pictures, AcceptError> {
+        let mut films = Vec::new();
+        for Picturing { shot, key, kept } in &self.shots {
+            if let Some(film) = kept {
+                films.push(film.clone());
+                continue;
+            }
+            let progress = || watch.did(self.work_of_row(*shot));
+            let film = render_case(renderer, &self.scene, &self.plans, *shot, &progress)
+                .map_err(|reason| incomplete(self.case, reason))?;
+            if let Some(key) = key {
+                cache.put(&self.case.name, key, &film);
+            }
+            films.push(film);
+        }
+        let golden = films.pop().expect("a case has a picture");
+        let quick = films.pop();
+        if let (Some(sampling), Some(quick)) = (self.case.sampling, &quick) {
+            check_converged(self.case, sampling, &golden)?;
+            let judgement = judge_quick(&golden, quick);
+            if !judgement.passed {
+                return Err(AcceptError::Contradiction {
+                    case: self.case.name.clone(),
+                    reason: judgement.reason,
+                });
+            }
+        }
+        let quick = quick.map(|film| Quick {
+            samples: film.noise().map_or(1, |noise| noise.samples()),
+            pixels: film.pixel_hash(),
+        });
+        Ok(Pictures { golden, quick })
+    }
+}
+
+/// Fails where the noise of a golden would hide what its case promises to see.
+fn check_converged(case: &Case, sampling: Sampling, golden: &Film) -> Result<(), AcceptError> {
+    let error = stochastic::block_error(golden).expect("a converged image states its noise");
+    let excess = MARGIN * error / sampling.resolution;
+    if excess <= 1.0 {
+        return Ok(());
+    }
+    // Errors fall with the root of the samples. A tenth more, as the error is an estimate too.
+    let enough = f64::from(sampling.converged) * excess * excess * 1.1;
+    Err(AcceptError::TooNoisy {
+        case: case.name.clone(),
+        error,
+        resolution: sampling.resolution,
+        // A float becomes the nearest whole number there is room for.
+        enough: (enough as u64).next_multiple_of(64),
+    })
 }
 
 type Files = Vec<(std::path::PathBuf, Vec<u8>)>;
 
-/// How the golden of `case` will change, and the files that change it.
+/// How the golden of a case will change, and the files that change it.
 fn prepare(
-    case: &Case,
+    task: &Task<'_>,
+    Pictures { golden, quick }: Pictures,
     store: &Store,
     reason: &str,
-    progress: render::Progress<'_>,
 ) -> Result<(Change, Files), AcceptError> {
-    let incomplete = |reason: String| AcceptError::Incomplete {
-        case: case.name.clone(),
-        reason,
-    };
-    let scene = case
-        .load_scene()
-        .map_err(|error| incomplete(error.to_string()))?;
-    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
-    let rendering =
-        render::render(&scene, &plans, progress).map_err(|error| incomplete(error.to_string()))?;
-    let film = rendering.film;
+    let Task {
+        case, scene, plans, ..
+    } = task;
     let mut damaged = false;
     let old = match Golden::read(store, case) {
         Ok(golden) => Some(golden),
@@ -120,14 +322,15 @@ fn prepare(
     };
     let same_file = |old: &Golden| {
         old.provenance.case == case.name
-            && old.provenance.scene == scene_hash(&scene)
-            && old.provenance.plan == plan_hash(&plans)
+            && old.provenance.scene == scene_hash(scene)
+            && old.provenance.plan == plan_hash(plans)
             && old.provenance.exposure == case.exposure
-            && old.provenance.inputs == input_hashes(&scene)
+            && old.provenance.inputs == input_hashes(scene)
+            && old.provenance.quick == quick
     };
     let change = match &old {
         None => Change::New { damaged },
-        Some(old) if old.provenance.pixels == film.pixel_hash() => {
+        Some(old) if old.provenance.pixels == golden.pixel_hash() => {
             if same_file(old) {
                 return Ok((Change::Unchanged, Vec::new()));
             }
@@ -136,7 +339,7 @@ fn prepare(
         Some(old) => {
             let (before, after) = (
                 Picture::Radiance(old.film.clone()),
-                Picture::Radiance(film.clone()),
+                Picture::Radiance(golden.clone()),
             );
             let judgement = judge(Gate::Exact, &before, &after, 0.0);
             Change::Replaced(judgement.expect("both images are radiance").reason)
@@ -145,7 +348,7 @@ fn prepare(
     let replaces = old
         .map(|golden| golden.provenance.pixels)
         .unwrap_or_default();
-    let files = Golden::encode(case, &scene, &plans, &film, reason, replaces)
-        .map_err(|error| incomplete(error.to_string()))?;
+    let files = Golden::encode(case, scene, plans, &golden, quick, reason, replaces)
+        .map_err(|error| incomplete(case, error))?;
     Ok((change, files))
 }

@@ -14,6 +14,8 @@ use thiserror::Error;
 const CASES: &str = "fixtures/cases";
 /// Where the goldens are.
 const GOLDEN: &str = "golden";
+/// Where renderings of an interrupted accept are.
+const CACHE: &str = ".volref";
 
 /// The declaration of a manifest, `fixtures/cases/<family>/<name>.toml`.
 pub const MANIFEST: Table = Table {
@@ -45,9 +47,27 @@ pub const MANIFEST: Table = Table {
         },
         Key {
             name: "class",
-            kind: Kind::Choice(&["deterministic"]),
+            kind: Kind::Choice(&["deterministic", "stochastic"]),
             absent: Absent::Error,
-            doc: "Deterministic: rendered without random numbers.",
+            doc: "Deterministic: rendered without random numbers. Stochastic: each pixel is a mean of random samples.",
+        },
+        Key {
+            name: "converged_samples",
+            kind: Kind::Count(64, 1 << 24),
+            absent: Absent::Nothing,
+            doc: "Stochastic cases, and required there: samples per pixel of the golden image.",
+        },
+        Key {
+            name: "quick_samples",
+            kind: Kind::Count(2, 1 << 16),
+            absent: Absent::Default(Literal::Count(4)),
+            doc: "Stochastic cases: samples per pixel of the rendering that `volref verify` repeats.",
+        },
+        Key {
+            name: "resolution",
+            kind: Kind::Number(Range::open(0.0, 1.0)),
+            absent: Absent::Default(Literal::Number(0.02)),
+            doc: "Stochastic cases: bias of a block of 8 by 8 pixels that the gate promises to see, relative to the mean radiance of the block plus 0.001.",
         },
         Key {
             name: "exposure",
@@ -56,6 +76,7 @@ pub const MANIFEST: Table = Table {
             doc: "Stops at which 8-bit images are made and judged: radiance times 2^exposure.",
         },
     ],
+    rules: &[],
 };
 
 /// A case of the suite.
@@ -77,12 +98,29 @@ pub struct Case {
     pub class: String,
     /// Stops at which 8-bit images are made.
     pub exposure: f64,
+    /// Of a stochastic case.
+    pub sampling: Option<Sampling>,
+}
+
+/// How a stochastic case is sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampling {
+    /// Samples per pixel of the golden image.
+    pub converged: u32,
+    /// Samples per pixel of the rendering that `verify` repeats.
+    pub quick: u32,
+    /// Bias of a block that the gate promises to see, relative to the mean of the block plus
+    /// [`DARK`](crate::compare::stochastic::DARK).
+    pub resolution: f64,
 }
 
 impl Case {
     /// The gate that images of other renderers are judged by.
     pub fn gate(&self) -> Gate {
-        Gate::Deterministic
+        match self.sampling {
+            Some(_) => Gate::Stochastic,
+            None => Gate::Deterministic,
+        }
     }
 
     /// The scene of the case.
@@ -179,6 +217,11 @@ impl Suite {
     /// Where the goldens are.
     pub fn golden_folder(&self) -> PathBuf {
         self.root.join(GOLDEN)
+    }
+
+    /// Where renderings are kept until they are accepted.
+    pub fn cache_folder(&self) -> PathBuf {
+        self.root.join(CACHE)
     }
 
     /// `family/name` of every golden there is, by its provenance file.
@@ -321,14 +364,41 @@ fn read_manifest(path: &Path) -> Result<Case, Box<SceneError>> {
                 .join(format!("{name}.toml"))
         }
     };
+    let class = reader.text("class")?;
+    let sampling = read_sampling(&reader, class == "stochastic")?;
     Ok(Case {
         name: format!("{family}/{name}"),
         scene,
         source: reader.text("source")?,
         shows: reader.text("shows")?,
         computes: reader.text("computes")?,
-        class: reader.text("class")?,
+        class,
         exposure: reader.number("exposure")?,
+        sampling,
         family,
     })
+}
+
+fn read_sampling(
+    reader: &Reader<'_, '_>,
+    is_stochastic: bool,
+) -> Result<Option<Sampling>, Box<SceneError>> {
+    if !is_stochastic {
+        for name in ["converged_samples", "quick_samples", "resolution"] {
+            if reader.has(name) {
+                let message = format!("`{name}` means nothing to a deterministic case");
+                return Err(reader.error(name, message));
+            }
+        }
+        return Ok(None);
+    }
+    let Some(converged) = reader.optional_count("converged_samples")? else {
+        let message = "a stochastic case needs `converged_samples`";
+        return Err(reader.error("converged_samples", message));
+    };
+    Ok(Some(Sampling {
+        converged: converged as u32,
+        quick: reader.count("quick_samples")? as u32,
+        resolution: reader.number("resolution")?,
+    }))
 }

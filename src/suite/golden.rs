@@ -1,9 +1,10 @@
 //! What must come out: an image, and where it came from.
 
 use super::{Case, Store, StoreError};
+use crate::compare::stochastic;
 use crate::film::{Film, FilmError};
 use crate::render::Plan;
-use crate::scene::{Model, Scene};
+use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -43,9 +44,13 @@ pub struct Provenance {
     pub height: usize,
     /// Samples per pixel.
     pub samples: u64,
-    /// Seed of the random numbers; 0 for an image without any.
+    /// Seed of the scene's random numbers; 0 for an image without any. The quick rendering uses
+    /// it as it is, this image 2⁶³ more, so that they have no random number in common.
     pub seed: u64,
-    /// Relative error of a pixel against the sum that the scene defines: rounding to 32 bits.
+    /// Relative error of the image. Deterministic: of a pixel against the sum that the scene
+    /// defines, by rounding to 32 bits. Stochastic: the standard error of a block of 8 × 8 pixels,
+    /// relative to its mean plus [`DARK`](crate::compare::stochastic::DARK), that nine tenths of the
+    /// blocks and channels do not exceed.
     pub error_estimate: f64,
     /// Version of volref.
     pub volref: String,
@@ -57,6 +62,19 @@ pub struct Provenance {
     pub seal: String,
     /// Hashes of the files the scene names, by path.
     pub inputs: BTreeMap<String, String>,
+    /// Of a stochastic case: the rendering of few samples that `verify` repeats.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub quick: Option<Quick>,
+}
+
+/// The quick rendering of a stochastic case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Quick {
+    /// Samples per pixel.
+    pub samples: u32,
+    /// Hash of its pixels, noise included.
+    pub pixels: String,
 }
 
 impl Provenance {
@@ -141,14 +159,11 @@ pub(super) fn plan_hash(plans: &[Plan]) -> String {
     hash(text.join("\n").as_bytes())
 }
 
-/// Hashes of the volume files of a scene, by the path the scene gives.
+/// Hashes of the files a scene names, by the path it gives.
 pub(super) fn input_hashes(scene: &Scene) -> BTreeMap<String, String> {
-    let files = scene.panels.iter().filter_map(|panel| match &panel.model {
-        Model::Classified(classified) => Some(&classified.volume),
-        Model::Curve(_) => None,
-    });
+    let files = scene.panels.iter().flat_map(|panel| &panel.inputs);
     files
-        .map(|volume| (volume.name.clone(), volume.hash.clone()))
+        .map(|file| (file.name.clone(), file.hash.clone()))
         .collect()
 }
 
@@ -216,6 +231,7 @@ impl Golden {
         scene: &Scene,
         plans: &[Plan],
         film: &Film,
+        quick: Option<Quick>,
         reason: &str,
         replaces: String,
     ) -> Result<Vec<(PathBuf, Vec<u8>)>, FilmError> {
@@ -234,14 +250,15 @@ impl Golden {
             omitted: plans.iter().map(Plan::omitted).collect(),
             width: film.width(),
             height: film.height(),
-            samples: 1,
-            seed: 0,
-            error_estimate: f64::from(f32::EPSILON) / 2.0,
+            samples: film.noise().map_or(1, |noise| noise.samples().into()),
+            seed: quick.as_ref().and(scene.seed()).unwrap_or(0),
+            error_estimate: stochastic::block_error(film).unwrap_or(f64::from(f32::EPSILON) / 2.0),
             volref: env!("CARGO_PKG_VERSION").to_owned(),
             libm: LIBM_VERSION.to_owned(),
             target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
             seal: String::new(),
             inputs: input_hashes(scene),
+            quick,
         };
         let provenance = Provenance {
             seal: provenance.seal(),

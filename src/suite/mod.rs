@@ -1,15 +1,20 @@
 //! Cases, their goldens, and what `verify` and `accept` do with them.
 
 mod accept;
+mod cache;
 mod case;
 mod golden;
+mod rendering;
 mod results;
+#[cfg(test)]
+mod sampled_tests;
 mod store;
 mod verify;
 
-pub use accept::{AcceptError, Accepted, Change, accept};
-pub use case::{Case, MANIFEST, Suite, SuiteError};
-pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance};
+pub use accept::{AcceptError, Accepted, Change, Watch, accept};
+pub use cache::Cache;
+pub use case::{Case, MANIFEST, Sampling, Suite, SuiteError};
+pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
 pub use results::{CaseResult, Cause, Summary, Verdict};
 pub use store::{Disk, Failure, RealDisk, Store, StoreError};
 pub use verify::{verify, without_case};

@@ -72,7 +72,7 @@ fn wrong_types() {
         ("\"0.2 voxels\"", "\"0.2 pixels\""),
         ("[classified]", "[classified]\ninterpolation = 1"),
         ("[classified]", "[classified]\ninterpolation = \"cubic\""),
-        ("[classified]", "[classified]\nbackground = 0"),
+        ("[classified]", "[classified]\nbackground = true"),
         ("[classified]", "[classified]\nbackground = [0, 0]"),
         ("[classified]", "[classified]\nbackground = [0, 0, \"0\"]"),
         (
@@ -97,9 +97,9 @@ fn wrong_types() {
     scene.toml:6:20: `reference_length`: expected a length such as 0.01 (world units) or "0.5 voxels", got "0.2 pixels" help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
     scene.toml:9:17: `interpolation` takes one of "trilinear", "nearest", got integer help: `classified.interpolation`: How densities and gradients between the nodes follow from those at the nodes.
     scene.toml:9:17: `interpolation` takes one of "trilinear", "nearest", got "cubic" help: `classified.interpolation`: How densities and gradients between the nodes follow from those at the nodes.
-    scene.toml:9:14: `background` takes three numbers red, green, blue, such as [1, 0.5, 0], got integer help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:9:14: `background` takes a colour: three numbers red, green, blue, such as [1, 0.5, 0], or one for all three, got boolean help: `classified.background`: Linear radiance behind the volume.
     scene.toml:9:14: `background` takes three numbers, got 2 help: `classified.background`: Linear radiance behind the volume.
-    scene.toml:9:14: `background` takes three numbers red, green, blue, such as [1, 0.5, 0], got string help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:9:14: `background` takes a colour: three numbers red, green, blue, such as [1, 0.5, 0], or one for all three, got string help: `classified.background`: Linear radiance behind the volume.
     scene.toml:9:16: `vertical_fov` takes a number, got string help: `camera.vertical_fov`: Full angle between the top and bottom edge of the image, degrees.
     scene.toml:11:8: `file` takes text in quotes, got integer help: `classified.volume.file`: Point cloud (.obj) or grid (.bin), relative to the folder of the scene.
     scene.toml:1:9: `panel` takes tables in double brackets, [[panel]]
@@ -213,10 +213,10 @@ fn missing_and_contradictory() {
     scene.toml:10:1: missing key `file` in [classified.volume] help: `classified.volume.file`: Point cloud (.obj) or grid (.bin), relative to the folder of the scene.
     scene.toml:8:1: missing table [classified.volume] help: `classified.volume`: The densities.
     scene.toml:9:1: missing key `reference_step` in [classified.shadow] help: `classified.shadow.reference_step`: Length that counts as one unit of S, world units or voxels; smaller means darker.
-    scene.toml:8:1: a scene holds one model, but this one has both [classified] and [curve] help: `curve`: Model: a plot of the transfer function.
-    scene.toml: the scene has no model: give [classified] or [curve]
+    scene.toml:9:1: the file has more than one model: [classified], [curve] help: keep exactly one of [classified], [curve]
+    scene.toml: the file has no model help: give one of [classified], [radiative], [curve]
     scene.toml:12:14: `resolution` applies to point clouds; "cloud.bin" brings a grid of its own help: `classified.volume.resolution`: Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.
-    scene.toml:9:7: the camera stands at its target, so it looks nowhere help: `camera.eye`: Where the camera stands, world units.
+    scene.toml:9:7: the camera stands at its target, so it looks nowhere help: `camera.eye`: Where the camera stands, world units; required in a radiative scene.
     scene.toml:11:6: `up` is parallel to the viewing direction, so the image has no upright help: `camera.up`: The direction that points up in the image, any length.
     scene.toml:9:6: `up` is parallel to the viewing direction, so the image has no upright help: `camera.up`: The direction that points up in the image, any length.
     scene.toml:9:1: panels stand side by side and must be of one height, but panel 1 has 10 rows and panel 2 has 4
@@ -269,7 +269,14 @@ fn not_text() {
     run.expect(2, &["scene.toml", "not UTF-8"]);
     folder.write("empty.toml", "");
     let run = folder.volref(&["plan", "empty.toml"]);
-    run.expect(2, &["empty.toml", "no model: give [classified] or [curve]"]);
+    run.expect(
+        2,
+        &[
+            "empty.toml",
+            "the file has no model",
+            "[classified], [radiative], [curve]",
+        ],
+    );
 }
 
 /// A byte order mark and Windows line ends are no mistakes, and places stay right.

@@ -195,8 +195,8 @@ fn help_of_a_command() {
     Options:
       -o, --output <FILE>     Image to write: .exr (linear radiance, 32-bit float) or .png (8-bit sRGB
                               preview)
-          --spp <N>           Samples per pixel, for sampled scenes; a classified volume has one ray a
-                              pixel
+          --spp <N>           Samples per pixel, for sampled scenes; from 2 on, an .exr holds their
+                              variance as well
           --seed <N>          Seed of the random numbers, for sampled scenes
           --step <LENGTH>     Distance between samples along a ray, in place of the scene's: world
                               units, or "0.5 voxels"

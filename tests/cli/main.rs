@@ -12,4 +12,5 @@ mod outputs;
 mod plan;
 mod render;
 mod schema;
+mod stochastic;
 mod verify;

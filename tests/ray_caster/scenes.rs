@@ -14,9 +14,7 @@ use volref::render::field::{Field, Sampled};
 use volref::render::ray_caster::{RayCaster, Shaded, Shading, Unshaded};
 use volref::render::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
 use volref::render::{Counters, Effect, Plan, render_counted};
-use volref::scene::{
-    Classified, Compositing, Interpolation, Model, Panel, Scene, Shadow, VolumeSource,
-};
+use volref::scene::{Classified, Compositing, Interpolation, Model, Panel, Scene, Shadow};
 use volref::volume::{Grid, Lattice, Nearest, Trilinear, relative_gradients};
 
 /// `2^exponent`, exactly.
@@ -75,10 +73,6 @@ pub fn plain(grid: Arc<Grid<f32>>) -> Classified {
     let eye = centre - DVec3::Z * (2.5 * size.max_element());
     Classified {
         grid,
-        volume: VolumeSource {
-            name: "none".to_owned(),
-            hash: String::new(),
-        },
         interpolation: Interpolation::Trilinear,
         compositing: Compositing::FrontToBack,
         step: 0.5 * lattice.voxel(),
@@ -227,6 +221,7 @@ pub fn panel(scene: &Classified, size: usize) -> Panel {
         width: size,
         height: size,
         model: Model::Classified(Box::new(scene.clone())),
+        inputs: Vec::new(),
         readings: Vec::new(),
     }
 }

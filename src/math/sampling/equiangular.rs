@@ -30,9 +30,10 @@ impl Equiangular {
     ///
     /// # Errors
     ///
-    /// [`LightOnRay`] at distance 0. No distance is too small otherwise.
+    /// [`LightOnRay`] where the light lies on the stretch itself. Elsewhere on its line, before or
+    /// behind it, the limit of ever smaller distances is meant: a density in proportion to `1/t²`.
     pub fn new(distance: f64, near: f64, far: f64) -> Result<Equiangular, LightOnRay> {
-        if distance == 0.0 {
+        if distance == 0.0 && near <= 0.0 && far >= 0.0 {
             return Err(LightOnRay);
         }
         // The angle between the directions (near, D) and (far, D), from cross and dot product.
@@ -52,7 +53,9 @@ impl Equiangular {
 
     /// The place that a share `u` of the angle lies before, in [near, far].
     pub fn place(&self, u: f64) -> f64 {
-        let place = if self.far.is_infinite() {
+        let place = if self.distance == 0.0 {
+            self.near / (1.0 - u * (1.0 - self.near / self.far))
+        } else if self.far.is_infinite() {
             // Turned back from the far end, where the angle to the ray is the small one.
             let to_far = (1.0 - u) * self.angle;
             self.distance * cos(to_far) / sin(to_far)
@@ -68,11 +71,41 @@ impl Equiangular {
     /// Density of [`Equiangular::place`] at `t` in [near, far], per length:
     /// `D / (θ (D² + t²))`, with θ the angle of the whole stretch.
     pub fn pdf(&self, t: f64) -> f64 {
+        if self.distance == 0.0 {
+            // near·far/((far − near) t²)
+            return self.near / ((1.0 - self.near / self.far) * (t * t));
+        }
         self.distance / (self.angle * (self.distance * self.distance + t * t))
     }
 
     /// The angle under which the light sees the stretch, radians, in (0, π].
     pub fn angle(&self) -> f64 {
         self.angle
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// On the line of the light, before it and behind it, the limit of small distances.
+    #[test]
+    fn a_light_on_the_line_beside_the_stretch() {
+        for (near, far) in [(1.0, 3.0), (-3.0, -1.0), (2.0, f64::INFINITY)] {
+            let on = Equiangular::new(0.0, near, far).unwrap();
+            let beside = Equiangular::new(1e-9, near, far).unwrap();
+            for u in [0.0, 0.25, 0.5, 0.99] {
+                let place = on.place(u);
+                assert!(near <= place && place <= far);
+                // The limit is off by the square of distance over t; the rest is rounding.
+                assert!((place / beside.place(u) - 1.0).abs() < 1e-6, "{near} {u}");
+                assert!(
+                    (on.pdf(place) / beside.pdf(place) - 1.0).abs() < 1e-6,
+                    "{near} {u}"
+                );
+            }
+        }
+        assert_eq!(Equiangular::new(0.0, -1.0, 1.0), Err(LightOnRay));
+        assert_eq!(Equiangular::new(0.0, 0.0, 1.0), Err(LightOnRay));
     }
 }

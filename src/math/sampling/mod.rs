@@ -7,6 +7,7 @@
 mod directions;
 mod equiangular;
 mod free_flight;
+mod heuristic;
 mod surfaces;
 
 pub use directions::{Cone, cosine_hemisphere, cosine_hemisphere_pdf, sphere, sphere_pdf};
@@ -14,4 +15,5 @@ pub use equiangular::{Equiangular, LightOnRay};
 pub use free_flight::{
     free_flight, free_flight_pdf, truncated_free_flight, truncated_free_flight_pdf,
 };
+pub use heuristic::power_heuristic;
 pub use surfaces::{disc, disc_pdf, triangle};

@@ -1,0 +1,123 @@
+//! How unlikely a deviation is, and how unlikely is too unlikely.
+
+use crate::math;
+use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, Normal, StudentsT};
+use std::f64::consts::FRAC_1_SQRT_2;
+
+/// Difference of two means in its own standard errors, given their variances: the normal form of
+/// Welch's statistic. 0 of equal means, infinite where different means have no variance.
+///
+/// Source: Welch 1947, Biometrika 34, 28–35.
+pub fn deviation(difference: f64, variance: f64) -> f64 {
+    if difference == 0.0 {
+        return 0.0;
+    }
+    difference / variance.sqrt()
+}
+
+/// Probability of a standard normal number at least as far from 0 as `z`, to either side.
+pub fn two_sided(z: f64) -> f64 {
+    math::erfc(z.abs() * FRAC_1_SQRT_2)
+}
+
+/// The `z` at which [`two_sided`] is `level`, in (0, 1).
+pub fn critical(level: f64) -> f64 {
+    -Normal::standard().inverse_cdf(0.5 * level)
+}
+
+/// [`two_sided`] for a deviation in standard errors that were estimated with that many degrees
+/// of freedom.
+pub fn two_sided_estimated(t: f64, degrees: f64) -> f64 {
+    let student = StudentsT::new(0.0, 1.0, degrees).expect("degrees of freedom are positive");
+    2.0 * student.sf(t.abs())
+}
+
+/// The `t` at which [`two_sided_estimated`] is `level`.
+pub fn critical_estimated(level: f64, degrees: f64) -> f64 {
+    let student = StudentsT::new(0.0, 1.0, degrees).expect("degrees of freedom are positive");
+    -student.inverse_cdf(0.5 * level)
+}
+
+/// The level of each of `tests` independent tests that gives all of them together `level`:
+/// `1 − (1 − level)^(1/tests)`.
+///
+/// Source: Šidák 1967, JASA 62, 626–633.
+pub fn sidak(level: f64, tests: f64) -> f64 {
+    -math::exp_m1(math::ln_1p(-level) / tests)
+}
+
+/// How many of the hypotheses with these probabilities are rejected, so that a true one is
+/// rejected with probability `level` at most, however they depend on each other: the k-th
+/// smallest of n is, as long as all before it are and it is at most `level/(n + 1 − k)`.
+///
+/// Source: Holm 1979, Scandinavian Journal of Statistics 6, 65–70.
+pub fn holm(probabilities: &[f64], level: f64) -> usize {
+    let mut sorted = probabilities.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let mut left = sorted.len();
+    let small = |p: &f64| {
+        let rejected = *p * left as f64 <= level;
+        left -= 1;
+        rejected
+    };
+    sorted.iter().copied().take_while(small).count()
+}
+
+/// Probability that at least `count` of `trials` independent events of probability `each` happen.
+pub fn at_least(count: u64, trials: u64, each: f64) -> f64 {
+    let Some(fewer) = count.checked_sub(1) else {
+        return 1.0;
+    };
+    Binomial::new(each, trials)
+        .expect("a probability")
+        .sf(fewer)
+}
+
+/// Probability that the sum of the squares of `count` standard normal numbers is at least as
+/// extreme as `sum`: twice that of the shorter tail.
+pub fn chi_square_two_sided(sum: f64, count: f64) -> f64 {
+    let distribution = ChiSquared::new(count).expect("at least one number");
+    (2.0 * distribution.cdf(sum).min(distribution.sf(sum))).min(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_means_deviate_by_nothing() {
+        assert_eq!(deviation(0.0, 0.0), 0.0);
+        assert_eq!(deviation(-1.0, 0.0), f64::NEG_INFINITY);
+        assert_eq!(two_sided(f64::INFINITY), 0.0);
+        assert_eq!(two_sided_estimated(f64::INFINITY, 63.0), 0.0);
+    }
+
+    #[test]
+    fn holm_steps_down() {
+        // 0.01 ≤ 0.05/4, 0.013 ≤ 0.05/3, but 0.03 > 0.05/2: and there it ends.
+        let mixed = [0.03, 0.01, 0.04, 0.013];
+        assert_eq!(holm(&mixed, 0.05), 2);
+        assert_eq!(holm(&[0.02; 4], 0.05), 0);
+        assert_eq!(holm(&[0.0; 4], 0.05), 4);
+        assert_eq!(holm(&[], 0.05), 0);
+    }
+
+    #[test]
+    fn tails_of_small_counts() {
+        assert_eq!(at_least(0, 5, 0.5), 1.0);
+        assert!((at_least(5, 5, 0.5) - 1.0 / 32.0).abs() < 1e-12);
+        assert!((at_least(1, 2, 0.25) - 7.0 / 16.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn critical_values_are_where_the_tails_are() {
+        for level in [0.5, 1e-3, 1e-6, 1e-12] {
+            assert!((two_sided(critical(level)) / level - 1.0).abs() < 1e-8);
+            let t = critical_estimated(level, 63.0);
+            assert!(
+                (two_sided_estimated(t, 63.0) / level - 1.0).abs() < 1e-6,
+                "{level}"
+            );
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! How far the radiance of a sampled image may be off.
+
+/// Of an image whose pixels are means of random samples: the variance of those means, and how
+/// many samples each is the mean of. There is none for fewer than two samples, which say
+/// nothing about their spread.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Noise {
+    pub(super) variance: Vec<[f32; 3]>,
+    pub(super) samples: u32,
+}
+
+impl Noise {
+    /// Estimated variance of the mean, the square of its standard error, in the square of the
+    /// unit of radiance: red, green and blue of every pixel, row by row from the top. Not the
+    /// variance of one sample, which is `samples` times as large.
+    pub fn variance(&self) -> &[[f32; 3]] {
+        &self.variance
+    }
+
+    /// Samples per pixel, at least 2.
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// The first pixel whose variance is negative or not finite.
+    pub fn first_without_variance(&self) -> Option<usize> {
+        let broken = |pixel: &[f32; 3]| pixel.iter().any(|v| !(v.is_finite() && *v >= 0.0));
+        self.variance.iter().position(broken)
+    }
+}
+
+/// `variance` to the nearest number of eight significant bits, ties to even: off by at most
+/// 2⁻⁸ of it.
+///
+/// An estimate from n samples is itself only known to about √(2/n) of it, which is above 2⁻⁸
+/// up to n = 2¹⁷; a standard error moves by 2⁻⁹ of it. Sixteen zero bits a value cost next to
+/// nothing in a compressed file, sixteen random bits cost two bytes.
+pub(super) fn rounded(variance: f32) -> f32 {
+    if !variance.is_finite() {
+        return variance;
+    }
+    let bits = variance.to_bits();
+    // Half of the last kept bit, and one less where that is even: carries run into the exponent
+    // as they should.
+    let kept_is_odd = (bits >> 16) & 1;
+    f32::from_bits((bits + 0x7fff + kept_is_odd) & 0xffff_0000)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eight_significant_bits() {
+        for (given, expected) in [
+            (0.0, 0.0),
+            (1.0, 1.0),
+            (1.0 + 1.0 / 128.0, 1.0 + 1.0 / 128.0),
+            (1.0 + 1.0 / 256.0, 1.0),
+            (1.0 + 3.0 / 256.0, 1.0 + 2.0 / 128.0),
+            (1.0 + 1.0 / 256.0 + f32::EPSILON, 1.0 + 1.0 / 128.0),
+            (2.0 - f32::EPSILON, 2.0),
+        ] {
+            assert_eq!(rounded(given), expected, "{given}");
+            assert_eq!(rounded(expected), expected);
+        }
+        for value in [0.3e-20_f32, 0.1, 7.7, 1e30] {
+            assert!((rounded(value) - value).abs() <= value / 256.0);
+        }
+        assert!(rounded(f32::NAN).is_nan());
+    }
+}

@@ -1,0 +1,149 @@
+//! Shapes side by side: a scene holds many, of any form.
+
+use super::{
+    Aabb, ClosedMesh, Emitter, Hit, Mesh, Placed, Ray, Rectangle, Solid, Span, Sphere, Surface,
+    SurfacePoint,
+};
+use std::sync::Arc;
+
+/// Any surface. A mesh is shared by all its instances; a shape that was not moved keeps its
+/// exact coordinates, so that faces given in the same place coincide to the bit.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// A sphere.
+    Sphere(Sphere),
+    /// A box along the axes.
+    Box(Aabb),
+    /// A rectangle or parallelogram.
+    Rectangle(Rectangle),
+    /// A mesh, open or closed.
+    Mesh(Arc<Mesh>),
+    /// A sphere moved, turned or stretched.
+    PlacedSphere(Placed<Sphere>),
+    /// A box moved, turned or stretched.
+    PlacedBox(Placed<Aabb>),
+    /// A mesh moved, turned or stretched.
+    PlacedMesh(Placed<Arc<Mesh>>),
+}
+
+/// Any closed shape: the boundary of a medium.
+#[derive(Clone, Debug)]
+pub enum Boundary {
+    /// A sphere.
+    Sphere(Sphere),
+    /// A box along the axes.
+    Box(Aabb),
+    /// A closed mesh.
+    Mesh(Arc<ClosedMesh>),
+    /// A sphere moved, turned or stretched.
+    PlacedSphere(Placed<Sphere>),
+    /// A box moved, turned or stretched.
+    PlacedBox(Placed<Aabb>),
+    /// A closed mesh moved, turned or stretched.
+    PlacedMesh(Placed<Arc<ClosedMesh>>),
+}
+
+/// A shape that can send out light: one whose points can be chosen uniformly by area.
+#[derive(Clone, Debug)]
+pub enum Luminous {
+    /// A sphere.
+    Sphere(Sphere),
+    /// A rectangle or parallelogram.
+    Rectangle(Rectangle),
+    /// A mesh.
+    Mesh(Arc<Mesh>),
+}
+
+/// Calls the same method on whatever an enum holds.
+macro_rules! each {
+    ($self:expr, $kind:ident: $($variant:ident)|+, $shape:ident => $call:expr) => {
+        match $self { $($kind::$variant($shape) => $call,)+ }
+    };
+}
+
+impl Surface for Shape {
+    fn bounds(&self) -> Aabb {
+        each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
+            shape => shape.bounds())
+    }
+
+    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+        each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
+            shape => shape.hit(ray, limit))
+    }
+
+    fn blocks(&self, ray: &Ray, limit: f64) -> bool {
+        each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
+            shape => shape.blocks(ray, limit))
+    }
+}
+
+impl Surface for Boundary {
+    fn bounds(&self) -> Aabb {
+        each!(self, Boundary: Sphere | Box | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
+            shape => shape.bounds())
+    }
+
+    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+        each!(self, Boundary: Sphere | Box | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
+            shape => shape.hit(ray, limit))
+    }
+}
+
+impl Solid for Boundary {
+    fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
+        each!(self, Boundary: Sphere | Box | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
+            shape => shape.append_spans(ray, spans));
+    }
+}
+
+impl Surface for Luminous {
+    fn bounds(&self) -> Aabb {
+        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.bounds())
+    }
+
+    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.hit(ray, limit))
+    }
+
+    fn blocks(&self, ray: &Ray, limit: f64) -> bool {
+        each!(self, Luminous: Sphere | Rectangle | Mesh,
+            shape => shape.blocks(ray, limit))
+    }
+}
+
+impl Emitter for Luminous {
+    fn area(&self) -> f64 {
+        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.area())
+    }
+
+    fn sample(&self, uv: [f64; 2]) -> SurfacePoint {
+        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.sample(uv))
+    }
+}
+
+impl<S: Surface> Surface for Arc<S> {
+    fn bounds(&self) -> Aabb {
+        (**self).bounds()
+    }
+
+    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+        (**self).hit(ray, limit)
+    }
+}
+
+impl<S: Solid> Solid for Arc<S> {
+    fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
+        (**self).append_spans(ray, spans);
+    }
+}
+
+impl<S: Emitter> Emitter for Arc<S> {
+    fn area(&self) -> f64 {
+        (**self).area()
+    }
+
+    fn sample(&self, uv: [f64; 2]) -> SurfacePoint {
+        (**self).sample(uv)
+    }
+}

@@ -1,0 +1,222 @@
+//! Lights without extent. Those with extent are shapes that emit, and the environment.
+
+use crate::geometry::direction_of;
+use crate::math::{atan2, cos};
+use glam::DVec3;
+use thiserror::Error;
+
+/// A light that no ray can meet by chance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light {
+    /// Shines from a point into every direction.
+    Point(Point),
+    /// Shines from a point into a cone.
+    Spot(Spot),
+    /// Shines from infinitely far away.
+    Directional(Directional),
+}
+
+impl Light {
+    /// Where the light stands; `None` for one infinitely far away.
+    pub fn position(&self) -> Option<DVec3> {
+        match self {
+            Light::Point(light) => Some(light.position),
+            Light::Spot(light) => Some(light.position),
+            Light::Directional(_) => None,
+        }
+    }
+
+    /// What the light sends towards `point`, by channel: intensity, per steradian, or, of one
+    /// that is infinitely far away, irradiance.
+    pub fn strength_towards(&self, point: DVec3) -> DVec3 {
+        match self {
+            Light::Point(light) => light.intensity,
+            Light::Spot(light) => {
+                let towards = direction_of(point - light.position);
+                light.intensity * towards.map_or(0.0, |towards| light.falloff(towards))
+            }
+            Light::Directional(light) => light.irradiance,
+        }
+    }
+}
+
+/// A point light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// World position.
+    pub position: DVec3,
+    /// Radiant intensity by channel, power per steradian: the irradiance at distance `r` is
+    /// `I/r²`.
+    pub intensity: DVec3,
+}
+
+/// Light from far away: the same direction everywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Directional {
+    /// Where the light travels, length 1.
+    pub direction: DVec3,
+    /// Irradiance by channel on a plane perpendicular to the direction.
+    pub irradiance: DVec3,
+}
+
+/// A point light that shines into a cone: with full intensity within the inner angle from its
+/// axis, not at all from the outer angle on, and falling linearly in the angle in between. With
+/// equal angles it is a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// World position.
+    pub position: DVec3,
+    /// Intensity on the axis by channel, power per steradian.
+    pub intensity: DVec3,
+    axis: DVec3,
+    inner: f64,
+    outer: f64,
+    cos_outer: f64,
+}
+
+/// Why numbers make no spotlight.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum SpotError {
+    /// The zero vector, or one that is not finite.
+    #[error("the spotlight points nowhere: its target is where it stands")]
+    NoDirection,
+    /// Angles out of range or order.
+    #[error(
+        "a spotlight needs 0 <= inner_angle <= outer_angle <= 180 degrees and an outer_angle above 0, got {inner} and {outer}"
+    )]
+    Angles {
+        /// Inner half-angle, degrees.
+        inner: f64,
+        /// Outer half-angle, degrees.
+        outer: f64,
+    },
+}
+
+impl Spot {
+    /// A spotlight at `position`, shining along `towards` (any length but 0), with `intensity`
+    /// on its axis; half-angles of the cone in degrees.
+    pub fn new(
+        position: DVec3,
+        towards: DVec3,
+        intensity: DVec3,
+        [inner, outer]: [f64; 2],
+    ) -> Result<Spot, SpotError> {
+        let axis = direction_of(towards).ok_or(SpotError::NoDirection)?;
+        // Written so that NaN fails.
+        if !(0.0 <= inner && inner <= outer && outer > 0.0 && outer <= 180.0) {
+            return Err(SpotError::Angles { inner, outer });
+        }
+        let (inner, outer) = (inner.to_radians(), outer.to_radians());
+        Ok(Spot {
+            position,
+            intensity,
+            axis,
+            inner,
+            outer,
+            cos_outer: cos(outer),
+        })
+    }
+
+    /// Direction of the axis, length 1.
+    pub fn axis(&self) -> DVec3 {
+        self.axis
+    }
+
+    /// Half-angle within which the intensity is full, radians.
+    pub fn inner(&self) -> f64 {
+        self.inner
+    }
+
+    /// Half-angle from which on nothing is sent out, radians.
+    pub fn outer(&self) -> f64 {
+        self.outer
+    }
+
+    /// Cosine of the outer angle.
+    pub fn cos_outer(&self) -> f64 {
+        self.cos_outer
+    }
+
+    /// Intensity sent into `direction`, of length 1, as a share of that on the axis: 1 within
+    /// the inner cone, 0 from its outer edge on.
+    pub fn falloff(&self, direction: DVec3) -> f64 {
+        let cosine = direction.dot(self.axis);
+        // The edge itself is dark, also where both angles are one: no 0/0 there.
+        if cosine <= self.cos_outer {
+            return 0.0;
+        }
+        // From sine and cosine: the arc cosine alone loses a narrow cone near its axis.
+        let angle = atan2(direction.cross(self.axis).length(), cosine);
+        if angle <= self.inner {
+            return 1.0;
+        }
+        ((self.outer - angle) / (self.outer - self.inner)).clamp(0.0, 1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::sin;
+
+    fn at(degrees: f64) -> DVec3 {
+        let angle = degrees.to_radians();
+        DVec3::new(sin(angle), 0.0, cos(angle))
+    }
+
+    fn spot(inner: f64, outer: f64) -> Spot {
+        Spot::new(DVec3::ZERO, DVec3::Z * 3.0, DVec3::ONE, [inner, outer]).unwrap()
+    }
+
+    #[test]
+    fn full_inside_none_outside_linear_in_between() {
+        let spot = spot(10.0, 30.0);
+        assert_eq!(spot.falloff(DVec3::Z), 1.0);
+        assert_eq!(spot.falloff(at(9.9)), 1.0);
+        // Angles to a few roundings, over a range of a third of a radian.
+        assert!((spot.falloff(at(15.0)) - 0.75).abs() < 1e-14);
+        assert!((spot.falloff(at(25.0)) - 0.25).abs() < 1e-14);
+        assert_eq!(spot.falloff(at(30.1)), 0.0);
+        assert_eq!(spot.falloff(DVec3::NEG_Z), 0.0);
+    }
+
+    /// Hard case S9: equal angles are a step, and the edge is dark.
+    #[test]
+    fn s9_a_cone_with_a_sharp_edge_is_a_step() {
+        let spot = spot(60.0, 60.0);
+        let edge = DVec3::new(
+            (1.0 - spot.cos_outer() * spot.cos_outer()).sqrt(),
+            0.0,
+            spot.cos_outer(),
+        );
+        assert_eq!(spot.falloff(edge), 0.0);
+        assert_eq!(spot.falloff(at(59.999_999)), 1.0);
+        assert_eq!(spot.falloff(at(60.000_001)), 0.0);
+    }
+
+    #[test]
+    fn a_cone_of_half_the_sphere_or_all_of_it() {
+        assert_eq!(spot(90.0, 90.0).falloff(at(89.0)), 1.0);
+        assert_eq!(spot(90.0, 90.0).falloff(at(91.0)), 0.0);
+        assert_eq!(spot(180.0, 180.0).falloff(at(179.0)), 1.0);
+    }
+
+    #[test]
+    fn bad_angles_and_directions_are_refused() {
+        let new = |towards, angles| Spot::new(DVec3::ZERO, towards, DVec3::ONE, angles);
+        assert_eq!(new(DVec3::ZERO, [1.0, 2.0]), Err(SpotError::NoDirection));
+        for angles in [
+            [2.0, 1.0],
+            [-1.0, 1.0],
+            [0.0, 0.0],
+            [0.0, 181.0],
+            [f64::NAN, 1.0],
+            [0.0, f64::NAN],
+        ] {
+            assert!(
+                matches!(new(DVec3::Z, angles), Err(SpotError::Angles { .. })),
+                "{angles:?}"
+            );
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! Which effects a kernel is compiled for.
+
+/// Effects as constants: what is off is not in the compiled code at all.
+pub trait Effects: Sync {
+    /// Media that turn, take away or send out light.
+    const MEDIA: bool;
+    /// Surfaces.
+    const SURFACES: bool;
+    /// Media that send out light.
+    const EMISSION: bool;
+    /// Coefficients that differ between channels.
+    const CHROMATIC: bool;
+    /// Phase functions that prefer a direction.
+    const ANISOTROPIC: bool;
+}
+
+/// The effects given as parameters.
+#[derive(Clone, Copy, Debug)]
+pub struct Only<
+    const MEDIA: bool,
+    const SURFACES: bool,
+    const EMISSION: bool,
+    const CHROMATIC: bool,
+    const ANISOTROPIC: bool,
+>;
+
+impl<
+    const MEDIA: bool,
+    const SURFACES: bool,
+    const EMISSION: bool,
+    const CHROMATIC: bool,
+    const ANISOTROPIC: bool,
+> Effects for Only<MEDIA, SURFACES, EMISSION, CHROMATIC, ANISOTROPIC>
+{
+    const MEDIA: bool = MEDIA;
+    const SURFACES: bool = SURFACES;
+    const EMISSION: bool = EMISSION;
+    const CHROMATIC: bool = CHROMATIC;
+    const ANISOTROPIC: bool = ANISOTROPIC;
+}
+
+/// Everything on: the general kernel.
+pub type Everything = Only<true, true, true, true, true>;

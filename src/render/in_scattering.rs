@@ -1,0 +1,290 @@
+//! Light from a point that media turn into a ray, once, somewhere along it.
+//!
+//! Near the light the irradiance grows with one over the squared distance, and a path that
+//! collides near it by chance carries that factor: its variance has no bound. So the place on
+//! the ray is chosen for the light instead: by equal angles seen from it, which takes the factor
+//! away, or by free flight, which suits dense media, with equal probability; the sample is
+//! weighted by the mean of both densities.
+//!
+//! Source: Kulla & Fajardo 2012, "Importance sampling techniques for path tracing in
+//! participating media", Computer Graphics Forum 31, 1519–1528.
+
+use super::draws::Draws;
+use super::effects::Effects;
+use super::media_path::{Depths, MediaPath, Stretch, transmittance};
+use super::surroundings::Surroundings;
+use super::vertex::Vertex;
+use super::work::Work;
+use crate::geometry::{Ray, Span, direction_of};
+use crate::math::rng::Purpose;
+use crate::math::sampling::{Equiangular, LightOnRay};
+use crate::math::{exp, exp_m1, ln_1p};
+use crate::optics::{Light, Spot};
+use glam::DVec3;
+use std::marker::PhantomData;
+
+/// The stretch of `ray` on which `light` shines on matter that scatters, if there is one.
+pub fn lit_span(path: &MediaPath, ray: &Ray, light: &Light) -> Option<Span> {
+    let matter = path.scattering_span()?;
+    let lit = match light {
+        Light::Spot(spot) => within_cone(spot, ray, matter)?,
+        Light::Point(_) | Light::Directional(_) => matter,
+    };
+    (lit.near < lit.far).then_some(lit)
+}
+
+/// The part of `span` in the cone of a spotlight, or a little more than it.
+///
+/// The cone is convex up to a half-angle of 90°, so the part is one piece. Its ends are roots of
+/// `(v·a)² = c² v²`, with `v` from the light to the ray, `a` the axis and `c` the cosine; it is
+/// whatever lies between those roots and is lit.
+fn within_cone(spot: &Spot, ray: &Ray, span: Span) -> Option<Span> {
+    let c = spot.cos_outer();
+    if c <= 0.0 {
+        return Some(span);
+    }
+    // Both measured from the foot of the perpendicular from the light, where v² is smallest.
+    let foot = (spot.position - ray.origin).dot(ray.direction);
+    let v = ray.at(foot) - spot.position;
+    let (along, aside) = (ray.direction.dot(spot.axis()), v.dot(spot.axis()));
+    // A s² + 2 B s + C > 0 at distance s from the foot.
+    let a = along * along - c * c;
+    let b = along * aside;
+    let constant = aside * aside - c * c * v.length_squared();
+    let discriminant = b * b - a * constant;
+    let mut ends = [span.near, span.far, span.near, span.far];
+    if discriminant >= 0.0 {
+        // The larger root of the two in magnitude first, the other from their product.
+        let sum = -(b + discriminant.sqrt().copysign(b));
+        let roots = [foot + sum / a, foot + constant / sum];
+        for (end, root) in ends[1..3].iter_mut().zip(roots) {
+            // A root that is no number lies beyond every end.
+            *end = if root.is_nan() {
+                span.far
+            } else {
+                root.clamp(span.near, span.far)
+            };
+        }
+    } else {
+        ends[1] = span.near;
+        ends[2] = span.far;
+    }
+    ends.sort_unstable_by(f64::total_cmp);
+    let lit = |near: f64, far: f64| {
+        let middle = if far.is_finite() {
+            near + 0.5 * (far - near)
+        } else {
+            2.0 * near.abs() + foot.abs() + v.length()
+        };
+        // Where the light itself is the middle, the ray leaves it along its direction.
+        let towards = direction_of(ray.at(middle) - spot.position).unwrap_or(ray.direction);
+        near < far && spot.falloff(towards) > 0.0
+    };
+    let pieces = [[ends[0], ends[1]], [ends[1], ends[2]], [ends[2], ends[3]]];
+    let mut inside = pieces.into_iter().filter(|&[near, far]| lit(near, far));
+    let first = inside.next()?;
+    let last = inside.next_back().unwrap_or(first);
+    // The roots are off by some roundings of the lengths involved, by more where the ray nearly
+    // touches the cone and next to nothing is lit: a little wider. What is not lit in there
+    // counts as dark.
+    let margin = 1e-9 * (foot.abs() + v.length() + first[0].abs());
+    Some(Span {
+        near: (first[0] - margin).max(span.near),
+        far: (last[1] + margin).min(span.far),
+    })
+}
+
+/// How places on a ray are chosen for a light with a position.
+pub struct Places<'p, E> {
+    path: &'p MediaPath,
+    lit: Span,
+    foot: f64,
+    equiangular: Equiangular,
+    flight: TruncatedFlight<E>,
+}
+
+/// A place on a ray, in matter that scatters.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<'p> {
+    /// Distance from the origin of the ray.
+    pub t: f64,
+    /// Density with which it is chosen, per length.
+    pub pdf: f64,
+    /// Optical depths up to there.
+    pub depths: Depths,
+    /// What is there.
+    pub stretch: &'p Stretch,
+}
+
+impl<'p, E: Effects> Places<'p, E> {
+    /// Places for `light`, which stands at `position`, on the `ray` along which media lie as
+    /// `path`. `None` where it shines on no matter that scatters.
+    ///
+    /// # Errors
+    ///
+    /// [`LightOnRay`] where the light lies on the ray.
+    pub fn new(
+        path: &'p MediaPath,
+        ray: &Ray,
+        light: &Light,
+        position: DVec3,
+    ) -> Result<Option<Self>, LightOnRay> {
+        let Some(lit) = lit_span(path, ray, light) else {
+            return Ok(None);
+        };
+        let foot = (position - ray.origin).dot(ray.direction);
+        let distance = (ray.at(foot) - position).length();
+        Ok(Some(Places {
+            path,
+            lit,
+            foot,
+            equiangular: Equiangular::new(distance, lit.near - foot, lit.far - foot)?,
+            flight: TruncatedFlight::new(path, lit),
+        }))
+    }
+
+    /// The place that belongs to two numbers in [0, 1).
+    pub fn choose(&self, [choice, u]: [f64; 2]) -> Option<Place<'p>> {
+        let t = if choice < 0.5 {
+            self.foot + self.equiangular.place(u)
+        } else {
+            // What is left of the choice chooses the channel.
+            self.flight.place(self.path, u, 2.0 * choice - 1.0)
+        };
+        self.at(t.clamp(self.lit.near, self.lit.far))
+    }
+
+    /// The place at distance `t`, if it is one that can be chosen.
+    pub fn at(&self, t: f64) -> Option<Place<'p>> {
+        if !(self.lit.near <= t && t <= self.lit.far) {
+            return None;
+        }
+        let (depths, stretch) = self.path.depths_to(t);
+        let stretch = stretch.filter(|stretch| stretch.matter.scatters())?;
+        let by_flight = self.flight.pdf(&depths, stretch.matter.sigma_t);
+        Some(Place {
+            t,
+            pdf: 0.5 * (self.equiangular.pdf(t - self.foot) + by_flight),
+            depths,
+            stretch,
+        })
+    }
+}
+
+impl<E: Effects> Surroundings<'_, E> {
+    /// Chooses a place on `ray` for `light`, which stands at `position` and has number `index`,
+    /// and estimates the radiance that it sends into the ray there. `None` where it shines on
+    /// nothing there.
+    ///
+    /// # Errors
+    ///
+    /// [`LightOnRay`] where the light lies on the ray: the radiance has no bound.
+    #[allow(
+        clippy::type_complexity,
+        clippy::too_many_arguments,
+        reason = "a step of an estimator, and memory to work in"
+    )]
+    pub fn by_turning_into<'p, W: Work>(
+        &self,
+        path: &'p MediaPath,
+        ray: &Ray,
+        (light, position, index): (&Light, DVec3, usize),
+        draws: &Draws<'_>,
+        spans: &mut Vec<Span>,
+        work: &mut W,
+    ) -> Result<Option<(DVec3, Place<'p>)>, LightOnRay> {
+        let Some(places) = Places::<E>::new(path, ray, light, position)? else {
+            return Ok(None);
+        };
+        let Some(place) = places.choose(draws.pair(Purpose::LightDistance, index, work)) else {
+            return Ok(None);
+        };
+        let radiance = self.scattered_at(ray, &place, light, spans, work);
+        Ok(Some((radiance / place.pdf, place)))
+    }
+
+    /// Radiance per length that `light` sends into the ray by one scattering at a place, as the
+    /// origin of the ray sees it.
+    pub fn scattered_at<W: Work>(
+        &self,
+        ray: &Ray,
+        place: &Place<'_>,
+        light: &Light,
+        spans: &mut Vec<Span>,
+        work: &mut W,
+    ) -> DVec3 {
+        let vertex = Vertex::Medium {
+            point: ray.at(place.t),
+            direction: ray.direction,
+            set: place.stretch.set,
+        };
+        let sent = self.by_light(&vertex, light, spans, work);
+        sent * place.stretch.matter.sigma_s * transmittance::<E>(place.depths.all())
+    }
+}
+
+/// Free flight of those alone that collide on a stretch of the ray; in chromatic media by one of
+/// the channels that can, all equally likely.
+struct TruncatedFlight<E> {
+    before: DVec3,
+    /// Probability, by channel, of a collision on the stretch.
+    colliding: DVec3,
+    /// Channels in which it is not 0.
+    channels: f64,
+    effects: PhantomData<E>,
+}
+
+impl<E: Effects> TruncatedFlight<E> {
+    fn new(path: &MediaPath, lit: Span) -> Self {
+        let before = path.depths_to(lit.near).0.scattering;
+        let depth = path.depths_to(lit.far).0.scattering - before;
+        let mut colliding = DVec3::ZERO;
+        let mut channels = 0.0;
+        for c in 0..Self::CHANNELS {
+            colliding[c] = -exp_m1(-depth[c]);
+            channels += if colliding[c] > 0.0 { 1.0 } else { 0.0 };
+        }
+        TruncatedFlight {
+            before,
+            colliding,
+            channels,
+            effects: PhantomData,
+        }
+    }
+
+    /// Channels that differ.
+    const CHANNELS: usize = if E::CHROMATIC { 3 } else { 1 };
+
+    fn place(&self, path: &MediaPath, u: f64, choice: f64) -> f64 {
+        let mut nth = (choice * self.channels) as usize;
+        let mut channel = 0;
+        for c in 0..Self::CHANNELS {
+            if self.colliding[c] > 0.0 {
+                channel = c;
+                if nth == 0 {
+                    break;
+                }
+                nth -= 1;
+            }
+        }
+        let into = -ln_1p(-(u * self.colliding[channel]));
+        path.place_at(self.before[channel] + into, channel)
+    }
+
+    /// Density, per length, where the extinction of what scatters is `sigma_t` and the depths up
+    /// to there are `depths`.
+    fn pdf(&self, depths: &Depths, sigma_t: DVec3) -> f64 {
+        let density = |c: usize| {
+            let into = depths.scattering[c] - self.before[c];
+            sigma_t[c] * exp(-into) / self.colliding[c]
+        };
+        let mut colliding = (0..Self::CHANNELS).filter(|&c| self.colliding[c] > 0.0);
+        let Some(first) = colliding.next().map(density) else {
+            return 0.0;
+        };
+        // The mean of the channels, from the first of them on: the density itself, to the bit,
+        // where all are the same.
+        let more: f64 = colliding.map(|c| density(c) - first).sum();
+        first + more / self.channels
+    }
+}

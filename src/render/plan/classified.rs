@@ -1,0 +1,95 @@
+//! What a classified volume calls for.
+
+use super::{Decisions, Effect, FieldKind, Finding, Kernel, Plan};
+use crate::media::Phong;
+use crate::scene::{Classified, Interpolation};
+
+/// The plan for a classified volume.
+pub(super) fn plan(scene: &Classified, forced: &[Effect]) -> Plan {
+    use Finding::{Absent, Matters, NotAsked, Null};
+    let (least, most) = scene.grid.range();
+    let constant = least == most;
+    let transparent = scene.transfer_function.is_transparent_up_to(most);
+    let nothing = || format!("every density, up to {most}, has opacity 0");
+
+    let finding = |effect| match effect {
+        Effect::Surfaces => Absent("the classified model has no surfaces"),
+        Effect::Absorption | Effect::Emission if transparent => {
+            Null("transfer_function", nothing())
+        }
+        Effect::Absorption => Matters("transfer_function", format!("densities up to {most}")),
+        Effect::Emission => Matters(
+            "transfer_function",
+            "the colormap sends out light".to_owned(),
+        ),
+        Effect::SingleScattering | Effect::MultipleScattering => {
+            Absent("the classified model scatters no light; shading stands in for it")
+        }
+        Effect::MediumShadow => match scene.shadow {
+            None => NotAsked("classified.shadow"),
+            Some(_) if transparent => Null("classified.shadow", nothing()),
+            Some(_) => Matters(
+                "classified.shadow",
+                "densities darken what lies behind".to_owned(),
+            ),
+        },
+        Effect::SurfaceShadow => Absent("the classified model has no surfaces"),
+        Effect::GradientShading => match &scene.phong {
+            None => NotAsked("classified.phong"),
+            Some(_) if transparent => Null("classified.phong", nothing()),
+            Some(_) if constant => Null(
+                "classified.phong",
+                "the density is constant: its gradient is 0".to_owned(),
+            ),
+            Some(_) if scene.grid.lattice().nodes().iter().all(|&nodes| nodes < 3) => Null(
+                "classified.phong",
+                "no axis has three nodes: the stored gradient is 0".to_owned(),
+            ),
+            Some(phong) if is_identity(phong) => Null(
+                "classified.phong",
+                "ambient 1, diffuse 0 and specular 0 leave colours as they are".to_owned(),
+            ),
+            Some(_) => Matters("classified.phong", "the density has a gradient".to_owned()),
+        },
+        Effect::Heterogeneity if transparent => Null("classified.volume", nothing()),
+        Effect::Heterogeneity if constant => {
+            Null("classified.volume", format!("every voxel holds {most}"))
+        }
+        Effect::Heterogeneity => Matters(
+            "classified.volume",
+            format!("densities from {least} to {most}"),
+        ),
+        Effect::ChromaticCoefficients => Absent("opacity is the same for all colours"),
+        Effect::AnisotropicPhase => Absent("the classified model has no phase function"),
+    };
+    let decisions = Decisions::new(finding, forced);
+    let on = |effect| decisions.is_on(effect);
+
+    let kernel = if !Effect::ALL.into_iter().any(on) {
+        Kernel::Background
+    } else {
+        let field = match scene.interpolation {
+            _ if constant && !on(Effect::Heterogeneity) => FieldKind::Constant,
+            Interpolation::Nearest => FieldKind::Nearest,
+            Interpolation::Trilinear => FieldKind::Trilinear,
+        };
+        Kernel::RayCaster {
+            field,
+            compositing: scene.compositing,
+            shading: on(Effect::GradientShading),
+            shadow: on(Effect::MediumShadow),
+            // Where the volume is transparent everywhere, an effect was forced: its work is
+            // wanted, so nothing is skipped.
+            skip_empty: !transparent && scene.transfer_function.is_transparent_up_to(least),
+        }
+    };
+    Plan {
+        decisions: decisions.0,
+        kernel,
+    }
+}
+
+/// Whether shading returns every colour unchanged, to the bit.
+fn is_identity(phong: &Phong) -> bool {
+    phong.ambient == 1.0 && phong.diffuse == 0.0 && phong.specular == 0.0
+}

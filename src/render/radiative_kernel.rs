@@ -1,0 +1,127 @@
+//! The one place where a plan for surfaces and media becomes code: each part of the plan picks a
+//! constant, and the last call compiles the renderer for the constants picked.
+
+use super::effects::{Effects, Only};
+use super::image::{Pixels, rows};
+use super::line_of_sight::{LineOfSight, TOLERANCE};
+use super::path_tracer::{Endless, PathTracer, Scratch};
+use super::plan::Parts;
+use super::surroundings::Surroundings;
+use super::work::{Event, Work};
+use crate::math::Moments;
+use crate::math::rng::{Purpose, Stream};
+use crate::scene::Radiative;
+use glam::DVec3;
+use std::marker::PhantomData;
+
+/// Something to be run by code compiled for certain effects.
+pub(super) trait Run {
+    /// What comes of it.
+    type Output;
+
+    /// Runs it for the effects `E`.
+    fn run<E: Effects>(self) -> Self::Output;
+}
+
+/// Runs `task` by the code compiled for `parts`.
+pub(super) fn with_parts<R: Run>(parts: Parts, task: R) -> R::Output {
+    match (parts.media, parts.surfaces) {
+        (false, false) => task.run::<Only<false, false, false, false, false>>(),
+        (false, true) => task.run::<Only<false, true, false, false, false>>(),
+        (true, false) => with_emission::<R, false>(parts, task),
+        (true, true) => with_emission::<R, true>(parts, task),
+    }
+}
+
+fn with_emission<R: Run, const SURFACES: bool>(parts: Parts, task: R) -> R::Output {
+    if parts.emission {
+        with_colour::<R, SURFACES, true>(parts, task)
+    } else {
+        with_colour::<R, SURFACES, false>(parts, task)
+    }
+}
+
+fn with_colour<R: Run, const SURFACES: bool, const EMISSION: bool>(
+    parts: Parts,
+    task: R,
+) -> R::Output {
+    match (parts.chromatic, parts.anisotropic) {
+        (false, false) => task.run::<Only<true, SURFACES, EMISSION, false, false>>(),
+        (false, true) => task.run::<Only<true, SURFACES, EMISSION, false, true>>(),
+        (true, false) => task.run::<Only<true, SURFACES, EMISSION, true, false>>(),
+        (true, true) => task.run::<Only<true, SURFACES, EMISSION, true, true>>(),
+    }
+}
+
+/// Renders a scene by integrals along the line of sight.
+pub(super) struct ByLineOfSight<'p, W> {
+    pub scene: &'p Radiative,
+    pub parts: Parts,
+    pub turned: bool,
+    pub pixels: &'p Pixels<'p>,
+    pub work: PhantomData<W>,
+}
+
+impl<W: Work> Run for ByLineOfSight<'_, W> {
+    type Output = (Vec<[f32; 3]>, W);
+
+    fn run<E: Effects>(self) -> Self::Output {
+        let renderer = LineOfSight::<E> {
+            around: Surroundings::new(self.scene, self.parts.null_media),
+            turned: self.turned,
+            tolerance: TOLERANCE,
+        };
+        let size = [self.pixels.width, self.pixels.height];
+        rows(
+            self.pixels,
+            Default::default,
+            |pixel, (path, spans), work: &mut W| {
+                let ray = self.scene.camera.ray(pixel, size);
+                renderer
+                    .radiance(&ray, path, spans, work)
+                    .as_vec3()
+                    .to_array()
+            },
+        )
+    }
+}
+
+/// Renders a scene by tracing paths, each through a random place of its pixel.
+pub(super) struct ByPathTracing<'p, W> {
+    pub scene: &'p Radiative,
+    pub parts: Parts,
+    pub limit: Option<u32>,
+    pub pixels: &'p Pixels<'p>,
+    pub work: PhantomData<W>,
+}
+
+impl<W: Work> Run for ByPathTracing<'_, W> {
+    /// By pixel, the moments of its samples by channel.
+    type Output = (Vec<Result<[Moments; 3], Endless>>, W);
+
+    fn run<E: Effects>(self) -> Self::Output {
+        let scene = self.scene;
+        let tracer = PathTracer::<E>::new(scene, self.limit, self.parts.null_media);
+        let size = [self.pixels.width, self.pixels.height];
+        rows(
+            self.pixels,
+            Scratch::default,
+            |[column, row], scratch, work: &mut W| {
+                let index = (row * size[0] + column) as u32;
+                let mut moments = [Moments::default(); 3];
+                for sample in 0..scene.samples {
+                    let random = Stream::new(scene.seed, index, sample);
+                    work.count_times(Event::RandomDraw, 2);
+                    let [x, y] = random.pair(0, Purpose::Camera, 0);
+                    let place = [column as f64 + x, row as f64 + y];
+                    let ray = scene.camera.ray_through(place, size);
+                    let radiance: DVec3 = tracer.radiance(ray, &random, scratch, work)?;
+                    for (moments, channel) in moments.iter_mut().zip(radiance.to_array()) {
+                        moments.add(channel);
+                    }
+                }
+                Ok(moments)
+            },
+        )
+    }
+}

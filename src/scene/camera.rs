@@ -1,0 +1,160 @@
+//! The eye: where it stands and what it looks at.
+
+use super::SceneError;
+use super::format::{Absent, Key, Kind, Literal, Range, Table};
+use super::reader::Reader;
+use crate::geometry::{Aabb, Camera, CameraError};
+use crate::math;
+use glam::DVec3;
+
+/// The declaration of `[camera]`.
+pub(super) const CAMERA: Table = Table {
+    doc: "The pinhole camera. Left out: one that sees the whole of a classified volume from the front; a radiative scene needs one.",
+    keys: &[
+        Key {
+            name: "eye",
+            kind: Kind::Vector,
+            absent: Absent::Derived("before the volume on the −z side, as near as shows all of it"),
+            doc: "Where the camera stands, world units; required in a radiative scene.",
+        },
+        Key {
+            name: "target",
+            kind: Kind::Vector,
+            absent: Absent::Derived("volume centre"),
+            doc: "The point in the middle of the image, world units; required in a radiative scene.",
+        },
+        Key {
+            name: "up",
+            kind: Kind::Vector,
+            absent: Absent::Default(Literal::Vector([0.0, 1.0, 0.0])),
+            doc: "The direction that points up in the image, any length.",
+        },
+        Key {
+            name: "vertical_fov",
+            kind: Kind::Number(Range::open(0.0, 180.0)),
+            absent: Absent::Default(Literal::Number(45.0)),
+            doc: "Full angle between the top and bottom edge of the image, degrees.",
+        },
+    ],
+    rules: &[],
+};
+
+/// The camera, and where it stands and looks.
+pub(super) struct View {
+    pub camera: Camera,
+    pub eye: DVec3,
+    pub target: DVec3,
+}
+
+impl View {
+    /// Reads `[camera]`; what the scene leaves out follows from what is looked at. `aspect` is
+    /// the width of the image over its height.
+    pub(super) fn framing(
+        reader: &Reader<'_, '_>,
+        bounds: &Aabb,
+        aspect: f64,
+    ) -> Result<View, Box<SceneError>> {
+        let vertical_fov = reader.number("vertical_fov")?.to_radians();
+        let eye = reader.vector_or("eye", || eye_that_sees_all(bounds, vertical_fov, aspect))?;
+        let target = reader.vector_or("target", || bounds.centre())?;
+        View::new(reader, eye, target, vertical_fov)
+    }
+
+    /// Reads `[camera]` of a scene in which nothing says what is looked at: eye and target must
+    /// be given.
+    pub(super) fn given(reader: &Reader<'_, '_>) -> Result<View, Box<SceneError>> {
+        let vertical_fov = reader.number("vertical_fov")?.to_radians();
+        let place = |name: &'static str| {
+            reader.optional_vector(name)?.ok_or_else(|| {
+                reader.mistake(
+                    name,
+                    format!("missing key `{name}` in [camera]"),
+                    "a radiative scene has no size that a camera could follow from: give `eye`, \
+                     where the camera stands, and `target`, what it looks at",
+                )
+            })
+        };
+        let (eye, target) = (place("eye")?, place("target")?);
+        View::new(reader, eye, target, vertical_fov)
+    }
+
+    fn new(
+        reader: &Reader<'_, '_>,
+        eye: DVec3,
+        target: DVec3,
+        vertical_fov: f64,
+    ) -> Result<View, Box<SceneError>> {
+        let up = reader.vector("up")?;
+        let camera = Camera::new(eye, target, up, vertical_fov).map_err(|error| {
+            let key = match error {
+                CameraError::NoDirection => "eye",
+                CameraError::NoUpright => "up",
+            };
+            reader.error(key, error.to_string())
+        })?;
+        Ok(View {
+            camera,
+            eye,
+            target,
+        })
+    }
+}
+
+/// Before the middle of the box on its −z side, where its front face fills the image but for a
+/// margin of 5 %.
+fn eye_that_sees_all(bounds: &Aabb, vertical_fov: f64, aspect: f64) -> DVec3 {
+    let half = bounds.size() * 0.5;
+    let half_height = half.y.max(half.x / aspect);
+    let to_front = half_height / (0.95 * math::tan(0.5 * vertical_fov));
+    bounds.centre() - DVec3::new(0.0, 0.0, half.z + to_front)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The camera that a scene gets if it says nothing shows all corners of the volume, and does
+    /// not stand farther away than that needs.
+    #[test]
+    fn the_default_eye_sees_all_and_no_more() {
+        for size in [
+            [1.0, 1.0, 1.0],
+            [4.0, 0.5, 2.0],
+            [0.1, 3.0, 9.0],
+            [2.0, 2.0, 0.01],
+        ] {
+            for aspect in [0.25, 1.0, 16.0 / 9.0] {
+                for degrees in [10.0_f64, 45.0, 120.0] {
+                    let fov = degrees.to_radians();
+                    let min = DVec3::new(-3.0, 5.0, 7.0);
+                    let bounds = Aabb {
+                        min,
+                        max: min + DVec3::from_array(size),
+                    };
+                    let eye = eye_that_sees_all(&bounds, fov, aspect);
+                    let edge = math::tan(0.5 * fov);
+                    let mut widest = 0.0_f64;
+                    for corner in 0..8 {
+                        let pick = |axis: usize| {
+                            if corner >> axis & 1 == 1 {
+                                bounds.max[axis]
+                            } else {
+                                bounds.min[axis]
+                            }
+                        };
+                        let seen = DVec3::new(pick(0), pick(1), pick(2)) - eye;
+                        assert!(seen.z > 0.0);
+                        let across = seen.x.abs() / (seen.z * edge * aspect);
+                        let up = seen.y.abs() / (seen.z * edge);
+                        widest = widest.max(across).max(up);
+                    }
+                    // 1 is the edge of the image; a margin of 5 % is kept.
+                    assert!(
+                        (widest - 0.95).abs() < 1e-9,
+                        "{size:?} {aspect} {degrees}: {widest}"
+                    );
+                }
+            }
+        }
+    }
+}

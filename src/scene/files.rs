@@ -1,0 +1,148 @@
+//! The files that scenes name: each is read once, and noted with its hash.
+
+use super::SceneError;
+use super::classified::VolumeRequest;
+use super::reader::Reader;
+use crate::geometry::{ClosedMesh, Mesh, MeshError};
+use crate::volume::{self, Grid, SplatError, Splatting, VolumeError};
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A file that a picture was made from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputFile {
+    /// As the scene names it.
+    pub name: String,
+    /// BLAKE3 of its bytes.
+    pub hash: String,
+}
+
+/// A volume file and how it becomes a grid: its name, resolution and padding.
+type GridKey = (String, Option<usize>, usize);
+
+/// The files of a scene; one asked for by several panels, or several times by one, is read once.
+pub(super) struct Files<'p> {
+    folder: &'p Path,
+    grids: BTreeMap<GridKey, (Arc<Grid<f32>>, InputFile)>,
+    meshes: BTreeMap<String, (Arc<Mesh>, InputFile)>,
+    closed: BTreeMap<String, Arc<ClosedMesh>>,
+    used: Vec<InputFile>,
+}
+
+impl<'p> Files<'p> {
+    /// Names of files are relative to `folder`.
+    pub(super) fn new(folder: &'p Path) -> Files<'p> {
+        Files {
+            folder,
+            grids: BTreeMap::new(),
+            meshes: BTreeMap::new(),
+            closed: BTreeMap::new(),
+            used: Vec::new(),
+        }
+    }
+
+    /// The files used since the last call, each once, in the order of their first use.
+    pub(super) fn take_used(&mut self) -> Vec<InputFile> {
+        std::mem::take(&mut self.used)
+    }
+
+    fn note(&mut self, file: &InputFile) {
+        if !self.used.contains(file) {
+            self.used.push(file.clone());
+        }
+    }
+
+    /// The grid that a table `{ file, resolution, padding }` asks for.
+    pub(super) fn grid(
+        &mut self,
+        reader: &Reader<'_, '_>,
+    ) -> Result<Arc<Grid<f32>>, Box<SceneError>> {
+        let VolumeRequest {
+            file,
+            resolution,
+            padding,
+        } = VolumeRequest::read(reader)?;
+        let key = (file.clone(), resolution, padding);
+        if let Some((grid, input)) = self.grids.get(&key).cloned() {
+            self.note(&input);
+            return Ok(grid);
+        }
+        let splatting = Splatting {
+            resolution,
+            padding,
+        };
+        let (grid, hash) =
+            volume::load_hashed(&self.folder.join(&file), splatting).map_err(|error| {
+                let key = match &error {
+                    VolumeError::Splat {
+                        error: SplatError::TooFew { .. } | SplatError::TooFine { .. },
+                        ..
+                    } => "resolution",
+                    _ => "file",
+                };
+                reader.error(key, error.to_string())
+            })?;
+        let (grid, input) = (Arc::new(grid), InputFile { name: file, hash });
+        self.note(&input);
+        self.grids.insert(key, (grid.clone(), input));
+        Ok(grid)
+    }
+
+    /// The mesh that a table `{ file }` names.
+    pub(super) fn mesh(&mut self, reader: &Reader<'_, '_>) -> Result<Arc<Mesh>, Box<SceneError>> {
+        let name = reader.text("file")?;
+        self.mesh_named(reader, name)
+    }
+
+    /// The mesh that a table `{ file }` names, which must be closed.
+    pub(super) fn closed_mesh(
+        &mut self,
+        reader: &Reader<'_, '_>,
+    ) -> Result<Arc<ClosedMesh>, Box<SceneError>> {
+        let name = reader.text("file")?;
+        let mesh = self.mesh_named(reader, name.clone())?;
+        if let Some(closed) = self.closed.get(&name) {
+            return Ok(closed.clone());
+        }
+        let closed =
+            ClosedMesh::new((*mesh).clone()).map_err(|error| bad_mesh(reader, &name, &error))?;
+        let closed = Arc::new(closed);
+        self.closed.insert(name, closed.clone());
+        Ok(closed)
+    }
+
+    fn mesh_named(
+        &mut self,
+        reader: &Reader<'_, '_>,
+        name: String,
+    ) -> Result<Arc<Mesh>, Box<SceneError>> {
+        if let Some((mesh, input)) = self.meshes.get(&name).cloned() {
+            self.note(&input);
+            return Ok(mesh);
+        }
+        let (mesh, hash) = Mesh::load_hashed(&self.folder.join(&name))
+            .map_err(|error| bad_mesh(reader, &name, &error))?;
+        let input = InputFile {
+            name: name.clone(),
+            hash,
+        };
+        self.note(&input);
+        let mesh = Arc::new(mesh);
+        self.meshes.insert(name, (mesh.clone(), input));
+        Ok(mesh)
+    }
+}
+
+fn bad_mesh(reader: &Reader<'_, '_>, name: &str, error: &MeshError) -> Box<SceneError> {
+    let message = match error {
+        MeshError::Unreadable { source, .. } if source.kind() == ErrorKind::NotFound => {
+            format!("there is no file {name}")
+        }
+        // Names the file itself.
+        MeshError::Unreadable { .. } => error.to_string(),
+        _ => format!("{name}: {error}"),
+    };
+    reader.error("file", message)
+}

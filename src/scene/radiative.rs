@@ -1,0 +1,222 @@
+//! Light in surroundings: surfaces, participating media, lights, and who looks at it.
+
+mod contradictions;
+mod lights;
+mod media;
+mod place;
+mod shapes;
+mod surfaces;
+
+use super::SceneError;
+use super::camera::View;
+use super::files::Files;
+use super::format::{Absent, Key, Kind, Literal, Range, Table};
+use super::reader::Reader;
+use super::sampling::Sampling;
+use crate::geometry::{Boundary, Camera, Luminous, Shape};
+use crate::media::Homogeneous;
+use crate::optics::{Light, Material, Sides};
+use contradictions::Parts;
+use glam::DVec3;
+use surfaces::SurfaceKind;
+
+/// The declaration of `[radiative]`.
+pub(super) const RADIATIVE: Table = Table {
+    doc: "Surfaces, participating media and lights.",
+    keys: &[
+        Key {
+            name: "scattering",
+            kind: Kind::Choice(&["none", "single", "multiple"]),
+            absent: Absent::Default(Literal::Text("multiple")),
+            doc: "How often light may be turned on its way to the eye, by media and surfaces together: never, once, or any number of times.",
+        },
+        Key {
+            name: "max_bounces",
+            // A stream of random numbers counts the turns of a path in 26 bits.
+            kind: Kind::Count(2, (1 << 26) - 1),
+            absent: Absent::Nothing,
+            doc: "How often light may be turned at most, with `scattering = \"multiple\"`. Left out: any number of times.",
+        },
+        Key {
+            name: "environment",
+            kind: Kind::Colour(Range::at_least(0.0)),
+            absent: Absent::Default(Literal::Vector([0.0; 3])),
+            doc: "Linear radiance from infinitely far away, the same from every direction.",
+        },
+        Key {
+            name: "surface",
+            kind: Kind::Tables(&surfaces::SURFACE),
+            absent: Absent::Nothing,
+            doc: "Surfaces.",
+        },
+        Key {
+            name: "medium",
+            kind: Kind::Tables(&media::MEDIUM),
+            absent: Absent::Nothing,
+            doc: "Participating media, at most 64.",
+        },
+        Key {
+            name: "light",
+            kind: Kind::Tables(&lights::LIGHT),
+            absent: Absent::Nothing,
+            doc: "Lights without extent.",
+        },
+    ],
+    rules: &[],
+};
+
+/// How often light may be turned on its way from a light to the eye, by media and surfaces
+/// together. To cross the boundary of a medium is no turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scattering {
+    /// Never: lights are seen straight, through what absorbs.
+    None,
+    /// Once at most.
+    Single,
+    /// Any number of times, or up to a limit of at least 2.
+    Multiple(Option<u32>),
+}
+
+/// A surface that reflects or refracts.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// Where it is.
+    pub shape: Shape,
+    /// What it does to light.
+    pub material: Material,
+}
+
+/// A surface that sends out light and reflects none.
+#[derive(Clone, Debug)]
+pub struct AreaLight {
+    /// Where it is.
+    pub shape: Luminous,
+    /// Radiance by channel, the same in every direction.
+    pub radiance: DVec3,
+    /// Which sides send it out.
+    pub sides: Sides,
+}
+
+/// A medium and the space it fills.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// The closed shape it fills; without one it fills all space.
+    pub boundary: Option<Boundary>,
+    /// What it is made of. Where bodies overlap, their coefficients and emissions add up.
+    pub medium: Homogeneous,
+}
+
+/// Surfaces, participating media and lights.
+#[derive(Clone, Debug)]
+pub struct Radiative {
+    /// How often light may be turned.
+    pub scattering: Scattering,
+    /// Surfaces that reflect or refract.
+    pub objects: Vec<Object>,
+    /// Surfaces that send out light.
+    pub area_lights: Vec<AreaLight>,
+    /// Media; at most [`Radiative::MOST_MEDIA`].
+    pub media: Vec<Body>,
+    /// Lights without extent.
+    pub lights: Vec<Light>,
+    /// Radiance by channel from infinitely far away, the same from every direction.
+    pub environment: DVec3,
+    /// The eye.
+    pub camera: Camera,
+    /// Samples per pixel, where random numbers are needed.
+    pub samples: u32,
+    /// Seed of the random numbers.
+    pub seed: u64,
+}
+
+impl Radiative {
+    /// Media in a scene, at most: a set of them is a word of 64 bits.
+    pub const MOST_MEDIA: usize = 64;
+
+    /// Reads `[radiative]` and `[camera]`.
+    pub(super) fn read(
+        reader: &Reader<'_, '_>,
+        camera: &Reader<'_, '_>,
+        sampling: Sampling,
+        files: &mut Files<'_>,
+    ) -> Result<Radiative, Box<SceneError>> {
+        let View { camera, .. } = View::given(camera)?;
+        let scattering = read_scattering(reader)?;
+        let environment = radiance(reader, "environment")?;
+        let (mut objects, mut area_lights) = (Vec::new(), Vec::new());
+        for surface in reader.tables("surface")? {
+            match surfaces::read(&surface, files)? {
+                SurfaceKind::Object(object) => objects.push(object),
+                SurfaceKind::AreaLight(light) => area_lights.push(light),
+            }
+        }
+        let mut media = Vec::new();
+        for (index, medium) in reader.tables("medium")?.into_iter().enumerate() {
+            if index == Radiative::MOST_MEDIA {
+                let message = format!("this is medium {}, one too many", index + 1);
+                let help = format!("a scene holds at most {} media", Radiative::MOST_MEDIA);
+                return Err(medium.mistake_here(message, help));
+            }
+            let body = media::read(&medium, files)?;
+            media.push((medium, body));
+        }
+        let mut lights = Vec::new();
+        for light in reader.tables("light")? {
+            let read = lights::read(&light)?;
+            lights.push((light, read));
+        }
+        let parts = Parts {
+            reader,
+            scattering,
+            environment,
+            objects: &objects,
+            area_lights: &area_lights,
+            media: &media,
+            lights: &lights,
+        };
+        parts.check()?;
+        Ok(Radiative {
+            scattering,
+            objects,
+            area_lights,
+            media: media.into_iter().map(|(_, body)| body).collect(),
+            lights: lights.into_iter().map(|(_, light)| light).collect(),
+            environment,
+            camera,
+            samples: sampling.samples,
+            seed: sampling.seed,
+        })
+    }
+}
+
+fn read_scattering(reader: &Reader<'_, '_>) -> Result<Scattering, Box<SceneError>> {
+    let scattering = reader.text("scattering")?;
+    let limit = reader.optional_count("max_bounces")?;
+    let limit = limit.map(|limit| u32::try_from(limit).expect("below 2^26 by declaration"));
+    match (scattering.as_str(), limit) {
+        ("none", None) => Ok(Scattering::None),
+        ("single", None) => Ok(Scattering::Single),
+        ("multiple", limit) => Ok(Scattering::Multiple(limit)),
+        _ => {
+            let message = format!("`max_bounces` means nothing to {scattering} scattering");
+            let help = "remove it, or set `scattering = \"multiple\"`";
+            Err(reader.mistake("max_bounces", message, help))
+        }
+    }
+}
+
+/// Half of the largest number an image of `f32` can hold leaves room for rounding.
+const LARGEST_RADIANCE: f64 = (f32::MAX / 2.0) as f64;
+
+/// The colour at `name`, a radiance or something that becomes one, if an image can hold it.
+fn radiance(reader: &Reader<'_, '_>, name: &str) -> Result<DVec3, Box<SceneError>> {
+    let colour = reader.vector(name)?;
+    let most = colour.max_element();
+    if most <= LARGEST_RADIANCE {
+        return Ok(colour);
+    }
+    let message =
+        format!("`{name}` is {most:e}, but an image holds at most {LARGEST_RADIANCE:.3e}");
+    let help = "an image holds 32-bit numbers; choose another unit of radiance";
+    Err(reader.mistake(name, message, help))
+}

@@ -1,0 +1,171 @@
+//! What is valid part by part and makes no picture together.
+
+use super::{AreaLight, Body, Object, Scattering};
+use crate::geometry::{Emitter, Luminous, Shape};
+use crate::optics::{Light, Material};
+use crate::scene::SceneError;
+use crate::scene::reader::Reader;
+use glam::DVec3;
+
+/// Parts of a scene with the tables they were read from.
+pub(super) struct Parts<'r, 'd, 's> {
+    /// `[radiative]`.
+    pub reader: &'r Reader<'d, 's>,
+    pub scattering: Scattering,
+    pub environment: DVec3,
+    pub objects: &'r [Object],
+    pub area_lights: &'r [AreaLight],
+    pub media: &'r [(Reader<'d, 's>, Body)],
+    pub lights: &'r [(Reader<'d, 's>, Light)],
+}
+
+const BOUND_IT: &str = "give the medium a boundary: a `sphere`, `box` or closed `mesh`";
+
+impl Parts<'_, '_, '_> {
+    /// Refuses scenes whose light is infinite, never arrives, or cannot be found.
+    pub(super) fn check(&self) -> Result<(), Box<SceneError>> {
+        self.check_light_that_diverges()?;
+        self.check_light_that_never_arrives()?;
+        self.check_lights_in_surfaces()?;
+        self.check_light_that_no_path_meets()
+    }
+
+    /// Media without boundary, where they are all that there is far away: they add up.
+    fn unbounded(&self) -> impl Iterator<Item = &(Reader<'_, '_>, Body)> {
+        let media = self.media.iter();
+        media.filter(|(_, body)| body.boundary.is_none())
+    }
+
+    fn far_away(&self, quantity: impl Fn(&Body) -> DVec3) -> DVec3 {
+        self.unbounded().map(|(_, body)| quantity(body)).sum()
+    }
+
+    fn check_light_that_diverges(&self) -> Result<(), Box<SceneError>> {
+        let sigma_a = self.far_away(|body| body.medium.coefficients.sigma_a());
+        let sigma_t = self.far_away(|body| body.medium.coefficients.sigma_t());
+        for (reader, body) in self.unbounded() {
+            let glows = body.medium.emission.cmpgt(DVec3::ZERO);
+            if (glows & sigma_t.cmpeq(DVec3::ZERO)).any() {
+                return Err(reader.mistake(
+                    "emission",
+                    "a medium that fills all space, sends out light and takes none away is \
+                     infinitely bright",
+                    format!("{BOUND_IT}; or give it absorption in every channel that it emits in"),
+                ));
+            }
+            let scatters = body.medium.coefficients.sigma_s().cmpgt(DVec3::ZERO);
+            let for_ever = (scatters & sigma_a.cmpeq(DVec3::ZERO)).any();
+            if for_ever && self.scattering == Scattering::Multiple(None) {
+                let key = if reader.has("albedo") {
+                    "albedo"
+                } else {
+                    "sigma_s"
+                };
+                return Err(reader.mistake(
+                    key,
+                    "a medium that fills all space and scatters without absorbing turns light \
+                     for ever",
+                    format!(
+                        "{BOUND_IT}; or give it some absorption in every channel that it \
+                         scatters in; or limit `radiative.max_bounces`"
+                    ),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_light_that_never_arrives(&self) -> Result<(), Box<SceneError>> {
+        let sigma_t = self.far_away(|body| body.medium.coefficients.sigma_t());
+        if sigma_t == DVec3::ZERO {
+            return Ok(());
+        }
+        let help = format!(
+            "{BOUND_IT}; or light the scene from within, by emitting surfaces, points or spots"
+        );
+        if self.environment != DVec3::ZERO {
+            let message = "`environment` shines from infinitely far away, and a medium fills all \
+                           space: none of that light arrives";
+            return Err(self.reader.mistake("environment", message, help));
+        }
+        for (reader, light) in self.lights {
+            if matches!(light, Light::Directional(light) if light.irradiance != DVec3::ZERO) {
+                let message = "a directional light shines from infinitely far away, and a medium \
+                               fills all space: none of that light arrives";
+                return Err(reader.mistake("directional", message, help));
+            }
+        }
+        Ok(())
+    }
+
+    /// A light exactly in a flat surface lies on neither side of it: roundings would decide.
+    fn check_lights_in_surfaces(&self) -> Result<(), Box<SceneError>> {
+        let help = "move the light a little off the surface, to the side that it shines on";
+        let rectangles = || {
+            self.objects
+                .iter()
+                .filter_map(|object| match &object.shape {
+                    Shape::Rectangle(rectangle) => Some(rectangle),
+                    _ => None,
+                })
+        };
+        for (reader, light) in self.lights {
+            let inside = |position| rectangles().any(|rectangle| rectangle.holds(position));
+            if light.position().is_some_and(inside) {
+                let key = match light {
+                    Light::Spot(_) => "spot",
+                    _ => "point",
+                };
+                let message = "the light stands exactly in a rectangle, on neither side of it";
+                return Err(reader.mistake(key, message, help.to_owned()));
+            }
+        }
+        // Nine places tell whether two rectangles in a plane overlap, but for slivers.
+        let grid = [0.0, 0.5, 1.0];
+        for light in self.area_lights {
+            let Luminous::Rectangle(lamp) = &light.shape else {
+                continue;
+            };
+            let places = || grid.into_iter().flat_map(|u| grid.map(|v| [u, v]));
+            let flush = rectangles().any(|wall| {
+                let within = places().any(|uv| wall.holds(lamp.sample(uv).position));
+                within && lamp.normal().dot(wall.normal()).abs() == 1.0
+            });
+            if flush {
+                let message = "an emitting rectangle lies exactly in another surface: either hides \
+                               the other";
+                return Err(self.reader.mistake("surface", message, help.to_owned()));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_light_that_no_path_meets(&self) -> Result<(), Box<SceneError>> {
+        if !matches!(self.scattering, Scattering::Multiple(_)) {
+            return Ok(());
+        }
+        let named = |object: &Object| match object.material {
+            Material::Diffuse(_) => None,
+            Material::Mirror(_) => Some("mirror"),
+            Material::Glass(_) => Some("glass"),
+        };
+        let (Some((reader, light)), Some(material)) =
+            (self.lights.first(), self.objects.iter().find_map(named))
+        else {
+            return Ok(());
+        };
+        let (key, instead) = match light {
+            Light::Point(_) => ("point", "a small emitting sphere"),
+            Light::Spot(_) => ("spot", "a small emitting sphere or rectangle"),
+            Light::Directional(_) => ("directional", "a far emitting sphere or the environment"),
+        };
+        let message = format!(
+            "light of a {key} light that a {material} surface turns cannot be met by any path \
+             from the eye"
+        );
+        let help = format!(
+            "use {instead} in place of the light, or a diffuse surface in place of the {material}"
+        );
+        Err(reader.mistake(key, message, help))
+    }
+}

@@ -1,0 +1,132 @@
+//! Lights without extent.
+
+use super::radiance;
+use crate::geometry::direction_of;
+use crate::optics::{Directional, Light, Point, Spot, SpotError};
+use crate::scene::SceneError;
+use crate::scene::format::{Absent, Key, Kind, Range, Rule, Table};
+use crate::scene::reader::Reader;
+
+/// The declaration of `[[radiative.light]]`.
+pub(super) const LIGHT: Table = Table {
+    doc: "A light without extent. Lights with extent are surfaces that emit.",
+    keys: &[
+        Key {
+            name: "point",
+            kind: Kind::Table(&Table {
+                doc: "Shines from a point into every direction.",
+                keys: &[POSITION, INTENSITY],
+                rules: &[],
+            }),
+            absent: Absent::Nothing,
+            doc: "Shines from a point into every direction.",
+        },
+        Key {
+            name: "spot",
+            kind: Kind::Table(&Table {
+                doc: "Shines from a point into a cone: fully within the inner angle from its axis, not at all from the outer angle on, and falling linearly in between.",
+                keys: &[
+                    POSITION,
+                    Key {
+                        name: "target",
+                        kind: Kind::Vector,
+                        absent: Absent::Error,
+                        doc: "A point on the axis of the cone, other than `position`, world units.",
+                    },
+                    INTENSITY,
+                    Key {
+                        name: "inner_angle",
+                        kind: Kind::Number(Range::closed(0.0, 180.0)),
+                        absent: Absent::Error,
+                        doc: "Half-angle of the cone that is lit fully, degrees; at most `outer_angle`.",
+                    },
+                    Key {
+                        name: "outer_angle",
+                        kind: Kind::Number(Range::closed(0.0, 180.0)),
+                        absent: Absent::Error,
+                        doc: "Half-angle of the cone outside which nothing is lit, degrees; above 0.",
+                    },
+                ],
+                rules: &[],
+            }),
+            absent: Absent::Nothing,
+            doc: "Shines from a point into a cone.",
+        },
+        Key {
+            name: "directional",
+            kind: Kind::Table(&Table {
+                doc: "Shines from infinitely far away, in the same direction everywhere.",
+                keys: &[
+                    Key {
+                        name: "direction",
+                        kind: Kind::Vector,
+                        absent: Absent::Error,
+                        doc: "Where the light travels, any length but 0.",
+                    },
+                    Key {
+                        name: "irradiance",
+                        kind: Kind::Colour(Range::at_least(0.0)),
+                        absent: Absent::Error,
+                        doc: "Irradiance on a plane perpendicular to the direction.",
+                    },
+                ],
+                rules: &[],
+            }),
+            absent: Absent::Nothing,
+            doc: "Shines from infinitely far away.",
+        },
+    ],
+    rules: &[Rule::ExactlyOne {
+        what: "kind of light",
+        keys: &["point", "spot", "directional"],
+    }],
+};
+
+const POSITION: Key = Key {
+    name: "position",
+    kind: Kind::Vector,
+    absent: Absent::Error,
+    doc: "Where the light stands, world units.",
+};
+
+const INTENSITY: Key = Key {
+    name: "intensity",
+    kind: Kind::Colour(Range::at_least(0.0)),
+    absent: Absent::Error,
+    doc: "Radiant intensity, power per steradian, on the axis of a spot: the irradiance at distance r is intensity / r².",
+};
+
+/// Reads one `[[radiative.light]]`.
+pub(super) fn read(reader: &Reader<'_, '_>) -> Result<Light, Box<SceneError>> {
+    if let Some(point) = reader.table("point")? {
+        return Ok(Light::Point(Point {
+            position: point.vector("position")?,
+            intensity: radiance(&point, "intensity")?,
+        }));
+    }
+    if let Some(spot) = reader.table("spot")? {
+        return read_spot(&spot).map(Light::Spot);
+    }
+    let directional = reader.table("directional")?.expect("one of the lights");
+    let direction = direction_of(directional.vector("direction")?).ok_or_else(|| {
+        let message = "the light travels nowhere: its direction is the zero vector";
+        directional.error("direction", message)
+    })?;
+    Ok(Light::Directional(Directional {
+        direction,
+        irradiance: radiance(&directional, "irradiance")?,
+    }))
+}
+
+fn read_spot(reader: &Reader<'_, '_>) -> Result<Spot, Box<SceneError>> {
+    let (position, target) = (reader.vector("position")?, reader.vector("target")?);
+    let intensity = radiance(reader, "intensity")?;
+    let angles = [reader.number("inner_angle")?, reader.number("outer_angle")?];
+    Spot::new(position, target - position, intensity, angles).map_err(|error| {
+        let key = match error {
+            SpotError::NoDirection => "target",
+            SpotError::Angles { .. } => "outer_angle",
+        };
+        reader.error(key, error.to_string())
+    })
+}

@@ -1,0 +1,97 @@
+//! Where a shape stands: scaled, then turned, then moved.
+
+use crate::geometry::Transform;
+use crate::scene::SceneError;
+use crate::scene::format::{Absent, Key, Kind, Table};
+use crate::scene::reader::Reader;
+use glam::DVec3;
+
+/// The keys that move a shape.
+pub(super) const KEYS: [&str; 3] = ["scale", "rotate", "translate"];
+
+/// Factors along the axes.
+pub(super) const SCALE: Key = Key {
+    name: "scale",
+    kind: Kind::Vector,
+    absent: Absent::Nothing,
+    doc: "Stretches the shape along x, y, z about the origin, before it is turned; not 0, negative factors mirror.",
+};
+
+/// A turn about an axis.
+pub(super) const ROTATE: Key = Key {
+    name: "rotate",
+    kind: Kind::Table(&ROTATION),
+    absent: Absent::Nothing,
+    doc: "Turns the shape about an axis through the origin, after it is scaled and before it is moved.",
+};
+
+/// A way.
+pub(super) const TRANSLATE: Key = Key {
+    name: "translate",
+    kind: Kind::Vector,
+    absent: Absent::Nothing,
+    doc: "Moves the shape, last of all, world units.",
+};
+
+const ROTATION: Table = Table {
+    doc: "A turn about an axis through the origin.",
+    keys: &[
+        Key {
+            name: "axis",
+            kind: Kind::Vector,
+            absent: Absent::Error,
+            doc: "The axis, any length but 0.",
+        },
+        Key {
+            name: "angle",
+            kind: Kind::Number(crate::scene::format::Range::open(
+                f64::NEG_INFINITY,
+                f64::INFINITY,
+            )),
+            absent: Absent::Error,
+            doc: "Degrees; anticlockwise where the axis points at the viewer.",
+        },
+    ],
+    rules: &[],
+};
+
+/// Where a shape goes.
+pub(super) struct Place {
+    /// The map to the world; none for a shape that stays, to the bit, where it is given.
+    pub transform: Option<Transform>,
+    /// The factors of its scaling.
+    pub scale: DVec3,
+}
+
+impl Place {
+    pub(super) fn read(reader: &Reader<'_, '_>) -> Result<Place, Box<SceneError>> {
+        let mut transform = Transform::IDENTITY;
+        let mut scale = DVec3::ONE;
+        if let Some(factors) = reader.optional_vector("scale")? {
+            scale = factors;
+            transform = Transform::scale(factors)
+                .map_err(|error| reader.error("scale", error.to_string()))?;
+        }
+        if let Some(rotation) = reader.table("rotate")? {
+            let (axis, angle) = (rotation.vector("axis")?, rotation.number("angle")?);
+            let turn = Transform::rotation(axis, angle)
+                .map_err(|error| rotation.error("axis", error.to_string()))?;
+            transform = transform.then(&turn);
+        }
+        if let Some(way) = reader.optional_vector("translate")? {
+            let shift = Transform::translation(way)
+                .map_err(|error| reader.error("translate", error.to_string()))?;
+            transform = transform.then(&shift);
+        }
+        Ok(Place {
+            transform: (transform != Transform::IDENTITY).then_some(transform),
+            scale,
+        })
+    }
+
+    /// The common factor of a scaling that stretches nothing more than anything else.
+    pub(super) fn even_scale(&self) -> Option<f64> {
+        let [x, y, z] = self.scale.abs().to_array();
+        (x == y && y == z).then_some(x)
+    }
+}

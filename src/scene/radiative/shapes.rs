@@ -1,0 +1,349 @@
+//! Shapes as scenes give them, and what becomes of them.
+
+use super::place::Place;
+use crate::geometry::{
+    Aabb, Boundary, ClosedMesh, Emitter, Luminous, Mesh, MeshError, Placed, Rectangle, Shape,
+    ShapeError, Sphere, Surface, Transform,
+};
+use crate::scene::SceneError;
+use crate::scene::files::Files;
+use crate::scene::format::{Absent, Key, Kind, Range, Table};
+use crate::scene::reader::Reader;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// A sphere.
+pub(super) const SPHERE: Key = Key {
+    name: "sphere",
+    kind: Kind::Table(&Table {
+        doc: "A sphere.",
+        keys: &[
+            Key {
+                name: "centre",
+                kind: Kind::Vector,
+                absent: Absent::Error,
+                doc: "Its centre, world units.",
+            },
+            Key {
+                name: "radius",
+                kind: Kind::Number(Range::open(0.0, f64::INFINITY)),
+                absent: Absent::Error,
+                doc: "Its radius, world units.",
+            },
+        ],
+        rules: &[],
+    }),
+    absent: Absent::Nothing,
+    doc: "Shape: a sphere.",
+};
+
+/// A box.
+pub(super) const BOX: Key = Key {
+    name: "box",
+    kind: Kind::Table(&Table {
+        doc: "A box along the axes.",
+        keys: &[
+            Key {
+                name: "min",
+                kind: Kind::Vector,
+                absent: Absent::Error,
+                doc: "The corner with the smallest coordinates, world units.",
+            },
+            Key {
+                name: "max",
+                kind: Kind::Vector,
+                absent: Absent::Error,
+                doc: "The corner with the largest coordinates, world units.",
+            },
+        ],
+        rules: &[],
+    }),
+    absent: Absent::Nothing,
+    doc: "Shape: a box along the axes.",
+};
+
+/// A rectangle.
+pub(super) const RECTANGLE: Key = Key {
+    name: "rectangle",
+    kind: Kind::Table(&Table {
+        doc: "A rectangle, or a parallelogram; its front is where edge_u × edge_v points.",
+        keys: &[
+            Key {
+                name: "corner",
+                kind: Kind::Vector,
+                absent: Absent::Error,
+                doc: "The corner where both edges start, world units.",
+            },
+            Key {
+                name: "edge_u",
+                kind: Kind::Vector,
+                absent: Absent::Error,
+                doc: "From the corner to the next one, world units.",
+            },
+            Key {
+                name: "edge_v",
+                kind: Kind::Vector,
+                absent: Absent::Error,
+                doc: "From the corner to the other neighbour, world units.",
+            },
+        ],
+        rules: &[],
+    }),
+    absent: Absent::Nothing,
+    doc: "Shape: a rectangle or parallelogram.",
+};
+
+/// A mesh.
+pub(super) const MESH: Key = Key {
+    name: "mesh",
+    kind: Kind::Table(&Table {
+        doc: "A triangle mesh.",
+        keys: &[Key {
+            name: "file",
+            kind: Kind::Text,
+            absent: Absent::Error,
+            doc: "Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.",
+        }],
+        rules: &[],
+    }),
+    absent: Absent::Nothing,
+    doc: "Shape: a triangle mesh.",
+};
+
+/// A shape where its own keys put it.
+enum Form {
+    Sphere(Sphere),
+    Box(Aabb),
+    Rectangle(Rectangle),
+    Mesh(Arc<Mesh>),
+}
+
+impl Form {
+    /// The key that holds it.
+    fn key(&self) -> &'static str {
+        match self {
+            Form::Sphere(_) => "sphere",
+            Form::Box(_) => "box",
+            Form::Rectangle(_) => "rectangle",
+            Form::Mesh(_) => "mesh",
+        }
+    }
+
+    /// Whatever of the four the table holds; that it holds one is declared.
+    fn read(reader: &Reader<'_, '_>, files: &mut Files<'_>) -> Result<Form, Box<SceneError>> {
+        if let Some(sphere) = reader.table("sphere")? {
+            return read_sphere(&sphere).map(Form::Sphere);
+        }
+        if let Some(cuboid) = reader.table("box")? {
+            return read_box(&cuboid).map(Form::Box);
+        }
+        if let Some(rectangle) = reader.table("rectangle")? {
+            return read_rectangle(&rectangle).map(Form::Rectangle);
+        }
+        let mesh = reader.table("mesh")?.expect("one of the shapes");
+        files.mesh(&mesh).map(Form::Mesh)
+    }
+}
+
+fn read_sphere(reader: &Reader<'_, '_>) -> Result<Sphere, Box<SceneError>> {
+    let (centre, radius) = (reader.vector("centre")?, reader.number("radius")?);
+    Sphere::new(centre, radius).map_err(|error| reader.error("radius", error.to_string()))
+}
+
+fn read_box(reader: &Reader<'_, '_>) -> Result<Aabb, Box<SceneError>> {
+    let (min, max) = (reader.vector("min")?, reader.vector("max")?);
+    Aabb::new(min, max).map_err(|error| reader.error("min", error.to_string()))
+}
+
+fn read_rectangle(reader: &Reader<'_, '_>) -> Result<Rectangle, Box<SceneError>> {
+    let corner = reader.vector("corner")?;
+    let (edge_u, edge_v) = (reader.vector("edge_u")?, reader.vector("edge_v")?);
+    Rectangle::new(corner, edge_u, edge_v).map_err(|error| {
+        let key = match error {
+            ShapeError::NoArea(..) => "edge_v",
+            _ => "corner",
+        };
+        reader.error(key, error.to_string())
+    })
+}
+
+/// The shape of a surface that reflects or refracts. A `solid` one must have an inside, if it is
+/// a box.
+pub(super) fn shape(
+    reader: &Reader<'_, '_>,
+    files: &mut Files<'_>,
+    solid: bool,
+) -> Result<Shape, Box<SceneError>> {
+    let form = Form::read(reader, files)?;
+    let place = Place::read(reader)?;
+    if let Form::Box(cuboid) = &form {
+        let flat = cuboid.size().cmpeq(DVec3::ZERO).bitmask().count_ones();
+        if flat > 1 {
+            let message = "the box is a line or a point: no ray can meet it";
+            let help = "give `max` larger coordinates than `min` on two axes or all three";
+            return Err(reader.mistake("box", message, help));
+        }
+        if solid && flat == 1 {
+            return Err(flat_box(reader, "glass"));
+        }
+    }
+    let Some(to_world) = place.transform else {
+        return Ok(match form {
+            Form::Sphere(sphere) => Shape::Sphere(sphere),
+            Form::Box(cuboid) => Shape::Box(cuboid),
+            Form::Rectangle(rectangle) => Shape::Rectangle(rectangle),
+            Form::Mesh(mesh) => Shape::Mesh(mesh),
+        });
+    };
+    Ok(match form {
+        Form::Sphere(sphere) => Shape::PlacedSphere(placed(reader, "sphere", sphere, to_world)?),
+        Form::Box(cuboid) => Shape::PlacedBox(placed(reader, "box", cuboid, to_world)?),
+        Form::Rectangle(rectangle) => Shape::Rectangle(moved(reader, &rectangle, &to_world)?),
+        Form::Mesh(mesh) => Shape::PlacedMesh(placed(reader, "mesh", mesh, to_world)?),
+    })
+}
+
+/// The shape of a surface that sends out light.
+pub(super) fn luminous(
+    reader: &Reader<'_, '_>,
+    files: &mut Files<'_>,
+) -> Result<Luminous, Box<SceneError>> {
+    let form = Form::read(reader, files)?;
+    let place = Place::read(reader)?;
+    let key = form.key();
+    let shape = match (form, &place.transform) {
+        (Form::Sphere(sphere), None) => Luminous::Sphere(sphere),
+        (Form::Sphere(sphere), Some(to_world)) => {
+            let Some(factor) = place.even_scale() else {
+                return Err(reader.mistake(
+                    "scale",
+                    "a sphere that sends out light cannot be stretched to an ellipsoid",
+                    "scale by the same factor along x, y and z, or give a mesh of the ellipsoid",
+                ));
+            };
+            let centre = to_world.point(sphere.centre());
+            let sphere = Sphere::new(centre, sphere.radius() * factor)
+                .map_err(|error| reader.error("sphere", error.to_string()))?;
+            Luminous::Sphere(sphere)
+        }
+        (Form::Rectangle(rectangle), None) => Luminous::Rectangle(rectangle),
+        (Form::Rectangle(rectangle), Some(to_world)) => {
+            Luminous::Rectangle(moved(reader, &rectangle, to_world)?)
+        }
+        (Form::Box(cuboid), transform) => {
+            if cuboid.size().cmpeq(DVec3::ZERO).any() {
+                return Err(flat_box(reader, "a light in the shape of a box"));
+            }
+            let mesh = Mesh::cuboid(&cuboid).and_then(|mesh| match transform {
+                Some(to_world) => mesh.transformed(to_world),
+                None => Ok(mesh),
+            });
+            Luminous::Mesh(Arc::new(in_the_world(reader, key, mesh)?))
+        }
+        (Form::Mesh(mesh), None) => Luminous::Mesh(mesh),
+        (Form::Mesh(mesh), Some(to_world)) => {
+            let mesh = mesh.transformed(to_world);
+            Luminous::Mesh(Arc::new(in_the_world(reader, key, mesh)?))
+        }
+    };
+    let area = shape.area();
+    if area > 0.0 && area.is_finite() {
+        return Ok(shape);
+    }
+    let message = format!("the area of this light is {area}, beyond the range of numbers");
+    Err(reader.mistake(key, message, "choose other units of length"))
+}
+
+/// The boundary of a medium; none if the table has no shape.
+pub(super) fn boundary(
+    reader: &Reader<'_, '_>,
+    files: &mut Files<'_>,
+) -> Result<Option<Boundary>, Box<SceneError>> {
+    enum Body {
+        Sphere(Sphere),
+        Box(Aabb),
+        Mesh(Arc<ClosedMesh>),
+    }
+    let body = if let Some(sphere) = reader.table("sphere")? {
+        Body::Sphere(read_sphere(&sphere)?)
+    } else if let Some(table) = reader.table("box")? {
+        let cuboid = read_box(&table)?;
+        if cuboid.size().cmpeq(DVec3::ZERO).any() {
+            return Err(flat_box(reader, "a medium"));
+        }
+        Body::Box(cuboid)
+    } else if let Some(mesh) = reader.table("mesh")? {
+        Body::Mesh(files.closed_mesh(&mesh)?)
+    } else {
+        if let Some(key) = super::place::KEYS.into_iter().find(|key| reader.has(key)) {
+            let message =
+                format!("a medium without a shape fills all space: `{key}` moves nothing");
+            let help = format!("give the medium a `sphere`, `box` or `mesh`, or remove `{key}`");
+            return Err(reader.mistake(key, message, help));
+        }
+        return Ok(None);
+    };
+    let place = Place::read(reader)?;
+    let Some(to_world) = place.transform else {
+        return Ok(Some(match body {
+            Body::Sphere(sphere) => Boundary::Sphere(sphere),
+            Body::Box(cuboid) => Boundary::Box(cuboid),
+            Body::Mesh(mesh) => Boundary::Mesh(mesh),
+        }));
+    };
+    Ok(Some(match body {
+        Body::Sphere(sphere) => Boundary::PlacedSphere(placed(reader, "sphere", sphere, to_world)?),
+        Body::Box(cuboid) => Boundary::PlacedBox(placed(reader, "box", cuboid, to_world)?),
+        Body::Mesh(mesh) => Boundary::PlacedMesh(placed(reader, "mesh", mesh, to_world)?),
+    }))
+}
+
+fn flat_box(reader: &Reader<'_, '_>, what: &str) -> Box<SceneError> {
+    let message = format!("the box is flat: it has no inside, as {what} needs");
+    let help =
+        "give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`";
+    reader.mistake("box", message, help)
+}
+
+/// `shape` moved, if there is still something of it where it goes.
+fn placed<S: Surface>(
+    reader: &Reader<'_, '_>,
+    key: &str,
+    shape: S,
+    to_world: Transform,
+) -> Result<Placed<S>, Box<SceneError>> {
+    let flat_axes = |size: DVec3| size.cmple(DVec3::ZERO).bitmask().count_ones();
+    let before = flat_axes(shape.bounds().size());
+    let placed = Placed::new(shape, to_world);
+    let bounds = placed.bounds();
+    let finite = bounds.min.is_finite() && bounds.max.is_finite() && bounds.size().is_finite();
+    if finite && flat_axes(bounds.size()) <= before {
+        return Ok(placed);
+    }
+    let message = format!(
+        "scaled, turned and moved, the {key} lies where numbers are too coarse for it, or beyond \
+         the largest"
+    );
+    let help = "scale it less, or move the scene nearer to the origin";
+    Err(reader.mistake(key, message, help))
+}
+
+fn moved(
+    reader: &Reader<'_, '_>,
+    rectangle: &Rectangle,
+    to_world: &Transform,
+) -> Result<Rectangle, Box<SceneError>> {
+    let moved = rectangle.transformed(to_world);
+    moved.map_err(|error| {
+        let message = format!("scaled, turned and moved: {error}");
+        reader.error("rectangle", message)
+    })
+}
+
+fn in_the_world(
+    reader: &Reader<'_, '_>,
+    key: &str,
+    mesh: Result<Mesh, MeshError>,
+) -> Result<Mesh, Box<SceneError>> {
+    mesh.map_err(|error| reader.error(key, format!("scaled, turned and moved: {error}")))
+}

@@ -1,0 +1,120 @@
+//! Renderings of an accept that did not come to its end.
+//!
+//! A converged rendering takes minutes to hours. Each one is kept when it is finished, so that
+//! the next run goes on from there; when its case is accepted, it is removed. Within a rendering
+//! nothing is kept: what was not finished is begun again.
+//!
+//! The key of a rendering is a hash of everything it depends on: scene, plan, input files,
+//! samples and seed, the versions of volref and `libm`, and the executable itself, so that no
+//! image ever comes from other code. The name of its file ends with the hash of the image, so
+//! that none comes back changed.
+
+use super::golden::{LIBM_VERSION, input_hashes};
+use super::rendering::Shot;
+use crate::atomic_file::write_atomically;
+use crate::film::Film;
+use crate::render::Plan;
+use crate::scene::Scene;
+use std::path::{Path, PathBuf};
+
+/// A folder of finished renderings, hidden from version control.
+#[derive(Clone, Debug)]
+pub struct Cache {
+    folder: PathBuf,
+    /// Hash of the running executable; without it nothing is kept.
+    executable: Option<String>,
+}
+
+impl Cache {
+    /// The cache in `folder`, which need not exist. Touches no file but the executable.
+    pub fn open(folder: impl Into<PathBuf>) -> Cache {
+        let bytes = std::env::current_exe().and_then(std::fs::read);
+        Cache {
+            folder: folder.into(),
+            executable: bytes.ok().map(|bytes| hash(&[&bytes])),
+        }
+    }
+
+    /// What a rendering is known by, if anything can be kept.
+    pub(super) fn key(&self, scene: &Scene, plans: &[Plan], shot: Shot) -> Option<String> {
+        let executable = self.executable.as_ref()?;
+        let plans: Vec<_> = plans.iter().map(Plan::canonical_text).collect();
+        let inputs: Vec<_> = input_hashes(scene).into_iter().collect();
+        let parts = [
+            scene.canonical_text(),
+            format!("{plans:?}"),
+            format!("{inputs:?}"),
+            shot.name(),
+            env!("CARGO_PKG_VERSION").to_owned(),
+            LIBM_VERSION.to_owned(),
+            executable.clone(),
+        ];
+        let parts: Vec<&[u8]> = parts.iter().map(String::as_bytes).collect();
+        Some(hash(&parts))
+    }
+
+    /// The rendering of `case` with this key, if it was kept as it was.
+    pub(super) fn get(&self, case: &str, key: &str) -> Option<Film> {
+        let prefix = format!("{key}.");
+        let entries = std::fs::read_dir(self.folder.join(case)).ok()?;
+        entries.flatten().find_map(|entry| {
+            let name = entry.file_name().into_string().ok()?;
+            let pixels = name.strip_prefix(&prefix)?.strip_suffix(".exr")?;
+            let film = Film::from_exr(&std::fs::read(entry.path()).ok()?).ok()?;
+            (film.pixel_hash() == pixels).then_some(film)
+        })
+    }
+
+    /// Keeps a finished rendering. Where that fails, the next run renders it again: no reason to
+    /// end this one.
+    pub(super) fn put(&self, case: &str, key: &str, film: &Film) {
+        let folder = self.folder.join(case);
+        let Ok(bytes) = film.to_exr() else {
+            return;
+        };
+        if std::fs::create_dir_all(&folder).is_err() {
+            return;
+        }
+        // Hides the folder, and itself, from version control wherever the suite is.
+        let ignore = self.folder.join(".gitignore");
+        if !ignore.exists() {
+            let _ = write_atomically(&ignore, b"*\n");
+        }
+        let name = format!("{key}.{}.exr", film.pixel_hash());
+        let _ = write_atomically(&folder.join(name), &bytes);
+    }
+
+    /// Removes what was kept of `case`, and the folders that are empty then.
+    pub(super) fn forget(&self, case: &str) {
+        let folder = self.folder.join(case);
+        if std::fs::remove_dir_all(&folder).is_err() {
+            return;
+        }
+        if folder.parent().is_some_and(is_removed) {
+            let only_hidden = |entries: std::fs::ReadDir| {
+                entries
+                    .flatten()
+                    .all(|entry| entry.file_name() == ".gitignore")
+            };
+            if std::fs::read_dir(&self.folder).is_ok_and(only_hidden) {
+                let _ = std::fs::remove_file(self.folder.join(".gitignore"));
+                let _ = std::fs::remove_dir(&self.folder);
+            }
+        }
+    }
+}
+
+/// Removes a folder that is empty.
+fn is_removed(folder: &Path) -> bool {
+    std::fs::remove_dir(folder).is_ok()
+}
+
+/// Hash of the parts, each with its length: no two lists of parts run into each other.
+fn hash(parts: &[&[u8]]) -> String {
+    let mut hasher = blake3::Hasher::new();
+    for part in parts {
+        hasher.update(&(part.len() as u64).to_le_bytes());
+        hasher.update(part);
+    }
+    hasher.finalize().to_hex().to_string()
+}

@@ -1,0 +1,136 @@
+//! The renderings a case consists of.
+//!
+//! A deterministic case is one rendering. A stochastic case is two: a *quick* one of few samples,
+//! whose bits pin the renderer, and a *converged* one of many, which images are judged by. They
+//! share no random number: the quick one takes the seed of the scene, the converged one that seed
+//! plus 2⁶³, which no scene file can name, for whole numbers in TOML end below it.
+//! `volref render --spp N --seed S` makes either again.
+
+use super::Case;
+use crate::film::Film;
+use crate::render::{self, Plan, RenderError};
+use crate::scene::{Model, Scene};
+
+/// Added to the seed of every panel for the converged rendering.
+const CONVERGED: u64 = 1 << 63;
+
+/// Which rendering of a case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shot {
+    /// The only one of a deterministic case.
+    Only,
+    /// Few samples, the seed of the scene.
+    Quick(u32),
+    /// Many samples, another seed.
+    Converged(u32),
+}
+
+impl Shot {
+    /// Samples per pixel.
+    pub fn samples(self) -> u32 {
+        match self {
+            Shot::Only => 1,
+            Shot::Quick(samples) | Shot::Converged(samples) => samples,
+        }
+    }
+
+    /// What the cache knows it by; changes with everything that the scene does not say.
+    pub fn name(self) -> String {
+        match self {
+            Shot::Only => "only".to_owned(),
+            Shot::Quick(samples) => format!("quick {samples}"),
+            Shot::Converged(samples) => format!("converged {samples}"),
+        }
+    }
+
+    /// `scene` with samples and seed of this rendering.
+    fn of(self, scene: &Scene) -> Scene {
+        let mut scene = scene.clone();
+        if self == Shot::Only {
+            return scene;
+        }
+        scene.set_samples(self.samples());
+        if let Shot::Converged(_) = self {
+            for panel in &mut scene.panels {
+                if let Model::Radiative(radiative) = &mut panel.model {
+                    radiative.seed = radiative.seed.wrapping_add(CONVERGED);
+                }
+            }
+        }
+        scene
+    }
+}
+
+/// Makes the pictures of cases.
+pub(super) trait Renderer {
+    /// Whether random numbers are used.
+    fn is_sampled(&self, plans: &[Plan]) -> bool;
+
+    /// The picture of a scene that already has its samples and seeds.
+    fn render(
+        &self,
+        scene: &Scene,
+        plans: &[Plan],
+        progress: render::Progress<'_>,
+    ) -> Result<Film, RenderError>;
+}
+
+/// The renderer of this crate; tests of the suite have others.
+pub(super) struct Reference;
+
+impl Renderer for Reference {
+    fn is_sampled(&self, plans: &[Plan]) -> bool {
+        plans.iter().any(Plan::is_sampled)
+    }
+
+    fn render(
+        &self,
+        scene: &Scene,
+        plans: &[Plan],
+        progress: render::Progress<'_>,
+    ) -> Result<Film, RenderError> {
+        render::render(scene, plans, progress).map(|rendering| rendering.film)
+    }
+}
+
+/// One rendering of a case.
+pub(super) fn render_case(
+    renderer: &dyn Renderer,
+    scene: &Scene,
+    plans: &[Plan],
+    shot: Shot,
+    progress: render::Progress<'_>,
+) -> Result<Film, String> {
+    let film = renderer
+        .render(&shot.of(scene), plans, progress)
+        .map_err(|error| error.to_string())?;
+    if shot != Shot::Only && film.noise().is_none() {
+        return Err(
+            "the picture states no noise: panels with and without random numbers make no \
+             stochastic case together"
+                .to_owned(),
+        );
+    }
+    Ok(film)
+}
+
+/// Fails where the class of the case is not that of its scene.
+pub(super) fn check_class(
+    renderer: &dyn Renderer,
+    case: &Case,
+    plans: &[Plan],
+) -> Result<(), String> {
+    match (case.sampling.is_some(), renderer.is_sampled(plans)) {
+        (true, true) | (false, false) => Ok(()),
+        (true, false) => Err(
+            "the case is stochastic, but its scene is rendered without random numbers: its \
+             class is \"deterministic\""
+                .to_owned(),
+        ),
+        (false, true) => Err(
+            "the case is deterministic, but its scene is rendered with random numbers: its class \
+             is \"stochastic\""
+                .to_owned(),
+        ),
+    }
+}

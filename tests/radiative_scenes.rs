@@ -1,0 +1,1031 @@
+//! Scenes of surfaces, media and lights: what is read, and what is refused.
+
+use glam::DVec3;
+use serde_json::Value;
+use std::path::Path;
+use std::sync::Arc;
+use volref::geometry::{Boundary, Emitter, Luminous, Ray, Shape, Solid, Surface};
+use volref::optics::{Light, Material, Sides};
+use volref::scene::format::json_schema;
+use volref::scene::{Model, Radiative, SCENE, Scattering, Scene, SceneError};
+
+/// Something of everything.
+const BASE: &str = "\
+[camera]
+eye = [0, 0, -5]
+target = [0, 0, 0]
+
+[radiative]
+
+[[radiative.surface]]
+sphere = { centre = [0, 0, 0], radius = 1 }
+diffuse = { reflectance = 0.5 }
+
+[[radiative.medium]]
+box = { min = [-1, -1, -1], max = [1, 1, 1] }
+sigma_a = 0.5
+sigma_s = [1, 2, 3]
+
+[[radiative.light]]
+point = { position = [0, 3, 0], intensity = 10 }
+";
+
+/// A mesh with a hole: a cube's corner.
+const OPEN: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
+/// A mesh with a face without area.
+const THIN: &str = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 4\nf 1 2 3\n";
+
+/// Reads a scene as if it were a file in `fixtures/scenes/smoke/`.
+fn parse(text: &str) -> Result<Scene, Box<SceneError>> {
+    Scene::parse(text, Path::new("fixtures/scenes/smoke/scene.toml"))
+}
+
+fn radiative(scene: &Scene, panel: usize) -> &Radiative {
+    match &scene.panels[panel].model {
+        Model::Radiative(radiative) => radiative,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// [`BASE`] after edits.
+fn edited(edits: &[(&str, &str)]) -> String {
+    let mut text = BASE.to_owned();
+    for (old, new) in edits {
+        assert!(text.contains(old), "{old:?}");
+        text = text.replacen(old, new, 1);
+    }
+    text
+}
+
+fn as_json(text: &str) -> Value {
+    serde_json::to_value(text.parse::<toml::Table>().unwrap()).unwrap()
+}
+
+fn schema_accepts(text: &str) -> bool {
+    jsonschema::is_valid(&json_schema("scene", &SCENE), &as_json(text))
+}
+
+/// What is said about `text`, one line: place, message, help.
+fn said_about(text: &str) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("open.obj"), OPEN).unwrap();
+    std::fs::write(folder.path().join("thin.obj"), THIN).unwrap();
+    std::fs::write(folder.path().join("points.obj"), "v 0 0 0\n").unwrap();
+    std::fs::create_dir(folder.path().join("folder.obj")).unwrap();
+    let error = match Scene::parse(text, &folder.path().join("scene.toml")) {
+        Err(error) => error,
+        Ok(_) => panic!("accepted:\n{text}"),
+    };
+    let place = match error.position() {
+        Some((line, column)) => format!("{line}:{column}"),
+        None => "-".to_owned(),
+    };
+    let inside = format!("{}{}", folder.path().display(), std::path::MAIN_SEPARATOR);
+    let help = error.help_text().unwrap_or("none");
+    format!("{place}: {}\n    {help}\n", error.message()).replace(&inside, "")
+}
+
+/// What is said about [`BASE`] after each of the edits.
+fn said(edits: &[(&str, &str)]) -> String {
+    let lines = edits.iter().map(|&edit| said_about(&edited(&[edit])));
+    lines.collect()
+}
+
+const POINT: &str = "point = { position = [0, 3, 0], intensity = 10 }";
+const SPHERE: &str = "sphere = { centre = [0, 0, 0], radius = 1 }";
+const DIFFUSE: &str = "diffuse = { reflectance = 0.5 }";
+const BOX: &str = "box = { min = [-1, -1, -1], max = [1, 1, 1] }";
+const COEFFICIENTS: &str = "sigma_a = 0.5\nsigma_s = [1, 2, 3]";
+
+#[test]
+fn the_room_with_smoke() {
+    let scene = Scene::load("fixtures/scenes/smoke/cornell.toml".as_ref()).unwrap();
+    let room = radiative(&scene, 0);
+    assert_eq!(room.scattering, Scattering::Multiple(None));
+    assert_eq!((room.samples, room.seed), (64, 0));
+    assert_eq!((room.objects.len(), room.area_lights.len()), (5, 1));
+    assert!(matches!(room.objects[0].shape, Shape::Rectangle(_)));
+    assert_eq!(
+        room.objects[2].material,
+        Material::Diffuse(DVec3::splat(0.73))
+    );
+    let light = &room.area_lights[0];
+    assert!(matches!(light.shape, Luminous::Rectangle(_)));
+    assert_eq!(
+        (light.radiance, light.sides),
+        (DVec3::splat(7.0), Sides::Both)
+    );
+    for (body, albedo) in room.media.iter().zip([0.0, 1.0]) {
+        assert!(matches!(body.boundary, Some(Boundary::PlacedBox(_))));
+        assert_eq!(body.medium.coefficients.albedo(), DVec3::splat(albedo));
+        assert_eq!(body.medium.coefficients.sigma_t(), DVec3::splat(0.01));
+    }
+}
+
+#[test]
+fn what_is_left_out_has_defaults() {
+    let scene = parse(BASE).unwrap();
+    let read = radiative(&scene, 0);
+    assert_eq!(read.scattering, Scattering::Multiple(None));
+    assert_eq!((read.samples, read.seed), (64, 0));
+    assert_eq!(read.environment, DVec3::ZERO);
+    assert!(scene.panels[0].inputs.is_empty());
+    let medium = &read.media[0].medium;
+    assert_eq!(medium.emission, DVec3::ZERO);
+    assert_eq!(medium.phase.0.g(), 0.0);
+    assert!(matches!(read.media[0].boundary, Some(Boundary::Box(_))));
+    assert!(matches!(read.objects[0].shape, Shape::Sphere(_)));
+    // Black, but legal.
+    let dark = "[camera]\neye = [0, 0, -1]\ntarget = [0, 0, 0]\n[radiative]\n";
+    assert!(radiative(&parse(dark).unwrap(), 0).lights.is_empty());
+}
+
+/// One number is a colour, and the canonical text does not tell how it was written.
+#[test]
+fn grey_is_one_number() {
+    let [short, long] = ["environment = 2", "environment = [2.0, 2, 2e0]"]
+        .map(|line| parse(&edited(&[("[radiative]", &format!("[radiative]\n{line}"))])).unwrap());
+    assert_eq!(radiative(&short, 0).environment, DVec3::splat(2.0));
+    assert_eq!(short.canonical_text(), long.canonical_text());
+    assert!(
+        short
+            .canonical_text()
+            .contains("radiative.environment = [2, 2, 2]\n")
+    );
+}
+
+#[test]
+fn the_canonical_text_names_every_entry_of_a_list() {
+    let text = parse(BASE).unwrap().canonical_text();
+    for line in [
+        "sampling.samples = 64",
+        "radiative.surface[0].sphere.radius = 1",
+        "radiative.surface[0].diffuse.reflectance = [0.5, 0.5, 0.5]",
+        "radiative.medium[0].sigma_s = [1, 2, 3]",
+        "radiative.light[0].point.position = [0, 3, 0]",
+    ] {
+        assert!(text.lines().any(|l| l == line), "{line}\n{text}");
+    }
+}
+
+#[test]
+fn extinction_and_albedo_are_another_way_to_say_it() {
+    let text = edited(&[(COEFFICIENTS, "sigma_t = 3\nalbedo = [0, 0.1, 1]")]);
+    let scene = parse(&text).unwrap();
+    let coefficients = radiative(&scene, 0).media[0].medium.coefficients;
+    assert_eq!(coefficients.sigma_t(), DVec3::splat(3.0));
+    assert_eq!(coefficients.sigma_s(), DVec3::new(0.0, 3.0 * 0.1, 3.0));
+    assert_eq!(coefficients.sigma_a().z, 0.0);
+}
+
+#[test]
+fn lights_of_every_kind() {
+    let more = format!(
+        "{BASE}
+[[radiative.light]]
+spot = {{ position = [0, 5, 0], target = [0, 0, 0], intensity = [1, 2, 3], inner_angle = 20, outer_angle = 30 }}
+[[radiative.light]]
+directional = {{ direction = [0, -2, 0], irradiance = 3 }}
+"
+    );
+    let scene = parse(&more).unwrap();
+    let [
+        Light::Point(point),
+        Light::Spot(spot),
+        Light::Directional(sun),
+    ] = radiative(&scene, 0).lights[..]
+    else {
+        panic!("{:?}", radiative(&scene, 0).lights)
+    };
+    assert_eq!(point.intensity, DVec3::splat(10.0));
+    assert_eq!(spot.axis(), DVec3::NEG_Y);
+    assert_eq!(spot.outer(), 30.0_f64.to_radians());
+    assert_eq!(sun.direction, DVec3::NEG_Y);
+    assert!(schema_accepts(&more));
+}
+
+/// Scaled, then turned, then moved; what is not moved keeps its exact coordinates.
+#[test]
+fn shapes_are_scaled_turned_and_moved_in_this_order() {
+    let moves =
+        "scale = [2, 1, 1]\nrotate = { axis = [0, 0, 1], angle = 90 }\ntranslate = [0, 0, 7]";
+    let placed = |shape: &str, moves: &str| {
+        let text = edited(&[(SPHERE, &format!("{shape}\n{moves}"))]);
+        radiative(&parse(&text).unwrap(), 0).objects[0]
+            .shape
+            .clone()
+    };
+    let cuboid = "box = { min = [0, 0, 0], max = [1, 1, 1] }";
+    let rectangle = "rectangle = { corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }";
+    let mesh = "mesh = { file = \"../../meshes/gem.obj\" }";
+    assert!(matches!(placed(SPHERE, moves), Shape::PlacedSphere(_)));
+    assert!(matches!(placed(mesh, moves), Shape::PlacedMesh(_)));
+    for shape in [placed(cuboid, moves), placed(rectangle, moves)] {
+        let bounds = shape.bounds();
+        assert_eq!(bounds.min, DVec3::new(-1.0, 0.0, 7.0), "{shape:?}");
+        assert_eq!(bounds.max.truncate(), DVec3::new(0.0, 2.0, 8.0).truncate());
+    }
+    let nothing =
+        "scale = [1, 1, 1]\nrotate = { axis = [0, 0, 1], angle = 0 }\ntranslate = [0, 0, 0]";
+    for moves in ["", nothing] {
+        assert!(matches!(placed(SPHERE, moves), Shape::Sphere(_)));
+        assert!(matches!(placed(cuboid, moves), Shape::Box(_)));
+        assert!(matches!(placed(mesh, moves), Shape::Mesh(_)));
+        assert!(matches!(placed(rectangle, moves), Shape::Rectangle(_)));
+    }
+}
+
+#[test]
+fn surfaces_that_send_out_light() {
+    let luminous = |shape: &str| {
+        let text = edited(&[(SPHERE, shape), (DIFFUSE, "emitter = { radiance = 4 }")]);
+        assert!(schema_accepts(&text), "{shape}");
+        let scene = parse(&text).unwrap();
+        let light = radiative(&scene, 0).area_lights[0].clone();
+        assert_eq!(
+            (light.radiance, light.sides),
+            (DVec3::splat(4.0), Sides::Front)
+        );
+        light.shape
+    };
+    let Luminous::Sphere(sphere) = luminous(&format!(
+        "{SPHERE}\nscale = [-2, 2, 2]\ntranslate = [1, 0, 0]"
+    )) else {
+        panic!("a sphere")
+    };
+    assert_eq!((sphere.centre(), sphere.radius()), (DVec3::X, 2.0));
+    let cuboid = luminous("box = { min = [0, 0, 0], max = [1, 2, 3] }\nscale = [-1, 1, 1]");
+    assert!(matches!(cuboid, Luminous::Mesh(_)));
+    assert_eq!(cuboid.area(), 22.0);
+    assert_eq!(cuboid.bounds().min, DVec3::new(-1.0, 0.0, 0.0));
+    // Outside is in front, mirrored or not.
+    let ray = Ray::new(DVec3::new(-0.4, 0.7, -2.0), DVec3::Z).unwrap();
+    let hit = cuboid.hit(&ray, f64::INFINITY).unwrap();
+    assert_eq!((hit.t, hit.point.normal), (2.0, DVec3::NEG_Z));
+    let gem = luminous("mesh = { file = \"../../meshes/gem.obj\" }\ntranslate = [0, 1, 0]");
+    assert!(matches!(gem, Luminous::Mesh(_)));
+}
+
+/// A mirrored shape keeps its normals outward, and the stretches inside it.
+#[test]
+fn mirrored_shapes_are_not_inside_out() {
+    let mirrored = |shape: &str| {
+        let moved = format!("{shape}\nscale = [-1, 2, 1]\ntranslate = [0.25, 0, 0]");
+        let text = edited(&[(BOX, &moved), (SPHERE, &moved)]);
+        let scene = parse(&text).unwrap();
+        let read = radiative(&scene, 0);
+        (
+            read.objects[0].shape.clone(),
+            read.media[0].boundary.clone().unwrap(),
+        )
+    };
+    for shape in [SPHERE, BOX, "mesh = { file = \"../../meshes/ball.obj\" }"] {
+        let (surface, boundary) = mirrored(shape);
+        for towards in [DVec3::X, DVec3::NEG_Y, DVec3::new(1.0, 2.0, -2.0)] {
+            let centre = DVec3::new(0.26, 0.01, 0.02);
+            let outside = Ray::new(centre - towards * 5.0, towards).unwrap();
+            let hit = surface.hit(&outside, f64::INFINITY).unwrap();
+            assert_eq!(hit.side, volref::geometry::Side::Front, "{shape}");
+            assert!(hit.point.normal.dot(towards) < 0.0, "{shape}");
+            let spans = boundary.spans(&outside);
+            assert_eq!(spans.len(), 1, "{shape}");
+            // To a few roundings of a distance near 10.
+            assert!((spans[0].near - hit.t).abs() < 1e-13, "{shape}");
+            let inside = Ray::new(centre, towards).unwrap();
+            assert_eq!(boundary.spans(&inside)[0].near, 0.0, "{shape}");
+            let hit = surface.hit(&inside, f64::INFINITY).unwrap();
+            assert_eq!(hit.side, volref::geometry::Side::Back, "{shape}");
+            assert!(hit.point.normal.dot(towards) > 0.0, "{shape}");
+        }
+    }
+}
+
+/// A file is read once for all panels and instances, and noted once with its hash.
+#[test]
+fn meshes_are_shared() {
+    let mesh = "mesh = { file = \"../../meshes/gem.obj\" }";
+    let text = edited(&[
+        (SPHERE, mesh),
+        (BOX, mesh),
+        (
+            "[[radiative.light]]",
+            &format!(
+                "[[radiative.surface]]\n{mesh}\nmirror = {{ reflectance = 1 }}\n[[radiative.light]]"
+            ),
+        ),
+        (POINT, POINT),
+    ])
+    .replace("[radiative]\n", "[radiative]\nscattering = \"single\"\n")
+        + "[[panel]]\n[[panel]]\n[panel.radiative]\nlight = []\n";
+    let scene = parse(&text).unwrap();
+    let meshes: Vec<_> = (0..2)
+        .flat_map(|panel| radiative(&scene, panel).objects.clone())
+        .map(|object| match object.shape {
+            Shape::Mesh(mesh) => mesh,
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    assert_eq!(meshes.len(), 4);
+    assert!(meshes.iter().all(|mesh| Arc::ptr_eq(mesh, &meshes[0])));
+    let bytes = std::fs::read("fixtures/meshes/gem.obj").unwrap();
+    for panel in &scene.panels {
+        let [input] = &panel.inputs[..] else {
+            panic!("{:?}", panel.inputs)
+        };
+        assert_eq!(input.name, "../../meshes/gem.obj");
+        assert_eq!(input.hash, blake3::hash(&bytes).to_hex().to_string());
+    }
+}
+
+/// A panel puts single keys in their places, and lists as a whole.
+#[test]
+fn panels_override_keys_and_whole_lists() {
+    let text = format!(
+        "{BASE}
+[[panel]]
+[panel.radiative]
+scattering = \"single\"
+
+[[panel]]
+sampling.samples = 7
+[[panel.radiative.medium]]
+sigma_a = 2
+[[panel.radiative.medium]]
+sphere = {{ centre = [0, 0, 0], radius = 3 }}
+"
+    );
+    assert!(schema_accepts(&text));
+    let scene = parse(&text).unwrap();
+    let (first, second) = (radiative(&scene, 0), radiative(&scene, 1));
+    assert_eq!(first.scattering, Scattering::Single);
+    assert_eq!((first.media.len(), first.samples), (1, 64));
+    assert_eq!(second.scattering, Scattering::Multiple(None));
+    assert_eq!((second.media.len(), second.samples), (2, 7));
+    assert!(second.media[0].boundary.is_none());
+    assert_eq!(second.objects.len(), 1);
+    // An entry of a panel's list is complete: it takes nothing from the scene's.
+    let broken = text.replace("sigma_a = 2", "albedo = 1");
+    assert!(!schema_accepts(&broken) && parse(&broken).is_err());
+}
+
+#[test]
+fn bounces() {
+    let read = |lines: &str| {
+        let text = edited(&[("[radiative]", &format!("[radiative]\n{lines}"))]);
+        radiative(&parse(&text).unwrap(), 0).scattering
+    };
+    assert_eq!(read("scattering = \"none\""), Scattering::None);
+    assert_eq!(read("scattering = \"single\""), Scattering::Single);
+    assert_eq!(read("max_bounces = 16"), Scattering::Multiple(Some(16)));
+    insta::assert_snapshot!(said(&[
+        ("[radiative]", "[radiative]\nmax_bounces = 1"),
+        ("[radiative]", "[radiative]\nmax_bounces = 67108864"),
+        ("[radiative]", "[radiative]\nscattering = \"single\"\nmax_bounces = 2"),
+        ("[radiative]", "[radiative]\nscattering = \"twice\""),
+    ]), @r#"
+    6:15: `max_bounces` must lie in [2, 67108863], got 1
+        `radiative.max_bounces`: How often light may be turned at most, with `scattering = "multiple"`. Left out: any number of times.
+    6:15: `max_bounces` must lie in [2, 67108863], got 67108864
+        `radiative.max_bounces`: How often light may be turned at most, with `scattering = "multiple"`. Left out: any number of times.
+    7:15: `max_bounces` means nothing to single scattering
+        remove it, or set `scattering = "multiple"`
+    6:14: `scattering` takes one of "none", "single", "multiple", got "twice"
+        `radiative.scattering`: How often light may be turned on its way to the eye, by media and surfaces together: never, once, or any number of times.
+    "#);
+}
+
+#[test]
+fn coefficients() {
+    insta::assert_snapshot!(said(&[
+        ("sigma_a = 0.5", "sigma_a = -0.5"),
+        ("sigma_a = 0.5", "sigma_a = [0, inf, 0]"),
+        ("sigma_s = [1, 2, 3]", "sigma_s = [1, nan, 3]"),
+        ("sigma_s = [1, 2, 3]", "sigma_s = [1, 2]"),
+        (COEFFICIENTS, "sigma_a = 1e308\nsigma_s = 1e308"),
+        (COEFFICIENTS, "sigma_t = 1\nalbedo = 1.2"),
+        (COEFFICIENTS, "sigma_t = 1\nalbedo = [0, -0.5, 0]"),
+        (COEFFICIENTS, "sigma_t = 1"),
+        (COEFFICIENTS, "albedo = 1"),
+        (COEFFICIENTS, "sigma_t = 1\nsigma_s = 1"),
+        (COEFFICIENTS, "albedo = 1\nsigma_a = 1\nsigma_s = 1"),
+        (COEFFICIENTS, "g = 1"),
+        (COEFFICIENTS, "g = -1.5"),
+        (COEFFICIENTS, "emission = -1"),
+    ]), @r#"
+    13:11: `sigma_a` must not be negative, got [-0.5, -0.5, -0.5]
+        `radiative.medium[0].sigma_a`: Absorption per world length.
+    13:11: `sigma_a` must be finite, got inf
+        `radiative.medium[0].sigma_a`: Absorption per world length.
+    14:11: `sigma_s` must be finite, got nan
+        `radiative.medium[0].sigma_s`: Scattering per world length.
+    14:11: `sigma_s` takes three numbers, got 2
+        `radiative.medium[0].sigma_s`: Scattering per world length.
+    13:11: the coefficients are too large: sigma_t must be finite and not negative in every channel, got [inf, inf, inf]
+        give smaller coefficients, or choose another unit of length
+    14:10: `albedo` must lie in [0, 1] in every channel, got [1.2, 1.2, 1.2]
+        `radiative.medium[0].albedo`: Share of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`.
+    14:10: `albedo` must not be negative, got [0, -0.5, 0]
+        `radiative.medium[0].albedo`: Share of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`.
+    13:11: [radiative.medium[0]] gives `sigma_t` without `albedo`
+        give `albedo` too: Share of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`.
+    13:10: [radiative.medium[0]] gives `albedo` without `sigma_t`
+        give `sigma_t` too: Extinction per world length, absorption and scattering together; goes with `albedo`.
+    14:11: [radiative.medium[0]] mixes `sigma_s` with `sigma_t`
+        give either `sigma_a`, `sigma_s` or `sigma_t`, `albedo`
+    15:11: [radiative.medium[0]] mixes `sigma_a`, `sigma_s` with `albedo`
+        give either `sigma_a`, `sigma_s` or `sigma_t`, `albedo`
+    13:5: `g` must lie in (-1, 1), got 1
+        `radiative.medium[0].g`: Mean cosine of the scattering angle (Henyey–Greenstein), between -1 and 1: positive is forward, 0 is every direction alike.
+    13:5: `g` must lie in (-1, 1), got -1.5
+        `radiative.medium[0].g`: Mean cosine of the scattering angle (Henyey–Greenstein), between -1 and 1: positive is forward, 0 is every direction alike.
+    13:12: `emission` must not be negative, got [-1, -1, -1]
+        `radiative.medium[0].emission`: Radiance sent out per world length.
+    "#);
+}
+
+#[test]
+fn matter() {
+    insta::assert_snapshot!(said(&[
+        ("reflectance = 0.5", "reflectance = 1.5"),
+        ("reflectance = 0.5", "reflectance = [0, 0, -0.1]"),
+        ("reflectance = 0.5", ""),
+        (DIFFUSE, ""),
+        (DIFFUSE, "diffuse = { reflectance = 0.5 }\nglass = { index = 1.5 }"),
+        (DIFFUSE, "glass = { index = 0 }"),
+        (DIFFUSE, "glass = {}"),
+        (DIFFUSE, "difuse = { reflectance = 0.5 }"),
+        (DIFFUSE, "diffuse = { reflectence = 0.5 }"),
+        (DIFFUSE, "emitter = { radiance = 1, sides = \"back\" }"),
+        (DIFFUSE, "emitter = { radiance = -1 }"),
+    ]), @r#"
+    9:27: `reflectance` must lie in [0, 1] in every channel, got [1.5, 1.5, 1.5]
+        `radiative.surface[0].diffuse.reflectance`: Share of the light that is reflected, by channel, in [0, 1].
+    9:27: `reflectance` must not be negative, got [0, 0, -0.1]
+        `radiative.surface[0].diffuse.reflectance`: Share of the light that is reflected, by channel, in [0, 1].
+    9:11: missing key `reflectance` in [radiative.surface[0].diffuse]
+        `radiative.surface[0].diffuse.reflectance`: Share of the light that is reflected, by channel, in [0, 1].
+    7:1: [radiative.surface[0]] has no kind of matter
+        give one of `diffuse`, `mirror`, `glass`, `emitter`
+    10:9: [radiative.surface[0]] has more than one kind of matter: `diffuse`, `glass`
+        keep exactly one of `diffuse`, `glass`
+    9:19: `index` must be finite and above 0, got 0
+        `radiative.surface[0].glass.index`: Index of refraction of the inside relative to the outside, such as 1.5.
+    9:9: missing key `index` in [radiative.surface[0].glass]
+        `radiative.surface[0].glass.index`: Index of refraction of the inside relative to the outside, such as 1.5.
+    9:1: unknown key `difuse` in [radiative.surface[0]]
+        did you mean `diffuse`?
+    9:13: unknown key `reflectence` in [radiative.surface[0].diffuse]
+        did you mean `reflectance`?
+    9:35: `sides` takes one of "front", "both", got "back"
+        `radiative.surface[0].emitter.sides`: Which sides send out light; the front of a closed shape is its outside.
+    9:24: `radiance` must not be negative, got [-1, -1, -1]
+        `radiative.surface[0].emitter.radiance`: Linear radiance, the same in every direction.
+    "#);
+}
+
+#[test]
+fn shapes() {
+    insta::assert_snapshot!(said(&[
+        (SPHERE, ""),
+        (SPHERE, "sphere = { centre = [0, 0, 0], radius = 1 }\nmesh = { file = \"open.obj\" }"),
+        ("radius = 1", "radius = 0"),
+        ("radius = 1", "radius = -1"),
+        ("centre = [0, 0, 0], radius = 1", "centre = [1, 0, 0], radius = 1e-20"),
+        ("radius = 1", "raduis = 1"),
+        (SPHERE, "rectangle = { corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [2, 0, 0] }"),
+        (SPHERE, "box = { min = [0, 2, 0], max = [1, 1, 1] }"),
+        (SPHERE, "box = { min = [0, 1, 0], max = [1, 1, 0] }"),
+        (SPHERE, "mesh = { file = \"none.obj\" }"),
+        (SPHERE, "mesh = { file = \"folder.obj\" }"),
+        (SPHERE, "mesh = { file = \"points.obj\" }"),
+        (SPHERE, "mesh = { file = \"thin.obj\" }"),
+        (BOX, "mesh = { file = \"open.obj\" }"),
+        (BOX, "mesh = { file = \"thin.obj\" }"),
+        (BOX, "box = { min = [0, 1, 0], max = [1, 1, 1] }"),
+        (BOX, "box = { min = [0, 1, 0], max = [1, 1, 1] }\nsphere = { centre = [0, 0, 0], radius = 1 }"),
+        (BOX, "rectangle = { corner = [0, 0, 0] }"),
+        (BOX, "translate = [1, 0, 0]"),
+    ]), @r#"
+    7:1: [radiative.surface[0]] has no shape
+        give one of `rectangle`, `sphere`, `box`, `mesh`
+    9:8: [radiative.surface[0]] has more than one shape: `sphere`, `mesh`
+        keep exactly one of `sphere`, `mesh`
+    8:41: `radius` must be finite and above 0, got 0
+        `radiative.surface[0].sphere.radius`: Its radius, world units.
+    8:41: `radius` must be finite and above 0, got -1
+        `radiative.surface[0].sphere.radius`: Its radius, world units.
+    8:41: a sphere of radius 0.00000000000000000001 vanishes at [1, 0, 0]: coordinates there are too coarse; move the scene nearer to the origin
+        `radiative.surface[0].sphere.radius`: Its radius, world units.
+    8:32: unknown key `raduis` in [radiative.surface[0].sphere]
+        did you mean `radius`?
+    8:64: a rectangle with edges [1, 0, 0] and [2, 0, 0] has no area; give two edges that are not parallel
+        `radiative.surface[0].rectangle.edge_v`: From the corner to the other neighbour, world units.
+    8:15: the box's min [0, 2, 0] must not exceed its max [1, 1, 1] on any axis; swap them where it does
+        `radiative.surface[0].box.min`: The corner with the smallest coordinates, world units.
+    8:7: the box is a line or a point: no ray can meet it
+        give `max` larger coordinates than `min` on two axes or all three
+    8:17: there is no file none.obj
+        `radiative.surface[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
+    8:17: cannot read the mesh folder.obj: this is a folder, device or pipe, not a file
+        `radiative.surface[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
+    8:17: points.obj: the mesh has no faces; a file of bare points is a point cloud, not a mesh
+        `radiative.surface[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
+    8:17: thin.obj: face 2 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
+        `radiative.surface[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
+    12:17: open.obj: the mesh is open: the edge from [0, 1, 0] to [1, 0, 0] belongs to face 1 only; a medium needs a closed boundary, so fill the hole
+        `radiative.medium[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
+    12:17: thin.obj: face 2 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
+        `radiative.medium[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
+    12:7: the box is flat: it has no inside, as a medium needs
+        give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
+    13:10: [radiative.medium[0]] has more than one shape: `sphere`, `box`
+        keep at most one of `sphere`, `box`
+    12:1: unknown key `rectangle` in [radiative.medium[0]]
+        [radiative.medium[0]] may hold: sphere, box, mesh, scale, rotate, translate, sigma_a, sigma_s, sigma_t, albedo, emission, g
+    12:13: a medium without a shape fills all space: `translate` moves nothing
+        give the medium a `sphere`, `box` or `mesh`, or remove `translate`
+    "#);
+}
+
+#[test]
+fn places() {
+    let after_sphere =
+        |lines: &str| said_about(&edited(&[(SPHERE, &format!("{SPHERE}\n{lines}"))]));
+    let mut all = String::new();
+    for lines in [
+        "scale = [1, 0, 1]",
+        "scale = 2",
+        "rotate = { axis = [0, 0, 0], angle = 1 }",
+        "rotate = { axis = [0, 1, 0] }",
+        "rotate = { axis = [0, 1, 0], angle = inf }",
+        "rotate = [{ axis = [0, 1, 0], angle = 1 }]",
+        "scale = [1e-30, 1e-30, 1e-30]\ntranslate = [1, 1, 1]",
+        "scale = [1e308, 1e308, 1e308]\ntranslate = [1e308, 0, 0]",
+        "rotat = 1",
+    ] {
+        all.push_str(&after_sphere(lines));
+    }
+    let glass = edited(&[
+        (SPHERE, "box = { min = [0, 1, 0], max = [1, 1, 1] }"),
+        (DIFFUSE, "glass = { index = 1.5 }"),
+    ]);
+    all.push_str(&said_about(&glass));
+    for shape in [
+        "sphere = { centre = [0, 0, 0], radius = 1 }\nscale = [1, 2, 1]",
+        "sphere = { centre = [0, 0, 0], radius = 1e200 }",
+        "box = { min = [0, 1, 0], max = [1, 1, 1] }",
+        "rectangle = { corner = [0, 0, 0], edge_u = [0, 0, 0], edge_v = [0, 1, 0] }",
+        "rectangle = { corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }\nscale = [1e-30, 1e-30, 1]\ntranslate = [1, 1, 1]",
+        "mesh = { file = \"open.obj\" }\nscale = [1e-30, 1e-30, 1]\ntranslate = [1, 1, 1]",
+    ] {
+        let text = edited(&[(SPHERE, shape), (DIFFUSE, "emitter = { radiance = 1 }")]);
+        all.push_str(&said_about(&text));
+    }
+    insta::assert_snapshot!(all, @r#"
+    9:9: scaling by [1, 0, 1] flattens the object; give a factor other than 0 on every axis
+        `radiative.surface[0].scale`: Stretches the shape along x, y, z about the origin, before it is turned; not 0, negative factors mirror.
+    9:9: `scale` takes three numbers, such as [0, 1, 0], got integer
+        `radiative.surface[0].scale`: Stretches the shape along x, y, z about the origin, before it is turned; not 0, negative factors mirror.
+    9:19: a rotation needs an axis other than the zero vector
+        `radiative.surface[0].rotate.axis`: The axis, any length but 0.
+    9:10: missing key `angle` in [radiative.surface[0].rotate]
+        `radiative.surface[0].rotate.angle`: Degrees; anticlockwise where the axis points at the viewer.
+    9:38: `angle` must be finite, got inf
+        `radiative.surface[0].rotate.angle`: Degrees; anticlockwise where the axis points at the viewer.
+    9:10: `rotate` takes a table, got array
+        `radiative.surface[0].rotate`: Turns the shape about an axis through the origin, after it is scaled and before it is moved.
+    8:10: scaled, turned and moved, the sphere lies where numbers are too coarse for it, or beyond the largest
+        scale it less, or move the scene nearer to the origin
+    8:10: scaled, turned and moved, the sphere lies where numbers are too coarse for it, or beyond the largest
+        scale it less, or move the scene nearer to the origin
+    9:1: unknown key `rotat` in [radiative.surface[0]]
+        did you mean `rotate`?
+    8:7: the box is flat: it has no inside, as glass needs
+        give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
+    9:9: a sphere that sends out light cannot be stretched to an ellipsoid
+        scale by the same factor along x, y and z, or give a mesh of the ellipsoid
+    8:10: the area of this light is inf, beyond the range of numbers
+        choose other units of length
+    8:7: the box is flat: it has no inside, as a light in the shape of a box needs
+        give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
+    8:64: a rectangle with edges [0, 0, 0] and [0, 1, 0] has no area; give two edges that are not parallel
+        `radiative.surface[0].rectangle.edge_v`: From the corner to the other neighbour, world units.
+    8:13: scaled, turned and moved: a rectangle with edges [0.000000000000000000000000000001, 0, 0] and [0, 0.000000000000000000000000000001, 0] has no area; give two edges that are not parallel
+        `radiative.surface[0].rectangle`: Shape: a rectangle or parallelogram.
+    8:8: scaled, turned and moved: face 1 has no area: its corners [1, 1, 1], [1, 1, 1] and [1, 1, 1] lie on a line; remove it
+        `radiative.surface[0].mesh`: Shape: a triangle mesh.
+    "#);
+}
+
+#[test]
+fn lights() {
+    insta::assert_snapshot!(said(&[
+        (POINT, ""),
+        (POINT, "point = { position = [0, 3, 0], intensity = -1 }"),
+        (POINT, "point = { position = [0, 3], intensity = 1 }"),
+        (POINT, "point = { position = [0, 3, 0], intensity = 1 }\ndirectional = { direction = [0, 1, 0], irradiance = 1 }"),
+        (POINT, "spot = { position = [0, 3, 0], target = [0, 3, 0], intensity = 1, inner_angle = 1, outer_angle = 2 }"),
+        (POINT, "spot = { position = [0, 3, 0], target = [0, 0, 0], intensity = 1, inner_angle = 3, outer_angle = 2 }"),
+        (POINT, "spot = { position = [0, 3, 0], target = [0, 0, 0], intensity = 1, inner_angle = 3, outer_angle = 181 }"),
+        (POINT, "spot = { position = [0, 3, 0], target = [0, 0, 0], intensity = 1, inner_angle = 0, outer_angle = 0 }"),
+        (POINT, "spot = { position = [0, 3, 0], target = [0, 0, 0], intensity = 1, outer_angle = 9 }"),
+        (POINT, "directional = { direction = [0, 0, 0], irradiance = 1 }"),
+        (POINT, "sun = 1"),
+        ("[[radiative.light]]", "[radiative.light]"),
+        ("[[radiative.light]]\npoint = { position = [0, 3, 0], intensity = 10 }", "[[panel]]\nradiative.light = [1]"),
+    ]), @r#"
+    16:1: [radiative.light[0]] has no kind of light
+        give one of `point`, `spot`, `directional`
+    17:45: `intensity` must not be negative, got [-1, -1, -1]
+        `radiative.light[0].point.intensity`: Radiant intensity, power per steradian, on the axis of a spot: the irradiance at distance r is intensity / r².
+    17:22: `position` takes three numbers, got 2
+        `radiative.light[0].point.position`: Where the light stands, world units.
+    18:15: [radiative.light[0]] has more than one kind of light: `point`, `directional`
+        keep exactly one of `point`, `directional`
+    17:41: the spotlight points nowhere: its target is where it stands
+        `radiative.light[0].spot.target`: A point on the axis of the cone, other than `position`, world units.
+    17:98: a spotlight needs 0 <= inner_angle <= outer_angle <= 180 degrees and an outer_angle above 0, got 3 and 2
+        `radiative.light[0].spot.outer_angle`: Half-angle of the cone outside which nothing is lit, degrees; above 0.
+    17:98: `outer_angle` must lie in [0, 180], got 181
+        `radiative.light[0].spot.outer_angle`: Half-angle of the cone outside which nothing is lit, degrees; above 0.
+    17:98: a spotlight needs 0 <= inner_angle <= outer_angle <= 180 degrees and an outer_angle above 0, got 0 and 0
+        `radiative.light[0].spot.outer_angle`: Half-angle of the cone outside which nothing is lit, degrees; above 0.
+    17:8: missing key `inner_angle` in [radiative.light[0].spot]
+        `radiative.light[0].spot.inner_angle`: Half-angle of the cone that is lit fully, degrees; at most `outer_angle`.
+    17:29: the light travels nowhere: its direction is the zero vector
+        `radiative.light[0].directional.direction`: Where the light travels, any length but 0.
+    17:1: unknown key `sun` in [radiative.light[0]]
+        [radiative.light[0]] may hold: point, spot, directional
+    16:1: `light` takes tables in double brackets, [[…]], got table
+        `radiative.light`: Lights without extent.
+    17:19: `light` takes tables in double brackets, [[…]], got integer
+        `radiative.light`: Lights without extent.
+    "#);
+}
+
+#[test]
+fn more_than_an_image_holds() {
+    insta::assert_snapshot!(said(&[
+        ("[radiative]", "[radiative]\nenvironment = 1e39"),
+        ("intensity = 10", "intensity = [0, 2e38, 0]"),
+        (POINT, "directional = { direction = [0, 1, 0], irradiance = 1e300 }"),
+        (DIFFUSE, "emitter = { radiance = 1e39 }"),
+        (COEFFICIENTS, "emission = 1e39"),
+        (COEFFICIENTS, "emission = 1e38"),
+        (COEFFICIENTS, "emission = 1e38\nsigma_a = 1e-3"),
+        (&format!("{BOX}\n{COEFFICIENTS}"), "emission = 1e38\nsigma_a = 1e-3"),
+    ]), @r#"
+    6:15: `environment` is 1e39, but an image holds at most 1.701e38
+        an image holds 32-bit numbers; choose another unit of radiance
+    17:45: `intensity` is 2e38, but an image holds at most 1.701e38
+        an image holds 32-bit numbers; choose another unit of radiance
+    17:53: `irradiance` is 1e300, but an image holds at most 1.701e38
+        an image holds 32-bit numbers; choose another unit of radiance
+    9:24: `radiance` is 1e39, but an image holds at most 1.701e38
+        an image holds 32-bit numbers; choose another unit of radiance
+    13:12: `emission` is 1e39, but an image holds at most 1.701e38
+        an image holds 32-bit numbers; choose another unit of radiance
+    13:12: the medium sends out up to 3.464e38 towards the eye; an image holds at most 1.701e38
+        give a smaller emission or a smaller shape
+    13:12: the medium sends out up to 3.464e38 towards the eye; an image holds at most 1.701e38
+        give a smaller emission or a smaller shape
+    12:12: the medium sends out up to 1.000e41 towards the eye; an image holds at most 1.701e38
+        give a smaller emission or a smaller shape
+    "#);
+    // What the medium itself takes away is not seen.
+    let dense = edited(&[(COEFFICIENTS, "emission = 1e38\nsigma_a = 2")]);
+    parse(&dense).unwrap();
+}
+
+#[test]
+fn parts_that_make_no_picture_together() {
+    let fog = |lines: &str| (format!("{BOX}\n{COEFFICIENTS}"), lines.to_owned());
+    let mut all = String::new();
+    for (edits, more) in [
+        (fog("sigma_a = [0, 0, 1]"), "environment = [1, 0, 0]"),
+        (fog("emission = 1"), ""),
+        (fog("emission = 1\nsigma_a = [1, 1, 0]"), ""),
+        (fog("sigma_s = 1"), ""),
+        (
+            fog("sigma_s = 1\nsigma_a = [1, 1, 0]"),
+            "scattering = \"multiple\"",
+        ),
+        (fog("sigma_t = 1\nalbedo = 1"), ""),
+    ] {
+        let radiative = format!("[radiative]\n{more}");
+        let text = edited(&[(&edits.0, &edits.1), ("[radiative]", &radiative)]);
+        all.push_str(&said_about(&text));
+    }
+    let spot = "spot = { position = [0, 3, 0], target = [0, 0, 0], intensity = 1, inner_angle = 1, outer_angle = 2 }";
+    let sun = "directional = { direction = [0, -1, 0], irradiance = 1 }";
+    let (glass, mirror) = ("glass = { index = 1.5 }", "mirror = { reflectance = 1 }");
+    for edits in [
+        [
+            (POINT, sun),
+            ("box = { min = [-1, -1, -1], max = [1, 1, 1] }\n", ""),
+        ],
+        [(POINT, POINT), (DIFFUSE, glass)],
+        [(POINT, spot), (DIFFUSE, mirror)],
+        [(POINT, sun), (DIFFUSE, mirror)],
+    ] {
+        all.push_str(&said_about(&edited(&edits)));
+    }
+    insta::assert_snapshot!(all, @r#"
+    6:15: `environment` shines from infinitely far away, and a medium fills all space: none of that light arrives
+        give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
+    13:12: a medium that fills all space, sends out light and takes none away is infinitely bright
+        give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it absorption in every channel that it emits in
+    13:12: a medium that fills all space, sends out light and takes none away is infinitely bright
+        give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it absorption in every channel that it emits in
+    13:11: a medium that fills all space and scatters without absorbing turns light for ever
+        give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
+    13:11: a medium that fills all space and scatters without absorbing turns light for ever
+        give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
+    14:10: a medium that fills all space and scatters without absorbing turns light for ever
+        give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
+    16:15: a directional light shines from infinitely far away, and a medium fills all space: none of that light arrives
+        give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
+    17:9: light of a point light that a glass surface turns cannot be met by any path from the eye
+        use a small emitting sphere in place of the light, or a diffuse surface in place of the glass
+    17:8: light of a spot light that a mirror surface turns cannot be met by any path from the eye
+        use a small emitting sphere or rectangle in place of the light, or a diffuse surface in place of the mirror
+    17:15: light of a directional light that a mirror surface turns cannot be met by any path from the eye
+        use a far emitting sphere or the environment in place of the light, or a diffuse surface in place of the mirror
+    "#);
+}
+
+/// A light in the plane of a rectangle is refused, one beside or off it is not.
+#[test]
+fn lights_exactly_in_surfaces() {
+    let scene = |lights: &str| {
+        format!(
+            "[camera]\neye = [0, 1, -4]\ntarget = [0, 1, 0]\n[radiative]\n\
+             [[radiative.surface]]\n\
+             rectangle = {{ corner = [-2, 5, -2], edge_u = [4, 0, 0], edge_v = [0, 0, 4] }}\n\
+             diffuse = {{ reflectance = 0.5 }}\n{lights}"
+        )
+    };
+    let point = |y: f64, x: f64| {
+        format!("[[radiative.light]]\npoint = {{ position = [{x}, {y}, 0], intensity = 1 }}\n")
+    };
+    let lamp = |y: f64| {
+        format!(
+            "[[radiative.surface]]\n\
+             rectangle = {{ corner = [-1, {y}, -1], edge_u = [1, 0, 0], edge_v = [0, 0, 1] }}\n\
+             emitter = {{ radiance = 1 }}\n"
+        )
+    };
+    for fine in [point(4.999, 0.0), point(5.0, 3.0), lamp(4.999)] {
+        assert!(parse(&scene(&fine)).is_ok(), "{fine}");
+    }
+    let said = [point(5.0, 0.0), lamp(5.0)].map(|light| said_about(&scene(&light)));
+    insta::assert_snapshot!(said.concat(), @r"
+    9:9: the light stands exactly in a rectangle, on neither side of it
+        move the light a little off the surface, to the side that it shines on
+    5:1: an emitting rectangle lies exactly in another surface: either hides the other
+        move the light a little off the surface, to the side that it shines on
+    ");
+}
+
+/// Next to each of these lies a mistake.
+#[test]
+fn what_is_not_refused() {
+    let body = format!("{BOX}\n{COEFFICIENTS}");
+    let accept = |edits: &[(&str, &str)]| {
+        let text = edited(edits);
+        if let Err(error) = parse(&text) {
+            panic!("{error}\n{text}");
+        }
+        assert!(schema_accepts(&text), "{text}");
+    };
+    let environment = ("[radiative]", "[radiative]\nenvironment = 1");
+    accept(&[environment]);
+    accept(&[environment, (&body, "g = 0.5")]);
+    accept(&[environment, (&body, "")]);
+    accept(&[(&body, "sigma_s = 1\nsigma_a = 1e-9")]);
+    accept(&[(
+        &body,
+        "emission = [0, 0, 1]\nsigma_s = [0, 0, 1]\nsigma_a = 1e-9",
+    )]);
+    // Two media without boundary add up: the one absorbs what the other scatters.
+    accept(&[(&body, "sigma_s = 1\n[[radiative.medium]]\nsigma_a = 1")]);
+    let single = ("[radiative]", "[radiative]\nscattering = \"single\"");
+    let bounded = ("[radiative]", "[radiative]\nmax_bounces = 4");
+    for limit in [single, bounded] {
+        accept(&[limit, (&body, "sigma_s = 1")]);
+    }
+    accept(&[single, (DIFFUSE, "glass = { index = 1.5 }")]);
+    accept(&[(POINT, POINT), (DIFFUSE, "emitter = { radiance = 0 }")]);
+    let spherical =
+        format!("[[radiative.surface]]\n{SPHERE}\nemitter = {{ radiance = 1, sides = \"both\" }}");
+    let light = format!("[[radiative.light]]\n{POINT}");
+    accept(&[
+        (&light, &spherical),
+        (DIFFUSE, "mirror = { reflectance = 1 }"),
+    ]);
+    // A flat box reflects like the rectangle it is.
+    accept(&[(SPHERE, "box = { min = [0, 0, 0], max = [1, 0, 1] }")]);
+}
+
+#[test]
+fn at_most_64_media() {
+    let medium = "[[radiative.medium]]\nsigma_a = 1\n";
+    let with = |count: usize| {
+        edited(&[(
+            "[[radiative.light]]",
+            &(medium.repeat(count - 1) + "[[radiative.light]]"),
+        )])
+    };
+    assert_eq!(radiative(&parse(&with(64)).unwrap(), 0).media.len(), 64);
+    insta::assert_snapshot!(said_about(&with(65)), @r#"
+    142:1: this is medium 65, one too many
+        a scene holds at most 64 media
+    "#);
+}
+
+#[test]
+fn what_belongs_to_other_models() {
+    let curve = "[film]\n[curve]\n";
+    let mut all = String::new();
+    for text in [
+        edited(&[("[camera]", "[transfer_function]\nfloor = 0.5\n[camera]")]),
+        edited(&[("[camera]", "[sampling]\nsamples = 0\n[camera]")]),
+        edited(&[("[camera]", "[sampling]\nsamples = 4294967296\n[camera]")]),
+        edited(&[("[camera]", "[sampling]\nseed = -1\n[camera]")]),
+        edited(&[("[camera]", "[sampling]\nspp = 1\n[camera]")]),
+        edited(&[(
+            "[camera]",
+            "[classified]\nvolume.file = \"none.obj\"\n[camera]",
+        )]),
+        edited(&[("eye = [0, 0, -5]\n", "")]),
+        edited(&[("target = [0, 0, 0]\n", "")]),
+        edited(&[("target = [0, 0, 0]", "target = [0, 0, -5]")]),
+        edited(&[("[camera]\neye = [0, 0, -5]\ntarget = [0, 0, 0]\n", "")]),
+        edited(&[("[radiative]", "[radiative]\nscatering = \"none\"")]),
+        edited(&[("[[radiative.light]]", "[[radiative.lights]]")]),
+        format!("{curve}[sampling]\n"),
+        "[classified]\nvolume.file = \"none.obj\"\n[sampling]\n".to_owned(),
+    ] {
+        all.push_str(&said_about(&text));
+    }
+    insta::assert_snapshot!(all, @r#"
+    1:1: a radiative scene has no densities that a transfer function could map
+        `transfer_function`: What a density looks like; not for radiative scenes.
+    2:11: `samples` must lie in [1, 2147483648], got 0
+        `sampling.samples`: Samples per pixel; four times as many halve the noise.
+    2:11: `samples` must lie in [1, 2147483648], got 4294967296
+        `sampling.samples`: Samples per pixel; four times as many halve the noise.
+    2:8: `seed` must lie in [0, 9223372036854775807], got -1
+        `sampling.seed`: Chooses the random numbers: the same seed gives the same image.
+    2:1: unknown key `spp` in [sampling]
+        [sampling] may hold: samples, seed
+    7:1: the file has more than one model: [classified], [radiative]
+        keep exactly one of [classified], [radiative]
+    1:1: missing key `eye` in [camera]
+        a radiative scene has no size that a camera could follow from: give `eye`, where the camera stands, and `target`, what it looks at
+    1:1: missing key `target` in [camera]
+        a radiative scene has no size that a camera could follow from: give `eye`, where the camera stands, and `target`, what it looks at
+    2:7: the camera stands at its target, so it looks nowhere
+        `camera.eye`: Where the camera stands, world units; required in a radiative scene.
+    2:1: a radiative scene needs a camera
+        give [camera] with `eye`, where it stands, and `target`, what it looks at
+    6:1: unknown key `scatering` in [radiative]
+        did you mean `scattering`?
+    16:13: unknown key `lights` in [radiative]
+        did you mean `light`?
+    3:1: a plot of the curve is drawn without random numbers
+        remove [sampling]
+    3:1: a classified volume is rendered without random numbers
+        remove [sampling]
+    "#);
+}
+
+/// What the declaration says about keys, the schema says too.
+#[test]
+fn the_schema_knows_which_keys_exclude_each_other() {
+    assert!(schema_accepts(BASE));
+    for (old, new) in [
+        (SPHERE, ""),
+        (
+            SPHERE,
+            "sphere = { centre = [0, 0, 0], radius = 1 }\nmesh = { file = \"a.obj\" }",
+        ),
+        (DIFFUSE, ""),
+        (
+            DIFFUSE,
+            "diffuse = { reflectance = 0.5 }\nglass = { index = 1.5 }",
+        ),
+        (DIFFUSE, "diffuse = { reflectance = 1.5 }"),
+        (DIFFUSE, "diffuse = { reflectance = [0, 0, 2] }"),
+        (
+            BOX,
+            "box = { min = [-1, -1, -1], max = [1, 1, 1] }\nsphere = { centre = [0, 0, 0], radius = 1 }",
+        ),
+        (COEFFICIENTS, "sigma_t = 1"),
+        (COEFFICIENTS, "albedo = 1"),
+        (COEFFICIENTS, "sigma_t = 1\nalbedo = 1\nsigma_a = 1"),
+        (POINT, ""),
+        (
+            POINT,
+            "point = { position = [0, 3, 0], intensity = 1 }\ndirectional = { direction = [0, 1, 0], irradiance = 1 }",
+        ),
+        ("[radiative]", "[curve]\n[radiative]"),
+        (
+            "[radiative]",
+            "[[panel]]\n[panel.curve]\n[panel.radiative]\n[radiative]",
+        ),
+    ] {
+        let text = edited(&[(old, new)]);
+        assert!(!schema_accepts(&text), "the schema accepts {new:?}");
+        assert!(parse(&text).is_err(), "the reader accepts {new:?}");
+    }
+    assert!(!schema_accepts("[film]\n"));
+    // A scene may leave its model to its panels.
+    assert!(schema_accepts("[[panel]]\n[panel.curve]\n"));
+    parse("[[panel]]\n[panel.curve]\n").unwrap();
+}
+
+/// A table of the schema, and the steps from the root of a scene to it: names of tables, and
+/// numbers into lists.
+fn tables<'s>(path: &str, schema: &'s Value, found: &mut Vec<(String, &'s Value)>) {
+    if let Some(properties) = schema["properties"].as_object() {
+        found.push((path.to_owned(), schema));
+        for (name, property) in properties {
+            let below = format!("{path}/{name}");
+            tables(&below, property, found);
+            tables(&format!("{below}/0"), &property["items"], found);
+        }
+    }
+}
+
+/// The reader knows no key that the schema does not have, and takes every default that the
+/// schema states.
+#[test]
+fn schema_and_reader_agree_on_keys_and_defaults() {
+    let schema = json_schema("scene", &SCENE);
+    let mut found = Vec::new();
+    tables("", &schema["properties"]["radiative"], &mut found);
+    assert!(found.len() >= 15, "only {} tables", found.len());
+    let mut checked = 0;
+    for (path, table) in found {
+        // A scene that holds the table: entries of lists that have none of their own are made
+        // from the base, where only one shape and one kind of matter may stand.
+        let mut base = as_json(BASE);
+        let steps: Vec<&str> = path.split('/').filter(|step| !step.is_empty()).collect();
+        if let ["surface" | "medium" | "light", "0", key, ..] = steps[..] {
+            let entry = base["radiative"][steps[0]][0].as_object_mut().unwrap();
+            let rivals: &[&[&str]] = &[
+                &["rectangle", "sphere", "box", "mesh"],
+                &["diffuse", "mirror", "glass", "emitter"],
+                &["point", "spot", "directional"],
+            ];
+            for group in rivals.iter().filter(|group| group.contains(&key)) {
+                entry.retain(|name, _| name == key || !group.contains(&name.as_str()));
+            }
+        }
+        let read = |key: &str, value: &Value| {
+            let mut root = base.clone();
+            let mut place = &mut root["radiative"];
+            for step in &steps {
+                place = match step.parse::<usize>() {
+                    Ok(index) => &mut place[index],
+                    Err(_) => &mut place[*step],
+                };
+                if place.is_null() {
+                    *place = serde_json::json!({});
+                }
+            }
+            // Keys that must be there are filled with something before the one in question.
+            for needed in table["required"].as_array().into_iter().flatten() {
+                let name = needed.as_str().unwrap();
+                let property = &table["properties"][name];
+                if place[name].is_null() {
+                    place[name] = match (&property["type"], &property["anyOf"]) {
+                        (Value::String(kind), _) if kind == "array" => serde_json::json!([1, 2, 3]),
+                        (Value::String(kind), _) if kind == "string" => {
+                            serde_json::json!("../../meshes/gem.obj")
+                        }
+                        _ => serde_json::json!(1),
+                    };
+                }
+            }
+            place[key] = value.clone();
+            let text = toml::to_string(&toml::Value::try_from(&root).unwrap()).unwrap();
+            parse(&text)
+        };
+        let error = read("no_such_key", &serde_json::json!(1)).unwrap_err();
+        assert!(
+            error.message().starts_with("unknown key `no_such_key`"),
+            "{path}: {error}"
+        );
+        for (key, property) in table["properties"].as_object().unwrap() {
+            if let Some(default) = property.get("default") {
+                if let Err(error) = read(key, default) {
+                    panic!("{path}/{key} = {default}: {error}");
+                }
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked >= 7, "only {checked} defaults in the schema");
+}

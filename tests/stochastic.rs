@@ -1,0 +1,334 @@
+//! The stochastic gate against the pairs it must reject and the noise it must accept.
+
+use volref::compare::stochastic::{FALSE_ALARM, judge, judge_at};
+use volref::compare::{Gate, Judgement, Picture, PictureError};
+use volref::film::Film;
+use volref::math::rng::{Purpose, Stream};
+use volref::math::{Moments, ln};
+
+const SIDE: usize = 48;
+
+/// What is seen without noise: a ball on black, a gradient below it.
+fn truth(index: usize) -> [f64; 3] {
+    let (x, y) = ((index % SIDE) as f64, (index / SIDE) as f64);
+    let (dx, dy) = ((x - 18.0) / 15.0, (y - 14.0) / 12.0);
+    let light = (1.0 - dx * dx - dy * dy).max(0.0) + if y >= 30.0 { x / 60.0 } else { 0.0 };
+    [0.9 * light, 0.5 * light, 0.2 * light]
+}
+
+/// The shape of the noise: a random factor of mean 1 for a number uniform in [0, 1).
+type Shape = fn(f64) -> f64;
+
+fn even(u: f64) -> f64 {
+    0.5 + u
+}
+
+fn exponential(u: f64) -> f64 {
+    -ln(1.0 - u)
+}
+
+/// One sample in twenty meets a light.
+fn rare(u: f64) -> f64 {
+    if u < 0.05 { 20.0 } else { 0.0 }
+}
+
+/// Means of `samples` samples of `truth` under noise, and their variances.
+fn sampled(seed: u64, samples: u32, shape: Shape, truth: impl Fn(usize) -> [f64; 3]) -> Film {
+    let (mut means, mut variances) = (Vec::new(), Vec::new());
+    for index in 0..SIDE * SIDE {
+        let mut moments = Moments::default();
+        for sample in 0..samples {
+            let stream = Stream::new(seed, index as u32, sample);
+            moments.add(shape(stream.uniform(0, Purpose::Camera, 0)));
+        }
+        let truth = truth(index);
+        means.push(truth.map(|value| (value * moments.mean()) as f32));
+        let variance = moments.variance_of_mean().unwrap();
+        variances.push(truth.map(|value| (value * value * variance) as f32));
+    }
+    Film::with_noise(SIDE, SIDE, means, variances, samples)
+}
+
+fn silent(film: &Film) -> Film {
+    Film::new(film.width(), film.height(), film.radiance().to_vec())
+}
+
+/// The film with another value in every pixel, and its own variances.
+fn edited(film: &Film, edit: impl Fn(usize, [f32; 3]) -> [f32; 3]) -> Film {
+    let noise = film.noise().unwrap();
+    let radiance = film.radiance().iter().enumerate();
+    let radiance = radiance.map(|(i, &pixel)| edit(i, pixel)).collect();
+    let variance = noise.variance().to_vec();
+    Film::with_noise(
+        film.width(),
+        film.height(),
+        radiance,
+        variance,
+        noise.samples(),
+    )
+}
+
+fn judged(reference: &Film, test: &Film) -> Judgement {
+    let judgement = judge(reference, test, 1).unwrap();
+    assert_eq!(judgement.gate, Gate::Stochastic);
+    assert!(judgement.metrics.values().all(|value| value.is_finite()));
+    judgement
+}
+
+fn assert_rejected(fault: &str, reference: &Film, test: &Film, word: &str) {
+    for (reference, test) in [(reference, test), (test, reference)] {
+        let judgement = judged(reference, test);
+        assert!(!judgement.passed, "{fault}: {}", judgement.reason);
+        assert!(
+            judgement.reason.contains(word),
+            "{fault}: {}",
+            judgement.reason
+        );
+    }
+}
+
+#[test]
+fn honest_noise_passes() {
+    let shapes: [(&str, Shape, u32); 5] = [
+        ("even", even, 2),
+        ("even", even, 64),
+        ("exponential", exponential, 4),
+        ("exponential", exponential, 100),
+        ("rare light", rare, 16),
+    ];
+    for (name, shape, samples) in shapes {
+        for seed in 0..6 {
+            let reference = sampled(1000 + seed, 256, shape, truth);
+            let test = sampled(seed, samples, shape, truth);
+            for (reference, test) in [
+                (&reference, &test),
+                (&test, &reference),
+                (&reference, &silent(&test)),
+                (&silent(&reference), &test),
+            ] {
+                let judgement = judged(reference, test);
+                assert!(judgement.passed, "{name}, {samples}: {}", judgement.reason);
+            }
+        }
+    }
+}
+
+/// At a level of one in five, at most about one in five honest pairs is rejected; many seeds
+/// show what one in a million never would.
+#[test]
+fn false_alarms_are_as_rare_as_promised() {
+    let pairs = 150;
+    let mut alarms = [0; 2];
+    for seed in 0..pairs {
+        let reference = sampled(1000 + seed, 40, even, truth);
+        let test = sampled(seed, 20, even, truth);
+        for (alarms, test) in alarms.iter_mut().zip([test.clone(), silent(&test)]) {
+            let passed = judge_at(&reference, &test, 0.2).unwrap().passed;
+            *alarms += u32::from(!passed);
+        }
+    }
+    // Four standard deviations of a binomial count.
+    let most = 0.2 * pairs as f64 + 4.0 * (0.2 * 0.8 * pairs as f64).sqrt();
+    assert!(
+        alarms.iter().all(|&count| f64::from(count) <= most),
+        "{alarms:?}"
+    );
+}
+
+#[test]
+fn what_it_must_reject() {
+    let reference = sampled(1, 256, exponential, truth);
+    let test = sampled(2, 128, exponential, truth);
+    assert!(judged(&reference, &test).passed);
+    let scaled = |factor: f32| edited(&test, |_, pixel| pixel.map(|value| value * factor));
+
+    assert_rejected("half as bright", &reference, &scaled(0.5), "on the whole");
+    // The mean of 2304 × 128 exponential samples is known to two parts in a thousand, and all
+    // channels share their noise.
+    assert_rejected("a faint bias", &reference, &scaled(1.03), "on the whole");
+    assert_rejected(
+        "a faint bias of one channel",
+        &reference,
+        &edited(&test, |_, [r, g, b]| [r, g, b * 1.03]),
+        "blue",
+    );
+    let in_block = |i: usize| (8..16).contains(&(i % SIDE)) && (8..16).contains(&(i / SIDE));
+    assert_rejected(
+        "a bias of one block",
+        &reference,
+        &edited(&test, |i, pixel| match in_block(i) {
+            true => pixel.map(|value| value * 1.15),
+            false => pixel,
+        }),
+        "begins at (8, 8)",
+    );
+    assert_rejected(
+        "one hot pixel",
+        &reference,
+        &edited(
+            &test,
+            |i, pixel| if i == 10 * SIDE + 18 { [9.0; 3] } else { pixel },
+        ),
+        "blocks",
+    );
+    assert_rejected(
+        "a hot pixel where there is no noise",
+        &reference,
+        &edited(&test, |i, pixel| if i == 47 { [1e-3; 3] } else { pixel }),
+        "neither image has any noise",
+    );
+    let checked = |i: usize| {
+        if (i + i / SIDE).is_multiple_of(2) {
+            2.0
+        } else {
+            0.0
+        }
+    };
+    assert_rejected(
+        "a pattern that cancels within blocks",
+        &reference,
+        &sampled(2, 128, exponential, |i| {
+            truth(i).map(|value| value * checked(i))
+        }),
+        "standard errors",
+    );
+    assert_rejected(
+        "mirrored",
+        &reference,
+        &sampled(2, 128, exponential, |i| {
+            truth(i / SIDE * SIDE + SIDE - 1 - i % SIDE)
+        }),
+        "blocks",
+    );
+}
+
+#[test]
+fn too_little_noise_is_suspicious() {
+    let reference = sampled(1, 256, exponential, truth);
+    // The first half of the samples is the same.
+    let shared = sampled(1, 200, exponential, truth);
+    assert_rejected("common random numbers", &reference, &shared, "in common");
+    let smoothed = edited(&sampled(2, 256, exponential, truth), |i, pixel| {
+        [0, 1, 2].map(|c| 0.6 * reference.radiance()[i][c] + 0.4 * pixel[c])
+    });
+    assert_rejected("smoothed", &reference, &smoothed, "in common");
+    let loud = sampled(2, 256, exponential, truth);
+    let variance = loud.noise().unwrap().variance();
+    let quiet = |scale: f32| {
+        let variance = variance.iter().map(|v| v.map(|v| scale * v)).collect();
+        Film::with_noise(SIDE, SIDE, loud.radiance().to_vec(), variance, 256)
+    };
+    let overstated = judged(&quiet(1.0), &quiet(8.0));
+    assert!(overstated.passed, "the same picture needs no noise");
+    assert_rejected("overstated noise", &reference, &quiet(8.0), "in common");
+    // Few samples: reported, not judged.
+    let few = judged(&reference, &sampled(1, 40, exponential, truth));
+    assert!(few.metrics["amount_of_noise"] < 1.0);
+}
+
+/// A pixel that missed a rare light is too dark and says it has no noise. The samples of the
+/// other image know better.
+#[test]
+fn few_samples_may_miss_the_light() {
+    let reference = sampled(1, 1024, rare, truth);
+    for seed in 10..16 {
+        let test = sampled(seed, 4, rare, truth);
+        let dark = test.radiance().iter().zip(reference.radiance());
+        let missed = dark.filter(|(t, r)| t[0] == 0.0 && r[0] > 0.0).count();
+        assert!(missed > 500, "the test is about them");
+        let judgement = judged(&reference, &test);
+        assert!(judgement.passed, "{}", judgement.reason);
+    }
+}
+
+#[test]
+fn without_noise_equal_is_equal() {
+    let film = |edit: fn(f32) -> f32, variance: f32| {
+        let radiance = (0..SIDE * SIDE)
+            .map(|i| truth(i).map(|v| edit(v as f32)))
+            .collect();
+        Film::with_noise(SIDE, SIDE, radiance, vec![[variance; 3]; SIDE * SIDE], 64)
+    };
+    let exact = film(|v| v, 0.0);
+    for (name, equal) in [
+        ("equal", exact.clone()),
+        (
+            "a rounding",
+            film(|v| if v > 0.0 { v.next_up() } else { v }, 0.0),
+        ),
+        ("no noise stated", silent(&exact)),
+    ] {
+        let judgement = judged(&exact, &equal);
+        assert!(judgement.passed, "{name}: {}", judgement.reason);
+    }
+    for (name, different) in [
+        (
+            "three roundings",
+            film(|v| v * (1.0 + 4.0 * f32::EPSILON), 0.0),
+        ),
+        ("an offset", film(|v| v + 1e-6, 0.0)),
+    ] {
+        assert_rejected(name, &exact, &different, "neither image has any noise");
+    }
+    let offset = silent(&film(|v| v + 0.5, 0.0));
+    assert!(!judged(&exact, &offset).passed);
+}
+
+#[test]
+fn incomparable_first() {
+    let film = sampled(1, 4, even, truth);
+    let small = Film::with_noise(8, 8, vec![[1.0; 3]; 64], vec![[0.1; 3]; 64], 4);
+    assert_rejected("size", &film, &small, "size differs");
+    let broken = edited(&film, |i, pixel| if i == 9 { [f32::NAN; 3] } else { pixel });
+    assert_rejected("not a number", &film, &broken, "not finite");
+    for value in [f32::NAN, f32::INFINITY, -1.0] {
+        let mut variance = film.noise().unwrap().variance().to_vec();
+        variance[77] = [value; 3];
+        let broken = Film::with_noise(SIDE, SIDE, film.radiance().to_vec(), variance, 4);
+        assert_rejected("variance", &film, &broken, "variance");
+    }
+    let both_silent = judge(&silent(&film), &silent(&film), 1);
+    assert!(matches!(both_silent, Err(PictureError::NeedsNoise)));
+    let codes = Picture::Radiance(film.clone()).srgb(0.0).unwrap();
+    let mixed = volref::compare::judge(
+        Gate::Stochastic,
+        &Picture::Radiance(film),
+        &Picture::Codes(codes),
+        0.0,
+    );
+    assert!(matches!(
+        mixed,
+        Err(PictureError::NeedsRadiance(Gate::Stochastic))
+    ));
+}
+
+/// What it says it would have seen, it sees; a third of that it does not always.
+#[test]
+fn the_resolution_is_no_boast() {
+    let reference = sampled(1, 256, even, truth);
+    let test = sampled(2, 64, even, truth);
+    let resolution = judged(&reference, &test).resolution.unwrap();
+    assert!((1e-3..0.2).contains(&resolution), "{resolution}");
+    let biased = sampled(2, 64, even, |i| {
+        truth(i).map(|value| value + 2.0 * resolution * (value + 1e-3))
+    });
+    assert_rejected("twice the resolution", &reference, &biased, "blocks");
+    let stricter = judge_at(&reference, &test, FALSE_ALARM / 1e6).unwrap();
+    assert!(stricter.resolution.unwrap() > resolution);
+}
+
+#[test]
+fn odd_sizes() {
+    for (width, height) in [(1, 1), (3, 2), (9, 7), (17, 31)] {
+        let film = |value: f32, wave: f32| {
+            let pixels = width * height;
+            let sign = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
+            let means = (0..pixels).map(|i| [value + sign(i) * wave; 3]).collect();
+            Film::with_noise(width, height, means, vec![[1e-6; 3]; pixels], 64)
+        };
+        // The standard error of the difference of two pixels is 0.0014.
+        let (reference, near, off) = (film(0.5, 0.0), film(0.5, 0.0014), film(0.6, 0.0));
+        assert!(judged(&reference, &near).passed, "{width} × {height}");
+        assert!(!judged(&reference, &off).passed, "{width} × {height}");
+    }
+}

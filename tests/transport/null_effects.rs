@@ -1,0 +1,264 @@
+//! What is null changes no bit: hard case A6, for surfaces and media.
+
+use crate::scenes::*;
+use glam::DVec3;
+use volref::geometry::{Boundary, Camera, Luminous, Rectangle, Shape, Sphere};
+use volref::math::rng::{Purpose, Stream};
+use volref::media::{Coefficients, Homogeneous};
+use volref::optics::{Material, Sides};
+use volref::render::effects::{Effects, Everything, Only};
+use volref::render::path_tracer::{PathTracer, Scratch};
+use volref::render::work::Uncounted;
+use volref::render::{Effect, Plan, State, render};
+use volref::scene::{AreaLight, Body, Model, Panel, Radiative, Scattering, Scene};
+
+const SIZE: usize = 16;
+
+fn camera() -> Camera {
+    Camera::new(DVec3::new(0.4, 0.3, 4.0), DVec3::ZERO, DVec3::Y, 0.7).unwrap()
+}
+
+fn lit(media: Vec<Body>) -> Radiative {
+    Radiative {
+        media,
+        lights: vec![
+            sun(DVec3::new(0.3, -1.0, -0.4), DVec3::ONE),
+            lamp(DVec3::new(0.5, 1.8, 0.4), 2.0),
+        ],
+        environment: DVec3::new(0.3, 0.2, 0.1),
+        camera: camera(),
+        samples: 4,
+        seed: 9,
+        ..empty()
+    }
+}
+
+fn nothing() -> Homogeneous {
+    grey(0.0, 0.0, 0.0)
+}
+
+fn coloured(g: f64) -> Homogeneous {
+    let sigma_s = DVec3::new(0.3, 1.0, 2.0);
+    Homogeneous {
+        coefficients: Coefficients::new(DVec3::splat(0.1), sigma_s).unwrap(),
+        ..grey(1.0, 0.5, g)
+    }
+}
+
+fn with_surfaces(scene: Radiative) -> Radiative {
+    let ball = Shape::Sphere(Sphere::new(DVec3::new(0.3, -0.2, 0.1), 0.4).unwrap());
+    let plate = Rectangle::centred(DVec3::Y * 1.9, DVec3::X * 0.3, DVec3::Z * 0.3).unwrap();
+    Radiative {
+        objects: vec![
+            object(ball, Material::Diffuse(DVec3::new(0.7, 0.5, 0.9))),
+            object(
+                Shape::Sphere(Sphere::new(DVec3::new(-0.5, 0.3, 0.4), 0.3).unwrap()),
+                Material::Glass(1.5),
+            ),
+        ],
+        area_lights: vec![AreaLight {
+            shape: Luminous::Rectangle(plate),
+            radiance: DVec3::splat(2.0),
+            sides: Sides::Front,
+        }],
+        ..scene
+    }
+}
+
+/// Every path through the picture, to the bit.
+fn paths<E: Effects>(scene: &Radiative, null_media: bool) -> Vec<[u64; 3]> {
+    let tracer = PathTracer::<E>::new(scene, None, null_media);
+    let mut scratch = Scratch::default();
+    let path = |sample| {
+        let random = Stream::new(scene.seed, 0, sample);
+        let [x, y] = random.pair(0, Purpose::Camera, 0);
+        let ray = camera().ray_through([x, y], [1, 1]);
+        let radiance = tracer.radiance(ray, &random, &mut scratch, &mut Uncounted);
+        radiance.unwrap().to_array().map(f64::to_bits)
+    };
+    (0..400).map(path).collect()
+}
+
+#[track_caller]
+fn same_bits(found: &[[u64; 3]], expected: &[[u64; 3]]) {
+    let odd = (0..expected.len()).find(|&path| found[path] != expected[path]);
+    if let Some(path) = odd {
+        let [found, expected] = [found, expected].map(|all| all[path].map(f64::from_bits));
+        panic!("path {path} is {found:?}, not {expected:?}");
+    }
+}
+
+#[track_caller]
+fn as_everything<E: Effects>(scene: &Radiative) {
+    let general = paths::<Everything>(scene, false);
+    same_bits(&paths::<E>(scene, false), &general);
+    let black = general.iter().all(|path| *path == [0; 3]);
+    assert!(!black, "nothing is seen");
+}
+
+/// The kernel for everything against those for what a scene has, path by path.
+#[test]
+fn special_kernels() {
+    let fog = |medium| lit(vec![within(cube(), medium)]);
+    let surfaces_only = with_surfaces(lit(vec![]));
+    as_everything::<Only<false, true, false, false, false>>(&surfaces_only);
+    as_everything::<Only<false, false, false, false, false>>(&lit(vec![]));
+
+    let plain = fog(grey(1.0, 0.8, 0.0));
+    as_everything::<Only<true, false, false, false, false>>(&plain);
+    as_everything::<Only<true, true, false, false, false>>(&plain);
+    as_everything::<Only<true, false, true, false, false>>(&plain);
+    as_everything::<Only<true, false, false, true, false>>(&plain);
+    as_everything::<Only<true, false, false, false, true>>(&plain);
+    as_everything::<Only<true, true, false, false, false>>(&with_surfaces(plain));
+
+    let forward = fog(grey(2.0, 0.9, 0.7));
+    as_everything::<Only<true, false, false, false, true>>(&forward);
+    as_everything::<Only<true, true, false, false, true>>(&with_surfaces(forward));
+
+    let warm = fog(glowing(grey(1.0, 0.6, 0.0), 0.5));
+    as_everything::<Only<true, false, true, false, false>>(&warm);
+    as_everything::<Only<true, true, true, false, false>>(&with_surfaces(warm));
+
+    let blue = fog(coloured(0.0));
+    as_everything::<Only<true, false, false, true, false>>(&blue);
+    as_everything::<Only<true, true, false, true, false>>(&with_surfaces(blue));
+    let blue = fog(coloured(-0.3));
+    as_everything::<Only<true, false, false, true, true>>(&blue);
+    as_everything::<Only<true, true, false, true, true>>(&with_surfaces(blue));
+
+    // Two media that overlap, one of which only absorbs.
+    let two = lit(vec![
+        within(cube(), grey(1.0, 0.8, 0.0)),
+        within(ball(DVec3::X, 1.0), grey(0.7, 0.0, 0.0)),
+    ]);
+    as_everything::<Only<true, false, false, false, false>>(&two);
+}
+
+/// Media of no matter, across media of some, beside them and everywhere.
+#[test]
+fn media_of_nothing() {
+    let some = |g| {
+        vec![
+            within(cube(), grey(1.0, 0.8, g)),
+            within(ball(DVec3::X, 0.8), coloured(g)),
+        ]
+    };
+    for scene in [lit(some(0.0)), with_surfaces(lit(some(0.5)))] {
+        let bare = paths::<Everything>(&scene, false);
+        let null: [Vec<Body>; 3] = [
+            vec![within(ball(DVec3::new(0.2, 0.1, 0.3), 0.7), nothing())],
+            vec![everywhere(nothing())],
+            vec![
+                within(cuboid(DVec3::splat(-0.3), DVec3::splat(0.4)), nothing()),
+                within(
+                    Boundary::Sphere(Sphere::new(DVec3::Y, 0.9).unwrap()),
+                    nothing(),
+                ),
+            ],
+        ];
+        for null in null {
+            for first in [false, true] {
+                let mut with_null = scene.clone();
+                if first {
+                    with_null.media.splice(0..0, null.clone());
+                } else {
+                    with_null.media.extend(null.clone());
+                }
+                same_bits(&paths::<Everything>(&with_null, false), &bare);
+                same_bits(&paths::<Everything>(&with_null, true), &bare);
+            }
+        }
+    }
+}
+
+fn panel(radiative: Radiative) -> Panel {
+    Panel {
+        title: None,
+        width: SIZE,
+        height: SIZE,
+        model: Model::Radiative(Box::new(radiative)),
+        inputs: vec![],
+        readings: vec![],
+    }
+}
+
+fn film(panel: &Panel, plan: Plan) -> Vec<u8> {
+    let scene = Scene {
+        path: "scene.toml".into(),
+        panels: vec![panel.clone()],
+    };
+    let rendering = render(&scene, &[plan], &|| {}).unwrap();
+    rendering.film.to_exr().unwrap()
+}
+
+/// Every null effect of a scene, forced alone and with all others; returns which.
+#[track_caller]
+fn force_all(radiative: Radiative) -> Vec<Effect> {
+    let panel = panel(radiative);
+    let plan = Plan::new(&panel);
+    let bare = film(&panel, plan.clone());
+    let null = Effect::ALL.into_iter().filter(|&effect| {
+        plan.state(effect) == State::Elided && Plan::forcing(&panel, &[effect]).is_ok()
+    });
+    let null: Vec<_> = null.collect();
+    for &effect in &null {
+        let forced = Plan::forcing(&panel, &[effect]).unwrap();
+        assert!(
+            film(&panel, forced) == bare,
+            "{effect} forced changes the film"
+        );
+    }
+    let all = Plan::forcing(&panel, &null).unwrap();
+    assert!(film(&panel, all) == bare, "all forced change the film");
+    null
+}
+
+#[test]
+fn null_effects_forced() {
+    use Effect::*;
+    let plain = lit(vec![within(cube(), grey(1.0, 1.0, 0.0))]);
+    assert_eq!(
+        force_all(plain.clone()),
+        [
+            Surfaces,
+            Absorption,
+            Emission,
+            SurfaceShadow,
+            ChromaticCoefficients,
+            AnisotropicPhase
+        ]
+    );
+    force_all(with_surfaces(plain.clone()));
+    // A medium of nothing across the other.
+    let mut with_null = plain.clone();
+    with_null.media.push(within(ball(DVec3::X, 0.9), nothing()));
+    force_all(with_null);
+    // Surfaces and no medium; a medium of nothing alone.
+    force_all(with_surfaces(lit(vec![])));
+    force_all(with_surfaces(lit(vec![within(cube(), nothing())])));
+    force_all(lit(vec![within(cube(), nothing())]));
+    // Light turned once, by integrals and by paths.
+    let single = |scene: Radiative| Radiative {
+        scattering: Scattering::Single,
+        ..scene
+    };
+    force_all(single(plain.clone()));
+    force_all(single(Radiative {
+        environment: DVec3::ZERO,
+        ..plain.clone()
+    }));
+    // Never turned; nothing there to turn it; nothing there to be turned.
+    force_all(Radiative {
+        scattering: Scattering::None,
+        ..plain.clone()
+    });
+    let absorbing = lit(vec![within(cube(), glowing(grey(1.0, 0.0, 0.0), 0.5))]);
+    let forced = force_all(absorbing);
+    assert!(forced.contains(&MultipleScattering), "{forced:?}");
+    force_all(Radiative {
+        lights: vec![],
+        environment: DVec3::ZERO,
+        ..plain
+    });
+}
