@@ -3,7 +3,7 @@
 use glam::DVec3;
 use std::f64::consts::TAU;
 use std::fmt::Write;
-use volref::geometry::{ClosedMesh, Mesh};
+use volref::geometry::{Aabb, ClosedMesh, Mesh};
 use volref::math::{cos, sin};
 
 /// Vertices and faces.
@@ -15,20 +15,8 @@ pub fn closed((vertices, faces): Parts) -> ClosedMesh {
 
 /// A box of twelve triangles.
 pub fn cuboid(min: DVec3, max: DVec3) -> Parts {
-    let pick = |corner: usize, axis: usize| [min, max][corner >> axis & 1][axis];
-    let vertices = (0..8).map(|c| DVec3::new(pick(c, 0), pick(c, 1), pick(c, 2)));
-    let sides = [
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-    ];
-    let faces = sides
-        .iter()
-        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-    (vertices.collect(), faces.collect())
+    let mesh = Mesh::cuboid(&Aabb::new(min, max).unwrap()).unwrap();
+    (mesh.vertices().to_vec(), mesh.faces().to_vec())
 }
 
 /// A sphere of radius 1 of `20·4^levels` triangles, its vertices on the sphere.
