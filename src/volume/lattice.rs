@@ -6,13 +6,26 @@ use thiserror::Error;
 
 /// A box of regularly spaced nodes, x fastest.
 ///
-/// Node-centred: the first and last node of an axis lie on the faces of the box. An axis with a
-/// single node is a slab one spacing thick, centred on it, along which the field is constant.
+/// [Node-centred](Centring::Nodes) unless asked otherwise: the first and last node of an axis lie
+/// on the faces of the box. An axis with a single node is a slab one spacing thick, centred on it,
+/// along which the field is constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     nodes: [usize; 3],
     spacing: DVec3,
     first: DVec3,
+    centring: Centring,
+}
+
+/// Where the faces of the box lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Centring {
+    /// On the first and last node of an axis: values are samples at points.
+    #[default]
+    Nodes,
+    /// Half a spacing beyond them: each value stands in the middle of a cell of its own. From the
+    /// outermost nodes to the faces the field is constant across them.
+    Cells,
 }
 
 /// Why numbers make no lattice.
@@ -65,12 +78,25 @@ impl Lattice {
             nodes,
             spacing,
             first,
+            centring: Centring::Nodes,
         };
+        lattice.with_centring(Centring::Nodes)
+    }
+
+    /// The same nodes, with the faces of the box where `centring` puts them.
+    pub fn with_centring(self, centring: Centring) -> Result<Lattice, LatticeError> {
+        let lattice = Lattice { centring, ..self };
         let bounds = lattice.bounds();
         if !(bounds.min.is_finite() && bounds.size().is_finite()) {
+            let [nx, ny, nz] = self.nodes;
             return Err(LatticeError::Extent(nx, ny, nz));
         }
         Ok(lattice)
+    }
+
+    /// Where the faces of the box lie.
+    pub fn centring(&self) -> Centring {
+        self.centring
     }
 
     /// Number of nodes along x, y and z, each at least 1.
@@ -127,7 +153,7 @@ impl Lattice {
             max: last,
         };
         for axis in 0..3 {
-            if self.nodes[axis] == 1 {
+            if self.nodes[axis] == 1 || self.centring == Centring::Cells {
                 bounds.min[axis] -= 0.5 * self.spacing[axis];
                 bounds.max[axis] += 0.5 * self.spacing[axis];
             }
@@ -180,6 +206,16 @@ mod tests {
             assert_eq!(lattice.index(lattice.node(index)), index);
         }
         assert_eq!(lattice.index([1, 0, 0]), 1);
+    }
+
+    #[test]
+    fn cells_reach_half_a_spacing_beyond_their_nodes() {
+        let spacing = DVec3::new(1.0, 2.0, 4.0);
+        let lattice = Lattice::new([3, 2, 1], spacing, DVec3::ZERO).unwrap();
+        let cells = lattice.with_centring(Centring::Cells).unwrap();
+        assert_eq!(cells.bounds().min, DVec3::new(-0.5, -1.0, -2.0));
+        assert_eq!(cells.bounds().max, DVec3::new(2.5, 3.0, 2.0));
+        assert_eq!(cells.with_centring(Centring::Nodes), Ok(lattice));
     }
 
     #[test]

@@ -1,0 +1,45 @@
+//! A density in space.
+
+use crate::geometry::Aabb;
+use glam::DVec3;
+
+/// A density at every point of space, finite and not negative.
+///
+/// What a tracking method needs to know of a field is its value at a point and bounds on it over
+/// a box: too wide a range costs time, too narrow a one is a bias that nobody sees. So bounds are
+/// proved, and every look-up is held against them.
+pub trait DensityField: Sync {
+    /// Density at `point`, in the coordinates of the field.
+    fn density(&self, point: DVec3) -> f64;
+
+    /// Bounds on [`DensityField::density`], as it is computed, over all points of `bounds`, faces
+    /// included.
+    fn range_over(&self, bounds: &Aabb) -> DensityRange;
+}
+
+/// Bounds on a density.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DensityRange {
+    /// No density is below; at least 0.
+    pub low: f64,
+    /// No density is above: the majorant. 0 where there is nothing.
+    pub high: f64,
+}
+
+impl DensityRange {
+    /// The one value of a constant density.
+    pub fn of(density: f64) -> DensityRange {
+        DensityRange {
+            low: density,
+            high: density,
+        }
+    }
+
+    /// Bounds on both of two densities.
+    pub fn union(self, other: DensityRange) -> DensityRange {
+        DensityRange {
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+        }
+    }
+}
