@@ -16,6 +16,7 @@ use glam::DVec3;
 use quadrature::integral;
 use std::f64::consts::TAU;
 use volref::geometry::{Aabb, Ray, Solid, Sphere, direction_of};
+use volref::math::quadrature::cubic_integral;
 use volref::math::sampling::*;
 use volref::math::{Sum, exp};
 use volref::media::emission::*;
@@ -188,7 +189,7 @@ fn cell_depth(entry: &Entry) -> f64 {
     let (from, to) = (entry.vector("from"), entry.vector("to"));
     let ray = Ray::new(from, to - from).unwrap();
     let density = |t: f64| Cell::around(&lattice, lattice.to_nodes(ray.at(t))).trilinear(&grid);
-    entry.input("sigma_scale") * cubic_integral(density, (to - from).length())
+    entry.input("sigma_scale") * cubic_integral(density, 0.0, (to - from).length())
 }
 
 #[test]

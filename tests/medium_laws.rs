@@ -439,14 +439,17 @@ fn e6_free_flight_at_the_ends_of_the_random_range() {
 fn e7_weights_when_transmittance_underflows() {
     let grey = Coefficients::new(DVec3::ZERO, DVec3::splat(800.0)).unwrap();
     assert_eq!(
-        grey.albedo() * collision_weight(DVec3::ONE, grey.sigma_t(), grey.sigma_t()),
+        grey.albedo() * collision_weight(DVec3::ONE, grey.sigma_t(), grey.sigma_t(), DVec3::ONE),
         DVec3::ONE
     );
-    assert_eq!(escape_weight(DVec3::ONE, grey.sigma_t()), DVec3::ONE);
+    assert_eq!(
+        escape_weight(DVec3::ONE, grey.sigma_t(), DVec3::ONE),
+        DVec3::ONE
+    );
     for sigma in [1e-300, 0.1, 0.7, 1e300] {
         let sigma_t = DVec3::splat(sigma);
         assert_eq!(
-            collision_weight(DVec3::ONE, sigma_t, sigma_t * 1e300),
+            collision_weight(DVec3::ONE, sigma_t, sigma_t * 1e300, DVec3::ONE),
             DVec3::ONE
         );
     }
@@ -466,10 +469,10 @@ fn s10_strongly_coloured_media() {
         let (through, weight) = if t < 1.0 {
             (
                 DVec3::ZERO,
-                collision_weight(DVec3::ONE, sigma_t, sigma_t * t),
+                collision_weight(DVec3::ONE, sigma_t, sigma_t * t, DVec3::ONE),
             )
         } else {
-            let weight = escape_weight(DVec3::ONE, sigma_t);
+            let weight = escape_weight(DVec3::ONE, sigma_t, DVec3::ONE);
             (weight, weight)
         };
         assert!(weight.min_element() >= 0.0 && weight.max_element() <= 3.0 * (1.0 + 4.0 * U));

@@ -95,8 +95,10 @@ pub fn sampled_channel(shares: DVec3, u: f64) -> usize {
 /// `σ_k/σ_c · e^(τ_c − τ_k)`: at any depth a grey medium has the weight 1, exactly.
 ///
 /// Domain: `sigma_t`, the extinction there, positive in the channel that was sampled by;
-/// `depth ≥ 0`, the optical depth up to there, finite in that channel.
-pub fn collision_weight(shares: DVec3, sigma_t: DVec3, depth: DVec3) -> DVec3 {
+/// `depth ≥ 0`, the optical depth up to there, finite in that channel; `survived`, by channel up
+/// to a common factor, the probability of the null collisions of a tracker on the way, by which
+/// `T_c` is multiplied: 1 if there were none, positive in that channel.
+pub fn collision_weight(shares: DVec3, sigma_t: DVec3, depth: DVec3, survived: DVec3) -> DVec3 {
     weight(shares, |c, k| {
         if sigma_t[c] == 0.0 {
             return f64::INFINITY;
@@ -104,14 +106,23 @@ pub fn collision_weight(shares: DVec3, sigma_t: DVec3, depth: DVec3) -> DVec3 {
         if sigma_t[k] == 0.0 {
             return 0.0;
         }
-        sigma_t[k] / sigma_t[c] * exp(difference(depth[c], depth[k]))
+        sigma_t[k] / sigma_t[c]
+            * exp(difference(depth[c], depth[k]))
+            * quotient(survived[k], survived[c])
     })
 }
 
 /// Weight, by channel, of a flight that left the media after the optical `depth`, its distance
 /// having been sampled as for [`collision_weight`]: `T_c / Σ_k p_k T_k`, between 0 and `1/p_c`.
-pub fn escape_weight(shares: DVec3, depth: DVec3) -> DVec3 {
-    weight(shares, |c, k| exp(difference(depth[c], depth[k])))
+pub fn escape_weight(shares: DVec3, depth: DVec3, survived: DVec3) -> DVec3 {
+    weight(shares, |c, k| {
+        exp(difference(depth[c], depth[k])) * quotient(survived[k], survived[c])
+    })
+}
+
+/// `a/b`, infinite where `b` is 0: what has not survived in channel `c` has no weight in it.
+fn quotient(a: f64, b: f64) -> f64 {
+    if b == 0.0 { f64::INFINITY } else { a / b }
 }
 
 /// `Σ_k s_k / Σ_k s_k ratio(c, k)` where channel `c` has a share `s_c`, else 0. Both sums in the
@@ -166,11 +177,11 @@ mod tests {
     fn a_channel_without_extinction_never_collides_and_always_escapes() {
         let sigma_t = DVec3::new(0.0, 2.0, 2.0);
         assert_eq!(
-            collision_weight(DVec3::ONE, sigma_t, sigma_t),
+            collision_weight(DVec3::ONE, sigma_t, sigma_t, DVec3::ONE),
             DVec3::new(0.0, 1.5, 1.5)
         );
         let endless = DVec3::new(0.0, f64::INFINITY, f64::INFINITY);
-        let escaped = |depth| escape_weight(DVec3::ONE, depth);
+        let escaped = |depth| escape_weight(DVec3::ONE, depth, DVec3::ONE);
         assert_eq!(escaped(endless), DVec3::new(3.0, 0.0, 0.0));
         assert_eq!(escaped(DVec3::INFINITY), DVec3::ONE);
     }
@@ -195,8 +206,8 @@ mod tests {
         let sigma_t = DVec3::new(0.3, 4.0, 1e3);
         for depth in [DVec3::ZERO, sigma_t * 0.01, sigma_t * 2.0] {
             for weight in [
-                collision_weight(shares, sigma_t, depth),
-                escape_weight(shares, depth),
+                collision_weight(shares, sigma_t, depth, DVec3::ONE),
+                escape_weight(shares, depth, DVec3::ONE),
             ] {
                 let sum = (shares * weight).element_sum();
                 assert!((sum - 2.8).abs() <= 16.0 * f64::EPSILON, "{sum}");
@@ -205,9 +216,27 @@ mod tests {
         let dark = DVec3::new(0.0, 0.3, 0.7);
         let sigma_t = DVec3::new(1e300, 2.0, 2.0);
         assert_eq!(
-            collision_weight(dark, sigma_t, sigma_t),
+            collision_weight(dark, sigma_t, sigma_t, DVec3::ONE),
             DVec3::new(0.0, 1.0, 1.0)
         );
-        assert_eq!(escape_weight(dark, sigma_t), DVec3::new(0.0, 1.0, 1.0));
+        assert_eq!(
+            escape_weight(dark, sigma_t, DVec3::ONE),
+            DVec3::new(0.0, 1.0, 1.0)
+        );
+    }
+
+    #[test]
+    fn null_collisions_weigh_as_much_as_the_depth_they_stand_for() {
+        let (shares, sigma_t) = (DVec3::new(0.7, 0.1, 2.0), DVec3::new(0.3, 4.0, 1.0));
+        let depth = DVec3::new(0.2, 1.0, 0.5);
+        let survived = DVec3::from_array(depth.to_array().map(|depth| exp(-depth)));
+        let (by_depth, by_chance) = (
+            collision_weight(shares, sigma_t, depth, DVec3::ONE),
+            collision_weight(shares, sigma_t, DVec3::ZERO, survived),
+        );
+        assert!((by_depth - by_chance).abs().max_element() < 1e-15);
+        // What cannot have got there carries nothing, and takes nothing from the others.
+        let gone = DVec3::new(1.0, 0.0, 1.0);
+        assert_eq!(escape_weight(DVec3::ONE, DVec3::ZERO, gone), gone * 1.5);
     }
 }

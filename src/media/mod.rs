@@ -2,6 +2,7 @@
 
 mod coefficients;
 mod colormap;
+mod density;
 pub mod emission;
 pub mod estimators;
 mod homogeneous;
@@ -16,6 +17,7 @@ pub use coefficients::{
     Coefficients, InvalidCoefficient, collision_weight, escape_weight, sampled_channel,
 };
 pub use colormap::Colormap;
+pub use density::{Density, Field, Line};
 pub use homogeneous::Homogeneous;
 pub use opacity::{TransferOpacity, over_length};
 pub use optical_depth::{opacity, optical_depth, source_factor, transmittance};

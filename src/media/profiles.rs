@@ -110,16 +110,6 @@ impl GaussianProfile {
     }
 }
 
-/// Integral over [0, length] of a function of `t` that is at most cubic, from two values: Gauss
-/// and Legendre's rule. Exact up to rounding for a trilinear density inside one cell, which along
-/// a straight line is a cubic.
-pub fn cubic_integral(function: impl Fn(f64) -> f64, length: f64) -> f64 {
-    // The roots of the second Legendre polynomial, ±1/√3, on the unit interval.
-    const OFFSET: f64 = 0.288_675_134_594_812_9;
-    let (first, second) = ((0.5 - OFFSET) * length, (0.5 + OFFSET) * length);
-    (function(first) + function(second)) * (length / 2.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -160,12 +150,6 @@ mod tests {
             (Some(0.0), None)
         );
         assert_eq!(level.optical_depth(0.0, f64::INFINITY), 0.0);
-    }
-
-    #[test]
-    fn the_two_point_rule_is_exact_for_cubics() {
-        let cubic = |t: f64| 1.0 + t * (2.0 + t * (3.0 + t * 4.0));
-        assert!((cubic_integral(cubic, 2.0) - 30.0).abs() <= 30.0 * 4.0 * f64::EPSILON);
     }
 
     #[test]

@@ -3,9 +3,10 @@
 use super::draws::Draws;
 use super::effects::Effects;
 use super::surroundings::Surroundings;
+use super::tracker::Tracker;
 use super::vertex::Vertex;
 use super::work::Work;
-use crate::geometry::{Emitter, Hit, Ray, Side, Span};
+use crate::geometry::{Emitter, Hit, Ray, Side};
 use crate::math::rng::Purpose;
 use crate::math::sampling::power_heuristic;
 use crate::optics::{Light, Sides};
@@ -18,7 +19,7 @@ impl<E: Effects> Surroundings<'_, E> {
         &self,
         vertex: &Vertex,
         light: &Light,
-        spans: &mut Vec<Span>,
+        tracker: &mut Tracker,
         work: &mut W,
     ) -> DVec3 {
         let (position, strength) = (light.position(), light.strength_towards(vertex.point()));
@@ -43,7 +44,7 @@ impl<E: Effects> Surroundings<'_, E> {
         if response.value == DVec3::ZERO {
             return DVec3::ZERO;
         }
-        response.value * irradiance * self.visibility(&ray, distance, spans, work)
+        response.value * irradiance * self.visibility(&ray, distance, tracker, work)
     }
 
     /// Radiance sent back from `vertex` for what arrives there from the area light with number
@@ -53,7 +54,7 @@ impl<E: Effects> Surroundings<'_, E> {
         vertex: &Vertex,
         index: usize,
         draws: &Draws<'_>,
-        spans: &mut Vec<Span>,
+        tracker: &mut Tracker,
         work: &mut W,
     ) -> DVec3 {
         let light = &self.scene.area_lights[index];
@@ -77,7 +78,7 @@ impl<E: Effects> Surroundings<'_, E> {
         }
         let pdf = solid_angle_pdf(light, distance, cosine);
         let weight = power_heuristic(pdf, response.pdf);
-        let visible = self.visibility(&ray, distance, spans, work);
+        let visible = self.visibility(&ray, distance, tracker, work);
         response.value * light.radiance * visible * (weight / pdf)
     }
 }

@@ -12,6 +12,8 @@ pub trait Effects: Sync {
     const CHROMATIC: bool;
     /// Phase functions that prefer a direction.
     const ANISOTROPIC: bool;
+    /// Media whose density differs from place to place.
+    const HETEROGENEOUS: bool;
 }
 
 /// The effects given as parameters.
@@ -22,6 +24,7 @@ pub struct Only<
     const EMISSION: bool,
     const CHROMATIC: bool,
     const ANISOTROPIC: bool,
+    const HETEROGENEOUS: bool,
 >;
 
 impl<
@@ -30,14 +33,16 @@ impl<
     const EMISSION: bool,
     const CHROMATIC: bool,
     const ANISOTROPIC: bool,
-> Effects for Only<MEDIA, SURFACES, EMISSION, CHROMATIC, ANISOTROPIC>
+    const HETEROGENEOUS: bool,
+> Effects for Only<MEDIA, SURFACES, EMISSION, CHROMATIC, ANISOTROPIC, HETEROGENEOUS>
 {
     const MEDIA: bool = MEDIA;
     const SURFACES: bool = SURFACES;
     const EMISSION: bool = EMISSION;
     const CHROMATIC: bool = CHROMATIC;
     const ANISOTROPIC: bool = ANISOTROPIC;
+    const HETEROGENEOUS: bool = HETEROGENEOUS;
 }
 
 /// Everything on: the general kernel.
-pub type Everything = Only<true, true, true, true, true>;
+pub type Everything = Only<true, true, true, true, true, true>;

@@ -2,7 +2,7 @@
 
 use super::curve;
 use super::kernel::{self, Parts};
-use super::path_tracer::Endless;
+use super::path_tracer::Fault;
 use super::plan::{Kernel, Plan};
 use super::radiative_kernel::{ByLineOfSight, ByPathTracing, with_parts};
 use super::work::{Counters, Uncounted, Work};
@@ -35,6 +35,20 @@ pub enum RenderError {
          leave a way out, or set max_bounces"
     )]
     Endless {
+        /// Column, from the left.
+        column: usize,
+        /// Row, from the top.
+        row: usize,
+    },
+    /// A bound on the density of a medium that is none.
+    #[error(
+        "the density of a medium was above its bound {violations} times, first in pixel \
+         ({column}, {row}): the image would be wrong in a way that nobody sees. This is a fault of \
+         volref; please report it with the scene"
+    )]
+    Majorant {
+        /// How often, in all pixels.
+        violations: u64,
         /// Column, from the left.
         column: usize,
         /// Row, from the top.
@@ -184,14 +198,27 @@ fn render_panel<W: Work>(
 fn mean_of_samples(
     panel: &Panel,
     samples: u32,
-    pixels: Vec<Result<[Moments; 3], Endless>>,
+    pixels: Vec<Result<[Moments; 3], Fault>>,
 ) -> Result<Film, RenderError> {
     let (width, height) = (panel.width, panel.height);
-    let endless = pixels.iter().position(Result::is_err);
-    if let Some(index) = endless {
-        return Err(RenderError::Endless {
-            column: index % width,
-            row: index / width,
+    let faults = || {
+        let faults = pixels.iter().enumerate();
+        faults.filter_map(|(index, pixel)| Some((index, *pixel.as_ref().err()?)))
+    };
+    if let Some((index, fault)) = faults().next() {
+        let (column, row) = (index % width, index / width);
+        return Err(match fault {
+            Fault::Endless => RenderError::Endless { column, row },
+            Fault::Majorant(_) => RenderError::Majorant {
+                violations: faults()
+                    .map(|(_, fault)| match fault {
+                        Fault::Majorant(violations) => violations,
+                        Fault::Endless => 0,
+                    })
+                    .sum(),
+                column,
+                row,
+            },
         });
     }
     let moments: Vec<_> = pixels.into_iter().flatten().collect();

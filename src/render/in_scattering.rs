@@ -11,8 +11,10 @@
 
 use super::draws::Draws;
 use super::effects::Effects;
-use super::media_path::{Depths, MediaPath, Stretch, transmittance};
+use super::matter::transmittance;
+use super::media_path::{Depths, MediaPath, Stretch};
 use super::surroundings::Surroundings;
+use super::tracker::Tracker;
 use super::vertex::Vertex;
 use super::work::Work;
 use crate::geometry::{Ray, Span, direction_of};
@@ -103,7 +105,8 @@ pub struct Places<'p, E> {
     flight: TruncatedFlight<E>,
 }
 
-/// A place on a ray, in matter that scatters.
+/// A place on a ray, in matter that scatters. Where the density varies, depths and stretch tell
+/// how it was chosen, not what is there.
 #[derive(Clone, Copy, Debug)]
 pub struct Place<'p> {
     /// Distance from the origin of the ray.
@@ -190,7 +193,7 @@ impl<E: Effects> Surroundings<'_, E> {
         ray: &Ray,
         (light, position, index): (&Light, DVec3, usize),
         draws: &Draws<'_>,
-        spans: &mut Vec<Span>,
+        tracker: &mut Tracker,
         work: &mut W,
     ) -> Result<Option<(DVec3, Place<'p>)>, LightOnRay> {
         let Some(places) = Places::<E>::new(path, ray, light, position)? else {
@@ -199,7 +202,7 @@ impl<E: Effects> Surroundings<'_, E> {
         let Some(place) = places.choose(draws.pair(Purpose::LightDistance, index, work)) else {
             return Ok(None);
         };
-        let radiance = self.scattered_at(ray, &place, light, spans, work);
+        let radiance = self.scattered_at(ray, &place, light, tracker, work);
         Ok(Some((radiance / place.pdf, place)))
     }
 
@@ -210,7 +213,7 @@ impl<E: Effects> Surroundings<'_, E> {
         ray: &Ray,
         place: &Place<'_>,
         light: &Light,
-        spans: &mut Vec<Span>,
+        tracker: &mut Tracker,
         work: &mut W,
     ) -> DVec3 {
         let vertex = Vertex::Medium {
@@ -218,8 +221,19 @@ impl<E: Effects> Surroundings<'_, E> {
             direction: ray.direction,
             set: place.stretch.set,
         };
-        let sent = self.by_light(&vertex, light, spans, work);
-        sent * place.stretch.matter.sigma_s * transmittance::<E>(place.depths.all())
+        if !E::HETEROGENEOUS || !self.media.vary() {
+            let sent = self.by_light(&vertex, light, tracker, work);
+            return sent * place.stretch.matter.sigma_s * transmittance::<E>(place.depths.all());
+        }
+        let sigma_s = self.media.sigma_s(place.stretch.set, vertex.point(), work);
+        if sigma_s == DVec3::ZERO {
+            return DVec3::ZERO;
+        }
+        let sent = self.by_light(&vertex, light, tracker, work);
+        let through = self
+            .media
+            .transmittance::<E, W>(ray, place.t, tracker, work);
+        sent * sigma_s * through
     }
 }
 

@@ -6,9 +6,11 @@
 use super::direct_light::radiance_of;
 use super::effects::Effects;
 use super::in_scattering::{Place, lit_span};
-use super::media_path::{MediaPath, Stretch, transmittance};
+use super::matter::transmittance;
+use super::media_path::{MediaPath, Stretch};
 use super::smooth::facing;
 use super::surroundings::{Met, Surroundings};
+use super::tracker::Tracker;
 use super::vertex::Vertex;
 use super::work::Work;
 use crate::geometry::{Ray, Span};
@@ -46,7 +48,7 @@ impl<E: Effects> LineOfSight<'_, E> {
         &self,
         ray: &Ray,
         path: &mut MediaPath,
-        spans: &mut Vec<Span>,
+        tracker: &mut Tracker,
         work: &mut W,
     ) -> DVec3 {
         let scene = self.around.scene;
@@ -56,13 +58,22 @@ impl<E: Effects> LineOfSight<'_, E> {
         let mut through = DVec3::ONE;
         if E::MEDIA {
             path.lay(&self.around.media, ray, end);
-            through = transmittance::<E>(path.depth());
-            if E::EMISSION {
-                radiance += path.emitted::<E>();
+            let media = &self.around.media;
+            if E::HETEROGENEOUS && media.vary() {
+                through = transmittance::<E>(media.depth(ray, end, &mut tracker.spans, work));
+                if E::EMISSION {
+                    radiance +=
+                        path.emitted_by_quadrature::<E, W>(media, ray, self.tolerance, work);
+                }
+            } else {
+                through = transmittance::<E>(path.depth());
+                if E::EMISSION {
+                    radiance += path.emitted::<E>();
+                }
             }
             if self.turned {
                 for light in &scene.lights {
-                    radiance += self.turned_by_media(light, path, ray, spans, work);
+                    radiance += self.turned_by_media(light, path, ray, tracker, work);
                 }
             }
         }
@@ -76,7 +87,7 @@ impl<E: Effects> LineOfSight<'_, E> {
                         normal: facing(&hit),
                         reflectance,
                     };
-                    self.turned_at(&vertex, spans, work)
+                    self.turned_at(&vertex, tracker, work)
                 }
                 _ => DVec3::ZERO,
             },
@@ -85,10 +96,10 @@ impl<E: Effects> LineOfSight<'_, E> {
     }
 
     /// Radiance that a surface makes of what the lights send there.
-    fn turned_at<W: Work>(&self, vertex: &Vertex, spans: &mut Vec<Span>, work: &mut W) -> DVec3 {
+    fn turned_at<W: Work>(&self, vertex: &Vertex, tracker: &mut Tracker, work: &mut W) -> DVec3 {
         let lights = self.around.scene.lights.iter();
         lights.fold(DVec3::ZERO, |sum, light| {
-            sum + self.around.by_light(vertex, light, spans, work)
+            sum + self.around.by_light(vertex, light, tracker, work)
         })
     }
 
@@ -98,7 +109,7 @@ impl<E: Effects> LineOfSight<'_, E> {
         light: &Light,
         path: &MediaPath,
         ray: &Ray,
-        spans: &mut Vec<Span>,
+        tracker: &mut Tracker,
         work: &mut W,
     ) -> DVec3 {
         let Some(lit) = lit_span(path, ray, light) else {
@@ -122,7 +133,7 @@ impl<E: Effects> LineOfSight<'_, E> {
                     depths,
                     stretch,
                 };
-                self.around.scattered_at(ray, &place, light, spans, work)
+                self.around.scattered_at(ray, &place, light, tracker, work)
             };
             for [near, far] in pieces(stretch, span) {
                 radiance += match light.position() {

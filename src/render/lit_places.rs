@@ -16,12 +16,13 @@
 use super::draws::Draws;
 use super::effects::Effects;
 use super::in_scattering::{Place, Places};
-use super::media_path::{MediaPath, transmittance};
+use super::media_path::MediaPath;
 use super::smooth::facing;
 use super::surroundings::{Met, Surroundings};
+use super::tracker::Tracker;
 use super::vertex::Vertex;
 use super::work::Work;
-use crate::geometry::{Ray, Span, SurfacePoint, direction_of, length_of};
+use crate::geometry::{Ray, SurfacePoint, direction_of, length_of};
 use crate::math::Frame;
 use crate::math::rng::Purpose;
 use crate::math::sampling::{Cone, Equiangular, power_heuristic, sphere, sphere_pdf};
@@ -133,7 +134,7 @@ impl<E: Effects> Surroundings<'_, E> {
         (light, position, index): (&Light, DVec3, usize),
         draws: &Draws<'_>,
         path: &mut MediaPath,
-        spans: &mut Vec<Span>,
+        tracker: &mut Tracker,
         work: &mut W,
     ) -> DVec3 {
         let Some((cone, per_steradian)) = directions(light) else {
@@ -156,12 +157,12 @@ impl<E: Effects> Surroundings<'_, E> {
             let [u, _] = draws.pair(Purpose::LitPlace, 2 * index + 1, work);
             let chosen = (per_steradian, u);
             radiance += self
-                .by_lit_medium(vertex, (light, position), &out, chosen, path, spans, work)
+                .by_lit_medium(vertex, (light, position), &out, chosen, path, tracker, work)
                 .unwrap_or(DVec3::ZERO);
         }
         if E::SURFACES {
             radiance += self
-                .by_lit_surface(vertex, light, &out, per_steradian, spans, work)
+                .by_lit_surface(vertex, light, &out, per_steradian, tracker, work)
                 .unwrap_or(DVec3::ZERO);
         }
         radiance
@@ -180,7 +181,7 @@ impl<E: Effects> Surroundings<'_, E> {
         out: &Ray,
         (per_steradian, u): (f64, f64),
         path: &mut MediaPath,
-        spans: &mut Vec<Span>,
+        tracker: &mut Tracker,
         work: &mut W,
     ) -> Option<DVec3> {
         let (foot, angle) = distances(self, out, vertex.point())?;
@@ -204,7 +205,7 @@ impl<E: Effects> Surroundings<'_, E> {
         let mine = per_steradian * angle.pdf(s) / (from_light * from_light);
         let squared = distance * distance;
         let weight = power_heuristic(mine, response.pdf * place.pdf / squared);
-        let radiance = self.scattered_at(&ray, &place, light, spans, work);
+        let radiance = self.scattered_at(&ray, &place, light, tracker, work);
         Some(response.value * radiance * (weight / (mine * squared)))
     }
 
@@ -216,7 +217,7 @@ impl<E: Effects> Surroundings<'_, E> {
         light: &Light,
         out: &Ray,
         per_steradian: f64,
-        spans: &mut Vec<Span>,
+        tracker: &mut Tracker,
         work: &mut W,
     ) -> Option<DVec3> {
         let (Met::Object(index), hit) = self.nearest(out, work)? else {
@@ -234,11 +235,11 @@ impl<E: Effects> Surroundings<'_, E> {
         }
         let mut arriving = light.strength_towards(hit.point.position);
         if E::MEDIA {
-            arriving *= transmittance::<E>(self.media.depth(out, hit.t, spans));
+            arriving *= self.media.transmittance::<E, W>(out, hit.t, tracker, work);
         }
         let density = surface_density_from_light((light, out.origin), ray.origin, &hit.point);
         let weight = power_heuristic(density, response.pdf);
-        let visible = self.visibility(&ray, distance, spans, work);
+        let visible = self.visibility(&ray, distance, tracker, work);
         // Of irradiance I·cos/r² and density p·cos/r² per area, I/p is left.
         let sent = reflectance / PI * arriving * (cosine / (distance * distance));
         Some(response.value * visible * sent * (weight / per_steradian))

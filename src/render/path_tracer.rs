@@ -18,13 +18,16 @@
 use super::direct_light::{radiance_of, weight_of_meeting};
 use super::draws::Draws;
 use super::effects::Effects;
+use super::flight::Flight;
 use super::lit_places::{weight_of_finding, weight_of_reaching};
-use super::media_path::{Flight, MediaPath, transmittance};
+use super::matter::transmittance;
+use super::media_path::MediaPath;
 use super::smooth::{facing, mirrored, through_glass};
 use super::surroundings::{Met, Surroundings};
+use super::tracker::{Numbers, Tracker};
 use super::vertex::Vertex;
-use super::work::Work;
-use crate::geometry::{Hit, Ray, Span};
+use super::work::{Event, Work};
+use crate::geometry::{Hit, Ray};
 use crate::math::rng::{Purpose, Stream};
 use crate::media::sampled_channel;
 use crate::optics::{Light, Material};
@@ -43,12 +46,17 @@ pub struct PathTracer<'s, E> {
 pub struct Scratch {
     path: MediaPath,
     connection: MediaPath,
-    spans: Vec<Span>,
+    tracker: Tracker,
 }
 
-/// A path that was turned more often than there are random numbers for.
+/// A path that came to nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Endless;
+pub enum Fault {
+    /// It was turned more often than there are random numbers for.
+    Endless,
+    /// So many extinctions were above what was to be their bound.
+    Majorant(u64),
+}
 
 /// How the ray under way came by its direction.
 #[derive(Clone, Copy, Debug)]
@@ -72,11 +80,25 @@ impl<'s, E: Effects> PathTracer<'s, E> {
     /// Radiance that one path brings back along `ray`.
     pub fn radiance<W: Work>(
         &self,
+        ray: Ray,
+        random: &Stream,
+        scratch: &mut Scratch,
+        work: &mut W,
+    ) -> Result<DVec3, Fault> {
+        let radiance = self.traced(ray, random, scratch, work)?;
+        match scratch.tracker.take_violations() {
+            0 => Ok(radiance),
+            violations => Err(Fault::Majorant(violations)),
+        }
+    }
+
+    fn traced<W: Work>(
+        &self,
         mut ray: Ray,
         random: &Stream,
         scratch: &mut Scratch,
         work: &mut W,
-    ) -> Result<DVec3, Endless> {
+    ) -> Result<DVec3, Fault> {
         let around = &self.around;
         let mut radiance = DVec3::ZERO;
         let mut throughput = DVec3::ONE;
@@ -89,8 +111,11 @@ impl<'s, E: Effects> PathTracer<'s, E> {
             let end = met.as_ref().map_or(f64::INFINITY, |(_, hit)| hit.t);
             if E::MEDIA {
                 scratch.path.lay(&around.media, &ray, end);
+                if E::HETEROGENEOUS {
+                    scratch.tracker.at_turn(random, bounce);
+                }
                 if E::EMISSION {
-                    radiance += throughput * scratch.path.emitted::<E>();
+                    radiance += throughput * self.emitted(&ray, scratch, work);
                 }
                 if turns_left >= 1 {
                     radiance +=
@@ -98,10 +123,10 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                 }
             }
             if let Some((Met::AreaLight(index), hit)) = &met {
-                radiance += throughput * self.met_light(*index, &ray, hit, came, scratch);
+                radiance += throughput * self.met_light(*index, &ray, hit, came, scratch, work);
             }
 
-            let turned_by = match self.flight(throughput, &draws, scratch, work) {
+            let turned_by = match self.flight(&ray, throughput, &draws, scratch, work) {
                 Flight::Collided(collision) => {
                     throughput *= collision.weight;
                     TurnedBy::Range(Vertex::Medium {
@@ -157,7 +182,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                 throughput /= survival;
             }
             if bounce == Stream::BOUNCES - 1 {
-                return Err(Endless);
+                return Err(Fault::Endless);
             }
         }
         Ok(radiance)
@@ -173,13 +198,13 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         scratch: &mut Scratch,
         work: &mut W,
     ) -> DVec3 {
-        let Scratch { path, spans, .. } = scratch;
+        let Scratch { path, tracker, .. } = scratch;
         let mut radiance = DVec3::ZERO;
         for (light, position, index) in self.positioned() {
             let source = (light, position, index);
             match self
                 .around
-                .by_turning_into(path, ray, source, draws, spans, work)
+                .by_turning_into(path, ray, source, draws, tracker, work)
             {
                 Err(_) => return DVec3::INFINITY,
                 Ok(None) => {}
@@ -199,32 +224,48 @@ impl<'s, E: Effects> PathTracer<'s, E> {
 
     /// What an area light that the ray has met sends back through the media in between, weighted
     /// against the connection that the last vertex made with it.
-    fn met_light(
+    fn met_light<W: Work>(
         &self,
         index: usize,
         ray: &Ray,
         hit: &Hit,
         came: Came,
-        scratch: &Scratch,
+        scratch: &mut Scratch,
+        work: &mut W,
     ) -> DVec3 {
         let light = &self.around.scene.area_lights[index];
         let weight = match came {
             Came::Alone => 1.0,
             Came::Turned(pdf) => weight_of_meeting(light, ray, hit, pdf),
         };
-        let through = if E::MEDIA {
-            transmittance::<E>(scratch.path.depth())
-        } else {
+        let through = if !E::MEDIA {
             DVec3::ONE
+        } else if E::HETEROGENEOUS && self.around.media.vary() {
+            let media = &self.around.media;
+            media.transmittance::<E, W>(ray, hit.t, &mut scratch.tracker, work)
+        } else {
+            transmittance::<E>(scratch.path.depth())
         };
         radiance_of(light, hit) * through * weight
     }
 
+    /// What the media along the ray send back along it.
+    fn emitted<W: Work>(&self, ray: &Ray, scratch: &mut Scratch, work: &mut W) -> DVec3 {
+        let media = &self.around.media;
+        let Scratch { path, tracker, .. } = scratch;
+        if E::HETEROGENEOUS && media.vary() {
+            path.emitted_by_tracking::<E, W>(media, ray, tracker, work)
+        } else {
+            path.emitted::<E>()
+        }
+    }
+
     fn flight<W: Work>(
         &self,
+        ray: &Ray,
         throughput: DVec3,
         draws: &Draws<'_>,
-        scratch: &Scratch,
+        scratch: &mut Scratch,
         work: &mut W,
     ) -> Flight {
         if !E::MEDIA || scratch.path.stretches().is_empty() {
@@ -235,8 +276,12 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         } else {
             0
         };
-        let u = draws.one(Purpose::FreeFlight, work);
-        scratch.path.flight::<E>(u, channel, throughput)
+        let mut chance = Numbers::new(draws.random, draws.bounce, Purpose::FreeFlight);
+        let Scratch { path, tracker, .. } = scratch;
+        let (media, carried) = (&self.around.media, (channel, throughput));
+        let flight = path.flight::<E, W>(media, ray, carried, &mut chance, tracker, work);
+        work.count_times(Event::RandomDraw, u64::from(2 * chance.drawn - 1));
+        flight
     }
 
     /// What is sent back from a vertex for light that it is connected to: from lights, straight,
@@ -258,7 +303,9 @@ impl<'s, E: Effects> PathTracer<'s, E> {
     ) -> DVec3 {
         let around = &self.around;
         let Scratch {
-            connection, spans, ..
+            connection,
+            tracker,
+            ..
         } = scratch;
         let mut radiance = DVec3::ZERO;
         for light in &around.scene.lights {
@@ -269,15 +316,15 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                 }
                 _ => 1.0,
             };
-            radiance += around.by_light(vertex, light, spans, work) * weight;
+            radiance += around.by_light(vertex, light, tracker, work) * weight;
         }
         if turns_left >= 2 {
             for source in self.positioned() {
-                radiance += around.by_lit_places(vertex, source, draws, connection, spans, work);
+                radiance += around.by_lit_places(vertex, source, draws, connection, tracker, work);
             }
         }
         for index in 0..around.scene.area_lights.len() {
-            radiance += around.by_area_light(vertex, index, draws, spans, work);
+            radiance += around.by_area_light(vertex, index, draws, tracker, work);
         }
         radiance
     }

@@ -177,7 +177,7 @@ pub enum Kernel {
 }
 
 /// Parts of the kernels for surfaces and participating media.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Parts {
     /// Media.
     pub media: bool,
@@ -191,6 +191,27 @@ pub struct Parts {
     pub chromatic: bool,
     /// Phase functions that prefer a direction.
     pub anisotropic: bool,
+    /// Media whose density differs from place to place.
+    pub heterogeneous: bool,
+}
+
+/// Part of [`Plan::canonical_text`], by which goldens know the plan they were made by: a part
+/// that goldens of old know nothing of shows only where it is on.
+impl fmt::Debug for Parts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut parts = f.debug_struct("Parts");
+        parts
+            .field("media", &self.media)
+            .field("null_media", &self.null_media)
+            .field("surfaces", &self.surfaces)
+            .field("emission", &self.emission)
+            .field("chromatic", &self.chromatic)
+            .field("anisotropic", &self.anisotropic);
+        if self.heterogeneous {
+            parts.field("heterogeneous", &true);
+        }
+        parts.finish()
+    }
 }
 
 impl fmt::Display for Parts {
@@ -201,6 +222,7 @@ impl fmt::Display for Parts {
             (self.emission, "emission"),
             (self.chromatic, "colour"),
             (self.anisotropic, "anisotropic scattering"),
+            (self.heterogeneous, "varying density"),
         ];
         let names: Vec<_> = names
             .iter()
@@ -249,6 +271,12 @@ impl fmt::Display for Kernel {
                         f,
                         "line of sight: {parts}, light turned once, by quadrature"
                     )
+                }
+                Kernel::PathTracer {
+                    parts,
+                    limit: Some(0),
+                } => {
+                    write!(f, "path tracer: {parts}, light not turned")
                 }
                 Kernel::PathTracer { parts, limit: None } => {
                     write!(f, "path tracer: {parts}, any number of turns")

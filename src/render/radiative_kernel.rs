@@ -4,7 +4,7 @@
 use super::effects::{Effects, Only};
 use super::image::{Pixels, rows};
 use super::line_of_sight::{LineOfSight, TOLERANCE};
-use super::path_tracer::{Endless, PathTracer, Scratch};
+use super::path_tracer::{Fault, PathTracer, Scratch};
 use super::plan::Parts;
 use super::surroundings::Surroundings;
 use super::work::{Event, Work};
@@ -26,8 +26,8 @@ pub(super) trait Run {
 /// Runs `task` by the code compiled for `parts`.
 pub(super) fn with_parts<R: Run>(parts: Parts, task: R) -> R::Output {
     match (parts.media, parts.surfaces) {
-        (false, false) => task.run::<Only<false, false, false, false, false>>(),
-        (false, true) => task.run::<Only<false, true, false, false, false>>(),
+        (false, false) => task.run::<Only<false, false, false, false, false, false>>(),
+        (false, true) => task.run::<Only<false, true, false, false, false, false>>(),
         (true, false) => with_emission::<R, false>(parts, task),
         (true, true) => with_emission::<R, true>(parts, task),
     }
@@ -45,11 +45,19 @@ fn with_colour<R: Run, const SURFACES: bool, const EMISSION: bool>(
     parts: Parts,
     task: R,
 ) -> R::Output {
+    if parts.heterogeneous {
+        // What varies costs far more than a phase function that might have been simpler.
+        return if parts.chromatic {
+            task.run::<Only<true, SURFACES, EMISSION, true, true, true>>()
+        } else {
+            task.run::<Only<true, SURFACES, EMISSION, false, true, true>>()
+        };
+    }
     match (parts.chromatic, parts.anisotropic) {
-        (false, false) => task.run::<Only<true, SURFACES, EMISSION, false, false>>(),
-        (false, true) => task.run::<Only<true, SURFACES, EMISSION, false, true>>(),
-        (true, false) => task.run::<Only<true, SURFACES, EMISSION, true, false>>(),
-        (true, true) => task.run::<Only<true, SURFACES, EMISSION, true, true>>(),
+        (false, false) => task.run::<Only<true, SURFACES, EMISSION, false, false, false>>(),
+        (false, true) => task.run::<Only<true, SURFACES, EMISSION, false, true, false>>(),
+        (true, false) => task.run::<Only<true, SURFACES, EMISSION, true, false, false>>(),
+        (true, true) => task.run::<Only<true, SURFACES, EMISSION, true, true, false>>(),
     }
 }
 
@@ -75,10 +83,10 @@ impl<W: Work> Run for ByLineOfSight<'_, W> {
         rows(
             self.pixels,
             Default::default,
-            |pixel, (path, spans), work: &mut W| {
+            |pixel, (path, tracker), work: &mut W| {
                 let ray = self.scene.camera.ray(pixel, size);
                 renderer
-                    .radiance(&ray, path, spans, work)
+                    .radiance(&ray, path, tracker, work)
                     .as_vec3()
                     .to_array()
             },
@@ -97,7 +105,7 @@ pub(super) struct ByPathTracing<'p, W> {
 
 impl<W: Work> Run for ByPathTracing<'_, W> {
     /// By pixel, the moments of its samples by channel.
-    type Output = (Vec<Result<[Moments; 3], Endless>>, W);
+    type Output = (Vec<Result<[Moments; 3], Fault>>, W);
 
     fn run<E: Effects>(self) -> Self::Output {
         let scene = self.scene;

@@ -1,9 +1,10 @@
 //! What light meets on a straight line: surfaces that stop it, media that take some of it away.
 
 use super::effects::Effects;
-use super::media_path::{Media, transmittance};
+use super::matter::Media;
+use super::tracker::Tracker;
 use super::work::{Event, Work};
-use crate::geometry::{Hit, Ray, Span, Surface};
+use crate::geometry::{Hit, Ray, Surface};
 use crate::scene::Radiative;
 use glam::DVec3;
 use std::marker::PhantomData;
@@ -57,12 +58,13 @@ impl<'s, E: Effects> Surroundings<'s, E> {
         best
     }
 
-    /// By channel, the share of light that gets through from the origin of `ray` to `distance`.
+    /// By channel, the share of light that gets through from the origin of `ray` to `distance`:
+    /// an estimate, where a medium of varying density scatters on the way.
     pub fn visibility<W: Work>(
         &self,
         ray: &Ray,
         distance: f64,
-        spans: &mut Vec<Span>,
+        tracker: &mut Tracker,
         work: &mut W,
     ) -> DVec3 {
         work.count(Event::ShadowRay);
@@ -72,7 +74,8 @@ impl<'s, E: Effects> Surroundings<'s, E> {
         if !E::MEDIA {
             return DVec3::ONE;
         }
-        transmittance::<E>(self.media.depth(ray, distance, spans))
+        self.media
+            .transmittance::<E, W>(ray, distance, tracker, work)
     }
 
     /// Whether no surface stands between the origin of `ray` and the distance `limit`.

@@ -2,7 +2,7 @@
 
 use super::draws::Draws;
 use super::effects::Effects;
-use super::media_path::{Media, Set};
+use super::matter::{Media, Set};
 use super::work::{Event, Work};
 use crate::geometry::{Ray, SurfacePoint};
 use crate::math::rng::Purpose;
@@ -76,10 +76,10 @@ impl Vertex {
     ) -> Response {
         match self {
             Vertex::Medium {
+                point,
                 direction: arrived,
                 set,
-                ..
-            } => scattered::<E, W>(media, *set, arrived.dot(direction), work),
+            } => scattered::<E, W>(media, (*set, *point), arrived.dot(direction), work),
             Vertex::Diffuse {
                 normal,
                 reflectance,
@@ -137,8 +137,13 @@ impl Vertex {
         work: &mut W,
     ) -> Option<Turn> {
         match self {
-            Vertex::Medium { direction, set, .. } => {
-                let (phase, weight) = chosen_phase(media, *set, throughput, draws, work);
+            Vertex::Medium {
+                point,
+                direction,
+                set,
+            } => {
+                let place = (*set, *point);
+                let (phase, weight) = chosen_phase::<E, W>(media, place, throughput, draws, work);
                 let [u, v] = draws.pair(Purpose::PhaseDirection, 0, work);
                 let turn = if E::ANISOTROPIC {
                     phase.deflection(u)
@@ -150,7 +155,7 @@ impl Vertex {
                 let local = DVec3::new(sine * cos(azimuth), sine * sin(azimuth), turn.cos);
                 let towards = Frame::around(*direction).to_world(local);
                 let ray = self.leave(towards)?;
-                let pdf = scattered::<E, W>(media, *set, turn.cos, work).pdf;
+                let pdf = scattered::<E, W>(media, place, turn.cos, work).pdf;
                 Some(Turn { ray, weight, pdf })
             }
             Vertex::Diffuse {
@@ -174,7 +179,7 @@ impl Vertex {
 /// Response of overlapping media: their phase functions in the proportion of their scattering.
 fn scattered<E: Effects, W: Work>(
     media: &Media<'_>,
-    set: Set,
+    (set, point): (Set, DVec3),
     cosine: f64,
     work: &mut W,
 ) -> Response {
@@ -186,7 +191,7 @@ fn scattered<E: Effects, W: Work>(
             1.0 / (4.0 * PI)
         }
     };
-    let mut scatterers = media.scatterers(set);
+    let mut scatterers = media.scatterers::<E>(set, point);
     let Some((first, phase)) = scatterers.next() else {
         return Response {
             value: DVec3::ZERO,
@@ -218,14 +223,14 @@ fn scattered<E: Effects, W: Work>(
 /// One of the overlapping media, chosen in the proportion of what they scatter of the throughput
 /// of the path, and by channel its share of the scattering over the probability of the choice.
 /// So the channels together carry as much as before, however often media are chosen.
-fn chosen_phase<W: Work>(
+fn chosen_phase<E: Effects, W: Work>(
     media: &Media<'_>,
-    set: Set,
+    (set, point): (Set, DVec3),
     throughput: DVec3,
     draws: &Draws<'_>,
     work: &mut W,
 ) -> (HenyeyGreenstein, DVec3) {
-    let mut scatterers = media.scatterers(set);
+    let mut scatterers = media.scatterers::<E>(set, point);
     let (first, phase) = scatterers
         .next()
         .expect("a collision is in matter that scatters");
@@ -233,12 +238,12 @@ fn chosen_phase<W: Work>(
         return (phase, DVec3::ONE);
     }
     let all = media
-        .scatterers(set)
+        .scatterers::<E>(set, point)
         .fold(DVec3::ZERO, |sum, (sigma_s, _)| sum + sigma_s);
     let carried = |sigma_s: DVec3| throughput.dot(share(sigma_s, all));
     let mut left = draws.one(Purpose::Collision, work) * carried(all);
     let (mut chosen, mut sigma_s) = (phase, first);
-    for (candidate, phase) in media.scatterers(set) {
+    for (candidate, phase) in media.scatterers::<E>(set, point) {
         let carried = carried(candidate);
         if carried == 0.0 {
             continue;

@@ -6,7 +6,7 @@ use super::format::{Absent, Key, Kind, Literal, Range, Table};
 use super::reader::{Length, Reader};
 use crate::geometry::{Camera, length_of};
 use crate::media::{Phong, TransferFunction};
-use crate::volume::{Grid, Lattice, VolumeFormat};
+use crate::volume::{Grid, Interpolation, Lattice, VolumeFormat};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -153,15 +153,6 @@ const SHADOW: Table = Table {
     ],
     rules: &[],
 };
-
-/// How a value between nodes follows from those at the nodes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Interpolation {
-    /// The nearest node's.
-    Nearest,
-    /// Linear along each axis between the eight nodes around.
-    Trilinear,
-}
 
 /// The order in which the samples of a ray are put together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

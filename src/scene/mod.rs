@@ -11,7 +11,7 @@ mod radiative;
 pub mod reader;
 mod sampling;
 
-pub use classified::{Classified, Compositing, Interpolation, Shadow};
+pub use classified::{Classified, Compositing, Shadow};
 pub use curve::Curve;
 pub use error::SceneError;
 pub use files::InputFile;

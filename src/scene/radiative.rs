@@ -14,7 +14,7 @@ use super::format::{Absent, Key, Kind, Literal, Range, Table};
 use super::reader::Reader;
 use super::sampling::Sampling;
 use crate::geometry::{Boundary, Camera, Luminous, Shape};
-use crate::media::Homogeneous;
+use crate::media::{Density, Homogeneous};
 use crate::optics::{Light, Material, Sides};
 use contradictions::Parts;
 use glam::DVec3;
@@ -102,8 +102,12 @@ pub struct AreaLight {
 pub struct Body {
     /// The closed shape it fills; without one it fills all space.
     pub boundary: Option<Boundary>,
-    /// What it is made of. Where bodies overlap, their coefficients and emissions add up.
+    /// What it is made of, where its density is 1. Where bodies overlap, their coefficients and
+    /// emissions add up.
     pub medium: Homogeneous,
+    /// How its density differs from place to place, as a factor on coefficients and emission; 1
+    /// everywhere without. There is a boundary, if there is one.
+    pub density: Option<Density>,
 }
 
 /// Surfaces, participating media and lights.

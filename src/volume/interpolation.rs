@@ -7,6 +7,15 @@ use super::{Grid, Lattice};
 use glam::DVec3;
 use std::ops::{Add, Mul, Sub};
 
+/// How a value between nodes follows from those at the nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    /// The nearest node's.
+    Nearest,
+    /// Linear along each axis between the eight nodes around.
+    Trilinear,
+}
+
 /// What can stand at a node, and the value it stands for in arithmetic.
 pub trait Node: Copy {
     /// `f64` for a scalar field, `DVec3` for a vector field.

@@ -7,7 +7,7 @@ use volref::geometry::Ray;
 use volref::math;
 use volref::media::over_length;
 use volref::render::compositing::{FrontToBack, Order};
-use volref::scene::{Classified, Compositing, Interpolation};
+use volref::scene::{Classified, Compositing};
 use volref::volume::Lattice;
 
 proptest! {

@@ -65,7 +65,7 @@ fn the_nearer_half_is_seen() {
         lattice,
         |[_, _, k]| if k < 4 { 1.0 } else { 0.1 },
     ));
-    scene.interpolation = volref::scene::Interpolation::Nearest;
+    scene.interpolation = volref::volume::Interpolation::Nearest;
     for layers in both_orders(scene, 1) {
         let red = layers[0].colour;
         // Three and a half voxels of transparency 0.0123 let 1e-6 of what is behind through.

@@ -101,38 +101,38 @@ fn as_everything<E: Effects>(scene: &Radiative) {
 fn special_kernels() {
     let fog = |medium| lit(vec![within(cube(), medium)]);
     let surfaces_only = with_surfaces(lit(vec![]));
-    as_everything::<Only<false, true, false, false, false>>(&surfaces_only);
-    as_everything::<Only<false, false, false, false, false>>(&lit(vec![]));
+    as_everything::<Only<false, true, false, false, false, false>>(&surfaces_only);
+    as_everything::<Only<false, false, false, false, false, false>>(&lit(vec![]));
 
     let plain = fog(grey(1.0, 0.8, 0.0));
-    as_everything::<Only<true, false, false, false, false>>(&plain);
-    as_everything::<Only<true, true, false, false, false>>(&plain);
-    as_everything::<Only<true, false, true, false, false>>(&plain);
-    as_everything::<Only<true, false, false, true, false>>(&plain);
-    as_everything::<Only<true, false, false, false, true>>(&plain);
-    as_everything::<Only<true, true, false, false, false>>(&with_surfaces(plain));
+    as_everything::<Only<true, false, false, false, false, false>>(&plain);
+    as_everything::<Only<true, true, false, false, false, false>>(&plain);
+    as_everything::<Only<true, false, true, false, false, false>>(&plain);
+    as_everything::<Only<true, false, false, true, false, false>>(&plain);
+    as_everything::<Only<true, false, false, false, true, false>>(&plain);
+    as_everything::<Only<true, true, false, false, false, false>>(&with_surfaces(plain));
 
     let forward = fog(grey(2.0, 0.9, 0.7));
-    as_everything::<Only<true, false, false, false, true>>(&forward);
-    as_everything::<Only<true, true, false, false, true>>(&with_surfaces(forward));
+    as_everything::<Only<true, false, false, false, true, false>>(&forward);
+    as_everything::<Only<true, true, false, false, true, false>>(&with_surfaces(forward));
 
     let warm = fog(glowing(grey(1.0, 0.6, 0.0), 0.5));
-    as_everything::<Only<true, false, true, false, false>>(&warm);
-    as_everything::<Only<true, true, true, false, false>>(&with_surfaces(warm));
+    as_everything::<Only<true, false, true, false, false, false>>(&warm);
+    as_everything::<Only<true, true, true, false, false, false>>(&with_surfaces(warm));
 
     let blue = fog(coloured(0.0));
-    as_everything::<Only<true, false, false, true, false>>(&blue);
-    as_everything::<Only<true, true, false, true, false>>(&with_surfaces(blue));
+    as_everything::<Only<true, false, false, true, false, false>>(&blue);
+    as_everything::<Only<true, true, false, true, false, false>>(&with_surfaces(blue));
     let blue = fog(coloured(-0.3));
-    as_everything::<Only<true, false, false, true, true>>(&blue);
-    as_everything::<Only<true, true, false, true, true>>(&with_surfaces(blue));
+    as_everything::<Only<true, false, false, true, true, false>>(&blue);
+    as_everything::<Only<true, true, false, true, true, false>>(&with_surfaces(blue));
 
     // Two media that overlap, one of which only absorbs.
     let two = lit(vec![
         within(cube(), grey(1.0, 0.8, 0.0)),
         within(ball(DVec3::X, 1.0), grey(0.7, 0.0, 0.0)),
     ]);
-    as_everything::<Only<true, false, false, false, false>>(&two);
+    as_everything::<Only<true, false, false, false, false, false>>(&two);
 }
 
 /// Media of no matter, across media of some, beside them and everywhere.
@@ -225,6 +225,7 @@ fn null_effects_forced() {
             Absorption,
             Emission,
             SurfaceShadow,
+            Heterogeneity,
             ChromaticCoefficients,
             AnisotropicPhase
         ]

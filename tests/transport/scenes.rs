@@ -54,6 +54,7 @@ pub fn within(boundary: Boundary, medium: Homogeneous) -> Body {
     Body {
         boundary: Some(boundary),
         medium,
+        density: None,
     }
 }
 
@@ -61,6 +62,7 @@ pub fn everywhere(medium: Homogeneous) -> Body {
     Body {
         boundary: None,
         medium,
+        density: None,
     }
 }
 

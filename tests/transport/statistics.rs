@@ -35,7 +35,7 @@ fn line_of_sight(scene: &Radiative, ray: &Ray, turned: bool) -> DVec3 {
     renderer.radiance(
         ray,
         &mut Default::default(),
-        &mut Vec::new(),
+        &mut Default::default(),
         &mut Uncounted,
     )
 }

@@ -2,7 +2,8 @@
 
 use super::{Decisions, Effect, FieldKind, Finding, Kernel, Plan};
 use crate::media::Phong;
-use crate::scene::{Classified, Interpolation};
+use crate::scene::Classified;
+use crate::volume::Interpolation;
 
 /// The plan for a classified volume.
 pub(super) fn plan(scene: &Classified, forced: &[Effect]) -> Plan {

@@ -16,6 +16,7 @@ pub(super) fn plan(scene: &Radiative, forced: &[Effect]) -> Plan {
         Effect::Emission,
         Effect::ChromaticCoefficients,
         Effect::AnisotropicPhase,
+        Effect::Heterogeneity,
     ];
     let null_media = of_media.into_iter().any(|effect| forced.contains(&effect));
     let parts = Parts {
@@ -25,13 +26,19 @@ pub(super) fn plan(scene: &Radiative, forced: &[Effect]) -> Plan {
         emission: on(Effect::Emission),
         chromatic: on(Effect::ChromaticCoefficients),
         anisotropic: on(Effect::AnisotropicPhase),
+        heterogeneous: on(Effect::Heterogeneity),
     };
     let turned = on(Effect::SingleScattering) || on(Effect::MultipleScattering);
     // By what there is, not by what is forced: the path tracer looks through other places of a
     // pixel than its centre.
     let turns = scene.scattering != Scattering::None && contents.turns();
     let kernel = match scene.scattering {
-        _ if !turns => Kernel::LineOfSight { parts, turned },
+        _ if !turns && contents.integrable => Kernel::LineOfSight { parts, turned },
+        // Light that is not turned, through a density that has no integral.
+        _ if !turns => Kernel::PathTracer {
+            parts,
+            limit: Some(0),
+        },
         Scattering::Single if contents.is_one_integral(scene) => {
             Kernel::LineOfSight { parts, turned }
         }
@@ -56,6 +63,10 @@ struct Contents {
     emission: bool,
     chromatic: bool,
     anisotropic: bool,
+    /// Media whose density differs from place to place.
+    heterogeneous: usize,
+    /// Whether each of those densities has an integral along lines.
+    integrable: bool,
     /// Surfaces that reflect or refract anything at all.
     reflection: bool,
     /// Lights, with or without extent, other than the environment.
@@ -87,6 +98,16 @@ impl Contents {
             }),
             anisotropic: media()
                 .any(|medium| any(medium.coefficients.sigma_s()) && medium.phase.0.g() != 0.0),
+            heterogeneous: scene
+                .media
+                .iter()
+                .filter(|body| body.density.is_some())
+                .count(),
+            integrable: scene
+                .media
+                .iter()
+                .filter_map(|body| body.density.as_ref())
+                .all(|density| density.is_integrable()),
             reflection: scene.objects.iter().any(|object| match object.material {
                 Material::Diffuse(reflectance) | Material::Mirror(reflectance) => any(reflectance),
                 Material::Glass(_) => true,
@@ -111,6 +132,7 @@ impl Contents {
         scene.area_lights.is_empty()
             && !self.environment
             && !self.emission
+            && self.heterogeneous == 0
             && (scene.objects.is_empty() || !self.scattering)
             && scene.objects.iter().all(|object| diffuse(object.material))
     }
@@ -192,7 +214,18 @@ impl Contents {
             }
             Effect::SurfaceShadow => matters(SURFACE, "surfaces stand in the way of lights"),
             Effect::GradientShading => Absent("media are not shaded"),
-            Effect::Heterogeneity => Absent("every medium is homogeneous"),
+            Effect::Heterogeneity if scene.media.is_empty() => no_media(),
+            Effect::Heterogeneity => match self.heterogeneous {
+                0 => null(MEDIUM, "every medium is homogeneous"),
+                1 => matters(
+                    MEDIUM,
+                    "the density of a medium differs from place to place",
+                ),
+                many => Matters(
+                    MEDIUM,
+                    format!("the densities of {many} media differ from place to place"),
+                ),
+            },
             Effect::ChromaticCoefficients | Effect::AnisotropicPhase if scene.media.is_empty() => {
                 no_media()
             }

@@ -82,6 +82,7 @@ pub(super) fn read(
             emission,
             phase: HenyeyGreenstein(asymmetry),
         },
+        density: None,
     };
     check_brightness(&body).map_err(|(message, help)| reader.mistake("emission", message, help))?;
     Ok(body)

@@ -1,0 +1,419 @@
+//! The media of a scene, and what they do to light along a ray.
+
+use super::effects::Effects;
+use super::passage::Passage;
+use super::tracker::Tracker;
+use super::tracking::{Control, Small, ratio_tracking};
+use super::work::{Event, Work};
+use crate::geometry::{Aabb, Boundary, Ray, Solid, Span, Surface};
+use crate::math::exp;
+use crate::media::{Density, HenyeyGreenstein, optical_depth};
+use crate::scene::Body;
+use glam::DVec3;
+
+/// What a stretch is made of, per world length and channel.
+///
+/// A medium that only absorbs dims light without being sampled: its extinction is kept apart from
+/// that of the media that scatter.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Matter {
+    /// Extinction of the media that scatter.
+    pub sigma_t: DVec3,
+    /// Scattering.
+    pub sigma_s: DVec3,
+    /// Extinction of the media that do not scatter.
+    pub dimming: DVec3,
+    /// Emitted radiance per length.
+    pub emission: DVec3,
+}
+
+impl Matter {
+    /// The matter of `body` where its density is 1.
+    fn of(body: &Body) -> Matter {
+        let coefficients = body.medium.coefficients;
+        let (sigma_t, sigma_s) = (coefficients.sigma_t(), coefficients.sigma_s());
+        let scatters = sigma_s != DVec3::ZERO;
+        Matter {
+            sigma_t: if scatters { sigma_t } else { DVec3::ZERO },
+            sigma_s,
+            dimming: if scatters { DVec3::ZERO } else { sigma_t },
+            emission: body.medium.emission,
+        }
+    }
+
+    fn add(&mut self, other: &Matter) {
+        self.sigma_t += other.sigma_t;
+        self.sigma_s += other.sigma_s;
+        self.dimming += other.dimming;
+        self.emission += other.emission;
+    }
+
+    /// Whether light is turned here.
+    pub fn scatters(&self) -> bool {
+        self.sigma_s != DVec3::ZERO
+    }
+}
+
+/// The media of a scene, ready to be laid along rays.
+#[derive(Debug)]
+pub struct Media<'s> {
+    bodies: Vec<Medium<'s>>,
+    /// Those of varying density.
+    varying: Set,
+    /// Where light is scattered at all.
+    scattering: Reach,
+}
+
+/// A medium.
+#[derive(Debug)]
+pub struct Medium<'s> {
+    /// The closed shape it fills; all space without one.
+    pub boundary: Option<&'s Boundary>,
+    /// What it is made of where its density is 1.
+    pub unit: Matter,
+    /// Its density, if that varies.
+    pub density: Option<&'s Density>,
+    /// What it is made of on a stretch; of one of varying density, what stands in for its
+    /// scattering.
+    pub matter: Matter,
+    /// Where scattered light goes.
+    pub phase: HenyeyGreenstein,
+}
+
+impl Medium<'_> {
+    /// Extinction where the density is 1.
+    pub fn sigma_t(&self) -> DVec3 {
+        self.unit.sigma_t + self.unit.dimming
+    }
+
+    /// Whether it changes nothing.
+    pub fn is_nothing(&self) -> bool {
+        let density = self.density.map_or(1.0, Density::typical);
+        self.unit == Matter::default() || density == 0.0
+    }
+}
+
+/// How far something reaches.
+#[derive(Debug)]
+enum Reach {
+    Nowhere,
+    Within(Aabb),
+    Everywhere,
+}
+
+/// A set of media: a bit for each.
+pub type Set = u64;
+
+impl<'s> Media<'s> {
+    /// The media of `bodies`. With `all`, also those of no matter, which change nothing.
+    pub fn new(bodies: &'s [Body], all: bool) -> Media<'s> {
+        let medium = |body: &'s Body| {
+            let (unit, density) = (Matter::of(body), body.density.as_ref());
+            let matter = match density {
+                None => unit,
+                Some(density) => Matter {
+                    sigma_t: unit.sigma_t * density.typical(),
+                    sigma_s: unit.sigma_s * density.typical(),
+                    ..Matter::default()
+                },
+            };
+            Medium {
+                boundary: body.boundary.as_ref(),
+                unit,
+                density,
+                matter,
+                phase: body.medium.phase,
+            }
+        };
+        let mut bodies: Vec<_> = bodies.iter().map(medium).collect();
+        bodies.retain(|body| all || !body.is_nothing());
+        let mut scattering = Reach::Nowhere;
+        for body in bodies.iter().filter(|body| body.matter.scatters()) {
+            let bounds = body.boundary.map(Surface::bounds);
+            scattering = match (scattering, bounds) {
+                (Reach::Nowhere, Some(bounds)) => Reach::Within(bounds),
+                (Reach::Within(others), Some(bounds)) => Reach::Within(others.union(bounds)),
+                (Reach::Everywhere, _) | (_, None) => Reach::Everywhere,
+            };
+        }
+        let varies = |(index, body): (usize, &Medium<'_>)| body.density.map(|_| 1 << index);
+        let varying = bodies.iter().enumerate().filter_map(varies).sum();
+        Media {
+            bodies,
+            varying,
+            scattering,
+        }
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// All of them, in order.
+    pub fn all(&self) -> &[Medium<'s>] {
+        &self.bodies
+    }
+
+    /// What the media in `set` are together.
+    pub fn matter(&self, set: Set) -> Matter {
+        let mut matter = Matter::default();
+        for index in members(set) {
+            matter.add(&self.bodies[index].matter);
+        }
+        matter
+    }
+
+    /// One of them.
+    pub fn medium(&self, index: usize) -> &Medium<'s> {
+        &self.bodies[index]
+    }
+
+    /// Whether any of them has a varying density.
+    pub fn vary(&self) -> bool {
+        self.varying != 0
+    }
+
+    /// A stretch of `ray` that holds all places where light is scattered, if there are any.
+    pub fn scattering_span(&self, ray: &Ray) -> Option<Span> {
+        match &self.scattering {
+            Reach::Nowhere => None,
+            Reach::Within(bounds) => bounds.span(ray).filter(|span| span.near < span.far),
+            Reach::Everywhere => Some(Span {
+                near: 0.0,
+                far: f64::INFINITY,
+            }),
+        }
+    }
+
+    /// Whether any of those in `set` has a varying density.
+    pub fn varies(&self, set: Set) -> bool {
+        set & self.varying != 0
+    }
+
+    /// Of those in `set`, the ones of varying density that scatter, and those that do not.
+    pub fn varying_in(&self, set: Set) -> [Set; 2] {
+        let varying = set & self.varying;
+        if varying == 0 {
+            return [0, 0];
+        }
+        let scattering = self.scattering_in(varying);
+        [scattering, varying & !scattering]
+    }
+
+    /// Those in `set` that scatter.
+    pub fn scattering_in(&self, set: Set) -> Set {
+        let scatters = |&index: &usize| self.bodies[index].unit.scatters();
+        members(set).filter(scatters).map(|index| 1 << index).sum()
+    }
+
+    /// Scattering coefficient and phase function of each medium in `set` that scatters, at the
+    /// world point `point`, which lies in all of them. Of one medium alone, the coefficient is
+    /// not looked up: it has nothing to be compared with.
+    pub fn scatterers<E: Effects>(
+        &self,
+        set: Set,
+        point: DVec3,
+    ) -> impl Iterator<Item = (DVec3, HenyeyGreenstein)> {
+        let scatters = |&index: &usize| self.bodies[index].matter.scatters();
+        let alone = !E::HETEROGENEOUS || members(set).filter(scatters).nth(1).is_none();
+        members(set).filter(scatters).map(move |index| {
+            let medium = &self.bodies[index];
+            let sigma_s = match medium.density {
+                Some(density) if !alone => medium.unit.sigma_s * density.at(point),
+                _ => medium.unit.sigma_s,
+            };
+            (sigma_s, medium.phase)
+        })
+    }
+
+    /// Scattering coefficient, by channel, of the media in `set` at the world point `point`,
+    /// which lies in all of them.
+    pub fn sigma_s<W: Work>(&self, set: Set, point: DVec3, work: &mut W) -> DVec3 {
+        members(set).fold(DVec3::ZERO, |sum, index| {
+            let medium = &self.bodies[index];
+            let density = match medium.density {
+                Some(density) if medium.unit.scatters() => {
+                    work.count(Event::DensityLookup);
+                    density.at(point)
+                }
+                _ => 1.0,
+            };
+            sum + medium.unit.sigma_s * density
+        })
+    }
+
+    /// Radiance sent out per length, by channel, by the media in `set` at the world point
+    /// `point`, which lies in all of them.
+    pub fn emission<W: Work>(&self, set: Set, point: DVec3, work: &mut W) -> DVec3 {
+        members(set).fold(DVec3::ZERO, |sum, index| {
+            let medium = &self.bodies[index];
+            let density = match medium.density {
+                Some(density) if medium.unit.emission != DVec3::ZERO => {
+                    work.count(Event::DensityLookup);
+                    density.at(point)
+                }
+                _ => 1.0,
+            };
+            sum + medium.unit.emission * density
+        })
+    }
+
+    /// Optical depth by channel from the origin of `ray` to distance `end`: in closed form, and
+    /// cell by cell through grids.
+    ///
+    /// # Panics
+    ///
+    /// If a density on the way has no integral.
+    pub fn depth<W: Work>(
+        &self,
+        ray: &Ray,
+        end: f64,
+        spans: &mut Vec<Span>,
+        work: &mut W,
+    ) -> DVec3 {
+        let mut depth = DVec3::ZERO;
+        for body in &self.bodies {
+            let length = match (body.boundary, body.density) {
+                (None, _) => end,
+                (Some(boundary), density) => {
+                    spans.clear();
+                    boundary.append_spans(ray, spans);
+                    let spans = spans.iter().map(|span| Span {
+                        near: span.near,
+                        far: span.far.min(end).max(span.near),
+                    });
+                    match density {
+                        None => spans.map(|span| span.length()).sum(),
+                        Some(density) => spans
+                            .map(|span| density_integral(density, ray, span, work))
+                            .sum(),
+                    }
+                }
+            };
+            depth += over(body.sigma_t(), length);
+        }
+        depth
+    }
+
+    /// The share of light, by channel, that gets from the origin of `ray` to distance `end`; an
+    /// estimate, if a medium on the way has a density that varies and scatters, or one that has
+    /// no integral.
+    pub fn transmittance<E: Effects, W: Work>(
+        &self,
+        ray: &Ray,
+        end: f64,
+        tracker: &mut Tracker,
+        work: &mut W,
+    ) -> DVec3 {
+        if !E::HETEROGENEOUS || !self.vary() {
+            return transmittance::<E>(self.depth(ray, end, &mut tracker.spans, work));
+        }
+        let mut depth = DVec3::ZERO;
+        let mut estimate = DVec3::ONE;
+        for index in 0..self.bodies.len() {
+            let body = &self.bodies[index];
+            let Some(boundary) = body.boundary else {
+                depth += over(body.sigma_t(), end);
+                continue;
+            };
+            let mut spans = std::mem::take(&mut tracker.spans);
+            spans.clear();
+            boundary.append_spans(ray, &mut spans);
+            for &Span { near, far } in spans.iter().filter(|span| span.near < end) {
+                let span = Span {
+                    near,
+                    far: far.min(end),
+                };
+                match body.density {
+                    None => depth += over(body.sigma_t(), span.length()),
+                    Some(_) => estimate *= self.through(1 << index, ray, span, tracker, work),
+                }
+            }
+            tracker.spans = spans;
+        }
+        estimate * transmittance::<E>(depth)
+    }
+
+    /// The share of light, by channel, that crosses the media of varying density in `set` along
+    /// `ray` over `span`, which lies in all of them. Exact through one that does not scatter, if
+    /// its density has an integral; else an estimate.
+    pub fn through<W: Work>(
+        &self,
+        set: Set,
+        ray: &Ray,
+        span: Span,
+        tracker: &mut Tracker,
+        work: &mut W,
+    ) -> DVec3 {
+        let mut depth = DVec3::ZERO;
+        let mut unknown = 0;
+        for index in members(set & self.varying) {
+            let medium = &self.bodies[index];
+            match medium.density {
+                Some(density) if !medium.unit.scatters() && density.is_integrable() => {
+                    let integral = density_integral(density, ray, span, work);
+                    depth += over(medium.sigma_t(), integral);
+                }
+                _ => unknown |= 1 << index,
+            }
+        }
+        let known = DVec3::from_array(depth.to_array().map(|depth| exp(-depth)));
+        if unknown == 0 {
+            return known;
+        }
+        let (strands, chance, effort) = tracker.parts();
+        let mut passage = Passage::new(self, unknown, ray, span, strands);
+        let (control, small) = (Control::LowerBound, Small::Thinned);
+        let share = ratio_tracking(&mut passage, control, small, chance, effort);
+        passage.count(work);
+        known * share
+    }
+}
+
+/// `∫ density dt` along `ray` over `span`.
+pub(super) fn density_integral<W: Work>(
+    density: &Density,
+    ray: &Ray,
+    span: Span,
+    work: &mut W,
+) -> f64 {
+    let (Some(line), Some(inside)) = (density.line(ray), density.span(ray)) else {
+        return 0.0;
+    };
+    let span = Span {
+        near: span.near.max(inside.near),
+        far: span.far.min(inside.far),
+    };
+    if span.near >= span.far {
+        return 0.0;
+    }
+    let mut lookups = 0;
+    let integral = density.integral(&line, span, &mut lookups);
+    work.count_times(Event::DensityLookup, lookups);
+    integral
+}
+
+/// `σ·t` by channel, where nothing over any length is nothing.
+pub(super) fn over(sigma: DVec3, length: f64) -> DVec3 {
+    DVec3::from_array(sigma.to_array().map(|sigma| optical_depth(sigma, length)))
+}
+
+/// The media of a set.
+pub fn members(set: Set) -> impl Iterator<Item = usize> {
+    let mut left = set;
+    std::iter::from_fn(move || {
+        let index = left.trailing_zeros();
+        left &= left.wrapping_sub(1);
+        (index < Set::BITS).then_some(index as usize)
+    })
+}
+
+/// `e^(−τ)` by channel; one exponential where all channels are the same.
+pub fn transmittance<E: Effects>(depth: DVec3) -> DVec3 {
+    if E::CHROMATIC {
+        DVec3::from_array(depth.to_array().map(|depth| exp(-depth)))
+    } else {
+        DVec3::splat(exp(-depth.x))
+    }
+}
