@@ -35,11 +35,13 @@ pub enum Purpose {
     Channel = 10,
     /// Place in a medium or on a surface, chosen from a light.
     LitPlace = 11,
+    /// Light that media of varying density send out, collected along a ray.
+    Emission = 12,
 }
 
 impl Purpose {
     /// Every use, by rising discriminant.
-    pub const ALL: [Purpose; 12] = [
+    pub const ALL: [Purpose; 13] = [
         Purpose::Camera,
         Purpose::FreeFlight,
         Purpose::Collision,
@@ -52,6 +54,7 @@ impl Purpose {
         Purpose::Roulette,
         Purpose::Channel,
         Purpose::LitPlace,
+        Purpose::Emission,
     ];
 }
 

@@ -90,12 +90,17 @@ impl Density {
         self.typical
     }
 
-    /// Density at a world point, which is taken to lie in the box of the field.
-    pub fn at(&self, point: DVec3) -> f64 {
+    /// Density at a world point, which is taken to lie in the box of the field. Adds 1 to
+    /// `lookups`, unless the block there is known to be empty.
+    pub fn at(&self, point: DVec3, lookups: &mut u64) -> f64 {
         let point = match &self.to_world {
             Some(to_world) => to_world.inverse().point(point),
             None => point,
         };
+        if self.blocks.range_at(point).high == 0.0 {
+            return 0.0;
+        }
+        *lookups += 1;
         self.field.density(point)
     }
 

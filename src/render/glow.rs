@@ -4,7 +4,7 @@ use super::effects::Effects;
 use super::matter::{Media, Set, density_integral, members, over, transmittance};
 use super::media_path::{MediaPath, Stretch};
 use super::passage::Passage;
-use super::tracker::Tracker;
+use super::tracker::{Numbers, Tracker};
 use super::tracking::{Bounds, Chance, THIN, tentative_collisions};
 use super::work::Work;
 use crate::geometry::{Ray, Span};
@@ -34,6 +34,7 @@ impl MediaPath {
         &self,
         media: &Media<'_>,
         ray: &Ray,
+        chance: &mut Numbers,
         tracker: &mut Tracker,
         work: &mut W,
     ) -> DVec3 {
@@ -45,7 +46,7 @@ impl MediaPath {
                 through *= transmittance::<E>(stretch.depth());
                 continue;
             }
-            let (strands, chance, effort) = tracker.parts();
+            let (strands, _, effort) = tracker.parts();
             let least = GLOW_SAMPLES / stretch.span.length();
             let rate = |bounds: &Bounds| {
                 let glows = bounds.glow != DVec3::ZERO;

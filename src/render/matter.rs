@@ -220,7 +220,7 @@ impl<'s> Media<'s> {
         members(set).filter(scatters).map(move |index| {
             let medium = &self.bodies[index];
             let sigma_s = match medium.density {
-                Some(density) if !alone => medium.unit.sigma_s * density.at(point),
+                Some(density) if !alone => medium.unit.sigma_s * density.at(point, &mut 0),
                 _ => medium.unit.sigma_s,
             };
             (sigma_s, medium.phase)
@@ -234,8 +234,10 @@ impl<'s> Media<'s> {
             let medium = &self.bodies[index];
             let density = match medium.density {
                 Some(density) if medium.unit.scatters() => {
-                    work.count(Event::DensityLookup);
-                    density.at(point)
+                    let mut lookups = 0;
+                    let density = density.at(point, &mut lookups);
+                    work.count_times(Event::DensityLookup, lookups);
+                    density
                 }
                 _ => 1.0,
             };
@@ -250,8 +252,10 @@ impl<'s> Media<'s> {
             let medium = &self.bodies[index];
             let density = match medium.density {
                 Some(density) if medium.unit.emission != DVec3::ZERO => {
-                    work.count(Event::DensityLookup);
-                    density.at(point)
+                    let mut lookups = 0;
+                    let density = density.at(point, &mut lookups);
+                    work.count_times(Event::DensityLookup, lookups);
+                    density
                 }
                 _ => 1.0,
             };

@@ -115,7 +115,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                     scratch.tracker.at_turn(random, bounce);
                 }
                 if E::EMISSION {
-                    radiance += throughput * self.emitted(&ray, scratch, work);
+                    radiance += throughput * self.emitted(&ray, &draws, scratch, work);
                 }
                 if turns_left >= 1 {
                     radiance +=
@@ -250,11 +250,18 @@ impl<'s, E: Effects> PathTracer<'s, E> {
     }
 
     /// What the media along the ray send back along it.
-    fn emitted<W: Work>(&self, ray: &Ray, scratch: &mut Scratch, work: &mut W) -> DVec3 {
+    fn emitted<W: Work>(
+        &self,
+        ray: &Ray,
+        draws: &Draws<'_>,
+        scratch: &mut Scratch,
+        work: &mut W,
+    ) -> DVec3 {
         let media = &self.around.media;
         let Scratch { path, tracker, .. } = scratch;
         if E::HETEROGENEOUS && media.vary() {
-            path.emitted_by_tracking::<E, W>(media, ray, tracker, work)
+            let mut chance = Numbers::new(draws.random, draws.bounce, Purpose::Emission);
+            path.emitted_by_tracking::<E, W>(media, ray, &mut chance, tracker, work)
         } else {
             path.emitted::<E>()
         }

@@ -72,6 +72,14 @@ impl Blocks {
         self.ranges[(k * self.counts[1] + j) * self.counts[0] + i]
     }
 
+    /// Bounds on the density in the block around `point`, or in the nearest.
+    pub fn range_at(&self, point: DVec3) -> DensityRange {
+        let place = (point - self.bounds.min) / self.size;
+        // Casts clamp at 0.
+        let index = |axis: usize| (place[axis] as usize).min(self.counts[axis] - 1);
+        self.range_in([index(0), index(1), index(2)])
+    }
+
     /// The space of a block: its [range](Blocks::range_in) holds there, faces included.
     pub fn cell_bounds(&self, cell: [usize; 3]) -> Aabb {
         let index = |cell: [usize; 3]| DVec3::from_array(cell.map(|index| index as f64));

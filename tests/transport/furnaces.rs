@@ -3,8 +3,8 @@
 //! Where nothing absorbs, each path through an environment of radiance 1 returns exactly 1,
 //! whatever it met. Where something absorbs and emits as much, the mean is that of the enclosure.
 
+use crate::all;
 use crate::entries::Entry;
-use crate::renderable;
 use crate::scenes::*;
 use crate::statistics::*;
 use glam::DVec3;
@@ -26,9 +26,7 @@ const SAMPLES: u32 = 40_000;
 
 fn entries() -> Vec<Entry> {
     let text = include_str!("../../fixtures/known-answers/furnace.json");
-    let entries = renderable(text, 19);
-    assert_eq!(entries.len(), 17);
-    entries
+    all(text, 19)
 }
 
 #[test]
@@ -48,13 +46,13 @@ fn known_answers() {
 }
 
 fn conservative(entry: &Entry) {
-    let shape = match entry.text("shape") {
-        "sphere" => unit_ball(),
-        "cube" => cube(),
+    let body = match entry.text("shape") {
+        "sphere" => within(unit_ball(), grey_of(entry)),
+        "cube" => cube_of(entry),
         unknown => panic!("{unknown}"),
     };
     let scene = Radiative {
-        media: vec![within(shape, grey_of(entry))],
+        media: vec![body],
         environment: DVec3::splat(entry.input("environment_radiance")),
         ..empty()
     };

@@ -12,8 +12,8 @@
 //!
 //! Source: van de Hulst 1980, Multiple Light Scattering, ch. 5; `slab_total` p007 is an instance.
 
+use crate::all;
 use crate::entries::{Entry, numbers};
-use crate::renderable;
 use crate::scenes::*;
 use crate::slab_totals::{diffuse, under_sky};
 use crate::statistics::*;
@@ -34,7 +34,7 @@ const SHALLOW: f64 = 16.0;
 
 fn entries() -> Vec<Entry> {
     let text = include_str!("../../fixtures/known-answers/semi_infinite.json");
-    renderable(text, 8)
+    all(text, 8)
 }
 
 /// Measured along a beam: the share of light that is not reflected.

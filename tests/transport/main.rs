@@ -18,6 +18,7 @@ mod statistics;
 
 mod furnaces;
 mod half_space;
+mod heterogeneous;
 mod null_effects;
 mod overlaps;
 mod single_scattering;
@@ -30,36 +31,9 @@ use entries::Entry;
 /// Half a unit in the last place of 1: the largest relative error of one rounding.
 const U: f64 = f64::EPSILON / 2.0;
 
-/// The entries that cannot be rendered: heterogeneous media, not yet. Of the other entries about
-/// them, the exponential atmospheres of `single_scatter` are slabs by their optical depth, and
-/// those of `transmittance` and `free_flight` are closed forms.
-const HETEROGENEOUS: [&str; 4] = [
-    "furnace-p003",
-    "furnace-p004",
-    "volume_radiance-p007",
-    "volume_radiance-p008",
-];
-
-/// The entries of a file that can be rendered; `all` are in it.
-fn renderable(text: &str, all: usize) -> Vec<Entry> {
-    let mut entries = Entry::all(text);
-    assert_eq!(entries.len(), all);
-    entries.retain(|entry| !HETEROGENEOUS.contains(&entry.id()));
+/// The entries of a file; there are `count` of them.
+fn all(text: &str, count: usize) -> Vec<Entry> {
+    let entries = Entry::all(text);
+    assert_eq!(entries.len(), count);
     entries
-}
-
-/// The list above holds what it says, no less and no more.
-#[test]
-fn what_cannot_be_rendered_is_heterogeneous() {
-    let files = [
-        include_str!("../../fixtures/known-answers/furnace.json"),
-        include_str!("../../fixtures/known-answers/volume_radiance.json"),
-    ];
-    let entries = files.into_iter().flat_map(Entry::all);
-    let heterogeneous = entries.filter(|entry| {
-        let density = entry.0["inputs"]["density"].as_str();
-        density.is_some_and(|density| density != "homogeneous")
-    });
-    let ids: Vec<_> = heterogeneous.map(|entry| entry.id().to_owned()).collect();
-    assert_eq!(ids, HETEROGENEOUS);
 }

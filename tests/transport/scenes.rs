@@ -3,11 +3,13 @@
 use crate::U;
 use crate::entries::Entry;
 use glam::DVec3;
+use std::sync::Arc;
 use volref::geometry::{Aabb, Boundary, Camera, Ray, Rectangle, Shape, Sphere};
 use volref::math::{cos, sin};
-use volref::media::{Asymmetry, Coefficients, HenyeyGreenstein, Homogeneous};
+use volref::media::{Asymmetry, Coefficients, Density, Field, HenyeyGreenstein, Homogeneous};
 use volref::optics::{Directional, Light, Material, Point};
 use volref::scene::{Body, Object, Radiative, Scattering};
+use volref::volume::{Blob, Grid, GridDensity, Interpolation, Lattice};
 
 /// A scene of nothing. Its camera is not used: every ray is given.
 pub fn empty() -> Radiative {
@@ -55,6 +57,53 @@ pub fn within(boundary: Boundary, medium: Homogeneous) -> Body {
         boundary: Some(boundary),
         medium,
         density: None,
+    }
+}
+
+/// A medium that fills the cube from −1 to 1, in the density that an entry describes.
+pub fn cube_of(entry: &Entry) -> Body {
+    let density = entry.text("density").split(':').next().unwrap();
+    let parameters = |name: &str| match entry.0["inputs"]["density_parameters"].as_array() {
+        Some(_) => entry.inputs("density_parameters"),
+        None if name == "w" => vec![entry.input(name)],
+        None => entry.inputs(name),
+    };
+    let field = match density {
+        "homogeneous" => None,
+        // The corners of one cell say all about a linear density.
+        "linear" => {
+            let a = DVec3::from_slice(&parameters("a"));
+            let lattice = Lattice::new([2; 3], DVec3::splat(2.0), DVec3::NEG_ONE).unwrap();
+            let corner = |index| (1.0 + a.dot(lattice.position(lattice.node(index)))) as f32;
+            let grid = Grid::new(lattice, (0..8).map(corner).collect()).unwrap();
+            Some(Field::Grid(GridDensity::new(
+                Arc::new(grid),
+                Interpolation::Trilinear,
+            )))
+        }
+        "gaussian" => Some(Field::Blob(Blob {
+            centre: DVec3::ZERO,
+            peak: 1.0,
+            width: parameters("w")[0],
+        })),
+        unknown => panic!("{unknown}"),
+    };
+    let medium = grey_of(entry);
+    match field {
+        None => within(cube(), medium),
+        Some(field) => varying(
+            Aabb::new(DVec3::NEG_ONE, DVec3::ONE).unwrap(),
+            field,
+            medium,
+        ),
+    }
+}
+
+/// A medium in a box, with a density of its own.
+pub fn varying(bounds: Aabb, field: Field, medium: Homogeneous) -> Body {
+    Body {
+        density: Some(Density::new(field, bounds, None)),
+        ..within(Boundary::Box(bounds), medium)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Light turned once.
 
+use crate::all;
 use crate::entries::Entry;
-use crate::renderable;
 use crate::scenes::*;
 use crate::statistics::*;
 use glam::DVec3;
@@ -123,7 +123,7 @@ fn mirrored(scene: &Radiative) -> Radiative {
 
 fn entries() -> Vec<Entry> {
     let text = include_str!("../../fixtures/known-answers/single_scatter.json");
-    renderable(text, 25)
+    all(text, 25)
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What leaves a slab in one direction, of a beam that falls on it.
 
+use crate::all;
 use crate::entries::{Entry, numbers};
-use crate::renderable;
 use crate::scenes::*;
 use crate::slab_totals::under_sky;
 use crate::statistics::*;
@@ -49,7 +49,7 @@ fn for_each_direction(entry: &Entry, suffix: &str, ask: impl Fn(Face, f64, Vec<f
 
 fn entries() -> Vec<Entry> {
     let text = include_str!("../../fixtures/known-answers/slab_radiance.json");
-    renderable(text, 11)
+    all(text, 11)
 }
 
 #[test]

@@ -5,9 +5,9 @@
 //! sky shines on the other. The half of the sky that is to be dark is hidden by a black plane.
 //! Diffuse light is a beam of random direction, its cosine as likely as it is large.
 
+use crate::all;
 use crate::entries::Entry;
 use crate::quadrature::integral;
-use crate::renderable;
 use crate::scenes::*;
 use crate::statistics::*;
 use glam::DVec3;
@@ -85,7 +85,7 @@ fn totals(slab: &Radiative, (seed, samples): (u64, u32), beam: impl Fn(&Stream) 
 
 fn entries(kind: &str) -> Vec<Entry> {
     let text = include_str!("../../fixtures/known-answers/slab_total.json");
-    let mut entries = renderable(text, 41);
+    let mut entries = all(text, 41);
     entries.retain(|entry| entry.text("illumination") == kind);
     entries
 }

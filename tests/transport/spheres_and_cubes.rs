@@ -1,7 +1,7 @@
 //! All orders of scattering in a sphere and a cube, and each order alone.
 
+use crate::all;
 use crate::entries::Entry;
-use crate::renderable;
 use crate::scenes::*;
 use crate::statistics::*;
 use glam::DVec3;
@@ -13,13 +13,13 @@ use volref::scene::Radiative;
 const SAMPLES: u32 = 40_000;
 
 fn question(entry: &Entry) -> (Radiative, Ray) {
-    let shape = match entry.text("shape") {
-        "sphere, radius 1, centre 0" => unit_ball(),
-        "cube [-1,1]^3" => cube(),
+    let body = match entry.text("shape") {
+        "sphere, radius 1, centre 0" => within(unit_ball(), grey_of(entry)),
+        "cube [-1,1]^3" => cube_of(entry),
         unknown => panic!("{unknown}"),
     };
     let mut scene = Radiative {
-        media: vec![within(shape, grey_of(entry))],
+        media: vec![body],
         ..empty()
     };
     match entry.text("light") {
@@ -41,9 +41,7 @@ fn question(entry: &Entry) -> (Radiative, Ray) {
 
 fn entries() -> Vec<Entry> {
     let text = include_str!("../../fixtures/known-answers/volume_radiance.json");
-    let entries = renderable(text, 8);
-    assert_eq!(entries.len(), 6);
-    entries
+    all(text, 8)
 }
 
 #[test]
@@ -80,8 +78,10 @@ fn each_order() {
             let what = format!("{} order {order}", entry.id());
             agrees(what, found, expected, error);
             // No light is seen directly but the environment; what is turned once at most is an
-            // integral, which the file knows to 9 digits and more.
-            if order == 1 && error == 0.0 {
+            // integral, which the file knows to 9 digits and more; of varying densities, only
+            // paths know it.
+            let even = scene.media.iter().all(|body| body.density.is_none());
+            if order == 1 && error == 0.0 && even {
                 let exact = by_quadrature(&scene, &ray).x;
                 assert!((exact - expected).abs() <= 1e-9 * expected, "{exact:e}");
             }
