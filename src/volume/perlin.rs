@@ -79,9 +79,11 @@ pub(super) fn cell_and_fraction(x: f64) -> (u8, f64) {
     if x.abs() < 2_251_799_813_685_248.0 {
         let sum = x + WHOLE;
         let nearest = sum - WHOLE;
-        let above = nearest > x;
-        let cell = nearest - f64::from(u8::from(above));
-        let index = (sum.to_bits() as u8).wrapping_sub(u8::from(above));
+        // All bits where `x` lies below it, else none: no branch, which would go the unexpected way
+        // half of the time and double the cost. Adding 0 gives −0 its sign.
+        let below = ((x - nearest + 0.0).to_bits() as i64 >> 63) as u64;
+        let cell = nearest - f64::from_bits(below & 1.0_f64.to_bits());
+        let index = (sum.to_bits() as u8).wrapping_add(below as u8);
         return (index, x - cell);
     }
     if x.abs() < TWO_TO_61 {
@@ -169,6 +171,7 @@ mod tests {
     /// The first value is the well-known one of the author's program; the others come from a
     /// sum over the eight corners in rational arithmetic, rounded once.
     #[test]
+    #[allow(clippy::approx_constant, reason = "3.14 is the published argument")]
     fn published_and_exact_values() {
         for (point, value) in [
             ([3.14, 42.0, 7.0], 0.136_919_958_784_000_12),
