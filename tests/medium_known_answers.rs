@@ -146,12 +146,10 @@ fn length_in(solid: &impl Solid, entry: &Entry) -> f64 {
 }
 
 fn linear_depth(entry: &Entry) -> f64 {
-    let direction = direction_of(entry.vector("direction_unnormalised")).unwrap();
-    let (sigma0, gradient) = (entry.input("sigma0"), entry.vector("gradient"));
-    let profile = LinearProfile {
-        start: sigma0 * (1.0 + gradient.dot(entry.vector("origin"))),
-        slope: sigma0 * gradient.dot(direction),
-    };
+    let (origin, towards) = (entry.vector("origin"), entry.vector("direction_unnormalised"));
+    let ray = Ray::new(origin, towards).unwrap();
+    let ramp = LinearRamp::new(1.0, DVec3::ZERO, entry.vector("gradient")).unwrap();
+    let profile = LinearProfile::along(&ray, &ramp, entry.input("sigma0"));
     profile.optical_depth(entry.input("t_min"), entry.input("t_max"))
 }
 

@@ -5,12 +5,16 @@ mod blocks;
 mod course_grid;
 mod field;
 mod file;
+mod fractal;
 mod gradient;
 mod grid;
 mod grid_density;
 mod interpolation;
 mod lattice;
+mod layers;
+mod noise_range;
 mod obj_points;
+mod perlin;
 mod splat;
 mod walk;
 
@@ -19,6 +23,7 @@ pub use blocks::Blocks;
 pub use course_grid::{CourseGridError, read_course_grid, write_course_grid};
 pub use field::{DensityField, DensityRange};
 pub use file::{VolumeError, VolumeFormat, load, load_hashed};
+pub use fractal::{FractalDensity, FractalError, FractalParameters, MOST_OCTAVES};
 pub use gradient::{gradients, relative_gradients};
 pub use grid::{Grid, GridError};
 pub use grid_density::GridDensity;
@@ -26,6 +31,9 @@ pub use interpolation::{
     Cell, Interpolation, Lerp, Nearest, Node, Reconstruction, Scalar, Trilinear,
 };
 pub use lattice::{Centring, Lattice, LatticeError};
+pub use layers::{ConstantDensity, ExponentialLayer, LayerError, LinearRamp};
+pub use noise_range::NOISE_BOUND;
 pub use obj_points::{ObjError, ObjFault, Point, read_obj_points};
+pub use perlin::perlin_noise;
 pub use splat::{SplatError, Splatting, splat, splat_weights};
 pub use walk::{Visit, Walk};

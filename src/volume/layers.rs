@@ -1,0 +1,309 @@
+//! Densities that vary along one direction, or not at all: along a ray they have closed forms.
+
+use super::{DensityField, DensityRange};
+use crate::geometry::{Aabb, Ray, direction_of};
+use crate::math::exp;
+use glam::DVec3;
+use thiserror::Error;
+
+/// The same density everywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstantDensity(f64);
+
+/// A density that falls by the factor e per scale height, `density·e^(−h/H)`: air, or fog on the
+/// ground. `h` is the height above `base` in the direction `up`; below the base the density
+/// grows on, up to the largest number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExponentialLayer {
+    density: f64,
+    base: DVec3,
+    up: DVec3,
+    scale_height: f64,
+}
+
+/// A density that is linear in space, `density + gradient·(p − origin)`, where that is positive,
+/// else 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearRamp {
+    density: f64,
+    origin: DVec3,
+    gradient: DVec3,
+}
+
+/// Why there is no such field.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum LayerError {
+    /// The density is negative, infinite or not a number.
+    #[error("density must be finite and not negative, got {0}")]
+    Density(f64),
+    /// The scale height is no length to divide by.
+    #[error("scale height must be positive and finite, got {0}")]
+    ScaleHeight(f64),
+    /// The vector that says which way is up says nothing.
+    #[error("up must be finite and not zero, got {0}")]
+    Up(DVec3),
+    /// A place, a gradient or the density of a ramp is infinite or not a number.
+    #[error("{name} must be finite, got {value}")]
+    NotFinite {
+        /// What it is of.
+        name: &'static str,
+        /// What was given; one number three times if it is no vector.
+        value: DVec3,
+    },
+}
+
+impl ConstantDensity {
+    /// Checks the density.
+    ///
+    /// # Errors
+    ///
+    /// [`LayerError::Density`].
+    pub fn new(density: f64) -> Result<ConstantDensity, LayerError> {
+        checked_density(density).map(ConstantDensity)
+    }
+}
+
+impl ExponentialLayer {
+    /// The layer that has `density` at `base`; `up` may have any length.
+    ///
+    /// # Errors
+    ///
+    /// [`LayerError`], by parameter.
+    pub fn new(
+        density: f64,
+        base: DVec3,
+        up: DVec3,
+        scale_height: f64,
+    ) -> Result<ExponentialLayer, LayerError> {
+        if !(scale_height.is_finite() && scale_height > 0.0) {
+            return Err(LayerError::ScaleHeight(scale_height));
+        }
+        Ok(ExponentialLayer {
+            density: checked_density(density)?,
+            base: finite("base", base)?,
+            up: direction_of(up).ok_or(LayerError::Up(up))?,
+            scale_height,
+        })
+    }
+
+    /// Density at the origin of `ray`, and how much its logarithm falls per unit of distance
+    /// along it: what the exponential profile of the extinction is made of.
+    pub fn along(&self, ray: &Ray) -> (f64, f64) {
+        let rise = self.up.dot(ray.direction);
+        (self.density(ray.origin), rise / self.scale_height)
+    }
+
+    /// Scale heights above the base.
+    fn height(&self, point: DVec3) -> f64 {
+        let [x, y, z] = [0, 1, 2].map(|axis| rise(self.up, self.base, point, axis));
+        (x + y + z) / self.scale_height
+    }
+
+    /// Density where `e^(−h)` is `share`, which may be infinite.
+    fn of_share(&self, share: f64) -> f64 {
+        // 0 times infinity would be no number.
+        (self.density * share.min(f64::MAX)).min(f64::MAX)
+    }
+}
+
+impl LinearRamp {
+    /// The ramp that has `density`, which may be negative, at `origin`.
+    ///
+    /// # Errors
+    ///
+    /// [`LayerError::NotFinite`].
+    pub fn new(density: f64, origin: DVec3, gradient: DVec3) -> Result<LinearRamp, LayerError> {
+        Ok(LinearRamp {
+            density: finite("density", DVec3::splat(density))?.x,
+            origin: finite("origin", origin)?,
+            gradient: finite("gradient", gradient)?,
+        })
+    }
+
+    /// The linear function at the origin of `ray`, negative where there is nothing, and its
+    /// change per unit of distance along it.
+    pub fn along(&self, ray: &Ray) -> (f64, f64) {
+        (self.value(ray.origin), self.gradient.dot(ray.direction))
+    }
+
+    /// The linear function, which may be negative.
+    fn value(&self, point: DVec3) -> f64 {
+        let [x, y, z] = [0, 1, 2].map(|axis| rise(self.gradient, self.origin, point, axis));
+        self.density + (x + y + z)
+    }
+}
+
+impl DensityField for ConstantDensity {
+    fn density(&self, _: DVec3) -> f64 {
+        self.0
+    }
+
+    fn range_over(&self, _: &Aabb) -> DensityRange {
+        DensityRange::of(self.0)
+    }
+}
+
+impl DensityField for ExponentialLayer {
+    fn density(&self, point: DVec3) -> f64 {
+        self.of_share(exp(-self.height(point)))
+    }
+
+    /// Proof. Heights, as they are computed, are extreme at two corners: [`extremes`]. `exp` is
+    /// less than a unit in the last place off, so it may fall where it should rise by less than
+    /// two of them, of four at most in the finer spacing below a power of two; the product with
+    /// the density keeps order.
+    fn range_over(&self, bounds: &Aabb) -> DensityRange {
+        let [low, high] = extremes(bounds, self.up).map(|corner| self.height(corner));
+        let places = |share: f64, step: fn(f64) -> f64| (0..4).fold(share, |x, _| step(x));
+        DensityRange {
+            low: self.of_share(places(exp(-high), f64::next_down).max(0.0)),
+            high: self.of_share(places(exp(-low), f64::next_up)),
+        }
+    }
+}
+
+impl DensityField for LinearRamp {
+    fn density(&self, point: DVec3) -> f64 {
+        self.value(point).clamp(0.0, f64::MAX)
+    }
+
+    /// Proof: [`extremes`].
+    fn range_over(&self, bounds: &Aabb) -> DensityRange {
+        let [low, high] = extremes(bounds, self.gradient).map(|corner| self.density(corner));
+        DensityRange { low, high }
+    }
+}
+
+/// Part of `slope·(point − origin)` along an axis. At most an eighth of the largest number, so
+/// that three of them have a finite sum.
+fn rise(slope: DVec3, origin: DVec3, point: DVec3, axis: usize) -> f64 {
+    // 0 times infinity would be no number.
+    let way = (point[axis] - origin[axis]).clamp(f64::MIN, f64::MAX);
+    (slope[axis] * way).clamp(f64::MIN / 8.0, f64::MAX / 8.0)
+}
+
+/// The corners of a box where a function linear in space, of this slope, is least and largest, as
+/// it is computed from [`rise`] too: differences, products and sums keep the order of numbers
+/// when they are rounded, so along each axis it rises or falls throughout.
+fn extremes(bounds: &Aabb, slope: DVec3) -> [DVec3; 2] {
+    let rising = slope.cmpge(DVec3::ZERO);
+    [
+        DVec3::select(rising, bounds.min, bounds.max),
+        DVec3::select(rising, bounds.max, bounds.min),
+    ]
+}
+
+fn checked_density(density: f64) -> Result<f64, LayerError> {
+    if density.is_finite() && density >= 0.0 {
+        Ok(density)
+    } else {
+        Err(LayerError::Density(density))
+    }
+}
+
+fn finite(name: &'static str, value: DVec3) -> Result<DVec3, LayerError> {
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(LayerError::NotFinite { name, value })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn densities_by_hand() {
+        let up = DVec3::new(0.0, 0.0, 3.0);
+        let layer = ExponentialLayer::new(2.0, DVec3::ONE, up, 0.5).unwrap();
+        assert_eq!(layer.density(DVec3::new(7.0, -9.0, 1.0)), 2.0);
+        let above = layer.density(DVec3::new(0.0, 0.0, 2.0));
+        assert_eq!(above, 2.0 * exp(-2.0));
+        assert_eq!(layer.density(DVec3::new(0.0, 0.0, f64::MIN)), f64::MAX);
+        assert_eq!(layer.density(DVec3::new(0.0, 0.0, f64::MAX)), 0.0);
+        let nothing = ExponentialLayer::new(0.0, DVec3::ONE, up, 0.5).unwrap();
+        assert_eq!(nothing.density(DVec3::new(0.0, 0.0, f64::MIN)), 0.0);
+
+        let gradient = DVec3::new(1.0, -2.0, 0.0);
+        let ramp = LinearRamp::new(0.5, DVec3::ZERO, gradient).unwrap();
+        assert_eq!(ramp.density(DVec3::new(1.0, 0.25, 9.0)), 1.0);
+        assert_eq!(ramp.density(DVec3::new(1.0, 1.0, 0.0)), 0.0);
+        let bounds = Aabb::new(DVec3::ZERO, DVec3::ONE).unwrap();
+        let range = DensityRange {
+            low: 0.0,
+            high: 1.5,
+        };
+        assert_eq!(ramp.range_over(&bounds), range);
+
+        let constant = ConstantDensity::new(0.25).unwrap();
+        assert_eq!(constant.range_over(&bounds), DensityRange::of(0.25));
+    }
+
+    #[test]
+    fn parameters_are_checked() {
+        let layer = |density, up, height| ExponentialLayer::new(density, DVec3::ZERO, up, height);
+        assert_eq!(layer(-1.0, DVec3::Y, 1.0), Err(LayerError::Density(-1.0)));
+        assert_eq!(
+            layer(1.0, DVec3::ZERO, 1.0),
+            Err(LayerError::Up(DVec3::ZERO))
+        );
+        assert_eq!(layer(1.0, DVec3::Y, 0.0), Err(LayerError::ScaleHeight(0.0)));
+        assert!(ConstantDensity::new(f64::INFINITY).is_err());
+        assert!(LinearRamp::new(f64::NAN, DVec3::ZERO, DVec3::ZERO).is_err());
+        let infinite = DVec3::new(f64::NEG_INFINITY, 0.0, 0.0);
+        assert_eq!(
+            LinearRamp::new(0.0, DVec3::ZERO, infinite).unwrap_err(),
+            LayerError::NotFinite {
+                name: "gradient",
+                value: infinite
+            }
+        );
+    }
+
+    fn number() -> impl Strategy<Value = f64> {
+        prop_oneof![
+            4 => -4.0..4.0_f64,
+            1 => prop::num::f64::NORMAL | prop::num::f64::ZERO | prop::num::f64::SUBNORMAL,
+        ]
+    }
+
+    fn vector() -> impl Strategy<Value = DVec3> {
+        prop::array::uniform3(number()).prop_map(DVec3::from_array)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(1000))]
+
+        /// Densities are finite, not negative and within the range over any box around them.
+        #[test]
+        fn densities_lie_within_their_range(
+            density in number(),
+            origin in vector(),
+            slope in vector(),
+            scale_height in number(),
+            corner in vector(),
+            opposite in vector(),
+            places in prop::collection::vec(prop::array::uniform3(
+                prop_oneof![Just(0.0), Just(1.0), 0.0..=1.0_f64]), 16),
+        ) {
+            let Ok(bounds) = Aabb::new(corner.min(opposite), corner.max(opposite)) else {
+                return Ok(());
+            };
+            let layer = ExponentialLayer::new(density.abs(), origin, slope, scale_height.abs());
+            let ramp = LinearRamp::new(density, origin, slope).unwrap();
+            let mut fields: Vec<&dyn DensityField> = vec![&ramp];
+            fields.extend(layer.iter().map(|layer| layer as &dyn DensityField));
+            for field in fields {
+                let range = field.range_over(&bounds);
+                prop_assert!(0.0 <= range.low && range.high.is_finite());
+                for place in &places {
+                    let point = bounds.min + bounds.size() * DVec3::from_array(*place);
+                    let density = field.density(point.clamp(bounds.min, bounds.max));
+                    prop_assert!(range.low <= density && density <= range.high);
+                }
+            }
+        }
+    }
+}
