@@ -1,17 +1,26 @@
 //! How much of a medium is where.
 
-use super::profiles::GaussianProfile;
+use super::profiles::{ExponentialProfile, GaussianProfile, LinearProfile};
 use crate::geometry::{Aabb, Ray, Span, Transform};
-use crate::volume::{Blob, Blocks, DensityField, DensityRange, GridDensity, Walk};
+use crate::volume::{
+    Blob, Blocks, ConstantDensity, DensityField, DensityRange, ExponentialLayer, FractalDensity,
+    GridDensity, LinearRamp, Walk,
+};
 use glam::DVec3;
 
 /// A density, as a factor on the coefficients and the emission of a medium.
 #[derive(Clone, Debug)]
 pub enum Field {
     /// The same everywhere.
-    Constant(f64),
+    Constant(ConstantDensity),
     /// That of a grid.
     Grid(GridDensity),
+    /// Noise at many scales.
+    Noise(FractalDensity),
+    /// A layer that thins with height.
+    Exponential(ExponentialLayer),
+    /// A linear ramp.
+    Linear(LinearRamp),
     /// A ball without an edge.
     Blob(Blob),
 }
@@ -22,6 +31,9 @@ macro_rules! each {
         match $self {
             Field::Constant($field) => $call,
             Field::Grid($field) => $call,
+            Field::Noise($field) => $call,
+            Field::Exponential($field) => $call,
+            Field::Linear($field) => $call,
             Field::Blob($field) => $call,
         }
     };
@@ -140,9 +152,7 @@ impl Density {
 
     /// Whether [`Density::integral`] knows.
     pub fn is_integrable(&self) -> bool {
-        match &self.field {
-            Field::Constant(_) | Field::Grid(_) | Field::Blob(_) => true,
-        }
+        !matches!(self.field, Field::Noise(_))
     }
 
     /// `∫ density dt` along `line` over `span`, in the box of the field, without discretisation
@@ -154,7 +164,21 @@ impl Density {
     pub fn integral(&self, line: &Line, span: Span, lookups: &mut u64) -> f64 {
         let Line { origin, direction } = *line;
         match &self.field {
-            Field::Constant(density) => super::optical_depth(*density, span.length()),
+            Field::Constant(density) => {
+                super::optical_depth(density.density(origin), span.length())
+            }
+            Field::Noise(_) => panic!("noise has no integral"),
+            // From where the stretch begins: far outside, a layer may be beyond all numbers.
+            Field::Exponential(layer) => {
+                let from = self.from(line, span.near);
+                let profile = ExponentialProfile::along(&from, layer, 1.0);
+                profile.optical_depth(0.0, span.length())
+            }
+            Field::Linear(ramp) => {
+                let profile = LinearProfile::along(&self.from(line, span.near), ramp, 1.0);
+                let Span { near, far } = profile.positive(span.length());
+                profile.optical_depth(near, far)
+            }
             Field::Grid(grid) => grid.integral(origin, direction, span, lookups),
             Field::Blob(blob) => {
                 let squared = direction.length_squared();
@@ -169,11 +193,28 @@ impl Density {
         }
     }
 
-    /// Stretches of `line` over `span` on which the density is smooth.
+    /// Appends the places on `line`, over `span`, where the density is not smooth.
     pub fn append_kinks(&self, line: &Line, span: Span, kinks: &mut Vec<f64>) {
-        if let Field::Grid(grid) = &self.field {
-            let pieces = grid.smooth_stretches(line.origin, line.direction, span);
-            kinks.extend(pieces.map(|piece| piece.far));
+        match &self.field {
+            Field::Grid(grid) => {
+                let pieces = grid.smooth_stretches(line.origin, line.direction, span);
+                kinks.extend(pieces.map(|piece| piece.far));
+            }
+            Field::Linear(ramp) => {
+                let profile = LinearProfile::along(&self.from(line, span.near), ramp, 1.0);
+                let positive = profile.positive(span.length());
+                kinks.extend([span.near + positive.near, span.near + positive.far]);
+            }
+            _ => {}
+        }
+    }
+
+    /// `line` from distance `t` on, as profiles want it: its direction has any length, and
+    /// distances along it remain world distances.
+    fn from(&self, line: &Line, t: f64) -> Ray {
+        Ray {
+            origin: line.at(t),
+            direction: line.direction,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Light in surroundings: surfaces, participating media, lights, and who looks at it.
 
 mod contradictions;
+mod densities;
 mod lights;
 mod media;
 mod place;

@@ -17,17 +17,6 @@ pub trait DensityField: Sync {
     fn range_over(&self, bounds: &Aabb) -> DensityRange;
 }
 
-/// The same density everywhere.
-impl DensityField for f64 {
-    fn density(&self, _: DVec3) -> f64 {
-        *self
-    }
-
-    fn range_over(&self, _: &Aabb) -> DensityRange {
-        DensityRange::of(*self)
-    }
-}
-
 /// Bounds on a density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DensityRange {

@@ -1,8 +1,8 @@
 //! Media: what fills a shape, or all space.
 
-use super::{Body, LARGEST_RADIANCE, place, radiance, shapes};
+use super::{Body, LARGEST_RADIANCE, densities, place, radiance, shapes};
 use crate::geometry::{Surface, length_of};
-use crate::media::{Asymmetry, Coefficients, HenyeyGreenstein, Homogeneous};
+use crate::media::{Asymmetry, Coefficients, Density, Field, HenyeyGreenstein, Homogeneous};
 use crate::scene::SceneError;
 use crate::scene::files::Files;
 use crate::scene::format::{Absent, Key, Kind, Literal, Range, Rule, Table};
@@ -10,7 +10,7 @@ use crate::scene::reader::Reader;
 
 /// The declaration of `[[radiative.medium]]`.
 pub(super) const MEDIUM: Table = Table {
-    doc: "A participating medium, the same everywhere in a closed shape; without a shape it fills all space. Where media overlap, they add up.",
+    doc: "A participating medium in a closed shape; without a shape it fills all space. It is the same everywhere, unless a density tells how much of it is where; then coefficients and emission are those of density 1, and the density is placed with the shape. Where media overlap, they add up.",
     keys: &[
         shapes::SPHERE,
         shapes::BOX,
@@ -18,6 +18,13 @@ pub(super) const MEDIUM: Table = Table {
         place::SCALE,
         place::ROTATE,
         place::TRANSLATE,
+        densities::GRID,
+        densities::INTERPOLATION,
+        densities::NOISE,
+        densities::EXPONENTIAL,
+        densities::LINEAR,
+        densities::BLOB,
+        densities::PROCEDURAL,
         Key {
             name: "sigma_a",
             kind: Kind::Colour(Range::at_least(0.0)),
@@ -60,6 +67,14 @@ pub(super) const MEDIUM: Table = Table {
             what: "shape",
             keys: &["sphere", "box", "mesh"],
         },
+        Rule::AtMostOne {
+            what: "density",
+            keys: &densities::KEYS,
+        },
+        Rule::Apart([
+            &["procedural"],
+            &["sigma_a", "sigma_s", "sigma_t", "albedo"],
+        ]),
         Rule::Apart([&["sigma_a", "sigma_s"], &["sigma_t", "albedo"]]),
         Rule::Together(&["sigma_t", "albedo"]),
     ],
@@ -70,22 +85,74 @@ pub(super) fn read(
     reader: &Reader<'_, '_>,
     files: &mut Files<'_>,
 ) -> Result<Body, Box<SceneError>> {
-    let boundary = shapes::boundary(reader, files)?;
-    let coefficients = coefficients(reader)?;
+    let (coefficients, field, block_g) = match densities::procedural(reader, files)? {
+        Some(block) => {
+            block.readings.iter().for_each(|reading| reader.also(reading));
+            let field = Field::Noise(block.density);
+            (block.coefficients, Some(field), block.asymmetry)
+        }
+        None => (coefficients(reader)?, densities::field(reader, files)?, None),
+    };
+    let own = match &field {
+        Some(Field::Grid(grid)) => Some(grid.bounds()),
+        _ => None,
+    };
+    let space = shapes::space(reader, files, own)?;
     let emission = radiance(reader, "emission")?;
-    let asymmetry = Asymmetry::new(reader.number("g")?)
-        .map_err(|error| reader.error("g", error.to_string()))?;
+    let g = reader.number("g")?;
+    if block_g.is_some() && reader.has("g") {
+        let message = "`g` is given twice: the procedural block has a phase function too";
+        return Err(reader.mistake("g", message, "keep one of the two"));
+    }
+    let asymmetry = match block_g {
+        Some(asymmetry) => asymmetry,
+        None => Asymmetry::new(g).map_err(|error| reader.error("g", error.to_string()))?,
+    };
+    let density = match (field, &space) {
+        (None, _) => None,
+        (Some(field), Some(space)) => Some(Density::new(field, space.bounds, space.to_world)),
+        (Some(_), None) => {
+            let key = densities::KEYS.into_iter().find(|key| reader.has(key));
+            let message = "a medium of varying density fills no shape: it would have no end";
+            let help = "give the medium a `box`, `sphere` or `mesh`";
+            return Err(reader.mistake(key.expect("its density"), message, help));
+        }
+    };
     let body = Body {
-        boundary,
+        boundary: space.map(|space| space.boundary),
         medium: Homogeneous {
             coefficients,
             emission,
             phase: HenyeyGreenstein(asymmetry),
         },
-        density: None,
+        density,
     };
+    check_extinction(&body).map_err(|(message, help)| {
+        let keys = ["sigma_t", "sigma_a", "sigma_s", "procedural"];
+        let key = keys.into_iter().find(|key| reader.has(key));
+        reader.mistake(key.unwrap_or("sigma_a"), message, help)
+    })?;
     check_brightness(&body).map_err(|(message, help)| reader.mistake("emission", message, help))?;
     Ok(body)
+}
+
+/// The largest density of a medium.
+fn most(body: &Body) -> f64 {
+    let density = body.density.as_ref();
+    density.map_or(1.0, |density| density.blocks().range().high)
+}
+
+/// Refuses a medium whose extinction leaves the range of numbers where it is densest.
+fn check_extinction(body: &Body) -> Result<(), (String, String)> {
+    let (sigma_t, most) = (body.medium.coefficients.sigma_t().max_element(), most(body));
+    if (sigma_t * most).is_finite() {
+        return Ok(());
+    }
+    let message = format!(
+        "an extinction of {sigma_t:e} times a density of up to {most:e} is beyond the largest \
+         number"
+    );
+    Err((message, "give smaller coefficients or densities".into()))
 }
 
 fn coefficients(reader: &Reader<'_, '_>) -> Result<Coefficients, Box<SceneError>> {
@@ -116,9 +183,10 @@ fn check_brightness(body: &Body) -> Result<(), (String, String)> {
         length_of(boundary.bounds().size())
     });
     let (emission, sigma_t) = (body.medium.emission, body.medium.coefficients.sigma_t());
+    let most = most(body);
     let brightest = (0..3)
         .filter(|&channel| emission[channel] > 0.0)
-        .map(|channel| emission[channel] * across.min(1.0 / sigma_t[channel]))
+        .map(|channel| emission[channel] * (most * across).min(1.0 / sigma_t[channel]))
         // That of a medium without end and extinction is infinite, and another mistake.
         .filter(|radiance| radiance.is_finite() || across.is_finite())
         .fold(0.0, f64::max);

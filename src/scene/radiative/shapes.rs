@@ -254,11 +254,23 @@ pub(super) fn luminous(
     Err(reader.mistake(key, message, "choose other units of length"))
 }
 
-/// The boundary of a medium; none if the table has no shape.
-pub(super) fn boundary(
+/// The space that a medium fills.
+pub(super) struct Space {
+    /// Its boundary.
+    pub boundary: Boundary,
+    /// The box around it where its own keys put it.
+    pub bounds: Aabb,
+    /// Where it goes from there.
+    pub to_world: Option<Transform>,
+}
+
+/// The space that a medium fills: its shape, or, if the table has none, the box `own`; all space
+/// without either.
+pub(super) fn space(
     reader: &Reader<'_, '_>,
     files: &mut Files<'_>,
-) -> Result<Option<Boundary>, Box<SceneError>> {
+    own: Option<Aabb>,
+) -> Result<Option<Space>, Box<SceneError>> {
     enum Body {
         Sphere(Sphere),
         Box(Aabb),
@@ -274,6 +286,8 @@ pub(super) fn boundary(
         Body::Box(cuboid)
     } else if let Some(mesh) = reader.table("mesh")? {
         Body::Mesh(files.closed_mesh(&mesh)?)
+    } else if let Some(own) = own {
+        Body::Box(own)
     } else {
         if let Some(key) = super::place::KEYS.into_iter().find(|key| reader.has(key)) {
             let message =
@@ -283,18 +297,31 @@ pub(super) fn boundary(
         }
         return Ok(None);
     };
-    let place = Place::read(reader)?;
-    let Some(to_world) = place.transform else {
-        return Ok(Some(match body {
-            Body::Sphere(sphere) => Boundary::Sphere(sphere),
-            Body::Box(cuboid) => Boundary::Box(cuboid),
-            Body::Mesh(mesh) => Boundary::Mesh(mesh),
-        }));
+    let bounds = match &body {
+        Body::Sphere(sphere) => sphere.bounds(),
+        Body::Box(cuboid) => *cuboid,
+        Body::Mesh(mesh) => mesh.bounds(),
     };
-    Ok(Some(match body {
-        Body::Sphere(sphere) => Boundary::PlacedSphere(placed(reader, "sphere", sphere, to_world)?),
-        Body::Box(cuboid) => Boundary::PlacedBox(placed(reader, "box", cuboid, to_world)?),
-        Body::Mesh(mesh) => Boundary::PlacedMesh(placed(reader, "mesh", mesh, to_world)?),
+    let to_world = Place::read(reader)?.transform;
+    let boundary = match (body, to_world) {
+        (Body::Sphere(sphere), None) => Boundary::Sphere(sphere),
+        (Body::Box(cuboid), None) => Boundary::Box(cuboid),
+        (Body::Mesh(mesh), None) => Boundary::Mesh(mesh),
+        (Body::Sphere(sphere), Some(to_world)) => {
+            Boundary::PlacedSphere(placed(reader, "sphere", sphere, to_world)?)
+        }
+        (Body::Box(cuboid), Some(to_world)) => {
+            let key = if reader.has("box") { "box" } else { "grid" };
+            Boundary::PlacedBox(placed(reader, key, cuboid, to_world)?)
+        }
+        (Body::Mesh(mesh), Some(to_world)) => {
+            Boundary::PlacedMesh(placed(reader, "mesh", mesh, to_world)?)
+        }
+    };
+    Ok(Some(Space {
+        boundary,
+        bounds,
+        to_world,
     }))
 }
 

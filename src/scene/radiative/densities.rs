@@ -1,0 +1,322 @@
+//! How the density of a medium differs from place to place, as scenes give it.
+
+use crate::media::Field;
+use crate::scene::SceneError;
+use crate::scene::files::Files;
+use crate::scene::format::{Absent, Key, Kind, Literal, Range, Rule, Table};
+use crate::scene::procedural_xml::{ProceduralMedium, read_procedural};
+use crate::scene::reader::Reader;
+use crate::scene::volume::VOLUME;
+use crate::volume::{
+    Blob, ExponentialLayer, FractalDensity, FractalError, FractalParameters, GridDensity,
+    Interpolation, LayerError, LinearRamp, MOST_OCTAVES,
+};
+
+/// The keys that give a density.
+pub(super) const KEYS: [&str; 6] = [
+    "grid",
+    "noise",
+    "exponential",
+    "linear",
+    "blob",
+    "procedural",
+];
+
+/// A grid.
+pub(super) const GRID: Key = Key {
+    name: "grid",
+    kind: Kind::Table(&VOLUME),
+    absent: Absent::Nothing,
+    doc: "Density: that of a grid or point cloud, in the box of its own unless the medium has a shape.",
+};
+
+/// Between the nodes of a grid.
+pub(super) const INTERPOLATION: Key = Key {
+    name: "interpolation",
+    kind: Kind::Choice(&["trilinear", "nearest"]),
+    absent: Absent::Nothing,
+    doc: "With `grid`: how densities between the nodes follow from those at the nodes; trilinear if left out.",
+};
+
+const POSITIVE: Range = Range::open(0.0, f64::INFINITY);
+
+/// Fractal noise.
+pub(super) const NOISE: Key = Key {
+    name: "noise",
+    kind: Kind::Table(&Table {
+        doc: "Noise at many scales: octaves of Perlin's improved noise at p·scale + offset, the sum of amplitudes brought to 1, mapped from [-1, 1] to [0, max_density]; 0 up to the threshold.",
+        keys: &[
+            Key {
+                name: "octaves",
+                kind: Kind::Count(1, MOST_OCTAVES as u64),
+                absent: Absent::Default(Literal::Count(4)),
+                doc: "Layers of noise.",
+            },
+            Key {
+                name: "lacunarity",
+                kind: Kind::Number(POSITIVE),
+                absent: Absent::Default(Literal::Number(2.0)),
+                doc: "Factor on the frequency from one octave to the next.",
+            },
+            Key {
+                name: "gain",
+                kind: Kind::Number(POSITIVE),
+                absent: Absent::Default(Literal::Number(0.5)),
+                doc: "Factor on the amplitude from one octave to the next.",
+            },
+            Key {
+                name: "scale",
+                kind: Kind::Vector,
+                absent: Absent::Default(Literal::Vector([1.0; 3])),
+                doc: "Cells of the first octave per world unit, along x, y, z.",
+            },
+            Key {
+                name: "offset",
+                kind: Kind::Vector,
+                absent: Absent::Default(Literal::Vector([0.0; 3])),
+                doc: "Where the origin lies in the first octave, in cells.",
+            },
+            Key {
+                name: "max_density",
+                kind: Kind::Number(Range::at_least(0.0)),
+                absent: Absent::Default(Literal::Number(1.0)),
+                doc: "The largest density.",
+            },
+            Key {
+                name: "threshold",
+                kind: Kind::Number(Range::at_least(f64::MIN)),
+                absent: Absent::Default(Literal::Number(0.0)),
+                doc: "Densities up to this one count as 0; nothing is subtracted from the others.",
+            },
+        ],
+        rules: &[],
+    }),
+    absent: Absent::Nothing,
+    doc: "Density: fractal noise.",
+};
+
+/// An exponential layer.
+pub(super) const EXPONENTIAL: Key = Key {
+    name: "exponential",
+    kind: Kind::Table(&Table {
+        doc: "A density that falls with height above a base, by the factor e per scale height.",
+        keys: &[
+            Key {
+                name: "density",
+                kind: Kind::Number(Range::at_least(0.0)),
+                absent: Absent::Default(Literal::Number(1.0)),
+                doc: "Density at the base.",
+            },
+            Key {
+                name: "base",
+                kind: Kind::Vector,
+                absent: Absent::Default(Literal::Vector([0.0; 3])),
+                doc: "A point at height 0, world units.",
+            },
+            Key {
+                name: "up",
+                kind: Kind::Vector,
+                absent: Absent::Default(Literal::Vector([0.0, 1.0, 0.0])),
+                doc: "The direction of rising height, any length but 0.",
+            },
+            Key {
+                name: "scale_height",
+                kind: Kind::Number(POSITIVE),
+                absent: Absent::Error,
+                doc: "Height over which the density falls by the factor e, world units.",
+            },
+        ],
+        rules: &[],
+    }),
+    absent: Absent::Nothing,
+    doc: "Density: a layer that thins with height, as air does.",
+};
+
+/// A linear density.
+pub(super) const LINEAR: Key = Key {
+    name: "linear",
+    kind: Kind::Table(&Table {
+        doc: "A density that is linear in space where that is positive, else 0.",
+        keys: &[
+            Key {
+                name: "density",
+                kind: Kind::Number(Range::at_least(f64::MIN)),
+                absent: Absent::Default(Literal::Number(1.0)),
+                doc: "Density at the origin given; it may be negative there.",
+            },
+            Key {
+                name: "origin",
+                kind: Kind::Vector,
+                absent: Absent::Default(Literal::Vector([0.0; 3])),
+                doc: "Where that is the density, world units.",
+            },
+            Key {
+                name: "gradient",
+                kind: Kind::Vector,
+                absent: Absent::Error,
+                doc: "Change of the density per world unit along x, y, z.",
+            },
+        ],
+        rules: &[],
+    }),
+    absent: Absent::Nothing,
+    doc: "Density: a linear ramp.",
+};
+
+/// A Gaussian ball.
+pub(super) const BLOB: Key = Key {
+    name: "blob",
+    kind: Kind::Table(&Table {
+        doc: "A ball without an edge, peak·exp(-r²/(2 width²)) at distance r from its centre.",
+        keys: &[
+            Key {
+                name: "centre",
+                kind: Kind::Vector,
+                absent: Absent::Error,
+                doc: "Its centre, world units.",
+            },
+            Key {
+                name: "width",
+                kind: Kind::Number(POSITIVE),
+                absent: Absent::Error,
+                doc: "Its standard deviation along any line, world units.",
+            },
+            Key {
+                name: "peak",
+                kind: Kind::Number(Range::at_least(0.0)),
+                absent: Absent::Default(Literal::Number(1.0)),
+                doc: "Density at the centre.",
+            },
+        ],
+        rules: &[],
+    }),
+    absent: Absent::Nothing,
+    doc: "Density: a ball without an edge.",
+};
+
+/// A block of another renderer.
+pub(super) const PROCEDURAL: Key = Key {
+    name: "procedural",
+    kind: Kind::Table(&Table {
+        doc: "A `<medium type=\"procedural\">` element, as it stands: noise, sigma_a and sigma_s.",
+        keys: &[
+            Key {
+                name: "file",
+                kind: Kind::Text,
+                absent: Absent::Nothing,
+                doc: "XML file that holds the element, relative to the folder of the scene.",
+            },
+            Key {
+                name: "text",
+                kind: Kind::Text,
+                absent: Absent::Nothing,
+                doc: "The element itself, best between three single quotes.",
+            },
+        ],
+        rules: &[Rule::ExactlyOne {
+            what: "source",
+            keys: &["file", "text"],
+        }],
+    }),
+    absent: Absent::Nothing,
+    doc: "Density and coefficients: a procedural medium in XML.",
+};
+
+/// The `procedural` element of a medium, if it has one.
+pub(super) fn procedural(
+    reader: &Reader<'_, '_>,
+    files: &mut Files<'_>,
+) -> Result<Option<ProceduralMedium>, Box<SceneError>> {
+    let Some(source) = reader.table("procedural")? else {
+        return Ok(None);
+    };
+    if let Some(text) = source.optional_text("text")? {
+        let place = source.place_of("text");
+        return read_procedural(&place, &text).map(Some);
+    }
+    let name = source.text("file")?;
+    let (path, text) = files.text(&source, &name)?;
+    read_procedural(&path, &text).map(Some)
+}
+
+/// The density that a medium gives by any other of [`KEYS`]; none if it is the same everywhere.
+pub(super) fn field(
+    reader: &Reader<'_, '_>,
+    files: &mut Files<'_>,
+) -> Result<Option<Field>, Box<SceneError>> {
+    let interpolation = reader.optional_text("interpolation")?;
+    if let Some(grid) = reader.table("grid")? {
+        let interpolation = match interpolation.as_deref() {
+            Some("nearest") => Interpolation::Nearest,
+            _ => Interpolation::Trilinear,
+        };
+        let density = GridDensity::new(files.grid(&grid)?, interpolation);
+        return Ok(Some(Field::Grid(density)));
+    }
+    if interpolation.is_some() {
+        let message = "`interpolation` belongs to a grid, and the medium has none";
+        let help = "remove it, or give the medium a `grid`";
+        return Err(reader.mistake("interpolation", message, help));
+    }
+    if let Some(noise) = reader.table("noise")? {
+        return read_noise(&noise).map(|noise| Some(Field::Noise(noise)));
+    }
+    if let Some(layer) = reader.table("exponential")? {
+        let layer = ExponentialLayer::new(
+            layer.number("density")?,
+            layer.vector("base")?,
+            layer.vector("up")?,
+            layer.number("scale_height")?,
+        )
+        .map_err(|error| bad_layer(&layer, &error))?;
+        return Ok(Some(Field::Exponential(layer)));
+    }
+    if let Some(ramp) = reader.table("linear")? {
+        let (density, origin) = (ramp.number("density")?, ramp.vector("origin")?);
+        let ramp = LinearRamp::new(density, origin, ramp.vector("gradient")?)
+            .map_err(|error| bad_layer(&ramp, &error))?;
+        return Ok(Some(Field::Linear(ramp)));
+    }
+    if let Some(blob) = reader.table("blob")? {
+        return Ok(Some(Field::Blob(Blob {
+            centre: blob.vector("centre")?,
+            peak: blob.number("peak")?,
+            width: blob.number("width")?,
+        })));
+    }
+    Ok(None)
+}
+
+fn read_noise(reader: &Reader<'_, '_>) -> Result<FractalDensity, Box<SceneError>> {
+    let parameters = FractalParameters {
+        octaves: reader.count("octaves")? as u32,
+        lacunarity: reader.number("lacunarity")?,
+        gain: reader.number("gain")?,
+        scale: reader.vector("scale")?,
+        offset: reader.vector("offset")?,
+        max_density: reader.number("max_density")?,
+        threshold: reader.number("threshold")?,
+    };
+    FractalDensity::new(parameters).map_err(|error| {
+        let key = match error {
+            FractalError::Octaves(_) => "octaves",
+            FractalError::Lacunarity(_) | FractalError::Frequency { .. } => "lacunarity",
+            FractalError::Gain(_) | FractalError::Amplitude { .. } => "gain",
+            FractalError::Scale(_) => "scale",
+            FractalError::Offset(_) => "offset",
+            FractalError::MaxDensity(_) => "max_density",
+            FractalError::Threshold(_) => "threshold",
+        };
+        reader.error(key, error.to_string())
+    })
+}
+
+fn bad_layer(reader: &Reader<'_, '_>, error: &LayerError) -> Box<SceneError> {
+    let key = match error {
+        LayerError::Density(_) => "density",
+        LayerError::ScaleHeight(_) => "scale_height",
+        LayerError::Up(_) => "up",
+        LayerError::NotFinite { name, .. } => name,
+    };
+    reader.error(key, error.to_string())
+}
