@@ -146,7 +146,10 @@ fn length_in(solid: &impl Solid, entry: &Entry) -> f64 {
 }
 
 fn linear_depth(entry: &Entry) -> f64 {
-    let (origin, towards) = (entry.vector("origin"), entry.vector("direction_unnormalised"));
+    let (origin, towards) = (
+        entry.vector("origin"),
+        entry.vector("direction_unnormalised"),
+    );
     let ray = Ray::new(origin, towards).unwrap();
     let ramp = LinearRamp::new(1.0, DVec3::ZERO, entry.vector("gradient")).unwrap();
     let profile = LinearProfile::along(&ray, &ramp, entry.input("sigma0"));

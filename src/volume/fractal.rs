@@ -51,21 +51,21 @@ impl Default for FractalParameters {
 pub enum FractalError {
     #[error("octaves must be 1 to {MOST_OCTAVES}, got {0}")]
     Octaves(u32),
-    #[error("lacunarity must be positive and finite, got {0}")]
+    #[error("lacunarity must be positive and finite, got {0:?}")]
     Lacunarity(f64),
-    #[error("lacunarity {lacunarity} makes the frequency of octave {octaves} overflow")]
+    #[error("lacunarity {lacunarity:?} makes the frequency of octave {octaves} overflow")]
     Frequency { lacunarity: f64, octaves: u32 },
-    #[error("gain must be positive and finite, got {0}")]
+    #[error("gain must be positive and finite, got {0:?}")]
     Gain(f64),
-    #[error("gain {gain} makes the amplitudes of {octaves} octaves overflow")]
+    #[error("gain {gain:?} makes the amplitudes of {octaves} octaves overflow")]
     Amplitude { gain: f64, octaves: u32 },
     #[error("scale must be finite, got {0}")]
     Scale(DVec3),
     #[error("offset must be finite, got {0}")]
     Offset(DVec3),
-    #[error("the largest density must be finite and not negative, got {0}")]
+    #[error("the largest density must be finite and not negative, got {0:?}")]
     MaxDensity(f64),
-    #[error("the threshold must be finite, got {0}")]
+    #[error("the threshold must be finite, got {0:?}")]
     Threshold(f64),
 }
 

@@ -1,0 +1,961 @@
+//! The procedural medium of the source's renderer, as its XML scenes write it.
+
+use super::SceneError;
+use super::reader::{Document, Origin, Reading};
+use crate::media::{Asymmetry, Coefficients};
+use crate::volume::{FractalDensity, FractalError, FractalParameters, MOST_OCTAVES};
+use glam::DVec3;
+use roxmltree::{Error, Node, ParsingOptions};
+use std::ops::Range;
+
+/// A medium of fractal noise: the density multiplies both coefficients.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProceduralMedium {
+    /// Absorption and scattering of density 1, per world length.
+    pub coefficients: Coefficients,
+    /// The density.
+    pub density: FractalDensity,
+    /// Mean cosine of Henyey and Greenstein's phase function, if the block has one; else the
+    /// medium scatters into all directions alike.
+    pub asymmetry: Option<Asymmetry>,
+    /// Every parameter with its value, and whether the block gives it.
+    pub readings: Vec<Reading>,
+}
+
+/// Reads the one `<medium type="procedural">` of an XML text: the whole of it, or somewhere in a
+/// larger scene, of which nothing else is looked at. `path` is the name shown in messages.
+///
+/// Parameters are elements with a `name` and a `value`, in any order, each at most once:
+///
+/// | parameter | element | left out |
+/// |---|---|---|
+/// | `sigma_a`, `sigma_s` | `color` | 0, but one of the two is there |
+/// | `nrOctaves` | `integer` | 4 |
+/// | `lacunarity`, `gain` | `float` | 2, 0.5 |
+/// | `maxDensity`, `threshold` | `float` | 1, 0 |
+/// | `scale`, `offset` | `vector` | 1 1 1, 0 0 0 |
+/// | `g` | `float` | scatters into all directions alike |
+///
+/// A `color` and a `vector` are three numbers with blanks or commas between; a `color` may be
+/// one number for all three. Whether a number is an `integer` or a `float` is nothing to its
+/// value, so either element does for both, as long as the number of octaves is whole. Comments,
+/// and an `id` on any element or a `name` on the medium, mean nothing and are ignored; whatever
+/// else is in the block is a mistake, for it would mean something that is not done.
+///
+/// There are no document types, hence no entities of one's own and nothing is ever fetched.
+///
+/// # Errors
+///
+/// [`SceneError`], with the place in the text.
+pub fn read_procedural(path: &str, text: &str) -> Result<ProceduralMedium, Box<SceneError>> {
+    let document = Document { path, text };
+    if text.len() > MOST_BYTES {
+        let message = format!("{} bytes are too many for a scene", text.len());
+        let help = format!("at most {MOST_BYTES} are read; put the medium into a file of its own");
+        return Err(document.error(None, message, Some(help)));
+    }
+    let options = ParsingOptions {
+        allow_dtd: false,
+        ..ParsingOptions::default()
+    };
+    let xml = roxmltree::Document::parse_with_options(text, options)
+        .map_err(|error| malformed(&document, &error))?;
+    let medium = only_medium(&document, &xml)?;
+    let parameters = parameters(&document, medium)?;
+    Block {
+        document: &document,
+        parameters,
+        readings: Vec::new(),
+    }
+    .read(medium)
+}
+
+/// The parser compares each attribute of an element with all others of it: more text than this,
+/// were it all attributes, would take seconds.
+const MOST_BYTES: usize = 1 << 18;
+
+/// A parameter of the medium.
+struct Parameter {
+    name: &'static str,
+    /// The element that gives it.
+    tag: &'static str,
+    doc: &'static str,
+}
+
+const PARAMETERS: [Parameter; 10] = [
+    Parameter {
+        name: "sigma_a",
+        tag: "color",
+        doc: "absorption of density 1, per world length: three numbers, or one for all three, at least 0",
+    },
+    Parameter {
+        name: "sigma_s",
+        tag: "color",
+        doc: "scattering of density 1, per world length: three numbers, or one for all three, at least 0",
+    },
+    Parameter {
+        name: "nrOctaves",
+        tag: "integer",
+        doc: "how many layers of noise are added, a whole number from 1 to 32",
+    },
+    Parameter {
+        name: "lacunarity",
+        tag: "float",
+        doc: "factor on the frequency from one octave to the next, above 0",
+    },
+    Parameter {
+        name: "gain",
+        tag: "float",
+        doc: "factor on the amplitude from one octave to the next, above 0",
+    },
+    Parameter {
+        name: "maxDensity",
+        tag: "float",
+        doc: "the largest density, at least 0",
+    },
+    Parameter {
+        name: "threshold",
+        tag: "float",
+        doc: "densities up to this one are taken for 0",
+    },
+    Parameter {
+        name: "scale",
+        tag: "vector",
+        doc: "cells of the first octave per world length along x, y and z: three numbers",
+    },
+    Parameter {
+        name: "offset",
+        tag: "vector",
+        doc: "place of the world's origin in the lattice of the first octave: three numbers",
+    },
+    Parameter {
+        name: "g",
+        tag: "float",
+        doc: "mean cosine of Henyey and Greenstein's phase function, between -1 and 1, positive forward",
+    },
+];
+
+/// The elements that may give a parameter.
+const TAGS: [&str; 4] = ["color", "float", "integer", "vector"];
+
+/// A parameter as the block gives it.
+struct Given<'x> {
+    parameter: &'static Parameter,
+    value: &'x str,
+    /// Place of the value in the text.
+    span: Range<usize>,
+    /// Place of the element.
+    element: Range<usize>,
+}
+
+/// The parameters of a block, and what was made of them.
+struct Block<'d, 'x> {
+    document: &'d Document<'d>,
+    parameters: Vec<Given<'x>>,
+    readings: Vec<Reading>,
+}
+
+impl Block<'_, '_> {
+    fn read(mut self, medium: Node<'_, '_>) -> Result<ProceduralMedium, Box<SceneError>> {
+        let default = FractalParameters::default();
+        let coefficients = self.coefficients(medium)?;
+        let parameters = FractalParameters {
+            octaves: self.octaves(default.octaves)?,
+            lacunarity: self.number("lacunarity", default.lacunarity)?,
+            gain: self.number("gain", default.gain)?,
+            max_density: self.number("maxDensity", default.max_density)?,
+            threshold: self.number("threshold", default.threshold)?,
+            scale: self.vector("scale", default.scale)?,
+            offset: self.vector("offset", default.offset)?,
+        };
+        let density = FractalDensity::new(parameters)
+            .map_err(|error| self.mistake(faulty(&error), error.to_string()))?;
+        let sigma_t = coefficients.sigma_t().max_element();
+        if !(sigma_t * parameters.max_density).is_finite() {
+            let message = format!(
+                "a density of up to {:e} times coefficients of up to {sigma_t:e} overflows",
+                parameters.max_density
+            );
+            return Err(self.mistake("maxDensity", message));
+        }
+        let asymmetry = match self.given("g") {
+            None => None,
+            Some(_) => {
+                let g = self.number("g", 0.0)?;
+                let checked = Asymmetry::new(g);
+                Some(checked.map_err(|error| self.mistake("g", error.to_string()))?)
+            }
+        };
+        Ok(ProceduralMedium {
+            coefficients,
+            density,
+            asymmetry,
+            readings: self.readings,
+        })
+    }
+
+    fn coefficients(&mut self, medium: Node<'_, '_>) -> Result<Coefficients, Box<SceneError>> {
+        let names = ["sigma_a", "sigma_s"];
+        if names.iter().all(|name| self.given(name).is_none()) {
+            let message =
+                "the medium has neither `sigma_a` nor `sigma_s`: it does nothing to light";
+            let help = "give <color name=\"sigma_a\" value=\"…\"/>, <color name=\"sigma_s\" value=\"…\"/> or both";
+            let span = opening(self.document.text, medium);
+            return Err(self.document.error(Some(span), message, Some(help.into())));
+        }
+        let [sigma_a, sigma_s] = names.map(|name| self.vector(name, DVec3::ZERO));
+        Coefficients::new(sigma_a?, sigma_s?).map_err(|error| {
+            // Of a sum that overflows either summand is the place.
+            let blamed = names.into_iter().find(|name| *name == error.name);
+            let present = names.into_iter().find(|name| self.given(name).is_some());
+            self.mistake(blamed.or(present).unwrap_or("sigma_a"), error.to_string())
+        })
+    }
+
+    fn octaves(&mut self, default: u32) -> Result<u32, Box<SceneError>> {
+        let octaves = self.number("nrOctaves", f64::from(default))?;
+        let most = f64::from(MOST_OCTAVES);
+        if octaves.fract() == 0.0 && (1.0..=most).contains(&octaves) {
+            return Ok(octaves as u32);
+        }
+        let message = format!("`nrOctaves` takes a whole number from 1 to {most}, got {octaves:?}");
+        Err(self.mistake("nrOctaves", message))
+    }
+
+    fn number(&mut self, name: &'static str, default: f64) -> Result<f64, Box<SceneError>> {
+        match self.numbers(name, &[1])?.as_deref() {
+            Some(&[value]) => {
+                self.note(name, value, Origin::Given);
+                Ok(value)
+            }
+            _ => {
+                self.note(name, default, Origin::Default);
+                Ok(default)
+            }
+        }
+    }
+
+    fn vector(&mut self, name: &'static str, default: DVec3) -> Result<DVec3, Box<SceneError>> {
+        let is_colour = self.given(name).map(|given| given.parameter.tag) == Some("color");
+        let counts: &[usize] = if is_colour { &[3, 1] } else { &[3] };
+        let (value, origin) = match self.numbers(name, counts)?.as_deref() {
+            Some(&[value]) => (DVec3::splat(value), Origin::Given),
+            Some(&[x, y, z]) => (DVec3::new(x, y, z), Origin::Given),
+            _ => (default, Origin::Default),
+        };
+        self.note(
+            name,
+            format_args!("[{}, {}, {}]", value.x, value.y, value.z),
+            origin,
+        );
+        Ok(value)
+    }
+
+    /// The numbers of a parameter, as many as one of `counts`; `None` if it is left out.
+    fn numbers(
+        &self,
+        name: &'static str,
+        counts: &[usize],
+    ) -> Result<Option<Vec<f64>>, Box<SceneError>> {
+        let Some(given) = self.given(name) else {
+            return Ok(None);
+        };
+        let mut numbers = Vec::new();
+        for part in given.value.split(',') {
+            // Nothing at all has no comma too many, but too few numbers.
+            if part.trim().is_empty() && !given.value.trim().is_empty() {
+                let message = format!("`{name}` has a comma without a number on each side of it");
+                return Err(self.mistake(name, message));
+            }
+            for word in part.split_whitespace() {
+                let number = word.parse::<f64>().ok().filter(|number| number.is_finite());
+                let Some(number) = number else {
+                    let message = format!("`{name}`: {word:?} is no finite number");
+                    return Err(self.mistake(name, message));
+                };
+                numbers.push(number);
+            }
+        }
+        if !counts.contains(&numbers.len()) {
+            let expected = match counts {
+                [1] => "one number",
+                [3] => "three numbers",
+                _ => "three numbers, or one for all three",
+            };
+            let message = format!("`{name}` takes {expected}, got {}", numbers.len());
+            return Err(self.mistake(name, message));
+        }
+        Ok(Some(numbers))
+    }
+
+    fn given(&self, name: &str) -> Option<&Given<'_>> {
+        let mut given = self.parameters.iter();
+        given.find(|given| given.parameter.name == name)
+    }
+
+    fn note(&mut self, name: &str, value: impl std::fmt::Display, origin: Origin) {
+        self.readings.push(Reading {
+            key: name.to_owned(),
+            value: value.to_string(),
+            origin,
+        });
+    }
+
+    /// A mistake in the value of a parameter.
+    fn mistake(&self, name: &str, message: impl Into<String>) -> Box<SceneError> {
+        // What is left out has a default, which is no mistake: of several at fault one is given.
+        let given = self.given(name);
+        let help = given.map(|given| format!("`{name}`: {}", given.parameter.doc));
+        let span = given.map(|given| given.span.clone());
+        self.document.error(span, message, help)
+    }
+}
+
+/// The parameter that an error is about.
+fn faulty(error: &FractalError) -> &'static str {
+    match error {
+        FractalError::Octaves(_) => "nrOctaves",
+        FractalError::Lacunarity(_) | FractalError::Frequency { .. } => "lacunarity",
+        FractalError::Gain(_) | FractalError::Amplitude { .. } => "gain",
+        FractalError::Scale(_) => "scale",
+        FractalError::Offset(_) => "offset",
+        FractalError::MaxDensity(_) => "maxDensity",
+        FractalError::Threshold(_) => "threshold",
+    }
+}
+
+/// What the parser found, at its place.
+fn malformed(document: &Document<'_>, error: &Error) -> Box<SceneError> {
+    let text = document.text;
+    let (offset, help) = match error {
+        Error::DtdDetected => (
+            text.find("<!DOCTYPE").unwrap_or(0),
+            "remove the <!DOCTYPE …>: document types and their entities are not read",
+        ),
+        // The parser places these at the beginning.
+        Error::UnclosedRootNode | Error::UnexpectedEndOfStream => (
+            text.trim_end().len(),
+            "the text ends within an element; is the file complete?",
+        ),
+        _ => (
+            offset_of(text, error.pos()),
+            "the text is not well-formed XML",
+        ),
+    };
+    let message = match error {
+        Error::DtdDetected => "document types are refused".to_owned(),
+        Error::UnclosedRootNode | Error::UnexpectedEndOfStream => {
+            "unexpected end of text".to_owned()
+        }
+        _ => {
+            let message = error.to_string();
+            let place = format!(" at {}", error.pos());
+            message.strip_suffix(&place).unwrap_or(&message).to_owned()
+        }
+    };
+    document.error(Some(offset..offset), message, Some(help.to_owned()))
+}
+
+/// Byte of a place that counts rows and characters from 1.
+fn offset_of(text: &str, place: roxmltree::TextPos) -> usize {
+    let row = (place.row as usize).saturating_sub(1);
+    let start: usize = text.split_inclusive('\n').take(row).map(str::len).sum();
+    let column = (place.col as usize).saturating_sub(1);
+    let within = text[start..].char_indices().nth(column);
+    within.map_or(text.len(), |(at, _)| start + at)
+}
+
+fn only_medium<'a, 'i>(
+    document: &Document<'_>,
+    xml: &'a roxmltree::Document<'i>,
+) -> Result<Node<'a, 'i>, Box<SceneError>> {
+    let media = || xml.descendants().filter(|node| node.has_tag_name("medium"));
+    let mut procedural = media().filter(|node| node.attribute("type") == Some("procedural"));
+    let Some(medium) = procedural.next() else {
+        let (node, message) = match media().next() {
+            None => {
+                let root = xml.root_element();
+                let message = format!("there is no <medium> in this <{}>", root.tag_name().name());
+                (root, message)
+            }
+            Some(other) => {
+                let message = match other.attribute("type") {
+                    Some(kind) => format!("the medium is of the type {kind:?}, not \"procedural\""),
+                    None => "the medium has no `type`".to_owned(),
+                };
+                (other, message)
+            }
+        };
+        let help = "what is read is one <medium type=\"procedural\">".to_owned();
+        let span = opening(document.text, node);
+        return Err(document.error(Some(span), message, Some(help)));
+    };
+    if let Some(second) = procedural.next() {
+        let line = line_of(document.text, medium.range().start);
+        let message = format!("a second procedural medium; the first stands in line {line}");
+        let help = "put each medium into a file of its own".to_owned();
+        let span = opening(document.text, second);
+        return Err(document.error(Some(span), message, Some(help)));
+    }
+    Ok(medium)
+}
+
+/// The parameters that stand in a medium; whatever else does is a mistake.
+fn parameters<'a>(
+    document: &Document<'_>,
+    medium: Node<'a, '_>,
+) -> Result<Vec<Given<'a>>, Box<SceneError>> {
+    check_attributes(document, medium, &["type", "name", "id"])?;
+    let mut found: Vec<Given<'a>> = Vec::new();
+    for child in medium.children() {
+        if child.is_comment() || child.is_pi() {
+            continue;
+        }
+        if child.is_text() {
+            check_blank(document, child)?;
+            continue;
+        }
+        let given = parameter(document, child)?;
+        let name = given.parameter.name;
+        if let Some(first) = found.iter().find(|first| first.parameter.name == name) {
+            let line = line_of(document.text, first.element.start);
+            let message = format!("`{name}` is given a second time; the first is in line {line}");
+            let help = "keep one of them".to_owned();
+            return Err(document.error(Some(given.element), message, Some(help)));
+        }
+        found.push(given);
+    }
+    Ok(found)
+}
+
+fn parameter<'a>(
+    document: &Document<'_>,
+    element: Node<'a, '_>,
+) -> Result<Given<'a>, Box<SceneError>> {
+    let tag = element.tag_name().name();
+    let place = opening(document.text, element);
+    let fail = |span: Range<usize>, message: String, help: String| {
+        Err(document.error(Some(span), message, Some(help)))
+    };
+    if !TAGS.contains(&tag) {
+        let help = match (tag, nearest(tag, TAGS)) {
+            ("phase", _) => {
+                "for Henyey and Greenstein's phase function give <float name=\"g\" value=\"…\"/>; \
+                 without it the medium scatters into all directions alike"
+                    .to_owned()
+            }
+            (_, Some(near)) => format!("did you mean <{near}>?"),
+            _ => format!("a procedural medium may hold: <{}>", TAGS.join(">, <")),
+        };
+        return fail(place, format!("unknown element <{tag}>"), help);
+    }
+    check_attributes(document, element, &["name", "value", "id"])?;
+    let Some(name) = element.attribute_node("name") else {
+        let help = format!("give `name`: one of {}", names().join(", "));
+        return fail(place, format!("<{tag}> has no `name`"), help);
+    };
+    let known = PARAMETERS.iter().find(|known| known.name == name.value());
+    let Some(parameter) = known else {
+        let help = match nearest(name.value(), names()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("a procedural medium has: {}", names().join(", ")),
+        };
+        let message = format!("unknown parameter `{}`", name.value());
+        return fail(name.range_value(), message, help);
+    };
+    let is_number = |tag: &str| matches!(tag, "float" | "integer");
+    if tag != parameter.tag && !(is_number(tag) && is_number(parameter.tag)) {
+        let (name, right) = (parameter.name, parameter.tag);
+        let help = format!(
+            "write <{right} name=\"{name}\" value=\"…\"/>; {}",
+            parameter.doc
+        );
+        return fail(place, format!("`{name}` is no <{tag}>"), help);
+    }
+    let Some(value) = element.attribute_node("value") else {
+        let message = format!("`{}` has no `value`", parameter.name);
+        return fail(
+            place,
+            message,
+            format!("`{}`: {}", parameter.name, parameter.doc),
+        );
+    };
+    for child in element.children() {
+        if child.is_element() {
+            let message = format!("`{}` takes no elements", parameter.name);
+            let help = "remove what stands in it".to_owned();
+            return fail(opening(document.text, child), message, help);
+        }
+        check_blank(document, child)?;
+    }
+    Ok(Given {
+        parameter,
+        value: value.value(),
+        span: value.range_value(),
+        element: place,
+    })
+}
+
+fn names() -> [&'static str; PARAMETERS.len()] {
+    PARAMETERS.map(|parameter| parameter.name)
+}
+
+/// The word that `word` may be a misspelling of, big letters or small.
+fn nearest<const N: usize>(word: &str, known: [&'static str; N]) -> Option<&'static str> {
+    // The distance takes time in proportion to both lengths.
+    if word.len() > 64 {
+        return None;
+    }
+    let edits =
+        |name: &str| strsim::damerau_levenshtein(&name.to_lowercase(), &word.to_lowercase());
+    let distances = known.into_iter().map(|name| (edits(name), name));
+    // Half the letters wrong is no misspelling any more.
+    let near = distances
+        .min()
+        .filter(|(edits, name)| 2 * edits <= name.len());
+    near.map(|(_, name)| name)
+}
+
+fn check_attributes(
+    document: &Document<'_>,
+    element: Node<'_, '_>,
+    known: &[&str],
+) -> Result<(), Box<SceneError>> {
+    let unknown = element
+        .attributes()
+        .find(|attribute| !known.contains(&attribute.name()));
+    let Some(unknown) = unknown else {
+        return Ok(());
+    };
+    let tag = element.tag_name().name();
+    let message = format!("unknown attribute `{}` of <{tag}>", unknown.name());
+    let help = format!("<{tag}> may have: {}", known.join(", "));
+    Err(document.error(Some(unknown.range_qname()), message, Some(help)))
+}
+
+fn check_blank(document: &Document<'_>, node: Node<'_, '_>) -> Result<(), Box<SceneError>> {
+    let stray = node.is_text() && node.text().is_some_and(|text| !text.trim().is_empty());
+    if !stray {
+        return Ok(());
+    }
+    let range = node.range();
+    let text = &document.text[range.clone()];
+    let start = range.start + (text.len() - text.trim_start().len());
+    let message = "text between the elements of a medium";
+    let help = "parameters are elements, such as <float name=\"gain\" value=\"0.5\"/>";
+    let span = start..start + text.trim().len();
+    Err(document.error(Some(span), message, Some(help.into())))
+}
+
+/// Place of the first line of an element.
+fn opening(text: &str, element: Node<'_, '_>) -> Range<usize> {
+    let range = element.range();
+    let line = text[range.clone()].lines().next().unwrap_or("");
+    range.start..range.start + line.len()
+}
+
+fn line_of(text: &str, offset: usize) -> usize {
+    text[..offset].matches('\n').count() + 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::volume::DensityField;
+    use proptest::prelude::*;
+
+    const SOURCE: &str = include_str!("../../fixtures/scenes/procedural/source-block.xml");
+
+    fn read(text: &str) -> Result<ProceduralMedium, Box<SceneError>> {
+        read_procedural("medium.xml", text)
+    }
+
+    /// A block of these lines, the first of them line 2.
+    fn block(lines: &str) -> String {
+        format!("<medium type=\"procedural\">\n{lines}\n</medium>\n")
+    }
+
+    fn fault(text: &str) -> String {
+        read(text).unwrap_err().to_string()
+    }
+
+    const SIGMA: &str = "<color name='sigma_s' value='1 1 1'/>\n";
+
+    #[test]
+    fn the_block_of_the_source_loads_as_it_stands() {
+        let medium = read(SOURCE).unwrap();
+        assert_eq!(medium.coefficients.sigma_a(), DVec3::ONE);
+        assert_eq!(medium.coefficients.sigma_s(), DVec3::splat(4.0));
+        assert_eq!(medium.asymmetry, None);
+        let parameters = FractalParameters {
+            octaves: 10,
+            lacunarity: 4.0,
+            gain: 0.5,
+            scale: DVec3::new(0.5, 1.0, 1.0),
+            offset: DVec3::ZERO,
+            max_density: 4.0,
+            threshold: 1.25,
+        };
+        assert_eq!(*medium.density.parameters(), parameters);
+        // All noise is 0 at the origin: the middle of the densities.
+        assert_eq!(medium.density.density(DVec3::ZERO), 2.0);
+        assert!(medium.readings.iter().all(|r| r.origin == Origin::Given));
+    }
+
+    #[test]
+    fn other_ways_to_write_the_same() {
+        let plain = read(SOURCE).unwrap();
+        let commas = SOURCE
+            .replace("0.5 1 1", "0.5,1,1")
+            .replace("4 4 4", " 4, 4 ,4 ");
+        let one_for_three = SOURCE.replace("1 1 1", "1");
+        let mixed = SOURCE
+            .replace("0 0 0", "0 0, 0e5")
+            .replace("0.5 1 1", "0.5\t1\n+1.");
+        let kinds = SOURCE
+            .replace("<integer", "<float")
+            .replace("<float name=\"gain\"", "<integer name=\"gain\"");
+        let scene = format!(
+            "\u{feff}<?xml version='1.0'?>\n<!-- <!DOCTYPE --><scene><mesh type='obj'>{SOURCE}</mesh>\n\
+             <medium type='homogeneous'/></scene>"
+        );
+        let labelled = SOURCE
+            .replace("type=", "id='fog' name='fog' type=")
+            .replace("<integer", "<!-- many --><?editor fold?><integer id='n'");
+        let explicit = SOURCE.replace(
+            "<integer name=\"nrOctaves\" value=\"10\" />",
+            "<integer name=\"nrOctaves\" value=\"10\"> <!-- many --> </integer>",
+        );
+        for (text, what) in [
+            (commas, "commas"),
+            (one_for_three, "one for three"),
+            (mixed, "mixed"),
+            (kinds, "kinds"),
+            (scene, "scene"),
+            (labelled, "labelled"),
+            (explicit, "explicit"),
+        ] {
+            let medium = read(&text).unwrap_or_else(|error| panic!("{what}: {error}"));
+            assert_eq!(medium, plain, "{what}");
+        }
+    }
+
+    #[test]
+    fn what_is_left_out_has_defaults() {
+        let medium = read(&block(SIGMA)).unwrap();
+        assert_eq!(*medium.density.parameters(), FractalParameters::default());
+        assert_eq!(medium.coefficients.sigma_a(), DVec3::ZERO);
+        let given = medium.readings.iter().filter(|r| r.origin == Origin::Given);
+        assert_eq!(
+            given.map(|r| r.key.as_str()).collect::<Vec<_>>(),
+            ["sigma_s"]
+        );
+        let octaves = medium
+            .readings
+            .iter()
+            .find(|r| r.key == "nrOctaves")
+            .unwrap();
+        assert_eq!(octaves.value, "4");
+    }
+
+    #[test]
+    fn a_phase_function_may_be_given() {
+        let text = block(&format!("{SIGMA}<float name='g' value='0.6'/>"));
+        let g = read(&text).unwrap().asymmetry.map(Asymmetry::g);
+        assert_eq!(g, Some(0.6));
+        let text = block(&format!("{SIGMA}<float name='g' value='1'/>"));
+        assert!(
+            fault(&text).starts_with("medium.xml:3:24: "),
+            "{}",
+            fault(&text)
+        );
+        let text = block(&format!("{SIGMA}<phase type='hg'/>"));
+        let error = read(&text).unwrap_err();
+        assert_eq!(error.to_string(), "medium.xml:3:1: unknown element <phase>");
+        assert!(error.help_text().unwrap().contains("<float name=\"g\""));
+    }
+
+    #[test]
+    fn mistakes_in_a_parameter_name_their_place() {
+        for (line, message) in [
+            (
+                "<float name='gian' value='1'/>",
+                "3:14: unknown parameter `gian`",
+            ),
+            ("<float name='' value='1'/>", "3:14: unknown parameter ``"),
+            ("<float value='1'/>", "3:1: <float> has no `name`"),
+            ("<float name='gain'/>", "3:1: `gain` has no `value`"),
+            (
+                "<folat name='gain' value='1'/>",
+                "3:1: unknown element <folat>",
+            ),
+            (
+                "<float name='gain' valeu='1'/>",
+                "3:20: unknown attribute `valeu` of <float>",
+            ),
+            (
+                "<vector name='gain' value='1'/>",
+                "3:1: `gain` is no <vector>",
+            ),
+            (
+                "<float name='scale' value='1'/>",
+                "3:1: `scale` is no <float>",
+            ),
+            (
+                "<vector name='sigma_a' value='1 1 1'/>",
+                "3:1: `sigma_a` is no <vector>",
+            ),
+            (
+                "<float name='gain' value=''/>",
+                "3:27: `gain` takes one number, got 0",
+            ),
+            (
+                "<float name='gain' value='1 2'/>",
+                "3:27: `gain` takes one number, got 2",
+            ),
+            (
+                "<vector name='scale' value='1'/>",
+                "3:29: `scale` takes three numbers, got 1",
+            ),
+            (
+                "<color name='sigma_a' value='1,2'/>",
+                "3:30: `sigma_a` takes three numbers, or one for all three, got 2",
+            ),
+            (
+                "<vector name='scale' value='1,,2 3'/>",
+                "3:29: `scale` has a comma without a number on each side of it",
+            ),
+            (
+                "<float name='gain' value='0.5f'/>",
+                "3:27: `gain`: \"0.5f\" is no finite number",
+            ),
+            (
+                "<float name='gain' value='NaN'/>",
+                "3:27: `gain`: \"NaN\" is no finite number",
+            ),
+            (
+                "<float name='gain' value='-inf'/>",
+                "3:27: `gain`: \"-inf\" is no finite number",
+            ),
+            (
+                "<float name='gain' value='1e999'/>",
+                "3:27: `gain`: \"1e999\" is no finite number",
+            ),
+            (
+                "<float name='gain' value='0'/>",
+                "3:27: gain must be positive and finite, got 0",
+            ),
+            (
+                "<float name='gain' value='1e200'/>",
+                "3:27: gain 1e200 makes the amplitudes of 4 octaves overflow",
+            ),
+            (
+                "<float name='lacunarity' value='1e200'/>",
+                "3:33: lacunarity 1e200 makes the frequency of octave 4 overflow",
+            ),
+            (
+                "<float name='maxDensity' value='-1'/>",
+                "3:33: the largest density must be finite and not negative, got -1",
+            ),
+            (
+                "<integer name='nrOctaves' value='2.5'/>",
+                "3:34: `nrOctaves` takes a whole number from 1 to 32, got 2.5",
+            ),
+            (
+                "<integer name='nrOctaves' value='0'/>",
+                "3:34: `nrOctaves` takes a whole number from 1 to 32, got 0",
+            ),
+            (
+                "<integer name='nrOctaves' value='1e300'/>",
+                "3:34: `nrOctaves` takes a whole number from 1 to 32, got 1e300",
+            ),
+            (
+                "<color name='sigma_a' value='0 -1 0'/>",
+                "3:30: sigma_a must be finite and not negative in every channel, got [0, -1, 0]",
+            ),
+            (
+                "<color name='sigma_s' value='2'/>",
+                "3:1: `sigma_s` is given a second time; the first is in line 2",
+            ),
+            (
+                "<float name='gain' value='1'><b/></float>",
+                "3:30: `gain` takes no elements",
+            ),
+            (
+                "<float name='gain' value='1'>2</float>",
+                "3:30: text between the elements of a medium",
+            ),
+            ("  0.5", "3:3: text between the elements of a medium"),
+        ] {
+            let fault = fault(&block(&format!("{SIGMA}{line}")));
+            assert!(
+                fault.starts_with(&format!("medium.xml:{message}")),
+                "{line}: {fault}"
+            );
+        }
+    }
+
+    #[test]
+    fn misspellings_are_recognised() {
+        let help = |line: &str| {
+            let error = read(&block(&format!("{SIGMA}{line}"))).unwrap_err();
+            error.help_text().unwrap().to_owned()
+        };
+        assert_eq!(
+            help("<float name='gian' value='1'/>"),
+            "did you mean `gain`?"
+        );
+        assert_eq!(
+            help("<float name='maxdensity' value='1'/>"),
+            "did you mean `maxDensity`?"
+        );
+        assert_eq!(
+            help("<Vector name='scale' value='1'/>"),
+            "did you mean <vector>?"
+        );
+        let all = help("<float name='colour of the sky' value='1'/>");
+        assert!(
+            all.contains("sigma_a, sigma_s, nrOctaves, lacunarity, gain"),
+            "{all}"
+        );
+        assert!(help("<spectrum name='sigma_a' value='1'/>").contains("<color>, <float>"));
+        assert!(help("<vector name='gain' value='1'/>").starts_with("write <float name=\"gain\""));
+    }
+
+    #[test]
+    fn there_is_one_medium_and_it_does_something() {
+        for (text, message) in [
+            ("<scene/>", "1:1: there is no <medium> in this <scene>"),
+            ("<medium/>", "1:1: the medium has no `type`"),
+            (
+                "<scene>\n <medium type='homogeneous'/></scene>",
+                "2:2: the medium is of the type \"homogeneous\", not \"procedural\"",
+            ),
+            (
+                "<medium type='procedural'/>",
+                "1:1: the medium has neither `sigma_a` nor `sigma_s`: it does nothing to light",
+            ),
+            (
+                "<medium type='procedural' colour='red'/>",
+                "1:27: unknown attribute `colour` of <medium>",
+            ),
+        ] {
+            assert_eq!(fault(text), format!("medium.xml:{message}"));
+        }
+        let two = format!("<scene>\n{}\n{}</scene>", SOURCE, SOURCE);
+        assert_eq!(
+            fault(&two),
+            "medium.xml:10:1: a second procedural medium; the first stands in line 2"
+        );
+        let overflow = SOURCE.replace("\"4 4 4\"", "\"1e308\"");
+        assert!(fault(&overflow).starts_with("medium.xml:4:35: a density of up to 4e0"));
+        let overflow = overflow.replace("\"1 1 1\" /> <c", "\"1e308\" /> <c");
+        assert!(
+            fault(&overflow).contains(": sigma_t must be finite"),
+            "{}",
+            fault(&overflow)
+        );
+    }
+
+    #[test]
+    fn document_types_and_entities_are_refused() {
+        let with_dtd = |dtd: &str, value: &str| {
+            let medium = block(&format!("<float name='gain' value='{value}'/>"));
+            format!("<?xml version='1.0'?>\n  <!DOCTYPE medium {dtd}>\n{medium}")
+        };
+        let bomb = "[<!ENTITY a '1111111111'><!ENTITY b '&a;&a;&a;&a;&a;&a;&a;&a;'>\
+                    <!ENTITY c '&b;&b;&b;&b;&b;&b;&b;&b;'>]";
+        for text in [
+            with_dtd("", "1"),
+            with_dtd(bomb, "&c;"),
+            with_dtd("[<!ENTITY a SYSTEM 'file:///etc/hostname'>]", "&a;"),
+            with_dtd("SYSTEM 'http://example.org/medium.dtd'", "1"),
+        ] {
+            assert_eq!(fault(&text), "medium.xml:2:3: document types are refused");
+        }
+        let text = block("<float name='gain' value='&amp;&a;'/>");
+        assert!(
+            fault(&text).starts_with("medium.xml:2:"),
+            "{}",
+            fault(&text)
+        );
+        assert!(fault(&text).contains("unknown entity reference 'a'"));
+        // Characters by number are no entities of anybody's.
+        let text = block(&format!("{SIGMA}<float name='gain' value='&#48;.5'/>"));
+        assert_eq!(read(&text).unwrap().density.parameters().gain, 0.5);
+    }
+
+    #[test]
+    fn malformed_text_names_its_place() {
+        for (text, place) in [
+            ("", "1:1: "),
+            ("gain = 0.5", "1:1: "),
+            (
+                "<medium type='procedural'>\n",
+                "1:27: unexpected end of text",
+            ),
+            ("<medium type='proce", "1:20: unexpected end of text"),
+            ("<medium>\n<a></b></medium>", "2:4: "),
+            ("<medium type='procedural' type='x'/>", "1:27: "),
+            ("<a/>\n<b/>", "2:1: "),
+        ] {
+            let fault = fault(text);
+            assert!(
+                fault.starts_with(&format!("medium.xml:{place}")),
+                "{text:?}: {fault}"
+            );
+        }
+        let long = "<!-- -->".repeat(MOST_BYTES / 8 + 1);
+        assert!(fault(&long).contains("bytes are too many"));
+    }
+
+    #[test]
+    fn deep_nesting_takes_no_stack() {
+        // Threads of tests have 2 MB of it.
+        let levels = MOST_BYTES / 8;
+        let deep = format!("{}{}", "<a>".repeat(levels), "</a>".repeat(levels));
+        assert!(fault(&deep).contains("there is no <medium>"));
+        let deep = block(&format!(
+            "<float name='gain' value='1'>{}",
+            &deep[8192..deep.len() - 10_924]
+        ));
+        assert!(fault(&deep).starts_with("medium.xml:"));
+        let open = "<a>".repeat(levels);
+        assert!(fault(&open).contains("unexpected end of text"));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        /// No text makes the reader panic, and every complaint has words.
+        #[test]
+        fn any_text_is_read_or_refused(
+            text in prop_oneof![
+                any::<String>(),
+                "(<|</|/>|>|medium|type|procedural|float|name|value|gain|=|'|\"| |\n|&|;|#|!--|-->|0|,|é)*",
+            ],
+        ) {
+            if let Err(error) = read(&text) {
+                prop_assert!(!error.to_string().is_empty());
+            }
+        }
+
+        /// Nor does the source's block with pieces cut out, doubled or put in.
+        #[test]
+        fn broken_blocks_are_read_or_refused(
+            edits in prop::collection::vec((any::<prop::sample::Index>(), 0..12_usize, "\\PC{0,4}"), 1..4),
+        ) {
+            let mut text: Vec<char> = SOURCE.chars().collect();
+            for (at, cut, put) in edits {
+                let at = at.index(text.len());
+                let end = (at + cut).min(text.len());
+                text.splice(at..end, put.chars());
+            }
+            let text: String = text.into_iter().collect();
+            if let Err(error) = read(&text) {
+                prop_assert!(error.to_string().starts_with("medium.xml"));
+                prop_assert!(error.position().is_some());
+            }
+        }
+    }
+}
