@@ -10,6 +10,7 @@ mod load;
 mod radiative;
 pub mod reader;
 mod sampling;
+mod volume;
 
 pub use classified::{Classified, Compositing, Shadow};
 pub use curve::Curve;
