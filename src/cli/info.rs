@@ -341,7 +341,8 @@ fn describe(info: &Info) -> String {
             let [slope, intercept, min, max, mean] =
                 [slope, intercept, min, max, mean].map(|number| digits(*number));
             row("", format!("{min} to {max}, mean {mean}"));
-            row("", format!("value = {slope} · stored + {intercept}"));
+            let plus = format!(" + {intercept}").replace("+ -", "- ");
+            row("", format!("value = {slope} · stored{plus}"));
         }
     }
     let values = &info.values;

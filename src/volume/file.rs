@@ -391,6 +391,12 @@ impl Source {
 
     /// The rest of a file that should be a short text.
     fn text(&mut self) -> Result<String, VolumeError> {
+        if self.length > MOST_DESCRIPTION_BYTES {
+            return Err(VolumeError::RawVolume {
+                path: self.path.clone(),
+                error: RawVolumeError::TooLong(self.length),
+            });
+        }
         let mut bytes = Vec::new();
         let read = (&mut self.reader)
             .take(MOST_DESCRIPTION_BYTES)

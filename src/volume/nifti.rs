@@ -111,6 +111,11 @@ const HEADER: usize = 348;
 /// Where the data begin at the earliest: four bytes after the header say whether more follows.
 const FIRST_DATA: u64 = 352;
 
+/// The square of a quaternion's real part that is lost in the rounding of the other three to
+/// `f32`, at most 2⁻²⁴ of each, hence 2⁻²³ of the sum of their squares; twice that. A turn by half a
+/// circle would else come out tilted by a thousandth.
+const NO_COSINE: f64 = 1.0 / (1 << 22) as f64;
+
 /// Reads a NIfTI-1 file; `compressed` tells `.nii.gz` from `.nii`.
 pub fn read_nifti(
     bytes: &[u8],
@@ -328,8 +333,7 @@ impl<'h> Header<'h> {
         }
         let [b, c, d] = self.floats(256);
         let squares = b * b + c * c + d * d;
-        // As the reference: a turn by half a circle has no cosine left after rounding to `f32`.
-        let (a, b, c, d) = if (1.0 - squares) < 1e-7 && squares < 1.0 + 1e-5 {
+        let (a, b, c, d) = if 1.0 - squares < NO_COSINE && squares < 1.0 + 1e-5 {
             let length = squares.sqrt();
             (0.0, b / length, c / length, d / length)
         } else if squares < 1.0 {
@@ -360,5 +364,222 @@ impl<'h> Header<'h> {
             return Err(LatticeError::Spacing(spacing).into());
         }
         Ok(Steps::Directed([x * dx, y * dy, z * dz]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    /// A file of 2 × 1 × 2 little-endian `int16` 1, 2, 3, 4, changed by `change`.
+    fn file(change: impl Fn(&mut Vec<u8>)) -> Vec<u8> {
+        let mut bytes = vec![0; HEADER];
+        put(&mut bytes, 0, &348_i32.to_le_bytes());
+        for (at, value) in [(40, 3), (42, 2), (44, 1), (46, 2), (70, 4), (72, 16)] {
+            short(&mut bytes, at, value);
+        }
+        for (at, value) in [(80, 0.5), (84, 2.0), (88, 3.0), (108, 352.0)] {
+            float(&mut bytes, at, value);
+        }
+        put(&mut bytes, 344, b"n+1\0");
+        bytes.extend([0, 0, 0, 0, 1, 0, 2, 0, 3, 0, 4, 0]);
+        change(&mut bytes);
+        bytes
+    }
+
+    fn put(bytes: &mut [u8], at: usize, word: &[u8]) {
+        bytes[at..at + word.len()].copy_from_slice(word);
+    }
+
+    fn short(bytes: &mut [u8], at: usize, value: i16) {
+        put(bytes, at, &value.to_le_bytes());
+    }
+
+    fn float(bytes: &mut [u8], at: usize, value: f32) {
+        put(bytes, at, &value.to_le_bytes());
+    }
+
+    fn floats(bytes: &mut [u8], at: usize, values: &[f32]) {
+        for (index, &value) in values.iter().enumerate() {
+            float(bytes, at + 4 * index, value);
+        }
+    }
+
+    fn read(bytes: &[u8]) -> Result<Grid<f32>, NiftiError> {
+        read_nifti(bytes, false, &LoadOptions::default())
+    }
+
+    fn message(change: impl Fn(&mut Vec<u8>)) -> String {
+        read(&file(change)).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn without_a_form_the_first_sample_is_the_origin() {
+        let grid = read(&file(|_| {})).unwrap();
+        assert_eq!(grid.values(), [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(grid.lattice().spacing(), DVec3::new(0.5, 2.0, 3.0));
+        assert_eq!(grid.lattice().first(), DVec3::ZERO);
+        // A fourth axis of one sample, and an offset left out, change nothing.
+        let same = file(|bytes| {
+            short(bytes, 40, 4);
+            short(bytes, 48, 1);
+            float(bytes, 108, 0.0);
+        });
+        assert_eq!(read(&same).unwrap(), grid);
+    }
+
+    /// Half a circle about z: x and y run backwards, and the quaternion has no real part.
+    #[test]
+    fn quaternions_turn_and_mirror() {
+        let turned = |handedness: f32, d: f32| {
+            file(|bytes| {
+                short(bytes, 252, 1);
+                float(bytes, 76, handedness);
+                floats(bytes, 256, &[0.0, 0.0, d, 10.0, 20.0, 30.0]);
+            })
+        };
+        for d in [1.0, 0.999_999_94, 1.000_000_1] {
+            let grid = read(&turned(1.0, d)).unwrap();
+            assert_eq!(grid.values(), [2.0, 1.0, 4.0, 3.0]);
+            assert_eq!(grid.lattice().first(), DVec3::new(9.5, 20.0, 30.0));
+        }
+        let mirrored = read(&turned(-1.0, 1.0)).unwrap();
+        assert_eq!(mirrored.values(), [4.0, 3.0, 2.0, 1.0]);
+        assert_eq!(mirrored.lattice().first(), DVec3::new(9.5, 20.0, 27.0));
+        // A quarter of a circle: x and y change places.
+        let quarter = read(&turned(1.0, 0.5_f32.sqrt())).unwrap();
+        assert_eq!(quarter.lattice().nodes(), [1, 2, 2]);
+        assert!(
+            read(&turned(1.0, 0.1))
+                .unwrap_err()
+                .to_string()
+                .contains("turned by 11.4")
+        );
+        assert_eq!(
+            read(&turned(1.0, 2.0)).unwrap_err().to_string(),
+            "the qform of the header, (0, 0, 2), is no rotation"
+        );
+    }
+
+    #[test]
+    fn the_sform_comes_first() {
+        let bytes = file(|bytes| {
+            short(bytes, 252, 1);
+            short(bytes, 254, 2);
+            floats(bytes, 280, &[0.0, 0.0, 4.0, -1.0]);
+            floats(bytes, 296, &[0.0, -1.0, 0.0, 5.0]);
+            floats(bytes, 312, &[2.0, 0.0, 0.0, 7.0]);
+        });
+        let grid = read(&bytes).unwrap();
+        assert_eq!(grid.lattice().nodes(), [2, 1, 2]);
+        assert_eq!(grid.lattice().spacing(), DVec3::new(4.0, 1.0, 2.0));
+        assert_eq!(grid.lattice().first(), DVec3::new(-1.0, 5.0, 7.0));
+        assert_eq!(grid.values(), [1.0, 3.0, 2.0, 4.0]);
+    }
+
+    #[test]
+    fn headers_that_cannot_be() {
+        type Change = fn(&mut Vec<u8>);
+        let rows: [(Change, &str); 18] = [
+            (
+                |b| b.truncate(347),
+                "the file ends after 347 of the 348 bytes of its header",
+            ),
+            (
+                |b| b.truncate(350),
+                "the header promises 2 × 1 × 2 samples of int16, 8 bytes, and 0",
+            ),
+            (
+                |b| b.truncate(359),
+                "the header promises 2 × 1 × 2 samples of int16, 8 bytes, and 7",
+            ),
+            (
+                |b| b.push(0),
+                "the header promises 2 × 1 × 2 samples of int16, 8 bytes, and 9",
+            ),
+            (
+                |b| b[0] = 7,
+                "the header does not begin with its length, 348",
+            ),
+            (
+                |b| put(b, 0, &540_i32.to_be_bytes()),
+                "this is NIfTI-2, and NIfTI-1 is read",
+            ),
+            (
+                |b| put(b, 344, b"ni1\0"),
+                "the header belongs to a pair of files, .hdr and .img",
+            ),
+            (
+                |b| put(b, 344, b"\0\0\0\0"),
+                "the header does not end in the letters n+1",
+            ),
+            (
+                |b| short(b, 40, 2),
+                "the file has 2 × 1 samples: a volume has three axes",
+            ),
+            (
+                |b| short(b, 40, -3),
+                "the file has  samples: a volume has three axes",
+            ),
+            (|b| short(b, 44, -1), "the file has 2 × -1 × 2 samples"),
+            (
+                |b| short(b, 70, 128),
+                "the samples are of data type 128 (RGB): scalar integers",
+            ),
+            (
+                |b| short(b, 72, 8),
+                "the header says 8 bits to a sample, and its data type has 16",
+            ),
+            (|b| float(b, 108, 351.0), "the data begin at byte 351"),
+            (|b| float(b, 108, f32::NAN), "the data begin at byte NaN"),
+            (
+                |b| float(b, 112, f32::INFINITY),
+                "slope inf and intercept 0 of the values",
+            ),
+            (
+                |b| float(b, 84, 0.0),
+                "the node spacing must be positive and finite",
+            ),
+            (
+                |b| [42, 44, 46].iter().for_each(|&at| short(b, at, i16::MAX)),
+                "a grid of 32767 × 32767 × 32767 nodes is too large",
+            ),
+        ];
+        for (change, expected) in rows {
+            let message = message(change);
+            assert!(message.starts_with(expected), "{message}");
+        }
+        // With a form, impossible sizes of voxels do not come through either.
+        let negative = message(|b| {
+            short(b, 252, 1);
+            float(b, 80, -1.0);
+        });
+        assert!(
+            negative.contains("must be positive and finite"),
+            "{negative}"
+        );
+    }
+
+    #[test]
+    fn compressed_files_end_where_they_should() {
+        let gzip = |bytes: &[u8]| {
+            let level = flate2::Compression::best();
+            let mut encoder = flate2::write::GzEncoder::new(Vec::new(), level);
+            encoder.write_all(bytes).unwrap();
+            encoder.finish().unwrap()
+        };
+        let read = |bytes: &[u8]| read_nifti(bytes, true, &LoadOptions::default());
+        let whole = file(|_| {});
+        assert_eq!(read(&gzip(&whole)).unwrap().values(), [1.0, 2.0, 3.0, 4.0]);
+        let message = |bytes: &[u8]| read(bytes).unwrap_err().to_string();
+        assert!(message(&whole).starts_with("this is no sound gzip stream"));
+        let short = message(&gzip(&whole[..357]));
+        assert!(
+            short.starts_with("the header promises 2 × 1 × 2 samples, and the data end after 2")
+        );
+        let mut long = whole.clone();
+        long.extend([0; 100_000]);
+        assert!(message(&gzip(&long)).starts_with("the data go on after the 2 × 1 × 2 samples"));
     }
 }

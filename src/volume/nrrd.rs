@@ -714,3 +714,350 @@ fn shortened(text: &str) -> String {
         None => text.to_owned(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A header of a `2 × 2 × 1` grid of bytes with these lines more, and its data.
+    fn file(lines: &str) -> Vec<u8> {
+        let header = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 1\nencoding: raw\n";
+        [header.as_bytes(), lines.as_bytes(), b"\n\x01\x02\x03\x04"].concat()
+    }
+
+    fn read(bytes: &[u8]) -> Result<Grid<f32>, NrrdError> {
+        read_nrrd(bytes, &LoadOptions::default())
+    }
+
+    fn message(bytes: &[u8]) -> String {
+        read(bytes).unwrap_err().to_string()
+    }
+
+    /// Spacing and first node.
+    fn place(lines: &str) -> ([f64; 3], [f64; 3]) {
+        let grid = read(&file(lines)).unwrap();
+        let lattice = grid.lattice();
+        (lattice.spacing().to_array(), lattice.first().to_array())
+    }
+
+    /// As [`file`], with `old` of the header replaced.
+    fn with(old: &str, new: &str) -> Vec<u8> {
+        let text = String::from_utf8(file("")).unwrap();
+        assert!(text.contains(old));
+        text.replacen(old, new, 1).into_bytes()
+    }
+
+    #[test]
+    fn what_is_not_said_about_places() {
+        assert_eq!(place(""), ([1.0; 3], [0.0; 3]));
+        assert_eq!(place("spacings: 0.5 2 3\n"), ([0.5, 2.0, 3.0], [0.0; 3]));
+        assert_eq!(
+            place("spacings: 0.5 2 3\nspace dimension: 3\nspace origin: (1, -2, 3e1)\n"),
+            ([0.5, 2.0, 3.0], [1.0, -2.0, 30.0])
+        );
+    }
+
+    #[test]
+    fn mins_and_maxs_go_by_the_centring() {
+        let ends = "axis mins: 0 0 0\naxis maxs: 4 2 6\n";
+        // A single sample stands in the middle of its axis.
+        let nodes = ([4.0, 2.0, 6.0], [0.0, 0.0, 3.0]);
+        let cells = ([2.0, 1.0, 6.0], [1.0, 0.5, 3.0]);
+        assert_eq!(place(ends), nodes);
+        assert_eq!(place(&format!("{ends}centers: node ??? node\n")), nodes);
+        assert_eq!(place(&format!("{ends}centerings: cell cell cell\n")), cells);
+        assert_eq!(
+            place("spacings: 2 1 6\naxis maxs: 4 2 6\ncenters: cell cell cell\n"),
+            cells
+        );
+        assert_eq!(place("spacings: 4 2 6\naxis mins: 0 0 0\n"), nodes);
+        let grid = read(&file(&format!("{ends}centers: cell cell cell\n"))).unwrap();
+        assert_eq!(grid.lattice().centring(), Centring::Cells);
+        assert_eq!(grid.lattice().bounds().max, DVec3::new(4.0, 2.0, 6.0));
+    }
+
+    #[test]
+    fn comments_keys_and_line_ends() {
+        let text = "NRRD0005\r\n# made by hand\r\ntype: unsigned char\r\nencoding: RAW\r\n\
+                    key:=value: with colon\r\ndimension: 3\r\nsizes:   1 1   1\r\n\r\n\x07";
+        assert_eq!(read(text.as_bytes()).unwrap().values(), [7.0]);
+    }
+
+    #[test]
+    fn axes_of_one_sample_are_dropped() {
+        let bytes = with(
+            "dimension: 3\nsizes: 2 2 1",
+            "dimension: 5\nsizes: 1 2 2 1 1",
+        );
+        assert_eq!(read(&bytes).unwrap().lattice().nodes(), [1, 2, 2]);
+        let lines = "dimension: 4\nsizes: 1 2 2 1\n\
+                     space directions: none (1,0,0) (0,1,0) (0,0,1)";
+        let bytes = with("dimension: 3\nsizes: 2 2 1", lines);
+        assert_eq!(read(&bytes).unwrap().lattice().nodes(), [2, 2, 1]);
+        assert_eq!(
+            message(&with(
+                "dimension: 3\nsizes: 2 2 1",
+                "dimension: 4\nsizes: 2 2 2 2"
+            )),
+            "the file has 4 axes, of 2 × 2 × 2 × 2 samples: a volume has three axes of one value \
+             to a sample; cut it up"
+        );
+        assert!(message(&with("3\nsizes: 2 2 1", "2\nsizes: 2 2")).contains("has 2 axes"));
+    }
+
+    #[test]
+    fn data_after_lines_and_bytes() {
+        let values = |lines: &str, data: &[u8]| {
+            let header = format!(
+                "NRRD0004\ntype: short\nendian: big\ndimension: 3\nsizes: 2 1 1\nencoding: raw\n\
+                 data file: a.raw\n{lines}"
+            );
+            let header = read_nrrd_header(header.as_bytes()).unwrap();
+            assert_eq!(header.data_file(), Some("a.raw"));
+            let grid = header.read_data(data, &LoadOptions::default());
+            grid.map(|grid| grid.values().to_vec())
+                .map_err(|error| error.to_string())
+        };
+        let two = Ok(vec![1.0, -2.0]);
+        let samples = [0, 1, 255, 254];
+        let after = |front: &[u8]| [front, &samples].concat();
+        assert_eq!(values("", &samples), two);
+        assert_eq!(values("byte skip: 3\n", &after(b"abc")), two);
+        assert_eq!(values("byte skip: -1\n", &after(b"anything")), two);
+        assert_eq!(values("line skip: 2\n", &after(b"one\ntwo\n")), two);
+        assert_eq!(values("line skip: 1\nbyte skip: 1", &after(b"one\nx")), two);
+        for (lines, expected) in [
+            (
+                "byte skip: 5",
+                "`byte skip` goes beyond the end of the data",
+            ),
+            (
+                "line skip: 3",
+                "`line skip` goes beyond the end of the data",
+            ),
+            (
+                "byte skip: 1",
+                "the header promises 2 × 1 × 1 samples of int16, 4 bytes, and 3",
+            ),
+        ] {
+            let message = values(lines, &samples).unwrap_err();
+            assert!(message.starts_with(expected), "{message}");
+        }
+    }
+
+    #[test]
+    fn lines_that_are_wrong() {
+        for (old, new, expected) in [
+            (
+                "type: uchar",
+                "type: uchat",
+                "2: `type` takes a type of the format",
+            ),
+            (
+                "type: uchar",
+                "type: block",
+                "2: samples of type block are not numbers",
+            ),
+            (
+                "type: uchar",
+                "typ: uchar",
+                "2: \"typ\" is no field of the format",
+            ),
+            (
+                "type: uchar",
+                "type uchar",
+                "2: a line of the header is `field: value`",
+            ),
+            ("type: uchar\n", "", "the header has no field `type`"),
+            (
+                "type: uchar",
+                "type: int",
+                "the header has no field `endian`",
+            ),
+            (
+                "type: uchar",
+                "type: uchar\ntype: uchar",
+                "3: the field `type` is there twice",
+            ),
+            (
+                "dimension: 3",
+                "dimension: 0",
+                "3: `dimension` takes the number of axes",
+            ),
+            (
+                "dimension: 3",
+                "dimension: 4",
+                "4: `sizes` has 3 values, and the file 4 axes",
+            ),
+            (
+                "sizes: 2 2 1",
+                "sizes: 2 0 1",
+                "4: `sizes` takes positive whole numbers",
+            ),
+            (
+                "sizes: 2 2 1",
+                "sizes: 2 -2 1",
+                "4: `sizes` takes positive whole numbers",
+            ),
+            (
+                "encoding: raw",
+                "encoding: hex",
+                "5: the encoding is hex, and raw, gzip and text",
+            ),
+            (
+                "encoding: raw",
+                "encoding: bz2",
+                "5: the encoding is bzip2, and raw",
+            ),
+            (
+                "encoding: raw",
+                "encoding: zip",
+                "5: \"zip\" is no encoding of the format",
+            ),
+            (
+                "NRRD0004",
+                "NRRD0009",
+                "the file does not begin with NRRD0001 to NRRD0005",
+            ),
+            (
+                "sizes: 2 2 1",
+                "sizes: 1048576 1048576 1048576",
+                "a grid of 1048576 × 1048576 × 1048576 nodes is too large",
+            ),
+            (
+                "sizes: 2 2 1",
+                "sizes: 18446744073709551615 3 3",
+                "a grid of 18446744073709551615 × 3 × 3 nodes is too large",
+            ),
+            (
+                "sizes: 2 2 1",
+                "sizes: 2 2 2",
+                "the header promises 2 × 2 × 2 samples of uint8, 8",
+            ),
+            (
+                "sizes: 2 2 1",
+                "sizes: 1 1 1",
+                "the header promises 1 × 1 × 1 samples of uint8, 1",
+            ),
+        ] {
+            let message = message(&with(old, new));
+            assert!(message.starts_with(expected), "{message}");
+        }
+        for (lines, expected) in [
+            (
+                "spacings: 0 1 1\n",
+                "the node spacing must be positive and finite",
+            ),
+            (
+                "spacings: 1 -1 1\n",
+                "the node spacing must be positive and finite",
+            ),
+            (
+                "spacings: 1 nan 1\n",
+                "the node spacing must be positive and finite",
+            ),
+            (
+                "spacings: 1 x 1\n",
+                "6: `spacings` takes a number for each axis",
+            ),
+            ("spacings: 1 1\n", "6: `spacings` has 2 values"),
+            ("endian: middle\n", "6: `endian` takes little or big"),
+            (
+                "centers: cell node cell\n",
+                "some axes are centred on nodes, others on cells",
+            ),
+            (
+                "data file: LIST\n",
+                "6: the data are spread over several files (LIST)",
+            ),
+            (
+                "data file: s%03d.raw 1 9 1\n",
+                "6: the data are spread over several files (a pat",
+            ),
+            (
+                "data file: other.raw\n",
+                "the data are in another file, \"other.raw\"",
+            ),
+            (
+                "space directions: (1,0,0) (0,1,0)\n",
+                "6: `space directions` has 2 values",
+            ),
+            (
+                "space directions: (1,0) (0,1) (1,1)\n",
+                "6: `space directions` takes vectors",
+            ),
+            (
+                "space directions: (1,0,0) (0,1,0) none\n",
+                "the node spacing must be positive and finite",
+            ),
+            (
+                "space directions: (1,0,0) (0,1,0) (0,0,1)\nspacings: 1 1 1\n",
+                "the header gives `space directions` and `spacings`, which exclude each other",
+            ),
+            (
+                "spacings: 1 1 1\naxis mins: 0 0 0\naxis maxs: 5 1 1\n",
+                "along axis 1 the header gives a spacing of 1, and minimum and maximum that make \
+                 it 5",
+            ),
+            (
+                "space directions: (1,0.01,0) (0,1,0) (0,0,1)\n",
+                "axis 1 of the file is turned by 0.5729 degrees",
+            ),
+        ] {
+            let message = message(&file(lines));
+            assert!(message.starts_with(expected), "{lines}: {message}");
+        }
+    }
+
+    #[test]
+    fn headers_without_end() {
+        assert_eq!(message(b""), message(b"PNG"));
+        let whole = file("");
+        for cut in 9..whole.len() - 5 {
+            assert!(read(&whole[..cut]).is_err(), "{cut}");
+        }
+        assert_eq!(
+            message(&whole[..whole.len() - 5]),
+            "the file ends within its header: a blank line must follow it, and then the data"
+        );
+        let long = [b"NRRD0001\n", &b"#\n".repeat(1 << 19)[..]].concat();
+        assert_eq!(
+            message(&long),
+            "the header does not end within 1048576 bytes: a blank line ends it"
+        );
+    }
+
+    #[test]
+    fn text() {
+        let text = |data: &str| {
+            let header = with("encoding: raw", "encoding: ascii");
+            [&header[..header.len() - 4], data.as_bytes()].concat()
+        };
+        assert_eq!(
+            read(&text("1, 2.5 -3e1\n4")).unwrap().values(),
+            [1.0, 2.5, -30.0, 4.0]
+        );
+        for (data, expected) in [
+            (
+                "1 2 3",
+                "the header promises 2 × 2 × 1 samples, 4 bytes when unpacked",
+            ),
+            (
+                "100 200 3",
+                "the header promises 2 × 2 × 1 samples, and the data end after 3",
+            ),
+            ("1 2 3 4 5", "the data go on after the 2 × 2 × 1 samples"),
+            (
+                "1 2 three 4",
+                "sample 2 of the text is \"three\", which is not a number",
+            ),
+            (
+                "1 2 nan 4",
+                "voxel (0, 1, 0), counted as stored, holds NaN: values must be finite",
+            ),
+        ] {
+            let message = message(&text(data));
+            assert!(message.starts_with(expected), "{message}");
+        }
+    }
+}

@@ -32,6 +32,9 @@ pub enum RawVolumeError {
     /// Not text.
     #[error("the description is not UTF-8 text: the samples go into another file, which it names")]
     NotText,
+    /// No description is that long.
+    #[error("the description has {0} bytes: the samples go into another file, which it names")]
+    TooLong(u64),
     /// A mistake at a place of the description.
     #[error("{line}:{column}: {message}")]
     Description {
@@ -216,4 +219,107 @@ fn choice<T: Copy>(word: &Spanned<String>, words: &[(&str, T)]) -> Result<T, Str
             word.get_ref()
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WHOLE: &str = "file = \"a.raw\"\ntype = \"int16\"\nendian = \"big\"\nnodes = [2, 1, 1]\n";
+
+    fn message(text: &str) -> String {
+        RawVolume::parse(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn what_may_be_left_out() {
+        let volume = RawVolume::parse(WHOLE).unwrap();
+        assert_eq!(volume.data_file(), "a.raw");
+        let grid = volume.read_data(&[0, 1, 255, 254], &LoadOptions::default());
+        let grid = grid.unwrap();
+        assert_eq!(grid.values(), [1.0, -2.0]);
+        assert_eq!(grid.lattice().spacing(), DVec3::ONE);
+        assert_eq!(grid.lattice().first(), DVec3::ZERO);
+        let more = format!("{WHOLE}spacing = 2\norigin = [1, 2.5, 3]\ncentring = \"cells\"\n");
+        let volume = RawVolume::parse(&more).unwrap();
+        let grid = volume.read_data(&[0; 4], &LoadOptions::default()).unwrap();
+        assert_eq!(grid.lattice().spacing(), DVec3::splat(2.0));
+        assert_eq!(grid.lattice().bounds().min, DVec3::new(0.0, 1.5, 2.0));
+    }
+
+    #[test]
+    fn mistakes_have_a_place() {
+        for (old, new, expected) in [
+            ("file = ", "fiel = ", "1:1: unknown field `fiel`"),
+            ("\"a.raw\"", "\"\"", "1:8: `file` is empty"),
+            ("\"a.raw\"", "a.raw", "1:8: "),
+            (
+                "int16",
+                "short",
+                "2:8: `type` takes one of \"int8\", \"uint8\"",
+            ),
+            (
+                "endian = \"big\"\n",
+                "",
+                "2:8: missing `endian`: samples of int16 need",
+            ),
+            (
+                "\"big\"",
+                "\"middle\"",
+                "3:10: `endian` takes one of \"little\", \"big\"",
+            ),
+            (
+                "[2, 1, 1]",
+                "[2, 0, 1]",
+                "4:9: a grid of 2 × 0 × 1 nodes has no node",
+            ),
+            ("[2, 1, 1]", "[2, -1, 1]", "4:"),
+            (
+                "[2, 1, 1]",
+                "[1048576, 1048576, 1048576]",
+                "4:9: a grid of 1048576 × 1048576",
+            ),
+            ("[2, 1, 1]", "[2, 1]", "4:"),
+            (
+                "nodes",
+                "spacing = [1, nan, 1]\nnodes",
+                "4:11: the node spacing must be positive",
+            ),
+            (
+                "nodes",
+                "spacing = 0\nnodes",
+                "4:11: the node spacing must be positive",
+            ),
+            (
+                "nodes",
+                "spacing = -1.5\nnodes",
+                "4:11: the node spacing must be positive",
+            ),
+            (
+                "nodes",
+                "encoding = \"hex\"\nnodes",
+                "4:12: `encoding` takes one of \"raw\"",
+            ),
+            ("nodes = [2, 1, 1]\n", "", "1:1: missing field `nodes`"),
+        ] {
+            assert!(WHOLE.contains(old));
+            let message = message(&WHOLE.replacen(old, new, 1));
+            assert!(message.starts_with(expected), "{new}: {message}");
+        }
+    }
+
+    #[test]
+    fn samples_that_are_not_as_described() {
+        let volume = RawVolume::parse(&format!("{WHOLE}header_bytes = 3\n")).unwrap();
+        let message = |bytes: &[u8]| {
+            let read = volume.read_data(bytes, &LoadOptions::default());
+            read.unwrap_err().to_string()
+        };
+        assert_eq!(
+            message(&[0; 2]),
+            "`header_bytes` is 3, and the file of the samples has 2 bytes"
+        );
+        assert!(message(&[0; 6]).starts_with("the header promises 2 × 1 × 1 samples of int16, 4"));
+        assert!(message(&[0; 8]).contains("holds something else as well"));
+    }
 }

@@ -525,3 +525,160 @@ pub(super) fn check_sizes(sizes: [u64; 3]) -> Result<[usize; 3], LatticeError> {
     let nodes = sizes.map(|size| usize::try_from(size).unwrap_or(usize::MAX));
     Lattice::new(nodes, glam::DVec3::ONE, glam::DVec3::ZERO).map(|_| nodes)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Centring;
+    use super::super::orientation::Steps;
+    use super::*;
+    use glam::DVec3;
+    use std::io::Write;
+
+    fn layout(element: Element, endian: Endian, encoding: Encoding, sizes: [usize; 3]) -> Layout {
+        Layout {
+            axes: Axes {
+                sizes,
+                steps: Steps::Upright(DVec3::ONE),
+                first: DVec3::ZERO,
+                centring: Centring::Nodes,
+            },
+            element,
+            endian,
+            encoding,
+            scaling: None,
+        }
+    }
+
+    fn read(layout: &Layout, bytes: &[u8]) -> Result<Vec<f32>, SamplesError> {
+        let options = LoadOptions::default();
+        let grid = read_grid(&mut &*bytes, bytes.len() as u64, layout, &options);
+        grid.map(|grid| grid.values().to_vec())
+    }
+
+    fn gzip(bytes: &[u8]) -> Vec<u8> {
+        let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+        encoder.write_all(bytes).unwrap();
+        encoder.finish().unwrap()
+    }
+
+    #[test]
+    fn every_type_in_either_order() {
+        macro_rules! check {
+            ($($element:ident: $type:ty = $least:expr, $most:expr;)*) => {$({
+                let values: [$type; 2] = [$least, $most];
+                let expected = values.map(|value| f64::from(value as f32));
+                for (endian, bytes) in [
+                    (Endian::Little, values.map(<$type>::to_le_bytes).concat()),
+                    (Endian::Big, values.map(<$type>::to_be_bytes).concat()),
+                ] {
+                    let layout = layout(Element::$element, endian, Encoding::Raw, [2, 1, 1]);
+                    let read = read(&layout, &bytes).unwrap();
+                    let read: Vec<f64> = read.into_iter().map(f64::from).collect();
+                    assert_eq!(read, expected, "{layout:?}");
+                }
+            })*};
+        }
+        check! {
+            Int8: i8 = i8::MIN, i8::MAX;
+            Uint8: u8 = 1, u8::MAX;
+            Int16: i16 = i16::MIN, 0x102;
+            Uint16: u16 = 0x102, u16::MAX;
+            Int32: i32 = i32::MIN, 0x10203;
+            Uint32: u32 = 0x10203, u32::MAX;
+            Int64: i64 = i64::MIN, 0x10203;
+            Uint64: u64 = 0x10203, u64::MAX;
+            Float32: f32 = -1.5e-40, f32::MAX;
+            Float64: f64 = 0.1, -1e-300;
+        }
+        let halves = layout(Element::Float16, Endian::Big, Encoding::Raw, [2, 1, 1]);
+        assert_eq!(
+            read(&halves, &[0x3c, 0, 0xfb, 0xff]).unwrap(),
+            [1.0, -65504.0]
+        );
+    }
+
+    #[test]
+    fn many_chunks() {
+        let values: Vec<u16> = (0..400_000_u32).map(|v| (v % 65_521) as u16).collect();
+        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        let raw = layout(
+            Element::Uint16,
+            Endian::Little,
+            Encoding::Raw,
+            [400, 100, 10],
+        );
+        let expected: Vec<f32> = values.iter().map(|&v| f32::from(v)).collect();
+        assert_eq!(read(&raw, &bytes).unwrap(), expected);
+        let packed = Layout {
+            encoding: Encoding::Gzip,
+            ..raw
+        };
+        assert_eq!(read(&packed, &gzip(&bytes)).unwrap(), expected);
+        // Two streams, one after the other, as some compressors in parallel write them.
+        let parts = [gzip(&bytes[..7]), gzip(&bytes[7..])].concat();
+        assert_eq!(read(&packed, &parts).unwrap(), expected);
+    }
+
+    #[test]
+    fn slopes_are_applied_before_rounding() {
+        let mut layout = layout(Element::Int16, Endian::Little, Encoding::Raw, [2, 1, 1]);
+        layout.scaling = Some((0.1, -1024.0));
+        let read = read(&layout, &[3, 0, 255, 255]).unwrap();
+        assert_eq!(read, [(0.1 * 3.0 - 1024.0) as f32, (-0.1 - 1024.0) as f32]);
+    }
+
+    /// Nothing beyond what the header promises is unpacked, and nothing is set aside for a
+    /// promise that the file cannot keep.
+    #[test]
+    fn gzip_that_lies() {
+        let packed = |sizes| layout(Element::Uint8, Endian::Little, Encoding::Gzip, sizes);
+        let message = |sizes, bytes: &[u8]| read(&packed(sizes), bytes).unwrap_err().to_string();
+        let bomb = gzip(&vec![0; 50_000_000]);
+        assert!(bomb.len() < 50_000);
+        assert!(
+            message([2, 2, 2], &bomb).starts_with("the data go on after the 2 × 2 × 2 samples")
+        );
+        assert!(
+            message([1290, 1290, 1290], &bomb).contains("cannot hold them: the header is wrong")
+        );
+        assert_eq!(
+            message([500, 500, 201], &bomb),
+            "the header promises 500 × 500 × 201 samples, and the data end after 50000000 of \
+             them: the file was cut short, or has another type or size"
+        );
+        let sound = gzip(&[1; 8]);
+        assert!(message([2, 2, 2], &sound[..sound.len() - 5]).contains("no sound gzip stream"));
+        let mut wrong_sum = sound.clone();
+        wrong_sum[sound.len() - 8] ^= 1;
+        assert!(message([2, 2, 2], &wrong_sum).contains("no sound gzip stream"));
+        assert!(message([2, 2, 2], b"not gzip at all").contains("no sound gzip stream"));
+    }
+
+    #[test]
+    fn what_is_not_finite() {
+        let layout = layout(Element::Float64, Endian::Little, Encoding::Raw, [2, 1, 2]);
+        let bytes: Vec<u8> = [1.0, f64::NAN, 2.0, -1e39]
+            .iter()
+            .flat_map(|v| v.to_le_bytes())
+            .collect();
+        let with = |non_finite| {
+            let options = LoadOptions {
+                non_finite,
+                ..LoadOptions::default()
+            };
+            let grid = read_grid(&mut &bytes[..], 32, &layout, &options);
+            grid.map(|grid| grid.values().to_vec())
+        };
+        assert_eq!(
+            with(NonFinite::Refused).unwrap_err().to_string(),
+            "voxel (1, 0, 0), counted as stored, holds NaN: values must be finite, and not beyond \
+             3.4e38; mend it, or give a value to replace it"
+        );
+        assert_eq!(
+            with(NonFinite::Replaced(-7.0)).unwrap(),
+            [1.0, -7.0, 2.0, -7.0]
+        );
+        let kept = with(NonFinite::Kept).unwrap();
+        assert!(kept[1].is_nan() && kept[3] == f32::NEG_INFINITY);
+    }
+}
