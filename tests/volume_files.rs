@@ -6,6 +6,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
+use volref::scene::{Model, Scene};
 use volref::volume::*;
 
 const SPLATTING: Splatting = Splatting {
@@ -344,6 +345,117 @@ fn faults_of_grids_name_their_file() {
         fs::write(&path, bytes).unwrap();
         let message = message(&folder, &path);
         assert!(message.starts_with(expected), "{message}");
+    }
+}
+
+// Volume files in scenes.
+
+/// The scene of this volume, in a folder with the small volumes.
+fn scene(folder: &Path, keys: &str) -> Result<Scene, String> {
+    let text =
+        format!("film = {{ width = 4, height = 4 }}\n[classified]\n[classified.volume]\n{keys}\n");
+    Scene::parse(&text, &folder.join("scene.toml")).map_err(|error| error.to_string())
+}
+
+fn grid_of(scene: &Scene) -> &Grid<f32> {
+    match &scene.panels[0].model {
+        Model::Classified(classified) => &classified.grid,
+        _ => panic!("a classified volume"),
+    }
+}
+
+#[test]
+fn scenes_note_every_file_they_read() {
+    let folder = folder("scenes_note_every_file");
+    let inputs = |keys: &str| {
+        let scene = scene(&folder, keys).unwrap();
+        let names = scene.panels[0]
+            .inputs
+            .iter()
+            .map(|input| input.name.clone());
+        names.collect::<Vec<_>>()
+    };
+    fs::create_dir(folder.join("scans")).unwrap();
+    for name in ["detached.nhdr", "detached.raw", "grid.vol"] {
+        fs::copy(fixture(name), folder.join("scans").join(name)).unwrap();
+    }
+    assert_eq!(inputs("file = \"./scans/grid.vol\""), ["./scans/grid.vol"]);
+    let data = Path::new("scans")
+        .join("detached.raw")
+        .display()
+        .to_string();
+    assert_eq!(
+        inputs("file = \"scans/detached.nhdr\""),
+        ["scans/detached.nhdr", &data]
+    );
+}
+
+#[test]
+fn keys_of_volume_files() {
+    let folder = folder("keys_of_volume_files");
+    let mut odd = fs::read(fixture("grid.vol")).unwrap();
+    odd[52..56].copy_from_slice(&f32::NAN.to_le_bytes());
+    fs::write(folder.join("nan.vol"), &odd).unwrap();
+    odd[52..56].copy_from_slice(&(-1.5_f32).to_le_bytes());
+    fs::write(folder.join("negative.vol"), &odd).unwrap();
+    let oblique = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 1\nencoding: raw\n\
+                   space directions: (3,4,0) (-4,3,0) (0,0,1)\n\n\x01\x02\x03\x04";
+    fs::write(folder.join("oblique.nrrd"), oblique).unwrap();
+    fs::write(folder.join("two.obj"), "v 0 0 0\nv 1 1 1\n").unwrap();
+
+    let replaced = scene(&folder, "file = \"nan.vol\"\nreplace_non_finite = 0.25").unwrap();
+    assert_eq!(grid_of(&replaced).values()[1], 0.25);
+    let stored = scene(
+        &folder,
+        "file = \"oblique.nrrd\"\norientation = \"as-stored\"",
+    )
+    .unwrap();
+    assert_eq!(
+        grid_of(&stored).lattice().spacing(),
+        DVec3::new(5.0, 5.0, 1.0)
+    );
+    let cells = scene(
+        &folder,
+        "file = \"nan.vol\"\nreplace_non_finite = 0\ncentring = \"cells\"",
+    );
+    assert_eq!(
+        grid_of(&cells.unwrap()).lattice().centring(),
+        Centring::Cells
+    );
+
+    for (keys, expected) in [
+        ("file = \"nan.vol\"", ":4:8: "),
+        (
+            "file = \"nan.vol\"",
+            "voxel (1, 0, 0), counted as stored, holds NaN",
+        ),
+        (
+            "file = \"negative.vol\"",
+            "negative.vol: voxel (1, 0, 0) holds -1.5: densities must be finite and not negative",
+        ),
+        (
+            "file = \"oblique.nrrd\"",
+            "axis 1 of the file is turned by 36.8699 degrees",
+        ),
+        (
+            "file = \"nan.vol\"\npadding = 1",
+            ":5:11: `padding` applies to point clouds; \"nan.vol\" brings a grid of its own",
+        ),
+        (
+            "file = \"two.obj\"\ncentring = \"cells\"",
+            ":5:12: `centring` applies to grids; \"two.obj\" is a point cloud",
+        ),
+        (
+            "file = \"nan.vol\"\ndetached_anywhere = 1",
+            ":5:21: `detached_anywhere` takes true or false, got integer",
+        ),
+        (
+            "file = \"nan.vol\"\nreplace_non_finite = 1e39",
+            "`replace_non_finite` must lie in",
+        ),
+    ] {
+        let message = scene(&folder, keys).unwrap_err();
+        assert!(message.contains(expected), "{message}");
     }
 }
 

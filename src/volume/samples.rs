@@ -641,12 +641,12 @@ mod tests {
         assert!(
             message([1290, 1290, 1290], &bomb).contains("cannot hold them: the header is wrong")
         );
-        assert_eq!(
-            message([500, 500, 201], &bomb),
-            "the header promises 500 × 500 × 201 samples, and the data end after 50000000 of \
-             them: the file was cut short, or has another type or size"
-        );
         let sound = gzip(&[1; 8]);
+        assert_eq!(
+            message([3, 3, 1], &sound),
+            "the header promises 3 × 3 × 1 samples, and the data end after 8 of them: the file \
+             was cut short, or has another type or size"
+        );
         assert!(message([2, 2, 2], &sound[..sound.len() - 5]).contains("no sound gzip stream"));
         let mut wrong_sum = sound.clone();
         wrong_sum[sound.len() - 8] ^= 1;
