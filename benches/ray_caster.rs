@@ -54,7 +54,7 @@ fn smoke_128() -> Grid<f32> {
         resolution: Some(128),
         padding: 2,
     };
-    let plume = volref::volume::load(&cloud, splatting).expect("the smoke of the suite");
+    let plume = volref::volume::load(&cloud, &splatting.into()).expect("the smoke of the suite");
     let nodes = plume.lattice().nodes();
     let lattice = Lattice::new([128; 3], plume.lattice().spacing(), DVec3::ZERO).expect("128³");
     let mut values = vec![0.0; lattice.node_count()];

@@ -5,6 +5,7 @@
 mod accept;
 mod compare;
 mod failure;
+mod info;
 mod list;
 mod output;
 mod plan;
@@ -41,6 +42,7 @@ enum Command {
     Render(render::Arguments),
     Plan(plan::Arguments),
     Accept(accept::Arguments),
+    Info(info::Arguments),
     List(list::Arguments),
     Schema(schema::Arguments),
 }
@@ -84,6 +86,7 @@ pub fn main() -> ExitCode {
         Command::Render(arguments) => render::run(arguments),
         Command::Plan(arguments) => plan::run(arguments),
         Command::Accept(arguments) => accept::run(arguments),
+        Command::Info(arguments) => info::run(arguments),
         Command::List(arguments) => list::run(arguments),
         Command::Schema(arguments) => Ok(schema::run(arguments)),
     };

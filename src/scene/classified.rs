@@ -4,11 +4,11 @@ use super::SceneError;
 use super::camera::View;
 use super::format::{Absent, Key, Kind, Literal, Range, Table};
 use super::reader::{Length, Reader};
+use super::volume::VOLUME;
 use crate::geometry::{Camera, length_of};
 use crate::media::{Phong, TransferFunction};
-use crate::volume::{Grid, Interpolation, Lattice, VolumeFormat};
+use crate::volume::{Grid, Interpolation, Lattice};
 use glam::DVec3;
-use std::path::Path;
 use std::sync::Arc;
 use toml::de::DeTable;
 
@@ -63,31 +63,6 @@ pub(super) const CLASSIFIED: Table = Table {
             kind: Kind::Table(&SHADOW),
             absent: Absent::Nothing,
             doc: "Darkens each sample by the densities between it and the light. Left out: no shadow ray is traced.",
-        },
-    ],
-    rules: &[],
-};
-
-const VOLUME: Table = Table {
-    doc: "The file a grid of densities comes from.",
-    keys: &[
-        Key {
-            name: "file",
-            kind: Kind::Text,
-            absent: Absent::Error,
-            doc: "Point cloud (.obj) or grid (.bin), relative to the folder of the scene.",
-        },
-        Key {
-            name: "resolution",
-            kind: Kind::Count(2, 4096),
-            absent: Absent::Derived("one point to a voxel, on average"),
-            doc: "Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.",
-        },
-        Key {
-            name: "padding",
-            kind: Kind::Count(0, 1024),
-            absent: Absent::Default(Literal::Count(2)),
-            doc: "Point clouds only: empty nodes kept around the cloud on each side.",
         },
     ],
     rules: &[],
@@ -200,43 +175,6 @@ pub struct Classified {
 
 /// More samples on one ray than this are a mistake in the scene, not a wish.
 const MOST_SAMPLES_PER_RAY: f64 = 1e8;
-
-/// What `[classified.volume]` asks for.
-pub(super) struct VolumeRequest {
-    pub file: String,
-    pub resolution: Option<usize>,
-    pub padding: usize,
-}
-
-impl VolumeRequest {
-    pub(super) fn read(reader: &Reader<'_, '_>) -> Result<VolumeRequest, Box<SceneError>> {
-        let file = reader.text("file")?;
-        if VolumeFormat::of(Path::new(&file)) == Some(VolumeFormat::CourseGrid) {
-            if let Some(key) = ["resolution", "padding"]
-                .into_iter()
-                .find(|key| reader.has(key))
-            {
-                let message =
-                    format!("`{key}` applies to point clouds; {file:?} brings a grid of its own");
-                return Err(reader.error(key, message));
-            }
-            return Ok(VolumeRequest {
-                file,
-                resolution: None,
-                padding: 0,
-            });
-        }
-        let resolution = reader
-            .optional_count("resolution")?
-            .map(|nodes| nodes as usize);
-        let padding = reader.count("padding")? as usize;
-        Ok(VolumeRequest {
-            file,
-            resolution,
-            padding,
-        })
-    }
-}
 
 impl Classified {
     /// Reads `[classified]` and `[camera]`; `aspect` is the width of the image over its height.

@@ -1,10 +1,10 @@
 //! The files that scenes name: each is read once, and noted with its hash.
 
 use super::SceneError;
-use super::classified::VolumeRequest;
 use super::reader::Reader;
+use super::volume::VolumeRequest;
 use crate::geometry::{ClosedMesh, Mesh, MeshError};
-use crate::volume::{self, Grid, SplatError, Splatting, VolumeError};
+use crate::volume::{self, Grid, SplatError, VolumeError};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -19,13 +19,13 @@ pub struct InputFile {
     pub hash: String,
 }
 
-/// A volume file and how it becomes a grid: its name, resolution and padding.
-type GridKey = (String, Option<usize>, usize);
+/// A grid, how it was asked for, and the files it came from.
+type LoadedGrid = (VolumeRequest, Arc<Grid<f32>>, Vec<InputFile>);
 
 /// The files of a scene; one asked for by several panels, or several times by one, is read once.
 pub(super) struct Files<'p> {
     folder: &'p Path,
-    grids: BTreeMap<GridKey, (Arc<Grid<f32>>, InputFile)>,
+    grids: Vec<LoadedGrid>,
     meshes: BTreeMap<String, (Arc<Mesh>, InputFile)>,
     closed: BTreeMap<String, Arc<ClosedMesh>>,
     used: Vec<InputFile>,
@@ -36,7 +36,7 @@ impl<'p> Files<'p> {
     pub(super) fn new(folder: &'p Path) -> Files<'p> {
         Files {
             folder,
-            grids: BTreeMap::new(),
+            grids: Vec::new(),
             meshes: BTreeMap::new(),
             closed: BTreeMap::new(),
             used: Vec::new(),
@@ -54,40 +54,51 @@ impl<'p> Files<'p> {
         }
     }
 
-    /// The grid that a table `{ file, resolution, padding }` asks for.
+    /// The densities that a table of [volume keys](super::volume::VOLUME) asks for.
     pub(super) fn grid(
         &mut self,
         reader: &Reader<'_, '_>,
     ) -> Result<Arc<Grid<f32>>, Box<SceneError>> {
-        let VolumeRequest {
-            file,
-            resolution,
-            padding,
-        } = VolumeRequest::read(reader)?;
-        let key = (file.clone(), resolution, padding);
-        if let Some((grid, input)) = self.grids.get(&key).cloned() {
-            self.note(&input);
+        let request = VolumeRequest::read(reader)?;
+        let known = self.grids.iter().find(|(other, ..)| *other == request);
+        if let Some((_, grid, inputs)) = known.cloned() {
+            inputs.iter().for_each(|input| self.note(input));
             return Ok(grid);
         }
-        let splatting = Splatting {
-            resolution,
-            padding,
-        };
-        let (grid, hash) =
-            volume::load_hashed(&self.folder.join(&file), splatting).map_err(|error| {
-                let key = match &error {
-                    VolumeError::Splat {
-                        error: SplatError::TooFew { .. } | SplatError::TooFine { .. },
-                        ..
-                    } => "resolution",
-                    _ => "file",
-                };
-                reader.error(key, error.to_string())
-            })?;
-        let (grid, input) = (Arc::new(grid), InputFile { name: file, hash });
-        self.note(&input);
-        self.grids.insert(key, (grid.clone(), input));
+        let path = self.folder.join(&request.file);
+        let loaded = volume::load_hashed(&path, &request.options).map_err(|error| {
+            let key = match &error {
+                VolumeError::Splat {
+                    error: SplatError::TooFew { .. } | SplatError::TooFine { .. },
+                    ..
+                } => "resolution",
+                _ => "file",
+            };
+            reader.error(key, error.to_string())
+        })?;
+        loaded
+            .grid
+            .check_densities()
+            .map_err(|error| reader.error("file", format!("{}: {error}", path.display())))?;
+        let mut inputs: Vec<InputFile> = loaded
+            .files
+            .into_iter()
+            .map(|file| InputFile {
+                name: self.name_of(&file.path),
+                hash: file.hash,
+            })
+            .collect();
+        inputs[0].name.clone_from(&request.file);
+        inputs.iter().for_each(|input| self.note(input));
+        let grid = Arc::new(loaded.grid);
+        self.grids.push((request, grid.clone(), inputs));
         Ok(grid)
+    }
+
+    /// A path as the scene would name it.
+    fn name_of(&self, path: &Path) -> String {
+        let relative = path.strip_prefix(self.folder).unwrap_or(path);
+        relative.display().to_string()
     }
 
     /// The mesh that a table `{ file }` names.

@@ -68,6 +68,8 @@ pub enum Kind {
     Length,
     /// Any text.
     Text,
+    /// Yes or no.
+    Flag,
     /// One of a few words.
     Choice(&'static [&'static str]),
     /// A table.
@@ -204,6 +206,7 @@ impl Kind {
                 "a length: a number in world units, or text such as \"0.5 voxels\"".into()
             }
             Kind::Text => "text in quotes".into(),
+            Kind::Flag => "true or false".into(),
             Kind::Choice(words) => {
                 let quoted: Vec<_> = words.iter().map(|word| format!("{word:?}")).collect();
                 format!("one of {}", quoted.join(", "))
@@ -341,6 +344,7 @@ fn key_schema(root: &'static Table, key: &Key, complete: bool) -> Value {
             { "type": "string", "pattern": "^[0-9.eE+-]+ *voxels?$" },
         ]}),
         Kind::Text => json!({ "type": "string" }),
+        Kind::Flag => json!({ "type": "boolean" }),
         Kind::Choice(words) => json!({ "enum": words }),
         Kind::Table(table) => table_schema(root, table, complete),
         Kind::Tables(table) => {

@@ -187,7 +187,8 @@ impl Scene {
                 "this is a device or pipe, not a scene file".into(),
             ));
         }
-        if VolumeFormat::of(path).is_some() {
+        // A description of bare samples ends in .toml, as scenes do.
+        if VolumeFormat::of(path).is_some_and(|format| format != VolumeFormat::RawVolume) {
             let file = path.file_name().unwrap_or_default().display().to_string();
             let message = "this is a volume, not a scene";
             let help = format!(

@@ -582,6 +582,19 @@ impl<'d, 's> Reader<'d, 's> {
         self.present(name, read, literal, |text| format!("{text:?}"))
     }
 
+    /// A declared [`Kind::Flag`]; left out, it is false.
+    pub fn flag(&self, name: &str) -> Result<bool, Box<SceneError>> {
+        let Kind::Flag = self.declared(name).kind else {
+            panic!("{name} is not a flag")
+        };
+        let read = |value: &Spanned<DeValue<'s>>| match value.get_ref() {
+            DeValue::Boolean(flag) => Ok(*flag),
+            _ => Err(self.wrong_type(name, value)),
+        };
+        let flag = self.present(name, read, |_| None, bool::to_string)?;
+        Ok(flag.unwrap_or(false))
+    }
+
     /// Whether the file holds the key.
     pub fn has(&self, name: &str) -> bool {
         self.value(name).is_some()

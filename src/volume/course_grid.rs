@@ -4,12 +4,18 @@
 //! `float32` densities, x fastest. One spacing serves all axes, `size.x / (nx − 1)`; the first
 //! node lies at the world origin.
 
-use super::{Grid, GridError, Lattice, LatticeError};
+use super::orientation::{Axes, Steps};
+use super::samples::{fill, read_grid};
+use super::{
+    Centring, Element, Encoding, Endian, Grid, GridError, Lattice, LatticeError, Layout,
+    LoadOptions, SamplesError,
+};
 use glam::DVec3;
+use std::io::BufRead;
 use thiserror::Error;
 
 /// Why bytes are no course grid, or a grid cannot be written as one.
-#[derive(Clone, Debug, Error, PartialEq)]
+#[derive(Debug, Error)]
 pub enum CourseGridError {
     /// Not even a header.
     #[error(
@@ -65,7 +71,10 @@ pub enum CourseGridError {
         /// Bytes in the file.
         bytes: u64,
     },
-    /// A density that is negative or not finite.
+    /// A value that is not finite, or a file that cannot be read.
+    #[error(transparent)]
+    Samples(#[from] SamplesError),
+    /// Writing: a density that is negative or not finite.
     #[error(transparent)]
     Density(#[from] GridError),
     /// Writing: the spacings differ.
@@ -88,17 +97,37 @@ pub enum CourseGridError {
 ///
 /// The spacing is `size / (n − 1)` of the first axis with more than one node, in `f64`; that
 /// size must be positive. The other sizes have no say, but must be finite and not negative: a
-/// thin axis may give 0. Header and length are checked before anything is allocated.
-pub fn read_course_grid(bytes: &[u8]) -> Result<Grid<f32>, CourseGridError> {
-    let header = Header::read(bytes)?;
-    header.check_length(bytes.len() as u64)?;
-    let values = bytes[Header::BYTES..]
-        .chunks_exact(4)
-        .map(|word| f32::from_le_bytes(word.try_into().expect("four bytes")))
-        .collect();
-    let grid = Grid::new(header.lattice, values)?;
-    grid.check_densities()?;
-    Ok(grid)
+/// thin axis may give 0. Header and length are checked before anything is allocated. Values must
+/// be finite; densities that are negative are left to [`Grid::check_densities`].
+pub fn read_course_grid(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, CourseGridError> {
+    let mut source = bytes;
+    read(&mut source, bytes.len() as u64, options).map(|(grid, _)| grid)
+}
+
+/// Reads the course's binary grid from a source of `length` bytes.
+pub(super) fn read(
+    source: &mut impl BufRead,
+    length: u64,
+    options: &LoadOptions,
+) -> Result<(Grid<f32>, Layout), CourseGridError> {
+    let mut bytes = [0; Header::BYTES];
+    let filled = fill(source, &mut bytes).map_err(SamplesError::Read)?;
+    let header = Header::read(&bytes[..filled])?;
+    header.check_length(length)?;
+    let layout = Layout {
+        axes: Axes {
+            sizes: header.lattice.nodes(),
+            steps: Steps::Upright(header.lattice.spacing()),
+            first: header.lattice.first(),
+            centring: Centring::Nodes,
+        },
+        element: Element::Float32,
+        endian: Endian::Little,
+        encoding: Encoding::Raw,
+        scaling: None,
+    };
+    let grid = read_grid(source, length - Header::BYTES as u64, &layout, options)?;
+    Ok((grid, layout))
 }
 
 /// The bytes of a course grid: for grids of one spacing whose first node lies at the origin.
@@ -135,16 +164,16 @@ pub fn write_course_grid(grid: &Grid<f32>) -> Result<Vec<u8>, CourseGridError> {
 }
 
 /// What the first 24 bytes say.
-pub(super) struct Header {
+struct Header {
     lattice: Lattice,
 }
 
 impl Header {
     /// Length of the header.
-    pub(super) const BYTES: usize = 24;
+    const BYTES: usize = 24;
 
     /// Reads the header at the beginning of `bytes`.
-    pub(super) fn read(bytes: &[u8]) -> Result<Header, CourseGridError> {
+    fn read(bytes: &[u8]) -> Result<Header, CourseGridError> {
         if bytes.len() < Self::BYTES {
             let bytes = bytes.len() as u64;
             return Err(CourseGridError::Header { bytes });
@@ -177,7 +206,7 @@ impl Header {
     }
 
     /// Checks that a file of `bytes` bytes is as long as the header says.
-    pub(super) fn check_length(&self, bytes: u64) -> Result<(), CourseGridError> {
+    fn check_length(&self, bytes: u64) -> Result<(), CourseGridError> {
         // No overflow: a lattice has at most 2³¹ nodes.
         let promised = Self::BYTES as u64 + 4 * self.lattice.node_count() as u64;
         if bytes == promised {
@@ -195,6 +224,10 @@ impl Header {
 mod tests {
     use super::*;
 
+    fn read(bytes: &[u8]) -> Result<Grid<f32>, CourseGridError> {
+        read_course_grid(bytes, &LoadOptions::default())
+    }
+
     fn file(nodes: [i32; 3], sizes: [f32; 3], values: &[f32]) -> Vec<u8> {
         let nodes = nodes.iter().flat_map(|word| word.to_le_bytes());
         let floats = sizes.iter().chain(values);
@@ -204,13 +237,13 @@ mod tests {
     }
 
     fn message(bytes: &[u8]) -> String {
-        read_course_grid(bytes).unwrap_err().to_string()
+        read(bytes).unwrap_err().to_string()
     }
 
     #[test]
     fn x_runs_fastest_and_the_first_node_is_the_origin() {
         let values = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
-        let grid = read_course_grid(&file([3, 2, 1], [1.0, 0.5, 0.0], &values)).unwrap();
+        let grid = read(&file([3, 2, 1], [1.0, 0.5, 0.0], &values)).unwrap();
         assert_eq!(grid.lattice().nodes(), [3, 2, 1]);
         assert_eq!(grid.lattice().spacing(), DVec3::splat(0.5));
         assert_eq!(grid.lattice().first(), DVec3::ZERO);
@@ -219,7 +252,7 @@ mod tests {
 
     #[test]
     fn the_spacing_comes_from_the_first_axis_that_has_one() {
-        let grid = read_course_grid(&file([1, 1, 3], [9.0, 0.0, 4.0], &[1.0; 3])).unwrap();
+        let grid = read(&file([1, 1, 3], [9.0, 0.0, 4.0], &[1.0; 3])).unwrap();
         assert_eq!(grid.lattice().spacing(), DVec3::splat(2.0));
         assert_eq!(
             message(&file([1, 1, 1], [1.0; 3], &[1.0])),
@@ -303,20 +336,34 @@ mod tests {
     }
 
     #[test]
-    fn impossible_densities_name_their_voxel() {
+    fn impossible_values_name_their_voxel() {
         for (value, shown) in [
             (f32::NAN, "NaN"),
             (f32::INFINITY, "inf"),
             (f32::NEG_INFINITY, "-inf"),
-            (-0.5, "-0.5"),
         ] {
             let mut values = [1.0; 12];
             values[9] = value;
             assert_eq!(
                 message(&file([2, 3, 2], [1.0; 3], &values)),
-                format!("voxel (1, 1, 1) holds {shown}: densities must be finite and not negative")
+                format!(
+                    "voxel (1, 1, 1), counted as stored, holds {shown}: values must be finite, \
+                     and not beyond 3.4e38; mend it, or give a value to replace it"
+                )
             );
         }
+    }
+
+    #[test]
+    fn negative_values_are_read_and_are_no_densities() {
+        let mut values = [1.0; 12];
+        values[9] = -0.5;
+        let grid = read(&file([2, 3, 2], [1.0; 3], &values)).unwrap();
+        assert_eq!(
+            grid.check_densities().unwrap_err().to_string(),
+            "voxel (1, 1, 1) holds -0.5: densities must be finite and not negative"
+        );
+        assert!(write_course_grid(&grid).is_err());
     }
 
     #[test]
@@ -325,13 +372,13 @@ mod tests {
             for size in [1.0, 0.1, 55.7, 1e-30, 3e38] {
                 let header = [size, 0.0, size];
                 let bytes = file([nodes, 1, 2], header, &vec![0.5; 2 * nodes as usize]);
-                let grid = read_course_grid(&bytes).unwrap();
+                let grid = read(&bytes).unwrap();
                 let again = write_course_grid(&grid).unwrap();
-                assert_eq!(read_course_grid(&again).unwrap(), grid, "{nodes} {size}");
+                assert_eq!(read(&again).unwrap(), grid, "{nodes} {size}");
             }
         }
         let whole = file([3, 2, 1], [1.0, 0.5, 0.0], &[0.5; 6]);
-        let grid = read_course_grid(&whole).unwrap();
+        let grid = read(&whole).unwrap();
         assert_eq!(write_course_grid(&grid).unwrap(), whole);
     }
 

@@ -7,6 +7,7 @@ mod bad_goldens;
 mod bad_scenes;
 mod compare;
 mod folder;
+mod info;
 mod list;
 mod outputs;
 mod plan;

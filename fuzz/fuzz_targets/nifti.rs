@@ -1,0 +1,19 @@
+//! Any bytes are a NIfTI-1 file, compressed or not, or an error.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use volref::volume::{LoadOptions, Orientation, read_nifti};
+
+fuzz_target!(|bytes: &[u8]| {
+    for orientation in [Orientation::World, Orientation::AsStored] {
+        let options = LoadOptions {
+            orientation,
+            ..LoadOptions::default()
+        };
+        for compressed in [false, true] {
+            if let Ok(grid) = read_nifti(bytes, compressed, &options) {
+                assert!(grid.values().iter().all(|value| value.is_finite()));
+            }
+        }
+    }
+});

@@ -1,0 +1,501 @@
+//! `volref info FILE`
+
+use super::Outcome;
+use super::failure::{Exit, Failure};
+use super::output::Json;
+use crate::math::{Sum, ln};
+use crate::volume::{
+    Centring, Encoding, Endian, Grid, Layout, LoadOptions, Loaded, NonFinite, Orientation, Stored,
+    load_hashed,
+};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Show what a volume file holds: where it lies, how it is stored, its values
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Volume file: .obj, .bin, .vol, .nrrd, .nhdr, .nii, .nii.gz, or .toml that describes bare
+    /// samples
+    file: PathBuf,
+    /// Point clouds: nodes along the longest side of the grid they are splatted to [default: one
+    /// point to a voxel, on average]
+    #[arg(long, value_name = "NODES", value_parser = clap::value_parser!(u64).range(2..=4096))]
+    resolution: Option<u64>,
+    /// Point clouds: empty nodes around them on each side
+    #[arg(long, value_name = "NODES", default_value_t = 2,
+          value_parser = clap::value_parser!(u64).range(0..=1024))]
+    padding: u64,
+    /// Where the box ends: at the outermost nodes or half a spacing beyond [default: as the file
+    /// says, else nodes]
+    #[arg(long)]
+    centring: Option<CentringName>,
+    /// Take the stored axes for x, y and z, wherever they point
+    #[arg(long)]
+    as_stored: bool,
+    /// Follow a header to data outside its own folder
+    #[arg(long)]
+    detached_anywhere: bool,
+    #[command(flatten)]
+    json: Json,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum CentringName {
+    Nodes,
+    Cells,
+}
+
+/// Bars of the histogram.
+const BINS: usize = 16;
+
+/// Letters of the longest bar.
+const LONGEST_BAR: f64 = 40.0;
+
+#[derive(Serialize)]
+struct Info {
+    schema: &'static str,
+    file: String,
+    format: &'static str,
+    files: Vec<FileJson>,
+    nodes: [usize; 3],
+    spacing: [f64; 3],
+    first: [f64; 3],
+    min: [f64; 3],
+    max: [f64; 3],
+    centring: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cloud: Option<CloudJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stored: Option<StoredJson>,
+    values: Values,
+}
+
+#[derive(Serialize)]
+struct FileJson {
+    path: String,
+    blake3: String,
+}
+
+#[derive(Serialize)]
+struct CloudJson {
+    points: usize,
+    min: [f64; 3],
+    max: [f64; 3],
+}
+
+#[derive(Serialize)]
+struct StoredJson {
+    sizes: [usize; 3],
+    r#type: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    endian: Option<&'static str>,
+    encoding: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scaling: Option<Scaling>,
+}
+
+/// Values are `slope·s + intercept` of stored samples s, of which this is the summary.
+#[derive(Serialize)]
+struct Scaling {
+    slope: f64,
+    intercept: f64,
+    min: f64,
+    max: f64,
+    mean: f64,
+}
+
+/// What the values of a grid come to; those that are not finite are only counted.
+#[derive(Serialize)]
+struct Values {
+    min: Option<f64>,
+    max: Option<f64>,
+    mean: Option<f64>,
+    zeros: usize,
+    non_zeros: usize,
+    negative: usize,
+    non_finite: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    first_non_finite: Option<NonFiniteJson>,
+    histogram: Vec<Bin>,
+}
+
+#[derive(Serialize)]
+struct NonFiniteJson {
+    voxel: [usize; 3],
+    value: String,
+}
+
+/// The values in `[from, to)`; in the last bin also `to`.
+#[derive(Serialize)]
+struct Bin {
+    from: f64,
+    to: f64,
+    count: usize,
+}
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+    arguments.json.check()?;
+    let mut options = LoadOptions {
+        centring: arguments.centring.map(|name| match name {
+            CentringName::Nodes => Centring::Nodes,
+            CentringName::Cells => Centring::Cells,
+        }),
+        non_finite: NonFinite::Kept,
+        detached_anywhere: arguments.detached_anywhere,
+        ..LoadOptions::default()
+    };
+    options.splatting.resolution = arguments.resolution.map(|nodes| nodes as usize);
+    options.splatting.padding = arguments.padding as usize;
+    if arguments.as_stored {
+        options.orientation = Orientation::AsStored;
+    }
+    let loaded = load_hashed(&arguments.file, &options)
+        .map_err(|error| Failure::new(Exit::BadInput, error.to_string(), None))?;
+    let info = info(&arguments, &loaded);
+    let text = describe(&info);
+    arguments.json.instead_of(text, &info).map(Outcome::from)
+}
+
+fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
+    let lattice = loaded.grid.lattice();
+    let bounds = lattice.bounds();
+    let values = Values::of(&loaded.grid);
+    let (cloud, stored) = match &loaded.stored {
+        Stored::Cloud { points, extent } => {
+            let cloud = CloudJson {
+                points: *points,
+                min: extent.min.to_array(),
+                max: extent.max.to_array(),
+            };
+            (Some(cloud), None)
+        }
+        Stored::Samples(layout) => (None, Some(stored(layout, &values))),
+    };
+    let files = loaded.files.iter().map(|file| FileJson {
+        path: file.path.display().to_string(),
+        blake3: file.hash.clone(),
+    });
+    Info {
+        schema: "volref/info/1",
+        file: arguments.file.display().to_string(),
+        format: loaded.format.name(),
+        files: files.collect(),
+        nodes: lattice.nodes(),
+        spacing: lattice.spacing().to_array(),
+        first: lattice.first().to_array(),
+        min: bounds.min.to_array(),
+        max: bounds.max.to_array(),
+        centring: match lattice.centring() {
+            Centring::Nodes => "nodes",
+            Centring::Cells => "cells",
+        },
+        cloud,
+        stored,
+        values,
+    }
+}
+
+fn stored(layout: &Layout, values: &Values) -> StoredJson {
+    let scaling = layout.scaling.and_then(|(slope, intercept)| {
+        // Whole numbers come back exactly, but for the rounding of values to f32.
+        let sample = |value: f64| {
+            let sample = (value - intercept) / slope;
+            if layout.element.is_whole() {
+                sample.round()
+            } else {
+                sample
+            }
+        };
+        let (one, other) = (sample(values.min?), sample(values.max?));
+        Some(Scaling {
+            slope,
+            intercept,
+            min: one.min(other),
+            max: one.max(other),
+            mean: (values.mean? - intercept) / slope,
+        })
+    });
+    let order = match layout.endian {
+        Endian::Little => "little",
+        Endian::Big => "big",
+    };
+    let binary = layout.encoding != Encoding::Text;
+    StoredJson {
+        sizes: layout.axes.sizes,
+        r#type: layout.element.name(),
+        endian: (binary && layout.element.bytes() > 1).then_some(order),
+        encoding: match layout.encoding {
+            Encoding::Raw => "raw",
+            Encoding::Gzip => "gzip",
+            Encoding::Text => "text",
+        },
+        scaling,
+    }
+}
+
+impl Values {
+    fn of(grid: &Grid<f32>) -> Values {
+        let finite = || grid.values().iter().copied().filter(|v| v.is_finite());
+        let count = |of: fn(f32) -> bool| finite().filter(|&value| of(value)).count();
+        let all = finite().count();
+        let zeros = count(|value| value == 0.0);
+        let (low, high) = finite()
+            .map(f64::from)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                (low.min(value), high.max(value))
+            });
+        let sum: Sum = finite().map(f64::from).collect();
+        let some = |value: f64| (all > 0).then_some(value);
+        let first = grid.values().iter().position(|value| !value.is_finite());
+        Values {
+            min: some(low),
+            max: some(high),
+            mean: some(sum.value() / all as f64),
+            zeros,
+            non_zeros: all - zeros,
+            negative: count(|value| value < 0.0),
+            non_finite: grid.values().len() - all,
+            first_non_finite: first.map(|index| NonFiniteJson {
+                voxel: grid.lattice().node(index),
+                value: grid.values()[index].to_string(),
+            }),
+            histogram: histogram(finite(), low, high),
+        }
+    }
+}
+
+/// Bins of one width from `low` to `high`; a single one where all values are the same.
+fn histogram(values: impl Iterator<Item = f32>, low: f64, high: f64) -> Vec<Bin> {
+    let width = high - low;
+    let bins = match width {
+        _ if width > 0.0 => BINS,
+        _ if width == 0.0 => 1,
+        // No value at all.
+        _ => return Vec::new(),
+    };
+    let mut counts = vec![0; bins];
+    for value in values {
+        let place = (f64::from(value) - low) / width * bins as f64;
+        // All the same gives 0/0, which becomes 0.
+        counts[(place as usize).min(bins - 1)] += 1;
+    }
+    let edge = |bin: usize| low + width * (bin as f64 / bins as f64);
+    let bin = |(bin, count)| Bin {
+        from: edge(bin),
+        to: edge(bin + 1),
+        count,
+    };
+    counts.into_iter().enumerate().map(bin).collect()
+}
+
+fn describe(info: &Info) -> String {
+    let mut text = format!("{}: {}\n\n", info.file, info.format);
+    let mut row = |name: &str, value: String| text.push_str(&format!("{name:<10}  {value}\n"));
+    if let Some(cloud) = &info.cloud {
+        row("points", cloud.points.to_string());
+        row("extent", between(cloud.min, cloud.max));
+    }
+    let [nx, ny, nz] = info.nodes;
+    row(
+        "nodes",
+        format!("{nx} × {ny} × {nz}, {} in all", nx * ny * nz),
+    );
+    let [x, y, z] = info.spacing;
+    row(
+        "spacing",
+        if x == y && y == z {
+            digits(x)
+        } else {
+            vector(info.spacing)
+        },
+    );
+    row("first node", vector(info.first));
+    row(
+        "box",
+        format!(
+            "{}, centred on {}",
+            between(info.min, info.max),
+            info.centring
+        ),
+    );
+    if let Some(stored) = &info.stored {
+        let mut as_stored = stored.r#type.to_owned();
+        if let Some(endian) = stored.endian {
+            as_stored.push_str(&format!(", {endian} endian"));
+        }
+        as_stored.push_str(&format!(", {}", stored.encoding));
+        if stored.sizes != info.nodes {
+            let [a, b, c] = stored.sizes;
+            as_stored.push_str(&format!(", {a} × {b} × {c} in other order"));
+        }
+        row("stored", as_stored);
+        if let Some(scaling) = &stored.scaling {
+            let Scaling {
+                slope,
+                intercept,
+                min,
+                max,
+                mean,
+            } = scaling;
+            let [slope, intercept, min, max, mean] =
+                [slope, intercept, min, max, mean].map(|number| digits(*number));
+            row("", format!("{min} to {max}, mean {mean}"));
+            let plus = format!(" + {intercept}").replace("+ -", "- ");
+            row("", format!("value = {slope} · stored{plus}"));
+        }
+    }
+    let values = &info.values;
+    if let (Some(min), Some(max), Some(mean)) = (values.min, values.max, values.mean) {
+        let (min, max, mean) = (digits(min), digits(max), digits(mean));
+        row("values", format!("{min} to {max}, mean {mean}"));
+    }
+    let negative = match values.negative {
+        0 => String::new(),
+        count => format!(", {count} of them negative"),
+    };
+    row(
+        "",
+        format!("{} zero, {} not{negative}", values.zeros, values.non_zeros),
+    );
+    if let Some(first) = &values.first_non_finite {
+        let [i, j, k] = first.voxel;
+        row(
+            "not finite",
+            format!(
+                "{}, first at voxel ({i}, {j}, {k}): {}",
+                values.non_finite, first.value
+            ),
+        );
+    }
+    if let Some(file) = info.files.get(1) {
+        row("data in", file.path.clone());
+    }
+    text.push_str(&plot(&values.histogram));
+    text
+}
+
+/// A bar for each bin. One bin that dwarfs all others, such as the air around a thing, would
+/// leave nothing to see of them: then the bars grow with the logarithm of their counts.
+fn plot(bins: &[Bin]) -> String {
+    let mut counts: Vec<usize> = bins.iter().map(|bin| bin.count).collect();
+    counts.sort_unstable();
+    let (Some(&largest), second) = (counts.last(), counts.iter().rev().nth(1)) else {
+        return String::new();
+    };
+    let logarithmic = second.is_some_and(|&second| largest > 10 * second);
+    let size = |count: usize| match logarithmic {
+        true => ln(1.0 + count as f64),
+        false => count as f64,
+    };
+    let edges: Vec<(String, String)> = bins
+        .iter()
+        .map(|bin| (short(bin.from), short(bin.to)))
+        .collect();
+    let widest = |of: fn(&(String, String)) -> &String| {
+        let widths = edges.iter().map(|edge| of(edge).chars().count());
+        widths.max().unwrap_or(0)
+    };
+    let (from_width, to_width) = (widest(|edge| &edge.0), widest(|edge| &edge.1));
+    let count_width = largest.to_string().len();
+    let scale = if logarithmic {
+        ", bars logarithmic"
+    } else {
+        ""
+    };
+    let mut text = format!("\nhistogram{scale}\n");
+    for (bin, (from, to)) in bins.iter().zip(&edges) {
+        let bar = LONGEST_BAR * size(bin.count) / size(largest);
+        // A bin that is not empty has a bar.
+        let bar = if bin.count > 0 { bar.ceil() } else { 0.0 };
+        let line = format!(
+            "  {from:>from_width$} to {to:>to_width$}  {:>count_width$}  {}",
+            bin.count,
+            "▇".repeat(bar as usize)
+        );
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+fn between(min: [f64; 3], max: [f64; 3]) -> String {
+    format!("{} to {}", vector(min), vector(max))
+}
+
+fn vector(vector: [f64; 3]) -> String {
+    let [x, y, z] = vector.map(digits);
+    format!("({x}, {y}, {z})")
+}
+
+/// A number to seven significant digits.
+fn digits(number: f64) -> String {
+    rounded(number, 6)
+}
+
+/// A number to four significant digits.
+fn short(number: f64) -> String {
+    rounded(number, 3)
+}
+
+fn rounded(number: f64, decimals: usize) -> String {
+    let scientific = format!("{number:.decimals$e}");
+    let rounded: f64 = scientific.parse().unwrap_or(number);
+    let size = rounded.abs();
+    if size != 0.0 && !(1e-4..1e9).contains(&size) {
+        return format!("{rounded:e}");
+    }
+    rounded.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_to_seven_digits() {
+        for (number, shown) in [
+            (0.0, "0"),
+            (1.0 / 55.0, "0.01818182"),
+            (526.870_91, "526.8709"),
+            (-1024.0, "-1024"),
+            (1.5e-7, "1.5e-7"),
+            (f64::from(f32::MAX), "3.402823e38"),
+        ] {
+            assert_eq!(digits(number), shown);
+        }
+    }
+
+    #[test]
+    fn every_value_is_in_a_bin() {
+        let values = [-1.0, -1.0, 0.0, 0.5, 1.0_f32];
+        let bins = histogram(values.into_iter(), -1.0, 1.0);
+        let filled: Vec<_> = bins.iter().map(|bin| bin.count).collect();
+        assert_eq!(filled, [2, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1]);
+        let one = histogram([3.0_f32; 4].into_iter(), 3.0, 3.0);
+        assert_eq!(
+            (one.len(), one[0].count, one[0].from, one[0].to),
+            (1, 4, 3.0, 3.0)
+        );
+        assert!(histogram([].into_iter(), f64::INFINITY, f64::NEG_INFINITY).is_empty());
+    }
+
+    #[test]
+    fn bars_are_logarithmic_where_one_dwarfs_the_others() {
+        let bin = |count| Bin {
+            from: 0.0,
+            to: 0.5,
+            count,
+        };
+        let linear = plot(&[bin(10), bin(5), bin(0)]);
+        assert_eq!(
+            linear,
+            format!(
+                "\nhistogram\n  0 to 0.5  10  {}\n  0 to 0.5   5  {}\n  0 to 0.5   0\n",
+                "▇".repeat(40),
+                "▇".repeat(20)
+            )
+        );
+        assert!(plot(&[bin(1000), bin(5)]).starts_with("\nhistogram, bars logarithmic\n"));
+    }
+}

@@ -1,0 +1,115 @@
+//! The file a grid comes from, and how it is read.
+
+use super::SceneError;
+use super::format::{Absent, Key, Kind, Literal, Range, Table};
+use super::reader::Reader;
+use crate::volume::{Centring, LoadOptions, NonFinite, Orientation, Splatting, VolumeFormat};
+use std::path::Path;
+
+/// The declaration of a table that names a volume file.
+pub(super) const VOLUME: Table = Table {
+    doc: "The file a grid of densities comes from.",
+    keys: &[
+        Key {
+            name: "file",
+            kind: Kind::Text,
+            absent: Absent::Error,
+            doc: "Point cloud (.obj) or grid (.bin, .vol, .nrrd, .nhdr, .nii, .nii.gz, or .toml that describes bare samples), relative to the folder of the scene.",
+        },
+        Key {
+            name: "resolution",
+            kind: Kind::Count(2, 4096),
+            absent: Absent::Derived("one point to a voxel, on average"),
+            doc: "Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.",
+        },
+        Key {
+            name: "padding",
+            kind: Kind::Count(0, 1024),
+            absent: Absent::Default(Literal::Count(2)),
+            doc: "Point clouds only: empty nodes kept around the cloud on each side.",
+        },
+        Key {
+            name: "centring",
+            kind: Kind::Choice(&["nodes", "cells"]),
+            absent: Absent::Nothing,
+            doc: "Grids only: whether the box ends at the outermost nodes, or half a spacing beyond; a .vol keeps its box, all others their nodes. Left out: as the file says, else nodes.",
+        },
+        Key {
+            name: "replace_non_finite",
+            kind: Kind::Number(Range::closed(f32::MIN as f64, f32::MAX as f64)),
+            absent: Absent::Nothing,
+            doc: "Grids only: the value that takes the place of NaN and infinity. Left out: they are an error.",
+        },
+        Key {
+            name: "orientation",
+            kind: Kind::Choice(&["world", "as-stored"]),
+            absent: Absent::Nothing,
+            doc: "Grids only: axes of the file that run along the world's are brought into order, and others refused (world, also when left out); or taken for x, y and z as they are.",
+        },
+        Key {
+            name: "detached_anywhere",
+            kind: Kind::Flag,
+            absent: Absent::Nothing,
+            doc: "Grids only: whether a header may name a file of data outside its own folder. Left out: it may not.",
+        },
+    ],
+    rules: &[],
+};
+
+/// What a table that names a volume file asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct VolumeRequest {
+    /// As the scene names it.
+    pub file: String,
+    /// How it is read.
+    pub options: LoadOptions,
+}
+
+impl VolumeRequest {
+    pub(super) fn read(reader: &Reader<'_, '_>) -> Result<VolumeRequest, Box<SceneError>> {
+        let file = reader.text("file")?;
+        let format = VolumeFormat::of(Path::new(&file));
+        let without = |keys: &[&'static str], what: &str| {
+            let given = keys.iter().find(|key| reader.has(key));
+            given.map_or(Ok(()), |key| {
+                Err(reader.error(key, format!("`{key}` applies to {what}")))
+            })
+        };
+        let mut options = LoadOptions::default();
+        if format.is_some_and(|format| !format.is_cloud()) {
+            without(
+                &["resolution", "padding"],
+                &format!("point clouds; {file:?} brings a grid of its own"),
+            )?;
+            options.splatting.padding = 0;
+        } else {
+            without(
+                &[
+                    "centring",
+                    "replace_non_finite",
+                    "orientation",
+                    "detached_anywhere",
+                ],
+                &format!("grids; {file:?} is a point cloud"),
+            )?;
+            let resolution = reader.optional_count("resolution")?;
+            options.splatting = Splatting {
+                resolution: resolution.map(|nodes| nodes as usize),
+                padding: reader.count("padding")? as usize,
+            };
+        }
+        options.centring = match reader.optional_text("centring")?.as_deref() {
+            Some("cells") => Some(Centring::Cells),
+            Some(_) => Some(Centring::Nodes),
+            None => None,
+        };
+        if let Some(value) = reader.optional_number("replace_non_finite")? {
+            options.non_finite = NonFinite::Replaced(value as f32);
+        }
+        if reader.optional_text("orientation")?.as_deref() == Some("as-stored") {
+            options.orientation = Orientation::AsStored;
+        }
+        options.detached_anywhere = reader.flag("detached_anywhere")?;
+        Ok(VolumeRequest { file, options })
+    }
+}

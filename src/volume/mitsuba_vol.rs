@@ -1,0 +1,340 @@
+//! Mitsuba's volume format, `.vol`, version 3.
+//!
+//! Little endian: the bytes `VOL` and 3; `int32` type (1 `float32`, 2 `float16`, 3 `uint8` with
+//! 0 to 255 standing for 0 to 1, 4 quantised directions); `int32` nx, ny, nz; `int32` channels;
+//! six `float32` of the box, minimum before maximum; samples from byte 48, x fastest.
+//!
+//! The header gives a box and not a spacing. Mitsuba 0.5 and the renderers that took the format
+//! from it put the first and last sample of an axis on the faces of the box: node-centred, and so
+//! read here. Mitsuba 3 reads the same file as a texture, with every sample in the middle of a
+//! cell; [`LoadOptions::centring`] asks for that. The box is the same in both cases.
+
+use super::orientation::{Axes, Steps};
+use super::samples::{check_sizes, fill, read_grid};
+use super::{
+    Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions, SamplesError,
+};
+use glam::DVec3;
+use std::io::BufRead;
+use thiserror::Error;
+
+/// Why bytes are no Mitsuba volume, or a grid cannot be written as one.
+#[derive(Debug, Error)]
+pub enum VolError {
+    /// Not even a header.
+    #[error("the file ends after {0} of the 48 bytes of its header")]
+    Header(usize),
+    /// Some other file.
+    #[error("the file does not begin with the letters VOL: it is no Mitsuba volume")]
+    Magic,
+    /// A version nobody described.
+    #[error("this is version {0} of the format, and version 3 is read")]
+    Version(u8),
+    /// No scalar type.
+    #[error(
+        "the samples are of type {code}{}: types 1 (float32), 2 (float16) and 3 (uint8) are read",
+        if *code == 4 { " (quantised directions)" } else { "" }
+    )]
+    Type {
+        /// The code of the type.
+        code: i32,
+    },
+    /// Colours, or something else that is no scalar.
+    #[error("the file has {0} channels, and a density has 1: write one channel to a file")]
+    Channels(i32),
+    /// An axis with no or a negative number of samples.
+    #[error(
+        "the header gives {0} × {1} × {2} samples, and each axis needs at least 1: is this file \
+         little endian?"
+    )]
+    Sizes(i32, i32, i32),
+    /// A box without inside.
+    #[error("the box of the header goes from {min} to {max}: each axis must ascend, and be finite")]
+    Box {
+        /// First corner.
+        min: DVec3,
+        /// Second corner.
+        max: DVec3,
+    },
+    /// More samples than a lattice may have.
+    #[error(transparent)]
+    Lattice(#[from] LatticeError),
+    /// The samples are not what the header says.
+    #[error(transparent)]
+    Samples(#[from] SamplesError),
+    /// Writing: a box that `float32` cannot hold.
+    #[error("the header of a Mitsuba volume cannot hold a box from {min} to {max}")]
+    NotRepresentable {
+        /// First corner.
+        min: DVec3,
+        /// Second corner.
+        max: DVec3,
+    },
+}
+
+/// Bytes of the header.
+const HEADER: usize = 48;
+
+/// Reads a Mitsuba volume.
+pub fn read_vol(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolError> {
+    let mut source = bytes;
+    read(&mut source, bytes.len() as u64, options).map(|(grid, _)| grid)
+}
+
+/// Reads a Mitsuba volume from a source of `length` bytes.
+pub(super) fn read(
+    source: &mut impl BufRead,
+    length: u64,
+    options: &LoadOptions,
+) -> Result<(Grid<f32>, Layout), VolError> {
+    let mut header = [0; HEADER];
+    let filled = fill(source, &mut header).map_err(SamplesError::Read)?;
+    if !header.starts_with(&b"VOL"[..filled.min(3)]) {
+        return Err(VolError::Magic);
+    }
+    if filled < HEADER {
+        return Err(VolError::Header(filled));
+    }
+    let layout = layout(&header, options)?;
+    let remaining = length.saturating_sub(HEADER as u64);
+    let grid = read_grid(source, remaining, &layout, options)?;
+    Ok((grid, layout))
+}
+
+fn layout(header: &[u8; HEADER], options: &LoadOptions) -> Result<Layout, VolError> {
+    if header[3] != 3 {
+        return Err(VolError::Version(header[3]));
+    }
+    let (words, _) = header[4..].as_chunks::<4>();
+    let int = |index: usize| i32::from_le_bytes(words[index]);
+    let float = |index: usize| f64::from(f32::from_le_bytes(words[index]));
+    let (element, scaling) = match int(0) {
+        1 => (Element::Float32, None),
+        2 => (Element::Float16, None),
+        3 => (Element::Uint8, Some((1.0 / 255.0, 0.0))),
+        code => return Err(VolError::Type { code }),
+    };
+    let counts = [int(1), int(2), int(3)];
+    if counts.iter().any(|&count| count < 1) {
+        return Err(VolError::Sizes(counts[0], counts[1], counts[2]));
+    }
+    if int(4) != 1 {
+        return Err(VolError::Channels(int(4)));
+    }
+    let sizes = check_sizes(counts.map(|count| count as u64))?;
+    let min = DVec3::new(float(5), float(6), float(7));
+    let max = DVec3::new(float(8), float(9), float(10));
+    let extent = max - min;
+    if !(min.is_finite() && max.is_finite() && extent.cmpgt(DVec3::ZERO).all()) {
+        return Err(VolError::Box { min, max });
+    }
+    let centring = options.centring.unwrap_or_default();
+    let (mut spacing, mut first) = (extent, min);
+    for axis in 0..3 {
+        // A single sample is a slab as thick as the box, in either reading.
+        if centring == Centring::Cells || sizes[axis] == 1 {
+            spacing[axis] = extent[axis] / sizes[axis] as f64;
+            first[axis] += 0.5 * spacing[axis];
+        } else {
+            spacing[axis] = extent[axis] / (sizes[axis] - 1) as f64;
+        }
+    }
+    Ok(Layout {
+        axes: Axes {
+            sizes,
+            steps: Steps::Upright(spacing),
+            first,
+            centring,
+        },
+        element,
+        endian: Endian::Little,
+        encoding: Encoding::Raw,
+        scaling,
+    })
+}
+
+/// The bytes of a Mitsuba volume of `float32`.
+///
+/// The header holds the box of the grid, as `float32`: of a grid that came from this format it
+/// survives unchanged, of others to a relative error of 2⁻²⁴. It does not hold the centring:
+/// whoever reads a [cell-centred](Centring::Cells) grid must ask for that.
+pub fn write_vol(grid: &Grid<f32>) -> Result<Vec<u8>, VolError> {
+    let lattice = grid.lattice();
+    let bounds = lattice.bounds();
+    let corners = [bounds.min.as_vec3(), bounds.max.as_vec3()];
+    let ascends = corners[1].cmpgt(corners[0]).all();
+    let mut counts = [0; 3];
+    for (count, nodes) in counts.iter_mut().zip(lattice.nodes()) {
+        // Zero, for what is no `int32`, is no count either.
+        *count = i32::try_from(nodes).unwrap_or(0);
+    }
+    if !(corners[0].is_finite() && corners[1].is_finite() && ascends) || counts.contains(&0) {
+        let (min, max) = (bounds.min, bounds.max);
+        return Err(VolError::NotRepresentable { min, max });
+    }
+    let mut bytes = Vec::with_capacity(HEADER + 4 * lattice.node_count());
+    bytes.extend(b"VOL\x03");
+    let [nx, ny, nz] = counts;
+    for word in [1, nx, ny, nz, 1] {
+        bytes.extend(word.to_le_bytes());
+    }
+    for coordinate in corners.iter().flat_map(|corner| corner.to_array()) {
+        bytes.extend(coordinate.to_le_bytes());
+    }
+    bytes.extend(grid.values().iter().flat_map(|value| value.to_le_bytes()));
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A header and its data.
+    fn file(kind: i32, sizes: [i32; 3], channels: i32, corners: [f32; 6], data: &[u8]) -> Vec<u8> {
+        let mut bytes = b"VOL\x03".to_vec();
+        for word in [kind, sizes[0], sizes[1], sizes[2], channels] {
+            bytes.extend(word.to_le_bytes());
+        }
+        bytes.extend(corners.iter().flat_map(|word| word.to_le_bytes()));
+        bytes.extend(data);
+        bytes
+    }
+
+    const UNIT: [f32; 6] = [0.0, 0.0, 0.0, 1.0, 2.0, 3.0];
+
+    fn small() -> Vec<u8> {
+        file(3, [2, 1, 3], 1, UNIT, &[0, 51, 102, 153, 204, 255])
+    }
+
+    fn message(bytes: &[u8]) -> String {
+        let error = read_vol(bytes, &LoadOptions::default()).unwrap_err();
+        error.to_string()
+    }
+
+    #[test]
+    fn bytes_stand_for_zero_to_one_and_nodes_lie_on_the_box() {
+        let grid = read_vol(&small(), &LoadOptions::default()).unwrap();
+        assert_eq!(grid.values(), [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]);
+        assert_eq!(grid.lattice().spacing(), DVec3::new(1.0, 2.0, 1.5));
+        assert_eq!(grid.lattice().first(), DVec3::new(0.0, 1.0, 0.0));
+        assert_eq!(grid.lattice().bounds().max, DVec3::new(1.0, 2.0, 3.0));
+    }
+
+    #[test]
+    fn cells_fill_the_same_box() {
+        let options = LoadOptions {
+            centring: Some(Centring::Cells),
+            ..LoadOptions::default()
+        };
+        let grid = read_vol(&small(), &options).unwrap();
+        assert_eq!(grid.lattice().spacing(), DVec3::new(0.5, 2.0, 1.0));
+        assert_eq!(grid.lattice().first(), DVec3::new(0.25, 1.0, 0.5));
+        assert_eq!(grid.lattice().bounds().min, DVec3::ZERO);
+        assert_eq!(grid.lattice().bounds().max, DVec3::new(1.0, 2.0, 3.0));
+    }
+
+    #[test]
+    fn halves() {
+        let data: Vec<u8> = [0x3c00_u16, 0xc100]
+            .iter()
+            .flat_map(|h| h.to_le_bytes())
+            .collect();
+        let grid = read_vol(&file(2, [2, 1, 1], 1, UNIT, &data), &LoadOptions::default());
+        assert_eq!(grid.unwrap().values(), [1.0, -2.5]);
+    }
+
+    #[test]
+    fn what_was_written_is_read_again() {
+        for centring in [Centring::Nodes, Centring::Cells] {
+            let options = LoadOptions {
+                centring: Some(centring),
+                ..LoadOptions::default()
+            };
+            for corners in [UNIT, [-0.1, 1e-20, 3e7, 0.7, 2e-20, 4e7]] {
+                let data: Vec<u8> = (0..30)
+                    .flat_map(|v| (v as f32 - 7.3).to_le_bytes())
+                    .collect();
+                let bytes = file(1, [5, 3, 2], 1, corners, &data);
+                let grid = read_vol(&bytes, &options).unwrap();
+                assert_eq!(write_vol(&grid).unwrap(), bytes);
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_header_must_not_say() {
+        let whole = small();
+        for (bytes, expected) in [
+            (
+                &b""[..],
+                "the file ends after 0 of the 48 bytes of its header",
+            ),
+            (
+                &whole[..47],
+                "the file ends after 47 of the 48 bytes of its header",
+            ),
+            (
+                b"GIF89a",
+                "the file does not begin with the letters VOL: it is no Mitsuba volume",
+            ),
+            (
+                &whole[..50],
+                "the header promises 2 × 1 × 3 samples of uint8, 6 bytes, and 2 bytes follow it: \
+                 the file was cut short, or has another type or size",
+            ),
+            (
+                &[&whole[..], b"x"].concat(),
+                "the header promises 2 × 1 × 3 samples of uint8, 6 bytes, and 7 bytes follow it: \
+                 the file holds something else as well, or has another type or size",
+            ),
+            (
+                &file(1, [1 << 20; 3], 1, UNIT, &[]),
+                "a grid of 1048576 × 1048576 × 1048576 nodes is too large: at most 2³¹ nodes are \
+                 accepted",
+            ),
+            (
+                &file(1, [2, -2, 2], 1, UNIT, &[]),
+                "the header gives 2 × -2 × 2 samples, and each axis needs at least 1: is this \
+                 file little endian?",
+            ),
+            (
+                &file(4, [2, 2, 2], 3, UNIT, &[]),
+                "the samples are of type 4 (quantised directions): types 1 (float32), 2 (float16) \
+                 and 3 (uint8) are read",
+            ),
+            (
+                &file(1, [2, 2, 2], 3, UNIT, &[]),
+                "the file has 3 channels, and a density has 1: write one channel to a file",
+            ),
+            (
+                &file(1, [2, 2, 2], 1, [0.0, 0.0, 0.0, 1.0, 0.0, 1.0], &[]),
+                "the box of the header goes from [0, 0, 0] to [1, 0, 1]: each axis must ascend, \
+                 and be finite",
+            ),
+            (
+                &file(1, [2, 2, 2], 1, [0.0, 0.0, 0.0, 1.0, f32::NAN, 1.0], &[]),
+                "the box of the header goes from [0, 0, 0] to [1, NaN, 1]: each axis must ascend, \
+                 and be finite",
+            ),
+        ] {
+            assert_eq!(message(bytes), expected);
+        }
+        let mut other = whole.clone();
+        other[3] = 2;
+        assert_eq!(
+            message(&other),
+            "this is version 2 of the format, and version 3 is read"
+        );
+    }
+
+    #[test]
+    fn boxes_that_the_format_cannot_hold() {
+        for (spacing, first) in [(1e39, 0.0), (1e-3, 1e9)] {
+            let lattice =
+                super::super::Lattice::new([2, 2, 2], DVec3::splat(spacing), DVec3::splat(first));
+            let grid = Grid::new(lattice.unwrap(), vec![0.0; 8]).unwrap();
+            let message = write_vol(&grid).unwrap_err().to_string();
+            assert!(message.contains("cannot hold a box"), "{message}");
+        }
+    }
+}

@@ -1,0 +1,1063 @@
+//! NRRD, "nearly raw raster data", versions 1 to 5: header and data in one file (`.nrrd`), or a
+//! header (`.nhdr`) that names the file of the data.
+//!
+//! Source: "Definition of NRRD File Format", Teem 1.9 (teem.sourceforge.net/nrrd/format.html).
+//!
+//! Read are grids of three axes, and those of more whose further axes have a single sample. Where
+//! the samples lie:
+//! - `space directions` and `space origin` give the steps and the centre of the first sample, in
+//!   the coordinates of the file's own space: left and right of a patient are not exchanged.
+//! - `axis mins` and `axis maxs` are positions of the outermost samples where the axis is centred
+//!   on nodes, and of the faces beyond them where it is centred on cells.
+//! - `spacings` alone put the first sample at the origin.
+//! - Without any of them the spacing is 1.
+//!
+//! A file with the wrong `endian` cannot be told from one with odd values.
+
+use super::orientation::{Axes, Steps};
+use super::samples::{check_sizes, read_grid};
+use super::{
+    Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions, SamplesError,
+};
+use glam::DVec3;
+use std::io::{self, BufRead, Read};
+use thiserror::Error;
+
+/// Why a file is no NRRD that can be read. Faults of a line begin with its number.
+#[derive(Debug, Error)]
+pub enum NrrdError {
+    /// Some other file.
+    #[error("the file does not begin with NRRD0001 to NRRD0005: it is no NRRD file")]
+    Magic,
+    /// A header without end.
+    #[error("the header does not end within {0} bytes: a blank line ends it")]
+    Endless(usize),
+    /// The header of an attached file breaks off.
+    #[error("the file ends within its header: a blank line must follow it, and then the data")]
+    Cut,
+    /// A line that cannot be understood.
+    #[error("{line}: {fault}")]
+    Line {
+        /// Which, counted from 1.
+        line: usize,
+        /// What is wrong with it.
+        fault: NrrdFault,
+    },
+    /// A field that must be there.
+    #[error("the header has no field `{0}`")]
+    Missing(&'static str),
+    /// A plane, or a movie.
+    #[error(
+        "the file has {} axes, of {} samples: a volume has three axes of one value to a sample; \
+         cut it up",
+        .0.len(), joined(.0)
+    )]
+    Axes(Vec<u64>),
+    /// Positions given twice.
+    #[error("the header gives `{0}` and `{1}`, which exclude each other: keep one")]
+    Both(&'static str, &'static str),
+    /// Positions given twice, and differently.
+    #[error(
+        "along axis {axis} the header gives a spacing of {spacing}, and minimum and maximum that \
+         make it {other}: keep one"
+    )]
+    Contradiction {
+        /// Which axis, counted from 1.
+        axis: usize,
+        /// Spacing by `spacings`.
+        spacing: f64,
+        /// Spacing by `axis mins`, `axis maxs` and `sizes`.
+        other: f64,
+    },
+    /// Nodes here, cells there.
+    #[error("some axes are centred on nodes, others on cells: a grid has one centring")]
+    MixedCentring,
+    /// More samples than a lattice may have.
+    #[error(transparent)]
+    Lattice(#[from] LatticeError),
+    /// The samples are not what the header says.
+    #[error(transparent)]
+    Samples(#[from] SamplesError),
+    /// A skip that cannot be.
+    #[error("{0}")]
+    Skip(&'static str),
+    /// Bytes alone cannot name the file of the data.
+    #[error("the data are in another file, {0:?}: load the header by its path")]
+    Detached(String),
+}
+
+/// What can be wrong with a line of a header.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum NrrdFault {
+    /// Neither field nor key nor comment.
+    #[error("a line of the header is `field: value`, `key:=value` or `# comment`, not {0:?}")]
+    NoField(String),
+    /// A field that the format does not have.
+    #[error("{0:?} is no field of the format: correct it, or put `#` before it")]
+    UnknownField(String),
+    /// A field that comes twice.
+    #[error("the field `{0}` is there twice")]
+    Twice(&'static str),
+    /// A value that is no value of this field.
+    #[error("`{field}` takes {expected}, not {value:?}")]
+    Value {
+        /// Which field.
+        field: &'static str,
+        /// What it takes.
+        expected: &'static str,
+        /// What is there.
+        value: String,
+    },
+    /// Too few or too many values.
+    #[error("`{field}` has {found} values, and the file {dimension} axes")]
+    Count {
+        /// Which field.
+        field: &'static str,
+        /// Values there.
+        found: usize,
+        /// Axes of the file.
+        dimension: usize,
+    },
+    /// An encoding of the format that is not read here.
+    #[error("the encoding is {0}, and raw, gzip and text are read: write the file again as one")]
+    UnreadEncoding(&'static str),
+    /// An encoding that the format does not have.
+    #[error("{0:?} is no encoding of the format: known are raw, gzip, text, hex and bzip2")]
+    UnknownEncoding(String),
+    /// Opaque samples.
+    #[error("samples of type block are not numbers")]
+    Block,
+    /// Data in many files.
+    #[error("the data are spread over several files ({0}): join them into one")]
+    ManyFiles(&'static str),
+}
+
+fn joined(sizes: &[u64]) -> String {
+    let sizes: Vec<String> = sizes.iter().map(u64::to_string).collect();
+    sizes.join(" × ")
+}
+
+/// What a header says, and where the data are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NrrdHeader {
+    pub(super) layout: Layout,
+    pub(super) data_file: Option<String>,
+    line_skip: u64,
+    /// `None` stands for −1: the data are the last bytes of the file.
+    byte_skip: Option<u64>,
+}
+
+impl NrrdHeader {
+    /// The file of the data, as the header names it; `None` if they follow the header.
+    pub fn data_file(&self) -> Option<&str> {
+        self.data_file.as_deref()
+    }
+
+    /// Reads the data that this header describes from `bytes`, the file that it names.
+    pub fn read_data(&self, bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, NrrdError> {
+        let mut source = bytes;
+        self.read_from(&mut source, bytes.len() as u64, options)
+    }
+
+    /// Reads the data from a source that has `length` bytes left.
+    pub(super) fn read_from(
+        &self,
+        source: &mut impl BufRead,
+        length: u64,
+        options: &LoadOptions,
+    ) -> Result<Grid<f32>, NrrdError> {
+        let mut remaining = length;
+        for _ in 0..self.line_skip {
+            let skipped = skip_line(source).map_err(SamplesError::Read)?;
+            if skipped == 0 {
+                return Err(NrrdError::Skip(
+                    "`line skip` goes beyond the end of the data",
+                ));
+            }
+            remaining = remaining.saturating_sub(skipped);
+        }
+        let layout = &self.layout;
+        let skip = match (self.byte_skip, layout.encoding) {
+            (Some(0), _) => 0,
+            (Some(skip), Encoding::Raw | Encoding::Text) => skip,
+            (None, Encoding::Raw) => {
+                let samples: usize = layout.axes.sizes.iter().product();
+                let promised = samples as u64 * layout.element.bytes() as u64;
+                // Too few are reported as a wrong length.
+                remaining.saturating_sub(promised)
+            }
+            (Some(_), Encoding::Gzip) => {
+                return Err(NrrdError::Skip(
+                    "`byte skip` within compressed data is not read: write them without",
+                ));
+            }
+            (None, _) => {
+                return Err(NrrdError::Skip("`byte skip` of -1 needs the encoding raw"));
+            }
+        };
+        if skip > remaining {
+            return Err(NrrdError::Skip(
+                "`byte skip` goes beyond the end of the data",
+            ));
+        }
+        io::copy(&mut source.by_ref().take(skip), &mut io::sink()).map_err(SamplesError::Read)?;
+        Ok(read_grid(source, remaining - skip, layout, options)?)
+    }
+
+    /// Reads the header at the beginning of `source`, which is left behind the blank line that
+    /// ends it; tells how many bytes that were.
+    pub(super) fn read(source: &mut impl BufRead) -> Result<(NrrdHeader, u64), NrrdError> {
+        let mut header = source.by_ref().take(LONGEST_HEADER as u64);
+        let mut fields = Fields::default();
+        let mut line = Vec::new();
+        let mut length = 0;
+        let mut number = 0;
+        loop {
+            line.clear();
+            let read = header
+                .read_until(b'\n', &mut line)
+                .map_err(SamplesError::Read)?;
+            length += read;
+            number += 1;
+            let ended = line.last() == Some(&b'\n');
+            let text = String::from_utf8_lossy(line.trim_ascii_end());
+            if number == 1 {
+                let known = ["NRRD0001", "NRRD0002", "NRRD0003", "NRRD0004", "NRRD0005"];
+                if !known.contains(&text.as_ref()) {
+                    return Err(NrrdError::Magic);
+                }
+                continue;
+            }
+            if length >= LONGEST_HEADER {
+                return Err(NrrdError::Endless(LONGEST_HEADER));
+            }
+            if text.is_empty() && (ended || read == 0) {
+                let header = fields.header()?;
+                // A detached header may end with its last field.
+                if !ended && header.data_file.is_none() {
+                    return Err(NrrdError::Cut);
+                }
+                return Ok((header, length as u64));
+            }
+            let fault = |fault| NrrdError::Line {
+                line: number,
+                fault,
+            };
+            fields.take(&text, number).map_err(fault)?;
+        }
+    }
+}
+
+/// Reads a NRRD file that holds its own data.
+pub fn read_nrrd(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, NrrdError> {
+    let mut source = bytes;
+    let (header, length) = NrrdHeader::read(&mut source)?;
+    match &header.data_file {
+        Some(name) => Err(NrrdError::Detached(name.clone())),
+        None => header.read_from(&mut source, bytes.len() as u64 - length, options),
+    }
+}
+
+/// Reads the header of a NRRD file.
+pub fn read_nrrd_header(bytes: &[u8]) -> Result<NrrdHeader, NrrdError> {
+    let mut source = bytes;
+    NrrdHeader::read(&mut source).map(|(header, _)| header)
+}
+
+/// Headers of diffusion scans, the longest there are, have some hundred kilobytes.
+const LONGEST_HEADER: usize = 1 << 20;
+
+/// As Teem: more axes than anybody uses.
+const MOST_AXES: usize = 16;
+
+/// Bytes up to the next line feed, and with it.
+fn skip_line(source: &mut impl BufRead) -> io::Result<u64> {
+    let mut skipped = 0;
+    loop {
+        let buffer = source.fill_buf()?;
+        let end = buffer.iter().position(|&byte| byte == b'\n');
+        let length = end.map_or(buffer.len(), |end| end + 1);
+        source.consume(length);
+        skipped += length as u64;
+        if end.is_some() || length == 0 {
+            return Ok(skipped);
+        }
+    }
+}
+
+/// Fields that say nothing about where the samples lie or what they are.
+const IGNORED: [&str; 18] = [
+    "content",
+    "number",
+    "block size",
+    "blocksize",
+    "min",
+    "max",
+    "old min",
+    "oldmin",
+    "old max",
+    "oldmax",
+    "sample units",
+    "sampleunits",
+    "thicknesses",
+    "labels",
+    "units",
+    "space units",
+    "measurement frame",
+    "space",
+];
+
+/// Fields that are read: as written, and the name they go by.
+const READ: [(&str, &str); 22] = [
+    ("dimension", "dimension"),
+    ("type", "type"),
+    ("sizes", "sizes"),
+    ("encoding", "encoding"),
+    ("endian", "endian"),
+    ("spacings", "spacings"),
+    ("axis mins", "axis mins"),
+    ("axismins", "axis mins"),
+    ("axis maxs", "axis maxs"),
+    ("axismaxs", "axis maxs"),
+    ("centers", "centers"),
+    ("centerings", "centers"),
+    ("kinds", "kinds"),
+    ("space dimension", "space dimension"),
+    ("space directions", "space directions"),
+    ("space origin", "space origin"),
+    ("data file", "data file"),
+    ("datafile", "data file"),
+    ("line skip", "line skip"),
+    ("lineskip", "line skip"),
+    ("byte skip", "byte skip"),
+    ("byteskip", "byte skip"),
+];
+
+/// The fields of a header as they stand there: name, value, line.
+#[derive(Default)]
+struct Fields(Vec<(&'static str, String, usize)>);
+
+impl Fields {
+    fn take(&mut self, text: &str, line: usize) -> Result<(), NrrdFault> {
+        if text.starts_with('#') {
+            return Ok(());
+        }
+        let no_field = || NrrdFault::NoField(shortened(text));
+        let (name, value) = text.split_once(':').ok_or_else(no_field)?;
+        if value.starts_with('=') {
+            return Ok(());
+        }
+        let name = name.trim().to_ascii_lowercase();
+        if IGNORED.contains(&name.as_str()) {
+            return Ok(());
+        }
+        let known = READ.iter().find(|(written, _)| *written == name);
+        let (_, field) = known.ok_or_else(|| NrrdFault::UnknownField(shortened(&name)))?;
+        if self.0.iter().any(|(other, ..)| other == field) {
+            return Err(NrrdFault::Twice(field));
+        }
+        self.0.push((field, value.trim().to_owned(), line));
+        Ok(())
+    }
+
+    fn get(&self, name: &'static str) -> Option<Field<'_>> {
+        let found = self.0.iter().find(|(field, ..)| *field == name);
+        found.map(|(name, value, line)| Field {
+            name,
+            value,
+            line: *line,
+        })
+    }
+
+    fn required(&self, name: &'static str) -> Result<Field<'_>, NrrdError> {
+        self.get(name).ok_or(NrrdError::Missing(name))
+    }
+
+    fn header(&self) -> Result<NrrdHeader, NrrdError> {
+        let dimension = self.required("dimension")?;
+        let expected = "the number of axes, from 1 to 16";
+        let dimension = dimension.number(expected, |&n: &usize| (1..=MOST_AXES).contains(&n))?;
+        let element = self.element()?;
+        let encoding = self.encoding()?;
+        let data_file = self.data_file()?;
+        let endian = match self.get("endian") {
+            Some(field) => match field.value.to_ascii_lowercase().as_str() {
+                "little" => Endian::Little,
+                "big" => Endian::Big,
+                _ => return Err(field.wrong("little or big")),
+            },
+            None if element.bytes() > 1 && encoding != Encoding::Text => {
+                return Err(NrrdError::Missing("endian"));
+            }
+            None => Endian::Little,
+        };
+        let sizes = self.required("sizes")?;
+        let expected = "positive whole numbers";
+        let sizes: Vec<u64> = sizes.each(dimension, |text| {
+            let size = text.parse().ok().filter(|&size| size > 0);
+            size.ok_or_else(|| sizes.wrong(expected))
+        })?;
+        let axes = self.axes(&sizes)?;
+        let line_skip = match self.get("line skip") {
+            Some(field) => field.number("a number of lines", |_| true)?,
+            None => 0,
+        };
+        let byte_skip = match self.get("byte skip") {
+            Some(field) if field.value == "-1" => None,
+            Some(field) => Some(field.number("a number of bytes, or -1", |_| true)?),
+            None => Some(0),
+        };
+        Ok(NrrdHeader {
+            layout: Layout {
+                axes,
+                element,
+                endian,
+                encoding,
+                scaling: None,
+            },
+            data_file,
+            line_skip,
+            byte_skip,
+        })
+    }
+
+    fn element(&self) -> Result<Element, NrrdError> {
+        let field = self.required("type")?;
+        let words: Vec<&str> = field.value.split_ascii_whitespace().collect();
+        Ok(match words.join(" ").to_ascii_lowercase().as_str() {
+            "signed char" | "int8" | "int8_t" => Element::Int8,
+            "uchar" | "unsigned char" | "uint8" | "uint8_t" => Element::Uint8,
+            "short" | "short int" | "signed short" | "signed short int" | "int16" | "int16_t" => {
+                Element::Int16
+            }
+            "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => {
+                Element::Uint16
+            }
+            "int" | "signed int" | "int32" | "int32_t" => Element::Int32,
+            "uint" | "unsigned int" | "uint32" | "uint32_t" => Element::Uint32,
+            "longlong"
+            | "long long"
+            | "long long int"
+            | "signed long long"
+            | "signed long long int"
+            | "int64"
+            | "int64_t" => Element::Int64,
+            "ulonglong"
+            | "unsigned long long"
+            | "unsigned long long int"
+            | "uint64"
+            | "uint64_t" => Element::Uint64,
+            "float" => Element::Float32,
+            "double" => Element::Float64,
+            "block" => return Err(field.fault(NrrdFault::Block)),
+            _ => {
+                let expected = "a type of the format, such as uint8, short or float";
+                return Err(field.wrong(expected));
+            }
+        })
+    }
+
+    fn encoding(&self) -> Result<Encoding, NrrdError> {
+        let field = self.required("encoding")?;
+        Ok(match field.value.to_ascii_lowercase().as_str() {
+            "raw" => Encoding::Raw,
+            "gzip" | "gz" => Encoding::Gzip,
+            "txt" | "text" | "ascii" => Encoding::Text,
+            "hex" => return Err(field.fault(NrrdFault::UnreadEncoding("hex"))),
+            "bzip2" | "bz2" => return Err(field.fault(NrrdFault::UnreadEncoding("bzip2"))),
+            _ => {
+                let value = shortened(field.value);
+                return Err(field.fault(NrrdFault::UnknownEncoding(value)));
+            }
+        })
+    }
+
+    fn data_file(&self) -> Result<Option<String>, NrrdError> {
+        let Some(field) = self.get("data file") else {
+            return Ok(None);
+        };
+        let first = field.value.split_ascii_whitespace().next();
+        if first == Some("LIST") {
+            return Err(field.fault(NrrdFault::ManyFiles("LIST")));
+        }
+        if field.value.contains('%') {
+            return Err(field.fault(NrrdFault::ManyFiles("a pattern with %")));
+        }
+        if field.value.is_empty() {
+            return Err(field.wrong("the name of a file"));
+        }
+        Ok(Some(field.value.to_owned()))
+    }
+
+    /// Where the samples lie.
+    fn axes(&self, sizes: &[u64]) -> Result<Axes, NrrdError> {
+        let dimension = sizes.len();
+        let directions = match self.get("space directions") {
+            Some(field) => Some(field.vectors(dimension)?),
+            None => None,
+        };
+        let kept = kept_axes(sizes, directions.as_deref())?;
+        let mut axes = Axes {
+            sizes: check_sizes(kept.map(|axis| sizes[axis]))?,
+            steps: Steps::Upright(DVec3::ONE),
+            first: DVec3::ZERO,
+            centring: self.centring(dimension, kept)?,
+        };
+        let numbers = |name| self.numbers(name, dimension, kept);
+        let (spacings, mins, maxs) = (
+            numbers("spacings")?,
+            numbers("axis mins")?,
+            numbers("axis maxs")?,
+        );
+        if let Some(directions) = directions {
+            for (name, given) in [
+                ("spacings", spacings),
+                ("axis mins", mins),
+                ("axis maxs", maxs),
+            ] {
+                if given.is_some() {
+                    return Err(NrrdError::Both("space directions", name));
+                }
+            }
+            // A kept axis without direction has no length, which no lattice accepts.
+            axes.steps = Steps::Directed(kept.map(|axis| directions[axis].unwrap_or_default()));
+            if let Some(field) = self.get("space origin") {
+                axes.first = field.vector()?;
+            }
+            return Ok(axes);
+        }
+        if let Some(field) = self.get("space origin") {
+            axes.first = field.vector()?;
+            if mins.is_some() || maxs.is_some() {
+                return Err(NrrdError::Both("space origin", "axis mins or axis maxs"));
+            }
+        }
+        let mut spacing = spacings.unwrap_or([1.0; 3]);
+        for axis in 0..3 {
+            let (beyond, intervals) = match axes.centring {
+                Centring::Nodes if axes.sizes[axis] > 1 => (0.0, axes.sizes[axis] - 1),
+                // A single sample stands in the middle, whatever the centring.
+                Centring::Nodes | Centring::Cells => (0.5, axes.sizes[axis]),
+            };
+            let intervals = intervals as f64;
+            let (min, max) = (mins.map(|m| m[axis]), maxs.map(|m| m[axis]));
+            if let (Some(min), Some(max)) = (min, max) {
+                let length = (max - min) / intervals;
+                // Headers are written with six digits, some with fewer.
+                let differ = (length - spacing[axis]).abs() > 1e-3 * length.abs();
+                if spacings.is_some() && differ {
+                    return Err(NrrdError::Contradiction {
+                        axis: kept[axis] + 1,
+                        spacing: spacing[axis],
+                        other: length,
+                    });
+                }
+                spacing[axis] = length;
+            }
+            if let Some(min) = min {
+                axes.first[axis] = min + beyond * spacing[axis];
+            } else if let Some(max) = max {
+                axes.first[axis] = max - (intervals - beyond) * spacing[axis];
+            }
+        }
+        axes.steps = Steps::Upright(DVec3::from_array(spacing));
+        Ok(axes)
+    }
+
+    fn centring(&self, dimension: usize, kept: [usize; 3]) -> Result<Centring, NrrdError> {
+        let Some(field) = self.get("centers") else {
+            return Ok(Centring::Nodes);
+        };
+        let expected = "cell, node, ??? or none for each axis";
+        let all = field.each(dimension, |word| match word.to_ascii_lowercase().as_str() {
+            "cell" => Ok(Some(Centring::Cells)),
+            "node" => Ok(Some(Centring::Nodes)),
+            "???" | "none" => Ok(None),
+            _ => Err(field.wrong(expected)),
+        })?;
+        let mut known = kept.iter().filter_map(|&axis| all[axis]);
+        let first = known.next().unwrap_or_default();
+        if known.any(|other| other != first) {
+            return Err(NrrdError::MixedCentring);
+        }
+        Ok(first)
+    }
+
+    fn numbers(
+        &self,
+        name: &'static str,
+        dimension: usize,
+        kept: [usize; 3],
+    ) -> Result<Option<[f64; 3]>, NrrdError> {
+        let Some(field) = self.get(name) else {
+            return Ok(None);
+        };
+        let all = field.each(dimension, |word| {
+            let number = word.parse().ok();
+            number.ok_or_else(|| field.wrong("a number for each axis"))
+        })?;
+        Ok(Some(kept.map(|axis| all[axis])))
+    }
+}
+
+/// The three axes that are left when those of a single sample that are too many are dropped:
+/// first those that have no direction, then the slowest.
+fn kept_axes(sizes: &[u64], directions: Option<&[Option<DVec3>]>) -> Result<[usize; 3], NrrdError> {
+    let mut kept: Vec<usize> = (0..sizes.len()).collect();
+    let nowhere = |axis: usize| directions.is_some_and(|all| all[axis].is_none());
+    while kept.len() > 3 {
+        let droppable = |&place: &usize| sizes[kept[place]] == 1;
+        let places = || (0..kept.len()).rev().filter(droppable);
+        let without_direction = places().find(|&place| nowhere(kept[place]));
+        let Some(place) = without_direction.or_else(|| places().next()) else {
+            break;
+        };
+        kept.remove(place);
+    }
+    kept.try_into().map_err(|_| NrrdError::Axes(sizes.to_vec()))
+}
+
+/// A field of a header.
+#[derive(Clone, Copy)]
+struct Field<'h> {
+    name: &'static str,
+    value: &'h str,
+    line: usize,
+}
+
+impl Field<'_> {
+    fn fault(&self, fault: NrrdFault) -> NrrdError {
+        NrrdError::Line {
+            line: self.line,
+            fault,
+        }
+    }
+
+    fn wrong(&self, expected: &'static str) -> NrrdError {
+        self.fault(NrrdFault::Value {
+            field: self.name,
+            expected,
+            value: shortened(self.value),
+        })
+    }
+
+    fn number<T: std::str::FromStr>(
+        &self,
+        expected: &'static str,
+        accepts: impl Fn(&T) -> bool,
+    ) -> Result<T, NrrdError> {
+        let number = self.value.parse().ok().filter(accepts);
+        number.ok_or_else(|| self.wrong(expected))
+    }
+
+    fn count(&self, found: usize, dimension: usize) -> Result<(), NrrdError> {
+        if found == dimension {
+            return Ok(());
+        }
+        Err(self.fault(NrrdFault::Count {
+            field: self.name,
+            found,
+            dimension,
+        }))
+    }
+
+    /// One word for each axis.
+    fn each<T>(
+        &self,
+        dimension: usize,
+        read: impl Fn(&str) -> Result<T, NrrdError>,
+    ) -> Result<Vec<T>, NrrdError> {
+        let words: Vec<&str> = self.value.split_ascii_whitespace().collect();
+        self.count(words.len(), dimension)?;
+        words.into_iter().map(read).collect()
+    }
+
+    /// `(1,0,0) (0,1,0) none`
+    fn vectors(&self, dimension: usize) -> Result<Vec<Option<DVec3>>, NrrdError> {
+        let mut vectors = Vec::new();
+        let mut rest = self.value.trim();
+        while !rest.is_empty() {
+            if let Some(after) = rest.strip_prefix("none") {
+                vectors.push(None);
+                rest = after.trim_start();
+                continue;
+            }
+            let end = rest.find(')').map_or(rest.len(), |end| end + 1);
+            vectors.push(Some(self.vector_in(&rest[..end])?));
+            rest = rest[end..].trim_start();
+        }
+        self.count(vectors.len(), dimension)?;
+        Ok(vectors)
+    }
+
+    fn vector(&self) -> Result<DVec3, NrrdError> {
+        self.vector_in(self.value)
+    }
+
+    fn vector_in(&self, text: &str) -> Result<DVec3, NrrdError> {
+        let inner = text.trim().strip_prefix('(');
+        let inner = inner.and_then(|inner| inner.strip_suffix(')'));
+        let numbers: Option<Vec<f64>> =
+            inner.and_then(|inner| inner.split(',').map(|n| n.trim().parse().ok()).collect());
+        match numbers.as_deref() {
+            Some([x, y, z]) => Ok(DVec3::new(*x, *y, *z)),
+            _ => Err(self.wrong("vectors of three numbers, such as (1,0,0)")),
+        }
+    }
+}
+
+/// Text for a message, cut where it is long.
+fn shortened(text: &str) -> String {
+    const LONGEST: usize = 60;
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A header of a `2 × 2 × 1` grid of bytes with these lines more, and its data.
+    fn file(lines: &str) -> Vec<u8> {
+        let header = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 1\nencoding: raw\n";
+        [header.as_bytes(), lines.as_bytes(), b"\n\x01\x02\x03\x04"].concat()
+    }
+
+    fn read(bytes: &[u8]) -> Result<Grid<f32>, NrrdError> {
+        read_nrrd(bytes, &LoadOptions::default())
+    }
+
+    fn message(bytes: &[u8]) -> String {
+        read(bytes).unwrap_err().to_string()
+    }
+
+    /// Spacing and first node.
+    fn place(lines: &str) -> ([f64; 3], [f64; 3]) {
+        let grid = read(&file(lines)).unwrap();
+        let lattice = grid.lattice();
+        (lattice.spacing().to_array(), lattice.first().to_array())
+    }
+
+    /// As [`file`], with `old` of the header replaced.
+    fn with(old: &str, new: &str) -> Vec<u8> {
+        let text = String::from_utf8(file("")).unwrap();
+        assert!(text.contains(old));
+        text.replacen(old, new, 1).into_bytes()
+    }
+
+    #[test]
+    fn what_is_not_said_about_places() {
+        assert_eq!(place(""), ([1.0; 3], [0.0; 3]));
+        assert_eq!(place("spacings: 0.5 2 3\n"), ([0.5, 2.0, 3.0], [0.0; 3]));
+        assert_eq!(
+            place("spacings: 0.5 2 3\nspace dimension: 3\nspace origin: (1, -2, 3e1)\n"),
+            ([0.5, 2.0, 3.0], [1.0, -2.0, 30.0])
+        );
+    }
+
+    #[test]
+    fn mins_and_maxs_go_by_the_centring() {
+        let ends = "axis mins: 0 0 0\naxis maxs: 4 2 6\n";
+        // A single sample stands in the middle of its axis.
+        let nodes = ([4.0, 2.0, 6.0], [0.0, 0.0, 3.0]);
+        let cells = ([2.0, 1.0, 6.0], [1.0, 0.5, 3.0]);
+        assert_eq!(place(ends), nodes);
+        assert_eq!(place(&format!("{ends}centers: node ??? node\n")), nodes);
+        assert_eq!(place(&format!("{ends}centerings: cell cell cell\n")), cells);
+        assert_eq!(
+            place("spacings: 2 1 6\naxis maxs: 4 2 6\ncenters: cell cell cell\n"),
+            cells
+        );
+        assert_eq!(place("spacings: 4 2 6\naxis mins: 0 0 0\n"), nodes);
+        let grid = read(&file(&format!("{ends}centers: cell cell cell\n"))).unwrap();
+        assert_eq!(grid.lattice().centring(), Centring::Cells);
+        assert_eq!(grid.lattice().bounds().max, DVec3::new(4.0, 2.0, 6.0));
+    }
+
+    #[test]
+    fn comments_keys_and_line_ends() {
+        let text = "NRRD0005\r\n# made by hand\r\ntype: unsigned char\r\nencoding: RAW\r\n\
+                    key:=value: with colon\r\ndimension: 3\r\nsizes:   1 1   1\r\n\r\n\x07";
+        assert_eq!(read(text.as_bytes()).unwrap().values(), [7.0]);
+    }
+
+    #[test]
+    fn axes_of_one_sample_are_dropped() {
+        let bytes = with(
+            "dimension: 3\nsizes: 2 2 1",
+            "dimension: 5\nsizes: 1 2 2 1 1",
+        );
+        assert_eq!(read(&bytes).unwrap().lattice().nodes(), [1, 2, 2]);
+        let lines = "dimension: 4\nsizes: 1 2 2 1\n\
+                     space directions: none (1,0,0) (0,1,0) (0,0,1)";
+        let bytes = with("dimension: 3\nsizes: 2 2 1", lines);
+        assert_eq!(read(&bytes).unwrap().lattice().nodes(), [2, 2, 1]);
+        assert_eq!(
+            message(&with(
+                "dimension: 3\nsizes: 2 2 1",
+                "dimension: 4\nsizes: 2 2 2 2"
+            )),
+            "the file has 4 axes, of 2 × 2 × 2 × 2 samples: a volume has three axes of one value \
+             to a sample; cut it up"
+        );
+        assert!(message(&with("3\nsizes: 2 2 1", "2\nsizes: 2 2")).contains("has 2 axes"));
+    }
+
+    #[test]
+    fn data_after_lines_and_bytes() {
+        let values = |lines: &str, data: &[u8]| {
+            let header = format!(
+                "NRRD0004\ntype: short\nendian: big\ndimension: 3\nsizes: 2 1 1\nencoding: raw\n\
+                 data file: a.raw\n{lines}"
+            );
+            let header = read_nrrd_header(header.as_bytes()).unwrap();
+            assert_eq!(header.data_file(), Some("a.raw"));
+            let grid = header.read_data(data, &LoadOptions::default());
+            grid.map(|grid| grid.values().to_vec())
+                .map_err(|error| error.to_string())
+        };
+        let two = Ok(vec![1.0, -2.0]);
+        let samples = [0, 1, 255, 254];
+        let after = |front: &[u8]| [front, &samples].concat();
+        assert_eq!(values("", &samples), two);
+        assert_eq!(values("byte skip: 3\n", &after(b"abc")), two);
+        assert_eq!(values("byte skip: -1\n", &after(b"anything")), two);
+        assert_eq!(values("line skip: 2\n", &after(b"one\ntwo\n")), two);
+        assert_eq!(values("line skip: 1\nbyte skip: 1", &after(b"one\nx")), two);
+        for (lines, expected) in [
+            (
+                "byte skip: 5",
+                "`byte skip` goes beyond the end of the data",
+            ),
+            (
+                "line skip: 3",
+                "`line skip` goes beyond the end of the data",
+            ),
+            (
+                "byte skip: 1",
+                "the header promises 2 × 1 × 1 samples of int16, 4 bytes, and 3",
+            ),
+        ] {
+            let message = values(lines, &samples).unwrap_err();
+            assert!(message.starts_with(expected), "{message}");
+        }
+    }
+
+    #[test]
+    fn lines_that_are_wrong() {
+        for (old, new, expected) in [
+            (
+                "type: uchar",
+                "type: uchat",
+                "2: `type` takes a type of the format",
+            ),
+            (
+                "type: uchar",
+                "type: block",
+                "2: samples of type block are not numbers",
+            ),
+            (
+                "type: uchar",
+                "typ: uchar",
+                "2: \"typ\" is no field of the format",
+            ),
+            (
+                "type: uchar",
+                "type uchar",
+                "2: a line of the header is `field: value`",
+            ),
+            ("type: uchar\n", "", "the header has no field `type`"),
+            (
+                "type: uchar",
+                "type: int",
+                "the header has no field `endian`",
+            ),
+            (
+                "type: uchar",
+                "type: uchar\ntype: uchar",
+                "3: the field `type` is there twice",
+            ),
+            (
+                "dimension: 3",
+                "dimension: 0",
+                "3: `dimension` takes the number of axes",
+            ),
+            (
+                "dimension: 3",
+                "dimension: 4",
+                "4: `sizes` has 3 values, and the file 4 axes",
+            ),
+            (
+                "sizes: 2 2 1",
+                "sizes: 2 0 1",
+                "4: `sizes` takes positive whole numbers",
+            ),
+            (
+                "sizes: 2 2 1",
+                "sizes: 2 -2 1",
+                "4: `sizes` takes positive whole numbers",
+            ),
+            (
+                "encoding: raw",
+                "encoding: hex",
+                "5: the encoding is hex, and raw, gzip and text",
+            ),
+            (
+                "encoding: raw",
+                "encoding: bz2",
+                "5: the encoding is bzip2, and raw",
+            ),
+            (
+                "encoding: raw",
+                "encoding: zip",
+                "5: \"zip\" is no encoding of the format",
+            ),
+            (
+                "NRRD0004",
+                "NRRD0009",
+                "the file does not begin with NRRD0001 to NRRD0005",
+            ),
+            (
+                "sizes: 2 2 1",
+                "sizes: 1048576 1048576 1048576",
+                "a grid of 1048576 × 1048576 × 1048576 nodes is too large",
+            ),
+            (
+                "sizes: 2 2 1",
+                "sizes: 18446744073709551615 3 3",
+                "a grid of 18446744073709551615 × 3 × 3 nodes is too large",
+            ),
+            (
+                "sizes: 2 2 1",
+                "sizes: 2 2 2",
+                "the header promises 2 × 2 × 2 samples of uint8, 8",
+            ),
+            (
+                "sizes: 2 2 1",
+                "sizes: 1 1 1",
+                "the header promises 1 × 1 × 1 samples of uint8, 1",
+            ),
+        ] {
+            let message = message(&with(old, new));
+            assert!(message.starts_with(expected), "{message}");
+        }
+        for (lines, expected) in [
+            (
+                "spacings: 0 1 1\n",
+                "the node spacing must be positive and finite",
+            ),
+            (
+                "spacings: 1 -1 1\n",
+                "the node spacing must be positive and finite",
+            ),
+            (
+                "spacings: 1 nan 1\n",
+                "the node spacing must be positive and finite",
+            ),
+            (
+                "spacings: 1 x 1\n",
+                "6: `spacings` takes a number for each axis",
+            ),
+            ("spacings: 1 1\n", "6: `spacings` has 2 values"),
+            ("endian: middle\n", "6: `endian` takes little or big"),
+            (
+                "centers: cell node cell\n",
+                "some axes are centred on nodes, others on cells",
+            ),
+            (
+                "data file: LIST\n",
+                "6: the data are spread over several files (LIST)",
+            ),
+            (
+                "data file: s%03d.raw 1 9 1\n",
+                "6: the data are spread over several files (a pat",
+            ),
+            (
+                "data file: other.raw\n",
+                "the data are in another file, \"other.raw\"",
+            ),
+            (
+                "space directions: (1,0,0) (0,1,0)\n",
+                "6: `space directions` has 2 values",
+            ),
+            (
+                "space directions: (1,0) (0,1) (1,1)\n",
+                "6: `space directions` takes vectors",
+            ),
+            (
+                "space directions: (1,0,0) (0,1,0) none\n",
+                "the node spacing must be positive and finite",
+            ),
+            (
+                "space directions: (1,0,0) (0,1,0) (0,0,1)\nspacings: 1 1 1\n",
+                "the header gives `space directions` and `spacings`, which exclude each other",
+            ),
+            (
+                "spacings: 1 1 1\naxis mins: 0 0 0\naxis maxs: 5 1 1\n",
+                "along axis 1 the header gives a spacing of 1, and minimum and maximum that make \
+                 it 5",
+            ),
+            (
+                "space directions: (1,0.01,0) (0,1,0) (0,0,1)\n",
+                "axis 1 of the file is turned by 0.5729 degrees",
+            ),
+        ] {
+            let message = message(&file(lines));
+            assert!(message.starts_with(expected), "{lines}: {message}");
+        }
+    }
+
+    #[test]
+    fn headers_without_end() {
+        assert_eq!(message(b""), message(b"PNG"));
+        let whole = file("");
+        for cut in 9..whole.len() - 5 {
+            assert!(read(&whole[..cut]).is_err(), "{cut}");
+        }
+        assert_eq!(
+            message(&whole[..whole.len() - 5]),
+            "the file ends within its header: a blank line must follow it, and then the data"
+        );
+        let long = [b"NRRD0001\n", &b"#\n".repeat(1 << 19)[..]].concat();
+        assert_eq!(
+            message(&long),
+            "the header does not end within 1048576 bytes: a blank line ends it"
+        );
+    }
+
+    #[test]
+    fn text() {
+        let text = |data: &str| {
+            let header = with("encoding: raw", "encoding: ascii");
+            [&header[..header.len() - 4], data.as_bytes()].concat()
+        };
+        assert_eq!(
+            read(&text("1, 2.5 -3e1\n4")).unwrap().values(),
+            [1.0, 2.5, -30.0, 4.0]
+        );
+        for (data, expected) in [
+            (
+                "1 2 3",
+                "the header promises 2 × 2 × 1 samples, 4 bytes when unpacked",
+            ),
+            (
+                "100 200 3",
+                "the header promises 2 × 2 × 1 samples, and the data end after 3",
+            ),
+            ("1 2 3 4 5", "the data go on after the 2 × 2 × 1 samples"),
+            (
+                "1 2 three 4",
+                "sample 2 of the text is \"three\", which is not a number",
+            ),
+            (
+                "1 2 nan 4",
+                "voxel (0, 1, 0), counted as stored, holds NaN: values must be finite",
+            ),
+        ] {
+            let message = message(&text(data));
+            assert!(message.starts_with(expected), "{message}");
+        }
+    }
+}

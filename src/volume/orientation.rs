@@ -1,0 +1,289 @@
+//! The axes of a stored grid against those of the world.
+
+use super::{Centring, Lattice, LatticeError, LoadOptions, SamplesError};
+use crate::geometry::length_of;
+use crate::math::atan2;
+use glam::DVec3;
+use thiserror::Error;
+
+/// What becomes of axes that point elsewhere than x, y and z.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Orientation {
+    /// Axes that point along the world's, in any order and either way, are brought into the order
+    /// x, y, z; all others are an error.
+    #[default]
+    World,
+    /// The stored axes are taken for x, y and z, with the lengths of their steps for spacing. The
+    /// first sample stays where the file puts it.
+    AsStored,
+}
+
+/// Where the samples of a file lie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axes {
+    /// Samples along each axis as stored, the fastest first: at least one, together at most
+    /// [`Lattice::MOST_NODES`].
+    pub sizes: [usize; 3],
+    /// From one sample to the next along each stored axis.
+    pub steps: Steps,
+    /// Position of the first sample, world units.
+    pub first: DVec3,
+    /// Whether the box of the file ends at the outermost samples or half a step beyond.
+    pub centring: Centring,
+}
+
+/// From one sample to the next along each stored axis, world units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Steps {
+    /// The stored axes are x, y and z: the spacing along each.
+    Upright(DVec3),
+    /// The stored axes point anywhere: the step along each.
+    Directed([DVec3; 3]),
+}
+
+/// Why axes cannot be honoured.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum OrientationError {
+    /// Not along the axes of the world.
+    #[error(
+        "axis {axis} of the file is turned by {degrees:.4} degrees against the nearest axis of \
+         the world: resample the volume along x, y and z, or ask for its axes as stored"
+    )]
+    Oblique {
+        /// Which axis, counted from 1, the fastest.
+        axis: usize,
+        /// Angle to the nearest axis of the world, degrees.
+        degrees: f64,
+    },
+    /// Two axes, one direction.
+    #[error(
+        "axes {0} and {1} of the file point along the same axis of the world, {2}: the header is \
+         wrong"
+    )]
+    Parallel(usize, usize, char),
+}
+
+/// How stored samples become a grid.
+pub(super) struct Placement {
+    /// Where the nodes lie.
+    pub lattice: Lattice,
+    /// For each axis of the world, the stored axis that runs along it, and whether backwards.
+    from: [(usize, bool); 3],
+}
+
+/// A step this far off an axis of the world, as a share of its length, still runs along it:
+/// headers hold `f32` or decimal numbers. The thousandth sample is then off by a hundredth of a
+/// voxel.
+const OFF_AXIS: f64 = 1e-5;
+
+impl Axes {
+    /// The lattice of the samples, and the order they take in it.
+    pub(super) fn placement(&self, options: &LoadOptions) -> Result<Placement, SamplesError> {
+        let centring = options.centring.unwrap_or(self.centring);
+        let as_stored = |spacing| -> Result<Placement, SamplesError> {
+            let lattice = Lattice::new(self.sizes, spacing, self.first)?;
+            Ok(Placement {
+                lattice: lattice.with_centring(centring)?,
+                from: [(0, false), (1, false), (2, false)],
+            })
+        };
+        let steps = match self.steps {
+            Steps::Upright(spacing) => return as_stored(spacing),
+            Steps::Directed(steps) => steps,
+        };
+        let lengths = DVec3::from_array(steps.map(length_of));
+        if options.orientation == Orientation::AsStored {
+            return as_stored(lengths);
+        }
+        if !lengths.to_array().iter().all(|length| length.is_normal()) {
+            return Err(LatticeError::Spacing(lengths).into());
+        }
+        let mut from = [None; 3];
+        for stored in 0..3 {
+            let direction = steps[stored] / lengths[stored];
+            let along = longest_axis(direction);
+            let mut off = direction;
+            off[along] = 0.0;
+            if length_of(off) > OFF_AXIS {
+                let axis = stored + 1;
+                let degrees = atan2(length_of(off), direction[along].abs()).to_degrees();
+                return Err(OrientationError::Oblique { axis, degrees }.into());
+            }
+            if let Some((other, _)) = from[along] {
+                let name = ['x', 'y', 'z'][along];
+                return Err(OrientationError::Parallel(other + 1, stored + 1, name).into());
+            }
+            from[along] = Some((stored, direction[along] < 0.0));
+        }
+        let from = from.map(|axis| axis.expect("three stored axes along three of the world"));
+        let nodes = from.map(|(stored, _)| self.sizes[stored]);
+        let mut spacing = DVec3::ZERO;
+        let mut first = self.first;
+        for (axis, (stored, backwards)) in from.into_iter().enumerate() {
+            let step = steps[stored][axis];
+            spacing[axis] = step.abs();
+            if backwards {
+                first[axis] += step * (self.sizes[stored] - 1) as f64;
+            }
+        }
+        let lattice = Lattice::new(nodes, spacing, first)?.with_centring(centring)?;
+        Ok(Placement { lattice, from })
+    }
+}
+
+fn longest_axis(direction: DVec3) -> usize {
+    let size = direction.abs();
+    if size.x >= size.y && size.x >= size.z {
+        0
+    } else if size.y >= size.z {
+        1
+    } else {
+        2
+    }
+}
+
+impl Placement {
+    /// `values`, stored with `sizes` along their axes, in the order of the lattice. Axes that only
+    /// run backwards are turned in place; others need a second copy for a moment.
+    pub(super) fn put(&self, mut values: Vec<f32>, sizes: [usize; 3]) -> Vec<f32> {
+        let [nx, ny, nz] = sizes;
+        if self.from.map(|(stored, _)| stored) == [0, 1, 2] {
+            let [x, y, z] = self.from.map(|(_, backwards)| backwards);
+            if x {
+                values.chunks_exact_mut(nx).for_each(<[f32]>::reverse);
+            }
+            if y {
+                let planes = values.chunks_exact_mut(nx * ny);
+                planes.for_each(|plane| reverse_blocks(plane, nx));
+            }
+            if z {
+                reverse_blocks(&mut values, nx * ny);
+            }
+            return values;
+        }
+        let strides = [1, nx, nx * ny];
+        let ends = [nx, ny, nz];
+        let at = |axis: usize, index: usize| {
+            let (stored, backwards) = self.from[axis];
+            let index = if backwards {
+                ends[stored] - 1 - index
+            } else {
+                index
+            };
+            index * strides[stored]
+        };
+        let [mx, my, mz] = self.lattice.nodes();
+        let mut turned = Vec::with_capacity(values.len());
+        for k in 0..mz {
+            for j in 0..my {
+                let row = at(2, k) + at(1, j);
+                turned.extend((0..mx).map(|i| values[row + at(0, i)]));
+            }
+        }
+        turned
+    }
+}
+
+/// The blocks of `length` values in reverse order, each as it is.
+fn reverse_blocks(values: &mut [f32], length: usize) {
+    let count = values.len() / length;
+    for block in 0..count / 2 {
+        let (front, back) = values.split_at_mut((count - 1 - block) * length);
+        front[block * length..][..length].swap_with_slice(&mut back[..length]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Twelve samples along 2 × 3 × 2 steps, each holding its index; the first lies at (10, 20, 30).
+    fn axes(steps: [DVec3; 3]) -> Axes {
+        Axes {
+            sizes: [2, 3, 2],
+            steps: Steps::Directed(steps),
+            first: DVec3::new(10.0, 20.0, 30.0),
+            centring: Centring::Nodes,
+        }
+    }
+
+    fn error(steps: [DVec3; 3]) -> String {
+        let placement = axes(steps).placement(&LoadOptions::default());
+        placement.err().unwrap().to_string()
+    }
+
+    /// Whatever the order and the signs, the value at a point of the world is the one the file
+    /// puts there.
+    #[test]
+    fn every_signed_permutation_keeps_values_at_their_points() {
+        let unit = [DVec3::X, DVec3::Y, DVec3::Z];
+        let orders = [
+            [0, 1, 2],
+            [0, 2, 1],
+            [1, 0, 2],
+            [1, 2, 0],
+            [2, 0, 1],
+            [2, 1, 0],
+        ];
+        for order in orders {
+            for signs in 0..8 {
+                let sign = |axis: usize| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 };
+                let steps: [DVec3; 3] = std::array::from_fn(|axis| {
+                    unit[order[axis]] * (sign(axis) * (axis + 1) as f64)
+                });
+                let axes = axes(steps);
+                let placement = axes.placement(&LoadOptions::default()).unwrap();
+                let values = placement.put((0..12).map(|v| v as f32).collect(), axes.sizes);
+                let lattice = placement.lattice;
+                for (index, value) in values.into_iter().enumerate() {
+                    let stored = value as usize;
+                    let [i, j, k] = [stored % 2, stored / 2 % 3, stored / 6].map(|n| n as f64);
+                    let place = axes.first + steps[0] * i + steps[1] * j + steps[2] * k;
+                    assert_eq!(lattice.position(lattice.node(index)), place, "{steps:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn oblique_and_parallel_axes_are_refused() {
+        let turned = DVec3::new(0.6, 0.8, 0.0);
+        assert_eq!(
+            error([turned, DVec3::new(-0.8, 0.6, 0.0), DVec3::Z]),
+            "axis 1 of the file is turned by 36.8699 degrees against the nearest axis of the \
+             world: resample the volume along x, y and z, or ask for its axes as stored"
+        );
+        assert_eq!(
+            error([DVec3::X, -DVec3::X, DVec3::Z]),
+            "axes 1 and 2 of the file point along the same axis of the world, x: the header is \
+             wrong"
+        );
+        assert!(error([DVec3::X, DVec3::ZERO, DVec3::Z]).contains("must be positive and finite"));
+        let nan = DVec3::new(f64::NAN, 0.0, 0.0);
+        assert!(error([nan, DVec3::Y, DVec3::Z]).contains("must be positive and finite"));
+    }
+
+    #[test]
+    fn axes_as_stored_keep_their_lengths() {
+        let options = LoadOptions {
+            orientation: Orientation::AsStored,
+            ..LoadOptions::default()
+        };
+        let axes = axes([DVec3::new(3.0, 4.0, 0.0), -DVec3::Z, DVec3::Y]);
+        let placement = axes.placement(&options).unwrap();
+        assert_eq!(placement.lattice.nodes(), [2, 3, 2]);
+        assert_eq!(placement.lattice.spacing(), DVec3::new(5.0, 1.0, 1.0));
+        assert_eq!(placement.lattice.first(), axes.first);
+        assert_eq!(placement.put(vec![1.0, 2.0], [2, 1, 1]), [1.0, 2.0]);
+    }
+
+    #[test]
+    fn the_rounding_of_headers_is_no_turn() {
+        let off = DVec3::new(2.0, 1e-5, -1e-6);
+        let placement = axes([off, DVec3::Y, DVec3::Z]).placement(&LoadOptions::default());
+        assert_eq!(
+            placement.unwrap().lattice.spacing(),
+            DVec3::new(2.0, 1.0, 1.0)
+        );
+    }
+}

@@ -1,0 +1,684 @@
+//! The samples of a grid file: how they are stored, and how they become `f32`.
+//!
+//! Every header of a grid file comes down to a [`Layout`]; reading the samples is the same for
+//! all formats. A header is held against the length of the file before memory is asked for, and
+//! where a file is compressed, memory grows with what has arrived.
+
+use super::orientation::{Axes, OrientationError};
+use super::{Grid, Lattice, LatticeError, LoadOptions};
+use std::io::{self, BufRead, Read};
+use thiserror::Error;
+
+/// The type of a stored sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Element {
+    /// Signed, 8 bits.
+    Int8,
+    /// Unsigned, 8 bits.
+    Uint8,
+    /// Signed, 16 bits.
+    Int16,
+    /// Unsigned, 16 bits.
+    Uint16,
+    /// Signed, 32 bits.
+    Int32,
+    /// Unsigned, 32 bits.
+    Uint32,
+    /// Signed, 64 bits.
+    Int64,
+    /// Unsigned, 64 bits.
+    Uint64,
+    /// IEEE 754 half precision.
+    Float16,
+    /// IEEE 754 single precision.
+    Float32,
+    /// IEEE 754 double precision.
+    Float64,
+}
+
+impl Element {
+    /// Every type, by its name.
+    pub const ALL: [(&'static str, Element); 11] = [
+        ("int8", Element::Int8),
+        ("uint8", Element::Uint8),
+        ("int16", Element::Int16),
+        ("uint16", Element::Uint16),
+        ("int32", Element::Int32),
+        ("uint32", Element::Uint32),
+        ("int64", Element::Int64),
+        ("uint64", Element::Uint64),
+        ("float16", Element::Float16),
+        ("float32", Element::Float32),
+        ("float64", Element::Float64),
+    ];
+
+    /// Bytes of one sample.
+    pub fn bytes(self) -> usize {
+        match self {
+            Element::Int8 | Element::Uint8 => 1,
+            Element::Int16 | Element::Uint16 | Element::Float16 => 2,
+            Element::Int32 | Element::Uint32 | Element::Float32 => 4,
+            Element::Int64 | Element::Uint64 | Element::Float64 => 8,
+        }
+    }
+
+    /// Whether samples are whole numbers.
+    pub fn is_whole(self) -> bool {
+        !matches!(self, Element::Float16 | Element::Float32 | Element::Float64)
+    }
+
+    /// Its name, such as `uint16`.
+    pub fn name(self) -> &'static str {
+        let found = Self::ALL.iter().find(|(_, element)| *element == self);
+        found.expect("every type has a name").0
+    }
+}
+
+/// The order of the bytes of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Endian {
+    /// Least significant byte first.
+    Little,
+    /// Most significant byte first.
+    Big,
+}
+
+/// How samples are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// As they are in memory.
+    Raw,
+    /// Raw, then compressed by gzip.
+    Gzip,
+    /// As decimal numbers with blanks or commas between them.
+    Text,
+}
+
+/// What stands for a sample that is no finite number.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum NonFinite {
+    /// Nothing does: an error names the voxel.
+    #[default]
+    Refused,
+    /// This value.
+    Replaced(f32),
+    /// It stays as it is. For reports on a file: neither rendering nor resampling is defined.
+    Kept,
+}
+
+/// How a file holds the samples of a grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layout {
+    /// Where the samples lie.
+    pub axes: Axes,
+    /// Type of a sample.
+    pub element: Element,
+    /// Order of its bytes; without meaning for samples of one byte and for text.
+    pub endian: Endian,
+    /// How samples are written.
+    pub encoding: Encoding,
+    /// Slope a and intercept b: a stored sample s stands for the value `a·s + b`.
+    pub scaling: Option<(f64, f64)>,
+}
+
+/// Why samples cannot be read as their header describes them.
+#[derive(Debug, Error)]
+pub enum SamplesError {
+    /// The system refuses.
+    #[error("cannot be read: {0}")]
+    Read(io::Error),
+    /// No grid of ours.
+    #[error(transparent)]
+    Lattice(#[from] LatticeError),
+    /// Axes that are not those of the world.
+    #[error(transparent)]
+    Orientation(#[from] OrientationError),
+    /// Fewer or more bytes than the header says.
+    #[error(
+        "the header promises {} × {} × {} samples of {}, {promised} bytes, and {found} bytes \
+         follow it: the file {}",
+        sizes[0], sizes[1], sizes[2], element.name(),
+        if found < promised { "was cut short, or has another type or size" }
+        else { "holds something else as well, or has another type or size" }
+    )]
+    Length {
+        /// Samples along the stored axes.
+        sizes: [usize; 3],
+        /// Their type.
+        element: Element,
+        /// Bytes the header promises.
+        promised: u64,
+        /// Bytes there are.
+        found: u64,
+    },
+    /// So few bytes that they cannot hold the samples, however well they are packed.
+    #[error(
+        "the header promises {} × {} × {} samples, {promised} bytes when unpacked, and the \
+         {found} bytes that follow it cannot hold them: the header is wrong, or the file was cut \
+         short",
+        sizes[0], sizes[1], sizes[2]
+    )]
+    TooDense {
+        /// Samples along the stored axes.
+        sizes: [usize; 3],
+        /// Bytes the header promises.
+        promised: u64,
+        /// Bytes there are.
+        found: u64,
+    },
+    /// The data end early.
+    #[error(
+        "the header promises {} × {} × {} samples, and the data end after {found} of them: the \
+         file was cut short, or has another type or size",
+        sizes[0], sizes[1], sizes[2]
+    )]
+    Ends {
+        /// Samples along the stored axes.
+        sizes: [usize; 3],
+        /// Samples found.
+        found: usize,
+    },
+    /// The data go on.
+    #[error(
+        "the data go on after the {} × {} × {} samples that the header promises: no more is \
+         unpacked; the file holds something else as well, or has another type or size",
+        sizes[0], sizes[1], sizes[2]
+    )]
+    GoesOn {
+        /// Samples along the stored axes.
+        sizes: [usize; 3],
+    },
+    /// Not gzip, or damaged.
+    #[error("the data are no sound gzip stream ({0}): compress the file again, or copy it again")]
+    Gzip(io::Error),
+    /// Not a number.
+    #[error("sample {index} of the text is {text:?}, which is not a number")]
+    Text {
+        /// Which sample, counted from 0 in the order of the file.
+        index: usize,
+        /// What is written there.
+        text: String,
+    },
+    /// NaN, infinity, or beyond what `f32` holds.
+    #[error(
+        "voxel ({}, {}, {}), counted as stored, holds {value}: values must be finite, and not \
+         beyond 3.4e38; mend it, or give a value to replace it",
+        voxel[0], voxel[1], voxel[2]
+    )]
+    NonFinite {
+        /// The first such voxel, (i, j, k) along the axes as stored.
+        voxel: [usize; 3],
+        /// What it stands for.
+        value: f64,
+    },
+    /// Not enough memory.
+    #[error("no memory for {0} samples: cut the file into parts, or thin it out")]
+    Memory(usize),
+}
+
+/// Reads the samples that follow a header, and all that follows them: nothing may. `remaining`
+/// is the number of bytes from here to the end of the file.
+///
+/// Values are computed in `f64` and rounded to `f32` once more: whole numbers beyond 2²⁴ and
+/// `float64` lose digits.
+pub(super) fn read_grid(
+    source: &mut impl BufRead,
+    remaining: u64,
+    layout: &Layout,
+    options: &LoadOptions,
+) -> Result<Grid<f32>, SamplesError> {
+    match layout.encoding {
+        Encoding::Raw => read_as(layout, options, |samples| {
+            samples.check_length(remaining)?;
+            samples.reserve(samples.count)?;
+            samples.read_binary(source, SamplesError::Read)
+        }),
+        Encoding::Gzip => {
+            let mut unpacked = flate2::bufread::MultiGzDecoder::new(source);
+            read_unpacked(&mut unpacked, remaining, layout, options)
+        }
+        // A digit and a blank are the shortest sample; the last may go without the blank.
+        Encoding::Text => read_as(layout, options, |samples| {
+            let most = 0.5 * samples.bytes_each as f64;
+            samples.check_density(remaining.saturating_add(1), most)?;
+            samples.read_text(source)
+        }),
+    }
+}
+
+/// As [`read_grid`], of samples in a stream that `source` is already unpacking from a file of
+/// `length` bytes.
+pub(super) fn read_unpacked(
+    source: &mut impl Read,
+    length: u64,
+    layout: &Layout,
+    options: &LoadOptions,
+) -> Result<Grid<f32>, SamplesError> {
+    read_as(layout, options, |samples| {
+        samples.check_density(length, MOST_EXPANSION)?;
+        samples.read_binary(source, SamplesError::Gzip)
+    })
+}
+
+/// Checks where the samples lie, reads them by `read`, and puts them there.
+fn read_as(
+    layout: &Layout,
+    options: &LoadOptions,
+    read: impl FnOnce(&mut Samples<'_>) -> Result<(), SamplesError>,
+) -> Result<Grid<f32>, SamplesError> {
+    let placement = layout.axes.placement(options)?;
+    let mut samples = Samples::new(layout, options);
+    read(&mut samples)?;
+    let values = placement.put(samples.values, layout.axes.sizes);
+    Ok(Grid::new(placement.lattice, values).expect("one value per node"))
+}
+
+/// Deflate cannot do better than 1032 to 1: 258 bytes from two bits.
+///
+/// Source: zlib's technical notes, "Maximum compression factor".
+const MOST_EXPANSION: f64 = 1032.0;
+
+/// Bytes decoded at a time: a multiple of every sample's size, small enough for the cache.
+const CHUNK: usize = 1 << 18;
+
+/// Longest number read from text.
+const LONGEST_NUMBER: usize = 64;
+
+struct Samples<'l> {
+    layout: &'l Layout,
+    non_finite: NonFinite,
+    count: usize,
+    bytes_each: usize,
+    values: Vec<f32>,
+}
+
+impl<'l> Samples<'l> {
+    fn new(layout: &'l Layout, options: &LoadOptions) -> Samples<'l> {
+        Samples {
+            layout,
+            non_finite: options.non_finite,
+            count: layout.axes.sizes.iter().product(),
+            bytes_each: layout.element.bytes(),
+            values: Vec::new(),
+        }
+    }
+
+    /// No overflow: a lattice has at most 2³¹ nodes.
+    fn promised(&self) -> u64 {
+        self.count as u64 * self.bytes_each as u64
+    }
+
+    fn check_length(&self, found: u64) -> Result<(), SamplesError> {
+        let promised = self.promised();
+        if found == promised {
+            return Ok(());
+        }
+        Err(SamplesError::Length {
+            sizes: self.layout.axes.sizes,
+            element: self.layout.element,
+            promised,
+            found,
+        })
+    }
+
+    fn check_density(&self, found: u64, most_expansion: f64) -> Result<(), SamplesError> {
+        let promised = self.promised();
+        if promised as f64 <= found as f64 * most_expansion {
+            return Ok(());
+        }
+        Err(SamplesError::TooDense {
+            sizes: self.layout.axes.sizes,
+            promised,
+            found,
+        })
+    }
+
+    /// Makes room for `more` samples.
+    fn reserve(&mut self, more: usize) -> Result<(), SamplesError> {
+        let failed = |_| SamplesError::Memory(self.count);
+        self.values.try_reserve_exact(more).map_err(failed)
+    }
+
+    /// Makes room for `more` samples where there is none, and for an eighth beside: memory stays
+    /// in proportion to what has arrived, and little is left over.
+    fn grow(&mut self, more: usize) -> Result<(), SamplesError> {
+        if self.values.capacity() - self.values.len() >= more {
+            return Ok(());
+        }
+        let missing = self.count - self.values.len();
+        self.reserve(missing.min(more + self.values.len() / 8))
+    }
+
+    fn read_binary(
+        &mut self,
+        source: &mut impl Read,
+        trouble: fn(io::Error) -> SamplesError,
+    ) -> Result<(), SamplesError> {
+        let mut chunk = vec![0; CHUNK];
+        while self.values.len() < self.count {
+            let wanted = (self.count - self.values.len()).min(CHUNK / self.bytes_each);
+            let chunk = &mut chunk[..wanted * self.bytes_each];
+            let filled = fill(source, chunk).map_err(trouble)?;
+            let whole = filled / self.bytes_each;
+            self.grow(whole)?;
+            self.decode(&chunk[..whole * self.bytes_each])?;
+            if filled < chunk.len() {
+                return Err(SamplesError::Ends {
+                    sizes: self.layout.axes.sizes,
+                    found: self.values.len(),
+                });
+            }
+        }
+        // Reading the end of a gzip stream is also what checks its sum.
+        match fill(source, &mut [0]).map_err(trouble)? {
+            0 => Ok(()),
+            _ => Err(SamplesError::GoesOn {
+                sizes: self.layout.axes.sizes,
+            }),
+        }
+    }
+
+    fn decode(&mut self, bytes: &[u8]) -> Result<(), SamplesError> {
+        macro_rules! decode {
+            ($type:ty, $to_f64:expr) => {
+                match self.layout.endian {
+                    Endian::Little => self.push(bytes, |b| $to_f64(<$type>::from_le_bytes(b))),
+                    Endian::Big => self.push(bytes, |b| $to_f64(<$type>::from_be_bytes(b))),
+                }
+            };
+        }
+        match self.layout.element {
+            Element::Int8 => decode!(i8, f64::from),
+            Element::Uint8 => decode!(u8, f64::from),
+            Element::Int16 => decode!(i16, f64::from),
+            Element::Uint16 => decode!(u16, f64::from),
+            Element::Int32 => decode!(i32, f64::from),
+            Element::Uint32 => decode!(u32, f64::from),
+            Element::Int64 => decode!(i64, |x| x as f64),
+            Element::Uint64 => decode!(u64, |x| x as f64),
+            Element::Float16 => decode!(half::f16, f64::from),
+            Element::Float32 => decode!(f32, f64::from),
+            Element::Float64 => decode!(f64, |x| x),
+        }
+    }
+
+    fn push<const N: usize>(
+        &mut self,
+        bytes: &[u8],
+        number: impl Fn([u8; N]) -> f64,
+    ) -> Result<(), SamplesError> {
+        let (words, _) = bytes.as_chunks::<N>();
+        let start = self.values.len();
+        match self.layout.scaling {
+            None => self.values.extend(words.iter().map(|&b| number(b) as f32)),
+            Some((slope, intercept)) => {
+                let scaled = words.iter().map(|&b| slope * number(b) + intercept);
+                self.values.extend(scaled.map(|value| value as f32));
+            }
+        }
+        let wrong = self.values[start..].iter().position(|v| !v.is_finite());
+        let Some(first) = wrong else {
+            return Ok(());
+        };
+        let stored = number(words[first]);
+        self.mend(start, start + first, stored)
+    }
+
+    /// Deals with values that are not finite, from `start` on; `first` is the first of them, and
+    /// stands for the stored sample `stored`.
+    fn mend(&mut self, start: usize, first: usize, stored: f64) -> Result<(), SamplesError> {
+        match self.non_finite {
+            NonFinite::Kept => Ok(()),
+            NonFinite::Replaced(by) => {
+                let values = self.values[start..].iter_mut();
+                values
+                    .filter(|value| !value.is_finite())
+                    .for_each(|value| *value = by);
+                Ok(())
+            }
+            NonFinite::Refused => {
+                let [nx, ny, _] = self.layout.axes.sizes;
+                Err(SamplesError::NonFinite {
+                    voxel: [first % nx, first / nx % ny, first / nx / ny],
+                    value: self
+                        .layout
+                        .scaling
+                        .map_or(stored, |(slope, intercept)| slope * stored + intercept),
+                })
+            }
+        }
+    }
+
+    fn read_text(&mut self, source: &mut impl BufRead) -> Result<(), SamplesError> {
+        let separates = |byte: u8| byte.is_ascii_whitespace() || byte == b',';
+        let mut word: Vec<u8> = Vec::new();
+        loop {
+            let buffer = source.fill_buf().map_err(SamplesError::Read)?;
+            let length = buffer.len();
+            if length == 0 {
+                break;
+            }
+            // The borrow of the buffer ends before samples are taken from its copy.
+            let bytes = buffer.to_vec();
+            source.consume(length);
+            for byte in bytes {
+                if !separates(byte) {
+                    word.push(byte);
+                    if word.len() > LONGEST_NUMBER {
+                        return Err(self.not_a_number(&word));
+                    }
+                } else if !word.is_empty() {
+                    self.take_word(&mut word)?;
+                }
+            }
+        }
+        if !word.is_empty() {
+            self.take_word(&mut word)?;
+        }
+        if self.values.len() < self.count {
+            return Err(SamplesError::Ends {
+                sizes: self.layout.axes.sizes,
+                found: self.values.len(),
+            });
+        }
+        Ok(())
+    }
+
+    fn take_word(&mut self, word: &mut Vec<u8>) -> Result<(), SamplesError> {
+        if self.values.len() == self.count {
+            return Err(SamplesError::GoesOn {
+                sizes: self.layout.axes.sizes,
+            });
+        }
+        let number = std::str::from_utf8(word).ok();
+        let number: Option<f64> = number.and_then(|text| text.parse().ok());
+        let number = number.ok_or_else(|| self.not_a_number(word))?;
+        word.clear();
+        self.grow(1)?;
+        self.push(&[0; 1], |_: [u8; 1]| number)
+    }
+
+    fn not_a_number(&self, word: &[u8]) -> SamplesError {
+        SamplesError::Text {
+            index: self.values.len(),
+            text: String::from_utf8_lossy(word).into_owned(),
+        }
+    }
+}
+
+/// Reads until `bytes` are full or the source ends; tells how many were read.
+pub(super) fn fill(source: &mut impl Read, bytes: &mut [u8]) -> io::Result<usize> {
+    let mut filled = 0;
+    while filled < bytes.len() {
+        match source.read(&mut bytes[filled..]) {
+            Ok(0) => break,
+            Ok(count) => filled += count,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(filled)
+}
+
+/// Checks that a file may have `sizes` samples: what [`Lattice::new`] says about nodes.
+pub(super) fn check_sizes(sizes: [u64; 3]) -> Result<[usize; 3], LatticeError> {
+    let nodes = sizes.map(|size| usize::try_from(size).unwrap_or(usize::MAX));
+    Lattice::new(nodes, glam::DVec3::ONE, glam::DVec3::ZERO).map(|_| nodes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Centring;
+    use super::super::orientation::Steps;
+    use super::*;
+    use glam::DVec3;
+    use std::io::Write;
+
+    fn layout(element: Element, endian: Endian, encoding: Encoding, sizes: [usize; 3]) -> Layout {
+        Layout {
+            axes: Axes {
+                sizes,
+                steps: Steps::Upright(DVec3::ONE),
+                first: DVec3::ZERO,
+                centring: Centring::Nodes,
+            },
+            element,
+            endian,
+            encoding,
+            scaling: None,
+        }
+    }
+
+    fn read(layout: &Layout, bytes: &[u8]) -> Result<Vec<f32>, SamplesError> {
+        let options = LoadOptions::default();
+        let grid = read_grid(&mut &*bytes, bytes.len() as u64, layout, &options);
+        grid.map(|grid| grid.values().to_vec())
+    }
+
+    fn gzip(bytes: &[u8]) -> Vec<u8> {
+        let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+        encoder.write_all(bytes).unwrap();
+        encoder.finish().unwrap()
+    }
+
+    #[test]
+    fn every_type_in_either_order() {
+        macro_rules! check {
+            ($($element:ident: $type:ty = $least:expr, $most:expr;)*) => {$({
+                let values: [$type; 2] = [$least, $most];
+                let expected = values.map(|value| f64::from(value as f32));
+                for (endian, bytes) in [
+                    (Endian::Little, values.map(<$type>::to_le_bytes).concat()),
+                    (Endian::Big, values.map(<$type>::to_be_bytes).concat()),
+                ] {
+                    let layout = layout(Element::$element, endian, Encoding::Raw, [2, 1, 1]);
+                    let read = read(&layout, &bytes).unwrap();
+                    let read: Vec<f64> = read.into_iter().map(f64::from).collect();
+                    assert_eq!(read, expected, "{layout:?}");
+                }
+            })*};
+        }
+        check! {
+            Int8: i8 = i8::MIN, i8::MAX;
+            Uint8: u8 = 1, u8::MAX;
+            Int16: i16 = i16::MIN, 0x102;
+            Uint16: u16 = 0x102, u16::MAX;
+            Int32: i32 = i32::MIN, 0x10203;
+            Uint32: u32 = 0x10203, u32::MAX;
+            Int64: i64 = i64::MIN, 0x10203;
+            Uint64: u64 = 0x10203, u64::MAX;
+            Float32: f32 = -1.5e-40, f32::MAX;
+            Float64: f64 = 0.1, -1e-300;
+        }
+        let halves = layout(Element::Float16, Endian::Big, Encoding::Raw, [2, 1, 1]);
+        assert_eq!(
+            read(&halves, &[0x3c, 0, 0xfb, 0xff]).unwrap(),
+            [1.0, -65504.0]
+        );
+    }
+
+    #[test]
+    fn many_chunks() {
+        let values: Vec<u16> = (0..400_000_u32).map(|v| (v % 65_521) as u16).collect();
+        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        let raw = layout(
+            Element::Uint16,
+            Endian::Little,
+            Encoding::Raw,
+            [400, 100, 10],
+        );
+        let expected: Vec<f32> = values.iter().map(|&v| f32::from(v)).collect();
+        assert_eq!(read(&raw, &bytes).unwrap(), expected);
+        let packed = Layout {
+            encoding: Encoding::Gzip,
+            ..raw
+        };
+        assert_eq!(read(&packed, &gzip(&bytes)).unwrap(), expected);
+        // Two streams, one after the other, as some compressors in parallel write them.
+        let parts = [gzip(&bytes[..7]), gzip(&bytes[7..])].concat();
+        assert_eq!(read(&packed, &parts).unwrap(), expected);
+    }
+
+    #[test]
+    fn slopes_are_applied_before_rounding() {
+        let mut layout = layout(Element::Int16, Endian::Little, Encoding::Raw, [2, 1, 1]);
+        layout.scaling = Some((0.1, -1024.0));
+        let read = read(&layout, &[3, 0, 255, 255]).unwrap();
+        assert_eq!(read, [(0.1 * 3.0 - 1024.0) as f32, (-0.1 - 1024.0) as f32]);
+    }
+
+    /// Nothing beyond what the header promises is unpacked, and nothing is set aside for a
+    /// promise that the file cannot keep.
+    #[test]
+    fn gzip_that_lies() {
+        let packed = |sizes| layout(Element::Uint8, Endian::Little, Encoding::Gzip, sizes);
+        let message = |sizes, bytes: &[u8]| read(&packed(sizes), bytes).unwrap_err().to_string();
+        let bomb = gzip(&vec![0; 50_000_000]);
+        assert!(bomb.len() < 50_000);
+        assert!(
+            message([2, 2, 2], &bomb).starts_with("the data go on after the 2 × 2 × 2 samples")
+        );
+        assert!(
+            message([1290, 1290, 1290], &bomb).contains("cannot hold them: the header is wrong")
+        );
+        let sound = gzip(&[1; 8]);
+        assert_eq!(
+            message([3, 3, 1], &sound),
+            "the header promises 3 × 3 × 1 samples, and the data end after 8 of them: the file \
+             was cut short, or has another type or size"
+        );
+        assert!(message([2, 2, 2], &sound[..sound.len() - 5]).contains("no sound gzip stream"));
+        let mut wrong_sum = sound.clone();
+        wrong_sum[sound.len() - 8] ^= 1;
+        assert!(message([2, 2, 2], &wrong_sum).contains("no sound gzip stream"));
+        assert!(message([2, 2, 2], b"not gzip at all").contains("no sound gzip stream"));
+    }
+
+    #[test]
+    fn what_is_not_finite() {
+        let layout = layout(Element::Float64, Endian::Little, Encoding::Raw, [2, 1, 2]);
+        let bytes: Vec<u8> = [1.0, f64::NAN, 2.0, -1e39]
+            .iter()
+            .flat_map(|v| v.to_le_bytes())
+            .collect();
+        let with = |non_finite| {
+            let options = LoadOptions {
+                non_finite,
+                ..LoadOptions::default()
+            };
+            let grid = read_grid(&mut &bytes[..], 32, &layout, &options);
+            grid.map(|grid| grid.values().to_vec())
+        };
+        assert_eq!(
+            with(NonFinite::Refused).unwrap_err().to_string(),
+            "voxel (1, 0, 0), counted as stored, holds NaN: values must be finite, and not beyond \
+             3.4e38; mend it, or give a value to replace it"
+        );
+        assert_eq!(
+            with(NonFinite::Replaced(-7.0)).unwrap(),
+            [1.0, -7.0, 2.0, -7.0]
+        );
+        let kept = with(NonFinite::Kept).unwrap();
+        assert!(kept[1].is_nan() && kept[3] == f32::NEG_INFINITY);
+    }
+}

@@ -1,0 +1,111 @@
+//! `volref info`.
+
+use crate::folder::{Folder, assert_shown};
+use serde_json::json;
+
+fn fixture(name: &str) -> Vec<u8> {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/volumes/formats");
+    std::fs::read(folder.join(name)).unwrap()
+}
+
+fn with(names: &[&str]) -> Folder {
+    let folder = Folder::new();
+    for name in names {
+        folder.write(name, fixture(name));
+    }
+    folder
+}
+
+#[test]
+fn a_grid() {
+    let folder = with(&["grid.nii"]);
+    assert_shown!(folder.volref(&["info", "grid.nii"]).shown(), @"");
+}
+
+#[test]
+fn a_header_and_its_data() {
+    let folder = with(&["detached.nhdr", "detached.raw"]);
+    assert_shown!(folder.volref(&["info", "detached.nhdr"]).shown(), @"");
+}
+
+#[test]
+fn a_cloud() {
+    let folder = Folder::new();
+    folder.write("two.obj", "v 0 0 0\nv 1 0 0 0.5\n");
+    let run = folder.volref(&["info", "two.obj", "--resolution", "4", "--padding", "1"]);
+    assert_shown!(run.shown(), @"");
+}
+
+/// What no scene accepts is shown nevertheless.
+#[test]
+fn negative_values_and_values_that_are_not_finite() {
+    let folder = Folder::new();
+    let mut bytes = fixture("grid.vol");
+    for (voxel, value) in [(0, -5.0_f32), (5, f32::NAN), (6, f32::INFINITY)] {
+        bytes[48 + 4 * voxel..][..4].copy_from_slice(&value.to_le_bytes());
+    }
+    folder.write("odd.vol", bytes);
+    let run = folder.volref(&["info", "odd.vol"]);
+    run.expect(0, &[]);
+    for part in [
+        "values      -5 to 123, mean 66.3",
+        "0 zero, 22 not, 1 of them negative",
+        "not finite  2, first at voxel (1, 1, 0): NaN",
+    ] {
+        assert!(run.stdout.contains(part), "{part}: {}", run.stdout);
+    }
+    let json = folder.volref(&["info", "odd.vol", "--json"]).json();
+    assert_eq!(json["values"]["non_finite"], json!(2));
+    assert_eq!(
+        json["values"]["first_non_finite"],
+        json!({ "voxel": [1, 1, 0], "value": "NaN" })
+    );
+    let mut nothing = fixture("grid.vol");
+    nothing[48..].fill(0xff);
+    folder.write("nothing.vol", nothing);
+    let json = folder.volref(&["info", "nothing.vol", "--json"]).json();
+    assert_eq!(json["values"]["mean"], json!(null));
+    assert_eq!(json["values"]["histogram"], json!([]));
+}
+
+#[test]
+fn json() {
+    let folder = with(&["grid.nii", "detached.nhdr", "detached.raw"]);
+    let json = folder.volref(&["info", "grid.nii", "--json"]).json();
+    assert_eq!(json["schema"], json!("volref/info/1"));
+    assert_eq!(json["nodes"], json!([4, 3, 2]));
+    assert_eq!(json["spacing"], json!([0.5, 1.0, 2.0]));
+    assert_eq!(json["max"], json!([0.5, 4.0, 5.0]));
+    assert_eq!(json["stored"]["scaling"]["mean"], json!(143.0));
+    assert_eq!(json["values"]["mean"], json!(61.5));
+    let json = folder.volref(&["info", "detached.nhdr", "--json"]).json();
+    assert_eq!(json["files"][1]["path"], json!("detached.raw"));
+    let hash = blake3::hash(&fixture("detached.raw")).to_hex().to_string();
+    assert_eq!(json["files"][1]["blake3"], json!(hash));
+}
+
+#[test]
+fn centring_can_be_asked_for() {
+    let folder = with(&["grid.vol"]);
+    let run = folder.volref(&["info", "grid.vol", "--centring", "cells"]);
+    assert!(
+        run.stdout
+            .contains("(-1, 2, 3) to (0.5, 4, 5), centred on cells"),
+        "{}",
+        run.stdout
+    );
+}
+
+#[test]
+fn files_that_are_no_volumes() {
+    let folder = with(&["detached.nhdr"]);
+    folder.write("scene.toml", "[classified]\n");
+    for (file, part) in [
+        ("nowhere.vol", "nowhere.vol: there is no such file"),
+        ("scene.toml", "scene.toml:1:2: unknown field `classified`"),
+        ("detached.nhdr", "detached.raw: there is no such file"),
+        ("smoke.vdb", "smoke.vdb: not a volume by its extension"),
+    ] {
+        folder.volref(&["info", file]).expect(2, &[part]);
+    }
+}
