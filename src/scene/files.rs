@@ -101,6 +101,32 @@ impl<'p> Files<'p> {
         relative.display().to_string()
     }
 
+    /// The text that a table `{ file }` names, and its name for messages.
+    pub(super) fn text(
+        &mut self,
+        reader: &Reader<'_, '_>,
+        name: &str,
+    ) -> Result<(String, String), Box<SceneError>> {
+        let path = self.folder.join(name);
+        let bytes = std::fs::read(&path).map_err(|error| {
+            let message = match error.kind() {
+                ErrorKind::NotFound => format!("there is no file {name}"),
+                _ => format!("{} cannot be read: {error}", path.display()),
+            };
+            reader.error("file", message)
+        })?;
+        self.note(&InputFile {
+            name: name.to_owned(),
+            hash: blake3::hash(&bytes).to_hex().to_string(),
+        });
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let place = error.utf8_error().valid_up_to();
+            let message = format!("{name} is not text: byte {place} begins no UTF-8 character");
+            reader.error("file", message)
+        })?;
+        Ok((path.display().to_string(), text))
+    }
+
     /// The mesh that a table `{ file }` names.
     pub(super) fn mesh(&mut self, reader: &Reader<'_, '_>) -> Result<Arc<Mesh>, Box<SceneError>> {
         let name = reader.text("file")?;

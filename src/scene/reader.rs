@@ -318,6 +318,33 @@ impl<'d, 's> Reader<'d, 's> {
         }
     }
 
+    /// Notes something that was read for this table in a text of another kind.
+    pub fn also(&self, name: &str, reading: &Reading) {
+        let inside = format!("{name}.{}", reading.key);
+        self.note(&inside, reading.value.clone(), reading.origin);
+    }
+
+    /// The text at `name` for a reader of another kind, and what to call it in messages. A text
+    /// between three single quotes keeps its lines and columns: blanks stand for all before it.
+    pub fn text_in_place(&self, name: &str) -> Result<Option<(String, String)>, Box<SceneError>> {
+        let (Some(text), Some(value)) = (self.optional_text(name)?, self.value(name)) else {
+            return Ok(None);
+        };
+        const QUOTES: &str = "'''";
+        let file = self.document.text;
+        let raw = &file[value.span()];
+        if raw.len() < 2 * QUOTES.len() || !raw.starts_with(QUOTES) || !raw.ends_with(QUOTES) {
+            let place = format!("{}, {}", self.document.path, self.key_path(name));
+            return Ok(Some((place, text)));
+        }
+        let start = value.span().start + QUOTES.len();
+        let blank = |c: char| if c.is_whitespace() { c } else { ' ' };
+        let before = file[..start].chars().map(blank);
+        let inside = &raw[QUOTES.len()..raw.len() - QUOTES.len()];
+        let in_place = before.chain(inside.chars()).collect();
+        Ok(Some((self.document.path.to_owned(), in_place)))
+    }
+
     /// A mistake in the value of `name`, or in its absence.
     pub fn error(&self, name: &str, message: impl Into<String>) -> Box<SceneError> {
         let help = format!("`{}`: {}", self.key_path(name), self.declared(name).doc);

@@ -4,9 +4,9 @@ use crate::media::Field;
 use crate::scene::SceneError;
 use crate::scene::files::Files;
 use crate::scene::format::{Absent, Key, Kind, Literal, Range, Rule, Table};
-use crate::scene::procedural_xml::{ProceduralMedium, read_procedural};
 use crate::scene::reader::Reader;
 use crate::scene::volume::VOLUME;
+use crate::scene::{ProceduralMedium, read_procedural};
 use crate::volume::{
     Blob, ExponentialLayer, FractalDensity, FractalError, FractalParameters, GridDensity,
     Interpolation, LayerError, LinearRamp, MOST_OCTAVES,
@@ -230,8 +230,7 @@ pub(super) fn procedural(
     let Some(source) = reader.table("procedural")? else {
         return Ok(None);
     };
-    if let Some(text) = source.optional_text("text")? {
-        let place = source.place_of("text");
+    if let Some((place, text)) = source.text_in_place("text")? {
         return read_procedural(&place, &text).map(Some);
     }
     let name = source.text("file")?;

@@ -87,11 +87,17 @@ pub(super) fn read(
 ) -> Result<Body, Box<SceneError>> {
     let (coefficients, field, block_g) = match densities::procedural(reader, files)? {
         Some(block) => {
-            block.readings.iter().for_each(|reading| reader.also(reading));
+            for reading in &block.readings {
+                reader.also("procedural", reading);
+            }
             let field = Field::Noise(block.density);
             (block.coefficients, Some(field), block.asymmetry)
         }
-        None => (coefficients(reader)?, densities::field(reader, files)?, None),
+        None => (
+            coefficients(reader)?,
+            densities::field(reader, files)?,
+            None,
+        ),
     };
     let own = match &field {
         Some(Field::Grid(grid)) => Some(grid.bounds()),
