@@ -23,7 +23,7 @@ use volref::media::emission::*;
 use volref::media::estimators::*;
 use volref::media::profiles::*;
 use volref::media::*;
-use volref::volume::{Cell, Grid, Lattice};
+use volref::volume::{Cell, Grid, Lattice, LinearRamp};
 
 /// The largest relative error of one rounding.
 const U: f64 = f64::EPSILON / 2.0;

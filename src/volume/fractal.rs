@@ -195,7 +195,7 @@ impl DensityField for FractalDensity {
     /// of a point of the box in the lattice of an octave, as it is computed, lies between those
     /// of two opposite corners, and its noise within `noise_range` of these. Amplitudes are not
     /// negative: with the ends of these ranges in place of the noise, the same operations in the
-    /// same order give bounds on the sum as it is computed. [`density_of`](Self::density_of)
+    /// same order give bounds on the sum as it is computed. `density_of`
     /// rises with the sum.
     ///
     /// So `high` is 0 exactly where no sum can exceed the threshold, and `low` is 0 wherever one

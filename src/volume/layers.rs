@@ -148,7 +148,7 @@ impl DensityField for ExponentialLayer {
         self.of_share(exp(-self.height(point)))
     }
 
-    /// Proof. Heights, as they are computed, are extreme at two corners: [`extremes`]. `exp` is
+    /// Proof. Heights, as they are computed, are extreme at two corners: `extremes`. `exp` is
     /// less than a unit in the last place off, so it may fall where it should rise by less than
     /// two of them, of four at most in the finer spacing below a power of two; the product with
     /// the density keeps order.
@@ -167,7 +167,7 @@ impl DensityField for LinearRamp {
         self.value(point).clamp(0.0, f64::MAX)
     }
 
-    /// Proof: [`extremes`].
+    /// Proof: `extremes`.
     fn range_over(&self, bounds: &Aabb) -> DensityRange {
         let [low, high] = extremes(bounds, self.gradient).map(|corner| self.density(corner));
         DensityRange { low, high }

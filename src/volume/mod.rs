@@ -1,4 +1,5 @@
-//! Fields sampled on a lattice: reading, splatting, storage, interpolation, gradients.
+//! Fields in space. Sampled on a lattice: reading, splatting, storage, interpolation, gradients.
+//! As formulas: noise and layers, with bounds over boxes.
 
 mod blob;
 mod blocks;

@@ -19,13 +19,76 @@ fn with(names: &[&str]) -> Folder {
 #[test]
 fn a_grid() {
     let folder = with(&["grid.nii"]);
-    assert_shown!(folder.volref(&["info", "grid.nii"]).shown(), @"");
+    assert_shown!(folder.volref(&["info", "grid.nii"]).shown(), @r"
+    exit code 0
+    --- stdout
+    grid.nii: NIfTI-1
+
+    nodes       4 × 3 × 2, 24 in all
+    spacing     (0.5, 1, 2)
+    first node  (-1, 2, 3)
+    box         (-1, 2, 3) to (0.5, 4, 5), centred on nodes
+    stored      int16, big endian, raw
+                20 to 266, mean 143
+                value = 0.5 · stored - 10
+    values      0 to 123, mean 61.5
+                1 zero, 23 not
+
+    histogram
+          0 to 7.688  4  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
+      7.688 to 15.38  4  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
+      15.38 to 23.06  4  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
+      23.06 to 30.75  0
+      30.75 to 38.44  0
+      38.44 to 46.12  0
+      46.12 to 53.81  0
+      53.81 to  61.5  0
+       61.5 to 69.19  0
+      69.19 to 76.88  0
+      76.88 to 84.56  0
+      84.56 to 92.25  0
+      92.25 to 99.94  0
+      99.94 to 107.6  4  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
+      107.6 to 115.3  4  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
+      115.3 to   123  4  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
+    ");
 }
 
 #[test]
 fn a_header_and_its_data() {
     let folder = with(&["detached.nhdr", "detached.raw"]);
-    assert_shown!(folder.volref(&["info", "detached.nhdr"]).shown(), @"");
+    assert_shown!(folder.volref(&["info", "detached.nhdr"]).shown(), @r"
+    exit code 0
+    --- stdout
+    detached.nhdr: NRRD
+
+    nodes       4 × 3 × 2, 24 in all
+    spacing     (0.5, 1, 2)
+    first node  (-1, 2, 3)
+    box         (-1, 2, 3) to (0.5, 4, 5), centred on nodes
+    stored      uint8, raw, 2 × 3 × 4 in other order
+    values      0 to 123, mean 61.5
+                1 zero, 23 not
+    data in     detached.raw
+
+    histogram
+          0 to 7.688  4  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
+      7.688 to 15.38  4  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
+      15.38 to 23.06  4  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
+      23.06 to 30.75  0
+      30.75 to 38.44  0
+      38.44 to 46.12  0
+      46.12 to 53.81  0
+      53.81 to  61.5  0
+       61.5 to 69.19  0
+      69.19 to 76.88  0
+      76.88 to 84.56  0
+      84.56 to 92.25  0
+      92.25 to 99.94  0
+      99.94 to 107.6  4  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
+      107.6 to 115.3  4  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
+      115.3 to   123  4  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
+    ");
 }
 
 #[test]
@@ -33,7 +96,38 @@ fn a_cloud() {
     let folder = Folder::new();
     folder.write("two.obj", "v 0 0 0\nv 1 0 0 0.5\n");
     let run = folder.volref(&["info", "two.obj", "--resolution", "4", "--padding", "1"]);
-    assert_shown!(run.shown(), @"");
+    assert_shown!(run.shown(), @r"
+    exit code 0
+    --- stdout
+    two.obj: point cloud (Wavefront OBJ)
+
+    points      2
+    extent      (0, 0, 0) to (1, 0, 0)
+    nodes       4 × 3 × 3, 36 in all
+    spacing     1
+    first node  (-1, -1, -1)
+    box         (-1, -1, -1) to (2, 1, 1), centred on nodes
+    values      0 to 1, mean 0.04166667
+                34 zero, 2 not
+
+    histogram, bars logarithmic
+           0 to 0.0625  34  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
+      0.0625 to  0.125   0
+       0.125 to 0.1875   0
+      0.1875 to   0.25   0
+        0.25 to 0.3125   0
+      0.3125 to  0.375   0
+       0.375 to 0.4375   0
+      0.4375 to    0.5   0
+         0.5 to 0.5625   1  ▇▇▇▇▇▇▇▇
+      0.5625 to  0.625   0
+       0.625 to 0.6875   0
+      0.6875 to   0.75   0
+        0.75 to 0.8125   0
+      0.8125 to  0.875   0
+       0.875 to 0.9375   0
+      0.9375 to      1   1  ▇▇▇▇▇▇▇▇
+    ");
 }
 
 /// What no scene accepts is shown nevertheless.
