@@ -25,11 +25,25 @@ pub(super) trait Run {
 
 /// Runs `task` by the code compiled for `parts`.
 pub(super) fn with_parts<R: Run>(parts: Parts, task: R) -> R::Output {
+    if parts.heterogeneous {
+        return with_varying_media(parts, task);
+    }
     match (parts.media, parts.surfaces) {
         (false, false) => task.run::<Only<false, false, false, false, false, false>>(),
         (false, true) => task.run::<Only<false, true, false, false, false, false>>(),
         (true, false) => with_emission::<R, false>(parts, task),
         (true, true) => with_emission::<R, true>(parts, task),
+    }
+}
+
+/// Following light through what varies costs far more than to find that there are no surfaces, or
+/// than a phase function that might have been simpler: no code is compiled without them.
+fn with_varying_media<R: Run>(parts: Parts, task: R) -> R::Output {
+    match (parts.emission, parts.chromatic) {
+        (false, false) => task.run::<Only<true, true, false, false, true, true>>(),
+        (false, true) => task.run::<Only<true, true, false, true, true, true>>(),
+        (true, false) => task.run::<Only<true, true, true, false, true, true>>(),
+        (true, true) => task.run::<Only<true, true, true, true, true, true>>(),
     }
 }
 
@@ -45,14 +59,6 @@ fn with_colour<R: Run, const SURFACES: bool, const EMISSION: bool>(
     parts: Parts,
     task: R,
 ) -> R::Output {
-    if parts.heterogeneous {
-        // What varies costs far more than a phase function that might have been simpler.
-        return if parts.chromatic {
-            task.run::<Only<true, SURFACES, EMISSION, true, true, true>>()
-        } else {
-            task.run::<Only<true, SURFACES, EMISSION, false, true, true>>()
-        };
-    }
     match (parts.chromatic, parts.anisotropic) {
         (false, false) => task.run::<Only<true, SURFACES, EMISSION, false, false, false>>(),
         (false, true) => task.run::<Only<true, SURFACES, EMISSION, false, true, false>>(),
