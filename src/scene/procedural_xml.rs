@@ -563,6 +563,7 @@ mod tests {
     use super::*;
     use crate::volume::DensityField;
     use proptest::prelude::*;
+    use proptest::test_runner::FileFailurePersistence;
 
     const SOURCE: &str = include_str!("../../fixtures/scenes/procedural/source-block.xml");
 
@@ -925,7 +926,13 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(2000))]
+        #![proptest_config(ProptestConfig {
+            cases: 2000,
+            failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
+                "fixtures/proptest-regressions/procedural_xml.txt",
+            ))),
+            ..ProptestConfig::default()
+        })]
 
         /// No text makes the reader panic, and every complaint has words.
         #[test]

@@ -222,6 +222,7 @@ impl DensityField for FractalDensity {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use proptest::test_runner::FileFailurePersistence;
 
     /// The parameters of the source's XML block.
     const SOURCE: FractalParameters = FractalParameters {
@@ -404,7 +405,13 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(2000))]
+        #![proptest_config(ProptestConfig {
+            cases: 2000,
+            failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
+                "fixtures/proptest-regressions/fractal.txt",
+            ))),
+            ..ProptestConfig::default()
+        })]
 
         /// Densities are finite, at most the largest, above the threshold or 0, and within the
         /// range over any box around them.

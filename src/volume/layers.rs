@@ -213,6 +213,7 @@ fn finite(name: &'static str, value: DVec3) -> Result<DVec3, LayerError> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use proptest::test_runner::FileFailurePersistence;
 
     #[test]
     fn densities_by_hand() {
@@ -274,7 +275,13 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(1000))]
+        #![proptest_config(ProptestConfig {
+            cases: 1000,
+            failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
+                "fixtures/proptest-regressions/layers.txt",
+            ))),
+            ..ProptestConfig::default()
+        })]
 
         /// Densities are finite, not negative and within the range over any box around them.
         #[test]

@@ -220,6 +220,7 @@ mod tests {
     use super::*;
     use crate::volume::perlin_noise;
     use proptest::prelude::*;
+    use proptest::test_runner::FileFailurePersistence;
 
     /// Bounds on the mixture that [`NOISE_BOUND`] speaks of, over a part of a cell.
     fn largest_mixture(low: DVec3, high: DVec3) -> f64 {
@@ -277,6 +278,13 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig {
+            failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
+                "fixtures/proptest-regressions/noise_range.txt",
+            ))),
+            ..ProptestConfig::default()
+        })]
+
         /// Noise lies within its range, in boxes of all sizes, near and far, on their faces too.
         #[test]
         fn noise_lies_within_its_range(

@@ -155,6 +155,7 @@ const GRADIENTS: [[f64; 3]; 16] = [
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use proptest::test_runner::FileFailurePersistence;
 
     #[test]
     fn the_permutation_is_one() {
@@ -223,6 +224,13 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig {
+            failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
+                "fixtures/proptest-regressions/perlin.txt",
+            ))),
+            ..ProptestConfig::default()
+        })]
+
         /// The noise vanishes at lattice points and repeats after 256 cells.
         #[test]
         fn zeros_and_period(
