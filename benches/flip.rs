@@ -1,4 +1,4 @@
-//! FLIP of a 1920×1080 pair: ours on one thread and two, and with feature `flip-oracle`
+//! FLIP of a 1920×1080 pair: ours on one thread and two, and with `--cfg flip_oracle`
 //! NVIDIA's, which uses one.
 #![allow(missing_docs, reason = "a program, not a library")]
 
@@ -38,7 +38,7 @@ fn ours(bencher: Bencher<'_, '_>, threads: usize) {
     });
 }
 
-#[cfg(feature = "flip-oracle")]
+#[cfg(flip_oracle)]
 #[divan::bench(sample_count = 5)]
 fn nvidia(bencher: Bencher<'_, '_>) {
     let image = |image: &SrgbImage| {

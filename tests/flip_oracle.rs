@@ -17,7 +17,7 @@
 //! between its values at (d − δd, m − δm) and (d + δd, m + δm), with δd and δm what float32 does
 //! to d and m. These are reckoned at [`COLOUR_ERROR`] and [`FEATURE_ERROR`], and checked by
 //! running the same formulas in float32 and in double precision; the oracle has no part in it.
-#![cfg(feature = "flip-oracle")]
+#![cfg(flip_oracle)]
 
 mod support;
 

@@ -176,8 +176,8 @@ impl Density {
             }
             Field::Linear(ramp) => {
                 let profile = LinearProfile::along(&self.from(line, span.near), ramp, 1.0);
-                let Span { near, far } = profile.positive(span.length());
-                profile.optical_depth(near, far)
+                let positive = profile.positive_part(0.0, span.length());
+                positive.map_or(0.0, |(near, far)| profile.optical_depth(near, far))
             }
             Field::Grid(grid) => grid.integral(origin, direction, span, lookups),
             Field::Blob(blob) => {
@@ -202,8 +202,9 @@ impl Density {
             }
             Field::Linear(ramp) => {
                 let profile = LinearProfile::along(&self.from(line, span.near), ramp, 1.0);
-                let positive = profile.positive(span.length());
-                kinks.extend([span.near + positive.near, span.near + positive.far]);
+                if let Some((near, far)) = profile.positive_part(0.0, span.length()) {
+                    kinks.extend([span.near + near, span.near + far]);
+                }
             }
             _ => {}
         }

@@ -1,7 +1,7 @@
 //! Extinction along a ray as a function of the distance `t`, where its integral has a closed
 //! form.
 
-use crate::geometry::{Ray, Span};
+use crate::geometry::Ray;
 use crate::math::{erf, erfc, exp, ln_1p};
 use crate::media::{optical_depth, source_factor};
 use crate::volume::{ExponentialLayer, LinearRamp};
@@ -17,31 +17,6 @@ pub struct LinearProfile {
 }
 
 impl LinearProfile {
-    /// The part of the stretch from 0 to `length` where the extinction is not negative; of length
-    /// 0 if there is none.
-    pub fn positive(&self, length: f64) -> Span {
-        let (start, end) = (self.start, self.start + self.slope * length);
-        let root = (-start / self.slope).clamp(0.0, length);
-        match (start >= 0.0, end >= 0.0) {
-            (true, true) => Span {
-                near: 0.0,
-                far: length,
-            },
-            (true, false) => Span {
-                near: 0.0,
-                far: root,
-            },
-            (false, true) => Span {
-                near: root,
-                far: length,
-            },
-            (false, false) => Span {
-                near: 0.0,
-                far: 0.0,
-            },
-        }
-    }
-
     /// Along `ray` through a ramp of density, `sigma_t` the extinction of density 1. Where the
     /// ramp ends the profile goes on below 0: see [`LinearProfile::positive_part`].
     pub fn along(ray: &Ray, ramp: &LinearRamp, sigma_t: f64) -> LinearProfile {
