@@ -166,6 +166,7 @@ fn help() {
       render   Render a scene to an image
       plan     Show what a scene calls for: effects with reasons, the kernel, filled-in defaults
       accept   Render cases and make the results their goldens; look at the pictures before and after
+      info     Show what a volume file holds: where it lies, how it is stored, its values
       list     List the cases of the suite
       schema   Print the JSON Schema of a kind of file, for completion and checks in editors
       help     Print this message or the help of the given subcommand(s)

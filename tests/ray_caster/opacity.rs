@@ -8,7 +8,7 @@ use volref::math;
 use volref::media::over_length;
 use volref::render::compositing::{FrontToBack, Order};
 use volref::scene::{Classified, Compositing};
-use volref::volume::Lattice;
+use volref::volume::{Interpolation, Lattice};
 
 proptest! {
     #![proptest_config(config(1024))]

@@ -15,7 +15,7 @@ use volref::render::ray_caster::{RayCaster, Shaded, Shading, Unshaded};
 use volref::render::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
 use volref::render::{Counters, Effect, Plan, render_counted};
 use volref::scene::{Classified, Compositing, Model, Panel, Scene, Shadow};
-use volref::volume::{Grid, Lattice, Nearest, Trilinear, relative_gradients};
+use volref::volume::{Grid, Interpolation, Lattice, Nearest, Trilinear, relative_gradients};
 
 /// `2^exponent`, exactly.
 pub fn power_of_two(exponent: i32) -> f64 {
