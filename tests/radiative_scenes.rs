@@ -443,6 +443,174 @@ fn coefficients() {
     "#);
 }
 
+/// Every way to say how a density differs from place to place.
+#[test]
+fn densities() {
+    let medium = |text: &str| {
+        let scene = parse(&edited(&[(BOX, &format!("{BOX}\n{text}"))])).unwrap();
+        let body = radiative(&scene, 0).media[0].clone();
+        body.density.expect("a density")
+    };
+    let value = |text: &str, point| medium(text).at(point, &mut 0);
+    let half = DVec3::splat(0.5);
+    let layer = "exponential = { density = 2, base = [0, -1, 0], scale_height = 1.5 }";
+    assert_eq!(value(layer, half), 2.0 * volref::math::exp(-1.0));
+    let ramp = "linear = { density = 1, origin = [0, 0, 0], gradient = [1, -2, 0] }";
+    assert_eq!(value(ramp, half), 0.5);
+    let blob = "blob = { centre = [0, 0, 0.5], width = 0.5, peak = 3 }";
+    assert_eq!(
+        value(blob, DVec3::new(0.0, 0.0, -0.5)),
+        3.0 * volref::math::exp(-2.0)
+    );
+    let noise = "noise = { scale = [1, 1, 1], offset = [3, 42, 7], octaves = 1, max_density = 2 }";
+    // The published value of the noise at (3.14, 42, 7).
+    let expected = 0.136_919_958_784_000_12 + 1.0;
+    let found = value(noise, DVec3::new(0.14, 0.0, 0.0));
+    assert!((found - expected).abs() < 1e-14, "{found}");
+    let spread = medium("noise = {}").blocks().range();
+    assert!(0.0 <= spread.low && spread.low < spread.high && spread.high <= 1.0);
+}
+
+/// A grid brings its own box, where the medium has no shape, and goes where that goes.
+#[test]
+fn grids() {
+    let grid = "grid = { file = \"../../volumes/formats/grid.vol\" }";
+    let body = |shape: &str| {
+        let scene = parse(&edited(&[(BOX, shape)])).unwrap();
+        radiative(&scene, 0).media[0].clone()
+    };
+    let alone = body(grid);
+    let own = alone.boundary.as_ref().unwrap().bounds();
+    let density = alone.density.as_ref().unwrap();
+    assert_eq!(own, *density.blocks().bounds());
+    let moved = body(&format!(
+        "{grid}\ntranslate = [10, 0, 0]\nscale = [2, 1, 1]"
+    ));
+    let bounds = moved.boundary.as_ref().unwrap().bounds();
+    assert_eq!(bounds.min.x, 2.0 * own.min.x + 10.0);
+    let at = |density: &volref::media::Density, point| density.at(point, &mut 0);
+    let point = own.centre();
+    let there = DVec3::new(2.0 * point.x + 10.0, point.y, point.z);
+    assert_eq!(
+        at(moved.density.as_ref().unwrap(), there),
+        at(density, point)
+    );
+    assert!(at(density, point) > 0.0);
+    let nearest = body(&format!("{grid}\ninterpolation = \"nearest\""));
+    let values = at(nearest.density.as_ref().unwrap(), own.min);
+    assert_eq!(values, at(density, own.min));
+    // A shape of its own, of which the grid fills a part.
+    let ball = body(&format!(
+        "sphere = {{ centre = [0, 0, 0], radius = 9 }}\n{grid}"
+    ));
+    assert!(matches!(ball.boundary, Some(Boundary::Sphere(_))));
+    assert_eq!(*ball.density.unwrap().blocks().bounds(), own);
+}
+
+/// The block of the source, as it stands, in a file and in the scene itself.
+#[test]
+fn the_block_of_the_source() {
+    let text = std::fs::read_to_string("fixtures/scenes/procedural/source-block.xml").unwrap();
+    let read = |source: &str| {
+        let base = edited(&[(COEFFICIENTS, source)]);
+        radiative(&parse(&base).unwrap(), 0).media[0].clone()
+    };
+    let by_file = read("procedural = { file = \"../procedural/source-block.xml\" }");
+    let inside = read(&format!(
+        "[radiative.medium.procedural]\ntext = '''\n{text}'''"
+    ));
+    let by_keys = read(
+        "sigma_a = 1\nsigma_s = 4\nnoise = { octaves = 10, lacunarity = 4, gain = 0.5, \
+         scale = [0.5, 1, 1], max_density = 4, threshold = 1.25 }",
+    );
+    assert_eq!(by_keys.medium.coefficients.sigma_s(), DVec3::splat(4.0));
+    for other in [&by_file, &inside] {
+        assert_eq!(other.medium, by_keys.medium);
+        for point in [DVec3::ZERO, DVec3::new(0.3, -0.7, 0.2), DVec3::splat(0.9)] {
+            let [a, b] =
+                [other, &by_keys].map(|body| body.density.as_ref().unwrap().at(point, &mut 0));
+            assert_eq!(a, b);
+        }
+    }
+    let scene = parse(&edited(&[(
+        COEFFICIENTS,
+        "procedural = { file = \"../procedural/source-block.xml\" }",
+    )]));
+    let panel = &scene.unwrap().panels[0];
+    assert_eq!(panel.inputs[0].name, "../procedural/source-block.xml");
+    let read = |key: &str| {
+        let key = format!("radiative.medium[0].procedural.{key}");
+        let found = panel.readings.iter().find(|reading| reading.key == key);
+        found.map(|reading| reading.value.clone())
+    };
+    assert_eq!(read("nrOctaves").as_deref(), Some("10"));
+}
+
+#[test]
+fn densities_that_are_none() {
+    let with = |text: &str| said_about(&edited(&[(BOX, &format!("{BOX}\n{text}"))]));
+    let bare = |text: &str| said_about(&edited(&[(BOX, text)]));
+    let block = |text: &str| {
+        let source = format!("[radiative.medium.procedural]\ntext = '''\n{text}'''");
+        said_about(&edited(&[(COEFFICIENTS, &source)]))
+    };
+    let all = [
+        bare("noise = {}"),
+        bare("grid = { file = \"none.vol\" }"),
+        with("noise = {}\nblob = { centre = [0, 0, 0], width = 1 }"),
+        with("procedural = { file = \"a.xml\" }"),
+        with("interpolation = \"nearest\""),
+        with("noise = { octaves = 99 }"),
+        with("noise = { gain = 0 }"),
+        with("noise = { lacunarity = 1e300 }"),
+        with("blob = { centre = [0, 0, 0], width = 0 }"),
+        with("exponential = { scale_height = 1, up = [0, 0, 0] }"),
+        with("exponential = {}"),
+        with("blob = { centre = [0, 0, 0], width = 1, peak = 1e308 }"),
+        said_about(&edited(&[(
+            COEFFICIENTS,
+            "procedural = { file = \"none.xml\" }",
+        )])),
+        said_about(&edited(&[(COEFFICIENTS, "procedural = {}")])),
+        block("<medium type=\"procedural\">\n  <flaot name=\"gain\" value=\"1\"/>\n</medium>"),
+        block("<medium type=\"procedural\">\n  <color name=\"sigma_a\" value=\"1 1\"/>\n</medium>"),
+    ];
+    insta::assert_snapshot!(all.concat(), @r#"
+    12:9: a medium of varying density fills no shape: it would have no end
+        give the medium a `box`, `sphere` or `mesh`
+    12:17: none.vol: there is no such file
+        `radiative.medium[0].grid.file`: Point cloud (.obj) or grid (.bin, .vol, .nrrd, .nhdr, .nii, .nii.gz, or .toml that describes bare samples), relative to the folder of the scene.
+    14:8: [radiative.medium[0]] has more than one density: `noise`, `blob`
+        keep at most one of `noise`, `blob`
+    15:11: [radiative.medium[0]] mixes `procedural` with `sigma_a`, `sigma_s`
+        give either `procedural` or `sigma_a`, `sigma_s`, `sigma_t`, `albedo`
+    13:17: `interpolation` belongs to a grid, and the medium has none
+        remove it, or give the medium a `grid`
+    13:21: `octaves` must lie in [1, 32], got 99
+        `radiative.medium[0].noise.octaves`: Layers of noise.
+    13:18: `gain` must be finite and above 0, got 0
+        `radiative.medium[0].noise.gain`: Factor on the amplitude from one octave to the next.
+    13:24: lacunarity 1e300 makes the frequency of octave 4 overflow
+        `radiative.medium[0].noise.lacunarity`: Factor on the frequency from one octave to the next.
+    13:38: `width` must be finite and above 0, got 0
+        `radiative.medium[0].blob.width`: Its standard deviation along any line, world units.
+    13:40: up must be finite and not zero, got [0, 0, 0]
+        `radiative.medium[0].exponential.up`: The direction of rising height, any length but 0.
+    13:15: missing key `scale_height` in [radiative.medium[0].exponential]
+        `radiative.medium[0].exponential.scale_height`: Height over which the density falls by the factor e, world units.
+    14:11: an extinction of 3.5000e0 times a density of up to 1.0000e308 is beyond the largest number
+        give smaller coefficients or densities
+    13:23: there is no file none.xml
+        `radiative.medium[0].procedural.file`: XML file that holds the element, relative to the folder of the scene.
+    13:14: [radiative.medium[0].procedural] has no source
+        give one of `file`, `text`
+    16:3: unknown element <flaot>
+        did you mean <float>?
+    16:32: `sigma_a` takes three numbers, or one for all three, got 2
+        `sigma_a`: absorption of density 1, per world length: three numbers, or one for all three, at least 0
+    "#);
+}
+
 #[test]
 fn matter() {
     insta::assert_snapshot!(said(&[
@@ -541,7 +709,7 @@ fn shapes() {
     13:10: [radiative.medium[0]] has more than one shape: `sphere`, `box`
         keep at most one of `sphere`, `box`
     12:1: unknown key `rectangle` in [radiative.medium[0]]
-        [radiative.medium[0]] may hold: sphere, box, mesh, scale, rotate, translate, sigma_a, sigma_s, sigma_t, albedo, emission, g
+        [radiative.medium[0]] may hold: sphere, box, mesh, scale, rotate, translate, grid, interpolation, noise, exponential, linear, blob, procedural, sigma_a, sigma_s, sigma_t, albedo, emission, g
     12:13: a medium without a shape fills all space: `translate` moves nothing
         give the medium a `sphere`, `box` or `mesh`, or remove `translate`
     "#);
@@ -974,6 +1142,10 @@ fn schema_and_reader_agree_on_keys_and_defaults() {
         let steps: Vec<&str> = path.split('/').filter(|step| !step.is_empty()).collect();
         if let ["surface" | "medium" | "light", "0", key, ..] = steps[..] {
             let entry = base["radiative"][steps[0]][0].as_object_mut().unwrap();
+            if key == "procedural" {
+                // It brings coefficients of its own.
+                entry.retain(|name, _| !name.starts_with("sigma"));
+            }
             let rivals: &[&[&str]] = &[
                 &["rectangle", "sphere", "box", "mesh"],
                 &["diffuse", "mirror", "glass", "emitter"],

@@ -40,6 +40,10 @@ fn tables_in(folder: &str) -> Vec<(String, Value)> {
     for family in std::fs::read_dir(fixtures().join(folder)).unwrap() {
         for file in std::fs::read_dir(family.unwrap().path()).unwrap() {
             let path = file.unwrap().path();
+            // Scenes may have other files beside them.
+            if path.extension().is_none_or(|extension| extension != "toml") {
+                continue;
+            }
             let table: toml::Table = std::fs::read_to_string(&path).unwrap().parse().unwrap();
             files.push((
                 path.display().to_string(),

@@ -155,7 +155,7 @@ fn check_extinction(body: &Body) -> Result<(), (String, String)> {
         return Ok(());
     }
     let message = format!(
-        "an extinction of {sigma_t:e} times a density of up to {most:e} is beyond the largest \
+        "an extinction of {sigma_t:.4e} times a density of up to {most:.4e} is beyond the largest \
          number"
     );
     Err((message, "give smaller coefficients or densities".into()))
