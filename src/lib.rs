@@ -24,13 +24,15 @@
 //!
 //! ```text
 //! L(x, ω) = ∫₀^s T(t) [ j + σ_s ∫ p(cos θ) L(x_t, ω') dω' ] dt  +  T(s) L_surface
-//! T(t)    = exp(−σ_t t),  σ_t = σ_a + σ_s
+//! T(t)    = exp(−∫₀^t σ_t dt'),  σ_t = σ_a + σ_s
 //! ```
 //!
 //! with `j` the emission and `p` the phase function; the surface sends out light, or reflects and
 //! refracts what arrives there. Solved by the cheapest method that is exact for what the scene
 //! asks: closed forms and integrals along the line of sight ([`render::line_of_sight`]), else path
-//! tracing ([`render::path_tracer`]).
+//! tracing ([`render::path_tracer`]). Where coefficients differ from place to place, they are a
+//! density ([`volume::DensityField`]) times constants, and paths follow it by tracking
+//! ([`render::tracking`]).
 //!
 //! # Conventions
 //!

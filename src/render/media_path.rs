@@ -20,7 +20,7 @@ use glam::DVec3;
 pub struct Stretch {
     /// From where to where, in world units from the origin of the ray.
     pub span: Span,
-    /// Its matter.
+    /// Its matter; where a density varies, with what stands in for it.
     pub matter: Matter,
     /// The media there.
     pub set: Set,

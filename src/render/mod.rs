@@ -9,6 +9,10 @@
 //! [`surroundings`] and [`media_path`], what turns it in [`vertex`] and [`smooth`], how it finds
 //! light in [`direct_light`], [`in_scattering`] and [`lit_places`]. [`line_of_sight`] does without
 //! random numbers what can be done so.
+//!
+//! [`matter`] holds the media, [`flight`] how far light flies through them, [`glow`] what they send
+//! out. Where their density differs from place to place, [`tracking`] is the method, [`passage`]
+//! the stretch of a ray that it works on, and [`tracker`] what it needs besides.
 
 pub mod compositing;
 mod curve;

@@ -6,7 +6,8 @@ use super::volume::VolumeRequest;
 use crate::geometry::{ClosedMesh, Mesh, MeshError};
 use crate::volume::{self, Grid, SplatError, VolumeError};
 use std::collections::BTreeMap;
-use std::io::ErrorKind;
+use std::fs::File;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -21,6 +22,9 @@ pub struct InputFile {
 
 /// A grid, how it was asked for, and the files it came from.
 type LoadedGrid = (VolumeRequest, Arc<Grid<f32>>, Vec<InputFile>);
+
+/// Longer texts are read up to here; whoever reads them refuses them for it.
+const MOST_TEXT_BYTES: u64 = 1 << 20;
 
 /// The files of a scene; one asked for by several panels, or several times by one, is read once.
 pub(super) struct Files<'p> {
@@ -108,7 +112,10 @@ impl<'p> Files<'p> {
         name: &str,
     ) -> Result<(String, String), Box<SceneError>> {
         let path = self.folder.join(name);
-        let bytes = std::fs::read(&path).map_err(|error| {
+        let mut bytes = Vec::new();
+        let read =
+            File::open(&path).and_then(|file| file.take(MOST_TEXT_BYTES).read_to_end(&mut bytes));
+        read.map_err(|error| {
             let message = match error.kind() {
                 ErrorKind::NotFound => format!("there is no file {name}"),
                 _ => format!("{} cannot be read: {error}", path.display()),

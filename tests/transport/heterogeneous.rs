@@ -17,7 +17,9 @@ use volref::render::path_tracer::{PathTracer, Scratch};
 use volref::render::surroundings::Surroundings;
 use volref::render::tracker::Tracker;
 use volref::scene::{AreaLight, Body, Radiative};
-use volref::volume::{Blob, Centring, DensityField, Grid, GridDensity, Interpolation, Lattice};
+use volref::volume::{
+    Blob, Centring, ConstantDensity, DensityField, Grid, GridDensity, Interpolation, Lattice,
+};
 
 /// Standard errors near 0.5 %.
 const SAMPLES: u32 = 40_000;
@@ -99,7 +101,10 @@ fn a_constant_grid() {
         }
     }
     let even = lit(vec![within(cube(), grey(1.25, 0.8, 0.4))]);
-    let varying = lit(vec![in_cube(Field::Constant(1.25), grey(1.0, 0.8, 0.4))]);
+    let varying = lit(vec![in_cube(
+        Field::Constant(ConstantDensity::new(1.25).unwrap()),
+        grey(1.0, 0.8, 0.4),
+    )]);
     same("constant", &mean(&varying, 1)[0], &mean(&even, 2)[0]);
     let gridded = lit(vec![in_cube(
         field(grid([9, 12, 20], |_| 1.25)),
@@ -484,6 +489,88 @@ fn a_cubic_along_the_diagonal() {
     let found = density.integral(view.origin, view.direction, span, &mut 0);
     let expected = 3.0_f64.sqrt() / 4.0;
     assert!((found - expected).abs() <= 16.0 * U * expected, "{found:e}");
+}
+
+/// Hard case G8: with all lengths 2^k times as long, and all coefficients as much smaller, every
+/// path is the same to the bit.
+#[test]
+fn scaled_by_powers_of_two() {
+    let scene = |scale: f64| {
+        let lattice = *bumpy_grid().lattice();
+        let scaled = Lattice::new(
+            lattice.nodes(),
+            lattice.spacing() * scale,
+            lattice.first() * scale,
+        );
+        let grid = Grid::new(scaled.unwrap(), bumpy_grid().values().to_vec()).unwrap();
+        let medium = Homogeneous {
+            emission: DVec3::new(0.1, 0.2, 0.3) / scale,
+            ..grey(3.0 / scale, 0.8, 0.4)
+        };
+        let bounds = Aabb::new(DVec3::splat(-scale), DVec3::splat(scale)).unwrap();
+        Radiative {
+            lights: vec![sun(DVec3::new(0.3, -1.0, -0.4), DVec3::ONE)],
+            ..lit(vec![varying(bounds, field(Arc::new(grid)), medium)])
+        }
+    };
+    let plain = scene(1.0);
+    for power in [-40, 40] {
+        let scale = if power < 0 {
+            1.0 / (1_u64 << -power) as f64
+        } else {
+            (1_u64 << power) as f64
+        };
+        let scaled = scene(scale);
+        let (mut a, mut b) = (Paths::new(&plain, None, 91), Paths::new(&scaled, None, 91));
+        let there = into_the_middle();
+        let here = Ray {
+            origin: there.origin * scale,
+            ..there
+        };
+        for sample in 0..200 {
+            assert_eq!(a.radiance(sample, |_| there), b.radiance(sample, |_| here));
+        }
+    }
+}
+
+/// Hard cases D3 and D10: one voxel thick, and voxels that are next to nothing or beyond all
+/// measure.
+#[test]
+fn thin_grids_and_extreme_voxels() {
+    let lattice = Lattice::new([1, 3, 3], DVec3::new(0.5, 1.0, 1.0), DVec3::NEG_ONE).unwrap();
+    for interpolation in [Interpolation::Trilinear, Interpolation::Nearest] {
+        let values = Arc::new(Grid::new(lattice, vec![0.75_f32; 9]).unwrap());
+        let density = GridDensity::new(values, interpolation);
+        let bounds = density.bounds();
+        let body = varying(bounds, Field::Grid(density), grey(2.0, 0.0, 0.0));
+        let scene = Radiative {
+            environment: DVec3::ONE,
+            lights: vec![],
+            ..lit(vec![body])
+        };
+        let across = ray(DVec3::new(-4.0, 0.25, 0.25), DVec3::X);
+        let share = straight(&scene, &across).x;
+        assert!((share - exp(-0.75)).abs() <= 1e-14, "{share}");
+    }
+    let through = |value: f32, albedo| {
+        let grid = grid([3, 3, 3], |_| f64::from(value));
+        let scene = Radiative {
+            environment: DVec3::ONE,
+            lights: vec![],
+            ..lit(vec![in_cube(field(grid), grey(1.0, albedo, 0.0))])
+        };
+        let ray = into_the_middle();
+        if albedo == 0.0 {
+            straight(&scene, &ray)
+        } else {
+            Paths::new(&scene, Some(0), 92).radiance(0, |_| ray)
+        }
+    };
+    let least = f32::from_bits(1);
+    for albedo in [0.0, 1.0] {
+        assert_eq!(through(least, albedo), DVec3::ONE);
+        assert_eq!(through(f32::MAX, albedo), DVec3::ZERO);
+    }
 }
 
 /// Kernels for fewer effects give the bits of the one for everything, path by path.
