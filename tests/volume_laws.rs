@@ -4,6 +4,8 @@ mod common;
 
 use glam::DVec3;
 use proptest::prelude::*;
+use std::sync::Arc;
+use volref::geometry::{Aabb, Ray};
 use volref::math::{Sum, powu};
 use volref::volume::*;
 
@@ -362,6 +364,93 @@ proptest! {
                 let expected = f64::from(before[axis]) / factor;
                 prop_assert_eq!(f64::from(after[axis]), expected);
             }
+        }
+    }
+}
+
+// ---------------------------------------------------------------------------------------------
+// Bounds on densities.
+
+/// A point of a box, faces and corners as often as the inside.
+fn within(bounds: &Aabb, place: [f64; 3]) -> DVec3 {
+    let at = DVec3::from(place).clamp(DVec3::ZERO, DVec3::ONE);
+    (bounds.min + bounds.size() * at).clamp(bounds.min, bounds.max)
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    /// No density of a grid, as it is computed, is outside its range over a box around the
+    /// point: any values, boxes that begin and end anywhere, inside the grid and beyond it.
+    #[test]
+    fn ranges_of_grids_hold(
+        values in prop::collection::vec(prop_oneof![Just(0.0_f32), 0.0..1e-3_f32, 0.0..1e6_f32], 60),
+        cells in any::<bool>(),
+        nearest in any::<bool>(),
+        first in prop::array::uniform3(-3.0..3.0_f64),
+        corner in prop::array::uniform3(-1.5..6.5_f64),
+        size in prop::array::uniform3(0.0..4.0_f64),
+        place in prop::array::uniform3(-0.5..1.5_f64),
+    ) {
+        let (first, spacing) = (DVec3::from(first), DVec3::new(0.3, 0.7, 1.1));
+        let mut lattice = Lattice::new([3, 4, 5], spacing, first).unwrap();
+        if cells {
+            lattice = lattice.with_centring(Centring::Cells).unwrap();
+        }
+        let interpolation = if nearest { Interpolation::Nearest } else { Interpolation::Trilinear };
+        let grid = Arc::new(Grid::new(lattice, values).unwrap());
+        let density = GridDensity::new(grid, interpolation);
+        let min = first + DVec3::from(corner) * spacing;
+        let bounds = Aabb::new(min, min + DVec3::from(size) * spacing).unwrap();
+        let range = density.range_over(&bounds);
+        let found = density.density(within(&bounds, place));
+        prop_assert!(range.low <= found && found <= range.high, "{found} {range:?}");
+    }
+
+    /// The same of a blob.
+    #[test]
+    fn ranges_of_blobs_hold(
+        centre in prop::array::uniform3(-2.0..2.0_f64),
+        width in 0.01..3.0_f64,
+        corner in prop::array::uniform3(-3.0..3.0_f64),
+        size in prop::array::uniform3(0.0..2.0_f64),
+        place in prop::array::uniform3(-0.5..1.5_f64),
+    ) {
+        let blob = Blob { centre: centre.into(), peak: 3.0, width };
+        let min = DVec3::from(corner);
+        let bounds = Aabb::new(min, min + DVec3::from(size)).unwrap();
+        let range = blob.range_over(&bounds);
+        let found = blob.density(within(&bounds, place));
+        prop_assert!(range.low <= found && found <= range.high, "{found} {range:?}");
+    }
+
+    /// Blocks of a division hold the bounds of what is in them, and a walk meets each point in
+    /// a block that it lies in.
+    #[test]
+    fn blocks_hold_along_lines(
+        origin in prop::array::uniform3(-4.0..4.0_f64),
+        target in prop::array::uniform3(-0.9..0.9_f64),
+        centre in prop::array::uniform3(-1.0..1.0_f64),
+        counts in prop::array::uniform3(1_usize..6),
+        t in 0.0..1.0_f64,
+    ) {
+        let bounds = Aabb::new(DVec3::NEG_ONE, DVec3::ONE).unwrap();
+        let blob = Blob { centre: centre.into(), peak: 2.0, width: 0.4 };
+        let size = bounds.size() / DVec3::from_array(counts.map(|count| count as f64));
+        let blocks = Blocks::of(&blob, bounds, counts, size);
+        let (origin, target) = (DVec3::from(origin), DVec3::from(target));
+        prop_assume!((target - origin).length() > 1e-3);
+        let ray = Ray::new(origin, target - origin).unwrap();
+        let Some(span) = bounds.span(&ray) else { return Ok(()); };
+        for visit in blocks.walk(ray.origin, ray.direction, span) {
+            let range = blocks.range_in(visit.cell);
+            let block = blocks.cell_bounds(visit.cell);
+            let point = ray.at(visit.span.near + t * visit.span.length());
+            // A point of the visit is a point of the block, but for roundings.
+            let moved = (point.clamp(block.min, block.max) - point).abs().max_element();
+            prop_assert!(moved < 1e-13);
+            let found = blob.density(point.clamp(block.min, block.max));
+            prop_assert!(range.low <= found && found <= range.high);
         }
     }
 }
