@@ -6,7 +6,7 @@ use super::media_path::{MediaPath, Stretch};
 use super::passage::Passage;
 use super::tracker::{Numbers, Tracker};
 use super::tracking::{Chance, Collided, Tentative, delta_tracking};
-use super::work::Work;
+use super::work::{Event, Work};
 use crate::geometry::{Ray, Span};
 use crate::media::{self, optical_depth};
 use glam::DVec3;
@@ -194,7 +194,10 @@ fn track<W: Work>(
     let (strands, _, effort) = tracker.parts();
     let mut passage = Passage::new(media, set, ray, stretch.span, strands);
     let survived = &mut crossed.survived;
+    let before = effort.lookups;
     let end = delta_tracking(&mut passage, channel, first, chance, survived, effort);
+    let real = u64::from(end.is_break());
+    work.count_times(Event::NullCollision, effort.lookups - before - real);
     passage.count(work);
     match end {
         ControlFlow::Break(collided) => ControlFlow::Break((collided, passage.sigma_s())),

@@ -10,6 +10,7 @@ use crate::math::exp;
 use crate::media::{Density, HenyeyGreenstein, optical_depth};
 use crate::scene::Body;
 use glam::DVec3;
+use std::cell::Cell;
 
 /// What a stretch is made of, per world length and channel.
 ///
@@ -209,18 +210,24 @@ impl<'s> Media<'s> {
 
     /// Scattering coefficient and phase function of each medium in `set` that scatters, at the
     /// world point `point`, which lies in all of them. Of one medium alone, the coefficient is
-    /// not looked up: it has nothing to be compared with.
+    /// not looked up: it has nothing to be compared with. `lookups` counts those of densities.
     pub fn scatterers<E: Effects>(
         &self,
         set: Set,
         point: DVec3,
+        lookups: &Cell<u64>,
     ) -> impl Iterator<Item = (DVec3, HenyeyGreenstein)> {
         let scatters = |&index: &usize| self.bodies[index].matter.scatters();
         let alone = !E::HETEROGENEOUS || members(set).filter(scatters).nth(1).is_none();
         members(set).filter(scatters).map(move |index| {
             let medium = &self.bodies[index];
             let sigma_s = match medium.density {
-                Some(density) if !alone => medium.unit.sigma_s * density.at(point, &mut 0),
+                Some(density) if !alone => {
+                    let mut count = lookups.get();
+                    let density = density.at(point, &mut count);
+                    lookups.set(count);
+                    medium.unit.sigma_s * density
+                }
                 _ => medium.unit.sigma_s,
             };
             (sigma_s, medium.phase)

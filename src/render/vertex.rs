@@ -10,6 +10,7 @@ use crate::math::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
 use crate::math::{Frame, cos, sin};
 use crate::media::{Deflection, HenyeyGreenstein};
 use glam::DVec3;
+use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 
 /// A place where a path is turned into a range of directions.
@@ -191,7 +192,8 @@ fn scattered<E: Effects, W: Work>(
             1.0 / (4.0 * PI)
         }
     };
-    let mut scatterers = media.scatterers::<E>(set, point);
+    let lookups = Cell::new(0);
+    let mut scatterers = media.scatterers::<E>(set, point, &lookups);
     let Some((first, phase)) = scatterers.next() else {
         return Response {
             value: DVec3::ZERO,
@@ -208,7 +210,9 @@ fn scattered<E: Effects, W: Work>(
         weighted += sigma_s * value(phase);
         alone = false;
     }
-    if alone {
+    work.count_times(Event::DensityLookup, lookups.get());
+    // The place of the collision is rounded: it may lie where none of them is.
+    if alone || all == DVec3::ZERO {
         return Response {
             value: DVec3::splat(only),
             pdf: only,
@@ -230,20 +234,24 @@ fn chosen_phase<E: Effects, W: Work>(
     draws: &Draws<'_>,
     work: &mut W,
 ) -> (HenyeyGreenstein, DVec3) {
-    let mut scatterers = media.scatterers::<E>(set, point);
+    let lookups = Cell::new(0);
+    let mut scatterers = media.scatterers::<E>(set, point, &lookups);
     let (first, phase) = scatterers
         .next()
         .expect("a collision is in matter that scatters");
-    if scatterers.next().is_none() {
+    let all = scatterers.fold(first, |sum, (sigma_s, _)| sum + sigma_s);
+    if media
+        .scatterers::<E>(set, point, &Cell::new(0))
+        .nth(1)
+        .is_none()
+        || all == DVec3::ZERO
+    {
         return (phase, DVec3::ONE);
     }
-    let all = media
-        .scatterers::<E>(set, point)
-        .fold(DVec3::ZERO, |sum, (sigma_s, _)| sum + sigma_s);
     let carried = |sigma_s: DVec3| throughput.dot(share(sigma_s, all));
     let mut left = draws.one(Purpose::Collision, work) * carried(all);
     let (mut chosen, mut sigma_s) = (phase, first);
-    for (candidate, phase) in media.scatterers::<E>(set, point) {
+    for (candidate, phase) in media.scatterers::<E>(set, point, &lookups) {
         let carried = carried(candidate);
         if carried == 0.0 {
             continue;
@@ -254,6 +262,7 @@ fn chosen_phase<E: Effects, W: Work>(
         }
         left -= carried;
     }
+    work.count_times(Event::DensityLookup, lookups.get());
     let weight = share(sigma_s, all) * (carried(all) / carried(sigma_s));
     (chosen, weight)
 }

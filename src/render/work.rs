@@ -17,6 +17,8 @@ pub enum Event {
     ShadowRay,
     /// Value of a phase function.
     PhaseEvaluation,
+    /// A tentative collision of a flight with no matter.
+    NullCollision,
     /// A ray tested against a surface.
     SurfaceTest,
     /// A random number.
@@ -79,6 +81,7 @@ impl Work for Counters {
             Event::CellWalked => &mut self.cells_walked,
             Event::ShadowRay => &mut self.shadow_rays,
             Event::PhaseEvaluation => &mut self.phase_evaluations,
+            Event::NullCollision => &mut self.null_collisions,
             Event::SurfaceTest => &mut self.surface_tests,
             Event::RandomDraw => &mut self.random_draws,
         };
