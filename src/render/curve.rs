@@ -9,7 +9,7 @@ use embedded_graphics::mono_font::{MonoTextStyle, ascii::FONT_6X12};
 use embedded_graphics::pixelcolor::BinaryColor;
 use embedded_graphics::prelude::*;
 use embedded_graphics::text::{Alignment, Baseline, Text, TextStyleBuilder};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::convert::Infallible;
 
 /// sRGB colours of the plot.
@@ -120,28 +120,40 @@ impl Plot<'_> {
                     let shown = points.colour(value).min(DVec3::ONE);
                     colour = shown.to_array();
                 }
-                let line = match self.column_reaches(points, x, y) {
-                    true => 1.0,
-                    false => self.coverage(x, y, |value| points.opacity(value)),
-                };
+                let line = self.line_coverage(points, x, y);
                 blend(colour, linear(INK), line)
             }
         }
     }
 
-    /// Whether the line of a table runs up or down through the pixel around (x, y): steps, and
-    /// peaks narrower than a pixel, have no tangent there.
-    fn column_reaches(&self, points: &TransferPoints, x: f64, y: f64) -> bool {
-        let (from, to) = (self.density(x - 0.5), self.density(x + 0.5));
-        let inside = points.points().iter();
-        let inside = inside.filter(|point| point.value >= from && point.value <= to);
-        let (high, low) = inside
-            .map(|point| self.y(point.opacity))
-            .chain([from, to].map(|value| self.y(points.opacity(value))))
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(high, low), y| {
-                (high.min(y), low.max(y))
-            });
-        high <= y && y <= low
+    /// Share of the pixel around (x, y) that the line of a table covers: its distance from the
+    /// nearest of the straight lines, softened over one pixel. Steps and peaks narrower than a
+    /// pixel are drawn too.
+    fn line_coverage(&self, points: &TransferPoints, x: f64, y: f64) -> f64 {
+        let here = DVec2::new(x, y);
+        let end = |value: f64| (value, points.opacity(value));
+        let inner = points
+            .points()
+            .iter()
+            .map(|point| (point.value, point.opacity));
+        let corners: Vec<DVec2> = [end(self.from)]
+            .into_iter()
+            .chain(inner)
+            .chain([end(self.to)])
+            .map(|(value, opacity)| DVec2::new(self.x(value), self.y(opacity)))
+            .collect();
+        let to_line = |ends: &[DVec2]| {
+            let along = ends[1] - ends[0];
+            let share = (here - ends[0]).dot(along) / along.length_squared();
+            // Two corners in one place: 0/0.
+            let share = if share.is_nan() { 0.0 } else { share };
+            here.distance(ends[0] + along * share.clamp(0.0, 1.0))
+        };
+        let distance = corners
+            .windows(2)
+            .map(to_line)
+            .fold(f64::INFINITY, f64::min);
+        (HALF_WIDTH + 0.5 - distance).clamp(0.0, 1.0)
     }
 
     /// Share of the pixel around (x, y) that the line of a function covers: its distance from
