@@ -12,14 +12,16 @@ pub(super) fn plan(scene: &Classified, forced: &[Effect]) -> Plan {
     let constant = least == most;
     let transfer_function = &scene.transfer_function;
     let transparent = transfer_function.is_transparent_between(least, most);
-    let (nothing, extent, light, darkness) = match transfer_function.appearance {
+    let (numbers, nothing, extent, light, darkness) = match transfer_function.appearance {
         Appearance::Formula { .. } => (
+            "densities",
             format!("every density, up to {most}, has opacity 0"),
             format!("densities up to {most}"),
             "the colormap sends out light",
             "densities darken what lies behind",
         ),
         Appearance::Points(_) => (
+            "values",
             format!("every value, from {least} to {most}, has opacity 0"),
             format!("values from {least} to {most}"),
             "the colours of the points send out light",
@@ -67,7 +69,7 @@ pub(super) fn plan(scene: &Classified, forced: &[Effect]) -> Plan {
         }
         Effect::Heterogeneity => Matters(
             "classified.volume",
-            format!("densities from {least} to {most}"),
+            format!("{numbers} from {least} to {most}"),
         ),
         Effect::ChromaticCoefficients => Absent("opacity is the same for all colours"),
         Effect::AnisotropicPhase => Absent("the classified model has no phase function"),
