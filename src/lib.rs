@@ -16,6 +16,8 @@
 //! C   = Σ_i a_i · L_i · Π_{j<i} (1 − a_j)       what the eye sees
 //! ```
 //!
+//! With a table of points in place of the formula ([`media::TransferPoints`]), opacity and colour
+//! are read from the table and the factor `d²` is left out: `L_i = shade(colour(d_i)) · v_i`.
 //! The sum is evaluated front to back or back to front ([`render::compositing`]); `T` is in
 //! [`media::TransferOpacity`], shading in [`media::Phong`], `v` in [`render::volume_shadow`].
 //!

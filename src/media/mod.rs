@@ -12,6 +12,7 @@ mod phase;
 mod phong;
 pub mod profiles;
 mod transfer_function;
+mod transfer_points;
 
 pub use coefficients::{
     Coefficients, InvalidCoefficient, collision_weight, escape_weight, sampled_channel,
@@ -23,4 +24,5 @@ pub use opacity::{TransferOpacity, over_length};
 pub use optical_depth::{opacity, optical_depth, source_factor, transmittance};
 pub use phase::{Asymmetry, AsymmetryOutOfRange, Deflection, HenyeyGreenstein};
 pub use phong::Phong;
-pub use transfer_function::TransferFunction;
+pub use transfer_function::{Appearance, TransferFunction};
+pub use transfer_points::{TransferPoint, TransferPoints, TransferPointsError};

@@ -1,38 +1,161 @@
-//! The classifier: what a density looks like.
+//! The classifier: what a value of the field looks like.
 
-use super::{Colormap, TransferOpacity, over_length};
+use super::{Colormap, TransferOpacity, TransferPoints, over_length};
 use glam::DVec3;
 
-/// Maps a density to opacity and colour.
+/// Maps a value of the field to opacity and colour.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransferFunction {
-    /// Opacity over the reference length.
-    pub opacity: TransferOpacity,
-    /// Path length `h0` over which [`TransferFunction::opacity`] is stated, world units, > 0.
+    /// Opacity over the reference length, and colour, by value.
+    pub appearance: Appearance,
+    /// Path length `h0` over which opacity is stated, world units, > 0.
     pub reference_length: f64,
-    /// Colour by density.
-    pub colormap: Colormap,
+}
+
+/// The two ways of saying what a value looks like.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Appearance {
+    /// The formula of the ray-casting assignment, for densities `≥ 0`.
+    Formula {
+        /// Opacity by density.
+        opacity: TransferOpacity,
+        /// Colour by density.
+        colormap: Colormap,
+    },
+    /// A table of points, for any values: those of a scan may be negative.
+    Points(TransferPoints),
 }
 
 impl TransferFunction {
-    /// Opacity over a step of `length` world units at `density`: `1 − T(d)^(length/h0)`.
-    pub fn opacity(&self, density: f64, length: f64) -> f64 {
-        over_length(self.opacity.at(density), length / self.reference_length)
+    /// Opacity over a step of `length` world units at `value`: `1 − (1 − a)^(length/h0)`.
+    pub fn opacity(&self, value: f64, length: f64) -> f64 {
+        over_length(
+            self.reference_opacity(value),
+            length / self.reference_length,
+        )
     }
 
-    /// Colour of the material: `colormap(d)`.
-    pub fn colour(&self, density: f64) -> DVec3 {
-        self.colormap.at(density)
+    /// Opacity `a` over the reference length at `value`.
+    pub fn reference_opacity(&self, value: f64) -> f64 {
+        match &self.appearance {
+            Appearance::Formula { opacity, .. } => opacity.at(value),
+            Appearance::Points(points) => points.opacity(value),
+        }
     }
 
-    /// How much light a sample sends out, whatever its colour and shading: `d²`.
-    pub fn strength(&self, density: f64) -> f64 {
-        density * density
+    /// Colour of the material.
+    pub fn colour(&self, value: f64) -> DVec3 {
+        match &self.appearance {
+            Appearance::Formula { colormap, .. } => colormap.at(value),
+            Appearance::Points(points) => points.colour(value),
+        }
     }
 
-    /// Whether every density up to `density` has an opacity of exactly 0.
-    /// Opacity rises with density, so the largest decides.
-    pub fn is_transparent_up_to(&self, density: f64) -> bool {
-        self.opacity.at(density) == 0.0
+    /// How much light a sample sends out, whatever its colour and shading: `d²` by the formula.
+    /// That belongs to the assignment and to densities; the colours of a table are radiances as
+    /// they stand, so there it is 1.
+    pub fn strength(&self, value: f64) -> f64 {
+        match &self.appearance {
+            Appearance::Formula { .. } => value * value,
+            Appearance::Points(_) => 1.0,
+        }
+    }
+
+    /// No channel of a colour is above this; colormaps end at 1.
+    pub fn brightest_colour(&self) -> f64 {
+        match &self.appearance {
+            Appearance::Formula { .. } => 1.0,
+            Appearance::Points(points) => points.brightest(),
+        }
+    }
+
+    /// Whether opacity is exactly 0 wherever the field lies between nodes with values from
+    /// `least` to `most`, both finite and, for the formula, not negative.
+    pub fn is_transparent_between(&self, least: f64, most: f64) -> bool {
+        match &self.appearance {
+            // Opacity rises with density, so the largest decides; it is 0 for density 0 only.
+            Appearance::Formula { opacity, .. } => opacity.at(most) == 0.0,
+            Appearance::Points(points) => {
+                let slack = interpolation_slack(least, most);
+                points.is_transparent_between(least - slack, most + slack)
+            }
+        }
+    }
+
+    /// Whether any value from `least` to `most` has opacity 0: if not, no place in the volume is
+    /// transparent.
+    pub fn may_be_transparent_between(&self, least: f64, most: f64) -> bool {
+        match &self.appearance {
+            Appearance::Formula { opacity, .. } => opacity.at(least) == 0.0,
+            Appearance::Points(points) => points.may_be_transparent_between(least, most),
+        }
+    }
+}
+
+/// How far rounding can take a trilinear interpolant out of the interval of its nodes, at most.
+///
+/// One interpolation `a + (b − a)·t`, `t` in [0, 1], passes `b` by no more than `2u·|b − a|`:
+/// rounding is monotonic, so the product is at most the rounded difference, which is off by
+/// `u·|b − a|`; the sum of that and `a` then rounds to `b`, or beyond it by no more than it
+/// already was. There are three in a row, each over an interval wider by that much: below
+/// `7u·|most − least|`. Equal nodes give exactly their value.
+fn interpolation_slack(least: f64, most: f64) -> f64 {
+    4.0 * f64::EPSILON * (most - least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::volume::Lerp;
+
+    fn table(points: &[(f64, f64)]) -> TransferFunction {
+        let point = |&(value, opacity)| super::super::TransferPoint {
+            value,
+            colour: DVec3::ONE,
+            opacity,
+        };
+        TransferFunction {
+            appearance: Appearance::Points(
+                TransferPoints::new(points.iter().map(point).collect()).unwrap(),
+            ),
+            reference_length: 2.0,
+        }
+    }
+
+    #[test]
+    fn a_step_lets_the_share_of_its_length_through() {
+        let table = table(&[(-1.0, 0.0), (1.0, 0.75)]);
+        assert_eq!(table.reference_opacity(1.0), 0.75);
+        assert_eq!(table.opacity(1.0, 2.0), 0.75);
+        assert!((table.opacity(1.0, 1.0) - 0.5).abs() <= f64::EPSILON);
+        assert_eq!(table.opacity(-1.0, 1.0), 0.0);
+        assert_eq!(table.strength(-1000.0), 1.0);
+    }
+
+    /// The interval of the nodes is not quite that of the field between them.
+    #[test]
+    fn rounding_of_the_interpolation_is_allowed_for() {
+        let clear = table(&[(0.3, 0.0), (0.3, 1.0)]);
+        let below = 0.3 - f64::EPSILON;
+        assert!(clear.is_transparent_between(0.1, 0.2));
+        assert!(clear.is_transparent_between(below, below));
+        assert!(!clear.is_transparent_between(-0.9, below));
+
+        let (mut beyond, mut farthest) = (0, 0.0_f64);
+        for i in 0..200_000_u32 {
+            let number = |salt: u32| {
+                let bits = i.wrapping_mul(2_654_435_761).wrapping_add(salt);
+                let bits = bits.wrapping_mul(2_246_822_519) ^ (bits >> 15);
+                // A third, so that differences round.
+                (f64::from(bits) / 2_147_483_648.0 - 1.0) / 3.0
+            };
+            let (a, b) = (number(1), number(77));
+            let value = f64::lerp_between(a, b, 1.0);
+            let passed = if b > a { value - b } else { b - value };
+            assert!(passed <= interpolation_slack(a.min(b), a.max(b)));
+            beyond += usize::from(passed > 0.0);
+            farthest = farthest.max(passed);
+        }
+        assert!(beyond > 0 && farthest > 0.0, "the slack is needed");
     }
 }

@@ -1,14 +1,15 @@
-//! The plot of the transfer function: figure 2.
+//! The plot of the transfer function: figure 2, or the same for a table of points.
 //!
 //! Drawn by arithmetic alone, without fonts of the system: the same bits everywhere.
 
 use crate::math;
-use crate::media::TransferOpacity;
+use crate::media::TransferPoints;
 use crate::scene::Curve;
 use embedded_graphics::mono_font::{MonoTextStyle, ascii::FONT_6X12};
 use embedded_graphics::pixelcolor::BinaryColor;
 use embedded_graphics::prelude::*;
 use embedded_graphics::text::{Alignment, Baseline, Text, TextStyleBuilder};
+use glam::{DVec2, DVec3};
 use std::convert::Infallible;
 
 /// sRGB colours of the plot.
@@ -18,7 +19,7 @@ const INK: [u8; 3] = [60, 60, 66];
 const TRANSPARENCY: [u8; 3] = [31, 90, 170];
 const OPACITY: [u8; 3] = [200, 80, 20];
 
-/// Distance between lines of the grid, on both axes.
+/// Distance between lines of the grid, on both axes; with a table of points, upwards only.
 const TICK: f64 = 0.2;
 /// Half the width of a curve, pixels.
 const HALF_WIDTH: f64 = 1.1;
@@ -37,30 +38,45 @@ pub(super) fn draw(curve: &Curve, width: usize, height: usize) -> Vec<[f32; 4]> 
 }
 
 /// The axes: where density and value lie in the image, in pixels from its top left corner.
-struct Plot {
+struct Plot<'c> {
     left: f64,
     right: f64,
     top: f64,
     bottom: f64,
-    densities: f64,
-    curve: TransferOpacity,
+    from: f64,
+    to: f64,
+    /// Where the lines of the grid stand on the axis of densities, and what is written there.
+    ticks: Vec<(f64, String)>,
+    curve: &'c Curve,
 }
 
-impl Plot {
-    fn new(curve: &Curve, width: usize, height: usize) -> Plot {
+impl Plot<'_> {
+    fn new(curve: &Curve, width: usize, height: usize) -> Plot<'_> {
+        let (from, to, ticks) = match curve {
+            Curve::Formula { densities, .. } => {
+                let ticks = ticks(*densities).map(|d| (d, format!("{d:.1}")));
+                (0.0, *densities, ticks.collect())
+            }
+            Curve::Points(points) => {
+                let (from, to) = extent(points);
+                (from, to, round_ticks(from, to))
+            }
+        };
         // Room for the labels; whole pixels, so that the frame falls on pixel centres.
         Plot {
             left: 26.5,
             right: (width as f64 - 10.5).max(27.5),
             top: 8.5,
             bottom: (height as f64 - 25.5).max(9.5),
-            densities: curve.densities,
-            curve: curve.opacity,
+            from,
+            to,
+            ticks,
+            curve,
         }
     }
 
     fn x(&self, density: f64) -> f64 {
-        self.left + (self.right - self.left) * (density / self.densities)
+        self.left + (self.right - self.left) * ((density - self.from) / (self.to - self.from))
     }
 
     fn y(&self, value: f64) -> f64 {
@@ -69,7 +85,8 @@ impl Plot {
 
     /// Density below the image coordinate `x`.
     fn density(&self, x: f64) -> f64 {
-        ((x - self.left) / (self.right - self.left) * self.densities).max(0.0)
+        let share = (x - self.left) / (self.right - self.left);
+        (share * (self.to - self.from) + self.from).max(self.from)
     }
 
     /// Linear colour of a pixel, but for the labels.
@@ -81,18 +98,62 @@ impl Plot {
             return colour;
         }
         let on_line = |position: f64, at: f64| (position - at.floor() - 0.5).abs() < 0.25;
-        let on_grid = ticks(self.densities).any(|d| on_line(x, self.x(d)))
+        let on_grid = self.ticks.iter().any(|(d, _)| on_line(x, self.x(*d)))
             || ticks(1.0).any(|v| on_line(y, self.y(v)));
         if on_grid {
             colour = linear(GRID);
         }
-        if x == self.left || y == self.bottom {
+        let on_axis = x == self.left || y == self.bottom;
+        if on_axis {
             colour = linear(INK);
         }
-        let opacity = self.coverage(x, y, |density| self.curve.at(density));
-        let transparency = self.coverage(x, y, |density| self.curve.transparency(density));
-        colour = blend(colour, linear(OPACITY), opacity);
-        blend(colour, linear(TRANSPARENCY), transparency)
+        match self.curve {
+            Curve::Formula { opacity: curve, .. } => {
+                let opacity = self.coverage(x, y, |density| curve.at(density));
+                let transparency = self.coverage(x, y, |density| curve.transparency(density));
+                colour = blend(colour, linear(OPACITY), opacity);
+                blend(colour, linear(TRANSPARENCY), transparency)
+            }
+            Curve::Points(points) => {
+                let value = self.density(x);
+                if !on_axis && y > self.y(points.opacity(value)) {
+                    let shown = points.colour(value).min(DVec3::ONE);
+                    colour = shown.to_array();
+                }
+                let line = self.line_coverage(points, x, y);
+                blend(colour, linear(INK), line)
+            }
+        }
+    }
+
+    /// Share of the pixel around (x, y) that the line of a table covers: its distance from the
+    /// nearest of the straight lines, softened over one pixel. Steps and peaks narrower than a
+    /// pixel are drawn too.
+    fn line_coverage(&self, points: &TransferPoints, x: f64, y: f64) -> f64 {
+        let here = DVec2::new(x, y);
+        let end = |value: f64| (value, points.opacity(value));
+        let inner = points
+            .points()
+            .iter()
+            .map(|point| (point.value, point.opacity));
+        let corners: Vec<DVec2> = [end(self.from)]
+            .into_iter()
+            .chain(inner)
+            .chain([end(self.to)])
+            .map(|(value, opacity)| DVec2::new(self.x(value), self.y(opacity)))
+            .collect();
+        let to_line = |ends: &[DVec2]| {
+            let along = ends[1] - ends[0];
+            let share = (here - ends[0]).dot(along) / along.length_squared();
+            // Two corners in one place: 0/0.
+            let share = if share.is_nan() { 0.0 } else { share };
+            here.distance(ends[0] + along * share.clamp(0.0, 1.0))
+        };
+        let distance = corners
+            .windows(2)
+            .map(to_line)
+            .fold(f64::INFINITY, f64::min);
+        (HALF_WIDTH + 0.5 - distance).clamp(0.0, 1.0)
     }
 
     /// Share of the pixel around (x, y) that the line of a function covers: its distance from
@@ -129,23 +190,25 @@ impl Plot {
                 Alignment::Right,
             );
         }
-        for density in ticks(self.densities) {
-            let (x, y) = (self.x(density) + 1.0, self.bottom + 8.0);
-            ink(&format!("{density:.1}"), x, y, INK, Alignment::Center);
+        for (density, text) in &self.ticks {
+            let (x, y) = (self.x(*density) + 1.0, self.bottom + 8.0);
+            ink(text, x, y, INK, Alignment::Center);
         }
+        let axis = match self.curve {
+            Curve::Formula { .. } => "density d",
+            Curve::Points(_) => "opacity over value",
+        };
         let middle = 0.5 * (self.left + self.right);
-        ink(
-            "density d",
-            middle,
-            self.bottom + 18.0,
-            INK,
-            Alignment::Center,
-        );
+        ink(axis, middle, self.bottom + 18.0, INK, Alignment::Center);
+        let Curve::Formula { opacity, densities } = self.curve else {
+            return;
+        };
         // Beside the curves, a fifth and a little more from the left, where both are free.
-        let x = self.x(0.24 * self.densities);
-        let y = self.y(self.curve.transparency(0.24 * self.densities)) + 14.0;
+        let density = 0.24 * densities;
+        let x = self.x(density);
+        let y = self.y(opacity.transparency(density)) + 14.0;
         ink("T(d)", x, y, TRANSPARENCY, Alignment::Right);
-        let y = self.y(self.curve.at(0.24 * self.densities)) - 14.0;
+        let y = self.y(opacity.at(density)) - 14.0;
         ink("1-T(d)", x, y, OPACITY, Alignment::Right);
     }
 }
@@ -154,6 +217,49 @@ impl Plot {
 fn ticks(end: f64) -> impl Iterator<Item = f64> {
     let count = (end / TICK * (1.0 + 1e-12)) as usize;
     (0..=count.min(100)).map(|i| i as f64 * TICK)
+}
+
+/// The values from the first point to the last; of a lone point, some around it.
+fn extent(points: &TransferPoints) -> (f64, f64) {
+    let points = points.points();
+    let (first, last) = (points[0].value, points[points.len() - 1].value);
+    if first < last {
+        return (first, last);
+    }
+    let margin = 0.5 * first.abs().max(1.0);
+    (first - margin, last + margin)
+}
+
+/// Up to six round numbers from `from` to `to`, as text too.
+fn round_ticks(from: f64, to: f64) -> Vec<(f64, String)> {
+    // The decimal exponent of the extent, without logarithms and their rounding.
+    let extent = to - from;
+    let shown = format!("{extent:e}");
+    let exponent: i32 = shown
+        .split_once('e')
+        .and_then(|(_, digits)| digits.parse().ok())
+        .unwrap_or(0);
+    let candidates = [(2, -1), (5, -1), (1, 0), (2, 0)].map(|(digit, shift)| {
+        let power = exponent + shift;
+        let step = format!("{digit}e{power}").parse().unwrap_or(extent);
+        (step, usize::try_from(-power).unwrap_or(0))
+    });
+    let fits = |(step, _): &(f64, usize)| extent / step <= 5.0;
+    let (step, decimals) = candidates.into_iter().find(fits).unwrap_or((extent, 0));
+    let first = (from / step).ceil();
+    let values = (0..=5).map(|index| (first + f64::from(index)) * step);
+    let label = |value: f64| {
+        // −0 would show its sign.
+        let text = format!("{:.decimals$}", value + 0.0);
+        match text.len() {
+            0..=6 => text,
+            _ => format!("{value:.1e}"),
+        }
+    };
+    values
+        .filter(|value| (from..=to).contains(value))
+        .map(|value| (value, label(value)))
+        .collect()
 }
 
 fn linear(srgb: [u8; 3]) -> [f64; 3] {

@@ -52,8 +52,8 @@ impl EmptySpace {
         space.distance = (0..blocks.iter().product())
             .into_par_iter()
             .map(|block| {
-                let densest = densest_node(grid, space.block(block));
-                if transfer_function.is_transparent_up_to(densest) {
+                let (least, most) = range_of_nodes(grid, space.block(block));
+                if transfer_function.is_transparent_between(least, most) {
                     u8::MAX
                 } else {
                     0
@@ -105,24 +105,25 @@ impl EmptySpace {
     }
 }
 
-/// Largest value among the nodes of a block, those on its faces included: interpolation inside
-/// the block uses no others.
-fn densest_node<T: Scalar>(grid: &Grid<T>, block: [usize; 3]) -> f64 {
+/// Smallest and largest value among the nodes of a block, those on its faces included:
+/// interpolation inside the block uses no others.
+fn range_of_nodes<T: Scalar>(grid: &Grid<T>, block: [usize; 3]) -> (f64, f64) {
     let lattice: &Lattice = grid.lattice();
     let nodes = |axis: usize| {
         let first = block[axis] * BLOCK;
         first..(first + BLOCK + 1).min(lattice.nodes()[axis])
     };
-    let mut densest = 0.0_f64;
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
     for k in nodes(2) {
         for j in nodes(1) {
             let row = lattice.index([0, j, k]);
             for value in &grid.values()[row + nodes(0).start..row + nodes(0).end] {
-                densest = densest.max(value.value());
+                least = least.min(value.value());
+                most = most.max(value.value());
             }
         }
     }
-    densest
+    (least, most)
 }
 
 impl Space for EmptySpace {
@@ -148,7 +149,7 @@ impl Space for EmptySpace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::media::{Colormap, TransferOpacity};
+    use crate::media::{Appearance, Colormap, TransferOpacity};
     use crate::render::work::Counters;
 
     fn spike(nodes: [usize; 3], at: [usize; 3]) -> EmptySpace {
@@ -156,9 +157,11 @@ mod tests {
         let mut values = vec![0.0_f32; lattice.node_count()];
         values[lattice.index(at)] = 1.0;
         let transfer_function = TransferFunction {
-            opacity: TransferOpacity { floor: 0.36 },
+            appearance: Appearance::Formula {
+                opacity: TransferOpacity { floor: 0.36 },
+                colormap: Colormap::named("white").unwrap(),
+            },
             reference_length: 1.0,
-            colormap: Colormap::named("white").unwrap(),
         };
         EmptySpace::of(&Grid::new(lattice, values).unwrap(), &transfer_function)
     }

@@ -92,6 +92,7 @@ fn with_visibility<F: Field, O: Order + Sync, S: Shading, W: Work>(
                 shadow,
                 light: scene.light,
                 bounds,
+                transfer_function: &scene.transfer_function,
             };
             with_space::<F, O, S, _, W>(scene, parts, pixels, field, shading, visibility)
         }

@@ -89,7 +89,7 @@ pub struct RayCaster<'c, F, O, S, V, E> {
     pub visibility: V,
     /// Regions known to be transparent.
     pub space: E,
-    /// What a density looks like.
+    /// What a value of the field looks like.
     pub transfer_function: &'c TransferFunction,
     /// Distance between samples, world units.
     pub step: f64,

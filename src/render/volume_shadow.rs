@@ -6,6 +6,7 @@ use super::steps::Steps;
 use super::work::{Event, Work};
 use crate::geometry::{Aabb, Ray, Span, length_of};
 use crate::math;
+use crate::media::{Appearance, TransferFunction, over_length};
 use crate::scene::Shadow;
 use glam::DVec3;
 
@@ -40,22 +41,29 @@ impl Visibility for Unshadowed {
     }
 }
 
-/// The volume shadow of the ray-casting assignment: `min(1, exp(−S/100))`, `S` the sum of the
-/// densities met on the way to the light.
+/// The volume shadow.
 ///
-/// `S` is the integral of density in units of `reference_step`, sampled every `step`: refining
-/// the step converges, and at `step = reference_step` it is the source's plain sum.
+/// With the formula of the ray-casting assignment it is the assignment's, `min(1, exp(−S/100))`,
+/// `S` the sum of the densities met on the way to the light: the integral of density in units of
+/// `reference_step`, sampled every `step`. Refining the step converges, and at
+/// `step = reference_step` it is the source's plain sum.
+///
+/// A sum means nothing for the values of a scan, which may be negative, or high where the table
+/// of points makes them transparent. There the light that arrives is what the opacities let
+/// through, each stated over `reference_step`: `Π (1 − a)^(step/reference_step)`.
 #[derive(Clone, Copy, Debug)]
-pub struct VolumeShadow {
+pub struct VolumeShadow<'c> {
     /// Steps of the shadow ray.
     pub shadow: Shadow,
     /// World position of the light.
     pub light: DVec3,
     /// Extent of the volume.
     pub bounds: Aabb,
+    /// What a value looks like.
+    pub transfer_function: &'c TransferFunction,
 }
 
-impl Visibility for VolumeShadow {
+impl Visibility for VolumeShadow<'_> {
     fn at<F: Field, S: Space, W: Work>(
         &self,
         sample: Sample,
@@ -78,7 +86,8 @@ impl Visibility for VolumeShadow {
         let steps = Steps::over(span, self.shadow.step);
         let path = NodePath::from(sample.nodes, ray.direction, field.lattice());
         let reach = path.reach(self.shadow.step);
-        let mut sum = 0.0;
+        let reference = self.shadow.reference_step;
+        let (mut sum, mut through) = (0.0, 1.0);
         let mut done = 0;
         while done < steps.count() {
             let (t, length) = steps.sample(done);
@@ -88,9 +97,18 @@ impl Visibility for VolumeShadow {
                 done += transparent;
                 continue;
             }
-            sum += field.density(&field.locate(point), work) * length;
+            let value = field.density(&field.locate(point), work);
+            match &self.transfer_function.appearance {
+                Appearance::Formula { .. } => sum += value * length,
+                Appearance::Points(points) => {
+                    through *= 1.0 - over_length(points.opacity(value), length / reference);
+                    if through == 0.0 {
+                        return 0.0; // nothing behind it matters
+                    }
+                }
+            }
             done += 1;
         }
-        math::exp(-(sum / self.shadow.reference_step) / 100.0).min(1.0)
+        math::exp(-(sum / reference) / 100.0).min(1.0) * through
     }
 }

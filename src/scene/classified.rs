@@ -6,7 +6,7 @@ use super::format::{Absent, Key, Kind, Literal, Range, Table};
 use super::reader::{Length, Reader};
 use super::volume::VOLUME;
 use crate::geometry::{Camera, length_of};
-use crate::media::{Phong, TransferFunction};
+use crate::media::{Appearance, Phong, TransferFunction};
 use crate::volume::{Grid, Interpolation, Lattice};
 use glam::DVec3;
 use std::sync::Arc;
@@ -111,7 +111,7 @@ const PHONG: Table = Table {
 };
 
 const SHADOW: Table = Table {
-    doc: "Volume shadow: radiance times exp(−S/100), S the integral of density over reference steps towards the light.",
+    doc: "Volume shadow: radiance times exp(−S/100), S the integral of density over reference steps towards the light; with a table of points, times what the opacities on the way let through.",
     keys: &[
         Key {
             name: "step",
@@ -122,8 +122,8 @@ const SHADOW: Table = Table {
         Key {
             name: "reference_step",
             kind: Kind::Length,
-            absent: Absent::Error,
-            doc: "Length that counts as one unit of S, world units or voxels; smaller means darker.",
+            absent: Absent::Derived("with a table of points its reference length; else required"),
+            doc: "Length that counts as one unit of S, or over which the opacities of points hold, world units or voxels; smaller means darker.",
         },
     ],
     rules: &[],
@@ -139,19 +139,20 @@ pub enum Compositing {
 }
 
 /// Volume shadow: the radiance of a sample is multiplied by `min(1, exp(−S/100))`, `S` the
-/// integral of density towards the light, counted in units of `reference_step`.
+/// integral of density towards the light, counted in units of `reference_step`. With a table of
+/// points it is what the opacities on the way let through, each stated over `reference_step`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shadow {
     /// Distance between samples along the shadow ray, world units, > 0.
     pub step: f64,
-    /// Length that counts as one unit of `S`, world units, > 0.
+    /// Length that counts as one unit of `S`, or over which opacities hold, world units, > 0.
     pub reference_step: f64,
 }
 
 /// A classified volume and the view of it, all lengths in world units.
 #[derive(Clone, Debug)]
 pub struct Classified {
-    /// Densities: finite, not negative.
+    /// Values of the field: finite, and not negative where the formula maps them.
     pub grid: Arc<Grid<f32>>,
     /// Reconstruction between the nodes.
     pub interpolation: Interpolation,
@@ -159,7 +160,7 @@ pub struct Classified {
     pub compositing: Compositing,
     /// Distance between samples along a ray, > 0.
     pub step: f64,
-    /// What a density looks like.
+    /// What a value looks like.
     pub transfer_function: TransferFunction,
     /// Shading by gradient, if asked for.
     pub phong: Option<Phong>,
@@ -214,7 +215,7 @@ impl Classified {
             .transpose()?;
         let shadow = reader
             .table("shadow")?
-            .map(|reader| read_shadow(&reader, &lattice));
+            .map(|reader| read_shadow(&reader, &lattice, &transfer_function));
         let scene = Classified {
             grid,
             interpolation,
@@ -236,22 +237,40 @@ impl Classified {
     /// Refuses a scene whose radiance may be more than an image of `f32` can hold.
     ///
     /// A pixel is an average of what its samples send out and of the background. A sample sends
-    /// out at most the strength of the densest voxel times the weights of its shading.
+    /// out at most the brightest colour as shading makes it, times the strength of the densest
+    /// voxel; one that is transparent sends out nothing.
     pub fn check_brightness(&self) -> Result<(), String> {
-        let (_, most) = self.grid.range();
-        let weights = self.phong.map_or(1.0, |phong| {
-            (phong.ambient + phong.diffuse + phong.specular).max(1.0)
+        let (least, most) = self.grid.range();
+        let colour = self.transfer_function.brightest_colour();
+        // Without a gradient the colour stays as it is.
+        let shaded = self.phong.map_or(colour, |phong| {
+            let lit = phong.ambient + phong.diffuse;
+            // Black under a weight beyond all numbers would be NaN.
+            match lit.is_finite() {
+                true => (colour * lit + phong.specular).max(colour),
+                false => f64::INFINITY,
+            }
         });
-        let sent = self.transfer_function.strength(most) * weights;
-        let brightest = sent.max(self.background.max_element());
+        let sent = match self.transfer_function.is_transparent_between(least, most) {
+            true => 0.0,
+            false => self.transfer_function.strength(most) * shaded,
+        };
+        let background = self.background.max_element();
         // Half of the largest number leaves room for the rounding of cosines and sums.
         let limit = f64::from(f32::MAX / 2.0);
-        if brightest <= limit {
+        if sent <= limit && background <= limit {
             return Ok(());
         }
+        let source = match &self.transfer_function.appearance {
+            Appearance::Formula { .. } => {
+                format!("densities up to {most:e}, which send out the square of that,")
+            }
+            Appearance::Points(_) => format!("colours up to {colour:e}"),
+        };
+        let brightest = sent.max(background);
         Err(format!(
-            "densities up to {most:e}, which send out the square of that, make pixels of up to \
-             {brightest:e} with this shading and background; an image holds at most {limit:e}"
+            "{source} make pixels of up to {brightest:e} with this shading and background; an \
+             image holds at most {limit:e}"
         ))
     }
 
@@ -293,11 +312,26 @@ fn read_phong(reader: &Reader<'_, '_>) -> Result<Phong, Box<SceneError>> {
     })
 }
 
-fn read_shadow(reader: &Reader<'_, '_>, lattice: &Lattice) -> Result<Shadow, Box<SceneError>> {
-    let reference_step = reader
-        .length("reference_step")?
-        .in_world_units(lattice.voxel())
-        .map_err(|message| reader.error("reference_step", message))?;
+fn read_shadow(
+    reader: &Reader<'_, '_>,
+    lattice: &Lattice,
+    transfer_function: &TransferFunction,
+) -> Result<Shadow, Box<SceneError>> {
+    let given = reader.optional_length("reference_step")?;
+    let reference_step = match (given, &transfer_function.appearance) {
+        (Some(length), _) => length
+            .in_world_units(lattice.voxel())
+            .map_err(|message| reader.error("reference_step", message))?,
+        (None, Appearance::Points(_)) => {
+            let length = transfer_function.reference_length;
+            reader.resolved("reference_step", length);
+            length
+        }
+        (None, Appearance::Formula { .. }) => {
+            let message = "missing key `reference_step` in [classified.shadow]";
+            return Err(reader.error("reference_step", message));
+        }
+    };
     Ok(Shadow {
         step: step_length(reader, "step", lattice)?,
         reference_step,

@@ -3,35 +3,50 @@
 use super::SceneError;
 use super::format::{Absent, Key, Kind, Literal, Range, Table};
 use super::reader::Reader;
-use crate::media::TransferOpacity;
+use super::transfer_function::OpacityByValue;
+use crate::media::{TransferOpacity, TransferPoints};
 
 /// The declaration of `[curve]`.
 pub(super) const CURVE: Table = Table {
-    doc: "A plot of the transfer function: transparency T(d) and opacity 1 − T(d) over density d.",
+    doc: "A plot of the transfer function: transparency T(d) and opacity 1 − T(d) over density d; of a table of points, opacity over value with the colours below.",
     keys: &[Key {
         name: "densities",
         kind: Kind::Number(Range::open(0.0, f64::INFINITY)),
         absent: Absent::Default(Literal::Number(1.2)),
-        doc: "Density at the right end of the axis; the left end is 0.",
+        doc: "Density at the right end of the axis; the left end is 0. Not with a table of points, whose ends are those of the axis.",
     }],
     rules: &[],
 };
 
-/// A plot of transparency and opacity over density.
+/// A plot of what a transfer function says of opacity.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
-    /// What is plotted.
-    pub opacity: TransferOpacity,
-    /// Density at the right end of the axis, > 0.
-    pub densities: f64,
+pub enum Curve {
+    /// Transparency and opacity over density.
+    Formula {
+        /// What is plotted.
+        opacity: TransferOpacity,
+        /// Density at the right end of the axis, > 0.
+        densities: f64,
+    },
+    /// Opacity over the values of a table, with the colours below it.
+    Points(TransferPoints),
 }
 
 impl Curve {
     pub(super) fn read(
         reader: &Reader<'_, '_>,
-        opacity: TransferOpacity,
+        opacity: OpacityByValue,
     ) -> Result<Curve, Box<SceneError>> {
-        let densities = reader.number("densities")?;
-        Ok(Curve { opacity, densities })
+        match opacity {
+            OpacityByValue::Formula(opacity) => {
+                let densities = reader.number("densities")?;
+                Ok(Curve::Formula { opacity, densities })
+            }
+            OpacityByValue::Points(_) if reader.has("densities") => {
+                let message = "the axis of a table of points goes from its first to its last";
+                Err(reader.mistake("densities", message, "remove `densities`"))
+            }
+            OpacityByValue::Points(points) => Ok(Curve::Points(points)),
+        }
     }
 }

@@ -58,8 +58,23 @@ impl<'p> Files<'p> {
         }
     }
 
-    /// The densities that a table of [volume keys](super::volume::VOLUME) asks for.
-    pub(super) fn grid(
+    /// The densities that a table of [volume keys](super::volume::VOLUME) asks for: finite and
+    /// not negative. `help` is for those who have others.
+    pub(super) fn densities(
+        &mut self,
+        reader: &Reader<'_, '_>,
+        help: &str,
+    ) -> Result<Arc<Grid<f32>>, Box<SceneError>> {
+        let grid = self.values(reader)?;
+        grid.check_densities().map_err(|error| {
+            let path = self.folder.join(reader.text("file").unwrap_or_default());
+            reader.mistake("file", format!("{}: {error}", path.display()), help)
+        })?;
+        Ok(grid)
+    }
+
+    /// The values that a table of [volume keys](super::volume::VOLUME) asks for: finite.
+    pub(super) fn values(
         &mut self,
         reader: &Reader<'_, '_>,
     ) -> Result<Arc<Grid<f32>>, Box<SceneError>> {
@@ -80,10 +95,6 @@ impl<'p> Files<'p> {
             };
             reader.error(key, error.to_string())
         })?;
-        loaded
-            .grid
-            .check_densities()
-            .map_err(|error| reader.error("file", format!("{}: {error}", path.display())))?;
         let mut inputs: Vec<InputFile> = loaded
             .files
             .into_iter()

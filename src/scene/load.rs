@@ -4,13 +4,13 @@ use super::camera::CAMERA;
 use super::classified::CLASSIFIED;
 use super::curve::CURVE;
 use super::files::{Files, InputFile};
-use super::format::{Absent, Key, Kind, Literal, Range, Rule, Table};
+use super::format::{Absent, Key, Kind, Literal, Rule, Table};
 use super::radiative::RADIATIVE;
 use super::reader::{Document, Origin, Reader, Reading, overridden};
 use super::sampling::{SAMPLING, Sampling};
+use super::transfer_function::{OpacityByValue, TRANSFER_FUNCTION, read_transfer_function};
 use super::{Classified, Curve, Radiative, SceneError};
-use crate::media::{Colormap, TransferFunction, TransferOpacity};
-use crate::volume::{Grid, VolumeFormat};
+use crate::volume::VolumeFormat;
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -95,31 +95,6 @@ const FILM: Table = Table {
             kind: Kind::Count(1, 16384),
             absent: Absent::Default(Literal::Count(256)),
             doc: "Rows of pixels.",
-        },
-    ],
-    rules: &[],
-};
-
-const TRANSFER_FUNCTION: Table = Table {
-    doc: "Transparency T(d) = (exp(−d²) − floor)/(1 − floor), clamped to [0, 1], over the reference length; colour by name.",
-    keys: &[
-        Key {
-            name: "floor",
-            kind: Kind::Number(Range::half_open(0.0, 1.0)),
-            absent: Absent::Default(Literal::Number(0.36)),
-            doc: "Value of exp(−d²) that counts as opaque.",
-        },
-        Key {
-            name: "reference_length",
-            kind: Kind::Length,
-            absent: Absent::Default(Literal::Text("1 voxel")),
-            doc: "Path length over which the transparency is stated, world units or voxels.",
-        },
-        Key {
-            name: "colormap",
-            kind: Kind::Choice(Colormap::NAMES),
-            absent: Absent::Default(Literal::Text("heat")),
-            doc: "Colours for densities 0 to 1.",
         },
     ],
     rules: &[],
@@ -374,18 +349,25 @@ fn read_classified(
 ) -> Result<Classified, Box<SceneError>> {
     let empty = DeTable::new();
     let transfer_function = root.table_or_default("transfer_function", &empty)?;
-    let floor = transfer_function.number("floor")?;
+    let opacity = OpacityByValue::read(&transfer_function)?;
     refuse_sampling(
         root,
         "a classified volume is rendered without random numbers",
     )?;
     let volume = reader.table("volume")?.expect("required");
-    let grid = files.grid(&volume)?;
+    let grid = match opacity {
+        OpacityByValue::Points(_) => files.values(&volume)?,
+        OpacityByValue::Formula(_) => files.densities(
+            &volume,
+            "for other values, give [[transfer_function.point]] with `value`, `colour` and \
+             `opacity`, once for each point of a table",
+        )?,
+    };
     if let Some(nodes) = grid.lattice().nodes().iter().max() {
         volume.resolved("resolution", nodes);
     }
-    let opacity = TransferOpacity { floor };
-    let transfer_function = read_transfer_function(&transfer_function, opacity, &grid)?;
+    let lattice = grid.lattice();
+    let transfer_function = read_transfer_function(&transfer_function, opacity, lattice)?;
     let camera = root.table_or_default("camera", &empty)?;
     Classified::read(reader, &camera, grid, transfer_function, aspect)
 }
@@ -412,7 +394,7 @@ fn read_radiative(
 fn read_curve(root: &Reader<'_, '_>, reader: &Reader<'_, '_>) -> Result<Curve, Box<SceneError>> {
     let empty = DeTable::new();
     let transfer_function = root.table_or_default("transfer_function", &empty)?;
-    let floor = transfer_function.number("floor")?;
+    let opacity = OpacityByValue::read(&transfer_function)?;
     for unused in ["reference_length", "colormap"] {
         if transfer_function.has(unused) {
             let message = format!("`{unused}` means nothing to a plot of the curve");
@@ -423,7 +405,7 @@ fn read_curve(root: &Reader<'_, '_>, reader: &Reader<'_, '_>) -> Result<Curve, B
         return Err(root.error("camera", "a plot of the curve has no camera"));
     }
     refuse_sampling(root, "a plot of the curve is drawn without random numbers")?;
-    Curve::read(reader, TransferOpacity { floor })
+    Curve::read(reader, opacity)
 }
 
 fn refuse_sampling(root: &Reader<'_, '_>, message: &str) -> Result<(), Box<SceneError>> {
@@ -431,22 +413,4 @@ fn refuse_sampling(root: &Reader<'_, '_>, message: &str) -> Result<(), Box<Scene
         return Err(root.mistake("sampling", message, "remove [sampling]"));
     }
     Ok(())
-}
-
-fn read_transfer_function(
-    reader: &Reader<'_, '_>,
-    opacity: TransferOpacity,
-    grid: &Grid<f32>,
-) -> Result<TransferFunction, Box<SceneError>> {
-    let voxel = grid.lattice().voxel();
-    let reference_length = reader
-        .length("reference_length")?
-        .in_world_units(voxel)
-        .map_err(|message| reader.error("reference_length", message))?;
-    let colormap = reader.text("colormap")?;
-    Ok(TransferFunction {
-        opacity,
-        reference_length,
-        colormap: Colormap::named(&colormap).expect("one of the declared names"),
-    })
 }

@@ -11,6 +11,7 @@ mod procedural_xml;
 mod radiative;
 pub mod reader;
 mod sampling;
+mod transfer_function;
 mod volume;
 
 pub use classified::{Classified, Compositing, Shadow};

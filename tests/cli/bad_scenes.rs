@@ -212,7 +212,7 @@ fn missing_and_contradictory() {
     assert_shown!(said, @r#"
     scene.toml:10:1: missing key `file` in [classified.volume] help: `classified.volume.file`: Point cloud (.obj) or grid (.bin, .vol, .nrrd, .nhdr, .nii, .nii.gz, or .toml that describes bare samples), relative to the folder of the scene.
     scene.toml:8:1: missing table [classified.volume] help: `classified.volume`: The densities.
-    scene.toml:9:1: missing key `reference_step` in [classified.shadow] help: `classified.shadow.reference_step`: Length that counts as one unit of S, world units or voxels; smaller means darker.
+    scene.toml:9:1: missing key `reference_step` in [classified.shadow] help: `classified.shadow.reference_step`: Length that counts as one unit of S, or over which the opacities of points hold, world units or voxels; smaller means darker.
     scene.toml:9:1: the file has more than one model: [classified], [curve] help: keep exactly one of [classified], [curve]
     scene.toml: the file has no model help: give one of [classified], [radiative], [curve]
     scene.toml:12:14: `resolution` applies to point clouds; "cloud.bin" brings a grid of its own help: `classified.volume.resolution`: Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.
@@ -221,6 +221,115 @@ fn missing_and_contradictory() {
     scene.toml:9:6: `up` is parallel to the viewing direction, so the image has no upright help: `camera.up`: The direction that points up in the image, any length.
     scene.toml:9:1: panels stand side by side and must be of one height, but panel 1 has 10 rows and panel 2 has 4
     "#);
+}
+
+/// Tables of points: what is no table, and what does not stand beside one.
+#[test]
+fn transfer_functions_by_points() {
+    let mut said = String::new();
+    let two = "point = [\n{ value = 0, colour = 1, opacity = 0 },\n{ value = 1, colour = 1, opacity = 1 },\n]";
+    for new in [
+        "point = []",
+        "point = { value = 0, colour = 1, opacity = 0 }",
+        "point = [[0, 1, 0]]",
+        "point = [{ value = 0, colour = 1 }]",
+        "point = [{ value = 0, color = 1, opacity = 1 }]",
+        "point = [{ value = 0, colour = 1, opacity = 1.5 }]",
+        "point = [{ value = 0, colour = 1, opacity = -0.5 }]",
+        "point = [{ value = 1e39, colour = 1, opacity = 1 }]",
+        "point = [{ value = nan, colour = 1, opacity = 1 }]",
+        "point = [{ value = 0, colour = [0, -1, 0], opacity = 1 }]",
+        &two.replace("value = 1", "value = -1"),
+        &two.replace(
+            "]",
+            "{ value = 1, colour = 1, opacity = 0 },\n{ value = 1, colour = 1, opacity = 0 },\n]",
+        ),
+        &two.replace("value = 1, colour = 1", "value = 1, colour = 1e39"),
+        &format!("{two}\nfloor = 0.4"),
+        &format!("colormap = \"heat\"\n{two}"),
+        &format!("{two}\n[classified.shadow]\nreference_step = 0"),
+    ] {
+        said.push_str(&after("reference_length = \"0.2 voxels\"", new));
+    }
+    let folder = Folder::with_scenes();
+    let points = "[transfer_function]\n".to_owned() + two;
+    folder.write(
+        "broken.toml",
+        crate::folder::CURVE.to_owned() + "densities = 2\n" + &points,
+    );
+    said.push_str(&(folder.volref(&["plan", "broken.toml"]).message() + "\n"));
+    assert_shown!(said, @r#"
+    scene.toml:6:9: a table of points needs at least one help: `transfer_function.point`: A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself.
+    scene.toml:6:9: `point` takes tables in double brackets, [[…]], got table help: `transfer_function.point`: A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself.
+    scene.toml:6:9: `point` takes tables in double brackets, [[…]], got array help: `transfer_function.point`: A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself.
+    scene.toml:6:10: missing key `opacity` in [transfer_function.point[0]] help: `transfer_function.point[0].opacity`: Share of the light behind that is taken away over the reference length.
+    scene.toml:6:23: unknown key `color` in [transfer_function.point[0]] help: did you mean `colour`?
+    scene.toml:6:45: `opacity` must lie in [0, 1], got 1.5 help: `transfer_function.point[0].opacity`: Share of the light behind that is taken away over the reference length.
+    scene.toml:6:45: `opacity` must lie in [0, 1], got -0.5 help: `transfer_function.point[0].opacity`: Share of the light behind that is taken away over the reference length.
+    scene.toml:6:20: `value` must lie in [-340282346638528860000000000000000000000, 340282346638528860000000000000000000000], got 1000000000000000000000000000000000000000 help: `transfer_function.point[0].value`: Value of the volume, in the unit of its file.
+    scene.toml:6:20: `value` must be finite, got nan help: `transfer_function.point[0].value`: Value of the volume, in the unit of its file.
+    scene.toml:6:32: `colour` must not be negative, got [0, -1, 0] help: `transfer_function.point[0].colour`: Linear radiance of the material before shading.
+    scene.toml:8:11: the points must stand in order of their values, but -1 follows 0 help: `transfer_function.point[1].value`: Value of the volume, in the unit of its file.
+    scene.toml:10:11: three points have the value 1; two make a step, and a third means nothing help: `transfer_function.point[3].value`: Value of the volume, in the unit of its file.
+    scene.toml:14:1: colours up to 1e39 make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities.
+    scene.toml:10:9: [transfer_function] mixes `point` with `floor` help: give either `point` or `floor`, `colormap`
+    scene.toml:7:9: [transfer_function] mixes `point` with `colormap` help: give either `point` or `floor`, `colormap`
+    scene.toml:11:18: `reference_step`: a length must be positive and finite, got "0" help: `classified.shadow.reference_step`: Length that counts as one unit of S, or over which the opacities of points hold, world units or voxels; smaller means darker.
+    broken.toml:6:13: the axis of a table of points goes from its first to its last help: remove `densities`
+    "#);
+}
+
+/// Values below 0 are no densities; a table of points takes them, a medium does not.
+#[test]
+fn values_below_zero() {
+    let folder = Folder::new();
+    folder.write(
+        "scan.nrrd",
+        "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 2 2\nencoding: text\n\n\
+         -1000 0 40 300\n1000 -20 7 0\n",
+    );
+    let scene = "[film]\nwidth = 8\nheight = 8\n[classified.volume]\nfile = \"scan.nrrd\"\n\
+                 [classified.phong]\n[classified.shadow]\n";
+    let points = "[transfer_function]\npoint = [{ value = -500, colour = 0.5, opacity = 0 },\n\
+                  { value = 300, colour = 1, opacity = 0.9 }]\n";
+    folder.write("scene.toml", scene);
+    let mut said = folder.volref(&["plan", "scene.toml"]).message() + "\n";
+    folder.write(
+        "medium.toml",
+        "[camera]\neye = [0, 0, -9]\ntarget = [0, 0, 0]\n[[radiative.medium]]\n\
+         sigma_t = 1\nalbedo = 0\n[radiative.medium.grid]\nfile = \"scan.nrrd\"\n",
+    );
+    said.push_str(&(folder.volref(&["plan", "medium.toml"]).message() + "\n"));
+    assert_shown!(said, @r#"
+    scene.toml:5:8: scan.nrrd: voxel (0, 0, 0) holds -1000: densities must be finite and not negative help: for other values, give [[transfer_function.point]] with `value`, `colour` and `opacity`, once for each point of a table
+    medium.toml:8:8: scan.nrrd: voxel (0, 0, 0) holds -1000: densities must be finite and not negative help: a medium holds no less than nothing: shift or scale the values
+    "#);
+    folder.write("scene.toml", scene.to_owned() + points);
+    let run = folder.volref(&["plan", "scene.toml"]);
+    run.expect(0, &[]);
+    assert!(
+        run.stdout.contains("values from -1000 to 1000"),
+        "{}",
+        run.stdout
+    );
+    assert!(
+        run.stdout.contains("classified.shadow.reference_step"),
+        "{}",
+        run.stdout
+    );
+    folder
+        .volref(&["render", "scene.toml", "-o", "image.exr"])
+        .expect(0, &[]);
+    // Of one scene, the panel with the formula is refused whatever the first made of the file.
+    folder.write(
+        "panels.toml",
+        scene.to_owned()
+            + "[[panel]]\n[panel.transfer_function]\n\
+         point = [{ value = 0, colour = 1, opacity = 1 }]\n[[panel]]\n",
+    );
+    folder
+        .volref(&["plan", "panels.toml"])
+        .expect(2, &["voxel (0, 0, 0) holds -1000"]);
 }
 
 #[test]

@@ -14,8 +14,7 @@ use volref::volume::Lattice;
 fn cell(corner: impl Fn([usize; 3]) -> f32) -> Classified {
     let lattice = Lattice::new([2, 2, 2], DVec3::ONE, DVec3::ZERO).unwrap();
     let mut scene = scenes::plain(scenes::sampled(lattice, corner));
-    scene.transfer_function.opacity.floor = 0.0;
-    scene.transfer_function.colormap = Colormap::named("white").unwrap();
+    scene.transfer_function.appearance = scenes::formula(0.0, "white");
     scene
 }
 

@@ -42,7 +42,7 @@ proptest! {
         let mut scene = settings.scene(grid);
         let voxel = lattice.voxel();
         scene.step = math::pow(10.0, step) * voxel;
-        scene.transfer_function.opacity.floor = floor;
+        scene.transfer_function.appearance = scenes::formula(floor, "heat");
         // The unit times up to 10^±300 stays in range for the unit near 1; else near it.
         let length = |exponent: f64| {
             let near = if octave.abs() > 100 { exponent / 100.0 } else { 0.9 * exponent };

@@ -168,9 +168,8 @@ fn march<O: Order>(entry: &Value, sigma: impl Fn(f64) -> f64 + Sync) -> Layers {
     let length = input(entry, "length");
     let lattice = Lattice::new([2, 2, 2], DVec3::new(1.0, 1.0, length), DVec3::ZERO).unwrap();
     let transfer_function = TransferFunction {
-        opacity: TransferOpacity { floor: 0.0 },
+        appearance: scenes::formula(0.0, "white"),
         reference_length: 1.0,
-        colormap: Colormap::named("white").unwrap(),
     };
     let caster = RayCaster {
         field: Extinction { lattice, sigma },

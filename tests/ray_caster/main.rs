@@ -12,6 +12,7 @@ mod known_answers;
 mod opacity;
 mod order;
 mod plan;
+mod points;
 mod scale;
 mod shadow;
 mod symmetry;

@@ -47,7 +47,7 @@ impl Homogeneous {
     fn check(&self, steps: f64) -> Result<(), TestCaseError> {
         let mut scene = self.scene.clone();
         scene.step = self.length / steps;
-        let a0 = scene.transfer_function.opacity.at(self.density);
+        let a0 = scene.transfer_function.reference_opacity(self.density);
         let ratio = self.length / scene.transfer_function.reference_length;
         let closed = -math::exp_m1(ratio * math::ln_1p(-a0));
         let radiance = scene.transfer_function.colour(self.density)

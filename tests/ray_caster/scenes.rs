@@ -7,7 +7,7 @@ use std::sync::Arc;
 use volref::film::Film;
 use volref::geometry::{Camera, Ray};
 use volref::math;
-use volref::media::{Colormap, Phong, TransferFunction, TransferOpacity};
+use volref::media::{Appearance, Colormap, Phong, TransferFunction, TransferOpacity};
 use volref::render::compositing::{BackToFront, FrontToBack, Layers, Order};
 use volref::render::empty_space::Unexplored;
 use volref::render::field::{Field, Sampled};
@@ -66,6 +66,14 @@ fn share() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.002), Just(0.05), Just(0.6), Just(1.0)]
 }
 
+/// The formula of the ray-casting assignment.
+pub fn formula(floor: f64, colormap: &str) -> Appearance {
+    Appearance::Formula {
+        opacity: TransferOpacity { floor },
+        colormap: Colormap::named(colormap).unwrap(),
+    }
+}
+
 /// A scene of `grid` with every effect off, seen from the front.
 pub fn plain(grid: Arc<Grid<f32>>) -> Classified {
     let lattice = *grid.lattice();
@@ -77,9 +85,8 @@ pub fn plain(grid: Arc<Grid<f32>>) -> Classified {
         compositing: Compositing::FrontToBack,
         step: 0.5 * lattice.voxel(),
         transfer_function: TransferFunction {
-            opacity: TransferOpacity { floor: 0.36 },
+            appearance: formula(0.36, "heat"),
             reference_length: lattice.voxel(),
-            colormap: Colormap::named("heat").unwrap(),
         },
         phong: None,
         shadow: None,
@@ -305,6 +312,7 @@ fn with_visibility<F: Field, O: Order, S: Shading>(
                 shadow,
                 light: scene.light,
                 bounds: scene.grid.lattice().bounds(),
+                transfer_function: &scene.transfer_function,
             };
             with_all::<F, O, S, _>(scene, rays, field, shading, visibility)
         }

@@ -4,6 +4,7 @@ use super::{U, config, scenes};
 use glam::DVec3;
 use proptest::prelude::*;
 use volref::math;
+use volref::media::TransferFunction;
 use volref::render::Counters;
 use volref::render::empty_space::Unexplored;
 use volref::render::field::{Field, Sampled};
@@ -13,10 +14,15 @@ use volref::volume::{Cell, Grid, Lattice, Trilinear};
 
 fn visibility(grid: &Grid<f32>, shadow: Shadow, light: DVec3, at: DVec3) -> (f64, Counters) {
     let lattice = grid.lattice();
+    let transfer_function = TransferFunction {
+        appearance: scenes::formula(0.36, "heat"),
+        reference_length: 1.0,
+    };
     let visibility = VolumeShadow {
         shadow,
         light,
         bounds: lattice.bounds(),
+        transfer_function: &transfer_function,
     };
     let sample = Sample {
         world: at,

@@ -1,7 +1,7 @@
 //! What a classified volume calls for.
 
 use super::{Decisions, Effect, FieldKind, Finding, Kernel, Plan};
-use crate::media::Phong;
+use crate::media::{Appearance, Phong};
 use crate::scene::Classified;
 use crate::volume::Interpolation;
 
@@ -10,29 +10,40 @@ pub(super) fn plan(scene: &Classified, forced: &[Effect]) -> Plan {
     use Finding::{Absent, Matters, NotAsked, Null};
     let (least, most) = scene.grid.range();
     let constant = least == most;
-    let transparent = scene.transfer_function.is_transparent_up_to(most);
-    let nothing = || format!("every density, up to {most}, has opacity 0");
+    let transfer_function = &scene.transfer_function;
+    let transparent = transfer_function.is_transparent_between(least, most);
+    let (numbers, nothing, extent, light, darkness) = match transfer_function.appearance {
+        Appearance::Formula { .. } => (
+            "densities",
+            format!("every density, up to {most}, has opacity 0"),
+            format!("densities up to {most}"),
+            "the colormap sends out light",
+            "densities darken what lies behind",
+        ),
+        Appearance::Points(_) => (
+            "values",
+            format!("every value, from {least} to {most}, has opacity 0"),
+            format!("values from {least} to {most}"),
+            "the colours of the points send out light",
+            "opacities darken what lies behind",
+        ),
+    };
+    let nothing = || nothing.clone();
 
     let finding = |effect| match effect {
         Effect::Surfaces => Absent("the classified model has no surfaces"),
         Effect::Absorption | Effect::Emission if transparent => {
             Null("transfer_function", nothing())
         }
-        Effect::Absorption => Matters("transfer_function", format!("densities up to {most}")),
-        Effect::Emission => Matters(
-            "transfer_function",
-            "the colormap sends out light".to_owned(),
-        ),
+        Effect::Absorption => Matters("transfer_function", extent.clone()),
+        Effect::Emission => Matters("transfer_function", light.to_owned()),
         Effect::SingleScattering | Effect::MultipleScattering => {
             Absent("the classified model scatters no light; shading stands in for it")
         }
         Effect::MediumShadow => match scene.shadow {
             None => NotAsked("classified.shadow"),
             Some(_) if transparent => Null("classified.shadow", nothing()),
-            Some(_) => Matters(
-                "classified.shadow",
-                "densities darken what lies behind".to_owned(),
-            ),
+            Some(_) => Matters("classified.shadow", darkness.to_owned()),
         },
         Effect::SurfaceShadow => Absent("the classified model has no surfaces"),
         Effect::GradientShading => match &scene.phong {
@@ -58,7 +69,7 @@ pub(super) fn plan(scene: &Classified, forced: &[Effect]) -> Plan {
         }
         Effect::Heterogeneity => Matters(
             "classified.volume",
-            format!("densities from {least} to {most}"),
+            format!("{numbers} from {least} to {most}"),
         ),
         Effect::ChromaticCoefficients => Absent("opacity is the same for all colours"),
         Effect::AnisotropicPhase => Absent("the classified model has no phase function"),
@@ -81,7 +92,7 @@ pub(super) fn plan(scene: &Classified, forced: &[Effect]) -> Plan {
             shadow: on(Effect::MediumShadow),
             // Where the volume is transparent everywhere, an effect was forced: its work is
             // wanted, so nothing is skipped.
-            skip_empty: !transparent && scene.transfer_function.is_transparent_up_to(least),
+            skip_empty: !transparent && transfer_function.may_be_transparent_between(least, most),
         }
     };
     Plan {

@@ -249,7 +249,13 @@ pub(super) fn field(
             Some("nearest") => Interpolation::Nearest,
             _ => Interpolation::Trilinear,
         };
-        let density = GridDensity::new(files.grid(&grid)?, interpolation);
+        let density = GridDensity::new(
+            files.densities(
+                &grid,
+                "a medium holds no less than nothing: shift or scale the values",
+            )?,
+            interpolation,
+        );
         return Ok(Some(Field::Grid(density)));
     }
     if interpolation.is_some() {

@@ -1,0 +1,276 @@
+//! A transfer function as a table of points.
+
+use crate::volume::Lerp;
+use glam::DVec3;
+
+/// What one value of the field looks like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TransferPoint {
+    /// Value of the field, in its own unit; within the range of `f32`.
+    pub value: f64,
+    /// Linear RGB, `≥ 0` and finite.
+    pub colour: DVec3,
+    /// Opacity over the reference length, in [0, 1].
+    pub opacity: f64,
+}
+
+/// Opacity and colour by value: straight lines from point to point, constant below the first
+/// and above the last.
+///
+/// Two points at one value make a step; at the value itself the later one holds, so that
+/// "opaque from 300 on" means what it says. Opacity and colour are interpolated apart from each
+/// other: a point of opacity 0 has a colour, towards which its neighbours fade.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TransferPoints {
+    points: Vec<TransferPoint>,
+}
+
+/// Why points are no table.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum TransferPointsError {
+    /// There is none.
+    #[error("a table of points needs at least one")]
+    Empty,
+    /// Values fall.
+    #[error("the points must stand in order of their values, but {value} follows {before}")]
+    Unordered {
+        /// Which point, from 0.
+        index: usize,
+        /// Its value.
+        value: f64,
+        /// The larger one before.
+        before: f64,
+    },
+    /// A third point at one value, between the sides of a step, would mean nothing.
+    #[error("three points have the value {value}; two make a step, and a third means nothing")]
+    Crowded {
+        /// Which point, from 0.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// A number out of its range.
+    #[error(
+        "a point takes a value within ±3.4e38, an opacity in [0, 1] and finite colours that are \
+         not negative"
+    )]
+    OutOfRange {
+        /// Which point, from 0.
+        index: usize,
+    },
+}
+
+impl TransferPoints {
+    /// The table of `points`, which stand in order of their values.
+    pub fn new(points: Vec<TransferPoint>) -> Result<TransferPoints, TransferPointsError> {
+        if points.is_empty() {
+            return Err(TransferPointsError::Empty);
+        }
+        for (index, point) in points.iter().enumerate() {
+            // Differences of such values are finite. NaN lies in no range.
+            let in_range = point.value.abs() <= f64::from(f32::MAX)
+                && (0.0..=1.0).contains(&point.opacity)
+                && point.colour.is_finite()
+                && point.colour.min_element() >= 0.0;
+            if !in_range {
+                return Err(TransferPointsError::OutOfRange { index });
+            }
+            let value = point.value;
+            if index >= 1 && value < points[index - 1].value {
+                let before = points[index - 1].value;
+                return Err(TransferPointsError::Unordered {
+                    index,
+                    value,
+                    before,
+                });
+            }
+            if index >= 2 && value == points[index - 2].value {
+                return Err(TransferPointsError::Crowded { index, value });
+            }
+        }
+        Ok(TransferPoints { points })
+    }
+
+    /// The points, in order of their values.
+    pub fn points(&self) -> &[TransferPoint] {
+        &self.points
+    }
+
+    /// Opacity over the reference length at a finite `value`, in [0, 1].
+    ///
+    /// Rounding does not lead out of that: of `a + (b − a)·t` with `a`, `b` in [0, 1], the
+    /// rounded difference is at least `−a`, and at most `1 − a` and half an ulp of 1, which the
+    /// sum rounds away.
+    pub fn opacity(&self, value: f64) -> f64 {
+        let (a, b, t) = self.around(value);
+        f64::lerp_between(a.opacity, b.opacity, t)
+    }
+
+    /// Colour at a finite `value`, linear RGB.
+    pub fn colour(&self, value: f64) -> DVec3 {
+        let (a, b, t) = self.around(value);
+        DVec3::lerp_between(a.colour, b.colour, t)
+    }
+
+    /// The largest channel of all colours.
+    pub fn brightest(&self) -> f64 {
+        let channels = self.points.iter().map(|point| point.colour.max_element());
+        channels.fold(0.0, f64::max)
+    }
+
+    /// Whether every value from `least` to `most` has an opacity of exactly 0, rounding aside:
+    /// both ends of every line that the interval touches have it.
+    pub fn is_transparent_between(&self, least: f64, most: f64) -> bool {
+        let first = self.points_up_to(least).saturating_sub(1);
+        let last = match self.points_up_to(most) {
+            after if after > 0 && self.points[after - 1].value == most => after - 1,
+            after => after.min(self.points.len() - 1),
+        };
+        let touched = &self.points[first..=last];
+        touched.iter().all(|point| point.opacity == 0.0)
+    }
+
+    /// Whether any value from `least` to `most` has opacity 0. Lines that do not fall below 0
+    /// touch it at their ends, if at all.
+    pub fn may_be_transparent_between(&self, least: f64, most: f64) -> bool {
+        let inside = |point: &&TransferPoint| point.value >= least && point.value <= most;
+        let mut inside = self.points.iter().filter(inside);
+        self.opacity(least) == 0.0
+            || self.opacity(most) == 0.0
+            || inside.any(|point| point.opacity == 0.0)
+    }
+
+    /// How many points have this value or a smaller one.
+    fn points_up_to(&self, value: f64) -> usize {
+        self.points.partition_point(|point| point.value <= value)
+    }
+
+    /// The points on either side of `value`, and where between them it lies, in [0, 1].
+    fn around(&self, value: f64) -> (&TransferPoint, &TransferPoint, f64) {
+        let after = self.points_up_to(value);
+        match (after.checked_sub(1), self.points.get(after)) {
+            (Some(before), Some(b)) => {
+                let a = &self.points[before];
+                (a, b, (value - a.value) / (b.value - a.value))
+            }
+            (None, _) => (&self.points[0], &self.points[0], 0.0),
+            (Some(last), None) => (&self.points[last], &self.points[last], 0.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(value: f64, opacity: f64) -> TransferPoint {
+        TransferPoint {
+            value,
+            colour: DVec3::new(opacity, 1.0, 3.0),
+            opacity,
+        }
+    }
+
+    fn table(points: &[(f64, f64)]) -> TransferPoints {
+        TransferPoints::new(points.iter().map(|&(v, a)| point(v, a)).collect()).unwrap()
+    }
+
+    #[test]
+    fn straight_between_points_and_constant_beyond() {
+        let table = table(&[(-1000.0, 0.25), (0.0, 0.75), (1.0, 0.5)]);
+        assert_eq!(table.opacity(-1e30), 0.25);
+        assert_eq!(table.opacity(-1000.0), 0.25);
+        assert_eq!(table.opacity(-500.0), 0.5);
+        assert_eq!(table.opacity(0.0), 0.75);
+        assert_eq!(table.opacity(0.5), 0.625);
+        assert_eq!(table.opacity(1.0), 0.5);
+        assert_eq!(table.opacity(1e30), 0.5);
+        assert_eq!(table.colour(0.5), DVec3::new(0.625, 1.0, 3.0));
+        assert_eq!(table.brightest(), 3.0);
+    }
+
+    #[test]
+    fn a_lone_point_is_a_constant() {
+        let table = table(&[(7.0, 0.5)]);
+        for value in [-1e300, 7.0, 1e300] {
+            assert_eq!(table.opacity(value), 0.5);
+        }
+        assert!(!table.is_transparent_between(-1.0, 9.0));
+        assert!(!table.may_be_transparent_between(-1.0, 9.0));
+    }
+
+    #[test]
+    fn at_a_step_the_later_point_holds() {
+        let table = table(&[(0.0, 0.0), (1.0, 0.5), (1.0, 0.0), (2.0, 0.0), (2.0, 1.0)]);
+        assert_eq!(
+            table.opacity(1.0 - f64::EPSILON / 2.0),
+            0.5 - f64::EPSILON / 4.0
+        );
+        assert_eq!(table.opacity(1.0), 0.0);
+        assert_eq!(table.opacity(2.0 - f64::EPSILON), 0.0);
+        assert_eq!(table.opacity(2.0), 1.0);
+        assert!(table.is_transparent_between(1.0, 1.5));
+        assert!(!table.is_transparent_between(1.0 - f64::EPSILON, 1.5));
+        assert!(!table.is_transparent_between(1.0, 2.0));
+    }
+
+    #[test]
+    fn transparency_of_an_interval_is_that_of_every_value_in_it() {
+        let table = table(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.5), (3.0, 0.0), (5.0, 0.0)]);
+        for (least, most, transparent) in [
+            (-9.0, -8.0, true),
+            (-9.0, 1.0, true),
+            (0.0, 0.0, true),
+            (1.0, 1.0, true),
+            (1.0, 1.0 + f64::EPSILON, false),
+            (0.0, 4.0, false),
+            (1.5, 1.5, false),
+            (3.0, 9.0, true),
+            (5.0, 5.0, true),
+            (6.0, 7.0, true),
+            (2.9, 3.0, false),
+        ] {
+            let found = table.is_transparent_between(least, most);
+            assert_eq!(found, transparent, "[{least}, {most}]");
+        }
+        assert!(table.may_be_transparent_between(1.5, 3.5));
+        assert!(!table.may_be_transparent_between(1.5, 2.5));
+    }
+
+    /// No opacity beyond 1 or below 0 by rounding, whatever the ends of the line.
+    #[test]
+    fn opacities_stay_in_range() {
+        for a in [0.0, 1e-300, 0.1, 0.3, 0.7, 1.0 - f64::EPSILON / 2.0, 1.0] {
+            for b in [0.0, 1e-17, 0.2, 0.3, 0.9, 1.0 - f64::EPSILON / 2.0, 1.0] {
+                let table = table(&[(0.0, a), (3.0, b)]);
+                for i in 0..=3000 {
+                    let opacity = table.opacity(f64::from(i) * 0.001);
+                    assert!((0.0..=1.0).contains(&opacity), "{a} {b} {opacity:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_table() {
+        let new = |points: &[(f64, f64)]| {
+            let points = points.iter().map(|&(v, a)| point(v, a)).collect();
+            TransferPoints::new(points).unwrap_err()
+        };
+        assert_eq!(new(&[]), TransferPointsError::Empty);
+        let unordered = TransferPointsError::Unordered {
+            index: 1,
+            value: 1.0,
+            before: 2.0,
+        };
+        assert_eq!(new(&[(2.0, 0.0), (1.0, 0.0)]), unordered);
+        let crowded = TransferPointsError::Crowded {
+            index: 2,
+            value: 1.0,
+        };
+        assert_eq!(new(&[(1.0, 0.0), (1.0, 0.5), (1.0, 0.0)]), crowded);
+        for bad in [(f64::NAN, 0.5), (1e39, 0.5), (0.0, f64::NAN), (0.0, 1.1)] {
+            assert_eq!(new(&[bad]), TransferPointsError::OutOfRange { index: 0 });
+        }
+    }
+}
