@@ -1,7 +1,7 @@
 //! Media: what fills a shape, or all space.
 
 use super::{Body, LARGEST_RADIANCE, densities, place, radiance, shapes};
-use crate::geometry::{Surface, length_of};
+use crate::geometry::{Aabb, Surface, length_of};
 use crate::media::{Asymmetry, Coefficients, Density, Field, HenyeyGreenstein, Homogeneous};
 use crate::scene::SceneError;
 use crate::scene::files::Files;
@@ -85,49 +85,42 @@ pub(super) fn read(
     reader: &Reader<'_, '_>,
     files: &mut Files<'_>,
 ) -> Result<Body, Box<SceneError>> {
-    let (coefficients, field, block_g) = match densities::procedural(reader, files)? {
-        Some(block) => {
-            for reading in &block.readings {
-                reader.also("procedural", reading);
-            }
-            let field = Field::Noise(block.density);
-            (block.coefficients, Some(field), block.asymmetry)
-        }
+    // What a medium is made of may bring the space that it fills. Where it does not, the space is
+    // read first: the order in which keys are read is part of what goldens know of a scene.
+    let varies = densities::KEYS.into_iter().find(|key| reader.has(key));
+    let (space, stuff) = match varies {
         None => (
-            coefficients(reader)?,
-            densities::field(reader, files)?,
-            None,
+            shapes::space(reader, files, None)?,
+            Stuff::read(reader, files)?,
         ),
+        Some(_) => {
+            let stuff = Stuff::read(reader, files)?;
+            (shapes::space(reader, files, stuff.own_box())?, stuff)
+        }
     };
-    let own = match &field {
-        Some(Field::Grid(grid)) => Some(grid.bounds()),
-        _ => None,
-    };
-    let space = shapes::space(reader, files, own)?;
     let emission = radiance(reader, "emission")?;
     let g = reader.number("g")?;
-    if block_g.is_some() && reader.has("g") {
+    if stuff.asymmetry.is_some() && reader.has("g") {
         let message = "`g` is given twice: the procedural block has a phase function too";
         return Err(reader.mistake("g", message, "keep one of the two"));
     }
-    let asymmetry = match block_g {
+    let asymmetry = match stuff.asymmetry {
         Some(asymmetry) => asymmetry,
         None => Asymmetry::new(g).map_err(|error| reader.error("g", error.to_string()))?,
     };
-    let density = match (field, &space) {
+    let density = match (stuff.field, &space) {
         (None, _) => None,
         (Some(field), Some(space)) => Some(Density::new(field, space.bounds, space.to_world)),
         (Some(_), None) => {
-            let key = densities::KEYS.into_iter().find(|key| reader.has(key));
             let message = "a medium of varying density fills no shape: it would have no end";
             let help = "give the medium a `box`, `sphere` or `mesh`";
-            return Err(reader.mistake(key.expect("its density"), message, help));
+            return Err(reader.mistake(varies.expect("its density"), message, help));
         }
     };
     let body = Body {
         boundary: space.map(|space| space.boundary),
         medium: Homogeneous {
-            coefficients,
+            coefficients: stuff.coefficients,
             emission,
             phase: HenyeyGreenstein(asymmetry),
         },
@@ -140,6 +133,44 @@ pub(super) fn read(
     })?;
     check_brightness(&body).map_err(|(message, help)| reader.mistake("emission", message, help))?;
     Ok(body)
+}
+
+/// What a medium is made of, wherever it is.
+struct Stuff {
+    /// Absorption and scattering of density 1.
+    coefficients: Coefficients,
+    /// Its density, if that varies.
+    field: Option<Field>,
+    /// Its phase function, if that is given with the density.
+    asymmetry: Option<Asymmetry>,
+}
+
+impl Stuff {
+    fn read(reader: &Reader<'_, '_>, files: &mut Files<'_>) -> Result<Stuff, Box<SceneError>> {
+        let Some(block) = densities::procedural(reader, files)? else {
+            return Ok(Stuff {
+                coefficients: coefficients(reader)?,
+                field: densities::field(reader, files)?,
+                asymmetry: None,
+            });
+        };
+        for reading in &block.readings {
+            reader.also("procedural", reading);
+        }
+        Ok(Stuff {
+            coefficients: block.coefficients,
+            field: Some(Field::Noise(block.density)),
+            asymmetry: block.asymmetry,
+        })
+    }
+
+    /// The box that the density brings.
+    fn own_box(&self) -> Option<Aabb> {
+        match &self.field {
+            Some(Field::Grid(grid)) => Some(grid.bounds()),
+            _ => None,
+        }
+    }
 }
 
 /// The largest density of a medium.
