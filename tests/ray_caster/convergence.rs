@@ -5,7 +5,6 @@ use glam::DVec3;
 use proptest::prelude::*;
 use volref::geometry::Ray;
 use volref::math;
-use volref::media::Colormap;
 use volref::scene::Classified;
 use volref::volume::Lattice;
 

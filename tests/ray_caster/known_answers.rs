@@ -6,12 +6,12 @@
 //! step (`T_midpoint_linearised_alpha`), and with a step's own transmittance taken at its
 //! start, middle or end (`L_transmittance_at_step_*`).
 
-use super::U;
+use super::{U, scenes};
 use glam::DVec3;
 use serde_json::Value;
 use std::marker::PhantomData;
 use volref::geometry::Ray;
-use volref::media::{Colormap, TransferFunction, TransferOpacity, over_length};
+use volref::media::{TransferFunction, over_length};
 use volref::render::Counters;
 use volref::render::compositing::{BackToFront, FrontToBack, Layers, Order};
 use volref::render::empty_space::Unexplored;

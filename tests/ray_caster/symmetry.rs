@@ -4,7 +4,7 @@ use super::{U, config, scenes};
 use glam::DVec3;
 use proptest::prelude::*;
 use volref::geometry::{Aabb, Camera, Ray};
-use volref::media::Phong;
+use volref::media::{Appearance, Phong};
 use volref::render::compositing::Layers;
 use volref::scene::{Classified, Shadow};
 use volref::volume::{Grid, Lattice, relative_gradients};
@@ -267,8 +267,11 @@ impl Setup {
 
         // The opacity over a step of r reference lengths, 1 − (1 − a0)^r.
         let transfer = &scene.transfer_function;
-        let (h0, floor) = (transfer.reference_length, transfer.opacity.floor);
-        let clear = transfer.opacity.transparency(most);
+        let Appearance::Formula { opacity: curve, .. } = &transfer.appearance else {
+            panic!("the bound is that of the formula")
+        };
+        let (h0, floor) = (transfer.reference_length, curve.floor);
+        let clear = curve.transparency(most);
         let thickness = scene.step / h0;
         let at_reference = 2.0 * most / (1.0 - floor) * density + 12.0 * U;
         let longest = -volref::math::ln(clear) / h0 * (2.0 * entry + 4.0 * U * far);
