@@ -271,7 +271,7 @@ fn transfer_functions_by_points() {
     scene.toml:6:32: `colour` must not be negative, got [0, -1, 0] help: `transfer_function.point[0].colour`: Linear radiance of the material before shading.
     scene.toml:8:11: the points must stand in order of their values, but -1 follows 0 help: `transfer_function.point[1].value`: Value of the volume, in the unit of its file.
     scene.toml:10:11: three points have the value 1; two make a step, and a third means nothing help: `transfer_function.point[3].value`: Value of the volume, in the unit of its file.
-    scene.toml:14:1: colours up to 1e39 make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities.
+    scene.toml:13:1: colours up to 1e39 make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities.
     scene.toml:10:9: [transfer_function] mixes `point` with `floor` help: give either `point` or `floor`, `colormap`
     scene.toml:7:9: [transfer_function] mixes `point` with `colormap` help: give either `point` or `floor`, `colormap`
     scene.toml:11:18: `reference_step`: a length must be positive and finite, got "0" help: `classified.shadow.reference_step`: Length that counts as one unit of S, or over which the opacities of points hold, world units or voxels; smaller means darker.
