@@ -46,7 +46,7 @@ def read(path):
     for surface in radiative["surface"]:
         known(surface, "a surface", f"rectangle {SOLIDS} {MOVES} diffuse mirror glass emitter")
     for medium in radiative["medium"]:
-        keys = f"{SOLIDS} {MOVES} sigma_a sigma_s sigma_t albedo emission g"
+        keys = f"{SOLIDS} {MOVES} grid interpolation sigma_a sigma_s sigma_t albedo emission g"
         known(medium, "a medium", keys)
     for light in radiative["light"]:
         known(light, "a light", "point spot directional")
