@@ -13,11 +13,12 @@
 pub enum Purpose {
     /// Where in the pixel and on the lens a path begins.
     Camera = 0,
-    /// Distance to the next collision, or tentative collision.
+    /// Distance to the next collision, or tentative collision, and whether it is one.
     FreeFlight = 1,
-    /// What a collision, or tentative collision, is with: which of the media there, or nothing.
+    /// With which of the media that overlap there a collision is.
     Collision = 2,
-    /// Transmittance estimated by tracking, towards a light.
+    /// Transmittance estimated by tracking: towards a light, back from one, and through what only
+    /// absorbs.
     Tracking = 3,
     /// Direction after scattering in the medium.
     PhaseDirection = 4,

@@ -106,9 +106,7 @@ pub fn collision_weight(shares: DVec3, sigma_t: DVec3, depth: DVec3, survived: D
         if sigma_t[k] == 0.0 {
             return 0.0;
         }
-        sigma_t[k] / sigma_t[c]
-            * exp(difference(depth[c], depth[k]))
-            * quotient(survived[k], survived[c])
+        sigma_t[k] / sigma_t[c] * survival([depth[k], depth[c]], [survived[k], survived[c]])
     })
 }
 
@@ -116,13 +114,22 @@ pub fn collision_weight(shares: DVec3, sigma_t: DVec3, depth: DVec3, survived: D
 /// having been sampled as for [`collision_weight`]: `T_c / Σ_k p_k T_k`, between 0 and `1/p_c`.
 pub fn escape_weight(shares: DVec3, depth: DVec3, survived: DVec3) -> DVec3 {
     weight(shares, |c, k| {
-        exp(difference(depth[c], depth[k])) * quotient(survived[k], survived[c])
+        survival([depth[k], depth[c]], [survived[k], survived[c]])
     })
 }
 
-/// `a/b`, infinite where `b` is 0: what has not survived in channel `c` has no weight in it.
-fn quotient(a: f64, b: f64) -> f64 {
-    if b == 0.0 { f64::INFINITY } else { a / b }
+/// How many times as likely it is to get through in channel `k` as in channel `c`, by depths and
+/// null collisions of `[k, c]`. What has not survived in channel `c` has no weight in it: there
+/// the ratio is infinite.
+fn survival(depth: [f64; 2], survived: [f64; 2]) -> f64 {
+    // Before any product: a vanishing ratio times an overflowing one would be no number.
+    if survived[1] == 0.0 {
+        return f64::INFINITY;
+    }
+    if survived[0] == 0.0 {
+        return 0.0;
+    }
+    exp(difference(depth[1], depth[0])) * (survived[0] / survived[1])
 }
 
 /// `Σ_k s_k / Σ_k s_k ratio(c, k)` where channel `c` has a share `s_c`, else 0. Both sums in the
@@ -238,5 +245,10 @@ mod tests {
         // What cannot have got there carries nothing, and takes nothing from the others.
         let gone = DVec3::new(1.0, 0.0, 1.0);
         assert_eq!(escape_weight(DVec3::ONE, DVec3::ZERO, gone), gone * 1.5);
+        // Each of two channels is gone for its own reason: one is too deep, one had no null
+        // collision.
+        let (deep, survived) = (DVec3::new(800.0, 0.0, 0.0), DVec3::new(1.0, 0.0, 0.8));
+        let weights = escape_weight(DVec3::ONE, deep, survived);
+        assert_eq!(weights, DVec3::new(0.0, 0.0, 3.0));
     }
 }

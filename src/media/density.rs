@@ -63,15 +63,18 @@ pub struct Density {
 const BLOCKS: f64 = 32.0;
 
 impl Density {
-    /// `field` in the box `bounds`, in the coordinates of the field, moved by `to_world`. A grid
-    /// reaches no farther than its own box.
+    /// `field` in the box `bounds`, in the coordinates of the field, moved by `to_world`. The box
+    /// is finite and has an inside. A grid reaches no farther than its own box.
     pub fn new(field: Field, bounds: Aabb, to_world: Option<Transform>) -> Density {
         let blocks = match &field {
             Field::Grid(grid) => grid.blocks(),
             _ => {
                 let size = bounds.size();
                 let edge = size.max_element() / BLOCKS;
-                let counts = (size / edge).ceil().max(DVec3::ONE);
+                // One more than wanted at most, by rounding.
+                let counts = (size / edge)
+                    .ceil()
+                    .clamp(DVec3::ONE, DVec3::splat(BLOCKS + 1.0));
                 let counts = counts.to_array().map(|count| count as usize);
                 let size =
                     DVec3::from_array(std::array::from_fn(|axis| size[axis] / counts[axis] as f64));
@@ -102,13 +105,18 @@ impl Density {
         self.typical
     }
 
-    /// Density at a world point, which is taken to lie in the box of the field. Adds 1 to
-    /// `lookups`, unless the block there is known to be empty.
+    /// Density at a world point; a grid has none outside its box, of other fields the point is
+    /// taken to lie in theirs. Adds 1 to `lookups`, unless there is known to be nothing.
     pub fn at(&self, point: DVec3, lookups: &mut u64) -> f64 {
         let point = match &self.to_world {
             Some(to_world) => to_world.inverse().point(point),
             None => point,
         };
+        let bounds = self.blocks.bounds();
+        let outside = point.cmplt(bounds.min) | point.cmpgt(bounds.max);
+        if matches!(self.field, Field::Grid(_)) && outside.any() {
+            return 0.0;
+        }
         if self.blocks.range_at(point).high == 0.0 {
             return 0.0;
         }
@@ -168,9 +176,15 @@ impl Density {
                 super::optical_depth(density.density(origin), span.length())
             }
             Field::Noise(_) => panic!("noise has no integral"),
-            // From where the stretch begins: far outside, a layer may be beyond all numbers.
+            // From the denser end on: downwards the density may grow out of nothing to all there is.
             Field::Exponential(layer) => {
-                let from = self.from(line, span.near);
+                let mut from = self.from(line, span.near);
+                if ExponentialProfile::along(&from, layer, 1.0).rate < 0.0 {
+                    from = Ray {
+                        origin: line.at(span.far),
+                        direction: -line.direction,
+                    };
+                }
                 let profile = ExponentialProfile::along(&from, layer, 1.0);
                 profile.optical_depth(0.0, span.length())
             }
@@ -181,19 +195,19 @@ impl Density {
             }
             Field::Grid(grid) => grid.integral(origin, direction, span, lookups),
             Field::Blob(blob) => {
-                let squared = direction.length_squared();
-                let foot = (blob.centre - origin).dot(direction) / squared;
+                let (centre, width) = blob_along(blob, line);
                 let profile = GaussianProfile {
-                    peak: blob.density(origin + direction * foot),
-                    centre: foot,
-                    width: blob.width / squared.sqrt(),
+                    peak: blob.density(origin + direction * centre),
+                    centre,
+                    width,
                 };
                 profile.optical_depth(span.near, span.far)
             }
         }
     }
 
-    /// Appends the places on `line`, over `span`, where the density is not smooth.
+    /// Appends the places on `line`, over `span`, between which a rule of few points sees all of
+    /// the density: where it has a kink, and where it falls to next to nothing.
     pub fn append_kinks(&self, line: &Line, span: Span, kinks: &mut Vec<f64>) {
         match &self.field {
             Field::Grid(grid) => {
@@ -206,7 +220,21 @@ impl Density {
                     kinks.extend([span.near + near, span.near + far]);
                 }
             }
-            _ => {}
+            Field::Blob(blob) => {
+                let (centre, width) = blob_along(blob, line);
+                let cuts = [-38.0, -6.0, -2.0, 0.0, 2.0, 6.0, 38.0];
+                kinks.extend(cuts.map(|widths| centre + widths * width));
+            }
+            Field::Exponential(layer) => {
+                let rate = ExponentialProfile::along(&self.from(line, span.near), layer, 1.0).rate;
+                let cuts = [1.0, 8.0, 64.0, 745.0].map(|heights| heights / rate.abs());
+                // From the denser end on.
+                kinks.extend(cuts.map(|way| match rate < 0.0 {
+                    true => span.far - way,
+                    false => span.near + way,
+                }));
+            }
+            Field::Constant(_) | Field::Noise(_) => {}
         }
     }
 
@@ -218,6 +246,14 @@ impl Density {
             direction: line.direction,
         }
     }
+}
+
+/// Where a line comes nearest to the centre of a blob, and the width of the blob along it, in
+/// world distances.
+fn blob_along(blob: &Blob, line: &Line) -> (f64, f64) {
+    let squared = line.direction.length_squared();
+    let foot = (blob.centre - line.origin).dot(line.direction) / squared;
+    (foot, blob.width / squared.sqrt())
 }
 
 /// A straight line in the coordinates of a field, parametrised by world distance: `direction` is

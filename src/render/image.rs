@@ -47,7 +47,7 @@ pub enum RenderError {
          volref; please report it with the scene"
     )]
     Majorant {
-        /// How often, in all pixels.
+        /// How often, in all pixels, each of which ends with its first such path.
         violations: u64,
         /// Column, from the left.
         column: usize,

@@ -14,7 +14,7 @@ use std::cell::Cell;
 
 /// What a stretch is made of, per world length and channel.
 ///
-/// A medium that only absorbs dims light without being sampled: its extinction is kept apart from
+/// A medium that only absorbs dims light and ends no flight: its extinction is kept apart from
 /// that of the media that scatter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Matter {
@@ -235,7 +235,7 @@ impl<'s> Media<'s> {
     }
 
     /// Scattering coefficient, by channel, of the media in `set` at the world point `point`,
-    /// which lies in all of them.
+    /// which lies in the boundaries of all of them.
     pub fn sigma_s<W: Work>(&self, set: Set, point: DVec3, work: &mut W) -> DVec3 {
         members(set).fold(DVec3::ZERO, |sum, index| {
             let medium = &self.bodies[index];
@@ -285,6 +285,9 @@ impl<'s> Media<'s> {
     ) -> DVec3 {
         let mut depth = DVec3::ZERO;
         for body in &self.bodies {
+            if body.density.is_some() && body.is_nothing() {
+                continue;
+            }
             let length = match (body.boundary, body.density) {
                 (None, _) => end,
                 (Some(boundary), density) => {
@@ -324,6 +327,10 @@ impl<'s> Media<'s> {
         let mut estimate = DVec3::ONE;
         for index in 0..self.bodies.len() {
             let body = &self.bodies[index];
+            if body.density.is_some() && body.is_nothing() {
+                // No random number may be drawn for what is not there.
+                continue;
+            }
             let Some(boundary) = body.boundary else {
                 depth += over(body.sigma_t(), end);
                 continue;

@@ -287,7 +287,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         let Scratch { path, tracker, .. } = scratch;
         let (media, carried) = (&self.around.media, (channel, throughput));
         let flight = path.flight::<E, W>(media, ray, carried, &mut chance, tracker, work);
-        work.count_times(Event::RandomDraw, u64::from(2 * chance.drawn - 1));
+        work.count_times(Event::RandomDraw, 2 * u64::from(chance.drawn) - 1);
         flight
     }
 

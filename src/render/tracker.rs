@@ -31,7 +31,8 @@ impl Numbers {
 impl Chance for Numbers {
     fn tentative(&mut self) -> Tentative {
         let [way, u] = self.random.pair(self.bounce, self.purpose, self.drawn);
-        self.drawn += 1;
+        // Media too deep for it are refused on load: see scene/radiative/media.rs.
+        self.drawn = self.drawn.wrapping_add(1);
         Tentative {
             way: -ln_1p(-way),
             u,

@@ -74,7 +74,7 @@ impl Effort {
     /// Notes a look-up on a stretch with these bounds.
     pub fn note(&mut self, bounds: &Bounds, extinction: DVec3) {
         self.lookups += 1;
-        self.violations += u64::from(extinction.cmpgt(bounds.high).any());
+        self.violations += u64::from(!extinction.cmple(bounds.high).all());
     }
 }
 

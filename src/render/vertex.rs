@@ -249,6 +249,11 @@ fn chosen_phase<E: Effects, W: Work>(
         return (phase, DVec3::ONE);
     }
     let carried = |sigma_s: DVec3| throughput.dot(share(sigma_s, all));
+    if carried(all) == 0.0 {
+        // The place of the collision is rounded: it may lie where what scatters is of a colour
+        // that the path does not carry.
+        return (phase, DVec3::ONE);
+    }
     let mut left = draws.one(Purpose::Collision, work) * carried(all);
     let (mut chosen, mut sigma_s) = (phase, first);
     for (candidate, phase) in media.scatterers::<E>(set, point, &lookups) {

@@ -23,7 +23,7 @@ pub struct InputFile {
 /// A grid, how it was asked for, and the files it came from.
 type LoadedGrid = (VolumeRequest, Arc<Grid<f32>>, Vec<InputFile>);
 
-/// Longer texts are read up to here; whoever reads them refuses them for it.
+/// Texts of this length and longer are refused.
 const MOST_TEXT_BYTES: u64 = 1 << 20;
 
 /// The files of a scene; one asked for by several panels, or several times by one, is read once.
@@ -133,6 +133,11 @@ impl<'p> Files<'p> {
             };
             reader.error("file", message)
         })?;
+        if bytes.len() as u64 == MOST_TEXT_BYTES {
+            let message =
+                format!("{name} has {MOST_TEXT_BYTES} bytes or more: no text for a scene");
+            return Err(reader.error("file", message));
+        }
         self.note(&InputFile {
             name: name.to_owned(),
             hash: blake3::hash(&bytes).to_hex().to_string(),

@@ -1,6 +1,7 @@
 //! What a scene of surfaces, media and lights calls for.
 
 use super::{Decisions, Effect, Finding, Kernel, Parts, Plan};
+use crate::media::Density;
 use crate::optics::{Light, Material};
 use crate::scene::{Radiative, Scattering};
 use glam::DVec3;
@@ -78,6 +79,16 @@ impl Contents {
     fn of(scene: &Radiative) -> Contents {
         let media = || scene.media.iter().map(|body| &body.medium);
         let any = |value: DVec3| value != DVec3::ZERO;
+        // Of a medium that is nothing, its density says nothing.
+        let varying = || {
+            let bodies = scene.media.iter();
+            bodies.filter_map(|body| {
+                let medium = &body.medium;
+                let matters = any(medium.coefficients.sigma_t()) || any(medium.emission);
+                let density = body.density.as_ref().filter(|_| matters);
+                density.filter(|density| density.typical() > 0.0)
+            })
+        };
         let differs = |value: DVec3| value.x != value.y || value.y != value.z;
         let shines = |light: &Light| {
             any(match light {
@@ -98,16 +109,8 @@ impl Contents {
             }),
             anisotropic: media()
                 .any(|medium| any(medium.coefficients.sigma_s()) && medium.phase.0.g() != 0.0),
-            heterogeneous: scene
-                .media
-                .iter()
-                .filter(|body| body.density.is_some())
-                .count(),
-            integrable: scene
-                .media
-                .iter()
-                .filter_map(|body| body.density.as_ref())
-                .all(|density| density.is_integrable()),
+            heterogeneous: varying().count(),
+            integrable: varying().all(Density::is_integrable),
             reflection: scene.objects.iter().any(|object| match object.material {
                 Material::Diffuse(reflectance) | Material::Mirror(reflectance) => any(reflectance),
                 Material::Glass(_) => true,
@@ -216,7 +219,10 @@ impl Contents {
             Effect::GradientShading => Absent("media are not shaded"),
             Effect::Heterogeneity if scene.media.is_empty() => no_media(),
             Effect::Heterogeneity => match self.heterogeneous {
-                0 => null(MEDIUM, "every medium is homogeneous"),
+                0 => null(
+                    MEDIUM,
+                    "every medium that takes or gives light is homogeneous",
+                ),
                 1 => matters(
                     MEDIUM,
                     "the density of a medium differs from place to place",

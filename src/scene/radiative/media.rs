@@ -7,6 +7,7 @@ use crate::scene::SceneError;
 use crate::scene::files::Files;
 use crate::scene::format::{Absent, Key, Kind, Literal, Range, Rule, Table};
 use crate::scene::reader::Reader;
+use glam::DVec3;
 
 /// The declaration of `[[radiative.medium]]`.
 pub(super) const MEDIUM: Table = Table {
@@ -75,6 +76,7 @@ pub(super) const MEDIUM: Table = Table {
             &["procedural"],
             &["sigma_a", "sigma_s", "sigma_t", "albedo"],
         ]),
+        Rule::Apart([&["procedural"], &["interpolation"]]),
         Rule::Apart([&["sigma_a", "sigma_s"], &["sigma_t", "albedo"]]),
         Rule::Together(&["sigma_t", "albedo"]),
     ],
@@ -108,6 +110,14 @@ pub(super) fn read(
         Some(asymmetry) => asymmetry,
         None => Asymmetry::new(g).map_err(|error| reader.error("g", error.to_string()))?,
     };
+    if let Some(space) = &space
+        && varies.is_some()
+        && !(space.bounds.size().is_finite() && space.bounds.size().max_element().is_normal())
+    {
+        let message = "the shape is too large or too small to be divided into blocks";
+        let help = "choose another unit of length";
+        return Err(reader.mistake_here(message, help));
+    }
     let density = match (stuff.field, &space) {
         (None, _) => None,
         (Some(field), Some(space)) => Some(Density::new(field, space.bounds, space.to_world)),
@@ -126,7 +136,7 @@ pub(super) fn read(
         },
         density,
     };
-    check_extinction(&body).map_err(|(message, help)| {
+    check_depth(&body).map_err(|(message, help)| {
         let keys = ["sigma_t", "sigma_a", "sigma_s", "procedural"];
         let key = keys.into_iter().find(|key| reader.has(key));
         reader.mistake(key.unwrap_or("sigma_a"), message, help)
@@ -179,17 +189,44 @@ fn most(body: &Body) -> f64 {
     density.map_or(1.0, |density| density.blocks().range().high)
 }
 
-/// Refuses a medium whose extinction leaves the range of numbers where it is densest.
-fn check_extinction(body: &Body) -> Result<(), (String, String)> {
-    let (sigma_t, most) = (body.medium.coefficients.sigma_t().max_element(), most(body));
-    if (sigma_t * most).is_finite() {
+/// Optical depth up to which a medium of varying density is tracked. More tentative collisions
+/// than this are not to be waited for, and not to be told apart by their distances.
+const DEEPEST_TRACKED: f64 = (1 << 24) as f64;
+
+/// Refuses a medium whose density makes numbers leave their range, or collisions come closer than
+/// they can be followed.
+fn check_depth(body: &Body) -> Result<(), (String, String)> {
+    let (Some(density), Some(boundary)) = (&body.density, &body.boundary) else {
         return Ok(());
+    };
+    let range = density.blocks().range();
+    let across = length_of(boundary.bounds().size());
+    let sigma_t = body.medium.coefficients.sigma_t().max_element();
+    let column = range.high * across;
+    let depth = if sigma_t == 0.0 {
+        0.0
+    } else {
+        sigma_t * column
+    };
+    let help = "give smaller coefficients, densities or lengths".to_owned();
+    if !(column.is_finite() && depth.is_finite()) {
+        let message = format!(
+            "an extinction of {sigma_t:.4e} times a density of up to {:.4e} over a length of up \
+             to {across:.4e} is beyond the largest number",
+            range.high
+        );
+        return Err((message, help));
     }
-    let message = format!(
-        "an extinction of {sigma_t:.4e} times a density of up to {most:.4e} is beyond the largest \
-         number"
-    );
-    Err((message, "give smaller coefficients or densities".into()))
+    let scatters = body.medium.coefficients.sigma_s() != DVec3::ZERO;
+    let tracked = range.low < range.high && (scatters || !density.is_integrable());
+    if tracked && depth > DEEPEST_TRACKED {
+        let message = format!(
+            "the medium is up to {depth:.4e} optical depths thick, and its density varies: light \
+             is followed through at most {DEEPEST_TRACKED:.4e}"
+        );
+        return Err((message, help));
+    }
+    Ok(())
 }
 
 fn coefficients(reader: &Reader<'_, '_>) -> Result<Coefficients, Box<SceneError>> {
