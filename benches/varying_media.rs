@@ -117,8 +117,8 @@ fn least_seconds<R>(rounds: usize, work: impl Fn() -> R) -> f64 {
     (0..rounds).map(time).fold(f64::INFINITY, f64::min)
 }
 
-/// Points of the cube where look-ups are made.
-const PLACES: usize = 1 << 16;
+/// Points of the cube where look-ups are made: few, so that the least time is an undisturbed one.
+const PLACES: usize = 1 << 12;
 
 /// Points on lines through the cube, half a voxel of a 32³ grid apart, as on rays.
 fn on_rays() -> Vec<DVec3> {
@@ -146,12 +146,12 @@ fn sum_of(field: &GridDensity, places: &[DVec3]) -> f64 {
     places.iter().map(|&place| field.density(place)).sum()
 }
 
-/// Look-ups a second, in the cache and in grids of all sizes.
+/// Look-ups a second in a grid that fits the cache.
 fn print_lookups() {
     println!("nodes   look-ups a second in millions: on rays   at random");
     let field = trilinear(sampled(32));
     let rates = [on_rays(), at_random()].map(|places| {
-        let seconds = least_seconds(40, || sum_of(&field, &places));
+        let seconds = least_seconds(2000, || sum_of(&field, &places));
         PLACES as f64 / seconds
     });
     println!(
