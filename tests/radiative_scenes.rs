@@ -567,6 +567,18 @@ fn densities_that_are_none() {
         with("exponential = { scale_height = 1, up = [0, 0, 0] }"),
         with("exponential = {}"),
         with("blob = { centre = [0, 0, 0], width = 1, peak = 1e308 }"),
+        with("blob = { centre = [0, 0, 0], width = 1, peak = 1e7 }"),
+        said_about(&edited(&[
+            (
+                BOX,
+                "blob = { centre = [0, 0, 0], width = 1 }\nbox = { min = [-1, -1, -1], max = [1, 1, 1] }",
+            ),
+            (COEFFICIENTS, ""),
+        ])),
+        said_about(&edited(&[(
+            COEFFICIENTS,
+            "procedural = { file = \"none.xml\" }\ninterpolation = \"nearest\"",
+        )])),
         said_about(&edited(&[(
             COEFFICIENTS,
             "procedural = { file = \"none.xml\" }",
@@ -598,8 +610,14 @@ fn densities_that_are_none() {
         `radiative.medium[0].exponential.up`: The direction of rising height, any length but 0.
     13:15: missing key `scale_height` in [radiative.medium[0].exponential]
         `radiative.medium[0].exponential.scale_height`: Height over which the density falls by the factor e, world units.
-    14:11: an extinction of 3.5000e0 times a density of up to 1.0000e308 is beyond the largest number
-        give smaller coefficients or densities
+    14:11: an extinction of 3.5000e0 times a density of up to 1.0000e308 over a length of up to 3.4641e0 is beyond the largest number
+        give smaller coefficients, densities or lengths
+    14:11: the medium is up to 1.2124e8 optical depths thick, and its density varies: light is followed through at most 1.6777e7
+        give smaller coefficients, densities or lengths
+    12:8: the medium has a density and no coefficients: it does nothing to light
+        give it `sigma_a`, `sigma_s` or `emission`, those of density 1
+    14:17: [radiative.medium[0]] mixes `procedural` with `interpolation`
+        give either `procedural` or `interpolation`
     13:23: there is no file none.xml
         `radiative.medium[0].procedural.file`: XML file that holds the element, relative to the folder of the scene.
     13:14: [radiative.medium[0].procedural] has no source

@@ -127,6 +127,12 @@ pub(super) fn read(
             return Err(reader.mistake(varies.expect("its density"), message, help));
         }
     };
+    let nothing = stuff.coefficients.sigma_t() == DVec3::ZERO && emission == DVec3::ZERO;
+    if let (Some(key), true) = (varies, nothing) {
+        let message = "the medium has a density and no coefficients: it does nothing to light";
+        let help = "give it `sigma_a`, `sigma_s` or `emission`, those of density 1";
+        return Err(reader.mistake(key, message, help));
+    }
     let body = Body {
         boundary: space.map(|space| space.boundary),
         medium: Homogeneous {
