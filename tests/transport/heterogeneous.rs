@@ -18,7 +18,8 @@ use volref::render::surroundings::Surroundings;
 use volref::render::tracker::Tracker;
 use volref::scene::{AreaLight, Body, Radiative};
 use volref::volume::{
-    Blob, Centring, ConstantDensity, DensityField, Grid, GridDensity, Interpolation, Lattice,
+    Blob, Centring, ConstantDensity, DensityField, ExponentialLayer, Grid, GridDensity,
+    Interpolation, Lattice,
 };
 
 /// Standard errors near 0.5 %.
@@ -571,6 +572,75 @@ fn thin_grids_and_extreme_voxels() {
         assert_eq!(through(least, albedo), DVec3::ONE);
         assert_eq!(through(f32::MAX, albedo), DVec3::ZERO);
     }
+}
+
+/// A grid reaches no farther than its own box, be the shape of its medium larger: not for rays,
+/// and not for the places on them that a lamp is connected to.
+#[test]
+fn a_shape_larger_than_its_grid() {
+    let medium = grey(2.0, 0.8, 0.3);
+    let alone = in_cube(field(bumpy_grid()), medium);
+    let large = Body {
+        boundary: Some(ball(DVec3::ZERO, 5.0)),
+        ..alone.clone()
+    };
+    let around = |body| Radiative {
+        lights: vec![lamp(DVec3::new(0.5, 1.8, 0.4), 2.0)],
+        ..lit(vec![body, within(ball(DVec3::X, 0.5), grey(0.5, 0.8, 0.0))])
+    };
+    let [alone, large] =
+        [(alone, 101), (large, 102)].map(|(body, seed)| mean(&around(body), seed)[0]);
+    same("larger shape", &large, &alone);
+}
+
+/// Rays that look down into a layer from a thousand scale heights above: its depth has a closed
+/// form, whichever end they begin at.
+#[test]
+fn a_layer_from_far_above() {
+    let layer = ExponentialLayer::new(2.0, DVec3::ZERO, DVec3::Y, 1.0).unwrap();
+    let bounds = Aabb::new(DVec3::ZERO, DVec3::new(1.0, 1e3, 1.0)).unwrap();
+    let body = varying(bounds, Field::Exponential(layer), grey(0.3, 0.0, 0.0));
+    let scene = Radiative {
+        environment: DVec3::ONE,
+        lights: vec![],
+        ..lit(vec![body])
+    };
+    for (from, towards) in [(2e3, DVec3::NEG_Y), (-1.0, DVec3::Y)] {
+        let share = straight(&scene, &ray(DVec3::new(0.5, from, 0.5), towards)).x;
+        assert!((share - exp(-0.6)).abs() <= 1e-14, "{share}");
+    }
+}
+
+/// What glows where another medium lies, though it be narrower than any rule of few points.
+#[test]
+fn narrow_emitters_that_overlap() {
+    let blob = Field::Blob(Blob {
+        centre: DVec3::new(0.1, 0.0, 0.2),
+        peak: 1.0,
+        width: 0.004,
+    });
+    let fire = Homogeneous {
+        emission: DVec3::splat(50.0),
+        ..grey(20.0, 0.0, 0.0)
+    };
+    let faint = Homogeneous {
+        emission: DVec3::splat(0.1),
+        ..grey(0.1, 0.0, 0.0)
+    };
+    let scene = Radiative {
+        lights: vec![],
+        environment: DVec3::ZERO,
+        ..lit(vec![in_cube(blob.clone(), fire), within(cube(), faint)])
+    };
+    let view = ray(DVec3::new(0.1, 0.0, 4.0), DVec3::NEG_Z);
+    let found = straight(&scene, &view).x;
+    // The blob is a point for the even medium: τ of it 20·√(2π)·0.004, at z = 0.2.
+    let tau = 20.0 * 0.004 * (2.0 * std::f64::consts::PI).sqrt();
+    let front = 1.0 - exp(-0.08);
+    let behind = exp(-0.08 - tau) * (1.0 - exp(-0.12));
+    let expected = front + exp(-0.08) * 2.5 * (1.0 - exp(-tau)) + behind;
+    // It is not quite one: the even medium makes 1e-3 within it, which it dims by up to 0.2.
+    assert!((found - expected).abs() < 2e-4, "{found} {expected}");
 }
 
 /// Kernels for fewer effects give the bits of the one for everything, path by path.

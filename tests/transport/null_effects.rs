@@ -4,7 +4,7 @@ use crate::scenes::*;
 use glam::DVec3;
 use volref::geometry::{Boundary, Camera, Luminous, Rectangle, Shape, Sphere};
 use volref::math::rng::{Purpose, Stream};
-use volref::media::{Coefficients, Homogeneous};
+use volref::media::{Coefficients, Field, Homogeneous};
 use volref::optics::{Material, Sides};
 use volref::render::effects::{Effects, Everything, Only};
 use volref::render::path_tracer::{PathTracer, Scratch};
@@ -235,6 +235,22 @@ fn null_effects_forced() {
     let mut with_null = plain.clone();
     with_null.media.push(within(ball(DVec3::X, 0.9), nothing()));
     force_all(with_null);
+    // A density of nothing, first in the row: no random number is drawn for it.
+    let bounds = volref::geometry::Aabb::new(DVec3::NEG_ONE, DVec3::ONE).unwrap();
+    let constant =
+        |density| Field::Constant(volref::volume::ConstantDensity::new(density).unwrap());
+    let blob = Field::Blob(volref::volume::Blob {
+        centre: DVec3::ZERO,
+        peak: 1.0,
+        width: 0.5,
+    });
+    let smoke = lit(vec![
+        varying(bounds, constant(0.0), grey(1.0, 1.0, 0.0)),
+        varying(bounds, blob, grey(2.0, 1.0, 0.0)),
+    ]);
+    assert!(force_all(smoke).contains(&Emission));
+    let empty_only = lit(vec![varying(bounds, constant(0.0), grey(1.0, 0.8, 0.0))]);
+    assert!(force_all(empty_only).contains(&Heterogeneity));
     // Surfaces and no medium; a medium of nothing alone.
     force_all(with_surfaces(lit(vec![])));
     force_all(with_surfaces(lit(vec![within(cube(), nothing())])));
