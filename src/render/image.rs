@@ -187,7 +187,8 @@ fn render_panel<W: Work>(
                 work: PhantomData,
             };
             let (pixels, work) = with_parts(parts, task);
-            return Ok((mean_of_samples(panel, scene.samples, pixels)?, work));
+            let film = mean_of_samples([width, height], scene.samples, pixels)?;
+            return Ok((film, work));
         }
         _ => unreachable!("the plan was made for another scene"),
     };
@@ -196,11 +197,10 @@ fn render_panel<W: Work>(
 
 /// The film of the means, and of how sure they are.
 fn mean_of_samples(
-    panel: &Panel,
+    [width, height]: [usize; 2],
     samples: u32,
     pixels: Vec<Result<[Moments; 3], Fault>>,
 ) -> Result<Film, RenderError> {
-    let (width, height) = (panel.width, panel.height);
     let faults = || {
         let faults = pixels.iter().enumerate();
         faults.filter_map(|(index, pixel)| Some((index, *pixel.as_ref().err()?)))
@@ -283,4 +283,23 @@ pub(super) fn rows<P: Send, S, W: Work>(
         total.add(&work);
     }
     (all, total)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn violated_bounds_are_counted_over_all_pixels_and_refused() {
+        let mut pixels = vec![Ok([Moments::default(); 3]); 6];
+        pixels[4] = Err(Fault::Majorant(2));
+        pixels[5] = Err(Fault::Majorant(40));
+        let error = mean_of_samples([3, 2], 2, pixels).unwrap_err();
+        let expected = RenderError::Majorant {
+            violations: 42,
+            column: 1,
+            row: 1,
+        };
+        assert_eq!(error, expected);
+    }
 }
