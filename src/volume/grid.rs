@@ -46,11 +46,13 @@ impl<T> Grid<T> {
     }
 
     /// Where the nodes lie.
+    #[inline]
     pub fn lattice(&self) -> &Lattice {
         &self.lattice
     }
 
     /// The values, x fastest.
+    #[inline]
     pub fn values(&self) -> &[T] {
         &self.values
     }

@@ -126,6 +126,7 @@ impl GridDensity {
 }
 
 impl DensityField for GridDensity {
+    #[inline]
     fn density(&self, point: DVec3) -> f64 {
         let lattice = self.grid.lattice();
         let cell = Cell::around(lattice, lattice.to_nodes(point));

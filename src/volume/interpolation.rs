@@ -92,6 +92,7 @@ pub struct Cell {
 
 impl Cell {
     /// The cell of `lattice` around `point`, a position in node units: any finite point.
+    #[inline]
     pub fn around(lattice: &Lattice, point: DVec3) -> Cell {
         let nodes = lattice.nodes();
         let strides = [1, nodes[0], nodes[0] * nodes[1]];
@@ -112,6 +113,7 @@ impl Cell {
     }
 
     /// The trilinear interpolant of the eight nodes: along x, then y, then z.
+    #[inline]
     pub fn trilinear<T: Node>(&self, grid: &Grid<T>) -> T::Value {
         let values = grid.values();
         let [dx, dy, dz] = self.step;
@@ -124,6 +126,7 @@ impl Cell {
     }
 
     /// The value of the nearest node; halfway between two, the one with the larger index.
+    #[inline]
     pub fn nearest<T: Node>(&self, grid: &Grid<T>) -> T::Value {
         let mut index = self.low;
         for axis in 0..3 {
@@ -163,6 +166,7 @@ impl Reconstruction for Nearest {
 
 /// `⌊x⌋`, saturating far outside any grid. A cast and a comparison: `f64::floor` is a function
 /// call on processors whose baseline lacks the instruction.
+#[inline]
 fn floor(x: f64) -> i64 {
     let truncated = x as i64;
     truncated.saturating_sub(i64::from(x < truncated as f64))

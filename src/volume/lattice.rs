@@ -100,6 +100,7 @@ impl Lattice {
     }
 
     /// Number of nodes along x, y and z, each at least 1.
+    #[inline]
     pub fn nodes(&self) -> [usize; 3] {
         self.nodes
     }
@@ -141,6 +142,7 @@ impl Lattice {
     }
 
     /// World point in node units: node (i, j, k) lies at (i, j, k).
+    #[inline]
     pub fn to_nodes(&self, point: DVec3) -> DVec3 {
         (point - self.first) / self.spacing
     }
