@@ -54,14 +54,7 @@ impl Aabb {
 
     /// The axis along which the box is longest, the first of several.
     pub fn longest_axis(&self) -> usize {
-        let size = self.size();
-        if size.x >= size.y && size.x >= size.z {
-            0
-        } else if size.y >= size.z {
-            1
-        } else {
-            2
-        }
+        longest_axis(self.size())
     }
 
     /// Edge lengths, in world units.
@@ -79,6 +72,17 @@ impl Aabb {
     pub fn span(&self, ray: &Ray) -> Option<Span> {
         let [near, far] = self.passages(ray)?;
         ahead(near.t, far.t)
+    }
+}
+
+/// The axis along which a vector of no negative component is longest, the first of several.
+pub fn longest_axis(v: DVec3) -> usize {
+    if v.x >= v.y && v.x >= v.z {
+        0
+    } else if v.y >= v.z {
+        1
+    } else {
+        2
     }
 }
 

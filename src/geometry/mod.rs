@@ -24,7 +24,7 @@ mod sphere;
 mod surface;
 mod transform;
 
-pub use aabb::Aabb;
+pub use aabb::{Aabb, longest_axis};
 pub use camera::{Camera, CameraError};
 pub use closed_mesh::ClosedMesh;
 pub use hit::{Hit, Side, SurfacePoint};

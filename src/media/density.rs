@@ -124,33 +124,23 @@ impl Density {
         self.field.density(point)
     }
 
-    /// A world ray in the coordinates of the field; `None` if it leaves the range of numbers
-    /// there.
-    pub fn line(&self, ray: &Ray) -> Option<Line> {
-        let Some(to_world) = &self.to_world else {
-            return Some(Line {
-                origin: ray.origin,
-                direction: ray.direction,
-            });
-        };
-        let (ray, scale) = to_world.ray_to_object(ray)?;
-        Some(Line {
-            origin: ray.origin,
-            direction: ray.direction * scale,
-        })
-    }
-
-    /// Where a world ray is in the box of the field.
-    pub fn span(&self, ray: &Ray) -> Option<Span> {
+    /// A world ray in the coordinates of the field, and the part of `span`, a stretch of the ray,
+    /// in the box of the field; `None` if there is none.
+    pub fn along(&self, ray: &Ray, span: Span) -> Option<(Line, Span)> {
         let (ray, scale) = match &self.to_world {
             Some(to_world) => to_world.ray_to_object(ray)?,
             None => (*ray, 1.0),
         };
-        let span = self.blocks.bounds().span(&ray)?;
-        Some(Span {
-            near: span.near / scale,
-            far: span.far / scale,
-        })
+        let inside = self.blocks.bounds().span(&ray)?;
+        let line = Line {
+            origin: ray.origin,
+            direction: ray.direction * scale,
+        };
+        let span = Span {
+            near: span.near.max(inside.near / scale),
+            far: span.far.min(inside.far / scale),
+        };
+        (span.near < span.far).then_some((line, span))
     }
 
     /// The blocks that `line` passes on the stretch `span`, which is in the box.

@@ -5,13 +5,12 @@ use super::matter::{Media, Set, density_integral, members, over, transmittance};
 use super::media_path::{MediaPath, Stretch};
 use super::passage::Passage;
 use super::tracker::{Numbers, Tracker};
-use super::tracking::{Bounds, Chance, THIN, tentative_collisions};
+use super::tracking::{Bounded, Bounds, Chance, tentative_collisions, thin};
 use super::work::Work;
 use crate::geometry::{Ray, Span};
 use crate::math::quadrature::integrate;
 use crate::media::{emission, source_factor};
 use glam::DVec3;
-use std::ops::ControlFlow::{Break, Continue};
 
 /// Tentative collisions that a glowing stretch of a ray has on average, be its matter ever so
 /// thin.
@@ -55,19 +54,12 @@ impl MediaPath {
             let mut passage = Passage::new(media, stretch.set, ray, stretch.span, strands);
             let first = chance.tentative();
             let visit = |passage: &mut Passage<'_, '_>, bounds: &Bounds, t: f64, u: f64| {
-                let extinction = super::tracking::Bounded::extinction(passage, t);
+                let extinction = passage.extinction(t);
                 effort.note(bounds, extinction);
                 let rate = rate(bounds);
                 radiance += through * passage.emission() / rate;
                 through *= DVec3::ONE - extinction / rate;
-                let largest = through.abs().max_element();
-                if largest < THIN {
-                    if u * THIN >= largest {
-                        return Break(());
-                    }
-                    through *= THIN / largest;
-                }
-                Continue(())
+                thin(&mut through, u)
             };
             let end = tentative_collisions(&mut passage, rate, first, chance, visit);
             passage.count(work);
@@ -145,13 +137,8 @@ fn integral_over<E: Effects, W: Work>(
     let mut cuts = vec![stretch.span.far];
     for index in members(stretch.set) {
         if let Some(density) = media.medium(index).density
-            && let Some(line) = density.line(ray)
-            && let Some(inside) = density.span(ray)
+            && let Some((line, span)) = density.along(ray, stretch.span)
         {
-            let span = Span {
-                near: inside.near.max(stretch.span.near),
-                far: inside.far.min(stretch.span.far),
-            };
             cuts.push(span.near);
             density.append_kinks(&line, span, &mut cuts);
         }

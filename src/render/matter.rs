@@ -237,28 +237,29 @@ impl<'s> Media<'s> {
     /// Scattering coefficient, by channel, of the media in `set` at the world point `point`,
     /// which lies in the boundaries of all of them.
     pub fn sigma_s<W: Work>(&self, set: Set, point: DVec3, work: &mut W) -> DVec3 {
-        members(set).fold(DVec3::ZERO, |sum, index| {
-            let medium = &self.bodies[index];
-            let density = match medium.density {
-                Some(density) if medium.unit.scatters() => {
-                    let mut lookups = 0;
-                    let density = density.at(point, &mut lookups);
-                    work.count_times(Event::DensityLookup, lookups);
-                    density
-                }
-                _ => 1.0,
-            };
-            sum + medium.unit.sigma_s * density
-        })
+        self.sum_at(set, point, |unit| unit.sigma_s, work)
     }
 
     /// Radiance sent out per length, by channel, by the media in `set` at the world point
-    /// `point`, which lies in all of them.
+    /// `point`, which lies in the boundaries of all of them.
     pub fn emission<W: Work>(&self, set: Set, point: DVec3, work: &mut W) -> DVec3 {
+        self.sum_at(set, point, |unit| unit.emission, work)
+    }
+
+    /// The sum of a property of the media in `set`, each times its density at `point`; a density
+    /// is not looked up for a property of 0.
+    fn sum_at<W: Work>(
+        &self,
+        set: Set,
+        point: DVec3,
+        property: impl Fn(&Matter) -> DVec3,
+        work: &mut W,
+    ) -> DVec3 {
         members(set).fold(DVec3::ZERO, |sum, index| {
             let medium = &self.bodies[index];
+            let unit = property(&medium.unit);
             let density = match medium.density {
-                Some(density) if medium.unit.emission != DVec3::ZERO => {
+                Some(density) if unit != DVec3::ZERO => {
                     let mut lookups = 0;
                     let density = density.at(point, &mut lookups);
                     work.count_times(Event::DensityLookup, lookups);
@@ -266,7 +267,7 @@ impl<'s> Media<'s> {
                 }
                 _ => 1.0,
             };
-            sum + medium.unit.emission * density
+            sum + unit * density
         })
     }
 
@@ -396,16 +397,9 @@ pub(super) fn density_integral<W: Work>(
     span: Span,
     work: &mut W,
 ) -> f64 {
-    let (Some(line), Some(inside)) = (density.line(ray), density.span(ray)) else {
+    let Some((line, span)) = density.along(ray, span) else {
         return 0.0;
     };
-    let span = Span {
-        near: span.near.max(inside.near),
-        far: span.far.min(inside.far),
-    };
-    if span.near >= span.far {
-        return 0.0;
-    }
     let mut lookups = 0;
     let integral = density.integral(&line, span, &mut lookups);
     work.count_times(Event::DensityLookup, lookups);

@@ -66,12 +66,8 @@ impl<'m, 's> Passage<'m, 's> {
                 even.emission += medium.unit.emission;
                 continue;
             };
-            let (Some(line), Some(inside)) = (density.line(ray), density.span(ray)) else {
+            let Some((line, inside)) = density.along(ray, span) else {
                 continue;
-            };
-            let inside = Span {
-                near: inside.near.max(span.near),
-                far: inside.far.min(span.far),
             };
             strands.push(Strand {
                 medium: index,

@@ -192,14 +192,10 @@ pub fn ratio_tracking<M: Bounded>(
         let extinction = matter.extinction(t);
         effort.note(bounds, extinction);
         ratio *= DVec3::ONE - (extinction - known(bounds)) / rate(bounds);
-        let largest = ratio.abs().max_element();
-        if small == Small::Thinned && largest < THIN {
-            if u * THIN >= largest {
-                return Break(());
-            }
-            ratio *= THIN / largest;
+        match small {
+            Small::Kept => Continue(()),
+            Small::Thinned => thin(&mut ratio, u),
         }
-        Continue(())
     });
     match end {
         Break(()) => DVec3::ZERO,
@@ -209,7 +205,20 @@ pub fn ratio_tracking<M: Bounded>(
 
 /// Estimates below this are given up with a probability. What is lost by it in noise is small
 /// against that of the paths which ask; what is gained is everything behind ten optical depths.
-pub(super) const THIN: f64 = 0.1;
+const THIN: f64 = 0.1;
+
+/// Gives up an estimate that has become small, with a probability that `u`, uniform in [0, 1),
+/// decides, or raises it for not having been given up.
+pub(super) fn thin(estimate: &mut DVec3, u: f64) -> ControlFlow<()> {
+    let largest = estimate.abs().max_element();
+    if largest < THIN {
+        if u * THIN >= largest {
+            return Break(());
+        }
+        *estimate *= THIN / largest;
+    }
+    Continue(())
+}
 
 /// Adds up what is known of the stretches passed.
 struct Weighed<'m, M, K> {

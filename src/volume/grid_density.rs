@@ -34,6 +34,15 @@ impl GridDensity {
         &self.grid
     }
 
+    /// The value at the place that `cell` stands for.
+    #[inline]
+    fn read(&self, cell: &Cell) -> f64 {
+        match self.interpolation {
+            Interpolation::Trilinear => cell.trilinear(&self.grid),
+            Interpolation::Nearest => cell.nearest(&self.grid),
+        }
+    }
+
     /// The box that the grid fills.
     pub fn bounds(&self) -> Aabb {
         self.grid.lattice().bounds()
@@ -59,13 +68,7 @@ impl GridDensity {
         let mut sum = Sum::default();
         for visit in self.pieces(origin, direction, span) {
             let Span { near, far } = visit;
-            let at = |t: f64| {
-                let cell = Cell::around(lattice, origin + direction * t);
-                match self.interpolation {
-                    Interpolation::Trilinear => cell.trilinear(&self.grid),
-                    Interpolation::Nearest => cell.nearest(&self.grid),
-                }
-            };
+            let at = |t: f64| self.read(&Cell::around(lattice, origin + direction * t));
             let part = match self.interpolation {
                 Interpolation::Trilinear => {
                     *lookups += 2;
@@ -129,11 +132,7 @@ impl DensityField for GridDensity {
     #[inline]
     fn density(&self, point: DVec3) -> f64 {
         let lattice = self.grid.lattice();
-        let cell = Cell::around(lattice, lattice.to_nodes(point));
-        match self.interpolation {
-            Interpolation::Trilinear => cell.trilinear(&self.grid),
-            Interpolation::Nearest => cell.nearest(&self.grid),
-        }
+        self.read(&Cell::around(lattice, lattice.to_nodes(point)))
     }
 
     /// The extremes of all nodes that a look-up in the box may read. `to_nodes` is monotone in

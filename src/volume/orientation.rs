@@ -1,7 +1,7 @@
 //! The axes of a stored grid against those of the world.
 
 use super::{Centring, Lattice, LatticeError, LoadOptions, SamplesError};
-use crate::geometry::length_of;
+use crate::geometry::{length_of, longest_axis};
 use crate::math::atan2;
 use glam::DVec3;
 use thiserror::Error;
@@ -101,7 +101,7 @@ impl Axes {
         let mut from = [None; 3];
         for stored in 0..3 {
             let direction = steps[stored] / lengths[stored];
-            let along = longest_axis(direction);
+            let along = longest_axis(direction.abs());
             let mut off = direction;
             off[along] = 0.0;
             if length_of(off) > OFF_AXIS {
@@ -128,17 +128,6 @@ impl Axes {
         }
         let lattice = Lattice::new(nodes, spacing, first)?.with_centring(centring)?;
         Ok(Placement { lattice, from })
-    }
-}
-
-fn longest_axis(direction: DVec3) -> usize {
-    let size = direction.abs();
-    if size.x >= size.y && size.x >= size.z {
-        0
-    } else if size.y >= size.z {
-        1
-    } else {
-        2
     }
 }
 

@@ -55,22 +55,6 @@ fn in_cube(field: Field, medium: Homogeneous) -> Body {
     varying(cube_bounds(), field, medium)
 }
 
-fn lit(media: Vec<Body>) -> Radiative {
-    Radiative {
-        media,
-        lights: vec![
-            sun(DVec3::new(0.3, -1.0, -0.4), DVec3::ONE),
-            lamp(DVec3::new(0.5, 1.8, 0.4), 2.0),
-        ],
-        environment: DVec3::splat(0.3),
-        ..empty()
-    }
-}
-
-fn into_the_middle() -> Ray {
-    ray(DVec3::new(1.0, 0.7, 4.0), DVec3::new(-0.25, -0.1, -1.0))
-}
-
 fn mean(scene: &Radiative, seed: u64) -> [Moments; 3] {
     sampled(scene, None, (seed, SAMPLES), |_| into_the_middle())
 }

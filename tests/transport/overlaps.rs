@@ -4,30 +4,14 @@ use crate::U;
 use crate::scenes::*;
 use crate::statistics::*;
 use glam::DVec3;
-use volref::geometry::{Luminous, Ray, Sphere};
+use volref::geometry::{Luminous, Sphere};
 use volref::math::Moments;
 use volref::media::{Asymmetry, Coefficients, HenyeyGreenstein, Homogeneous};
 use volref::optics::Sides;
-use volref::scene::{AreaLight, Body, Radiative};
+use volref::scene::{AreaLight, Radiative};
 
 /// Standard errors near 0.5 %.
 const SAMPLES: u32 = 40_000;
-
-fn lit(media: Vec<Body>) -> Radiative {
-    Radiative {
-        media,
-        lights: vec![
-            sun(DVec3::new(0.3, -1.0, -0.4), DVec3::ONE),
-            lamp(DVec3::new(0.5, 1.8, 0.4), 2.0),
-        ],
-        environment: DVec3::splat(0.3),
-        ..empty()
-    }
-}
-
-fn into_the_middle() -> Ray {
-    ray(DVec3::new(1.0, 0.7, 4.0), DVec3::new(-0.25, -0.1, -1.0))
-}
 
 #[track_caller]
 fn close(a: DVec3, b: DVec3, roundings: f64) {

@@ -137,6 +137,24 @@ pub fn ray(origin: DVec3, towards: DVec3) -> Ray {
     Ray::new(origin, towards).unwrap()
 }
 
+/// Media lit by a sun, a lamp above the cube, and from all around.
+pub fn lit(media: Vec<Body>) -> Radiative {
+    Radiative {
+        media,
+        lights: vec![
+            sun(DVec3::new(0.3, -1.0, -0.4), DVec3::ONE),
+            lamp(DVec3::new(0.5, 1.8, 0.4), 2.0),
+        ],
+        environment: DVec3::splat(0.3),
+        ..empty()
+    }
+}
+
+/// A ray that looks into the cube, aslant.
+pub fn into_the_middle() -> Ray {
+    ray(DVec3::new(1.0, 0.7, 4.0), DVec3::new(-0.25, -0.1, -1.0))
+}
+
 /// The ray that an entry gives by `origin` and `direction`.
 pub fn ray_of(entry: &Entry) -> Ray {
     ray(entry.vector("origin"), entry.vector("direction"))
