@@ -115,6 +115,35 @@ pub fn block_error(film: &Film) -> Option<f64> {
     Some(errors[(errors.len() * 9).div_ceil(10) - 1])
 }
 
+/// How far blocks of 8 × 8 pixels deviate, for a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockMap {
+    /// Blocks in a row.
+    pub columns: usize,
+    /// Rows of blocks.
+    pub rows: usize,
+    /// Test minus reference in standard errors, by channel; row by row from the top. What is left
+    /// over at the right and lower edges belongs to the last blocks. At most 1e9 either way.
+    pub deviations: Vec<[f64; 3]>,
+}
+
+/// The deviations of the blocks of `test` from `reference`, images of one size; nothing where
+/// neither states its noise.
+pub fn block_map(reference: &Film, test: &Film) -> Option<BlockMap> {
+    if reference.noise().is_none() && test.noise().is_none() {
+        return None;
+    }
+    let blocks = Comparison::new(reference, test).blocks;
+    let deviations = blocks.chunks_exact(3);
+    Some(BlockMap {
+        columns: parts(reference.width()).count(),
+        rows: parts(reference.height()).count(),
+        deviations: deviations
+            .map(|channels| [0, 1, 2].map(|c| finite(channels[c].sum.deviation())))
+            .collect(),
+    })
+}
+
 /// A difference of means, test minus reference.
 #[derive(Clone, Copy, Debug, Default)]
 struct Difference {

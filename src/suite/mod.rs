@@ -3,6 +3,7 @@
 mod accept;
 mod cache;
 mod case;
+mod evidence;
 mod golden;
 mod rendering;
 mod results;
@@ -14,6 +15,7 @@ mod verify;
 pub use accept::{AcceptError, Accepted, Change, Watch, accept};
 pub use cache::Cache;
 pub use case::{Case, MANIFEST, Sampling, Suite, SuiteError};
+pub use evidence::{Evidence, Likeness};
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
 pub use results::{CaseResult, Cause, Summary, Verdict};
 pub use store::{Disk, Failure, RealDisk, Store, StoreError};
