@@ -29,7 +29,18 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("cost", &["compare", "render"]),
     (
         "suite",
-        &["compare", "render", "scene", "film", "atomic_file"],
+        // Mistakes are edits of a scene, down to the nodes of its grids.
+        &[
+            "compare",
+            "render",
+            "scene",
+            "media",
+            "optics",
+            "volume",
+            "film",
+            "math",
+            "atomic_file",
+        ],
     ),
     ("compare", &["film", "math"]),
     ("exchange", &["scene"]),

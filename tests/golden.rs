@@ -43,7 +43,7 @@ fn has_cases(found: Result<usize, String>) -> Result<(), Failed> {
 }
 
 fn passes(case: &Case, store: &Store) -> Result<(), Failed> {
-    let result = verify(case, store, &|| ());
+    let result = verify(case, store, &|| ()).result;
     match result.verdict {
         Verdict::Pass => Ok(()),
         verdict => Err(format!("{}: {}", verdict.name(), result.reason).into()),

@@ -11,8 +11,10 @@ mod output;
 mod plan;
 mod progress;
 mod render;
+mod results;
 mod schema;
 mod suite;
+mod validate;
 mod verify;
 
 use clap::{Parser, Subcommand};
@@ -38,6 +40,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Verify(verify::Arguments),
+    Validate(validate::Arguments),
     Compare(compare::Arguments),
     Render(render::Arguments),
     Plan(plan::Arguments),
@@ -82,6 +85,7 @@ pub fn main() -> ExitCode {
     };
     let result = match arguments.command {
         Command::Verify(arguments) => verify::run(arguments),
+        Command::Validate(arguments) => validate::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Render(arguments) => render::run(arguments),
         Command::Plan(arguments) => plan::run(arguments),

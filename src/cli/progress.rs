@@ -24,3 +24,10 @@ pub fn work() -> ProgressBar {
         .expect("a valid template");
     ProgressBar::new(0).with_style(style)
 }
+
+/// A sign of life while images are held against the catalogue of mistakes.
+pub fn mistakes() -> ProgressBar {
+    let style = ProgressStyle::with_template("{spinner} looking for the mistake")
+        .expect("a valid template");
+    ProgressBar::new_spinner().with_style(style)
+}

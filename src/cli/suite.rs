@@ -49,6 +49,8 @@ pub fn exit(results: &[CaseResult]) -> Exit {
         Some(Cause::Mismatch) => Exit::Mismatch,
         Some(Cause::BadInput) => Exit::BadInput,
         Some(Cause::Golden) => Exit::Golden,
+        Some(Cause::OtherRenderer) => Exit::OtherRenderer,
+        Some(Cause::Undecided) => Exit::Undecided,
         None => Exit::Undecided,
     }
 }

@@ -52,6 +52,26 @@ impl Camera {
         })
     }
 
+    /// Where it stands.
+    pub fn eye(&self) -> DVec3 {
+        self.eye
+    }
+
+    /// The full angle from the top to the bottom edge of the image, in radians.
+    pub fn vertical_fov(&self) -> f64 {
+        2.0 * math::atan2(self.half_up.length(), 1.0)
+    }
+
+    /// The same camera with another [`Camera::vertical_fov`], in (0, π).
+    pub fn with_vertical_fov(&self, vertical_fov: f64) -> Camera {
+        let factor = math::tan(0.5 * vertical_fov) / self.half_up.length();
+        Camera {
+            half_right: self.half_right * factor,
+            half_up: self.half_up * factor,
+            ..*self
+        }
+    }
+
     /// The ray through a point of the image, in pixels from its upper left corner.
     pub fn ray_through(&self, [x, y]: [f64; 2], [width, height]: [usize; 2]) -> Ray {
         self.ray_at(2.0 * x - width as f64, 2.0 * y - height as f64, height)

@@ -57,6 +57,12 @@ impl Colormap {
         Some(Colormap { stops })
     }
 
+    /// The same colours in reverse.
+    pub fn reversed(&self) -> Colormap {
+        let stops = self.stops.iter().rev().copied().collect();
+        Colormap { stops }
+    }
+
     /// Colour at `density ≥ 0`.
     pub fn at(&self, density: f64) -> DVec3 {
         let last = self.stops.len() - 1;

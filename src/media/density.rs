@@ -90,6 +90,11 @@ impl Density {
         }
     }
 
+    /// Another field in the place of this one.
+    pub fn with_field(&self, field: Field) -> Density {
+        Density::new(field, *self.blocks.bounds(), self.to_world)
+    }
+
     /// The field itself.
     pub fn field(&self) -> &Field {
         &self.field

@@ -6,4 +6,4 @@ mod terminal;
 
 pub use json::results_json;
 pub use junit::results_junit;
-pub use terminal::results_text;
+pub use terminal::{likely_text, results_text};

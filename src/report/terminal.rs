@@ -1,6 +1,6 @@
 //! Results for people.
 
-use crate::suite::{CaseResult, Summary, Verdict};
+use crate::suite::{CaseResult, Likeness, Summary, Verdict};
 
 /// A line for each case, the reason below each that did not pass, and a summary.
 pub fn results_text(results: &[CaseResult]) -> String {
@@ -41,5 +41,23 @@ pub fn results_text(results: &[CaseResult]) -> String {
         results.len(),
         said.join(", ")
     ));
+    text
+}
+
+/// What failing images look like, most likely first; nothing if they look like nothing known.
+pub fn likely_text(likely: &[Likeness]) -> String {
+    let mut text = String::new();
+    for Likeness {
+        mistake,
+        advice,
+        explains,
+        of,
+    } in likely
+    {
+        let cases = if *of == 1 { "case" } else { "cases" };
+        text.push_str(&format!(
+            "\nlooks like  {mistake} ({explains} of {of} {cases})\n            {advice}\n"
+        ));
+    }
     text
 }

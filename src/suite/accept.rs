@@ -1,8 +1,9 @@
 //! New goldens, on purpose and with a reason.
 
+use super::finding::MARGIN;
 use super::golden::{Golden, input_hashes, plan_hash, scene_hash};
 use super::rendering::{Reference, Renderer, Shot, check_class, render_case};
-use super::verify::{MARGIN, judge_quick};
+use super::verify::judge_quick;
 use super::{Cache, Case, GoldenError, Quick, Sampling, Store, StoreError};
 use crate::compare::{Gate, Picture, judge, stochastic};
 use crate::film::Film;

@@ -4,19 +4,28 @@ mod accept;
 mod cache;
 mod case;
 mod evidence;
+mod finding;
 mod golden;
+mod likeness;
+pub mod mistakes;
+mod other_renderer;
 mod rendering;
 mod results;
 #[cfg(test)]
 mod sampled_tests;
 mod store;
+mod validate;
 mod verify;
 
 pub use accept::{AcceptError, Accepted, Change, Watch, accept};
 pub use cache::Cache;
 pub use case::{Case, MANIFEST, Sampling, Suite, SuiteError};
 pub use evidence::{Evidence, Likeness};
+pub use finding::Judged;
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
+pub use likeness::likeness;
+pub use other_renderer::{CommandTemplate, Ran, TemplateError, run};
 pub use results::{CaseResult, Cause, Summary, Verdict};
 pub use store::{Disk, Failure, RealDisk, Store, StoreError};
+pub use validate::{Output, validate};
 pub use verify::{verify, without_case};

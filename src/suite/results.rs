@@ -44,6 +44,10 @@ pub enum Cause {
     BadInput,
     /// The golden.
     Golden,
+    /// The other renderer: no image, none that can be read, or it did not end well.
+    OtherRenderer,
+    /// The images: they show too little to decide.
+    Undecided,
 }
 
 /// The outcome of one case.

@@ -114,7 +114,7 @@ impl Folder {
     }
 
     fn verify(&self, renderer: &Noise) -> CaseResult {
-        verify_with(renderer, &self.suite().cases()[0], &self.store(), &|| ())
+        verify_with(renderer, &self.suite().cases()[0], &self.store(), &|| ()).result
     }
 
     fn golden(&self) -> Golden {

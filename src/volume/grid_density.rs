@@ -34,6 +34,16 @@ impl GridDensity {
         &self.grid
     }
 
+    /// The grid, to be shared.
+    pub fn shared(&self) -> &Arc<Grid<f32>> {
+        &self.grid
+    }
+
+    /// How values between the nodes follow.
+    pub fn interpolation(&self) -> Interpolation {
+        self.interpolation
+    }
+
     /// The value at the place that `cell` stands for.
     #[inline]
     fn read(&self, cell: &Cell) -> f64 {

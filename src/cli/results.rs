@@ -1,0 +1,131 @@
+//! What `verify` and `validate` write beside their text.
+
+use super::failure::{Exit, Failure};
+use super::output;
+use crate::atomic_file::directory_of;
+use crate::report;
+use crate::suite::{CaseResult, Evidence, Judged, Likeness, Suite};
+use std::path::{Path, PathBuf};
+
+/// Where results go.
+#[derive(clap::Args, Debug)]
+pub struct ResultFiles {
+    /// Write the results as JSON; without FILE, print them instead of the text
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
+    json: Option<PathBuf>,
+    /// Write the results as JUnit XML, for build servers
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    /// Write a report to look at, DIR/index.html: one file that needs nothing else
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+/// What a command on the suite found.
+pub struct Findings<'f> {
+    /// `verify` or `validate`.
+    pub command: &'f str,
+    /// What the page is called.
+    pub title: &'f str,
+    /// Result and evidence of each case.
+    pub judged: Vec<Judged>,
+    /// Mistakes that the images look like.
+    pub likely: Vec<Likeness>,
+}
+
+impl Findings<'_> {
+    /// The results alone.
+    pub fn results(&self) -> Vec<CaseResult> {
+        self.judged
+            .iter()
+            .map(|judged| judged.result.clone())
+            .collect()
+    }
+}
+
+impl ResultFiles {
+    /// Whether the images behind the results are wanted.
+    pub fn wants_evidence(&self) -> bool {
+        self.report.is_some()
+    }
+
+    /// Fails where a file cannot be written, lies among the goldens, or has the name of a case:
+    /// asked before long work, not after it.
+    pub fn check(&self, suite: &Suite) -> Result<(), Failure> {
+        if let Some(path) = &self.json
+            && suite.select(&[path.display().to_string()]).is_ok()
+        {
+            let message = format!(
+                "--json {0}: is {0} a file to write or the cases to take?",
+                path.display()
+            );
+            let help = "write filters before --json, or a file name that is no case";
+            return Err(Failure::new(Exit::BadInput, message, Some(help)));
+        }
+        let page = self.report.as_deref().map(page_in);
+        for path in [&self.json, &self.junit].into_iter().flatten() {
+            output::check_place(path)?;
+            check_not_golden(path, suite)?;
+        }
+        if let (Some(folder), Some(page)) = (&self.report, &page) {
+            std::fs::create_dir_all(folder).map_err(|error| {
+                let message = format!("cannot make the folder {}: {error}", folder.display());
+                Failure::new(Exit::BadInput, message, None)
+            })?;
+            output::check_place(page)?;
+            check_not_golden(page, suite)?;
+        }
+        Ok(())
+    }
+
+    /// Writes what is wanted, and returns what to print: `text`, or JSON in its place.
+    pub fn write(&self, findings: &Findings<'_>, mut text: String) -> Result<String, Failure> {
+        let results = findings.results();
+        if let Some(path) = &self.junit {
+            output::write(path, report::results_junit(&results).as_bytes())?;
+        }
+        if let Some(folder) = &self.report {
+            let path = page_in(folder);
+            output::write(&path, page(findings, &results).as_bytes())?;
+            text.push_str(&format!("\nreport: {}\n", path.display()));
+        }
+        let json = report::results_json(findings.command, &results, &findings.likely);
+        match &self.json {
+            Some(path) if path.as_os_str() == "-" => text = output::pretty(&json),
+            Some(path) => output::write(path, output::pretty(&json).as_bytes())?,
+            None => {}
+        }
+        Ok(text)
+    }
+}
+
+fn page_in(folder: &Path) -> PathBuf {
+    folder.join("index.html")
+}
+
+fn page(findings: &Findings<'_>, results: &[CaseResult]) -> String {
+    let evidence: Vec<Evidence> = findings.judged.iter().map(|j| j.evidence.clone()).collect();
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    report::results_html(&report::Page {
+        title: findings.title,
+        command: &format!("volref {}", shell_words::join(words)),
+        results,
+        evidence: &evidence,
+        likely: &findings.likely,
+    })
+}
+
+fn check_not_golden(path: &Path, suite: &Suite) -> Result<(), Failure> {
+    if !is_below(path, &suite.golden_folder()) {
+        return Ok(());
+    }
+    let message = format!("{} lies among the goldens", path.display());
+    let help = "goldens change by `volref accept` alone; write the report elsewhere";
+    Err(Failure::new(Exit::BadInput, message, Some(help)))
+}
+
+/// Whether `path` names something in `folder`, however either is spelt.
+fn is_below(path: &Path, folder: &Path) -> bool {
+    let place = directory_of(path).canonicalize();
+    matches!((place, folder.canonicalize()), (Ok(place), Ok(folder)) if place.starts_with(&folder))
+}

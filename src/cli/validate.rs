@@ -1,0 +1,349 @@
+//! `volref validate (--outputs DIR | --run CMD) [FILTER…]`
+
+use super::failure::{Exit, Failure};
+use super::results::{Findings, ResultFiles};
+use super::suite::{Selection, exit, select, store};
+use super::{Outcome, progress};
+use crate::exchange::{self, Format};
+use crate::report;
+use crate::scene::Scene;
+use crate::suite::outputs;
+use crate::suite::{
+    Case, CommandTemplate, Evidence, Judged, Output, Store, Verdict, likeness, run as run_process,
+    validate,
+};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf, absolute};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+use tempfile::TempDir;
+
+/// Judge another renderer's images by the goldens, and name the mistake
+#[derive(Debug, clap::Args)]
+#[command(group = clap::ArgGroup::new("images").required(true))]
+#[command(
+    after_help = "Images are named after the cases, family/name or just name, and end in .exr, \
+    .pfm, .npy (linear radiance) or .png (8-bit sRGB). Several independent renderings, name.0.exr, \
+    name.1.exr, ..., or a file name.variance.exr with the variances of the means tell the noise of \
+    a sampled image; without, it is estimated.\n\n\
+    In CMD, {scene} stands for the scene file, {output} for where the image goes, {width}, \
+    {height}, {spp}, {seed} for numbers, {case} for the name of the case, and {export:mitsuba}, \
+    {export:pbrt}, {export:bundle} for a copy of the scene in that format (see volref export)."
+)]
+pub struct Arguments {
+    /// Families, cases, or patterns over them such as 'figures/*' [default: all cases]
+    #[arg(value_name = "FILTER")]
+    filters: Vec<String>,
+    #[command(flatten)]
+    selection: Selection,
+    /// Folder with finished images
+    #[arg(long, value_name = "DIR", group = "images")]
+    outputs: Option<PathBuf>,
+    /// Command that renders a case; called once for each, without a shell
+    #[arg(long, value_name = "CMD", group = "images")]
+    run: Option<String>,
+    /// Leave out cases that have no image, or that the renderer's format cannot say
+    #[arg(long)]
+    only_present: bool,
+    /// With --run: seconds after which the renderer, and all that it started, is ended
+    #[arg(long, value_name = "SECONDS", default_value_t = 600.0, value_parser = seconds)]
+    timeout: f64,
+    /// With --run: cases to render at the same time
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    jobs: u16,
+    /// With --run: samples per pixel to ask for, {spp}
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
+    spp: u32,
+    /// With --run: seed to ask for, {seed}
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// With --run: the kind of file that {output} names: exr, pfm, npy or png
+    #[arg(long, value_name = "EXT", default_value = "exr", value_parser = ["exr", "pfm", "npy", "png"])]
+    format: String,
+    /// With --run: keep the images in DIR
+    #[arg(long, value_name = "DIR", requires = "run")]
+    keep: Option<PathBuf>,
+    #[command(flatten)]
+    files: ResultFiles,
+}
+
+/// A time limit: positive and finite.
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= 1e9 => Ok(seconds),
+        _ => Err("a time limit is a positive number of seconds".to_owned()),
+    }
+}
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+    let suite = arguments.selection.open()?;
+    arguments.files.check(&suite)?;
+    let cases = select(&suite, &arguments.filters)?;
+    let store = store(&suite);
+    let source = Source::of(&arguments)?;
+    let mut notes = String::new();
+    if let Source::Finished(folder) = &source {
+        notes = strangers(folder, suite.cases());
+    }
+
+    let mut judged = judge_all(&cases, &store, &source, usize::from(arguments.jobs));
+    if arguments.only_present {
+        judged.retain(|judged| judged.result.verdict != Verdict::Missing);
+        if judged.is_empty() {
+            let message = "there is no image of any of these cases: nothing was compared";
+            let help =
+                "images are named family/name.exr or name.exr; `volref list` shows the cases";
+            return Err(Failure::new(Exit::Undecided, message, Some(help)));
+        }
+    }
+    let likely = name_mistakes(&cases, &mut judged, &store);
+    if !arguments.files.wants_evidence() {
+        for judged in &mut judged {
+            judged.evidence = Evidence::default();
+        }
+    }
+    let findings = Findings {
+        command: "validate",
+        title: "volref validate",
+        judged,
+        likely,
+    };
+    let results = findings.results();
+    let text = report::results_text(&results) + &report::likely_text(&findings.likely) + &notes;
+    Ok(Outcome {
+        text: arguments.files.write(&findings, text)?,
+        exit: exit(&results),
+    })
+}
+
+/// Where images come from.
+enum Source {
+    /// A folder of finished images.
+    Finished(PathBuf),
+    /// A renderer to run.
+    Renderer(Box<Renderer>),
+}
+
+struct Renderer {
+    template: CommandTemplate,
+    timeout: Duration,
+    spp: u32,
+    seed: u64,
+    extension: String,
+    /// Images are written here, exports beside them.
+    folder: PathBuf,
+    /// Removed at the end, unless the images are to be kept.
+    _temporary: TempDir,
+    exports: PathBuf,
+}
+
+impl Source {
+    fn of(arguments: &Arguments) -> Result<Source, Failure> {
+        let bad = |message: String, help| Failure::new(Exit::BadInput, message, help);
+        if let Some(folder) = &arguments.outputs {
+            if !folder.is_dir() {
+                let message = format!("there is no folder {}", folder.display());
+                return Err(bad(
+                    message,
+                    Some("--outputs takes the folder that holds the images"),
+                ));
+            }
+            return Ok(Source::Finished(folder.clone()));
+        }
+        let command = arguments.run.as_deref().unwrap_or_default();
+        let template = CommandTemplate::parse(command).map_err(|error| {
+            let help = "for example: --run 'my-renderer {scene} --out {output} --spp {spp}'";
+            bad(error.to_string(), Some(help))
+        })?;
+        let temporary = tempfile::Builder::new()
+            .prefix("volref-")
+            .tempdir()
+            .map_err(|error| bad(format!("cannot make a temporary folder: {error}"), None))?;
+        let folder = match &arguments.keep {
+            Some(folder) => folder.clone(),
+            None => temporary.path().join("images"),
+        };
+        std::fs::create_dir_all(&folder)
+            .and_then(|()| absolute(&folder))
+            .map(|folder| {
+                Source::Renderer(Box::new(Renderer {
+                    template,
+                    timeout: Duration::from_secs_f64(arguments.timeout),
+                    spp: arguments.spp,
+                    seed: arguments.seed,
+                    extension: arguments.format.clone(),
+                    folder,
+                    exports: temporary.path().join("exports"),
+                    _temporary: temporary,
+                }))
+            })
+            .map_err(|error| bad(format!("cannot make the folder for images: {error}"), None))
+    }
+
+    /// What there is of `case`, and what was printed on the way.
+    fn output(&self, case: &Case, all: &[&Case]) -> (Output, Option<String>, Vec<String>) {
+        match self {
+            Source::Finished(folder) => {
+                let reproduce = format!(
+                    "volref validate {} --outputs {}",
+                    case.name,
+                    folder.display()
+                );
+                (read(folder, case, all), None, vec![reproduce])
+            }
+            Source::Renderer(renderer) => renderer.output(case, all),
+        }
+    }
+}
+
+/// The image of `case` in `folder`.
+fn read(folder: &Path, case: &Case, all: &[&Case]) -> Output {
+    let names: Vec<&str> = all.iter().map(|case| case.name.as_str()).collect();
+    match outputs::find(folder, &case.name, &names) {
+        Ok(None) => Output::Missing(format!(
+            "there is no image of this case in {}: name it {}.exr (or .pfm, .npy, .png)",
+            folder.display(),
+            case.name
+        )),
+        Ok(Some(found)) => match outputs::read(&found) {
+            Ok(picture) => Output::Picture(Box::new(picture)),
+            Err(error) => Output::Unusable(error.to_string()),
+        },
+        Err(error) => Output::Unusable(error.to_string()),
+    }
+}
+
+impl Renderer {
+    fn output(&self, case: &Case, all: &[&Case]) -> (Output, Option<String>, Vec<String>) {
+        let words = match self.words(case) {
+            Ok(words) => words,
+            Err(output) => return (output, None, Vec::new()),
+        };
+        let ran = run_process(&words, self.timeout);
+        let command = vec![shell_words::join(&words)];
+        let printed = Some(ran.printed);
+        if let Some(failure) = ran.failure {
+            return (Output::Unusable(failure), printed, command);
+        }
+        let output = match read(&self.folder, case, all) {
+            Output::Missing(_) => Output::Missing(
+                "the renderer ended well, but wrote no image to {output}".to_owned(),
+            ),
+            output => output,
+        };
+        (output, printed, command)
+    }
+
+    /// The command for `case`, its folder and exports made.
+    fn words(&self, case: &Case) -> Result<Vec<String>, Output> {
+        let failed = |error: std::io::Error| {
+            Output::Unusable(format!("the renderer could not be run: {error}"))
+        };
+        // Read again: a scene that cannot be read is said by whoever judges.
+        let scene = case
+            .load_scene()
+            .map_err(|error| Output::Unusable(error.to_string()))?;
+        let output = self
+            .folder
+            .join(format!("{}.{}", case.name, self.extension));
+        if let Some(folder) = output.parent() {
+            std::fs::create_dir_all(folder).map_err(failed)?;
+        }
+        // An image of an earlier run would be taken for one of this.
+        match std::fs::remove_file(&output) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(failed(error));
+            }
+            _ => {}
+        }
+        let shown = |path: &Path| path.display().to_string();
+        let mut values = BTreeMap::from([
+            ("scene", shown(&absolute(&case.scene).map_err(failed)?)),
+            ("output", shown(&output)),
+            ("width", scene.width().to_string()),
+            ("height", scene.height().to_string()),
+            ("spp", self.spp.to_string()),
+            ("seed", self.seed.to_string()),
+            ("case", case.name.clone()),
+        ]);
+        let used = self.template.placeholders();
+        for name in CommandTemplate::PLACEHOLDERS {
+            let format = name.strip_prefix("export:");
+            if let Some(format) = format.filter(|_| used.iter().any(|used| used == name)) {
+                let path = self.export(&scene, case, format)?;
+                values.insert(name, shown(&path));
+            }
+        }
+        Ok(self.template.fill(&values))
+    }
+
+    /// A copy of the scene in another format; what the format cannot say is a missing image.
+    fn export(&self, scene: &Scene, case: &Case, format: &str) -> Result<PathBuf, Output> {
+        let format: Format = format.parse().expect("placeholders name formats");
+        let folder = self.exports.join(format.to_string()).join(&case.name);
+        let name = case.name.rsplit('/').next().unwrap_or(&case.name);
+        let export = exchange::export(scene, format, name)
+            .map_err(|refusal| Output::Missing(format!("not rendered: {refusal}")))?;
+        export
+            .write_to(&folder)
+            .map_err(|error| Output::Unusable(format!("the export failed: {error}")))
+    }
+}
+
+/// Judges all cases, `jobs` at a time; results are in the order of the cases.
+fn judge_all(cases: &[&Case], store: &Store, source: &Source, jobs: usize) -> Vec<Judged> {
+    let bar = progress::cases(cases.len());
+    let next = AtomicUsize::new(0);
+    let done: Mutex<Vec<(usize, Judged)>> = Mutex::default();
+    std::thread::scope(|scope| {
+        for _ in 0..jobs.min(cases.len()) {
+            scope.spawn(|| {
+                loop {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(case) = cases.get(index) else {
+                        return;
+                    };
+                    bar.set_message(case.name.clone());
+                    let (output, printed, reproduce) = source.output(case, cases);
+                    let mut judged = validate(case, store, output);
+                    judged.evidence.output = printed;
+                    judged.evidence.reproduce = reproduce;
+                    bar.inc(1);
+                    let mut done = done.lock().expect("no thread panicked");
+                    done.push((index, judged));
+                }
+            });
+        }
+    });
+    bar.finish_and_clear();
+    let mut done = done.into_inner().expect("no thread panicked");
+    done.sort_by_key(|(index, _)| *index);
+    done.into_iter().map(|(_, judged)| judged).collect()
+}
+
+/// Holds the images that failed against the catalogue of mistakes.
+fn name_mistakes(
+    cases: &[&Case],
+    judged: &mut [Judged],
+    store: &Store,
+) -> Vec<crate::suite::Likeness> {
+    let bar = progress::mistakes();
+    let likely = likeness(cases, judged, store, &|| bar.tick());
+    bar.finish_and_clear();
+    likely
+}
+
+/// A warning of images that belong to no case.
+fn strangers(folder: &Path, cases: &[Case]) -> String {
+    let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
+    let mut text = String::new();
+    for stranger in outputs::strangers(folder, &names) {
+        text.push_str(&format!("\n{stranger}"));
+    }
+    if !text.is_empty() {
+        text.push('\n');
+    }
+    text
+}

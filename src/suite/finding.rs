@@ -1,0 +1,206 @@
+//! What a case came to, and the golden it is held against.
+
+use super::golden::{plan_hash, scene_hash, short};
+use super::rendering::{Reference, Renderer, check_class};
+use super::{
+    Case, CaseResult, Cause, Evidence, Golden, GoldenError, Quick, Sampling, Store, Verdict,
+};
+use crate::compare::Gate;
+use crate::render::Plan;
+use crate::scene::Scene;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// A result, and the images behind it.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// What came of the case.
+    pub result: CaseResult,
+    /// For a report.
+    pub evidence: Evidence,
+}
+
+/// What a case came to, before time and names are added.
+#[derive(Debug)]
+pub(super) struct Finding {
+    pub verdict: Verdict,
+    pub cause: Cause,
+    pub reason: String,
+    pub metrics: BTreeMap<String, f64>,
+}
+
+impl Finding {
+    pub fn new(verdict: Verdict, cause: Cause, reason: impl Into<String>) -> Finding {
+        Finding {
+            verdict,
+            cause,
+            reason: reason.into(),
+            metrics: BTreeMap::new(),
+        }
+    }
+
+    /// The result of `case`, judged by `gate` since `start`.
+    pub fn result(self, case: &Case, gate: Gate, start: Instant) -> CaseResult {
+        CaseResult {
+            name: case.name.clone(),
+            family: case.family.clone(),
+            class: case.class.clone(),
+            verdict: self.verdict,
+            metrics: self.metrics,
+            gate,
+            reason: self.reason,
+            looks_like: Vec::new(),
+            seconds: start.elapsed().as_secs_f64(),
+            work: BTreeMap::new(),
+            cause: self.cause,
+        }
+    }
+}
+
+/// A case whose golden is that of its scene.
+#[derive(Debug)]
+pub(super) struct Trusted {
+    pub scene: Scene,
+    pub plans: Vec<Plan>,
+    pub golden: Golden,
+}
+
+impl Trusted {
+    /// Loads scene and golden of `case`; what is wrong with either is a finding.
+    pub fn load(case: &Case, store: &Store) -> Result<Trusted, Finding> {
+        Trusted::load_for(&Reference, case, store)
+    }
+
+    /// [`Trusted::load`], where another renderer stands in for the reference.
+    pub fn load_for(
+        renderer: &dyn Renderer,
+        case: &Case,
+        store: &Store,
+    ) -> Result<Trusted, Finding> {
+        let bad_input = |reason| Finding::new(Verdict::Error, Cause::BadInput, reason);
+        let bad_golden = |reason| Finding::new(Verdict::Error, Cause::Golden, reason);
+        let scene = case
+            .load_scene()
+            .map_err(|error| bad_input(error.to_string()))?;
+        let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
+        check_class(renderer, case, &plans).map_err(bad_input)?;
+        let golden = Golden::read(store, case).map_err(|error| match error {
+            GoldenError::Missing => {
+                Finding::new(Verdict::Missing, Cause::Golden, error.to_string())
+            }
+            error => bad_golden(error.to_string()),
+        })?;
+        match stale(case, &scene, &plans, &golden) {
+            Some(reason) => Err(bad_golden(reason)),
+            None => Ok(Trusted {
+                scene,
+                plans,
+                golden,
+            }),
+        }
+    }
+
+    /// Where the golden came from, to be read by people.
+    pub fn provenance(&self) -> Vec<(String, String)> {
+        let of = &self.golden.provenance;
+        let mut facts = vec![
+            ("golden", short(&of.pixels).to_owned()),
+            ("accepted because", of.reason.clone()),
+            ("samples per pixel", of.samples.to_string()),
+            ("relative error", format!("{:.2e}", of.error_estimate)),
+            ("scene", short(&of.scene).to_owned()),
+            ("plan", short(&of.plan).to_owned()),
+            ("volref", of.volref.clone()),
+            ("libm", of.libm.clone()),
+            ("rendered on", of.target.clone()),
+        ];
+        let omitted = self.without();
+        if !omitted.is_empty() {
+            facts.push(("leaves out", omitted));
+        }
+        for (path, hash) in &of.inputs {
+            facts.push(("input", format!("{path} ({})", short(hash))));
+        }
+        let named = |(name, fact): (&str, String)| (name.to_owned(), fact);
+        facts.into_iter().map(named).collect()
+    }
+
+    /// What the picture is declared to leave out, said with every comparison made with it.
+    pub fn without(&self) -> String {
+        let omitted: Vec<_> = self
+            .plans
+            .iter()
+            .map(|plan| plan.omitted().join(", "))
+            .collect();
+        match &omitted[..] {
+            all if all.iter().all(String::is_empty) => String::new(),
+            [one] => format!("without {one}"),
+            panels => {
+                let said = panels
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, names)| !names.is_empty());
+                let said: Vec<_> = said
+                    .map(|(index, names)| format!("panel {} without {names}", index + 1))
+                    .collect();
+                said.join(", ")
+            }
+        }
+    }
+}
+
+/// How much smaller than the promised resolution the standard error of a golden must be: then a
+/// bias of that size is four of them, and the noise of the golden adds to that of a test image
+/// of as many samples hardly more than it has itself.
+pub(super) const MARGIN: f64 = 4.0;
+
+/// Why the golden is one of another case, scene or plan.
+fn stale(case: &Case, scene: &Scene, plans: &[Plan], golden: &Golden) -> Option<String> {
+    let provenance = &golden.provenance;
+    let (width, height) = (scene.width(), scene.height());
+    let size = (golden.film.width(), golden.film.height());
+    if provenance.case != case.name {
+        return Some(format!(
+            "the golden is of the case {:?}, not of this one; restore it from version control",
+            provenance.case
+        ));
+    }
+    let what = if provenance.scene != scene_hash(scene) {
+        "the scene has changed since the golden was accepted"
+    } else if provenance.plan != plan_hash(plans) {
+        "the plan has changed since the golden was accepted: what is simulated, or by which kernel"
+    } else if provenance.quick.is_some() != case.sampling.is_some() {
+        "the class of the case has changed since the golden was accepted"
+    } else if let Some(sampling) = case.sampling
+        && let Some(quick) = &provenance.quick
+        && let Some(what) = stale_sampling(sampling, quick, golden)
+    {
+        what
+    } else if provenance.exposure != case.exposure {
+        "the exposure of the case has changed since the golden was accepted"
+    } else if size != (width, height) {
+        return Some(format!(
+            "the golden has {} × {} pixels, the scene asks for {width} × {height}; restore it \
+             from version control",
+            size.0, size.1
+        ));
+    } else {
+        return None;
+    };
+    Some(format!(
+        "stale: {what}; look at the new picture, then accept it"
+    ))
+}
+
+fn stale_sampling(sampling: Sampling, quick: &Quick, golden: &Golden) -> Option<&'static str> {
+    let provenance = &golden.provenance;
+    if provenance.samples != u64::from(sampling.converged) {
+        Some("the converged_samples of the case have changed since the golden was accepted")
+    } else if quick.samples != sampling.quick {
+        Some("the quick_samples of the case have changed since the golden was accepted")
+    } else if MARGIN * provenance.error_estimate > sampling.resolution {
+        Some("the golden is too noisy for the resolution that the case promises now")
+    } else {
+        None
+    }
+}

@@ -1,0 +1,400 @@
+//! Which mistake an image looks like.
+//!
+//! A failing image is held against what every mistake of the [catalogue](super::mistakes) would
+//! have made of the case: mistakes of the image are made in the golden, those of the scene are
+//! rendered, first with few samples, and what is left with more. A mistake explains an image if
+//! the two differ by no more than noise, and the golden does not; among several, the one that is
+//! nearest beyond doubt comes first. Where none does, two at a time are tried.
+//!
+//! A case that a mistake already found explains is not searched again: one mistake that runs
+//! through a whole suite is looked for once.
+
+mod cells;
+mod prediction;
+
+use super::finding::Trusted;
+use super::mistakes::{self, Mistake};
+use super::{Case, Cause, Judged, Likeness, Store};
+use crate::compare::flip::SrgbImage;
+use crate::compare::{Gate, Picture, judge};
+use crate::film::Film;
+use crate::math;
+use crate::scene::Scene;
+use cells::{Cells, Misfit};
+use prediction::{FIRST_LOOK, SECOND_LOOK, in_cells, predicted};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// No more mistakes than this are named.
+const MOST_NAMED: usize = 5;
+
+/// Mistakes of a scene that get a second look, at most.
+const MOST_SECOND_LOOKS: usize = 8;
+
+/// Mistakes of a scene that are tried together with every other, where none explains an image.
+const MOST_FIRSTS: usize = 8;
+
+/// Cases in which two mistakes at a time are looked for, at most: that takes a while.
+const MOST_PAIR_SEARCHES: usize = 2;
+
+/// Names the mistakes that the images in `judged` that failed look like: in `looks_like` of each
+/// result, and for all together, most likely first. `progress` is told of every rendering.
+pub fn likeness(
+    cases: &[&Case],
+    judged: &mut [Judged],
+    store: &Store,
+    progress: &dyn Fn(),
+) -> Vec<Likeness> {
+    let mut suspects: Vec<Suspect> = Vec::new();
+    for (index, judged) in judged.iter().enumerate() {
+        let case = cases.iter().find(|case| case.name == judged.result.name);
+        if let Some(case) = case
+            && judged.result.cause == Cause::Mismatch
+            && let Some(suspect) = Suspect::new(index, case, judged, store)
+        {
+            suspects.push(suspect);
+        }
+    }
+    let mut known: Vec<Hypothesis> = Vec::new();
+    let mut fits: BTreeMap<Hypothesis, BTreeMap<usize, Misfit>> = BTreeMap::new();
+    let mut pair_searches = 0;
+    for at in 0..suspects.len() {
+        let suspect = &suspects[at];
+        let mut found: Vec<(Hypothesis, Misfit)> = known
+            .iter()
+            .filter_map(|hypothesis| Some((*hypothesis, suspect.test(hypothesis, progress)?)))
+            .filter(|(_, misfit)| suspect.explained_by(misfit))
+            .collect();
+        if found.is_empty() {
+            let (singles, looks) = suspect.search(progress);
+            found = singles;
+            if found.is_empty() && pair_searches < MOST_PAIR_SEARCHES {
+                pair_searches += 1;
+                found = suspect.search_pairs(&looks, progress);
+            }
+            // What explains this one may explain those before it as well, which were not asked.
+            for (hypothesis, _) in &found {
+                if known.contains(hypothesis) {
+                    continue;
+                }
+                known.push(*hypothesis);
+                for earlier in &suspects[..at] {
+                    if let Some(misfit) = earlier.test(hypothesis, progress)
+                        && earlier.explained_by(&misfit)
+                    {
+                        fits.entry(*hypothesis)
+                            .or_default()
+                            .insert(earlier.index, misfit);
+                    }
+                }
+            }
+        }
+        for (hypothesis, misfit) in found {
+            fits.entry(hypothesis)
+                .or_default()
+                .insert(suspect.index, misfit);
+        }
+    }
+    let mut ranked: Vec<(Hypothesis, BTreeMap<usize, Misfit>)> = fits.into_iter().collect();
+    ranked.sort_by(|(a, fits_a), (b, fits_b)| {
+        let mean = |fits: &BTreeMap<usize, Misfit>| {
+            fits.values().map(Misfit::at_most).sum::<f64>() / fits.len() as f64
+        };
+        (fits_b.len().cmp(&fits_a.len()))
+            .then(a.order_of_size().cmp(&b.order_of_size()))
+            .then(mean(fits_a).total_cmp(&mean(fits_b)))
+            .then(a.cmp(b))
+    });
+    for suspect in &suspects {
+        judged[suspect.index].result.looks_like = ranked
+            .iter()
+            .filter(|(_, fits)| fits.contains_key(&suspect.index))
+            .map(|(hypothesis, _)| hypothesis.name())
+            .take(MOST_NAMED)
+            .collect();
+    }
+    ranked
+        .iter()
+        .take(MOST_NAMED)
+        .map(|(hypothesis, fits)| Likeness {
+            mistake: hypothesis.name(),
+            advice: hypothesis.advice(),
+            explains: fits.len(),
+            of: suspects.len(),
+        })
+        .collect()
+}
+
+/// One mistake, or two, the first made before the second; by their places in the catalogue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Hypothesis {
+    One(usize),
+    Two(usize, usize),
+}
+
+impl Hypothesis {
+    fn mistakes(&self) -> Vec<&'static Mistake> {
+        let at = |index: usize| mistakes::catalogue().nth(index).expect("a place in it");
+        match *self {
+            Hypothesis::One(one) => vec![at(one)],
+            Hypothesis::Two(first, second) => vec![at(first), at(second)],
+        }
+    }
+
+    /// Fewer mistakes are likelier.
+    fn order_of_size(&self) -> usize {
+        self.mistakes().len()
+    }
+
+    fn name(&self) -> String {
+        let names: Vec<_> = self.mistakes().iter().map(|m| m.name).collect();
+        names.join(" + ")
+    }
+
+    fn advice(&self) -> String {
+        let advice: Vec<_> = self.mistakes().iter().map(|m| m.advice).collect();
+        advice.join("; and ")
+    }
+}
+
+/// A case whose image is wrong.
+struct Suspect {
+    /// Among the results.
+    index: usize,
+    scene: Scene,
+    exposure: f64,
+    golden: Film,
+    /// The image, as radiance.
+    test: Film,
+    /// Largest radiance that the file of the image can hold.
+    ceiling: Option<f64>,
+    /// The image as it was given, for the gates without noise.
+    picture: Picture,
+    /// Judged by noise, in coarse cells; else pixel by pixel.
+    is_sampled: bool,
+    golden_cells: Cells,
+    test_cells: Cells,
+    /// How far the image is from the golden: a mistake has to do better.
+    from_golden: Misfit,
+}
+
+/// Renderings of a first look, by place in the catalogue.
+type Looks = BTreeMap<usize, Film>;
+
+impl Suspect {
+    fn new(index: usize, case: &Case, judged: &Judged, store: &Store) -> Option<Suspect> {
+        let golden = judged.evidence.golden.clone()?;
+        let picture = judged.evidence.test.clone()?;
+        let size = (golden.width(), golden.height());
+        let (test, ceiling) = match &picture {
+            Picture::Radiance(film) => (film.clone(), None),
+            Picture::Codes(codes) => {
+                let ceiling = math::exp2(-case.exposure);
+                (radiance(codes, case.exposure), Some(ceiling))
+            }
+        };
+        let is_number = |film: &Film| film.radiance().as_flattened().iter().all(|x| x.is_finite());
+        if picture.size() != size || !is_number(&test) {
+            return None;
+        }
+        let is_sampled = case.sampling.is_some();
+        let in_cells = |film: &Film| match is_sampled {
+            true => Cells::of_blocks(film),
+            false => Cells::of_pixels(film),
+        };
+        let golden_cells = in_cells(&clamped(&golden, ceiling));
+        let test_cells = in_cells(&test);
+        Some(Suspect {
+            index,
+            scene: Trusted::load(case, store).ok()?.scene,
+            exposure: case.exposure,
+            from_golden: golden_cells.misfit(&test_cells, &golden_cells),
+            golden,
+            test,
+            ceiling,
+            picture,
+            is_sampled,
+            golden_cells,
+            test_cells,
+        })
+    }
+
+    /// Whether a mistake with this misfit explains the image: better than the golden does, beyond
+    /// doubt, and within noise.
+    fn explained_by(&self, misfit: &Misfit) -> bool {
+        misfit.is_noise() && misfit.at_most() < self.from_golden.at_least().max(0.0)
+    }
+
+    /// How far the image is from `film`, a prediction.
+    fn misfit(&self, film: &Film) -> Option<Misfit> {
+        let film = clamped(film, self.ceiling);
+        if self.is_sampled {
+            let cells = in_cells(&film, &self.golden_cells)?;
+            return Some(cells.misfit(&self.test_cells, &self.golden_cells));
+        }
+        // Without noise the gate itself says whether the images are the same.
+        let cells = Cells::of_pixels(&film).without_noise();
+        if (cells.columns, cells.rows) != (self.golden_cells.columns, self.golden_cells.rows) {
+            return None;
+        }
+        let gate = match self.picture {
+            Picture::Radiance(_) => Gate::Deterministic,
+            Picture::Codes(_) => Gate::Perceptual,
+        };
+        let judgement = judge(gate, &Picture::Radiance(film), &self.picture, self.exposure).ok()?;
+        let misfit = cells.misfit(&self.test_cells, &self.golden_cells);
+        Some(Misfit {
+            in_noise: if judgement.passed { 1.0 } else { f64::INFINITY },
+            ..misfit
+        })
+    }
+
+    /// The image that `hypothesis` would make, or nothing where it has no occasion.
+    fn predict(&self, hypothesis: &Hypothesis, samples: u32) -> Option<Film> {
+        let mistakes = hypothesis.mistakes();
+        let mut scene = None;
+        for mistake in mistakes.iter().filter(|m| !m.is_of_the_image()) {
+            scene = Some(mistake.in_scene(scene.as_ref().unwrap_or(&self.scene))?);
+        }
+        let of_the_image: Vec<_> = mistakes.iter().filter(|m| m.is_of_the_image()).collect();
+        let mut film = match scene {
+            // Pixels are as they are only where no mistake moves them about.
+            Some(scene) => predicted(scene, of_the_image.is_empty(), samples)?,
+            None => self.golden.clone(),
+        };
+        for mistake in of_the_image {
+            film = mistake.in_image(&film)?;
+        }
+        Some(film)
+    }
+
+    /// How far the image is from what `hypothesis` would make, closely looked at.
+    fn test(&self, hypothesis: &Hypothesis, progress: &dyn Fn()) -> Option<Misfit> {
+        progress();
+        self.misfit(&self.predict(hypothesis, SECOND_LOOK)?)
+    }
+
+    /// The single mistakes that explain the image, nearest first, and what was rendered on the
+    /// way.
+    fn search(&self, progress: &dyn Fn()) -> (Vec<(Hypothesis, Misfit)>, Looks) {
+        let mut looks = Looks::new();
+        let mut found = Vec::new();
+        let mut promising = Vec::new();
+        for (place, mistake) in mistakes::catalogue().enumerate() {
+            let hypothesis = Hypothesis::One(place);
+            if mistake.is_of_the_image() {
+                if let Some(film) = mistake.in_image(&self.golden)
+                    && let Some(misfit) = self.misfit(&film)
+                    && self.explained_by(&misfit)
+                {
+                    found.push((hypothesis, misfit));
+                }
+                continue;
+            }
+            progress();
+            let Some(film) = self.predict(&hypothesis, FIRST_LOOK) else {
+                continue;
+            };
+            if let Some(misfit) = self.misfit(&film)
+                && self.explained_by(&misfit)
+            {
+                promising.push((hypothesis, misfit));
+            }
+            looks.insert(place, film);
+        }
+        found.extend(self.look_closer(promising, progress));
+        found.sort_by(|(_, a), (_, b)| a.at_most().total_cmp(&b.at_most()));
+        (found, looks)
+    }
+
+    /// The pairs of mistakes that explain the image, nearest first.
+    fn search_pairs(&self, looks: &Looks, progress: &dyn Fn()) -> Vec<(Hypothesis, Misfit)> {
+        let mut promising: Vec<(Hypothesis, Misfit)> = Vec::new();
+        let mut consider = |hypothesis, film: Option<Film>| {
+            if let Some(misfit) = film.and_then(|film| self.misfit(&film))
+                && self.explained_by(&misfit)
+            {
+                promising.push((hypothesis, misfit));
+            }
+        };
+        let images: Vec<(usize, &Mistake)> = mistakes::catalogue()
+            .enumerate()
+            .filter(|(_, mistake)| mistake.is_of_the_image())
+            .collect();
+        for &(second, then) in &images {
+            for &(first, mistake) in images.iter().filter(|(first, _)| *first != second) {
+                let film = mistake.in_image(&self.golden);
+                let film = film.and_then(|film| then.in_image(&film));
+                consider(Hypothesis::Two(first, second), film);
+            }
+            for (&first, look) in looks {
+                consider(Hypothesis::Two(first, second), then.in_image(look));
+            }
+        }
+        let mut nearest: Vec<(f64, usize)> = looks
+            .iter()
+            .filter_map(|(&place, film)| Some((self.misfit(film)?.distance, place)))
+            .collect();
+        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut tried = BTreeSet::new();
+        for &(_, first) in nearest.iter().take(MOST_FIRSTS) {
+            for &second in looks.keys().filter(|second| **second != first) {
+                // Which is made first matters little.
+                let hypothesis = Hypothesis::Two(first.min(second), first.max(second));
+                if tried.insert(hypothesis) {
+                    progress();
+                    consider(hypothesis, self.predict(&hypothesis, FIRST_LOOK));
+                }
+            }
+        }
+        self.look_closer(promising, progress)
+    }
+
+    /// Those of the nearest hypotheses that explain the image on a second look, nearest first.
+    fn look_closer(
+        &self,
+        mut promising: Vec<(Hypothesis, Misfit)>,
+        progress: &dyn Fn(),
+    ) -> Vec<(Hypothesis, Misfit)> {
+        promising.sort_by(|(_, a), (_, b)| a.distance.total_cmp(&b.distance));
+        promising.truncate(MOST_SECOND_LOOKS);
+        // Without random numbers the first look saw it all.
+        if self.is_sampled {
+            promising.retain_mut(
+                |(hypothesis, misfit)| match self.test(hypothesis, progress) {
+                    Some(closer) if self.explained_by(&closer) => {
+                        *misfit = closer;
+                        true
+                    }
+                    _ => false,
+                },
+            );
+        }
+        promising.sort_by(|(_, a), (_, b)| a.at_most().total_cmp(&b.at_most()));
+        promising
+    }
+}
+
+/// `film` as a file keeps it that holds nothing above `ceiling`.
+fn clamped(film: &Film, ceiling: Option<f64>) -> Film {
+    let Some(ceiling) = ceiling else {
+        return film.clone();
+    };
+    let below = |pixel: &[f32; 3]| pixel.map(|value| value.min(ceiling as f32));
+    let radiance = film.radiance().iter().map(below).collect();
+    let (width, height) = (film.width(), film.height());
+    match film.noise() {
+        Some(noise) => {
+            let variance = noise.variance().to_vec();
+            Film::with_noise(width, height, radiance, variance, noise.samples())
+        }
+        None => Film::new(width, height, radiance),
+    }
+}
+
+/// The radiance that 8-bit codes stand for, at `exposure` stops.
+fn radiance(codes: &SrgbImage, exposure: f64) -> Film {
+    let scale = math::exp2(-exposure);
+    let decode = |code: u8| (scale * math::srgb_to_linear(f64::from(code) / 255.0)) as f32;
+    let pixels = codes.pixels().iter().map(|pixel| pixel.map(decode));
+    Film::new(codes.width(), codes.height(), pixels.collect())
+}

@@ -1,0 +1,247 @@
+//! Images in coarse cells, and how far two of them are apart beyond their noise.
+//!
+//! Where pixels are means of random samples, a cell is a block of 8 × 8 of them: its noise is an
+//! eighth of theirs, and what a mistake would look like is known at little cost, since an image of
+//! an eighth of the size shows the means of blocks as they are. Without random numbers a cell is a
+//! pixel.
+
+use crate::compare::stochastic::{BLOCK, DARK};
+use crate::film::Film;
+use crate::math::Sum;
+
+/// A grid of cells: their means, and the variances of those.
+#[derive(Clone, Debug)]
+pub(super) struct Cells {
+    pub columns: usize,
+    pub rows: usize,
+    means: Vec<[f64; 3]>,
+    variances: Vec<[f64; 3]>,
+    /// Random samples in a cell; none if nothing is known of them.
+    samples: Option<f64>,
+}
+
+/// How far an image is from what a mistake would look like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Misfit {
+    /// Mean of the squared differences over their variance, each cut at [`FAR`]: about 1 if the
+    /// mistake is the one.
+    pub in_noise: f64,
+    /// Mean squared relative difference, noise taken out: about 0 if the mistake is the one.
+    pub distance: f64,
+    /// Standard error of the distance.
+    pub error: f64,
+}
+
+/// One cell counts for no more than this many variances, so that a few cells of rare bright paths
+/// do not decide.
+const FAR: f64 = 25.0;
+
+/// Up to this mean of squares the difference counts as noise: variances are estimates, and the
+/// stochastic gate lets as much pass.
+const NOISE: f64 = 2.0;
+
+impl Misfit {
+    /// Whether the difference is no more than noise.
+    pub fn is_noise(&self) -> bool {
+        self.in_noise <= NOISE
+    }
+
+    /// The distance that is left in doubt: at most this, but for one chance in forty.
+    pub fn at_most(&self) -> f64 {
+        self.distance.max(0.0) + 2.0 * self.error
+    }
+
+    /// The distance that is beyond doubt.
+    pub fn at_least(&self) -> f64 {
+        self.distance - 2.0 * self.error
+    }
+}
+
+impl Cells {
+    /// Every pixel is a cell.
+    pub fn of_pixels(film: &Film) -> Cells {
+        Cells::with_edge(film, 1)
+    }
+
+    /// Every block of 8 × 8 pixels is a cell; what is left over at the edges is left out. An image
+    /// too small for a block is one of pixels.
+    pub fn of_blocks(film: &Film) -> Cells {
+        match film.width().min(film.height()) {
+            0..BLOCK => Cells::with_edge(film, 1),
+            _ => Cells::with_edge(film, BLOCK),
+        }
+    }
+
+    fn with_edge(film: &Film, edge: usize) -> Cells {
+        let (columns, rows) = (film.width() / edge, film.height() / edge);
+        let count = (edge * edge) as f64;
+        let mut means = Vec::with_capacity(columns * rows);
+        let mut variances = Vec::with_capacity(columns * rows);
+        for cell in 0..columns * rows {
+            let corner = [cell % columns * edge, cell / columns * edge];
+            let (mut mean, mut variance) = ([0.0; 3], [0.0; 3]);
+            for y in corner[1]..corner[1] + edge {
+                for index in (corner[0]..corner[0] + edge).map(|x| x + film.width() * y) {
+                    for c in 0..3 {
+                        mean[c] += f64::from(film.radiance()[index][c]) / count;
+                        if let Some(noise) = film.noise() {
+                            variance[c] += f64::from(noise.variance()[index][c]) / (count * count);
+                        }
+                    }
+                }
+            }
+            if film.noise().is_none() && edge > 1 {
+                variance = guessed_variance(film, corner, edge).map(|variance| variance / count);
+            }
+            means.push(mean);
+            variances.push(variance);
+        }
+        let samples = film.noise().map(|noise| f64::from(noise.samples()) * count);
+        Cells {
+            columns,
+            rows,
+            means,
+            variances,
+            samples,
+        }
+    }
+
+    /// The same image without noise of its own.
+    pub fn without_noise(mut self) -> Cells {
+        self.variances.fill([0.0; 3]);
+        self
+    }
+
+    /// How far `test` is from `self`, relative to the brightness of `scale`; all of one size.
+    pub fn misfit(&self, test: &Cells, scale: &Cells) -> Misfit {
+        let mut in_noise = Sum::default();
+        let mut distance = Sum::default();
+        let mut error = Sum::default();
+        let mut count = 0.0;
+        for cell in 0..self.means.len() {
+            for c in 0..3 {
+                let (a, b) = (self.means[cell][c], test.means[cell][c]);
+                // Each pixel was rounded to 32 bits.
+                let rounding = f64::from(f32::EPSILON) * a.abs().max(b.abs());
+                let variance = self.variance_with(test, cell, c) + rounding * rounding;
+                let square = (a - b) * (a - b);
+                let ratio = if square == 0.0 {
+                    0.0
+                } else {
+                    square / variance
+                };
+                in_noise.add(ratio.min(FAR));
+                let bright = scale.means[cell][c].abs() + DARK;
+                // A cell of much noise says little of distances.
+                let weight = 1.0 / (bright * bright + 16.0 * variance);
+                distance.add((square - variance) * weight);
+                // The square of a normal number has twice the square of its variance for variance.
+                error.add(2.0 * (variance * weight) * (variance * weight));
+                count += 1.0;
+            }
+        }
+        Misfit {
+            in_noise: in_noise.value() / count,
+            distance: distance.value() / count,
+            error: error.value().sqrt() / count,
+        }
+    }
+
+    /// Variance of the difference of two cells. Whoever has more samples lends its variance, as in
+    /// the stochastic gate: few samples that missed the light claim to have no noise.
+    fn variance_with(&self, test: &Cells, cell: usize, channel: usize) -> f64 {
+        let (own, other) = (self.variances[cell][channel], test.variances[cell][channel]);
+        let lent = match (self.samples, test.samples) {
+            (Some(own_samples), Some(samples)) if samples > own_samples => {
+                other * samples / own_samples
+            }
+            _ => own,
+        };
+        own.max(lent) + other
+    }
+}
+
+/// Variance of a pixel within a block of an image that does not state it, by the differences of
+/// neighbours that are left when all that is linear is taken away.
+///
+/// Source: Immerkær 1996, "Fast noise variance estimation", Computer Vision and Image
+/// Understanding 64(2), with squares in place of absolute values.
+fn guessed_variance(film: &Film, corner: [usize; 2], edge: usize) -> [f64; 3] {
+    const MASK: [[f64; 3]; 3] = [[1.0, -2.0, 1.0], [-2.0, 4.0, -2.0], [1.0, -2.0, 1.0]];
+    // Sum of the squares of the mask.
+    const POWER: f64 = 36.0;
+    let mut sums = [0.0; 3];
+    let mut count = 0.0;
+    for y in corner[1] + 1..corner[1] + edge - 1 {
+        for x in corner[0] + 1..corner[0] + edge - 1 {
+            count += 1.0;
+            for (c, sum) in sums.iter_mut().enumerate() {
+                let mut left = 0.0;
+                for (row, weights) in MASK.iter().enumerate() {
+                    for (column, weight) in weights.iter().enumerate() {
+                        let index = x + column - 1 + film.width() * (y + row - 1);
+                        left += weight * f64::from(film.radiance()[index][c]);
+                    }
+                }
+                *sum += left * left / POWER;
+            }
+        }
+    }
+    sums.map(|sum| sum / count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::rng::{Purpose, Stream};
+
+    /// Pixels of mean `mean` and a noise of uniform numbers with standard deviation `sigma`.
+    fn noisy(mean: f64, sigma: f64, seed: u64, states_noise: bool) -> Film {
+        let edge = 64;
+        let mut pixels = Vec::new();
+        for index in 0..edge * edge {
+            let stream = Stream::new(seed, index as u32, 0);
+            pixels.push(std::array::from_fn(|channel| {
+                let u = stream.uniform(0, Purpose::Camera, channel as u32);
+                (mean + (u - 0.5) * sigma * 12_f64.sqrt()) as f32
+            }));
+        }
+        match states_noise {
+            true => {
+                let variance = vec![[(sigma * sigma) as f32; 3]; edge * edge];
+                Film::with_noise(edge, edge, pixels, variance, 16)
+            }
+            false => Film::new(edge, edge, pixels),
+        }
+    }
+
+    #[test]
+    fn equal_means_are_noise_and_others_are_not() {
+        let scale = Cells::of_blocks(&noisy(1.0, 0.0, 0, true));
+        for states in [true, false] {
+            let a = Cells::of_blocks(&noisy(1.0, 0.2, 1, states));
+            let b = Cells::of_blocks(&noisy(1.0, 0.2, 2, states));
+            let same = a.misfit(&b, &scale);
+            // 192 squares: their mean is 1 within four times √(2/192).
+            assert!((same.in_noise - 1.0).abs() < 0.41, "{same:?}");
+            assert!(same.at_least() < 0.0 && same.at_most() > 0.0, "{same:?}");
+            let c = Cells::of_blocks(&noisy(1.1, 0.2, 3, states));
+            let other = a.misfit(&c, &scale);
+            // A tenth is four standard errors of a difference of blocks.
+            assert!(!other.is_noise(), "{other:?}");
+            assert!(
+                (other.distance - 0.01).abs() < 4.0 * other.error + 2e-3,
+                "{other:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn slopes_are_not_taken_for_noise() {
+        let pixels = (0..64)
+            .map(|i| [(i % 8) as f32, (i / 8) as f32, 1.0])
+            .collect();
+        let film = Film::new(8, 8, pixels);
+        assert_eq!(guessed_variance(&film, [0, 0], 8), [0.0; 3]);
+    }
+}

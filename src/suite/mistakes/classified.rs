@@ -1,0 +1,258 @@
+//! Mistakes in ray casters of classified volumes.
+
+use super::densities::{half_a_voxel_off, in_classified, upside_down, x_and_z_exchanged};
+use super::{Edit, Mistake};
+use crate::media::{Appearance, Colormap, Phong, TransferPoint, TransferPoints};
+use crate::scene::Classified;
+use crate::volume::Interpolation;
+use glam::DVec3;
+
+pub(super) const MISTAKES: &[Mistake] = &[
+    Mistake {
+        name: "opacity-uncorrected",
+        advice: "the opacity of a sample does not depend on the step: opacity is stated over a reference length h0, so over a step h it is 1 - (1 - a)^(h / h0)",
+        edit: Edit::Classified(|scene| referred(scene, |_, step| step)),
+    },
+    Mistake {
+        name: "opacity-exponent-inverted",
+        advice: "the exponent of the opacity correction is upside down: it is step / reference length",
+        edit: Edit::Classified(|scene| referred(scene, |reference, step| step * step / reference)),
+    },
+    Mistake {
+        name: "opacity-halved",
+        advice: "the volume is too thin, as though opacities were stated over twice their reference length: how long is a voxel?",
+        edit: Edit::Classified(|scene| referred(scene, |reference, _| 2.0 * reference)),
+    },
+    Mistake {
+        name: "opacity-doubled",
+        advice: "the volume is too dense, as though opacities were stated over half their reference length: how long is a voxel?",
+        edit: Edit::Classified(|scene| referred(scene, |reference, _| 0.5 * reference)),
+    },
+    Mistake {
+        name: "transparency-not-normalised",
+        advice: "transparency is exp(-d^2) as it stands: subtract the floor and divide by what is left, so that it falls from 1 to 0",
+        edit: Edit::Opacity(|opacity| {
+            let occurs = opacity.floor != 0.0;
+            opacity.floor = 0.0;
+            occurs
+        }),
+    },
+    Mistake {
+        name: "transparency-floor-at-0.5",
+        advice: "the volume turns opaque too early: the floor of the transparency is not the one that the scene gives",
+        edit: Edit::Opacity(|opacity| {
+            let occurs = opacity.floor != 0.5;
+            opacity.floor = 0.5;
+            occurs
+        }),
+    },
+    Mistake {
+        name: "nearest-for-trilinear",
+        advice: "samples take the value of the nearest node: interpolate between the eight nodes around them",
+        edit: Edit::Classified(|scene| interpolated(scene, Interpolation::Nearest)),
+    },
+    Mistake {
+        name: "trilinear-for-nearest",
+        advice: "samples are interpolated where the nearest node is asked for",
+        edit: Edit::Classified(|scene| interpolated(scene, Interpolation::Trilinear)),
+    },
+    Mistake {
+        name: "step-doubled",
+        advice: "samples are twice as far apart as the scene says",
+        edit: Edit::Classified(|scene| {
+            scene.step *= 2.0;
+            true
+        }),
+    },
+    Mistake {
+        name: "shading-left-out",
+        advice: "samples are not shaded: Phong's model with the gradient of the density as normal is missing",
+        edit: Edit::Classified(|scene| scene.phong.take().is_some()),
+    },
+    Mistake {
+        name: "ambient-left-out",
+        advice: "sides that face away from the light are black: the ambient term is missing",
+        edit: Edit::Classified(|scene| weighed(scene, |phong| &mut phong.ambient, 0.0)),
+    },
+    Mistake {
+        name: "diffuse-left-out",
+        advice: "the diffuse term is missing or has the wrong sign: the normal is minus the gradient, so that it points out of the dense",
+        edit: Edit::Classified(|scene| weighed(scene, |phong| &mut phong.diffuse, 0.0)),
+    },
+    Mistake {
+        name: "specular-left-out",
+        advice: "highlights are missing: the specular term of Phong's model",
+        edit: Edit::Classified(|scene| weighed(scene, |phong| &mut phong.specular, 0.0)),
+    },
+    Mistake {
+        name: "highlight-too-wide",
+        advice: "highlights are too wide: the exponent is that of Phong's model, of the reflected ray; with the halfway vector of Blinn's it must be about four times as large",
+        edit: Edit::Classified(|scene| match &mut scene.phong {
+            Some(phong) if phong.shininess >= 4 && phong.specular != 0.0 => {
+                phong.shininess /= 4;
+                true
+            }
+            _ => false,
+        }),
+    },
+    Mistake {
+        name: "light-at-the-eye",
+        advice: "the light stands at the eye: its place is given by the scene",
+        edit: Edit::Classified(|scene| {
+            let occurs = scene.phong.is_some() || scene.shadow.is_some();
+            scene.light = scene.camera.eye();
+            occurs
+        }),
+    },
+    Mistake {
+        name: "shadow-left-out",
+        advice: "the volume casts no shadow on itself: each sample is darkened by what lies between it and the light",
+        edit: Edit::Classified(|scene| scene.shadow.take().is_some()),
+    },
+    Mistake {
+        name: "shadow-hundredfold",
+        advice: "shadows are too dark by far: the sum of densities is divided by 100 before exp(-S)",
+        edit: Edit::Classified(|scene| shadowed(scene, 0.01)),
+    },
+    Mistake {
+        name: "shadow-step-not-counted",
+        advice: "shadows depend on the step: the sum towards the light counts densities times step over reference step",
+        edit: Edit::Classified(|scene| match &mut scene.shadow {
+            Some(shadow) if shadow.reference_step != shadow.step => {
+                shadow.reference_step = shadow.step;
+                true
+            }
+            _ => false,
+        }),
+    },
+    Mistake {
+        name: "volume-half-voxel-off",
+        advice: "the volume is half a voxel off: values belong to nodes, the outermost of which lie on the faces of the box, not to the middles of cells",
+        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_off)),
+    },
+    Mistake {
+        name: "volume-axes-exchanged",
+        advice: "x and z of the volume are exchanged: x runs fastest in memory, at index x + nx (y + ny z)",
+        edit: Edit::Classified(|scene| in_classified(scene, x_and_z_exchanged)),
+    },
+    Mistake {
+        name: "volume-upside-down",
+        advice: "the volume stands on its head: y grows upwards",
+        edit: Edit::Classified(|scene| in_classified(scene, upside_down)),
+    },
+    Mistake {
+        name: "colours-reversed",
+        advice: "colours are those of the other end of the map: density 0 has its first colour",
+        edit: Edit::Classified(|scene| coloured(scene, Colormap::reversed)),
+    },
+    Mistake {
+        name: "colours-left-out",
+        advice: "the volume has no colour: map densities to colours by the scene's colour map",
+        edit: Edit::Classified(|scene| {
+            coloured(scene, |_| Colormap::named("white").expect("a map of ours"))
+        }),
+    },
+    Mistake {
+        name: "strength-left-out",
+        advice: "the light of a sample is not multiplied by the square of its density",
+        edit: Edit::Classified(|scene| strengthened(scene, |_| 1.0)),
+    },
+    Mistake {
+        name: "strength-linear",
+        advice: "the light of a sample is multiplied by its density in place of the square of it",
+        edit: Edit::Classified(|scene| strengthened(scene, |density| density)),
+    },
+    Mistake {
+        name: "background-white",
+        advice: "what shines through the volume is white: the scene gives the background",
+        edit: Edit::Classified(|scene| {
+            let occurs = scene.background != DVec3::ONE;
+            scene.background = DVec3::ONE;
+            occurs
+        }),
+    },
+    Mistake {
+        name: "viewed-too-wide",
+        advice: "the field of view is about twice too wide: vertical_fov is the full angle from the top to the bottom edge, so the image plane ends at tan(fov / 2)",
+        edit: Edit::Classified(|scene| {
+            // Wider than that there is no image.
+            let angle = (2.0 * scene.camera.vertical_fov()).min(3.0);
+            scene.camera = scene.camera.with_vertical_fov(angle);
+            true
+        }),
+    },
+];
+
+/// Another reference length, from the old one and the step.
+fn referred(scene: &mut Classified, edit: fn(f64, f64) -> f64) -> bool {
+    let old = scene.transfer_function.reference_length;
+    let new = edit(old, scene.step);
+    let occurs = new != old && new.is_normal();
+    if occurs {
+        scene.transfer_function.reference_length = new;
+    }
+    occurs
+}
+
+fn interpolated(scene: &mut Classified, interpolation: Interpolation) -> bool {
+    let occurs = scene.interpolation != interpolation;
+    scene.interpolation = interpolation;
+    occurs
+}
+
+fn weighed(scene: &mut Classified, weight: fn(&mut Phong) -> &mut f64, new: f64) -> bool {
+    let Some(phong) = &mut scene.phong else {
+        return false;
+    };
+    let weight = weight(phong);
+    let occurs = *weight != new;
+    *weight = new;
+    occurs
+}
+
+fn shadowed(scene: &mut Classified, factor: f64) -> bool {
+    let Some(shadow) = &mut scene.shadow else {
+        return false;
+    };
+    shadow.reference_step *= factor;
+    true
+}
+
+fn coloured(scene: &mut Classified, edit: impl Fn(&Colormap) -> Colormap) -> bool {
+    match &mut scene.transfer_function.appearance {
+        Appearance::Formula { colormap, .. } => {
+            let edited = edit(colormap);
+            let occurs = edited != *colormap;
+            *colormap = edited;
+            occurs
+        }
+        Appearance::Points(_) => false,
+    }
+}
+
+/// Points of the table that stands in for the formula: between them its curves are straight to
+/// 1e-7.
+const POINTS: usize = 4096;
+
+/// The formula with another factor on the light of a sample, as a table of points. A volume shadow
+/// would be one of opacities then, so scenes that have one are left alone.
+fn strengthened(scene: &mut Classified, strength: fn(f64) -> f64) -> bool {
+    let transfer_function = &scene.transfer_function;
+    if scene.shadow.is_some() || matches!(transfer_function.appearance, Appearance::Points(_)) {
+        return false;
+    }
+    let most = scene.grid.range().1;
+    let point = |index: usize| {
+        let value = most * index as f64 / (POINTS - 1) as f64;
+        TransferPoint {
+            value,
+            colour: transfer_function.colour(value) * strength(value),
+            opacity: transfer_function.reference_opacity(value),
+        }
+    };
+    let Ok(points) = TransferPoints::new((0..POINTS).map(point).collect()) else {
+        return false;
+    };
+    scene.transfer_function.appearance = Appearance::Points(points);
+    true
+}

@@ -1,0 +1,190 @@
+//! Mistakes about how much of a medium is where: grids and noise.
+
+use super::{Edit, Mistake};
+use crate::media::Field;
+use crate::scene::{Classified, Radiative};
+use crate::volume::{FractalDensity, FractalParameters, Grid, GridDensity, Interpolation, Lattice};
+use glam::DVec3;
+use std::sync::Arc;
+
+pub(super) const MISTAKES: &[Mistake] = &[
+    Mistake {
+        name: "interpolation-nearest",
+        advice: "densities are those of the nearest node: interpolate between the eight nodes around the sample",
+        edit: Edit::Radiative(|scene| {
+            grids(scene, |grid, old| {
+                (old == Interpolation::Trilinear).then(|| (grid.clone(), Interpolation::Nearest))
+            })
+        }),
+    },
+    Mistake {
+        name: "grid-half-voxel-off",
+        advice: "the grid is half a voxel off: its values belong to nodes, the outermost of which lie on the faces of the box, not to the middles of cells",
+        edit: Edit::Radiative(|scene| with_grids(scene, half_a_voxel_off)),
+    },
+    Mistake {
+        name: "grid-axes-exchanged",
+        advice: "x and z of the grid are exchanged: x runs fastest in memory, at index x + nx (y + ny z)",
+        edit: Edit::Radiative(|scene| with_grids(scene, x_and_z_exchanged)),
+    },
+    Mistake {
+        name: "grid-upside-down",
+        advice: "the grid stands on its head: y grows upwards",
+        edit: Edit::Radiative(|scene| with_grids(scene, upside_down)),
+    },
+    Mistake {
+        name: "density-uniform",
+        advice: "the density is the same everywhere: look it up at each place and multiply the coefficients by it",
+        edit: Edit::Radiative(|scene| {
+            let mut occurs = false;
+            for body in &mut scene.media {
+                occurs |= body.density.take().is_some();
+            }
+            occurs
+        }),
+    },
+    Mistake {
+        name: "density-squared",
+        advice: "the density counts twice: it multiplies the coefficients once",
+        edit: Edit::Radiative(|scene| {
+            with_grids(scene, |grid| mapped(grid, |value| value * value))
+        }),
+    },
+    Mistake {
+        name: "noise-octave-left-out",
+        advice: "the noise lacks its finest octave: the sum runs over all of them, from 0 to octaves - 1",
+        edit: Edit::Radiative(|scene| noises(scene, |noise| noise.octaves -= 1)),
+    },
+    Mistake {
+        name: "noise-gain-from-lacunarity",
+        advice: "the weights of octaves are 1 / lacunarity in place of gain: both are given",
+        edit: Edit::Radiative(|scene| noises(scene, |noise| noise.gain = 1.0 / noise.lacunarity)),
+    },
+    Mistake {
+        name: "noise-lacunarity-two",
+        advice: "frequencies of octaves double: they grow by the lacunarity that is given",
+        edit: Edit::Radiative(|scene| noises(scene, |noise| noise.lacunarity = 2.0)),
+    },
+    Mistake {
+        name: "noise-scale-inverted",
+        advice: "the noise is stretched where it should be squeezed: places are multiplied by the scale, not divided",
+        edit: Edit::Radiative(|scene| noises(scene, |noise| noise.scale = noise.scale.recip())),
+    },
+    Mistake {
+        name: "noise-threshold-left-out",
+        advice: "the noise is not cut: densities up to the threshold count as 0",
+        edit: Edit::Radiative(|scene| noises(scene, |noise| noise.threshold = 0.0)),
+    },
+    Mistake {
+        name: "noise-half-a-cell-off",
+        advice: "the noise is shifted by half a cell: its lattice points lie at whole numbers",
+        edit: Edit::Radiative(|scene| noises(scene, |noise| noise.offset += 0.5)),
+    },
+];
+
+type Values = Arc<Grid<f32>>;
+
+/// The classified volume with its grid edited by the same functions that edit those of media.
+pub(super) fn in_classified(scene: &mut Classified, edit: fn(&Values) -> Option<Values>) -> bool {
+    let Some(grid) = edit(&scene.grid) else {
+        return false;
+    };
+    scene.grid = grid;
+    true
+}
+
+/// Half a voxel off along every axis.
+pub(super) fn half_a_voxel_off(grid: &Values) -> Option<Values> {
+    let old = grid.lattice();
+    let first = old.first() + old.spacing() * 0.5;
+    let lattice = Lattice::new(old.nodes(), old.spacing(), first).ok()?;
+    let lattice = lattice.with_centring(old.centring()).ok()?;
+    Grid::new(lattice, grid.values().to_vec())
+        .ok()
+        .map(Arc::new)
+}
+
+/// Read as though z ran fastest; nothing of a grid that is no cube of nodes is left in its place,
+/// so that of any other size is read with the sizes exchanged too.
+pub(super) fn x_and_z_exchanged(grid: &Values) -> Option<Values> {
+    let lattice = grid.lattice();
+    let [nx, ny, nz] = lattice.nodes();
+    let mut values = Vec::with_capacity(grid.values().len());
+    for k in 0..nz {
+        for j in 0..ny {
+            for i in 0..nx {
+                values.push(grid.values()[k + nz * (j + ny * i)]);
+            }
+        }
+    }
+    Grid::new(*lattice, values).ok().map(Arc::new)
+}
+
+/// Rows in the reverse order along y.
+pub(super) fn upside_down(grid: &Values) -> Option<Values> {
+    let lattice = grid.lattice();
+    let [nx, ny, nz] = lattice.nodes();
+    let mut values = Vec::with_capacity(grid.values().len());
+    for k in 0..nz {
+        for j in (0..ny).rev() {
+            let row = lattice.index([0, j, k]);
+            values.extend_from_slice(&grid.values()[row..row + nx]);
+        }
+    }
+    Grid::new(*lattice, values).ok().map(Arc::new)
+}
+
+fn mapped(grid: &Values, map: fn(f32) -> f32) -> Option<Values> {
+    let values = grid.values().iter().map(|&value| map(value)).collect();
+    Grid::new(*grid.lattice(), values).ok().map(Arc::new)
+}
+
+fn grids(
+    scene: &mut Radiative,
+    edit: impl Fn(&Values, Interpolation) -> Option<(Values, Interpolation)>,
+) -> bool {
+    let mut occurs = false;
+    for density in scene
+        .media
+        .iter_mut()
+        .filter_map(|body| body.density.as_mut())
+    {
+        if let Field::Grid(field) = density.field()
+            && let Some((grid, interpolation)) = edit(field.shared(), field.interpolation())
+        {
+            *density = density.with_field(Field::Grid(GridDensity::new(grid, interpolation)));
+            occurs = true;
+        }
+    }
+    occurs
+}
+
+fn with_grids(scene: &mut Radiative, edit: fn(&Values) -> Option<Values>) -> bool {
+    grids(scene, |grid, interpolation| {
+        edit(grid).map(|grid| (grid, interpolation))
+    })
+}
+
+fn noises(scene: &mut Radiative, edit: fn(&mut FractalParameters)) -> bool {
+    let mut occurs = false;
+    for density in scene
+        .media
+        .iter_mut()
+        .filter_map(|body| body.density.as_mut())
+    {
+        let Field::Noise(noise) = density.field() else {
+            continue;
+        };
+        let mut parameters = *noise.parameters();
+        edit(&mut parameters);
+        let is_finite = |v: DVec3| v.is_finite();
+        if parameters == *noise.parameters() || !is_finite(parameters.scale) {
+            continue;
+        }
+        if let Ok(noise) = FractalDensity::new(parameters) {
+            *density = density.with_field(Field::Noise(noise));
+            occurs = true;
+        }
+    }
+    occurs
+}

@@ -1,0 +1,397 @@
+//! Mistakes made in the finished image: between the renderer and the file.
+
+use super::{Edit, Mistake};
+use crate::film::Film;
+use crate::math;
+use std::f64::consts::PI;
+
+pub(super) const MISTAKES: &[Mistake] = &[
+    Mistake {
+        name: "mirrored",
+        advice: "left and right are exchanged: looking along +z with y up, +x is to the left of the image",
+        edit: Edit::Image(|film| Some(rearranged(film, |film, [x, y]| [film.width() - 1 - x, y]))),
+    },
+    Mistake {
+        name: "upside-down",
+        advice: "the image stands on its head: the top row is written first (PFM alone begins with the bottom row)",
+        edit: Edit::Image(|film| Some(rearranged(film, |film, [x, y]| [x, film.height() - 1 - y]))),
+    },
+    Mistake {
+        name: "turned-half",
+        advice: "the image is turned by half: both axes run backwards",
+        edit: Edit::Image(|film| {
+            Some(rearranged(film, |film, [x, y]| {
+                [film.width() - 1 - x, film.height() - 1 - y]
+            }))
+        }),
+    },
+    Mistake {
+        name: "transposed",
+        advice: "rows and columns are exchanged: pixel (x, y) is number x + width y of the file",
+        edit: Edit::Image(|film| {
+            (film.width() == film.height()).then(|| rearranged(film, |_, [x, y]| [y, x]))
+        }),
+    },
+    Mistake {
+        name: "red-and-blue-exchanged",
+        advice: "red and blue are exchanged: channels are red, green, blue, in this order",
+        edit: Edit::Image(|film| {
+            Some(mixed(
+                film,
+                [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]],
+            ))
+        }),
+    },
+    Mistake {
+        name: "grey",
+        advice: "the image has no colour: three channels are wanted, not luminance",
+        edit: Edit::Image(|film| Some(mixed(film, [LUMINANCE; 3]))),
+    },
+    Mistake {
+        name: "srgb-encoded",
+        advice: "the image is encoded for a display: linear radiance is wanted, without the sRGB curve (or a gamma of 2.2); set the output to raw or linear",
+        edit: Edit::Image(|film| {
+            Some(mapped(film, |x| {
+                (math::linear_to_srgb(x), slope(math::linear_to_srgb, x))
+            }))
+        }),
+    },
+    Mistake {
+        name: "srgb-decoded",
+        advice: "the image is decoded as though it had been for a display: linear radiance must be written as it is",
+        edit: Edit::Image(|film| {
+            Some(mapped(film, |x| {
+                (math::srgb_to_linear(x), slope(math::srgb_to_linear, x))
+            }))
+        }),
+    },
+    Mistake {
+        name: "clamped",
+        advice: "radiance above 1 is cut off: keep it, the file holds floating-point numbers",
+        edit: Edit::Image(|film| {
+            Some(mapped(film, |x| match x > 1.0 {
+                true => (1.0, 0.0),
+                false => (x, 1.0),
+            }))
+        }),
+    },
+    Mistake {
+        name: "tone-mapped",
+        advice: "the image is tone mapped, x / (1 + x) or alike: radiance is wanted as it is",
+        edit: Edit::Image(|film| Some(mapped(film, |x| (x / (1.0 + x), 1.0 / (1.0 + x).powi(2))))),
+    },
+    Mistake {
+        name: "bright-times-pi",
+        advice: "everything is too bright by pi: is irradiance written in place of radiance, or the 1/pi of Lambert's reflection missing?",
+        edit: Edit::Image(|film| Some(scaled(film, PI))),
+    },
+    Mistake {
+        name: "bright-over-pi",
+        advice: "everything is too dark by pi: is something divided by pi twice?",
+        edit: Edit::Image(|film| Some(scaled(film, 1.0 / PI))),
+    },
+    Mistake {
+        name: "bright-times-4pi",
+        advice: "everything is too bright by 4 pi: is the phase function without its 1/(4 pi)?",
+        edit: Edit::Image(|film| Some(scaled(film, 4.0 * PI))),
+    },
+    Mistake {
+        name: "bright-over-4pi",
+        advice: "everything is too dark by 4 pi: is the phase function divided by 4 pi twice, or intensity taken for power?",
+        edit: Edit::Image(|film| Some(scaled(film, 1.0 / (4.0 * PI)))),
+    },
+    Mistake {
+        name: "bright-doubled",
+        advice: "everything is twice too bright: is something counted twice, such as light met by chance and sampled on purpose, without weights?",
+        edit: Edit::Image(|film| Some(scaled(film, 2.0))),
+    },
+    Mistake {
+        name: "bright-halved",
+        advice: "everything is half as bright as it should be: is a probability of one half divided out only once, or a sum of two averaged?",
+        edit: Edit::Image(|film| Some(scaled(film, 0.5))),
+    },
+    Mistake {
+        name: "black",
+        advice: "the image is black: nothing was rendered, or nothing was written",
+        edit: Edit::Image(|film| Some(scaled(film, 0.0))),
+    },
+    Mistake {
+        name: "premultiplied-twice",
+        advice: "colours are multiplied by opacity twice: they are so already after compositing",
+        edit: Edit::Image(|film| by_opacity(film, |colour, opacity| colour * opacity)),
+    },
+    Mistake {
+        name: "unpremultiplied",
+        advice: "colours are divided by opacity: what is wanted is the radiance that arrives, multiplied by opacity, in front of the background",
+        edit: Edit::Image(|film| {
+            by_opacity(film, |colour, opacity| match opacity > 0.0 {
+                true => colour / opacity,
+                false => colour,
+            })
+        }),
+    },
+    Mistake {
+        name: "one-pixel-right",
+        advice: "the image is a pixel too far to the right: count pixels from 0",
+        edit: Edit::Image(|film| Some(shifted(film, [1, 0]))),
+    },
+    Mistake {
+        name: "one-pixel-left",
+        advice: "the image is a pixel too far to the left: count pixels from 0",
+        edit: Edit::Image(|film| Some(shifted(film, [-1, 0]))),
+    },
+    Mistake {
+        name: "one-pixel-down",
+        advice: "the image is a pixel too low: count rows from 0",
+        edit: Edit::Image(|film| Some(shifted(film, [0, 1]))),
+    },
+    Mistake {
+        name: "one-pixel-up",
+        advice: "the image is a pixel too high: count rows from 0",
+        edit: Edit::Image(|film| Some(shifted(film, [0, -1]))),
+    },
+    Mistake {
+        name: "half-a-pixel-off",
+        advice: "the image is half a pixel off: rays go through the middles of pixels, (x + 1/2, y + 1/2), not through their corners",
+        edit: Edit::Image(|film| {
+            let corners = [
+                ([0, 0], 0.25),
+                ([-1, 0], 0.25),
+                ([0, -1], 0.25),
+                ([-1, -1], 0.25),
+            ];
+            Some(convolved(film, &corners))
+        }),
+    },
+    Mistake {
+        name: "filtered",
+        advice: "pixels are blurred into each other by a reconstruction filter: each is the mean over its own square (a box filter), or its centre where nothing is sampled",
+        edit: Edit::Image(|film| {
+            let weights = [0.25, 0.5, 0.25];
+            let taps: Vec<_> = (0..9)
+                .map(|i| {
+                    (
+                        [i % 3 - 1, i / 3 - 1],
+                        weights[i as usize % 3] * weights[i as usize / 3],
+                    )
+                })
+                .collect();
+            Some(convolved(film, &taps))
+        }),
+    },
+    Mistake {
+        name: "half-resolution",
+        advice: "the image was rendered with half the pixels each way and enlarged",
+        edit: Edit::Image(|film| Some(coarsened(film))),
+    },
+    Mistake {
+        name: "tile-missing",
+        advice: "a part of the image is black: a tile or strip was not rendered, or not written",
+        edit: Edit::Image(|film| {
+            let black = [
+                film.width() / 2..film.width() * 3 / 4,
+                film.height() / 2..film.height() * 3 / 4,
+            ];
+            let inside = |[x, y]: [usize; 2]| black[0].contains(&x) && black[1].contains(&y);
+            Some(rebuilt(film, |film, at| match inside(at) {
+                true => ([0.0; 3], [0.0; 3]),
+                false => value(film, at),
+            }))
+        }),
+    },
+];
+
+/// Weights of red, green and blue in the luminance of linear sRGB.
+/// Source: ITU-R BT.709.
+const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
+/// Radiance and variance of a pixel.
+type Value = ([f64; 3], [f64; 3]);
+
+fn value(film: &Film, [x, y]: [usize; 2]) -> Value {
+    let index = x + film.width() * y;
+    let variance = film
+        .noise()
+        .map_or([0.0; 3], |noise| noise.variance()[index]);
+    (
+        film.radiance()[index].map(f64::from),
+        variance.map(f64::from),
+    )
+}
+
+/// The film with other pixels; opacity stays where it is.
+fn rebuilt(film: &Film, pixel: impl Fn(&Film, [usize; 2]) -> Value) -> Film {
+    let (width, height) = (film.width(), film.height());
+    let single = |values: [f64; 3]| values.map(|value| value as f32);
+    let (mut radiance, mut variance) = (Vec::new(), Vec::new());
+    for index in 0..width * height {
+        let (mean, spread) = pixel(film, [index % width, index / width]);
+        radiance.push(single(mean));
+        variance.push(single(spread));
+    }
+    if let Some(noise) = film.noise() {
+        return Film::with_noise(width, height, radiance, variance, noise.samples());
+    }
+    let Some(opacity) = film.opacity() else {
+        return Film::new(width, height, radiance);
+    };
+    let pixels = radiance.iter().zip(opacity);
+    let pixels = pixels.map(|(&[r, g, b], &a)| [r, g, b, a]);
+    Film::with_opacity(width, height, pixels.collect())
+}
+
+/// The pixel at each place comes from another.
+fn rearranged(film: &Film, source: fn(&Film, [usize; 2]) -> [usize; 2]) -> Film {
+    rebuilt(film, |film, at| value(film, source(film, at)))
+}
+
+/// Each channel is a weighted sum of all; those of one pixel are taken to be independent.
+fn mixed(film: &Film, weights: [[f64; 3]; 3]) -> Film {
+    rebuilt(film, |film, at| {
+        let (mean, variance) = value(film, at);
+        let sum = |values: [f64; 3], weights: [f64; 3]| {
+            (0..3).map(|c| values[c] * weights[c]).sum::<f64>()
+        };
+        (
+            weights.map(|weights| sum(mean, weights)),
+            weights.map(|weights| sum(variance, weights.map(|w| w * w))),
+        )
+    })
+}
+
+/// Each value is mapped to another; with the derivative of the map, by which noise grows.
+fn mapped(film: &Film, map: impl Fn(f64) -> (f64, f64)) -> Film {
+    rebuilt(film, |film, at| {
+        let (mean, variance) = value(film, at);
+        (
+            mean.map(|x| map(x).0),
+            std::array::from_fn(|c| variance[c] * map(mean[c]).1.powi(2)),
+        )
+    })
+}
+
+fn scaled(film: &Film, factor: f64) -> Film {
+    mapped(film, |x| (x * factor, factor))
+}
+
+/// Derivative of `map` at `x`, by a small difference.
+fn slope(map: fn(f64) -> f64, x: f64) -> f64 {
+    let step = 1e-6 * x.abs().max(1e-3);
+    (map(x + step) - map(x - step)) / (2.0 * step)
+}
+
+fn by_opacity(film: &Film, map: fn(f64, f64) -> f64) -> Option<Film> {
+    let opacity = film.opacity()?;
+    Some(rebuilt(film, |film, at| {
+        let (mean, variance) = value(film, at);
+        let opacity = f64::from(opacity[at[0] + film.width() * at[1]]);
+        (mean.map(|x| map(x, opacity)), variance)
+    }))
+}
+
+/// Everything is moved; what comes in from outside repeats the edge.
+fn shifted(film: &Film, [right, down]: [isize; 2]) -> Film {
+    convolved(film, &[([-right, -down], 1.0)])
+}
+
+/// Each pixel is a weighted sum of those at some offsets, within the image.
+fn convolved(film: &Film, taps: &[([isize; 2], f64)]) -> Film {
+    let clamped =
+        |at: usize, offset: isize, size: usize| at.saturating_add_signed(offset).min(size - 1);
+    rebuilt(film, |film, [x, y]| {
+        let (mut mean, mut variance) = ([0.0; 3], [0.0; 3]);
+        for &([right, down], weight) in taps {
+            let (m, v) = value(
+                film,
+                [
+                    clamped(x, right, film.width()),
+                    clamped(y, down, film.height()),
+                ],
+            );
+            for c in 0..3 {
+                mean[c] += weight * m[c];
+                variance[c] += weight * weight * v[c];
+            }
+        }
+        (mean, variance)
+    })
+}
+
+/// Squares of two by two pixels, each of the colour of their mean.
+fn coarsened(film: &Film) -> Film {
+    rebuilt(film, |film, [x, y]| {
+        let xs = [x & !1, (x | 1).min(film.width() - 1)];
+        let ys = [y & !1, (y | 1).min(film.height() - 1)];
+        let (mut mean, mut variance) = ([0.0; 3], [0.0; 3]);
+        for at in [
+            [xs[0], ys[0]],
+            [xs[1], ys[0]],
+            [xs[0], ys[1]],
+            [xs[1], ys[1]],
+        ] {
+            let (m, v) = value(film, at);
+            for c in 0..3 {
+                mean[c] += m[c] / 4.0;
+                variance[c] += v[c] / 16.0;
+            }
+        }
+        (mean, variance)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::named;
+    use crate::film::Film;
+
+    fn film() -> Film {
+        let pixels = (0..12).map(|i| [i as f32, 1.0, 0.5]).collect();
+        Film::with_noise(4, 3, pixels, vec![[4.0, 1.0, 0.25]; 12], 8)
+    }
+
+    #[test]
+    fn scaling_scales_the_noise_too() {
+        let edited = named("bright-doubled").unwrap().in_image(&film()).unwrap();
+        assert_eq!(edited.radiance()[3], [6.0, 2.0, 1.0]);
+        assert_eq!(edited.noise().unwrap().variance()[3], [16.0, 4.0, 1.0]);
+    }
+
+    #[test]
+    fn a_pixel_to_the_right_is_a_pixel_to_the_right() {
+        let edited = named("one-pixel-right").unwrap().in_image(&film()).unwrap();
+        let reds: Vec<f32> = edited.radiance().iter().map(|pixel| pixel[0]).collect();
+        assert_eq!(reds[..8], [0.0, 0.0, 1.0, 2.0, 4.0, 4.0, 5.0, 6.0]);
+        let edited = named("one-pixel-up").unwrap().in_image(&film()).unwrap();
+        assert_eq!(edited.radiance()[0][0], 4.0);
+        assert_eq!(edited.radiance()[8][0], 8.0);
+    }
+
+    #[test]
+    fn what_changes_nothing_is_no_mistake() {
+        let grey = Film::new(2, 2, vec![[0.5; 3]; 4]);
+        assert!(
+            named("red-and-blue-exchanged")
+                .unwrap()
+                .in_image(&grey)
+                .is_none()
+        );
+        assert!(named("clamped").unwrap().in_image(&grey).is_none());
+        assert!(named("mirrored").unwrap().in_image(&grey).is_none());
+        assert!(
+            named("premultiplied-twice")
+                .unwrap()
+                .in_image(&grey)
+                .is_none()
+        );
+        assert!(named("srgb-encoded").unwrap().in_image(&grey).is_some());
+    }
+
+    #[test]
+    fn black_has_a_derivative_of_the_srgb_curve() {
+        let black = Film::with_noise(1, 1, vec![[0.0; 3]], vec![[1.0; 3]], 2);
+        let edited = named("srgb-encoded").unwrap().in_image(&black).unwrap();
+        let slope = edited.noise().unwrap().variance()[0][0].sqrt();
+        // The curve is 12.92 x there; the variance is kept to 8 bits.
+        assert!((slope / 12.92 - 1.0).abs() < 0.01);
+    }
+}

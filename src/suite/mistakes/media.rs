@@ -1,0 +1,164 @@
+//! Mistakes about what media do to light.
+
+use super::{Edit, Mistake};
+use crate::media::{Asymmetry, Coefficients, HenyeyGreenstein};
+use crate::scene::{Body, Radiative, Scattering};
+use glam::DVec3;
+use std::f64::consts::{LN_2, LN_10};
+
+pub(super) const MISTAKES: &[Mistake] = &[
+    Mistake {
+        name: "phase-reversed",
+        advice: "the phase function has forward and backward exchanged: check the sign convention of your direction vectors; here g > 0 is forward, and the cosine is that between the directions of travel before and after",
+        edit: Edit::Radiative(|scene| phases(scene, |g| -g)),
+    },
+    Mistake {
+        name: "phase-isotropic",
+        advice: "light is scattered into all directions alike although g is not 0: check that g reaches the phase function, in its value and in the sampling",
+        edit: Edit::Radiative(|scene| phases(scene, |_| 0.0)),
+    },
+    Mistake {
+        name: "absorption-scatters",
+        advice: "sigma_t is used for sigma_s: what is absorbed is scattered as well, so that the albedo is 1; multiply by sigma_s / sigma_t at every collision",
+        edit: Edit::Radiative(|scene| {
+            coefficients(scene, |a, s| match s == DVec3::ZERO {
+                true => (a, s),
+                false => (DVec3::ZERO, a + s),
+            })
+        }),
+    },
+    Mistake {
+        name: "absorption-left-out",
+        advice: "sigma_s is used for sigma_t: nothing is absorbed; the extinction is sigma_a + sigma_s",
+        edit: Edit::Radiative(|scene| coefficients(scene, |_, s| (DVec3::ZERO, s))),
+    },
+    Mistake {
+        name: "scattering-left-out",
+        advice: "scattering is missing altogether: light that is scattered is neither taken from the ray nor sent elsewhere; the extinction is sigma_a + sigma_s",
+        edit: Edit::Radiative(|scene| coefficients(scene, |a, _| (a, DVec3::ZERO))),
+    },
+    Mistake {
+        name: "in-scattering-left-out",
+        advice: "light that is scattered is lost: the extinction is right, but no light is scattered into the ray; check that the medium is lit at all, by shadow rays and by further turns",
+        edit: Edit::Radiative(|scene| coefficients(scene, |a, s| (a + s, DVec3::ZERO))),
+    },
+    Mistake {
+        name: "absorption-and-scattering-exchanged",
+        advice: "sigma_a and sigma_s are exchanged, or the albedo is 1 minus what it should be",
+        edit: Edit::Radiative(|scene| coefficients(scene, |a, s| (s, a))),
+    },
+    Mistake {
+        name: "single-scattering",
+        advice: "light is turned only once: paths must go on after the first collision or reflection, until they leave or are absorbed",
+        edit: Edit::Radiative(|scene| limited(scene, Scattering::Single)),
+    },
+    Mistake {
+        name: "paths-cut",
+        advice: "paths end after a few turns (four look like this): raise the limit of the depth, and end paths by Russian roulette, which leaves nothing out",
+        edit: Edit::Radiative(|scene| limited(scene, Scattering::Multiple(Some(4)))),
+    },
+    Mistake {
+        name: "extinction-doubled",
+        advice: "media are twice as dense as they should be: is the optical depth counted twice, or a diameter taken for a radius?",
+        edit: Edit::Radiative(|scene| coefficients(scene, |a, s| (a * 2.0, s * 2.0))),
+    },
+    Mistake {
+        name: "extinction-halved",
+        advice: "media are half as dense as they should be: coefficients are per world unit; is the distance through a medium measured in full?",
+        edit: Edit::Radiative(|scene| coefficients(scene, |a, s| (a * 0.5, s * 0.5))),
+    },
+    Mistake {
+        name: "extinction-base-ten",
+        advice: "transmittance is 10^-depth in place of e^-depth: the coefficients are natural ones, not decadic",
+        edit: Edit::Radiative(|scene| coefficients(scene, |a, s| (a * LN_10, s * LN_10))),
+    },
+    Mistake {
+        name: "extinction-base-two",
+        advice: "transmittance is 2^-depth in place of e^-depth: exp, not exp2",
+        edit: Edit::Radiative(|scene| coefficients(scene, |a, s| (a * LN_2, s * LN_2))),
+    },
+    Mistake {
+        name: "media-left-out",
+        advice: "there is no medium in the picture: check that rays know which medium they are in, and that the shapes of media are no surfaces",
+        edit: Edit::Radiative(|scene| {
+            let occurs = !scene.media.is_empty();
+            scene.media.clear();
+            occurs
+        }),
+    },
+    Mistake {
+        name: "coefficients-grey",
+        advice: "media have no colour: coefficients are the mean of their channels; they differ from channel to channel, and so does transmittance",
+        edit: Edit::Radiative(|scene| {
+            let mean = |c: DVec3| DVec3::splat(c.element_sum() / 3.0);
+            coefficients(scene, |a, s| (mean(a), mean(s)))
+        }),
+    },
+    Mistake {
+        name: "coefficients-of-red",
+        advice: "the coefficients of red are used for all channels: distances may be sampled by one channel, but every channel needs its own transmittance over the pdf of that distance",
+        edit: Edit::Radiative(|scene| {
+            coefficients(scene, |a, s| (DVec3::splat(a.x), DVec3::splat(s.x)))
+        }),
+    },
+    Mistake {
+        name: "emission-left-out",
+        advice: "media do not glow: emission is missing along the ray",
+        edit: Edit::Radiative(|scene| emissions(scene, |_, _| DVec3::ZERO)),
+    },
+    Mistake {
+        name: "emission-times-absorption",
+        advice: "emission is multiplied by sigma_a: here it is radiance per world length as it stands, not the radiance of a black body",
+        edit: Edit::Radiative(|scene| emissions(scene, |emission, sigma_a| emission * sigma_a)),
+    },
+];
+
+/// Applies `edit` to every medium; whether any changed.
+fn bodies(scene: &mut Radiative, mut edit: impl FnMut(&mut Body)) -> bool {
+    let mut occurs = false;
+    for body in &mut scene.media {
+        let before = body.medium;
+        edit(body);
+        occurs |= body.medium != before;
+    }
+    occurs
+}
+
+fn phases(scene: &mut Radiative, edit: fn(f64) -> f64) -> bool {
+    bodies(scene, |body| {
+        let g = edit(body.medium.phase.0.g());
+        let g = Asymmetry::new(g).expect("no farther from 0 than it was");
+        body.medium.phase = HenyeyGreenstein(g);
+    })
+}
+
+/// Edits absorption and scattering, in this order; leaves alone what would overflow.
+fn coefficients(scene: &mut Radiative, edit: impl Fn(DVec3, DVec3) -> (DVec3, DVec3)) -> bool {
+    bodies(scene, |body| {
+        let old = body.medium.coefficients;
+        let (sigma_a, sigma_s) = edit(old.sigma_a(), old.sigma_s());
+        body.medium.coefficients = Coefficients::new(sigma_a, sigma_s).unwrap_or(old);
+    })
+}
+
+fn emissions(scene: &mut Radiative, edit: fn(DVec3, DVec3) -> DVec3) -> bool {
+    bodies(scene, |body| {
+        let medium = &mut body.medium;
+        medium.emission = edit(medium.emission, medium.coefficients.sigma_a());
+    })
+}
+
+/// Light is turned less often than it should be.
+fn limited(scene: &mut Radiative, scattering: Scattering) -> bool {
+    let occurs = match (scene.scattering, scattering) {
+        (Scattering::Multiple(_), Scattering::Single) => true,
+        (Scattering::Multiple(old), Scattering::Multiple(new)) => {
+            old.is_none_or(|old| new.is_some_and(|new| new < old))
+        }
+        _ => false,
+    };
+    if occurs {
+        scene.scattering = scattering;
+    }
+    occurs
+}

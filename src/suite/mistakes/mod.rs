@@ -1,0 +1,131 @@
+//! The mistakes people make in volume renderers.
+//!
+//! Each is a small edit of the scene or of the image, with a sentence for whoever made it. The
+//! renderer is never touched: an edited scene is rendered as it stands. The catalogue serves
+//! twice: the [self-test](super::self_test) proves that the suite rejects every one of them, and
+//! images that fail are [held against it](super::likeness), to name what went wrong.
+
+mod classified;
+mod densities;
+mod images;
+mod lights;
+mod media;
+mod surfaces;
+
+use crate::film::Film;
+use crate::media::{Appearance, TransferOpacity};
+use crate::scene::{Classified, Curve, Model, Radiative, Scene};
+
+/// A mistake, under the name that reports use.
+#[derive(Clone, Copy, Debug)]
+pub struct Mistake {
+    /// Words joined by `-`, the same for ever.
+    pub name: &'static str,
+    /// What is wrong and where to look, for whoever made the image.
+    pub advice: &'static str,
+    edit: Edit,
+}
+
+/// How a mistake is made.
+#[derive(Clone, Copy, Debug)]
+enum Edit {
+    /// Of a classified volume.
+    Classified(fn(&mut Classified) -> bool),
+    /// Of the formula for opacity, of a classified volume or of its plot.
+    Opacity(fn(&mut TransferOpacity) -> bool),
+    /// Of media among surfaces and lights.
+    Radiative(fn(&mut Radiative) -> bool),
+    /// Of the finished image.
+    Image(fn(&Film) -> Option<Film>),
+}
+
+impl Mistake {
+    /// Whether it is made in the finished image rather than in the scene.
+    pub fn is_of_the_image(&self) -> bool {
+        matches!(self.edit, Edit::Image(_))
+    }
+
+    /// `scene` with the mistake; nothing where there is no occasion for it, or where it is one of
+    /// the image.
+    pub fn in_scene(&self, scene: &Scene) -> Option<Scene> {
+        let mut scene = scene.clone();
+        let mut occurs = false;
+        for panel in &mut scene.panels {
+            occurs |= match (&self.edit, &mut panel.model) {
+                (Edit::Classified(edit), Model::Classified(classified)) => edit(classified),
+                (Edit::Opacity(edit), model) => opacity_of(model).is_some_and(edit),
+                (Edit::Radiative(edit), Model::Radiative(radiative)) => edit(radiative),
+                _ => false,
+            };
+        }
+        occurs.then_some(scene)
+    }
+
+    /// `film` with the mistake; nothing where it leaves the image as it is, or where it is one of
+    /// the scene. The noise of the image changes with it, to first order.
+    pub fn in_image(&self, film: &Film) -> Option<Film> {
+        match self.edit {
+            Edit::Image(edit) => edit(film).filter(|edited| edited != film),
+            Edit::Classified(_) | Edit::Opacity(_) | Edit::Radiative(_) => None,
+        }
+    }
+}
+
+/// The formula for opacity, where the model has one.
+fn opacity_of(model: &mut Model) -> Option<&mut TransferOpacity> {
+    match model {
+        Model::Classified(scene) => match &mut scene.transfer_function.appearance {
+            Appearance::Formula { opacity, .. } => Some(opacity),
+            Appearance::Points(_) => None,
+        },
+        Model::Curve(Curve::Formula { opacity, .. }) => Some(opacity),
+        Model::Curve(Curve::Points(_)) | Model::Radiative(_) => None,
+    }
+}
+
+/// All mistakes. Where two explain an image equally well, the earlier one is named first: those of
+/// the image are looked at before those of the scene, being easier to check.
+pub fn catalogue() -> impl Iterator<Item = &'static Mistake> {
+    [
+        images::MISTAKES,
+        classified::MISTAKES,
+        media::MISTAKES,
+        densities::MISTAKES,
+        lights::MISTAKES,
+        surfaces::MISTAKES,
+    ]
+    .into_iter()
+    .flatten()
+}
+
+/// The mistake of that name.
+pub fn named(name: &str) -> Option<&'static Mistake> {
+    catalogue().find(|mistake| mistake.name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn names_are_words_and_each_is_there_once() {
+        let mut names = BTreeSet::new();
+        for mistake in catalogue() {
+            assert!(
+                names.insert(mistake.name),
+                "{} is there twice",
+                mistake.name
+            );
+            let is_word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+            assert!(mistake.name.chars().all(is_word), "{}", mistake.name);
+            assert!(
+                mistake.advice.len() > 40,
+                "{} says too little",
+                mistake.name
+            );
+            assert_eq!(named(mistake.name).map(|m| m.name), Some(mistake.name));
+        }
+        assert!(names.len() >= 40);
+    }
+}

@@ -1,0 +1,103 @@
+//! Another renderer's image against the golden of a case.
+
+use super::finding::{Finding, Trusted};
+use super::verify::MOST_CASES;
+use super::{Case, Cause, Evidence, Judged, Store, Verdict};
+use crate::compare::{Gate, Judgement, Picture, judge, stochastic};
+use std::time::Instant;
+
+/// What another renderer made of a case.
+#[derive(Clone, Debug)]
+pub enum Output {
+    /// An image.
+    Picture(Box<Picture>),
+    /// None; with the reason, in words.
+    Missing(String),
+    /// Something that is no image, or a renderer that failed; with the reason, in words.
+    Unusable(String),
+}
+
+/// Judges what another renderer made of `case`, by the gate of the case: radiance by the
+/// deterministic or the stochastic one, 8-bit codes by the perceptual one.
+pub fn validate(case: &Case, store: &Store, output: Output) -> Judged {
+    let start = Instant::now();
+    let mut evidence = Evidence::of(case);
+    let gate = match &output {
+        Output::Picture(picture) => gate_for(case, picture),
+        Output::Missing(_) | Output::Unusable(_) => case.gate(),
+    };
+    let trusted = Trusted::load(case, store);
+    if let Ok(trusted) = &trusted {
+        evidence.provenance = trusted.provenance();
+        evidence.golden = Some(trusted.golden.film.clone());
+    }
+    // What the renderer did is said even where the golden cannot be trusted; that it did nothing
+    // weighs more.
+    let finding = match (output, trusted) {
+        (Output::Missing(reason), _) => {
+            Finding::new(Verdict::Missing, Cause::OtherRenderer, reason)
+        }
+        (Output::Unusable(reason), _) => Finding::new(Verdict::Error, Cause::OtherRenderer, reason),
+        (Output::Picture(_), Err(finding)) => finding,
+        (Output::Picture(picture), Ok(trusted)) => {
+            let finding = judged(case, gate, &trusted, &picture);
+            evidence.test = Some(*picture);
+            finding
+        }
+    };
+    Judged {
+        result: finding.result(case, gate, start),
+        evidence,
+    }
+}
+
+/// The gate that judges `picture` as an image of `case`.
+fn gate_for(case: &Case, picture: &Picture) -> Gate {
+    match picture {
+        Picture::Radiance(_) => case.gate(),
+        Picture::Codes(_) => Gate::Perceptual,
+    }
+}
+
+fn judged(case: &Case, gate: Gate, trusted: &Trusted, picture: &Picture) -> Finding {
+    let golden = Picture::Radiance(trusted.golden.film.clone());
+    let judgement = match (gate, picture) {
+        (Gate::Stochastic, Picture::Radiance(test)) => {
+            stochastic::judge(&trusted.golden.film, test, MOST_CASES)
+        }
+        _ => judge(gate, &golden, picture, case.exposure),
+    };
+    let judgement = match judgement {
+        Ok(judgement) => judgement,
+        Err(error) => {
+            return Finding::new(Verdict::Error, Cause::OtherRenderer, error.to_string());
+        }
+    };
+    let mut finding = match (judgement.passed, undecided(case, &judgement)) {
+        (false, _) => Finding::new(Verdict::Fail, Cause::Mismatch, judgement.reason),
+        (true, Some(reason)) => Finding::new(Verdict::Inconclusive, Cause::Undecided, reason),
+        (true, None) => Finding::new(Verdict::Pass, Cause::None, judgement.reason),
+    };
+    let without = trusted.without();
+    if !without.is_empty() {
+        finding
+            .reason
+            .push_str(&format!("; the golden is {without}"));
+    }
+    finding.metrics = judgement.metrics;
+    finding
+}
+
+/// Why a pass says too little: the case promises to see smaller differences.
+fn undecided(case: &Case, judgement: &Judgement) -> Option<String> {
+    let promise = case.sampling?.resolution;
+    let seen = judgement.resolution?;
+    (seen > promise).then(|| {
+        format!(
+            "a bias of {:.2} % of a block could have been there unseen; the case promises to see \
+             {:.2} %",
+            100.0 * seen,
+            100.0 * promise
+        )
+    })
+}
