@@ -81,6 +81,7 @@ pub mod geometry;
 pub mod math;
 pub mod media;
 pub mod optics;
+mod regular_file;
 pub mod render;
 pub mod report;
 pub mod scene;

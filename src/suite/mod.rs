@@ -5,6 +5,7 @@ mod cache;
 mod case;
 mod evidence;
 mod golden;
+mod outputs;
 mod rendering;
 mod results;
 #[cfg(test)]
@@ -17,6 +18,7 @@ pub use cache::Cache;
 pub use case::{Case, MANIFEST, Sampling, Suite, SuiteError};
 pub use evidence::{Evidence, Likeness};
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
+pub use outputs::{Found, OutputError, Outputs, Stranger};
 pub use results::{CaseResult, Cause, Summary, Verdict};
 pub use store::{Disk, Failure, RealDisk, Store, StoreError};
 pub use verify::{verify, without_case};
