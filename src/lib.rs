@@ -76,11 +76,13 @@
 pub mod atomic_file;
 pub mod cli;
 pub mod compare;
+pub mod exchange;
 pub mod film;
 pub mod geometry;
 pub mod math;
 pub mod media;
 pub mod optics;
+mod regular_file;
 pub mod render;
 pub mod report;
 pub mod scene;

@@ -42,7 +42,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "atomic_file",
         ],
     ),
-    ("compare", &["film", "math"]),
+    ("compare", &["film", "math", "regular_file"]),
     ("exchange", &["scene"]),
     (
         "render",
@@ -53,11 +53,12 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("scene", &["media", "optics", "volume", "geometry", "math"]),
     ("media", &["volume", "geometry", "math"]),
     ("optics", &["geometry", "math"]),
-    ("volume", &["geometry", "math"]),
+    ("volume", &["geometry", "math", "regular_file"]),
     ("geometry", &["math"]),
     ("film", &["math"]),
     ("math", &[]),
     ("atomic_file", &[]),
+    ("regular_file", &[]),
 ];
 
 /// What is wrong with the imports of `text`, a source file of the room `room`.

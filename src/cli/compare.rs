@@ -15,12 +15,12 @@ use std::time::Instant;
 /// Compare one pair of images
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The image taken to be right: .exr (linear radiance) or .png (8-bit sRGB)
+    /// The image taken to be right: .exr, .pfm or .npy (linear radiance) or .png (8-bit sRGB)
     reference: PathBuf,
     /// The image to judge
     test: PathBuf,
     /// exact, deterministic, perceptual or stochastic (for noise) [default: deterministic for two
-    /// .exr, else perceptual]
+    /// images of radiance, else perceptual]
     #[arg(long, value_name = "GATE")]
     gate: Option<Gate>,
     /// Exposure at which radiance is seen, in stops, for the perceptual gate and the heat map

@@ -3,7 +3,7 @@
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use super::{Outcome, progress};
-use crate::film::{Film, FilmError};
+use crate::film::Film;
 use crate::math;
 use crate::render::{self, Plan};
 use crate::scene::{Length, Model, Scene};
@@ -148,7 +148,11 @@ impl Format {
             "exr" => Ok(Format::Exr),
             "png" => Ok(Format::Png),
             _ => {
-                let message = format!("{}: {}", path.display(), FilmError::Format);
+                let message = format!(
+                    "{}: not an image by its extension: written are .exr (linear radiance) and \
+                     .png (preview)",
+                    path.display()
+                );
                 Err(Failure::new(Exit::BadInput, message, None))
             }
         }

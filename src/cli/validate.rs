@@ -4,13 +4,13 @@ use super::failure::{Exit, Failure};
 use super::results::{Findings, ResultFiles};
 use super::suite::{Selection, exit, select, store};
 use super::{Outcome, progress};
+use crate::atomic_file::directory_of;
 use crate::exchange::{self, Format};
 use crate::report;
 use crate::scene::Scene;
-use crate::suite::outputs;
 use crate::suite::{
-    Case, CommandTemplate, Evidence, Judged, Output, Store, Verdict, likeness, run as run_process,
-    validate,
+    Case, CommandTemplate, Evidence, Judged, Likeness, Output, Outputs, Store, Verdict, likeness,
+    run as run_process, validate,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf, absolute};
@@ -82,11 +82,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     arguments.files.check(&suite)?;
     let cases = select(&suite, &arguments.filters)?;
     let store = store(&suite);
-    let source = Source::of(&arguments)?;
-    let mut notes = String::new();
-    if let Source::Finished(folder) = &source {
-        notes = strangers(folder, suite.cases());
-    }
+    let names: Vec<&str> = suite
+        .cases()
+        .iter()
+        .map(|case| case.name.as_str())
+        .collect();
+    let source = Source::of(&arguments, &names)?;
 
     let mut judged = judge_all(&cases, &store, &source, usize::from(arguments.jobs));
     if arguments.only_present {
@@ -111,7 +112,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         likely,
     };
     let results = findings.results();
-    let text = report::results_text(&results) + &report::likely_text(&findings.likely) + &notes;
+    let text = report::results_text(&results)
+        + &report::likely_text(&findings.likely)
+        + &source.strangers();
     Ok(Outcome {
         text: arguments.files.write(&findings, text)?,
         exit: exit(&results),
@@ -121,7 +124,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 /// Where images come from.
 enum Source {
     /// A folder of finished images.
-    Finished(PathBuf),
+    Finished(PathBuf, Outputs),
     /// A renderer to run.
     Renderer(Box<Renderer>),
 }
@@ -140,7 +143,8 @@ struct Renderer {
 }
 
 impl Source {
-    fn of(arguments: &Arguments) -> Result<Source, Failure> {
+    /// `names` are those of all the cases of the suite.
+    fn of(arguments: &Arguments, names: &[&str]) -> Result<Source, Failure> {
         let bad = |message: String, help| Failure::new(Exit::BadInput, message, help);
         if let Some(folder) = &arguments.outputs {
             if !folder.is_dir() {
@@ -150,7 +154,9 @@ impl Source {
                     Some("--outputs takes the folder that holds the images"),
                 ));
             }
-            return Ok(Source::Finished(folder.clone()));
+            let outputs =
+                Outputs::list(folder, names).map_err(|error| bad(error.to_string(), None))?;
+            return Ok(Source::Finished(folder.clone(), outputs));
         }
         let command = arguments.run.as_deref().unwrap_or_default();
         let template = CommandTemplate::parse(command).map_err(|error| {
@@ -182,32 +188,51 @@ impl Source {
             .map_err(|error| bad(format!("cannot make the folder for images: {error}"), None))
     }
 
-    /// What there is of `case`, and what was printed on the way.
-    fn output(&self, case: &Case, all: &[&Case]) -> (Output, Option<String>, Vec<String>) {
+    /// What there is of `case`, what was printed on the way, and how to do it again.
+    fn output(&self, case: &Case) -> (Output, Option<String>, Vec<String>) {
         match self {
-            Source::Finished(folder) => {
+            Source::Finished(folder, outputs) => {
+                let name = shell_words::quote(&case.name);
+                let shown = folder.display().to_string();
                 let reproduce = format!(
-                    "volref validate {} --outputs {}",
-                    case.name,
-                    folder.display()
+                    "volref validate {name} --outputs {}",
+                    shell_words::quote(&shown)
                 );
-                (read(folder, case, all), None, vec![reproduce])
+                (read(outputs, folder, case), None, vec![reproduce])
             }
-            Source::Renderer(renderer) => renderer.output(case, all),
+            Source::Renderer(renderer) => renderer.output(case),
         }
+    }
+
+    /// A warning of images that belong to no case.
+    fn strangers(&self) -> String {
+        let Source::Finished(_, outputs) = self else {
+            return String::new();
+        };
+        let mut text = String::new();
+        for stranger in outputs.strangers() {
+            text.push_str(&format!(
+                "\n{} {}",
+                stranger.file.display(),
+                stranger.reason
+            ));
+        }
+        if !text.is_empty() {
+            text.push('\n');
+        }
+        text
     }
 }
 
-/// The image of `case` in `folder`.
-fn read(folder: &Path, case: &Case, all: &[&Case]) -> Output {
-    let names: Vec<&str> = all.iter().map(|case| case.name.as_str()).collect();
-    match outputs::find(folder, &case.name, &names) {
+/// The image of `case` among `outputs`.
+fn read(outputs: &Outputs, folder: &Path, case: &Case) -> Output {
+    match outputs.find(&case.name) {
         Ok(None) => Output::Missing(format!(
             "there is no image of this case in {}: name it {}.exr (or .pfm, .npy, .png)",
             folder.display(),
             case.name
         )),
-        Ok(Some(found)) => match outputs::read(&found) {
+        Ok(Some(found)) => match found.read() {
             Ok(picture) => Output::Picture(Box::new(picture)),
             Err(error) => Output::Unusable(error.to_string()),
         },
@@ -216,7 +241,7 @@ fn read(folder: &Path, case: &Case, all: &[&Case]) -> Output {
 }
 
 impl Renderer {
-    fn output(&self, case: &Case, all: &[&Case]) -> (Output, Option<String>, Vec<String>) {
+    fn output(&self, case: &Case) -> (Output, Option<String>, Vec<String>) {
         let words = match self.words(case) {
             Ok(words) => words,
             Err(output) => return (output, None, Vec::new()),
@@ -227,7 +252,11 @@ impl Renderer {
         if let Some(failure) = ran.failure {
             return (Output::Unusable(failure), printed, command);
         }
-        let output = match read(&self.folder, case, all) {
+        let outputs = match Outputs::list(&self.folder, &[&case.name]) {
+            Ok(outputs) => outputs,
+            Err(error) => return (Output::Unusable(error.to_string()), printed, command),
+        };
+        let output = match read(&outputs, &self.folder, case) {
             Output::Missing(_) => Output::Missing(
                 "the renderer ended well, but wrote no image to {output}".to_owned(),
             ),
@@ -286,9 +315,14 @@ impl Renderer {
         let name = case.name.rsplit('/').next().unwrap_or(&case.name);
         let export = exchange::export(scene, format, name)
             .map_err(|refusal| Output::Missing(format!("not rendered: {refusal}")))?;
-        export
-            .write_to(&folder)
-            .map_err(|error| Output::Unusable(format!("the export failed: {error}")))
+        let failed =
+            |error: std::io::Error| Output::Unusable(format!("the export failed: {error}"));
+        for (name, bytes) in &export.files {
+            let path = folder.join(name);
+            std::fs::create_dir_all(directory_of(&path)).map_err(failed)?;
+            std::fs::write(&path, bytes).map_err(failed)?;
+        }
+        Ok(folder.join(&export.main))
     }
 }
 
@@ -306,7 +340,7 @@ fn judge_all(cases: &[&Case], store: &Store, source: &Source, jobs: usize) -> Ve
                         return;
                     };
                     bar.set_message(case.name.clone());
-                    let (output, printed, reproduce) = source.output(case, cases);
+                    let (output, printed, reproduce) = source.output(case);
                     let mut judged = validate(case, store, output);
                     judged.evidence.output = printed;
                     judged.evidence.reproduce = reproduce;
@@ -324,26 +358,9 @@ fn judge_all(cases: &[&Case], store: &Store, source: &Source, jobs: usize) -> Ve
 }
 
 /// Holds the images that failed against the catalogue of mistakes.
-fn name_mistakes(
-    cases: &[&Case],
-    judged: &mut [Judged],
-    store: &Store,
-) -> Vec<crate::suite::Likeness> {
+fn name_mistakes(cases: &[&Case], judged: &mut [Judged], store: &Store) -> Vec<Likeness> {
     let bar = progress::mistakes();
     let likely = likeness(cases, judged, store, &|| bar.tick());
     bar.finish_and_clear();
     likely
-}
-
-/// A warning of images that belong to no case.
-fn strangers(folder: &Path, cases: &[Case]) -> String {
-    let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
-    let mut text = String::new();
-    for stranger in outputs::strangers(folder, &names) {
-        text.push_str(&format!("\n{stranger}"));
-    }
-    if !text.is_empty() {
-        text.push('\n');
-    }
-    text
 }

@@ -2,14 +2,16 @@
 
 use super::Gate;
 use super::flip::SrgbImage;
-use crate::film::{Film, FilmError};
+use crate::film::{Film, FilmError, FilmFormat};
+use crate::regular_file::{self, OpenError};
+use std::io::Read;
 use std::path::Path;
 use thiserror::Error;
 
 /// An image to compare: linear radiance, or 8-bit codes for a display.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Picture {
-    /// Linear radiance, from EXR.
+    /// Linear radiance, from EXR, PFM or NPY.
     Radiance(Film),
     /// sRGB codes, from PNG.
     Codes(SrgbImage),
@@ -26,6 +28,25 @@ pub enum PictureError {
         /// What went wrong.
         error: std::io::Error,
     },
+    /// A directory, or a device.
+    #[error("{path}: cannot be read: this is {what}, and an image is a file")]
+    NotAFile {
+        /// Where.
+        path: String,
+        /// What is there instead.
+        what: &'static str,
+    },
+    /// A file too large to be meant.
+    #[error(
+        "{path}: the file has {bytes} bytes; images of at most {} are read",
+        Picture::MOST_BYTES
+    )]
+    TooLong {
+        /// Where.
+        path: String,
+        /// Bytes in the file.
+        bytes: u64,
+    },
     /// The file holds no image that can be used.
     #[error("{path}: {error}")]
     Film {
@@ -39,7 +60,7 @@ pub enum PictureError {
     Empty(usize, usize),
     /// An 8-bit image under a gate for radiance.
     #[error(
-        "the {0} gate judges linear radiance (.exr); 8-bit images can only be judged by the \
+        "the {0} gate judges linear radiance (.exr, .pfm, .npy); 8-bit images can only be judged by the \
          perceptual gate"
     )]
     NeedsRadiance(Gate),
@@ -53,36 +74,58 @@ pub enum PictureError {
 }
 
 impl Picture {
-    /// Reads an image file, `.exr` or `.png`.
+    /// Longest file that is read, in bytes: 4 GiB.
+    pub const MOST_BYTES: u64 = 1 << 32;
+
+    /// Reads an image file: `.exr`, `.pfm` and `.npy` as radiance, `.png` as codes.
     pub fn read(path: &Path) -> Result<Picture, PictureError> {
-        let name = path.display().to_string();
         let in_film = |error| PictureError::Film {
-            path: name.clone(),
+            path: path.display().to_string(),
             error,
         };
-        let extension = path
-            .extension()
-            .and_then(|extension| extension.to_str())
-            .unwrap_or("");
-        let is_exr = match extension.to_ascii_lowercase().as_str() {
-            "exr" => true,
-            "png" => false,
-            _ => return Err(in_film(FilmError::Format)),
-        };
-        let bytes = std::fs::read(path).map_err(|error| PictureError::Read {
-            path: name.clone(),
+        let format = FilmFormat::of(path).ok_or_else(|| in_film(FilmError::Format))?;
+        let bytes = Picture::bytes(path)?;
+        Picture::decode(format, &bytes).map_err(in_film)
+    }
+
+    /// All bytes of the image file at `path`, whatever is in them.
+    pub fn bytes(path: &Path) -> Result<Vec<u8>, PictureError> {
+        let name = || path.display().to_string();
+        let in_read = |error| PictureError::Read {
+            path: name(),
             error,
+        };
+        let (mut file, length) = regular_file::open(path).map_err(|error| match error {
+            OpenError::NotAFile(what) => PictureError::NotAFile { path: name(), what },
+            OpenError::Missing(error) | OpenError::Refused(error) => in_read(error),
         })?;
-        if is_exr {
-            return Film::from_exr(&bytes)
-                .map(Picture::Radiance)
-                .map_err(in_film);
+        if length > Picture::MOST_BYTES {
+            return Err(PictureError::TooLong {
+                path: name(),
+                bytes: length,
+            });
         }
-        let (width, height, codes) = Film::codes_from_png(&bytes).map_err(in_film)?;
-        let image = SrgbImage::new(width, height, codes);
-        image
-            .map(Picture::Codes)
-            .map_err(|_| PictureError::Empty(width, height))
+        let mut bytes = Vec::new();
+        // A file may grow while it is read.
+        let mut file = file.by_ref().take(Picture::MOST_BYTES);
+        file.read_to_end(&mut bytes).map_err(in_read)?;
+        Ok(bytes)
+    }
+
+    fn decode(format: FilmFormat, bytes: &[u8]) -> Result<Picture, FilmError> {
+        format.check(bytes)?;
+        match format {
+            FilmFormat::Exr => Film::from_exr(bytes).map(Picture::Radiance),
+            FilmFormat::Pfm => Film::from_pfm(bytes).map(Picture::Radiance),
+            FilmFormat::Npy => Film::from_npy(bytes).map(Picture::Radiance),
+            FilmFormat::Png => {
+                let (width, height, codes) = Film::codes_from_png(bytes)?;
+                let image = SrgbImage::new(width, height, codes);
+                image
+                    .map(Picture::Codes)
+                    .map_err(|_| FilmError::Empty { width, height })
+            }
+        }
     }
 
     /// Columns and rows.

@@ -4,19 +4,27 @@
 //! words of OpenEXR, is a prefix of channel names. Viewers show R, G and B, and those that know
 //! layers offer the others; of several parts many programs read the first only.
 
-use super::{Film, FilmError, Noise, check_claim};
+use super::error::{check_claim, check_size};
+use super::exr_layers::{Colours, File, Part, main_layer, name_of, samples_of};
+use super::{Film, FilmError, Noise};
 use exr::meta::MetaData;
+use exr::meta::header::Header;
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels,
-    ReadLayers, WritableImage, read,
+    ReadLayers, Vec2, WritableImage, read,
 };
 use std::io::Cursor;
+use std::ops::Range;
 
 /// Channels with the variance of the mean of red, green and blue. Only in small letters:
 /// pbrt writes `Variance.R` for the variance of one sample, another quantity.
 const VARIANCE: [&str; 3] = ["variance.R", "variance.G", "variance.B"];
 /// Channel with the number of samples, the same in every pixel.
 const SAMPLES: &str = "samples.Y";
+/// Without their number a variance says nothing of rare light that was missed.
+const NO_COUNT: &str = "there are variances, but no channel samples.Y: of how many samples a \
+                        pixel? Write that number into it, the same everywhere; or give several \
+                        renderings of other seeds in place of variances";
 
 fn unreadable(error: exr::error::Error) -> FilmError {
     let reason = match error.to_string().as_str() {
@@ -66,100 +74,197 @@ pub(super) fn encode(film: &Film) -> Result<Vec<u8>, FilmError> {
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
+    let file = read_file(bytes)?;
+    picture(&file, &main_layer(&file)?)
+}
+
+pub(super) fn decode_variance(bytes: &[u8]) -> Result<(Film, u32), FilmError> {
+    let file = read_file(bytes)?;
+    let colours = main_layer(&file)?;
+    let samples = beside(&colours, &file, SAMPLES).ok_or(FilmError::Noise(NO_COUNT))?;
+    Ok((picture(&file, &colours)?, count(samples)?))
+}
+
+fn picture(file: &File, colours: &Colours) -> Result<Film, FilmError> {
+    let frame = Frame::of(colours.part, file)?;
+    let [r, g, b] = colours.rgb.map(floats);
+    let radiance = (0..r.len()).map(|i| [r[i], g[i], b[i]]).collect();
+    let noise = noise(colours, file)?;
+    Ok(Film {
+        width: frame.width,
+        height: frame.height,
+        radiance: frame.cut(radiance),
+        opacity: colours.opacity.map(|opacity| frame.cut(floats(opacity))),
+        noise: noise.map(|noise| Noise {
+            variance: frame.cut(noise.variance),
+            samples: noise.samples,
+        }),
+    })
+}
+
+/// All parts of a file that is neither too large nor of a kind that cannot be used.
+fn read_file(bytes: &[u8]) -> Result<File, FilmError> {
     // The size is checked in the header, before anything of that size is allocated.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
     let mut claimed = 0_u64;
     for header in &meta.headers {
         let (width, height) = (header.layer_size.width(), header.layer_size.height());
-        if width.saturating_mul(height) > Film::MOST_PIXELS {
-            return Err(FilmError::TooLarge { width, height });
-        }
+        check_size(width, height)?;
         // PXR24 drops one byte of four before it deflates.
         let pixel = header.channels.bytes_per_pixel as u64 * 3 / 4;
         claimed = claimed.saturating_add((width * height) as u64 * pixel);
     }
     check_claim(claimed, bytes.len())?;
-    let image = read()
+    for header in &meta.headers {
+        check_kind(header)?;
+    }
+    read()
         .no_deep_data()
         .largest_resolution_level()
         .all_channels()
         .all_layers()
         .all_attributes()
         .from_buffered(Cursor::new(bytes))
-        .map_err(unreadable)?;
-    for layer in &image.layer_data {
-        if name_of(layer) == "variance" {
-            continue;
-        }
-        if let [Some(r), Some(g), Some(b)] = ["R", "G", "B"].map(|name| floats(layer, name)) {
-            let radiance = (0..r.len()).map(|i| [r[i], g[i], b[i]]).collect();
-            let (width, height) = (layer.size.width(), layer.size.height());
-            return Ok(Film {
-                width,
-                height,
-                radiance,
-                opacity: floats(layer, "A"),
-                noise: noise(layer, &image.layer_data)?,
-            });
-        }
+        .map_err(unreadable)
+}
+
+fn check_kind(header: &Header) -> Result<(), FilmError> {
+    if header.deep {
+        return Err(FilmError::Unsuited {
+            what: "this EXR has deep data, many samples along each ray".to_owned(),
+            remedy: "write a flat image, one radiance a pixel",
+        });
     }
-    let found = image.layer_data.iter().flat_map(|layer| {
-        let layer_name = layer.attributes.layer_name.as_ref();
-        let prefix = layer_name.map_or(String::new(), |name| format!("{name}."));
-        let channels = layer.channel_data.list.iter();
-        channels.map(move |channel| format!("{prefix}{}", channel.name))
-    });
-    let found = found.collect::<Vec<_>>().join(", ");
-    Err(FilmError::Channels { found })
+    let channels = header.channels.list.iter();
+    let mut subsampled = channels.filter(|channel| channel.sampling != Vec2(1, 1));
+    if let Some(channel) = subsampled.next() {
+        return Err(FilmError::Unsuited {
+            what: format!(
+                "the channel {} of this EXR is subsampled: it has fewer values than pixels",
+                channel.name
+            ),
+            remedy: "write R, G and B in full",
+        });
+    }
+    Ok(())
 }
 
-type AnyLayer = Layer<AnyChannels<FlatSamples>>;
-
-fn name_of(layer: &AnyLayer) -> String {
-    let name = layer.attributes.layer_name.as_ref();
-    name.map_or(String::new(), |name| name.to_string())
+fn floats(samples: &FlatSamples) -> Vec<f32> {
+    samples.values_as_f32().collect()
 }
 
-fn samples_of<'l>(layer: &'l AnyLayer, name: &str) -> Option<&'l FlatSamples> {
-    let mut channels = layer.channel_data.list.iter();
-    channels
-        .find(|channel| channel.name == *name)
-        .map(|channel| &channel.sample_data)
-}
-
-fn floats(layer: &AnyLayer, name: &str) -> Option<Vec<f32>> {
-    samples_of(layer, name).map(|samples| samples.values_as_f32().collect())
-}
-
-/// The noise of the image in `colours`, from its own channels or from other layers of its size.
-fn noise(colours: &AnyLayer, layers: &[AnyLayer]) -> Result<Option<Noise>, FilmError> {
-    let find = |full_name: &str| {
-        let (layer_name, name) = full_name.split_once('.').expect("a name of ours");
-        samples_of(colours, full_name).or_else(|| {
-            let mut layers = layers.iter().filter(|layer| layer.size == colours.size);
-            layers.find_map(|layer| match name_of(layer) == layer_name {
-                true => samples_of(layer, name),
-                false => samples_of(layer, full_name),
-            })
+/// The channel `full_name` of noise (`layer.channel`) for the image in `colours`: in its own
+/// part, or in another that lies where it does.
+fn beside<'f>(colours: &Colours<'f>, file: &'f File, full_name: &str) -> Option<&'f FlatSamples> {
+    let (layer_name, name) = full_name.split_once('.').expect("a name of ours");
+    let place = |part: &Part| (part.size, part.attributes.layer_position);
+    samples_of(colours.part, full_name).or_else(|| {
+        let parts = file.layer_data.iter();
+        let mut at_its_place = parts.filter(|part| place(part) == place(colours.part));
+        at_its_place.find_map(|part| match name_of(part) == layer_name {
+            true => samples_of(part, name).or_else(|| samples_of(part, full_name)),
+            false => samples_of(part, full_name),
         })
-    };
-    let channels = VARIANCE.map(find);
+    })
+}
+
+/// The noise of the image in `colours`.
+fn noise(colours: &Colours, file: &File) -> Result<Option<Noise>, FilmError> {
+    let channels = VARIANCE.map(|name| beside(colours, file, name));
     if channels.iter().all(Option::is_none) {
         return Ok(None);
     }
     let [Some(r), Some(g), Some(b)] = channels else {
         return Err(FilmError::Noise("the layer variance lacks R, G or B"));
     };
-    let [r, g, b]: [Vec<f32>; 3] = [r, g, b].map(|samples| samples.values_as_f32().collect());
-    let Some(samples) = find(SAMPLES) else {
-        return Err(FilmError::Noise(
-            "there are variances, but no channel samples.Y: of how many samples?",
-        ));
+    let [r, g, b] = [r, g, b].map(floats);
+    let Some(samples) = beside(colours, file, SAMPLES) else {
+        return Err(FilmError::Noise(NO_COUNT));
     };
     Ok(Some(Noise {
         variance: (0..r.len()).map(|i| [r[i], g[i], b[i]]).collect(),
         samples: count(samples)?,
     }))
+}
+
+/// Where the pixels of a picture are among those of a part of its file.
+struct Frame {
+    /// Columns of the picture.
+    width: usize,
+    /// Rows of the picture.
+    height: usize,
+    /// Columns of the part.
+    stride: usize,
+    /// Column and row in the picture of the first pixel of the part.
+    first: [i64; 2],
+    /// Rows of the part.
+    rows: usize,
+}
+
+impl Frame {
+    /// Pixels without data cost a file nothing, so their number needs a bound of its own: 4096².
+    const MOST_UNCOVERED: usize = 1 << 24;
+
+    fn of(part: &Part, file: &File) -> Result<Frame, FilmError> {
+        let display = file.attributes.display_window;
+        let (width, height) = (display.size.width(), display.size.height());
+        check_size(width, height)?;
+        let data = part.attributes.layer_position;
+        let place = |at: i32, origin: i32| i64::from(at) - i64::from(origin);
+        let frame = Frame {
+            width,
+            height,
+            stride: part.size.width(),
+            first: [
+                place(data.x(), display.position.x()),
+                place(data.y(), display.position.y()),
+            ],
+            rows: part.size.height(),
+        };
+        let (columns, rows) = (frame.columns(), frame.covered_rows());
+        if columns.is_empty() || rows.is_empty() {
+            return Err(FilmError::Unsuited {
+                what: "the data of this EXR lie outside its display window".to_owned(),
+                remedy: "write both windows alike",
+            });
+        }
+        if width * height - columns.len() * rows.len() > Frame::MOST_UNCOVERED {
+            return Err(FilmError::TooLarge { width, height });
+        }
+        Ok(frame)
+    }
+
+    /// Columns of the picture that have data.
+    fn columns(&self) -> Range<usize> {
+        overlap(self.width, self.first[0], self.stride)
+    }
+
+    /// Rows of the picture that have data.
+    fn covered_rows(&self) -> Range<usize> {
+        overlap(self.height, self.first[1], self.rows)
+    }
+
+    /// The picture, from the values of the part: zero where there are none.
+    fn cut<T: Copy + Default>(&self, values: Vec<T>) -> Vec<T> {
+        if self.first == [0, 0] && (self.stride, self.rows) == (self.width, self.height) {
+            return values;
+        }
+        let mut picture = vec![T::default(); self.width * self.height];
+        let columns = self.columns();
+        for row in self.covered_rows() {
+            let from = (row as i64 - self.first[1]) as usize * self.stride
+                + (columns.start as i64 - self.first[0]) as usize;
+            let to = row * self.width + columns.start;
+            picture[to..to + columns.len()].copy_from_slice(&values[from..from + columns.len()]);
+        }
+        picture
+    }
+}
+
+/// Of `length` places those that `count` others cover, beginning at `first`.
+fn overlap(length: usize, first: i64, count: usize) -> Range<usize> {
+    let inside = |place: i64| place.clamp(0, length as i64) as usize;
+    inside(first)..inside(first + count as i64)
 }
 
 /// The one number of samples that every pixel states.

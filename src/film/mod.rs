@@ -1,12 +1,18 @@
 //! Linear radiance on a grid of pixels; alone knows image files.
 
+mod error;
 mod exr_file;
+mod exr_layers;
+mod format;
 mod noise;
+mod npy_file;
+mod pfm_file;
 mod png_file;
+mod replicates;
 
+pub use error::FilmError;
+pub use format::FilmFormat;
 pub use noise::Noise;
-
-use thiserror::Error;
 
 /// Linear, scene-referred RGB radiance, top row first; opacity where a volume has one, and
 /// noise where the radiance is a mean of random samples.
@@ -17,64 +23,6 @@ pub struct Film {
     radiance: Vec<[f32; 3]>,
     opacity: Option<Vec<f32>>,
     noise: Option<Noise>,
-}
-
-/// Why bytes are no image.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-pub enum FilmError {
-    /// Not readable as an image of the format.
-    #[error("not a readable {format} image: {reason}")]
-    Unreadable {
-        /// `EXR` or `PNG`.
-        format: &'static str,
-        /// What the reader says.
-        reason: String,
-    },
-    /// Pixels that the file is too short to hold.
-    #[error(
-        "the image claims {claimed} bytes of pixels, which a file of {bytes} bytes cannot hold"
-    )]
-    Bomb {
-        /// Bytes of all pixels, uncompressed.
-        claimed: u64,
-        /// Bytes of the file.
-        bytes: usize,
-    },
-    /// No colours inside.
-    #[error("no layer of the image has the channels R, G and B; there are: {found}")]
-    Channels {
-        /// Names of the channels there are, `layer.channel` in a named layer.
-        found: String,
-    },
-    /// Larger than any image of the suite.
-    #[error(
-        "the image claims {width} × {height} pixels; at most {} are read",
-        Film::MOST_PIXELS
-    )]
-    TooLarge {
-        /// Columns.
-        width: usize,
-        /// Rows.
-        height: usize,
-    },
-    /// Variances that cannot be understood.
-    #[error("the noise of the image cannot be read: {0}")]
-    Noise(&'static str),
-    /// A file name that stands for no format.
-    #[error("not an image by its extension: known are .exr (linear radiance) and .png (preview)")]
-    Format,
-}
-
-/// No compression of PNG or EXR makes more of a byte: deflate, the strongest, reaches 1032.
-const MOST_BYTES_FROM_ONE: u64 = 1100;
-
-/// Fails where a file of that many bytes cannot hold `claimed` bytes of pixels: asked before
-/// they are allocated.
-fn check_claim(claimed: u64, bytes: usize) -> Result<(), FilmError> {
-    if claimed <= MOST_BYTES_FROM_ONE.saturating_mul(bytes as u64) {
-        return Ok(());
-    }
-    Err(FilmError::Bomb { claimed, bytes })
 }
 
 impl Film {
@@ -133,6 +81,47 @@ impl Film {
             noise: Some(Noise { variance, samples }),
             ..Film::new(width, height, radiance)
         }
+    }
+
+    /// Independent renderings of one picture, at least two, as one image with noise.
+    ///
+    /// Where all state how many samples they have and their variance, the result is what one
+    /// image of all those samples would state: it has the spread within the renderings and
+    /// between them, and its samples are the sum of theirs.
+    ///
+    /// Otherwise each rendering counts as one sample: the variance of the mean is their spread
+    /// over their number, and [`Noise::samples`] is that number. Of few this is very rough: its
+    /// own relative standard error is √(2/(n − 1)), all of it for three and a half of it for
+    /// nine, and by chance it may be next to nothing. No variance stated by the renderings is
+    /// used then.
+    ///
+    /// Fails for sizes that differ, opacity in some only, and two renderings that are equal in
+    /// every bit, which are not independent: their spread would say that there is no noise.
+    pub fn from_replicates(films: &[Film]) -> Result<Film, FilmError> {
+        replicates::pooled(films)
+    }
+
+    /// This image with noise: the radiances of `variance`, an image of its size, are the variances
+    /// of its means of `samples` samples each, at least two. They are taken as they are.
+    pub fn with_variance_of(self, variance: &Film, samples: u32) -> Result<Film, FilmError> {
+        if self.noise.is_some() {
+            return Err(FilmError::Noise(
+                "both the image and the file beside it state variances: leave one out",
+            ));
+        }
+        if (self.width, self.height) != (variance.width, variance.height) {
+            return Err(FilmError::Noise(
+                "the image and the file of its variances differ in size",
+            ));
+        }
+        if samples < 2 {
+            return Err(FilmError::Noise("one sample has no variance"));
+        }
+        let variance = variance.radiance.clone();
+        Ok(Film {
+            noise: Some(Noise { variance, samples }),
+            ..self
+        })
     }
 
     /// The films next to each other, from left to right. All of one height, and all with
@@ -261,15 +250,59 @@ impl Film {
         exr_file::encode(self)
     }
 
-    /// Reads an EXR image: the first layer with R, G and B, and A where it has one. Noise where
-    /// there are the layers `variance` (R, G, B) and `samples`, be they parts of the file of
-    /// that name or channels called `variance.R` and so on.
+    /// Reads an EXR image. The picture is the display window: what lies outside is cut off, and
+    /// what no data cover is black and without opacity.
+    ///
+    /// Colours are the channels R, G and B, in capitals or not, of half, float or whole numbers,
+    /// and A where it is beside them; without colours elsewhere a channel Y is grey. They may
+    /// be in a layer, be it a part of the file with that name or channels called `beauty.R` and so
+    /// on: the only layer with colours, else the one without a name, else the only one called
+    /// `rgba`, `beauty` or `combined`. Everything else is left out, but noise: the layers
+    /// `variance` (of the means; R, G, B) and `samples` (Y).
+    ///
+    /// Refused are deep data, subsampled channels, and luminance with chroma. Numbers that are
+    /// not finite are kept.
     pub fn from_exr(bytes: &[u8]) -> Result<Film, FilmError> {
         exr_file::decode(bytes)
     }
 
-    /// Reads 8-bit sRGB codes from a PNG image, opacity dropped.
-    /// Returns width, height and the codes.
+    /// Reads the file of variances beside an image: an EXR whose colours are variances of the
+    /// mean, and whose channel `samples.Y` is the number of samples. To be given to
+    /// [`Film::with_variance_of`].
+    pub fn variance_from_exr(bytes: &[u8]) -> Result<(Film, u32), FilmError> {
+        exr_file::decode_variance(bytes)
+    }
+
+    /// Reads a PFM image: colour, or grey for three equal channels, of either byte order,
+    /// multiplied by the scale it states. Numbers that are not finite are kept.
+    pub fn from_pfm(bytes: &[u8]) -> Result<Film, FilmError> {
+        pfm_file::decode(bytes)
+    }
+
+    /// The image as PFM, little endian, without its opacity and noise.
+    pub fn to_pfm(&self) -> Vec<u8> {
+        pfm_file::encode(self)
+    }
+
+    /// Reads an array of NumPy: float16, float32 or float64 of either byte order, of the shape
+    /// (height, width, 3), (height, width, 4) with opacity, or (height, width) or
+    /// (height, width, 1) for three equal channels; its memory in either order. Numbers that are
+    /// not finite are kept, and those beyond 32 bits become infinite.
+    pub fn from_npy(bytes: &[u8]) -> Result<Film, FilmError> {
+        npy_file::decode(bytes)
+    }
+
+    /// The image as an array of NumPy, float32, of the shape (height, width, 3), or 4 with
+    /// opacity; without its noise.
+    pub fn to_npy(&self) -> Vec<u8> {
+        npy_file::encode(self)
+    }
+
+    /// Reads 8-bit sRGB codes from a PNG image: colour, grey or palette, of 16 bits the nearest
+    /// codes (v/257). Returns width, height and the codes.
+    ///
+    /// Refused are transparent pixels, animations, and codes that are not sRGB: of another gamma
+    /// or profile.
     pub fn codes_from_png(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
         png_file::decode(bytes)
     }

@@ -1,9 +1,13 @@
 //! PNG, through the `image` crate.
+//!
+//! What is read are sRGB codes. A file that says its codes are others (another gamma, another
+//! profile) is refused: to convert them is to guess what its renderer meant.
 
-use super::{Film, FilmError, check_claim};
+use super::FilmError;
+use super::error::{check_claim, check_size};
 use crate::math;
 use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
-use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder};
+use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
 use std::io::Cursor;
 
 pub(super) fn srgb_codes(radiance: &[[f32; 3]], exposure: f64) -> Vec<[u8; 3]> {
@@ -29,20 +33,128 @@ pub(super) fn encode(codes: &[[u8; 3]], width: usize, height: usize) -> Vec<u8> 
     bytes
 }
 
+/// Memory for a row, a chunk and a profile, in bytes: a profile may be a bomb too.
+const MOST_MEMORY: u64 = 1 << 28;
+
+/// What a file without gamma has: 1/2.2, which stands for sRGB where it is stated.
+const SRGB_GAMMA: f64 = 0.45455;
+
+/// Stated gammas as far off as this are roundings of that one. A code is `255·vᵞ`, whose slope in
+/// γ is `255·vᵞ·|ln v|`, at most `255/(e·γ)` = 206: this moves it by a tenth.
+const GAMMA_ROUNDING: f64 = 0.0005;
+
 pub(super) fn decode(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
-    let unreadable = |error: image::ImageError| FilmError::Unreadable {
-        format: "PNG",
-        reason: error.to_string(),
-    };
-    let decoder = PngDecoder::new(Cursor::new(bytes)).map_err(unreadable)?;
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(MOST_MEMORY);
+    let mut decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(unreadable)?;
     let (width, height) = decoder.dimensions();
     let (width, height) = (width as usize, height as usize);
-    if width.saturating_mul(height) > Film::MOST_PIXELS {
-        return Err(FilmError::TooLarge { width, height });
-    }
+    check_size(width, height)?;
     check_claim(decoder.total_bytes(), bytes.len())?;
-    let codes = DynamicImage::from_decoder(decoder)
-        .map_err(unreadable)?
-        .into_rgb8();
-    Ok((width, height, codes.pixels().map(|pixel| pixel.0).collect()))
+    check_meaning(&mut decoder)?;
+    let image = DynamicImage::from_decoder(decoder).map_err(unreadable)?;
+    if let Some(index) = first_transparent(&image) {
+        return Err(FilmError::Unsuited {
+            what: format!(
+                "the pixel ({}, {}) is transparent",
+                index % width,
+                index / width
+            ),
+            remedy: "composite the image over the background of the scene first, or write linear \
+                     radiance as .exr",
+        });
+    }
+    Ok((width, height, eight_bits(&image)))
+}
+
+fn unreadable(error: ImageError) -> FilmError {
+    FilmError::Unreadable {
+        format: "PNG",
+        reason: error.to_string(),
+    }
+}
+
+/// Fails where the file is no single image of sRGB codes.
+fn check_meaning(decoder: &mut PngDecoder<Cursor<&[u8]>>) -> Result<(), FilmError> {
+    if decoder.is_apng().map_err(unreadable)? {
+        return Err(FilmError::Unsuited {
+            what: "this PNG is animated".to_owned(),
+            remedy: "write the one image that is meant",
+        });
+    }
+    if let Some(gamma) = decoder.gamma_value().map_err(unreadable)?
+        && (gamma - SRGB_GAMMA).abs() > GAMMA_ROUNDING
+    {
+        return Err(FilmError::Unsuited {
+            what: format!("the codes of this PNG are not sRGB, its gAMA says {gamma}"),
+            remedy: "encode them as sRGB, or write linear radiance as .exr",
+        });
+    }
+    if let Some(profile) = decoder.icc_profile().map_err(unreadable)? {
+        let description = description(&profile).unwrap_or_default();
+        let is_linear = description.to_ascii_lowercase().contains("linear");
+        if !description.contains("sRGB") || is_linear {
+            return Err(FilmError::Unsuited {
+                what: format!("the colours of this PNG have the profile {description:?}, not sRGB"),
+                remedy: "convert them to sRGB and write no profile, or write linear radiance as \
+                         .exr",
+            });
+        }
+    }
+    Ok(())
+}
+
+/// The name that an ICC profile gives itself: its tag `desc`, in 8 or 16 bits a letter.
+///
+/// Source: ICC.1:2022, 7.3 (tag table) and 9.2.41.
+fn description(profile: &[u8]) -> Option<String> {
+    let number = |at: usize| {
+        let bytes = profile.get(at..at.checked_add(4)?)?;
+        Some(u32::from_be_bytes(bytes.try_into().ok()?) as usize)
+    };
+    const TABLE: usize = 128;
+    let entries = (0..number(TABLE)?.min(100)).map(|index| TABLE + 4 + 12 * index);
+    for entry in entries {
+        if profile.get(entry..entry + 4)? == b"desc" {
+            let (start, length) = (number(entry + 4)?, number(entry + 8)?.min(200));
+            let text = profile.get(start..start.checked_add(length)?)?;
+            // Before the letters come the type and a length, or the lengths of a table of one.
+            let before = if text.starts_with(b"mluc") { 28 } else { 12 };
+            let letters = text.iter().skip(before).map(|&byte| char::from(byte));
+            return Some(
+                letters
+                    .filter(|c| c.is_ascii_graphic() || *c == ' ')
+                    .collect(),
+            );
+        }
+    }
+    None
+}
+
+/// The first pixel, row by row, that is not opaque.
+fn first_transparent(image: &DynamicImage) -> Option<usize> {
+    match image {
+        DynamicImage::ImageLumaA8(image) => image.pixels().position(|p| p.0[1] < u8::MAX),
+        DynamicImage::ImageRgba8(image) => image.pixels().position(|p| p.0[3] < u8::MAX),
+        DynamicImage::ImageLumaA16(image) => image.pixels().position(|p| p.0[1] < u16::MAX),
+        DynamicImage::ImageRgba16(image) => image.pixels().position(|p| p.0[3] < u16::MAX),
+        _ => None,
+    }
+}
+
+/// Codes of 8 bits; of 16 bits the nearest, v/257.
+fn eight_bits(image: &DynamicImage) -> Vec<[u8; 3]> {
+    use DynamicImage::{ImageLuma16, ImageLumaA16, ImageRgb16, ImageRgba16};
+    if matches!(
+        image,
+        ImageLuma16(_) | ImageLumaA16(_) | ImageRgb16(_) | ImageRgba16(_)
+    ) {
+        let code = |wide: u16| ((u32::from(wide) + 128) / 257) as u8;
+        return image
+            .to_rgb16()
+            .pixels()
+            .map(|pixel| pixel.0.map(code))
+            .collect();
+    }
+    image.to_rgb8().pixels().map(|pixel| pixel.0).collect()
 }

@@ -9,6 +9,7 @@ mod golden;
 mod likeness;
 pub mod mistakes;
 mod other_renderer;
+mod outputs;
 mod rendering;
 mod results;
 #[cfg(test)]
@@ -25,6 +26,7 @@ pub use finding::Judged;
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
 pub use likeness::likeness;
 pub use other_renderer::{CommandTemplate, Ran, TemplateError, run};
+pub use outputs::{Found, OutputError, Outputs, Stranger};
 pub use results::{CaseResult, Cause, Summary, Verdict};
 pub use store::{Disk, Failure, RealDisk, Store, StoreError};
 pub use validate::{Output, validate};

@@ -7,6 +7,7 @@ use super::{
 use super::{course_grid, mitsuba_vol, nifti};
 use super::{nrrd::NrrdHeader, raw_volume::RawVolume};
 use crate::geometry::Aabb;
+use crate::regular_file::{self, OpenError};
 use glam::DVec3;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
@@ -444,27 +445,17 @@ impl BufRead for Source {
 
 /// Opens a regular file and tells its length.
 fn open(path: &Path) -> Result<(File, u64), VolumeError> {
-    let trouble = |source: io::Error| match source.kind() {
-        io::ErrorKind::NotFound => VolumeError::Missing(path.to_owned()),
-        _ => VolumeError::Read {
+    regular_file::open(path).map_err(|error| match error {
+        OpenError::Missing(_) => VolumeError::Missing(path.to_owned()),
+        OpenError::NotAFile(what) => VolumeError::NotAFile {
+            path: path.to_owned(),
+            what,
+        },
+        OpenError::Refused(source) => VolumeError::Read {
             path: path.to_owned(),
             source,
         },
-    };
-    // Before opening: to open a named pipe is to wait for a writer.
-    let metadata = std::fs::metadata(path).map_err(trouble)?;
-    if !metadata.is_file() {
-        return Err(VolumeError::NotAFile {
-            path: path.to_owned(),
-            what: if metadata.is_dir() {
-                "a directory"
-            } else {
-                "a device or pipe"
-            },
-        });
-    }
-    let file = File::open(path).map_err(trouble)?;
-    Ok((file, metadata.len()))
+    })
 }
 
 fn load_cloud(

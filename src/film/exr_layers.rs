@@ -1,0 +1,178 @@
+//! Which of the many channels of an EXR file are its picture.
+//!
+//! Channels are grouped into layers by what their names begin with, `diffuse.R`, or by the part
+//! of the file they are in, or by both.
+
+use super::FilmError;
+use exr::prelude::{AnyChannels, FlatSamples, Image, Layer, Layers};
+
+/// A file that was read, with all its parts.
+pub(super) type File = Image<Layers<AnyChannels<FlatSamples>>>;
+
+/// A part of a file: channels of one size, at one place.
+pub(super) type Part = Layer<AnyChannels<FlatSamples>>;
+
+/// Last names of layers that hold the picture, where several hold colours.
+const MAIN: [&str; 4] = ["", "rgba", "beauty", "combined"];
+
+/// Layers with colours that are no picture.
+const NOISE: [&str; 2] = ["variance", "samples"];
+
+/// The channels of a picture.
+pub(super) struct Colours<'f> {
+    pub part: &'f Part,
+    /// Thrice the same of a grey image.
+    pub rgb: [&'f FlatSamples; 3],
+    pub opacity: Option<&'f FlatSamples>,
+}
+
+pub(super) fn name_of(part: &Part) -> String {
+    let name = part.attributes.layer_name.as_ref();
+    name.map_or(String::new(), |name| name.to_string())
+}
+
+/// The values of the channel that has exactly this name.
+pub(super) fn samples_of<'p>(part: &'p Part, name: &str) -> Option<&'p FlatSamples> {
+    let mut channels = part.channel_data.list.iter();
+    channels
+        .find(|channel| channel.name == *name)
+        .map(|channel| &channel.sample_data)
+}
+
+/// Channels that belong together.
+struct Group<'f> {
+    part: &'f Part,
+    /// What the names of its channels have before the last dot.
+    prefix: String,
+    /// For people, and to find the main one: the name of the part and the prefix.
+    name: String,
+}
+
+impl<'f> Group<'f> {
+    /// The channel `letter`, in capitals or not.
+    fn channel(&self, letter: &str) -> Option<&'f FlatSamples> {
+        let full_name = |letter: &str| match self.prefix.as_str() {
+            "" => letter.to_owned(),
+            prefix => format!("{prefix}.{letter}"),
+        };
+        [letter.to_owned(), letter.to_ascii_lowercase()]
+            .iter()
+            .find_map(|letter| samples_of(self.part, &full_name(letter)))
+    }
+
+    fn rgb(&self) -> Option<[&'f FlatSamples; 3]> {
+        let [r, g, b] = ["R", "G", "B"].map(|letter| self.channel(letter));
+        Some([r?, g?, b?])
+    }
+
+    fn grey(&self) -> Option<[&'f FlatSamples; 3]> {
+        self.channel("Y").map(|y| [y; 3])
+    }
+
+    fn has_chroma(&self) -> bool {
+        ["RY", "BY"].iter().any(|name| self.channel(name).is_some())
+    }
+
+    /// The last part of its name, in small letters.
+    fn last_name(&self) -> String {
+        let last = self.name.rsplit('.').next().unwrap_or("");
+        last.to_ascii_lowercase()
+    }
+
+    fn is_noise(&self) -> bool {
+        NOISE.contains(&self.name.as_str())
+    }
+}
+
+/// The groups of all parts, in their order.
+fn groups(file: &File) -> Vec<Group<'_>> {
+    let mut groups: Vec<Group> = Vec::new();
+    for part in &file.layer_data {
+        let part_name = name_of(part);
+        let first = groups.len();
+        for channel in &part.channel_data.list {
+            let full_name = channel.name.to_string();
+            let prefix = full_name.rsplit_once('.').map_or("", |(prefix, _)| prefix);
+            if groups[first..].iter().any(|group| group.prefix == prefix) {
+                continue;
+            }
+            let name = match (part_name.as_str(), prefix) {
+                (name, "") | ("", name) => name.to_owned(),
+                // Some programs write the name of the part into those of its channels too.
+                (part, prefix) if prefix.starts_with(part) => prefix.to_owned(),
+                (part, prefix) => format!("{part}.{prefix}"),
+            };
+            groups.push(Group {
+                part,
+                prefix: prefix.to_owned(),
+                name,
+            });
+        }
+    }
+    groups
+}
+
+/// The one layer that is the picture.
+pub(super) fn main_layer(file: &File) -> Result<Colours<'_>, FilmError> {
+    let mut groups = groups(file);
+    groups.retain(|group| !group.is_noise());
+    if let Some(colours) = the_one(&groups, Group::rgb)? {
+        return Ok(colours);
+    }
+    if groups.iter().any(Group::has_chroma) {
+        return Err(FilmError::Unsuited {
+            what: "this EXR holds luminance and chroma (Y, RY, BY)".to_owned(),
+            remedy: "write R, G and B",
+        });
+    }
+    the_one(&groups, Group::grey)?.ok_or_else(|| FilmError::Channels {
+        found: all_names(file),
+    })
+}
+
+/// Of the groups that have `colours` the only one, else the one without a name, else the only one
+/// with the name of a main layer; nothing where there are none.
+fn the_one<'f>(
+    groups: &[Group<'f>],
+    colours: impl Fn(&Group<'f>) -> Option<[&'f FlatSamples; 3]>,
+) -> Result<Option<Colours<'f>>, FilmError> {
+    let with_colours: Vec<_> = groups
+        .iter()
+        .filter_map(|group| Some((group, colours(group)?)))
+        .collect();
+    let called = |names: &[&str]| -> Vec<_> {
+        let all = with_colours.iter().copied();
+        all.filter(|(group, _)| names.contains(&group.last_name().as_str()))
+            .collect()
+    };
+    for choice in [with_colours.clone(), called(&MAIN[..1]), called(&MAIN)] {
+        if let [(group, rgb)] = choice[..] {
+            return Ok(Some(Colours {
+                part: group.part,
+                rgb,
+                opacity: group.channel("A"),
+            }));
+        }
+    }
+    if with_colours.is_empty() {
+        return Ok(None);
+    }
+    let name = |(group, _): &(&Group, _)| match group.name.as_str() {
+        "" => "one without a name".to_owned(),
+        name => name.to_owned(),
+    };
+    Err(FilmError::Layers(with_colours.iter().map(name).collect()))
+}
+
+fn all_names(file: &File) -> String {
+    let parts = file.layer_data.iter();
+    let names = parts.flat_map(|part| {
+        let prefix = match name_of(part).as_str() {
+            "" => String::new(),
+            name => format!("{name}."),
+        };
+        let channels = part.channel_data.list.iter();
+        channels.map(move |channel| format!("{prefix}{}", channel.name))
+    });
+    names.collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,318 @@
+//! NPY, one array of NumPy.
+//!
+//! The crate `npyz` multiplies the lengths of the axes unchecked, which panics on a header of a
+//! few bytes; so the header is read here. It is one Python dictionary of three known keys.
+//!
+//! Source: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
+
+use super::error::check_size;
+use super::{Film, FilmError};
+use half::f16;
+
+fn unreadable(reason: impl Into<String>) -> FilmError {
+    FilmError::Unreadable {
+        format: "NPY",
+        reason: reason.into(),
+    }
+}
+
+/// Longest header, as in NumPy: there is nothing to say at such length.
+const LONGEST_HEADER: usize = 10_000;
+
+/// What the header says of the array.
+struct Header {
+    /// Type of a number, such as `<f4`.
+    descr: String,
+    /// Whether the first axis runs fastest, and not the last.
+    fortran_order: bool,
+    /// Lengths of the axes.
+    shape: Vec<usize>,
+}
+
+pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
+    let (text, data) = split(bytes)?;
+    let header = Header::parse(text)?;
+    let number = Number::of(&header.descr)?;
+    let [height, width, channels] = axes(&header.shape)?;
+    check_size(width, height)?;
+    let expected = width * height * channels * number.bytes;
+    if data.len() != expected {
+        return Err(unreadable(format!(
+            "an array of shape {} and type {} has {expected} bytes, and {} follow the header",
+            shown(&header.shape),
+            header.descr,
+            data.len()
+        )));
+    }
+    let value = |row: usize, column: usize, channel: usize| {
+        let index = match header.fortran_order {
+            false => (row * width + column) * channels + channel,
+            true => row + height * (column + width * channel),
+        };
+        number.read(&data[index * number.bytes..][..number.bytes])
+    };
+    let places = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
+    if channels == 4 {
+        let pixel = |(row, column)| [0, 1, 2, 3].map(|c| value(row, column, c));
+        return Ok(Film::with_opacity(
+            width,
+            height,
+            places.map(pixel).collect(),
+        ));
+    }
+    let pixel = |(row, column)| [0, 1, 2].map(|c| value(row, column, c % channels));
+    Ok(Film::new(width, height, places.map(pixel).collect()))
+}
+
+pub(super) fn encode(film: &Film) -> Vec<u8> {
+    let channels = if film.opacity().is_some() { 4 } else { 3 };
+    let shape = shown(&[film.height(), film.width(), channels]);
+    let mut text = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}");
+    // Data begin at a multiple of 64, after 10 bytes, the text and the end of the line.
+    let padding = (64 - (10 + text.len() + 1) % 64) % 64;
+    text.extend(std::iter::repeat_n(' ', padding));
+    text.push('\n');
+    let mut bytes = b"\x93NUMPY\x01\0".to_vec();
+    bytes.extend((text.len() as u16).to_le_bytes());
+    bytes.extend(text.bytes());
+    for index in 0..film.radiance().len() {
+        let pixel = film.pixel(index);
+        bytes.extend(
+            pixel[..channels]
+                .iter()
+                .flat_map(|value| value.to_le_bytes()),
+        );
+    }
+    bytes
+}
+
+/// The text of the header, and the data.
+fn split(bytes: &[u8]) -> Result<(&str, &[u8]), FilmError> {
+    let cut_off = || unreadable("its header is cut off");
+    let rest = bytes.strip_prefix(b"\x93NUMPY");
+    let rest = rest.ok_or_else(|| unreadable("it does not begin like one"))?;
+    let (&[version, minor], rest) = rest.split_first_chunk().ok_or_else(cut_off)?;
+    let (length, rest) = match version {
+        1 => {
+            let (length, rest) = rest.split_first_chunk().ok_or_else(cut_off)?;
+            (usize::from(u16::from_le_bytes(*length)), rest)
+        }
+        2 | 3 => {
+            let (length, rest) = rest.split_first_chunk().ok_or_else(cut_off)?;
+            (u32::from_le_bytes(*length) as usize, rest)
+        }
+        _ => {
+            let reason = format!("its version is {version}.{minor}; known are 1, 2 and 3");
+            return Err(unreadable(reason));
+        }
+    };
+    if length > LONGEST_HEADER {
+        let reason = format!("its header claims {length} bytes; at most {LONGEST_HEADER} are read");
+        return Err(unreadable(reason));
+    }
+    let (text, data) = rest.split_at_checked(length).ok_or_else(cut_off)?;
+    let text = std::str::from_utf8(text).map_err(|_| unreadable("its header is no text"))?;
+    Ok((text, data))
+}
+
+impl Header {
+    fn parse(text: &str) -> Result<Header, FilmError> {
+        let mut rest = Rest(text);
+        let (mut descr, mut fortran_order, mut shape) = (None, None, None);
+        rest.expect('{')?;
+        while !rest.take('}') {
+            let key = rest.string()?;
+            rest.expect(':')?;
+            match key {
+                "descr" => descr = Some(rest.descr()?),
+                "fortran_order" => fortran_order = Some(rest.truth()?),
+                "shape" => shape = Some(rest.lengths()?),
+                _ => return Err(unreadable(format!("its header has an unknown key {key:?}"))),
+            }
+            if !rest.take(',') {
+                rest.expect('}')?;
+                break;
+            }
+        }
+        if !rest.0.trim().is_empty() {
+            return Err(rest.trouble("nothing more"));
+        }
+        match (descr, fortran_order, shape) {
+            (Some(descr), Some(fortran_order), Some(shape)) => Ok(Header {
+                descr,
+                fortran_order,
+                shape,
+            }),
+            _ => Err(unreadable("its header lacks descr, fortran_order or shape")),
+        }
+    }
+}
+
+/// What is left of the text of a header.
+struct Rest<'t>(&'t str);
+
+impl<'t> Rest<'t> {
+    fn trouble(&self, expected: &str) -> FilmError {
+        let found: String = self.0.trim_start().chars().take(20).collect();
+        unreadable(format!(
+            "its header should have {expected} where it has {found:?}"
+        ))
+    }
+
+    fn take(&mut self, letter: char) -> bool {
+        let rest = self.0.trim_start().strip_prefix(letter);
+        self.0 = rest.unwrap_or(self.0);
+        rest.is_some()
+    }
+
+    fn expect(&mut self, letter: char) -> Result<(), FilmError> {
+        match self.take(letter) {
+            true => Ok(()),
+            false => Err(self.trouble(&format!("{letter:?}"))),
+        }
+    }
+
+    fn string(&mut self) -> Result<&'t str, FilmError> {
+        for quote in ['\'', '"'] {
+            let inside = self.0.trim_start().strip_prefix(quote);
+            if let Some((string, rest)) = inside.and_then(|text| text.split_once(quote)) {
+                self.0 = rest;
+                return Ok(string);
+            }
+        }
+        Err(self.trouble("a string"))
+    }
+
+    fn descr(&mut self) -> Result<String, FilmError> {
+        if self.0.trim_start().starts_with('[') {
+            return Err(FilmError::Unsuited {
+                what: "an array of records".to_owned(),
+                remedy: "save the colours alone, as an array of np.float32 of shape (height, \
+                         width, 3)",
+            });
+        }
+        self.string().map(str::to_owned)
+    }
+
+    fn truth(&mut self) -> Result<bool, FilmError> {
+        for (word, truth) in [("True", true), ("False", false)] {
+            if let Some(rest) = self.0.trim_start().strip_prefix(word) {
+                self.0 = rest;
+                return Ok(truth);
+            }
+        }
+        Err(self.trouble("True or False"))
+    }
+
+    fn lengths(&mut self) -> Result<Vec<usize>, FilmError> {
+        let mut lengths = Vec::new();
+        self.expect('(')?;
+        while !self.take(')') {
+            let text = self.0.trim_start();
+            let end = text.find(|letter: char| !letter.is_ascii_digit());
+            let (digits, rest) = text.split_at(end.unwrap_or(text.len()));
+            lengths.push(digits.parse().map_err(|_| self.trouble("a length"))?);
+            // Python 2 wrote its long integers with an L.
+            self.0 = rest.strip_prefix('L').unwrap_or(rest);
+            if !self.take(',') {
+                self.expect(')')?;
+                break;
+            }
+        }
+        Ok(lengths)
+    }
+}
+
+/// How numbers are stored.
+struct Number {
+    /// 2, 4 or 8.
+    bytes: usize,
+    big_endian: bool,
+}
+
+impl Number {
+    fn of(descr: &str) -> Result<Number, FilmError> {
+        let big_endian = descr.starts_with('>');
+        let bytes = match descr.strip_prefix(['<', '>']) {
+            Some("f2") => 2,
+            Some("f4") => 4,
+            Some("f8") => 8,
+            _ => return Err(unsuited_type(descr)),
+        };
+        Ok(Number { bytes, big_endian })
+    }
+
+    /// The number as 32-bit float, to the nearest; infinite beyond its range.
+    fn read(&self, bytes: &[u8]) -> f32 {
+        let mut little = [0; 8];
+        little[..self.bytes].copy_from_slice(bytes);
+        if self.big_endian {
+            little[..self.bytes].reverse();
+        }
+        let [a, b, c, d, ..] = little;
+        match self.bytes {
+            2 => f16::from_le_bytes([a, b]).to_f32(),
+            4 => f32::from_le_bytes([a, b, c, d]),
+            _ => f64::from_le_bytes(little) as f32,
+        }
+    }
+}
+
+fn unsuited_type(descr: &str) -> FilmError {
+    let shown: String = descr.chars().take(20).collect();
+    let (kind, remedy) = match descr
+        .trim_start_matches(['<', '>', '|', '='])
+        .chars()
+        .next()
+    {
+        Some('u' | 'i' | 'b') => (
+            "whole numbers",
+            "radiance is linear float: save what was there before it was rounded and gamma \
+             encoded, with image.astype(np.float32); or 8-bit sRGB as .png",
+        ),
+        Some('O') => (
+            "pickled Python objects",
+            "they are never run; save np.asarray(image, dtype=np.float32)",
+        ),
+        _ => (
+            "numbers of a kind that is not read",
+            "save image.astype(np.float32)",
+        ),
+    };
+    FilmError::Unsuited {
+        what: format!("an array of {kind} (dtype {shown:?})"),
+        remedy,
+    }
+}
+
+/// Rows, columns and channels: 1, 3 or 4.
+fn axes(shape: &[usize]) -> Result<[usize; 3], FilmError> {
+    let remedy = match *shape {
+        [height, width] => return Ok([height, width, 1]),
+        [height, width, channels @ (1 | 3 | 4)] => return Ok([height, width, channels]),
+        [1 | 3 | 4, _, _] => {
+            "channels come last: save np.moveaxis(image, 0, -1), of shape (height, width, 3)"
+        }
+        [1, _, _, _] => "it is a stack of one image: save image[0]",
+        _ => {
+            "an image has the shape (height, width, 3), (height, width, 4) with opacity, or \
+             (height, width) if it is grey"
+        }
+    };
+    Err(FilmError::Unsuited {
+        what: format!("an array of shape {}", shown(shape)),
+        remedy,
+    })
+}
+
+/// As Python shows it; only the first axes of very many.
+fn shown(shape: &[usize]) -> String {
+    let mut lengths: Vec<String> = shape.iter().take(6).map(usize::to_string).collect();
+    if shape.len() > lengths.len() {
+        lengths.push("…".to_owned());
+    }
+    match &lengths[..] {
+        [length] => format!("({length},)"),
+        _ => format!("({})", lengths.join(", ")),
+    }
+}

@@ -1,0 +1,87 @@
+//! PFM, the portable float map.
+//!
+//! A line `PF` (colour) or `Pf` (grey), columns and rows, a scale, and after one character of
+//! white space 32-bit floats, the lowest row first. A negative scale says little endian; its
+//! absolute value is a factor that samples are multiplied by.
+//!
+//! Source: P. Debevec, <https://www.pauldebevec.com/Research/HDR/PFM/>.
+
+use super::error::check_size;
+use super::{Film, FilmError};
+
+fn unreadable(reason: impl Into<String>) -> FilmError {
+    FilmError::Unreadable {
+        format: "PFM",
+        reason: reason.into(),
+    }
+}
+
+/// No word of a header is longer.
+const LONGEST_WORD: usize = 32;
+
+/// The next word of the header, and what follows it: white space and data.
+fn word(bytes: &[u8]) -> Result<(&str, &[u8]), FilmError> {
+    let start = bytes.iter().position(|byte| !byte.is_ascii_whitespace());
+    let bytes = &bytes[start.unwrap_or(bytes.len())..];
+    let mut first = bytes.iter().take(LONGEST_WORD + 1);
+    let end = first.position(|byte| byte.is_ascii_whitespace());
+    let end = end.ok_or_else(|| unreadable("its header is cut off, or none"))?;
+    let word = std::str::from_utf8(&bytes[..end]);
+    let word = word.map_err(|_| unreadable("its header is no text"))?;
+    Ok((word, &bytes[end..]))
+}
+
+fn length<'b>(bytes: &'b [u8], what: &str) -> Result<(usize, &'b [u8]), FilmError> {
+    let (text, rest) = word(bytes)?;
+    let length = text.parse();
+    let length =
+        length.map_err(|_| unreadable(format!("{text:?} is no whole number of {what}")))?;
+    Ok((length, rest))
+}
+
+pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
+    let (channels, rest) = match word(bytes)? {
+        ("PF", rest) => (3, rest),
+        ("Pf", rest) => (1, rest),
+        _ => return Err(unreadable("it does not begin with PF or Pf")),
+    };
+    let (width, rest) = length(rest, "columns")?;
+    let (height, rest) = length(rest, "rows")?;
+    check_size(width, height)?;
+    let (text, rest) = word(rest)?;
+    let scale: f32 = text.parse().unwrap_or(f32::NAN);
+    if !scale.is_finite() || scale == 0.0 {
+        let reason = format!("its scale is {text:?}, which is no number other than 0");
+        return Err(unreadable(reason));
+    }
+    let expected = width * height * channels * 4;
+    let data = match rest.strip_prefix(b"\r\n") {
+        // A line may end in two characters, but then the data would begin with the second.
+        Some(data) if data.len() == expected => data,
+        _ => &rest[1..],
+    };
+    if data.len() != expected {
+        return Err(unreadable(format!(
+            "{width} × {height} pixels of {channels} channels are {expected} bytes, and {} follow \
+             the header",
+            data.len()
+        )));
+    }
+    let number = |bytes: &[u8; 4]| match scale < 0.0 {
+        true => f32::from_le_bytes(*bytes) * -scale,
+        false => f32::from_be_bytes(*bytes) * scale,
+    };
+    let (numbers, _) = data.as_chunks::<4>();
+    let rows = numbers.chunks_exact(width * channels).rev();
+    let pixels = rows.flat_map(|row| row.chunks_exact(channels));
+    let colour = |pixel: &[[u8; 4]]| [0, 1, 2].map(|c| number(&pixel[c % channels]));
+    Ok(Film::new(width, height, pixels.map(colour).collect()))
+}
+
+pub(super) fn encode(film: &Film) -> Vec<u8> {
+    let mut bytes = format!("PF\n{} {}\n-1.0\n", film.width(), film.height()).into_bytes();
+    for row in film.radiance().chunks_exact(film.width().max(1)).rev() {
+        bytes.extend(row.iter().flatten().flat_map(|value| value.to_le_bytes()));
+    }
+    bytes
+}

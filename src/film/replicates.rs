@@ -1,0 +1,156 @@
+//! Several independent renderings of one picture, as one image with noise.
+
+use super::{Film, FilmError};
+
+pub(super) fn pooled(films: &[Film]) -> Result<Film, FilmError> {
+    let fail = |reason: String| Err(FilmError::Replicates(reason));
+    let [first, others @ ..] = films else {
+        return fail("there is none".to_owned());
+    };
+    if others.is_empty() {
+        return fail("there is only one, which has no spread".to_owned());
+    }
+    for (index, film) in others.iter().enumerate() {
+        let index = index + 1;
+        if (film.width, film.height) != (first.width, first.height) {
+            return fail(format!(
+                "number 0 has {} × {} pixels, number {index} {} × {}",
+                first.width, first.height, film.width, film.height
+            ));
+        }
+        if film.opacity.is_some() != first.opacity.is_some() {
+            return fail(format!(
+                "of number 0 and number {index} one has opacity and one has none"
+            ));
+        }
+        let is_same = |other: &Film| bits(other).eq(bits(film));
+        if let Some(same) = films[..index].iter().position(is_same) {
+            return fail(format!(
+                "number {same} and number {index} are the same in every bit: give each its own \
+                 seed, or one image alone if it has no noise"
+            ));
+        }
+    }
+    let counts: Option<Vec<u32>> = films
+        .iter()
+        .map(|film| Some(film.noise()?.samples))
+        .collect();
+    let (samples, parts) = match counts {
+        Some(counts) => {
+            let total = counts.iter().map(|&count| u64::from(count)).sum::<u64>();
+            (u32::try_from(total).unwrap_or(u32::MAX), counts)
+        }
+        None => (films.len() as u32, vec![1; films.len()]),
+    };
+    let mut radiance = Vec::with_capacity(first.radiance.len());
+    let mut variance = Vec::with_capacity(first.radiance.len());
+    for index in 0..first.radiance.len() {
+        let pixel = [0, 1, 2].map(|channel| {
+            pooled_value(films.iter().zip(&parts).map(|(film, &count)| {
+                Part {
+                    count: f64::from(count),
+                    mean: f64::from(film.radiance[index][channel]),
+                    // Of a single number there is none, and `count` is 1.
+                    variance_of_mean: film
+                        .noise()
+                        .map_or(0.0, |noise| f64::from(noise.variance[index][channel])),
+                }
+            }))
+        });
+        radiance.push(pixel.map(|(mean, _)| mean as f32));
+        variance.push(pixel.map(|(_, variance)| variance as f32));
+    }
+    let opacity = first.opacity.is_some().then(|| {
+        let weights = parts.iter().map(|&count| f64::from(count));
+        let total: f64 = weights.clone().sum();
+        let mean = |index: usize| {
+            let values = films.iter().map(|film| f64::from(film.pixel(index)[3]));
+            let sum: f64 = values.zip(weights.clone()).map(|(v, w)| v * w).sum();
+            (sum / total) as f32
+        };
+        (0..first.radiance.len()).map(mean).collect()
+    });
+    Ok(Film {
+        opacity,
+        ..Film::with_noise(first.width, first.height, radiance, variance, samples)
+    })
+}
+
+/// The bits of every colour of an image: NaN is like itself.
+fn bits(film: &Film) -> impl Iterator<Item = u32> {
+    let values = film.radiance.as_flattened();
+    values.iter().map(|value| value.to_bits())
+}
+
+/// What one rendering says of one channel of a pixel.
+struct Part {
+    /// Numbers that `mean` is the mean of.
+    count: f64,
+    mean: f64,
+    /// As those numbers have it; without meaning where `count` is 1.
+    variance_of_mean: f64,
+}
+
+/// Mean, and variance of the mean, of all numbers of all parts: as if one rendering had taken
+/// them all. The squared deviations are those within the parts, `v·n·(n − 1)` each, and those of
+/// the parts' means from the common mean, `n·(m − mean)²`.
+fn pooled_value(parts: impl Iterator<Item = Part> + Clone) -> (f64, f64) {
+    let total: f64 = parts.clone().map(|part| part.count).sum();
+    let mean = parts
+        .clone()
+        .map(|part| part.count * part.mean)
+        .sum::<f64>()
+        / total;
+    let squares: f64 = parts
+        .map(|part| {
+            let within = part.variance_of_mean * part.count * (part.count - 1.0);
+            let deviation = part.mean - mean;
+            within + part.count * deviation * deviation
+        })
+        .sum();
+    (mean, squares / (total - 1.0) / total)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Moments;
+
+    /// Numbers without a pattern, all of them exact in 32 bits.
+    fn numbers(count: usize, seed: usize) -> Vec<f64> {
+        let number = |i: usize| ((i * i * 37 + i * 11 + seed * 29) % 101) as f64 / 64.0;
+        (0..count).map(number).collect()
+    }
+
+    fn part(numbers: &[f64]) -> Part {
+        let moments: Moments = numbers.iter().copied().collect();
+        Part {
+            count: numbers.len() as f64,
+            mean: moments.mean(),
+            variance_of_mean: moments.variance_of_mean().unwrap_or(0.0),
+        }
+    }
+
+    /// Each operation rounds by half an epsilon of values no larger than the result times the
+    /// number of samples, of which there are 13.
+    #[test]
+    fn parts_say_what_all_their_samples_say() {
+        let series = [numbers(4, 1), numbers(7, 2), numbers(2, 3)];
+        let all: Moments = series.iter().flatten().copied().collect();
+        let (mean, variance) = pooled_value(series.iter().map(|numbers| part(numbers)));
+        let close = |a: f64, b: f64| (a - b).abs() <= 13.0 * 16.0 * f64::EPSILON * b;
+        assert!(close(mean, all.mean()), "{mean} {}", all.mean());
+        let expected = all.variance_of_mean().unwrap();
+        assert!(close(variance, expected), "{variance} {expected}");
+    }
+
+    #[test]
+    fn single_numbers_have_their_spread() {
+        let single = numbers(5, 4);
+        let all: Moments = single.iter().copied().collect();
+        let (mean, variance) = pooled_value(single.iter().map(|&number| part(&[number])));
+        assert!((mean - all.mean()).abs() <= 16.0 * f64::EPSILON);
+        let expected = all.variance_of_mean().unwrap();
+        assert!((variance - expected).abs() <= 16.0 * f64::EPSILON * (1.0 + expected));
+    }
+}

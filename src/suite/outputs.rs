@@ -1,0 +1,356 @@
+//! The images that another renderer left in a folder, by the cases they are of.
+//!
+//! The image of the case `fog/forward` is one of
+//!
+//! - `fog/forward.exr`, `.pfm`, `.npy` or `.png`, or
+//! - `fog/forward.0.exr`, `fog/forward.1.exr`, …: replicates, renderings with seeds of their own,
+//!   numbered without a gap from 0 or 1,
+//!
+//! or the same without `fog/`, where no other family has a case `forward`. Beside a single image
+//! may be `fog/forward.variance.exr`: the variance of the mean as its colours, and the number of
+//! samples as its channel `samples.Y`.
+
+use crate::compare::{Picture, PictureError};
+use crate::film::{Film, FilmError, FilmFormat};
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// The files of a folder, sorted by case.
+#[derive(Clone, Debug, Default)]
+pub struct Outputs {
+    by_case: BTreeMap<String, Files>,
+    strangers: Vec<Stranger>,
+}
+
+/// All files that belong to one case.
+#[derive(Clone, Debug, Default)]
+struct Files {
+    single: Vec<PathBuf>,
+    replicates: BTreeMap<u32, Vec<PathBuf>>,
+    variance: Vec<PathBuf>,
+}
+
+/// The image of a case.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Found {
+    /// One file, or one for each replicate in their order.
+    pub files: Vec<PathBuf>,
+    /// The variance of the mean of the one image.
+    pub variance: Option<PathBuf>,
+}
+
+/// A file that looks like an image and belongs to no case.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stranger {
+    /// Where.
+    pub file: PathBuf,
+    /// Why it is not taken, and what may be meant: a sentence without its subject.
+    pub reason: String,
+}
+
+/// Why it cannot be said which files are the image of a case.
+#[derive(Debug, Error)]
+pub enum OutputError {
+    /// A folder cannot be listed.
+    #[error("{}: the folder cannot be read: {error}", folder.display())]
+    Folder {
+        /// Where.
+        folder: PathBuf,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// Two files for one image.
+    #[error(
+        "{case}: both {} and {} could be its image: keep one of them",
+        files[0].display(),
+        files[1].display()
+    )]
+    Several {
+        /// The case.
+        case: String,
+        /// Two of them.
+        files: [PathBuf; 2],
+    },
+    /// A replicate is missing among the others.
+    #[error(
+        "{case}: there is a replicate {} but none with the number {missing}: number them without a \
+         gap from 0 or 1",
+        .file.display()
+    )]
+    Gap {
+        /// The case.
+        case: String,
+        /// The first after the gap.
+        file: PathBuf,
+        /// The first number of the gap.
+        missing: u32,
+    },
+    /// A variance of nothing, or of several renderings.
+    #[error("{case}: {} is the variance of one image, and there {there}", .file.display())]
+    Variance {
+        /// The case.
+        case: String,
+        /// The file of the variance.
+        file: PathBuf,
+        /// What is there in place of one image.
+        there: &'static str,
+    },
+}
+
+/// What a file is to its case.
+enum Role {
+    Single,
+    Replicate(u32),
+    Variance,
+}
+
+/// Extensions of images that are not read: whoever writes them should be told.
+const OTHER_IMAGES: [&str; 10] = [
+    "jpg", "jpeg", "tif", "tiff", "hdr", "npz", "bmp", "webp", "ppm", "raw",
+];
+
+impl Outputs {
+    /// Lists the images in `folder` and in the folders within it, for the cases with these names
+    /// (`family/name`). No file is opened.
+    pub fn list(folder: &Path, cases: &[&str]) -> Result<Outputs, OutputError> {
+        let mut outputs = Outputs::default();
+        for (file, is_folder) in entries(folder)? {
+            if !is_folder {
+                outputs.sort_in(file, "", cases);
+                continue;
+            }
+            let family = last_name(&file);
+            for (file, is_folder) in entries(&file)? {
+                if !is_folder {
+                    outputs.sort_in(file, &format!("{family}/"), cases);
+                }
+            }
+        }
+        Ok(outputs)
+    }
+
+    /// The image of `case`; nothing where there is none.
+    pub fn find(&self, case: &str) -> Result<Option<Found>, OutputError> {
+        let Some(files) = self.by_case.get(case) else {
+            return Ok(None);
+        };
+        let replicates = files.replicates.values();
+        let candidates = [&files.single, &files.variance];
+        for several in candidates.into_iter().chain(replicates.clone()) {
+            if let [one, other, ..] = &several[..] {
+                return Err(several_for(case, one, other));
+            }
+        }
+        if let (Some(one), Some(other)) =
+            (files.single.first(), replicates.clone().flatten().next())
+        {
+            return Err(several_for(case, one, other));
+        }
+        let first = files.replicates.keys().next().copied().unwrap_or(0).min(1);
+        for ((number, named), expected) in files.replicates.iter().zip(first..) {
+            if *number != expected {
+                return Err(OutputError::Gap {
+                    case: case.to_owned(),
+                    file: named[0].clone(),
+                    missing: expected,
+                });
+            }
+        }
+        let images: Vec<PathBuf> = files
+            .single
+            .iter()
+            .chain(replicates.flatten())
+            .cloned()
+            .collect();
+        let variance = files.variance.first().cloned();
+        if let Some(file) = &variance
+            && images.len() != 1
+        {
+            return Err(OutputError::Variance {
+                case: case.to_owned(),
+                file: file.clone(),
+                there: match images.is_empty() {
+                    true => "is none",
+                    false => "are several, whose spread says it already",
+                },
+            });
+        }
+        Ok(Some(Found {
+            files: images,
+            variance,
+        }))
+    }
+
+    /// Files that look like images and belong to no case, by name.
+    pub fn strangers(&self) -> &[Stranger] {
+        &self.strangers
+    }
+
+    /// Takes `file`, which lies in the folder of its `family` (with a slash, or none).
+    fn sort_in(&mut self, file: PathBuf, family: &str, cases: &[&str]) {
+        let name = last_name(&file);
+        let path = Path::new(&name);
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        let Some(format) = FilmFormat::of(path) else {
+            let is_image = |other: &&str| extension.eq_ignore_ascii_case(other);
+            if OTHER_IMAGES.iter().any(|other| is_image(&other)) {
+                let reason = format!(
+                    "is not read: .{extension} is none of .exr, .pfm, .npy (linear radiance) and \
+                     .png (8-bit sRGB)"
+                );
+                self.strangers.push(Stranger { file, reason });
+            }
+            return;
+        };
+        match belonging(&format!("{family}{stem}"), cases) {
+            Ok((_, Role::Variance)) if format != FilmFormat::Exr => {
+                let reason = "is not read: variances are an .exr, with R, G, B and samples.Y";
+                let reason = reason.to_owned();
+                self.strangers.push(Stranger { file, reason });
+            }
+            Ok((case, role)) => {
+                let files = self.by_case.entry(case.to_owned()).or_default();
+                match role {
+                    Role::Single => files.single.push(file),
+                    Role::Variance => files.variance.push(file),
+                    Role::Replicate(number) => {
+                        files.replicates.entry(number).or_default().push(file);
+                    }
+                }
+            }
+            Err(reason) => self.strangers.push(Stranger { file, reason }),
+        }
+    }
+}
+
+fn several_for(case: &str, one: &Path, other: &Path) -> OutputError {
+    OutputError::Several {
+        case: case.to_owned(),
+        files: [one.to_owned(), other.to_owned()],
+    }
+}
+
+/// What is in a folder, by name, and whether it is a folder.
+fn entries(folder: &Path) -> Result<Vec<(PathBuf, bool)>, OutputError> {
+    let trouble = |error| OutputError::Folder {
+        folder: folder.to_owned(),
+        error,
+    };
+    let mut entries = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(trouble)? {
+        let path = entry.map_err(trouble)?.path();
+        // A link that leads nowhere is a file that cannot be read.
+        let is_folder = path.is_dir();
+        if !last_name(&path).starts_with('.') {
+            entries.push((path, is_folder));
+        }
+    }
+    entries.sort();
+    Ok(entries)
+}
+
+fn last_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
+}
+
+/// The case that a file is of whose name is `stem`, with its family or without; or why there is
+/// none. A case may be called `rate-0.1`: the whole name comes before the number of a replicate.
+fn belonging<'c>(stem: &str, cases: &[&'c str]) -> Result<(&'c str, Role), String> {
+    if let Some(case) = case_called(stem, cases)? {
+        return Ok((case, Role::Single));
+    }
+    if let Some((name, last)) = stem.rsplit_once('.') {
+        let is_number = !last.is_empty() && last.bytes().all(|byte| byte.is_ascii_digit());
+        let role = match last {
+            "variance" => Some(Role::Variance),
+            _ if is_number => last.parse().ok().map(Role::Replicate),
+            _ => None,
+        };
+        if let (Some(role), Some(case)) = (role, case_called(name, cases)?) {
+            return Ok((case, role));
+        }
+    }
+    let distance = |case: &&&str| {
+        let name = if stem.contains('/') { case } else { bare(case) };
+        strsim::damerau_levenshtein(name, stem)
+    };
+    Err(match cases.iter().min_by_key(distance) {
+        Some(case) => format!("belongs to no case: did you mean {case}?"),
+        None => "belongs to no case".to_owned(),
+    })
+}
+
+/// The case `name`, or the only one that is called so in any family.
+fn case_called<'c>(name: &str, cases: &[&'c str]) -> Result<Option<&'c str>, String> {
+    if let Some(case) = cases.iter().find(|case| **case == name) {
+        return Ok(Some(case));
+    }
+    let called: Vec<&str> = cases
+        .iter()
+        .copied()
+        .filter(|case| bare(case) == name)
+        .collect();
+    match called[..] {
+        [] => Ok(None),
+        [case] => Ok(Some(case)),
+        _ => Err(format!(
+            "may be of {}: put it into the folder of its family",
+            called.join(" or ")
+        )),
+    }
+}
+
+/// The name of a case without its family.
+fn bare<'c>(case: &'c str) -> &'c str {
+    case.rsplit_once('/').map_or(case, |(_, name)| name)
+}
+
+impl Found {
+    /// Reads the image: of several replicates their mean, with their spread as noise.
+    pub fn read(&self) -> Result<Picture, PictureError> {
+        match (&self.files[..], &self.variance) {
+            ([file], None) => Picture::read(file),
+            ([file], Some(variance)) => with_variance(file, variance),
+            (files, _) => pooled(files),
+        }
+    }
+}
+
+fn in_film(path: &Path) -> impl Fn(FilmError) -> PictureError + '_ {
+    |error| PictureError::Film {
+        path: path.display().to_string(),
+        error,
+    }
+}
+
+/// The radiance in `file`, which is to have noise.
+fn radiance(file: &Path) -> Result<Film, PictureError> {
+    match Picture::read(file)? {
+        Picture::Radiance(film) => Ok(film),
+        Picture::Codes(_) => Err(in_film(file)(FilmError::Unsuited {
+            what: "a PNG has no noise that could be judged".to_owned(),
+            remedy: "write linear radiance, as .exr, .pfm or .npy; or one .png alone",
+        })),
+    }
+}
+
+fn with_variance(file: &Path, variance: &Path) -> Result<Picture, PictureError> {
+    let film = radiance(file)?;
+    let bytes = Picture::bytes(variance)?;
+    let noise = Film::variance_from_exr(&bytes).and_then(|(spread, samples)| {
+        let film = film.with_variance_of(&spread, samples)?;
+        Ok(Picture::Radiance(film))
+    });
+    noise.map_err(in_film(variance))
+}
+
+fn pooled(files: &[PathBuf]) -> Result<Picture, PictureError> {
+    let films: Result<Vec<Film>, PictureError> = files.iter().map(|file| radiance(file)).collect();
+    let first = files.first().map_or(Path::new(""), PathBuf::as_path);
+    let film = Film::from_replicates(&films?).map_err(in_film(first))?;
+    Ok(Picture::Radiance(film))
+}
