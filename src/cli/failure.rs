@@ -20,6 +20,8 @@ pub enum Exit {
     OtherRenderer = 4,
     /// Nothing was compared, or the comparison decided nothing.
     Undecided = 5,
+    /// The suite misses a mistake, or rejects what is right.
+    SelfTest = 6,
 }
 
 impl From<Exit> for ExitCode {

@@ -13,6 +13,7 @@ mod progress;
 mod render;
 mod results;
 mod schema;
+mod selftest;
 mod suite;
 mod validate;
 mod verify;
@@ -45,6 +46,7 @@ enum Command {
     Render(render::Arguments),
     Plan(plan::Arguments),
     Accept(accept::Arguments),
+    Selftest(selftest::Arguments),
     Info(info::Arguments),
     List(list::Arguments),
     Schema(schema::Arguments),
@@ -90,6 +92,7 @@ pub fn main() -> ExitCode {
         Command::Render(arguments) => render::run(arguments),
         Command::Plan(arguments) => plan::run(arguments),
         Command::Accept(arguments) => accept::run(arguments),
+        Command::Selftest(arguments) => selftest::run(arguments),
         Command::Info(arguments) => info::run(arguments),
         Command::List(arguments) => list::run(arguments),
         Command::Schema(arguments) => Ok(schema::run(arguments)),

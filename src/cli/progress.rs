@@ -25,6 +25,12 @@ pub fn work() -> ProgressBar {
     ProgressBar::new(0).with_style(style)
 }
 
+/// What is being done, step by step; how many there are is not known.
+pub fn steps() -> ProgressBar {
+    let style = ProgressStyle::with_template("{spinner} {msg}").expect("a valid template");
+    ProgressBar::new_spinner().with_style(style)
+}
+
 /// A sign of life while images are held against the catalogue of mistakes.
 pub fn mistakes() -> ProgressBar {
     let style = ProgressStyle::with_template("{spinner} looking for the mistake")

@@ -3,9 +3,11 @@
 mod html;
 mod json;
 mod junit;
+mod self_test;
 mod terminal;
 
 pub use html::{Page, results_html};
 pub use json::results_json;
 pub use junit::results_junit;
+pub use self_test::{naming_text, self_test_json, self_test_text};
 pub use terminal::{likely_text, results_text};

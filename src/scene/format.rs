@@ -68,6 +68,8 @@ pub enum Kind {
     Length,
     /// Any text.
     Text,
+    /// Any number of texts, `["one", "another"]`.
+    Words,
     /// Yes or no.
     Flag,
     /// One of a few words.
@@ -206,6 +208,7 @@ impl Kind {
                 "a length: a number in world units, or text such as \"0.5 voxels\"".into()
             }
             Kind::Text => "text in quotes".into(),
+            Kind::Words => "texts in square brackets, such as [\"one\", \"another\"]".into(),
             Kind::Flag => "true or false".into(),
             Kind::Choice(words) => {
                 let quoted: Vec<_> = words.iter().map(|word| format!("{word:?}")).collect();
@@ -344,6 +347,7 @@ fn key_schema(root: &'static Table, key: &Key, complete: bool) -> Value {
             { "type": "string", "pattern": "^[0-9.eE+-]+ *voxels?$" },
         ]}),
         Kind::Text => json!({ "type": "string" }),
+        Kind::Words => json!({ "type": "array", "items": { "type": "string" } }),
         Kind::Flag => json!({ "type": "boolean" }),
         Kind::Choice(words) => json!({ "enum": words }),
         Kind::Table(table) => table_schema(root, table, complete),

@@ -622,6 +622,23 @@ impl<'d, 's> Reader<'d, 's> {
         Ok(flag.unwrap_or(false))
     }
 
+    /// A declared [`Kind::Words`]; left out, there are none.
+    pub fn words(&self, name: &str) -> Result<Vec<String>, Box<SceneError>> {
+        let read = |value: &Spanned<DeValue<'s>>| {
+            let DeValue::Array(items) = value.get_ref() else {
+                return Err(self.wrong_type(name, value));
+            };
+            let word = |item: &Spanned<DeValue<'s>>| match item.get_ref() {
+                DeValue::String(text) => Ok(text.to_string()),
+                _ => Err(self.wrong_type(name, item)),
+            };
+            items.iter().map(word).collect()
+        };
+        let words: Option<Vec<String>> =
+            self.present(name, read, |_| None, |words| format!("{words:?}"))?;
+        Ok(words.unwrap_or_default())
+    }
+
     /// Whether the file holds the key.
     pub fn has(&self, name: &str) -> bool {
         self.value(name).is_some()

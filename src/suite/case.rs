@@ -1,5 +1,6 @@
 //! The folder is the suite: every manifest in it is a case.
 
+use super::mistakes;
 use crate::compare::Gate;
 use crate::scene::format::{Absent, Key, Kind, Literal, Range, Table};
 use crate::scene::reader::{Document, Reader};
@@ -67,7 +68,19 @@ pub const MANIFEST: Table = Table {
             name: "resolution",
             kind: Kind::Number(Range::open(0.0, 1.0)),
             absent: Absent::Default(Literal::Number(0.02)),
-            doc: "Stochastic cases: bias of a block of 8 by 8 pixels that the gate promises to see, relative to the mean radiance of the block plus 0.001.",
+            doc: "Stochastic cases: how well the golden is known in blocks of 8 by 8 pixels. Four standard errors of nine tenths of the blocks are below this, relative to their mean radiance plus 0.001.",
+        },
+        Key {
+            name: "mean_resolution",
+            kind: Kind::Number(Range::open(0.0, 1.0)),
+            absent: Absent::Default(Literal::Number(0.02)),
+            doc: "Stochastic cases: bias of the mean of the whole image that the gate promises to see, relative to that mean plus 0.001. Images too noisy for that are neither passed nor failed.",
+        },
+        Key {
+            name: "mistakes",
+            kind: Kind::Words,
+            absent: Absent::Nothing,
+            doc: "Mistakes that the case must catch, by their names in the catalogue (volref selftest).",
         },
         Key {
             name: "exposure",
@@ -96,6 +109,8 @@ pub struct Case {
     pub computes: String,
     /// How it is rendered.
     pub class: String,
+    /// Mistakes that it must catch, by name.
+    pub mistakes: Vec<String>,
     /// Stops at which 8-bit images are made.
     pub exposure: f64,
     /// Of a stochastic case.
@@ -109,9 +124,11 @@ pub struct Sampling {
     pub converged: u32,
     /// Samples per pixel of the rendering that `verify` repeats.
     pub quick: u32,
-    /// Bias of a block that the gate promises to see, relative to the mean of the block plus
-    /// [`DARK`](crate::compare::stochastic::DARK).
+    /// Four standard errors of a block of the golden are below this, relative to the mean of the
+    /// block plus [`DARK`](crate::compare::stochastic::DARK).
     pub resolution: f64,
+    /// Bias of the mean of the image that the gate promises to see, relative likewise.
+    pub mean_resolution: f64,
 }
 
 impl Case {
@@ -373,10 +390,26 @@ fn read_manifest(path: &Path) -> Result<Case, Box<SceneError>> {
         shows: reader.text("shows")?,
         computes: reader.text("computes")?,
         class,
+        mistakes: read_mistakes(&reader)?,
         exposure: reader.number("exposure")?,
         sampling,
         family,
     })
+}
+
+fn read_mistakes(reader: &Reader<'_, '_>) -> Result<Vec<String>, Box<SceneError>> {
+    let names = reader.words("mistakes")?;
+    for name in &names {
+        if mistakes::named(name).is_none() {
+            let nearest =
+                mistakes::catalogue().min_by_key(|m| strsim::damerau_levenshtein(m.name, name));
+            let nearest = nearest.map_or("", |mistake| mistake.name);
+            let message = format!("{name:?} is no mistake of the catalogue");
+            let help = format!("did you mean {nearest:?}? `volref selftest` shows them all");
+            return Err(reader.mistake("mistakes", message, help));
+        }
+    }
+    Ok(names)
 }
 
 fn read_sampling(
@@ -384,7 +417,12 @@ fn read_sampling(
     is_stochastic: bool,
 ) -> Result<Option<Sampling>, Box<SceneError>> {
     if !is_stochastic {
-        for name in ["converged_samples", "quick_samples", "resolution"] {
+        for name in [
+            "converged_samples",
+            "quick_samples",
+            "resolution",
+            "mean_resolution",
+        ] {
             if reader.has(name) {
                 let message = format!("`{name}` means nothing to a deterministic case");
                 return Err(reader.error(name, message));
@@ -400,5 +438,6 @@ fn read_sampling(
         converged: converged as u32,
         quick: reader.count("quick_samples")? as u32,
         resolution: reader.number("resolution")?,
+        mean_resolution: reader.number("mean_resolution")?,
     }))
 }

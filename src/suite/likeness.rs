@@ -4,7 +4,8 @@
 //! have made of the case: mistakes of the image are made in the golden, those of the scene are
 //! rendered, first with few samples, and what is left with more. A mistake explains an image if
 //! the two differ by no more than noise, and the golden does not; among several, the one that is
-//! nearest beyond doubt comes first. Where none does, two at a time are tried.
+//! nearest beyond doubt comes first. Where none does, two at a time are tried. Cases that passed
+//! speak against mistakes that would have been seen in them.
 //!
 //! A case that a mistake already found explains is not searched again: one mistake that runs
 //! through a whole suite is looked for once.
@@ -22,6 +23,7 @@ use crate::math;
 use crate::scene::Scene;
 use cells::{Cells, Misfit};
 use prediction::{FIRST_LOOK, SECOND_LOOK, in_cells, predicted};
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// No more mistakes than this are named.
@@ -32,6 +34,12 @@ const MOST_SECOND_LOOKS: usize = 8;
 
 /// Mistakes of a scene that are tried together with every other, where none explains an image.
 const MOST_FIRSTS: usize = 8;
+
+/// Mistakes that cases which passed are asked about, at most.
+const MOST_CROSS_EXAMINED: usize = 5;
+
+/// Cases which passed that are asked, at most.
+const MOST_WITNESSES: usize = 12;
 
 /// Cases in which two mistakes at a time are looked for, at most: that takes a while.
 const MOST_PAIR_SEARCHES: usize = 2;
@@ -44,14 +52,14 @@ pub fn likeness(
     store: &Store,
     progress: &dyn Fn(),
 ) -> Vec<Likeness> {
-    let mut suspects: Vec<Suspect> = Vec::new();
+    let (mut suspects, mut witnesses) = (Vec::new(), Vec::new());
     for (index, judged) in judged.iter().enumerate() {
         let case = cases.iter().find(|case| case.name == judged.result.name);
-        if let Some(case) = case
-            && judged.result.cause == Cause::Mismatch
-            && let Some(suspect) = Suspect::new(index, case, judged, store)
-        {
-            suspects.push(suspect);
+        let Some(case) = case else { continue };
+        match judged.result.cause {
+            Cause::Mismatch => suspects.extend(Suspect::new(index, case, judged, store)),
+            Cause::None | Cause::Undecided => witnesses.push((index, *case)),
+            _ => {}
         }
     }
     let mut known: Vec<Hypothesis> = Vec::new();
@@ -94,34 +102,79 @@ pub fn likeness(
                 .insert(suspect.index, misfit);
         }
     }
-    let mut ranked: Vec<(Hypothesis, BTreeMap<usize, Misfit>)> = fits.into_iter().collect();
-    ranked.sort_by(|(a, fits_a), (b, fits_b)| {
-        let mean = |fits: &BTreeMap<usize, Misfit>| {
-            fits.values().map(Misfit::at_most).sum::<f64>() / fits.len() as f64
-        };
-        (fits_b.len().cmp(&fits_a.len()))
-            .then(a.order_of_size().cmp(&b.order_of_size()))
-            .then(mean(fits_a).total_cmp(&mean(fits_b)))
-            .then(a.cmp(b))
-    });
+    let mut ranked: Vec<Explanation> = fits.into_iter().map(Explanation::new).collect();
+    ranked.sort_by_cached_key(Explanation::rank);
+    // What passed speaks against mistakes that would have been seen there.
+    let most = ranked.first().map_or(0, |first| first.fits.len());
+    let close = ranked.iter_mut().filter(|other| other.fits.len() == most);
+    let mut close: Vec<_> = close.take(MOST_CROSS_EXAMINED).collect();
+    if close.len() > 1 {
+        for (index, case) in witnesses.into_iter().take(MOST_WITNESSES) {
+            let Some(witness) = Suspect::new(index, case, &judged[index], store) else {
+                continue;
+            };
+            for explanation in &mut close {
+                progress();
+                let misfit = witness.predict(&explanation.hypothesis, FIRST_LOOK);
+                let misfit = misfit.and_then(|film| witness.misfit(&film));
+                let speaks_against = misfit.is_some_and(|misfit| !misfit.is_noise());
+                explanation.contradictions += usize::from(speaks_against);
+            }
+        }
+    }
+    ranked.sort_by_cached_key(Explanation::rank);
     for suspect in &suspects {
         judged[suspect.index].result.looks_like = ranked
             .iter()
-            .filter(|(_, fits)| fits.contains_key(&suspect.index))
-            .map(|(hypothesis, _)| hypothesis.name())
+            .filter(|explanation| explanation.fits.contains_key(&suspect.index))
+            .map(|explanation| explanation.hypothesis.name())
             .take(MOST_NAMED)
             .collect();
     }
     ranked
         .iter()
         .take(MOST_NAMED)
-        .map(|(hypothesis, fits)| Likeness {
-            mistake: hypothesis.name(),
-            advice: hypothesis.advice(),
-            explains: fits.len(),
+        .map(|explanation| Likeness {
+            mistake: explanation.hypothesis.name(),
+            advice: explanation.hypothesis.advice(),
+            explains: explanation.fits.len(),
             of: suspects.len(),
         })
         .collect()
+}
+
+/// A hypothesis that explains at least one case.
+struct Explanation {
+    hypothesis: Hypothesis,
+    /// By index of the result, how well.
+    fits: BTreeMap<usize, Misfit>,
+    /// Cases that passed and would not have.
+    contradictions: usize,
+}
+
+impl Explanation {
+    fn new((hypothesis, fits): (Hypothesis, BTreeMap<usize, Misfit>)) -> Explanation {
+        Explanation {
+            hypothesis,
+            fits,
+            contradictions: 0,
+        }
+    }
+
+    /// The smaller, the likelier: few contradictions, many cases, one mistake rather than two,
+    /// small distances, and then the order of the catalogue.
+    fn rank(&self) -> (usize, Reverse<usize>, usize, u64, Hypothesis) {
+        let sum: f64 = self.fits.values().map(Misfit::at_most).sum();
+        let mean = sum / self.fits.len() as f64;
+        (
+            self.contradictions,
+            Reverse(self.fits.len()),
+            self.hypothesis.mistakes().len(),
+            // Positive numbers are ordered as their bits are.
+            mean.to_bits(),
+            self.hypothesis,
+        )
+    }
 }
 
 /// One mistake, or two, the first made before the second; by their places in the catalogue.
@@ -138,11 +191,6 @@ impl Hypothesis {
             Hypothesis::One(one) => vec![at(one)],
             Hypothesis::Two(first, second) => vec![at(first), at(second)],
         }
-    }
-
-    /// Fewer mistakes are likelier.
-    fn order_of_size(&self) -> usize {
-        self.mistakes().len()
     }
 
     fn name(&self) -> String {
@@ -163,8 +211,6 @@ struct Suspect {
     scene: Scene,
     exposure: f64,
     golden: Film,
-    /// The image, as radiance.
-    test: Film,
     /// Largest radiance that the file of the image can hold.
     ceiling: Option<f64>,
     /// The image as it was given, for the gates without noise.
@@ -209,7 +255,6 @@ impl Suspect {
             exposure: case.exposure,
             from_golden: golden_cells.misfit(&test_cells, &golden_cells),
             golden,
-            test,
             ceiling,
             picture,
             is_sampled,

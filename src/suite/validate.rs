@@ -21,33 +21,52 @@ pub enum Output {
 /// deterministic or the stochastic one, 8-bit codes by the perceptual one.
 pub fn validate(case: &Case, store: &Store, output: Output) -> Judged {
     let start = Instant::now();
-    let mut evidence = Evidence::of(case);
-    let gate = match &output {
-        Output::Picture(picture) => gate_for(case, picture),
-        Output::Missing(_) | Output::Unusable(_) => case.gate(),
-    };
-    let trusted = Trusted::load(case, store);
-    if let Ok(trusted) = &trusted {
-        evidence.provenance = trusted.provenance();
-        evidence.golden = Some(trusted.golden.film.clone());
-    }
-    // What the renderer did is said even where the golden cannot be trusted; that it did nothing
-    // weighs more.
-    let finding = match (output, trusted) {
-        (Output::Missing(reason), _) => {
-            Finding::new(Verdict::Missing, Cause::OtherRenderer, reason)
-        }
-        (Output::Unusable(reason), _) => Finding::new(Verdict::Error, Cause::OtherRenderer, reason),
-        (Output::Picture(_), Err(finding)) => finding,
+    // What the renderer did is said even where the golden cannot be trusted: that there is no
+    // image weighs more.
+    let (finding, trusted) = match (output, Trusted::load(case, store)) {
         (Output::Picture(picture), Ok(trusted)) => {
-            let finding = judged(case, gate, &trusted, &picture);
-            evidence.test = Some(*picture);
-            finding
+            let mut judged = validate_with(case, &trusted, *picture);
+            judged.result.seconds = start.elapsed().as_secs_f64();
+            return judged;
         }
+        (Output::Picture(_), Err(finding)) => (finding, None),
+        (Output::Missing(reason), trusted) => (
+            Finding::new(Verdict::Missing, Cause::OtherRenderer, reason),
+            trusted.ok(),
+        ),
+        (Output::Unusable(reason), trusted) => (
+            Finding::new(Verdict::Error, Cause::OtherRenderer, reason),
+            trusted.ok(),
+        ),
     };
     Judged {
+        result: finding.result(case, case.gate(), start),
+        evidence: match trusted {
+            Some(trusted) => evidence(case, &trusted),
+            None => Evidence::of(case),
+        },
+    }
+}
+
+/// Judges `picture` as an image of `case`, whose golden is loaded.
+pub(super) fn validate_with(case: &Case, trusted: &Trusted, picture: Picture) -> Judged {
+    let start = Instant::now();
+    let gate = gate_for(case, &picture);
+    let finding = judged(case, gate, trusted, &picture);
+    Judged {
         result: finding.result(case, gate, start),
-        evidence,
+        evidence: Evidence {
+            test: Some(picture),
+            ..evidence(case, trusted)
+        },
+    }
+}
+
+fn evidence(case: &Case, trusted: &Trusted) -> Evidence {
+    Evidence {
+        provenance: trusted.provenance(),
+        golden: Some(trusted.golden.film.clone()),
+        ..Evidence::of(case)
     }
 }
 
@@ -90,7 +109,7 @@ fn judged(case: &Case, gate: Gate, trusted: &Trusted, picture: &Picture) -> Find
 
 /// Why a pass says too little: the case promises to see smaller differences.
 fn undecided(case: &Case, judgement: &Judgement) -> Option<String> {
-    let promise = case.sampling?.resolution;
+    let promise = case.sampling?.mean_resolution;
     let seen = judgement.resolution?;
     (seen > promise).then(|| {
         format!(

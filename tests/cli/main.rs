@@ -13,5 +13,7 @@ mod outputs;
 mod plan;
 mod render;
 mod schema;
+mod selftest;
 mod stochastic;
+mod validate;
 mod verify;

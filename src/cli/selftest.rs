@@ -1,0 +1,116 @@
+//! `volref selftest [FILTER…]`
+
+use super::failure::{Exit, Failure};
+use super::output::Json;
+use super::suite::{Selection, select, store};
+use super::{Outcome, progress};
+use crate::report;
+use crate::suite::mistakes::{self, Mistake};
+use crate::suite::{Case, Extent, Naming, Store, naming, self_test};
+use serde_json::json;
+
+/// Make every known mistake and see that the suite catches it, and that it accepts what is right
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Families, cases, or patterns over them such as 'figures/*' [default: all cases]
+    #[arg(value_name = "FILTER")]
+    filters: Vec<String>,
+    #[command(flatten)]
+    selection: Selection,
+    /// Ask about a mistake only until a case has caught it
+    #[arg(long)]
+    quick: bool,
+    /// Instead: make each mistake RUNS times and count how often it is the first to be named
+    #[arg(long, value_name = "RUNS", value_parser = clap::value_parser!(u64).range(1..=1000))]
+    naming: Option<u64>,
+    /// Instead: make COUNT pairs of mistakes and count how often they are among the first three
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    pairs: Option<u64>,
+    #[command(flatten)]
+    json: Json,
+}
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+    arguments.json.check()?;
+    let suite = arguments.selection.open()?;
+    let cases = select(&suite, &arguments.filters)?;
+    let store = store(&suite);
+    if arguments.naming.is_some() || arguments.pairs.is_some() {
+        let made = made(arguments.naming.unwrap_or(0), arguments.pairs.unwrap_or(0));
+        return measure_naming(&cases, &store, &made, &arguments.json);
+    }
+    let extent = match arguments.quick {
+        true => Extent::Quick,
+        false => Extent::Full,
+    };
+    let bar = progress::steps();
+    let is_whole = arguments.filters.is_empty();
+    let test = self_test(&cases, is_whole, &store, extent, &|next| {
+        bar.set_message(next.to_owned());
+        bar.tick();
+    });
+    bar.finish_and_clear();
+    let value = report::self_test_json(&test);
+    let exit = match test.passed() {
+        true => Exit::Passed,
+        false => Exit::SelfTest,
+    };
+    let text = arguments
+        .json
+        .instead_of(report::self_test_text(&test), &value)?;
+    Ok(Outcome { text, exit })
+}
+
+/// What is made: each mistake `runs` times, and `pairs` pairs of mistakes, spread over all there
+/// are.
+fn made(runs: u64, pairs: u64) -> Vec<(Vec<&'static Mistake>, u64)> {
+    let all: Vec<&'static Mistake> = mistakes::catalogue().collect();
+    let mut made = Vec::new();
+    for run in 1..=runs {
+        made.extend(all.iter().map(|mistake| (vec![*mistake], run)));
+    }
+    // A stride without a common factor goes round all pairs before any comes twice.
+    let every: Vec<(usize, usize)> = (0..all.len())
+        .flat_map(|second| (0..second).map(move |first| (first, second)))
+        .collect();
+    const STRIDE: usize = 1009;
+    for index in 0..pairs as usize {
+        let (first, second) = every[index * STRIDE % every.len()];
+        made.push((vec![all[first], all[second]], index as u64 + 1));
+    }
+    made
+}
+
+fn measure_naming(
+    cases: &[&Case],
+    store: &Store,
+    made: &[(Vec<&'static Mistake>, u64)],
+    json: &Json,
+) -> Result<Outcome, Failure> {
+    let bar = progress::cases(made.len());
+    let namings: Vec<Naming> = made
+        .iter()
+        .map(|(mistakes, run)| {
+            bar.set_message(mistakes[0].name);
+            let naming = naming(cases, store, mistakes, *run);
+            bar.inc(1);
+            naming
+        })
+        .collect();
+    bar.finish_and_clear();
+    let rows: Vec<_> = namings
+        .iter()
+        .map(|naming| {
+            json!({
+                "made": naming.made,
+                "failed_cases": naming.failed,
+                "place": naming.place(),
+                "named": naming.named,
+            })
+        })
+        .collect();
+    let value = json!({ "schema": "volref/naming/1", "runs": rows });
+    let text = json.instead_of(report::naming_text(&namings), &value)?;
+    Ok(text.into())
+}

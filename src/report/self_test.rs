@@ -1,0 +1,163 @@
+//! What a self-test found, for people and for programs.
+
+use crate::suite::mistakes;
+use crate::suite::{MistakeTrials, Naming, SelfTest, Trial};
+use serde_json::{Value, json};
+
+/// The matrix of mistakes and cases, what honest pictures came to, and a verdict.
+pub fn self_test_text(test: &SelfTest) -> String {
+    let mut text = String::from("cases\n");
+    for (index, case) in test.cases.iter().enumerate() {
+        text.push_str(&format!("  {:>2}  {case}\n", index + 1));
+    }
+    let widest = test
+        .mistakes
+        .iter()
+        .map(|row| row.mistake.len())
+        .max()
+        .unwrap_or(0);
+    text.push_str("\nmistakes: x caught, . missed, blank no occasion, ? not tried\n");
+    let digits =
+        |shown: fn(usize) -> String| -> String { (1..=test.cases.len()).map(shown).collect() };
+    let tens = digits(|number| match number / 10 {
+        0 => " ".to_owned(),
+        tens => tens.to_string(),
+    });
+    let ones = digits(|number| (number % 10).to_string());
+    for line in [tens, ones] {
+        text.push_str(format!("  {:<widest$}  {line}", "").trim_end());
+        text.push('\n');
+    }
+    let has_occasion =
+        |row: &&MistakeTrials| row.trials.iter().any(|trial| *trial != Trial::NoOccasion);
+    for row in test.mistakes.iter().filter(has_occasion) {
+        let marks: String = row.trials.iter().map(|trial| mark(*trial)).collect();
+        text.push_str(format!("  {:<widest$}  {marks}", row.mistake).trim_end());
+        text.push('\n');
+    }
+    text.push_str("\nwhat is right\n");
+    for row in &test.benign {
+        let asked = row.accepted + row.rejected.len();
+        text.push_str(&format!(
+            "  {:<widest$}  {} of {asked} cases accept it\n",
+            row.variant, row.accepted
+        ));
+        for rejection in &row.rejected {
+            text.push_str(&format!("      {}: {}\n", rejection.case, rejection.reason));
+        }
+    }
+    for unusable in &test.unusable {
+        text.push_str(&format!(
+            "\n{} cannot be asked: {}\n",
+            unusable.case, unusable.reason
+        ));
+    }
+    for name in &test.uncaught {
+        text.push_str(&format!("\n{name} is caught by no case\n"));
+    }
+    for promise in &test.broken_promises {
+        text.push_str(&format!("\nnot caught, though promised: {promise}\n"));
+    }
+    let rejected: usize = test.benign.iter().map(|row| row.rejected.len()).sum();
+    text.push_str(&format!(
+        "\n{} mistakes caught, {} not; {rejected} honest pictures rejected\n",
+        caught(test),
+        test.uncaught.len()
+    ));
+    text
+}
+
+fn caught(test: &SelfTest) -> usize {
+    let rows = test.mistakes.iter();
+    rows.filter(|row| row.trials.contains(&Trial::Caught))
+        .count()
+}
+
+fn mark(trial: Trial) -> char {
+    match trial {
+        Trial::Caught => 'x',
+        Trial::Missed => '.',
+        Trial::NoOccasion => ' ',
+        Trial::NotTried => '?',
+    }
+}
+
+/// The self-test as JSON.
+pub fn self_test_json(test: &SelfTest) -> Value {
+    let cases_where = |row: &MistakeTrials, wanted: Trial| -> Vec<&str> {
+        let cases = test.cases.iter().zip(&row.trials);
+        cases
+            .filter(|(_, trial)| **trial == wanted)
+            .map(|(case, _)| case.as_str())
+            .collect()
+    };
+    let mistakes: Vec<Value> = test
+        .mistakes
+        .iter()
+        .map(|row| {
+            json!({
+                "name": row.mistake,
+                "advice": mistakes::named(row.mistake).map(|mistake| mistake.advice),
+                "caught_by": cases_where(row, Trial::Caught),
+                "missed_by": cases_where(row, Trial::Missed),
+                "no_occasion": cases_where(row, Trial::NoOccasion),
+            })
+        })
+        .collect();
+    let rejected: usize = test.benign.iter().map(|row| row.rejected.len()).sum();
+    json!({
+        "schema": "volref/selftest/1",
+        "cases": test.cases,
+        "mistakes": mistakes,
+        "benign": test.benign,
+        "summary": {
+            "mistakes": test.mistakes.len(),
+            "caught": caught(test),
+            "uncaught": test.uncaught,
+            "benign_rejected": rejected,
+            "broken_promises": test.broken_promises,
+            "unusable": test.unusable,
+            "passed": test.passed(),
+        },
+    })
+}
+
+/// How often what was made was named, and what was named in its place.
+pub fn naming_text(namings: &[Naming]) -> String {
+    let mut text = String::new();
+    for (what, size, within) in [("mistakes", 1, 1), ("pairs of mistakes", 2, 3)] {
+        let seen: Vec<&Naming> = namings
+            .iter()
+            .filter(|naming| naming.made.len() == size && naming.failed > 0)
+            .collect();
+        let unseen = namings.iter().filter(|n| n.made.len() == size).count() - seen.len();
+        if seen.is_empty() {
+            continue;
+        }
+        let is_named = |naming: &&&Naming| naming.place().is_some_and(|place| place <= within);
+        for naming in seen.iter().filter(|naming| !is_named(naming)) {
+            let named: Vec<_> = naming.named.iter().map(|n| n.mistake.as_str()).collect();
+            let named = match named.is_empty() {
+                true => "nothing".to_owned(),
+                false => named.join(", "),
+            };
+            text.push_str(&format!(
+                "{} ({} failed): named {named}\n",
+                naming.made.join(" + "),
+                naming.failed
+            ));
+        }
+        let right = seen.iter().filter(is_named).count();
+        text.push_str(&format!(
+            "{what}: {right} of {} named {} ({:.1} %); {unseen} failed no case\n",
+            seen.len(),
+            if within == 1 {
+                "first"
+            } else {
+                "among the first three"
+            },
+            100.0 * right as f64 / seen.len() as f64
+        ));
+    }
+    text
+}

@@ -1,0 +1,340 @@
+//! Does the suite catch what it should, and nothing else?
+//!
+//! Every [mistake](super::mistakes) is made in the cases where there is occasion for it, the
+//! picture is rendered with fresh seeds, and judged as that of another renderer would be. A gate
+//! that was never seen to fail is a failing gate; one that rejects an honest picture is as bad.
+
+use super::finding::Trusted;
+use super::mistakes::{self, Mistake};
+use super::validate::validate_with;
+use super::{Case, Judged, Store, Verdict};
+use crate::compare::Picture;
+use crate::film::Film;
+use crate::math::rng::{Purpose, Stream};
+use crate::render::{Plan, render};
+use crate::scene::Scene;
+use half::f16;
+use serde::Serialize;
+
+/// What came of one mistake in one case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Trial {
+    /// Rejected, as it should be.
+    Caught,
+    /// Not rejected.
+    Missed,
+    /// The mistake changes nothing here, or cannot be rendered.
+    NoOccasion,
+    /// Not asked, because another case had answered.
+    NotTried,
+}
+
+/// A mistake, and what each case made of it.
+#[derive(Clone, Debug, Serialize)]
+pub struct MistakeTrials {
+    /// Its name in the catalogue.
+    pub mistake: &'static str,
+    /// By case, in their order.
+    pub trials: Vec<Trial>,
+}
+
+/// A way of being right, and which cases would not have it.
+#[derive(Clone, Debug, Serialize)]
+pub struct BenignTrials {
+    /// What was done.
+    pub variant: &'static str,
+    /// Cases that accepted it, or were undecided.
+    pub accepted: usize,
+    /// Cases that rejected it, and why.
+    pub rejected: Vec<Rejection>,
+}
+
+/// An honest picture that was rejected.
+#[derive(Clone, Debug, Serialize)]
+pub struct Rejection {
+    /// Name of the case.
+    pub case: String,
+    /// What its gate said.
+    pub reason: String,
+}
+
+/// What a self-test found.
+#[derive(Clone, Debug, Serialize)]
+pub struct SelfTest {
+    /// Names of the cases, in order.
+    pub cases: Vec<String>,
+    /// Every mistake.
+    pub mistakes: Vec<MistakeTrials>,
+    /// Every benign variant.
+    pub benign: Vec<BenignTrials>,
+    /// Mistakes that no case caught although there was occasion; if all the cases of the suite were
+    /// asked, also those for which there was none.
+    pub uncaught: Vec<&'static str>,
+    /// Mistakes that the manifest of a case promises to catch, and the case does not.
+    pub broken_promises: Vec<String>,
+    /// Goldens that cannot be trusted, and why: nothing can be said of their cases.
+    pub unusable: Vec<Rejection>,
+}
+
+impl SelfTest {
+    /// Whether every mistake is caught, every promise kept and every honest picture accepted.
+    pub fn passed(&self) -> bool {
+        self.uncaught.is_empty()
+            && self.broken_promises.is_empty()
+            && self.unusable.is_empty()
+            && self.benign.iter().all(|benign| benign.rejected.is_empty())
+    }
+}
+
+/// How much is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extent {
+    /// Every mistake in every case.
+    Full,
+    /// Every mistake until a case has caught it, those first that promise to; honest pictures
+    /// everywhere.
+    Quick,
+}
+
+/// Added to the seed of a scene for pictures of the self-test: they share no random number with
+/// goldens.
+const SEED: u64 = 0x7365_6c66_0000_0000;
+
+/// Runs the self-test on `cases`, which are all of the suite if `is_whole`. `told` is told what
+/// comes next.
+pub fn self_test(
+    cases: &[&Case],
+    is_whole: bool,
+    store: &Store,
+    extent: Extent,
+    told: &dyn Fn(&str),
+) -> SelfTest {
+    let mut unusable = Vec::new();
+    let mut subjects = Vec::new();
+    for case in cases {
+        told(&case.name);
+        match Subject::new(case, store) {
+            Ok(subject) => subjects.push(subject),
+            Err(reason) => unusable.push(Rejection {
+                case: case.name.clone(),
+                reason,
+            }),
+        }
+    }
+    let benign = benign_trials(&subjects, told);
+    let mistakes: Vec<MistakeTrials> = mistakes::catalogue()
+        .map(|mistake| {
+            told(mistake.name);
+            MistakeTrials {
+                mistake: mistake.name,
+                trials: trials(mistake, &subjects, extent),
+            }
+        })
+        .collect();
+    let uncaught = mistakes
+        .iter()
+        .filter(|row| !row.trials.contains(&Trial::Caught))
+        .filter(|row| is_whole || row.trials.contains(&Trial::Missed))
+        .map(|row| row.mistake)
+        .collect();
+    let mut broken_promises = Vec::new();
+    for row in &mistakes {
+        for (subject, trial) in subjects.iter().zip(&row.trials) {
+            let promised = subject.case.mistakes.iter().any(|name| name == row.mistake);
+            if promised && matches!(trial, Trial::Missed | Trial::NoOccasion) {
+                broken_promises.push(format!("{}: {}", subject.case.name, row.mistake));
+            }
+        }
+    }
+    SelfTest {
+        cases: subjects.iter().map(|s| s.case.name.clone()).collect(),
+        mistakes,
+        benign,
+        uncaught,
+        broken_promises,
+        unusable,
+    }
+}
+
+/// A case, and an honest picture of it.
+pub(super) struct Subject<'c> {
+    pub case: &'c Case,
+    trusted: Trusted,
+    /// Per pixel, in every picture.
+    samples: u32,
+    honest: Film,
+}
+
+impl<'c> Subject<'c> {
+    pub fn new(case: &'c Case, store: &Store) -> Result<Subject<'c>, String> {
+        let trusted = Trusted::load(case, store).map_err(|finding| finding.reason)?;
+        let samples = case.sampling.map_or(1, |sampling| sampling.quick);
+        let honest = picture(&trusted.scene, samples, 0).ok_or("the scene cannot be rendered")?;
+        Ok(Subject {
+            case,
+            trusted,
+            samples,
+            honest,
+        })
+    }
+
+    /// The picture as it should be, with seeds of its own for each `run`.
+    pub fn right(&self, run: u64) -> Option<Film> {
+        picture(&self.trusted.scene, self.samples, run)
+    }
+
+    /// Judges a picture of the case.
+    pub fn judge(&self, picture: Picture) -> Judged {
+        validate_with(self.case, &self.trusted, picture)
+    }
+
+    /// The picture with all of `mistakes` that there is occasion for, first those of the scene;
+    /// nothing if that is none.
+    pub fn with_all(&self, mistakes: &[&Mistake], run: u64) -> Option<Film> {
+        let mut scene = None;
+        for mistake in mistakes {
+            let edited = mistake.in_scene(scene.as_ref().unwrap_or(&self.trusted.scene));
+            scene = edited.or(scene);
+        }
+        let mut occurs = scene.is_some();
+        let mut film = picture(
+            scene.as_ref().unwrap_or(&self.trusted.scene),
+            self.samples,
+            run,
+        )?;
+        for mistake in mistakes {
+            if let Some(edited) = mistake.in_image(&film) {
+                film = edited;
+                occurs = true;
+            }
+        }
+        occurs.then_some(film)
+    }
+}
+
+/// `scene` rendered as another renderer would that is built like the reference. Seeds differ from
+/// run to run; scenes without random numbers have none.
+fn picture(scene: &Scene, samples: u32, run: u64) -> Option<Film> {
+    let mut scene = scene.clone();
+    scene.set_samples(samples);
+    scene.set_seed(scene.seed().unwrap_or(0).wrapping_add(SEED + run));
+    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
+    render(&scene, &plans, &|| ()).ok().map(|made| made.film)
+}
+
+/// What each case makes of `mistake`.
+fn trials(mistake: &Mistake, subjects: &[Subject<'_>], extent: Extent) -> Vec<Trial> {
+    let mut trials = vec![Trial::NotTried; subjects.len()];
+    let promises = |subject: &Subject<'_>| subject.case.mistakes.iter().any(|m| m == mistake.name);
+    let mut order: Vec<usize> = (0..subjects.len()).collect();
+    order.sort_by_key(|&index| !promises(&subjects[index]));
+    let mut is_caught = false;
+    for index in order {
+        let subject = &subjects[index];
+        if extent == Extent::Quick && is_caught && !promises(subject) {
+            break;
+        }
+        trials[index] = match subject.with_all(&[mistake], 0) {
+            None => Trial::NoOccasion,
+            Some(film) => match subject.judge(Picture::Radiance(film)).result.verdict {
+                Verdict::Fail => Trial::Caught,
+                _ => Trial::Missed,
+            },
+        };
+        is_caught |= trials[index] == Trial::Caught;
+    }
+    trials
+}
+
+/// A way of being right: nothing where it means nothing to the case.
+type Benign = fn(&Subject<'_>) -> Option<Picture>;
+
+/// What an honest renderer may do.
+const BENIGN: &[(&str, Benign)] = &[
+    ("other-seed", |subject| {
+        Some(Picture::Radiance(subject.honest.clone()))
+    }),
+    ("half-precision", |subject| {
+        Some(Picture::Radiance(mapped(&subject.honest, |_, x| {
+            f16::from_f32(x).to_f32()
+        })))
+    }),
+    ("other-rounding", |subject| {
+        Some(Picture::Radiance(mapped(&subject.honest, |index, x| {
+            let u = Stream::new(SEED, index as u32, 0).uniform(0, Purpose::Camera, 0);
+            // A renderer in single precision is off by no more than this.
+            x * (1.0 + 1e-4 * (2.0 * u as f32 - 1.0))
+        })))
+    }),
+    ("noise-not-stated", |subject| {
+        let film = &subject.honest;
+        film.noise()?;
+        let radiance = film.radiance().to_vec();
+        Some(Picture::Radiance(Film::new(
+            film.width(),
+            film.height(),
+            radiance,
+        )))
+    }),
+    ("four-replicates", |subject| {
+        subject.case.sampling?;
+        let films: Vec<Film> = (1..5).filter_map(|run| subject.right(run)).collect();
+        Film::from_replicates(&films).ok().map(Picture::Radiance)
+    }),
+    ("png-at-the-exposure", |subject| {
+        // Noise is not in the eye's favour: pictures of few samples are not meant to look alike.
+        if subject.case.sampling.is_some() {
+            return None;
+        }
+        let film = &subject.honest;
+        let codes = film.srgb_codes(subject.case.exposure);
+        let image = crate::compare::flip::SrgbImage::new(film.width(), film.height(), codes);
+        image.ok().map(Picture::Codes)
+    }),
+];
+
+/// Radiance mapped value by value, by index; noise as it is.
+fn mapped(film: &Film, map: impl Fn(usize, f32) -> f32) -> Film {
+    let (width, height) = (film.width(), film.height());
+    let values = film.radiance().iter().enumerate();
+    let radiance = values
+        .map(|(index, pixel)| pixel.map(|x| map(index, x)))
+        .collect();
+    match film.noise() {
+        Some(noise) => Film::with_noise(
+            width,
+            height,
+            radiance,
+            noise.variance().to_vec(),
+            noise.samples(),
+        ),
+        None => Film::new(width, height, radiance),
+    }
+}
+
+fn benign_trials(subjects: &[Subject<'_>], told: &dyn Fn(&str)) -> Vec<BenignTrials> {
+    let trial = |&(variant, make): &(&'static str, Benign)| {
+        told(variant);
+        let mut row = BenignTrials {
+            variant,
+            accepted: 0,
+            rejected: Vec::new(),
+        };
+        for subject in subjects {
+            let Some(picture) = make(subject) else {
+                continue;
+            };
+            let result = subject.judge(picture).result;
+            match result.verdict {
+                Verdict::Pass | Verdict::Inconclusive => row.accepted += 1,
+                _ => row.rejected.push(Rejection {
+                    case: result.name,
+                    reason: result.reason,
+                }),
+            }
+        }
+        row
+    };
+    BENIGN.iter().map(trial).collect()
+}
