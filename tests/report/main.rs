@@ -1,0 +1,4 @@
+//! The report: as a file, and in a browser.
+
+mod page;
+mod samples;
