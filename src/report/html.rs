@@ -116,8 +116,8 @@ fn counts(results: &[CaseResult]) -> Vec<Count> {
     .collect()
 }
 
-/// The palettes of the maps, 256 colours each: of FLIP as in [`crate::compare::flip`], and of
-/// signed differences, from blue through near white to red.
+/// The palettes of the maps: of FLIP as in [`crate::compare::flip`], 256 colours for as many codes,
+/// and of signed differences, from blue to red, 255 colours so that the one of 0 is in the middle.
 #[derive(serde::Serialize)]
 struct Palettes {
     magma: Vec<[u8; 3]>,
@@ -125,14 +125,10 @@ struct Palettes {
 }
 
 fn palettes() -> Palettes {
-    let of = |gradient: colorous::Gradient, backwards: bool| {
-        let places = (0..256).map(|i| if backwards { 255 - i } else { i });
-        places
-            .map(|i| gradient.eval_rational(i, 256).into_array())
-            .collect()
-    };
+    let magma = (0..256).map(|i| colorous::MAGMA.eval_rational(i, 256).into_array());
+    let signed = (0..255).map(|i| colorous::RED_BLUE.eval_rational(254 - i, 255).into_array());
     Palettes {
-        magma: of(colorous::MAGMA, false),
-        signed: of(colorous::RED_BLUE, true),
+        magma: magma.collect(),
+        signed: signed.collect(),
     }
 }

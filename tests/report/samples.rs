@@ -1,10 +1,11 @@
 //! A suite as a report may meet it: the goldens, and images made from them by known edits.
 
 use std::path::Path;
+use std::sync::OnceLock;
 use volref::compare::flip::SrgbImage;
 use volref::compare::{Gate, Picture, judge};
 use volref::film::Film;
-use volref::report::Page;
+use volref::report::{Page, results_html};
 use volref::suite::{Case, CaseResult, Cause, Evidence, Likeness, Suite, Verdict};
 
 /// What a page tells of.
@@ -151,7 +152,18 @@ fn evidence(case: &Case, test: impl FnOnce(&Film) -> Option<Picture>) -> Evidenc
 pub const CHECKED: &str = "figures/figure-3";
 
 /// The whole suite, with failures of every kind among it.
-pub fn suite() -> Sample {
+pub fn suite() -> &'static Sample {
+    static SUITE: OnceLock<Sample> = OnceLock::new();
+    SUITE.get_or_init(made_suite)
+}
+
+/// Its page.
+pub fn suite_html() -> &'static str {
+    static HTML: OnceLock<String> = OnceLock::new();
+    HTML.get_or_init(|| results_html(&suite().page()))
+}
+
+fn made_suite() -> Sample {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
     let mut sample = Sample::default();
     for case in suite.cases() {
@@ -247,5 +259,41 @@ pub fn suite() -> Sample {
             of: 6,
         },
     ];
+    sample
+}
+
+/// A text that would do harm if any place of the page took it for more than text.
+pub const HOSTILE: &str = "../\"x' onerror='window.hacked=1'></script><script>window.hacked=1</script><img src=x onerror=window.hacked=1>{{ 7*7 }}<!--]]>";
+
+/// A failed case all of whose texts are [`HOSTILE`].
+pub fn hostile() -> Sample {
+    let mut sample = Sample::default();
+    let text = || HOSTILE.to_owned();
+    let film = Film::new(2, 1, vec![[0.25, 0.5, 1.0], [0.5; 3]]);
+    let evidence = Evidence {
+        golden: Some(film.clone()),
+        test: Some(Picture::Radiance(edited(&film, |_, _, pixel| {
+            pixel.map(|v| 2.0 * v)
+        }))),
+        exposure: 0.0,
+        source: text(),
+        shows: text(),
+        computes: text(),
+        provenance: vec![(text(), text())],
+        reproduce: vec![text()],
+        output: Some(text()),
+    };
+    let result = sample.push(HOSTILE, Verdict::Fail, evidence);
+    result.family = text();
+    result.class = text();
+    result.reason = text();
+    result.looks_like = vec![text()];
+    result.metrics.insert(text(), 1.0);
+    sample.likely = vec![Likeness {
+        mistake: text(),
+        advice: text(),
+        explains: 1,
+        of: 1,
+    }];
     sample
 }

@@ -179,7 +179,7 @@ impl<'a> CaseView<'a> {
                 .collect(),
             means: films.map_or_else(Vec::new, |(golden, test)| means(golden, test)),
             place_words: match &blocks {
-                Some(map) => worst_block(map),
+                Some(map) => Some(odd_blocks(map)),
                 None => films.and_then(|(golden, test)| spread(golden, test)),
             },
             notes,
@@ -376,22 +376,16 @@ fn spread(golden: &Film, test: &Film) -> Option<String> {
     ))
 }
 
-fn worst_block(map: &stochastic::BlockMap) -> Option<String> {
-    let size = |z: &[f64; 3]| z.iter().fold(0.0_f64, |most, z| most.max(z.abs()));
-    let (index, worst) = map
-        .deviations
-        .iter()
-        .enumerate()
-        .max_by(|(_, a), (_, b)| size(a).total_cmp(&size(b)))?;
-    let beyond = map.deviations.iter().filter(|z| size(z) > 5.0).count();
-    Some(format!(
-        "{beyond} of {} blocks of 8 × 8 pixels are off by more than 5 standard errors; the worst, at \
-         ({}, {}), by {}. The z map shows them.",
-        map.deviations.len(),
-        index % map.columns * stochastic::BLOCK,
-        index / map.columns * stochastic::BLOCK,
-        words::digits((size(worst) * 10.0).round() / 10.0)
-    ))
+/// In how many blocks there is more than noise.
+fn odd_blocks(map: &stochastic::BlockMap) -> String {
+    let is_odd = |block: &&[f64; 3]| block.iter().any(|z| z.abs() > 5.0);
+    let odd = map.deviations.iter().filter(is_odd).count();
+    let side = stochastic::BLOCK;
+    format!(
+        "{odd} of {} blocks of {side} × {side} pixels are off by more than 5 standard errors; the z \
+         map shows them.",
+        map.deviations.len()
+    )
 }
 
 fn packed_blocks(map: &stochastic::BlockMap) -> Blocks {

@@ -132,7 +132,7 @@ function paint(name) {
   const data = new ImageData(width, height);
   const light = 2 ** state.exposure * STEPS;
   const full = 2 ** state.scales[name];
-  const signed = value => palettes.signed[Math.round(127.5 + 127.5 * Math.max(-1, Math.min(1, value / full)))];
+  const signed = value => palettes.signed[Math.round(127 + 127 * Math.max(-1, Math.min(1, value / full)))];
   for (let i = 0; i < width * height; i++) {
     const x = i % width, y = Math.floor(i / width);
     let colour;
@@ -185,9 +185,11 @@ function draw() {
 
 function drawPane(figure, canvas, name) {
   const ratio = window.devicePixelRatio || 1;
+  const image = imageOf(name);
+  const height = Math.min(0.66 * innerHeight, canvas.clientWidth * image.height / image.width);
+  canvas.style.height = `${Math.max(120, Math.round(height))}px`;
   canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
   canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-  const image = imageOf(name);
   const { scale, left, top } = place(canvas, image);
   const context = canvas.getContext("2d");
   context.imageSmoothingEnabled = scale < 1;
@@ -235,13 +237,13 @@ function refresh() {
   find("#scale-label").hidden = !hasScale;
   find("#swipe-label").hidden = state.view !== "swipe";
   find("#exposure").value = state.exposure;
-  find("#exposure-value").textContent = `${signedText(state.exposure)} stops`;
+  find("#exposure-value").textContent = `${signedText(Number(state.exposure.toFixed(2)), 3)} stops`;
   find("#channel").value = state.channel;
   find("#swipe").value = state.swipe;
   if (hasScale) {
     const middle = map === "z" ? Math.log2(10) : pictures.ownScale;
     Object.assign(find("#scale"), { min: middle - 10, max: middle + 10 }).value = state.scales[map];
-    find("#scale-value").textContent = text(2 ** state.scales[map]);
+    find("#scale-value").textContent = text(2 ** state.scales[map], 3);
   }
   drawLegend(map);
   drawHistogram();
@@ -252,32 +254,33 @@ function refresh() {
 function drawLegend(map) {
   find("#legend").hidden = !map;
   if (!map) return;
-  const context = find("#legend-bar").getContext("2d");
   const palette = palettes[map === "flip" ? "magma" : "signed"];
+  const bar = find("#legend-bar");
+  bar.width = palette.length;
+  const context = bar.getContext("2d");
   palette.forEach((colour, i) => {
     context.fillStyle = `rgb(${colour})`;
     context.fillRect(i, 0, 1, 1);
   });
   const full = map === "flip" ? 1 : 2 ** state.scales[map];
   const unit = map === "z" ? " standard errors" : pictures.test.codes ? " codes" : "";
-  find("#legend-low").textContent = map === "flip" ? "0 looks the same" : `too dark: −${text(full)}`;
-  find("#legend-high").textContent = map === "flip" ? "1 looks all different" : `+${text(full)}${unit}: too bright`;
+  find("#legend-low").textContent = map === "flip" ? "0 looks the same" : `too dark: −${text(full, 3)}`;
+  find("#legend-high").textContent = map === "flip" ? "1 looks all different" : `+${text(full, 3)}${unit}: too bright`;
   find("#legend-words").textContent = map === "flip" ? "(FLIP)"
     : `(${NAMES[map]}, ${state.channel < 0 ? "the channel that is furthest off" : CHANNELS[state.channel]})`;
 }
 
 // ---- Numbers ----
 
-// Four digits.
-function text(value) {
+function text(value, digits = 4) {
   if (Number.isNaN(value)) return "NaN";
   if (!Number.isFinite(value)) return value > 0 ? "∞" : "−∞";
   const size = Math.abs(value);
-  const digits = value === 0 || Number.isInteger(value) && size < 1e5 ? String(value)
-    : size < 1e-3 || size >= 1e5 ? value.toExponential(3) : value.toPrecision(4);
-  return digits.replace(/-/g, "−");
+  const words = value === 0 || Number.isInteger(value) && size < 1e5 ? String(value)
+    : size < 1e-3 || size >= 1e5 ? value.toExponential(digits - 1) : value.toPrecision(digits);
+  return words.replace(/-/g, "−");
 }
-const signedText = value => value > 0 ? `+${text(value)}` : text(value);
+const signedText = (value, digits) => value > 0 ? `+${text(value, digits)}` : text(value, digits);
 
 // The columns of the read-out for one channel of a pixel.
 function numbersAt(x, y, channel) {
@@ -305,7 +308,7 @@ function readOut() {
   const rows = findAll("#read-out tbody tr");
   find("#read-last").textContent = pictures.tolerance ? "in tolerances" : pictures.z ? "z of block"
     : pictures.test?.codes && pictures.paired ? "golden radiance" : "";
-  find("#read-place").textContent = state.pixel ? `pixel (${state.pixel})` : "pixel –";
+  find("#read-place").textContent = state.pixel ? `pixel (${state.pixel.join(", ")})` : "pixel –";
   rows.forEach((row, channel) => {
     const numbers = state.pixel ? numbersAt(...state.pixel, channel) : {};
     const { golden, test, difference, share, last } = numbers;
@@ -380,9 +383,8 @@ function drawHistogram() {
     high = Math.max(high, value);
     low = Math.min(low, value);
   }
-  find("#histogram-words").textContent = sets
-    .map(({ name, all, positive }) => `${name}: ${all - positive.length} of ${all} values zero, negative or no number`)
-    .join("; ");
+  const left = sets.map(({ name, all, positive }) => `${name} ${all - positive.length} of ${all}`);
+  find("#histogram-words").textContent = `Values left out, as zero, negative or no number: ${left.join(", ")}.`;
   if (!(high > 0)) return;
   const top = Math.ceil(Math.log10(high) + 1e-9);
   const bottom = Math.max(Math.floor(Math.log10(low)), top - 8);
@@ -585,7 +587,7 @@ async function openCase(which) {
   links.forEach((link, i) => i === which ? link.setAttribute("aria-current", "true") : link.removeAttribute("aria-current"));
   if (which < 0) return;
   const article = find(`#case-${which}`);
-  if (main.getBoundingClientRect().top < 0) main.scrollIntoView();
+  if (main.getBoundingClientRect().top < 0 || getComputedStyle(find("nav")).display === "none") main.scrollIntoView();
   const stored = find(".pictures", article);
   if (!stored) return;
   find(".slot", article).append(viewer);
@@ -613,18 +615,18 @@ function showPictures(unpacked) {
   find("#worst").disabled = !pictures.paired;
   const image = pictures.test ?? pictures.golden;
   find("#broken").disabled = !Array.from({ length: image.width * image.height }, (_, i) => i).some(isBroken);
-  find("#precision").textContent = "Precision: golden and test − golden are within 0.05 % of themselves, however small; "
-    + "test is their sum. NaN and infinity are kept."
-    + (pictures.test?.codes ? " Codes are exact; what is brighter than white is lost in an 8-bit image." : "");
+  find("#precision").textContent = pictures.test?.codes
+    ? "Precision: codes, from 0 to 255, are exact; radiance is within 0.05 % of itself. What is brighter than white is lost in an 8-bit image."
+    : "Precision: golden and test − golden are within 0.05 % of themselves, however small; test is their sum. NaN and infinity are kept.";
   const wanted = [state.view, "side", "test", "golden"].find(isPossible);
   setView(wanted);
 }
 
-// The difference that all but one pixel in two hundred stay below.
+// The difference that all but one value in a thousand stay below.
 function usualDifference() {
   if (!pictures.difference) return 0;
   const sizes = pictures.difference.filter(Number.isFinite).map(Math.abs).sort();
-  return sizes[Math.floor(0.995 * sizes.length)] || sizes.at(-1);
+  return sizes[Math.floor(0.999 * sizes.length)] || sizes.at(-1);
 }
 
 const placeInAddress = () => {

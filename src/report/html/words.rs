@@ -24,12 +24,31 @@ pub(super) fn headline(results: &[CaseResult], likely: &[Likeness]) -> String {
     };
     if summary.fail > 0 {
         let verb = if summary.fail == 1 { "fails" } else { "fail" };
-        let guess = match likely.first() {
-            Some(likeness) => format!("it looks like “{}”", likeness.mistake),
-            None => "it looks like no mistake that is known".to_owned(),
-        };
         let cases = if of == 1 { "case" } else { "cases" };
-        return format!("{} of {of} {cases} {verb}: {guess}.{rest}", summary.fail);
+        let guess = match likely.first() {
+            None => ": it looks like no mistake that is known".to_owned(),
+            Some(Likeness {
+                mistake,
+                explains,
+                of,
+                ..
+            }) if explains == of => {
+                format!(": it looks like “{mistake}”")
+            }
+            Some(Likeness {
+                mistake,
+                explains: 1,
+                ..
+            }) => {
+                format!("; one of them looks like “{mistake}”")
+            }
+            Some(Likeness {
+                mistake, explains, ..
+            }) => {
+                format!("; {explains} of them look like “{mistake}”")
+            }
+        };
+        return format!("{} of {of} {cases} {verb}{guess}.{rest}", summary.fail);
     }
     match (summary.pass, of) {
         (0, _) => format!("No case could be judged.{rest}"),
@@ -139,6 +158,8 @@ pub(super) fn digits(value: f64) -> String {
     let size = value.abs();
     let text = match size {
         _ if !(1e-3..1e6).contains(&size) => format!("{value:.3e}"),
+        _ if size < 0.01 => format!("{value:.6}"),
+        _ if size < 0.1 => format!("{value:.5}"),
         _ if size < 1.0 => format!("{value:.4}"),
         _ if size < 100.0 => format!("{value:.3}"),
         _ => format!("{value:.1}"),
@@ -184,6 +205,8 @@ mod tests {
             (0.0, "0"),
             (-12.0, "−12"),
             (0.123_456, "0.1235"),
+            (0.012_345_6, "0.01235"),
+            (0.001_234_56, "0.001235"),
             (3.141_59, "3.142"),
             (1234.56, "1234.6"),
             (-1.234_56e-7, "−1.235e−7"),
