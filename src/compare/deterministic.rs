@@ -11,9 +11,9 @@ use crate::film::Film;
 use crate::math::Sum;
 
 /// Absolute part of the tolerance of a channel.
-const ABSOLUTE: f64 = 1e-3;
+pub const ABSOLUTE: f64 = 1e-3;
 /// Relative part.
-const RELATIVE: f64 = 0.01;
+pub const RELATIVE: f64 = 0.01;
 /// Share of pixels that may lie outside: rays that graze a voxel face and fall, by a rounding,
 /// on its other side.
 const OUTLIERS: f64 = 2e-4;

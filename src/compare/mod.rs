@@ -4,7 +4,7 @@
 //! [exact](Gate::Exact), [deterministic](Gate::Deterministic), [perceptual](Gate::Perceptual) or
 //! [stochastic](Gate::Stochastic), each in its own file with its limits and their reasons.
 
-mod deterministic;
+pub mod deterministic;
 mod exact;
 pub mod flip;
 pub mod perceptual;

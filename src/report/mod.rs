@@ -1,4 +1,4 @@
-//! Results to text, JSON and JUnit. Nothing here reads, writes or prints.
+//! Results to text, JSON, JUnit and HTML. Nothing here reads, writes or prints.
 
 mod html;
 mod json;
