@@ -34,6 +34,11 @@ impl GridDensity {
         &self.grid
     }
 
+    /// How values between the nodes follow from those at the nodes.
+    pub fn interpolation(&self) -> Interpolation {
+        self.interpolation
+    }
+
     /// The value at the place that `cell` stands for.
     #[inline]
     fn read(&self, cell: &Cell) -> f64 {
