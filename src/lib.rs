@@ -60,7 +60,7 @@
 //! [`render::ray_caster`] and [`render::path_tracer`] are the renderers, [`scene`] what it is given, [`render::plan`] how the
 //! code that runs follows from the scene. [`compare`] judges two images, [`suite`] keeps the
 //! goldens. Arrows between modules only point down this list: `cli`, [`report`], [`suite`],
-//! [`compare`] and [`render`], [`scene`], [`media`], [`optics`],
+//! [`compare`], [`exchange`] and [`render`], [`scene`], [`media`], [`optics`],
 //! [`volume`], [`geometry`], [`film`], [`math`].
 //!
 //! ```no_run

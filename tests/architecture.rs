@@ -43,7 +43,10 @@ const ROOMS: &[(&str, &[&str])] = &[
         ],
     ),
     ("compare", &["film", "math", "regular_file"]),
-    ("exchange", &["scene"]),
+    (
+        "exchange",
+        &["scene", "media", "optics", "volume", "geometry", "math"],
+    ),
     (
         "render",
         &[

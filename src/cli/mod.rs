@@ -4,6 +4,7 @@
 
 mod accept;
 mod compare;
+mod export;
 mod failure;
 mod info;
 mod list;
@@ -45,6 +46,7 @@ enum Command {
     Compare(compare::Arguments),
     Render(render::Arguments),
     Plan(plan::Arguments),
+    Export(export::Arguments),
     Accept(accept::Arguments),
     Selftest(selftest::Arguments),
     Info(info::Arguments),
@@ -91,6 +93,7 @@ pub fn main() -> ExitCode {
         Command::Compare(arguments) => compare::run(arguments),
         Command::Render(arguments) => render::run(arguments),
         Command::Plan(arguments) => plan::run(arguments),
+        Command::Export(arguments) => export::run(arguments),
         Command::Accept(arguments) => accept::run(arguments),
         Command::Selftest(arguments) => selftest::run(arguments),
         Command::Info(arguments) => info::run(arguments),

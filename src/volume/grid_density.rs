@@ -39,7 +39,7 @@ impl GridDensity {
         &self.grid
     }
 
-    /// How values between the nodes follow.
+    /// How values between the nodes follow from those at the nodes.
     pub fn interpolation(&self) -> Interpolation {
         self.interpolation
     }

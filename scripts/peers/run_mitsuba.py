@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+"""Renders an exported scene with Mitsuba 3 (`scalar_rgb`) and writes what volref compares.
+
+    run_mitsuba.py SCENE.xml OUTPUT.exr [--spp N] [--seed S] [--replicates R]
+
+SCENE.xml is what `volref export --to mitsuba` writes. OUTPUT.exr holds R, G and B, the variance of
+their means (`variance.R`, `.G`, `.B`) and the samples per pixel (`samples.Y`). Made for
+
+    volref validate --run 'python3 scripts/peers/run_mitsuba.py {export:mitsuba} {output} \\
+        --spp {spp} --seed {seed}'
+
+Mitsuba tells the noise of a picture in no channel of its own, so the samples are divided among R
+pictures with seeds of their own (64, or one for each sample if there are fewer), and the variance
+of the mean is that of the pictures over R. N is rounded up to a multiple of their samples. To it is added
+the square of 1e-5 of the mean: Mitsuba calculates with 32 bits, and of a hundred roundings on a path
+(2^-24 each, 6e-6 together) those that are the same in every sample show in no spread.
+
+A scene that is said channel by channel (it has a parameter `channel`) is rendered three times,
+N samples each, and of every picture that channel is taken.
+
+Needs Python 3.9 with `mitsuba` and `numpy`.
+"""
+
+import argparse
+import math
+import sys
+import xml.etree.ElementTree
+from pathlib import Path
+
+import numpy as np
+
+# The neighbour `mitsuba.py` has the name of the module that is needed here.
+HERE = Path(__file__).resolve().parent
+sys.path[:] = [path for path in sys.path if Path(path or ".").resolve() != HERE]
+import mitsuba as mi  # noqa: E402
+
+mi.set_variant("scalar_rgb")
+
+CHANNELS = ["red", "green", "blue"]
+ROUNDING = 1e-5
+
+
+def parameters(scene):
+    """Names and default values of the parameters of a scene."""
+    root = xml.etree.ElementTree.parse(scene).getroot()
+    return {default.get("name"): default.get("value") for default in root.iter("default")}
+
+
+def replicates(scene, samples, seeds):
+    """A picture of a loaded scene for each seed, of `samples` each."""
+    pictures = (mi.render(scene, spp=samples, seed=int(seed)) for seed in seeds)
+    return np.stack([np.array(picture, float)[:, :, :3] for picture in pictures])
+
+
+def render(file, spp, seed, count=64, settings=None):
+    """Mean, variance of the mean, and samples per pixel."""
+    settings = settings or {}
+    samples = math.ceil(spp / count)
+    count = max(2, math.ceil(spp / samples))
+    # A seed of its own for every picture, none of them near another.
+    seeds = np.random.SeedSequence(seed).generate_state(3 * count).reshape(3, count)
+    if "channel" in parameters(file):
+        parts = []
+        for channel, name in enumerate(CHANNELS):
+            scene = mi.load_file(str(file), channel=name, **settings)
+            pictures = replicates(scene, samples, seeds[channel])
+            parts.append(pictures[..., channel])
+        pictures = np.stack(parts, axis=-1)
+    else:
+        scene = mi.load_file(str(file), **settings)
+        pictures = replicates(scene, samples, seeds[0])
+    mean = pictures.mean(0)
+    variance = pictures.var(0, ddof=1) / count + (ROUNDING * mean) ** 2
+    return mean, variance, count * samples
+
+
+def write(file, mean, variance, samples):
+    """An EXR with the noise in layers of its own."""
+    height, width, _ = mean.shape
+    layers = [mean, variance, np.full((height, width, 1), samples)]
+    names = ["R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.Y"]
+    bitmap = mi.Bitmap(
+        np.concatenate(layers, axis=2).astype(np.float32),
+        pixel_format=mi.Bitmap.PixelFormat.MultiChannel,
+        channel_names=names,
+    )
+    # By its last name only when it is whole.
+    aside = file.with_name(f".{file.stem}.partial.exr")
+    bitmap.write(str(aside))
+    aside.replace(file)
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("scene", type=Path)
+    parser.add_argument("output", type=Path)
+    parser.add_argument("--spp", type=int, help="samples per pixel [the scene's]")
+    parser.add_argument("--seed", type=int, help="any whole number from 0 on [the scene's]")
+    parser.add_argument("--replicates", type=int, default=64, help="at most so many pictures [64]")
+    parser.add_argument(
+        "-D", dest="settings", action="append", default=[], metavar="NAME=VALUE",
+        help="a parameter of the scene, such as -Dintegrator=volpathmis",
+    )
+    options = parser.parse_args()
+    defaults = parameters(options.scene)
+    spp = int(defaults.get("spp", 64)) if options.spp is None else options.spp
+    seed = int(defaults.get("seed", 0)) if options.seed is None else options.seed
+    if spp < 2 or seed < 0 or options.replicates < 2:
+        parser.error("--spp and --replicates are at least 2, --seed is not negative")
+    settings = dict(setting.split("=", 1) for setting in options.settings)
+    write(options.output, *render(options.scene, spp, seed, options.replicates, settings))
+
+
+if __name__ == "__main__":
+    main()

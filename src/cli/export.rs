@@ -1,0 +1,153 @@
+//! `volref export SCENE --to FORMAT -o DIR`
+
+use super::Outcome;
+use super::failure::{Exit, Failure};
+use super::output::Json;
+use crate::exchange::{self, Export, Format, Refusal};
+use crate::scene::Scene;
+use serde_json::json;
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// Write a scene for another renderer
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Scene file (TOML)
+    scene: PathBuf,
+    /// For whom: mitsuba (3, XML), pbrt (v4), or bundle (a classified volume as plain numbers)
+    #[arg(long, value_name = "FORMAT")]
+    to: Format,
+    /// Folder to write into; made if it does not exist
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    #[command(flatten)]
+    json: Json,
+}
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+    arguments.json.check()?;
+    let scene = Scene::load(&arguments.scene)?;
+    let stem = arguments.scene.file_stem().unwrap_or_default();
+    let format = arguments.to;
+    let export = exchange::export(&scene, format, &stem.to_string_lossy())?;
+    let folder = &arguments.output;
+    write_all(folder, &export).map_err(|error| {
+        let message = format!("cannot write into {}: {error}", folder.display());
+        let help = "nothing was written; give a folder that can be made or written to";
+        Failure::new(Exit::BadInput, message, Some(help))
+    })?;
+    let commands = commands(format, folder, &export);
+    let mut text = String::new();
+    for (name, bytes) in &export.files {
+        let path = folder.join(name);
+        text.push_str(&format!("{}: {} bytes\n", path.display(), bytes.len()));
+    }
+    if !commands.is_empty() {
+        text.push_str("\nto render it:\n");
+    }
+    for command in &commands {
+        text.push_str(&format!("  {command}\n"));
+    }
+    let value = json!({
+        "schema": "volref/export/1",
+        "scene": arguments.scene,
+        "format": format.name(),
+        "folder": folder,
+        "main": export.main,
+        "files": export.files.iter().map(|(name, _)| name).collect::<Vec<_>>(),
+        "commands": commands,
+    });
+    arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+impl From<Refusal> for Failure {
+    fn from(refusal: Refusal) -> Failure {
+        let mut message = format!("{} has no words for", refusal.format);
+        for fault in &refusal.faults {
+            message.push_str(&format!("\n- {fault}"));
+        }
+        let help = "nothing was written; leave these out of the scene, or say them another way";
+        Failure::new(Exit::BadInput, message, Some(help))
+    }
+}
+
+/// All files or none: they are written aside, in the folder itself, then renamed, the main one
+/// last. A folder that was made for them is removed again.
+fn write_all(folder: &Path, export: &Export) -> io::Result<()> {
+    let is_new = !folder.exists();
+    fs::create_dir_all(folder)?;
+    let written = write_into(folder, export);
+    if written.is_err() && is_new {
+        // Of several folders made, the last; the others are empty and in nobody's way.
+        let _ = fs::remove_dir(folder);
+    }
+    written
+}
+
+fn write_into(folder: &Path, export: &Export) -> io::Result<()> {
+    let taken = export.files.iter().find(|(name, _)| folder.join(name).is_dir());
+    if let Some((name, _)) = taken {
+        return Err(io::Error::other(format!("{name} is a folder")));
+    }
+    let aside = tempfile::Builder::new()
+        .prefix(".volref-")
+        .suffix(".partial")
+        .tempdir_in(folder)?;
+    for (name, bytes) in &export.files {
+        let mut file = fs::File::create(aside.path().join(name))?;
+        file.write_all(bytes)?;
+        file.sync_all()?;
+    }
+    let (main, others): (Vec<_>, Vec<_>) =
+        (export.files.iter()).partition(|(name, _)| *name == export.main);
+    for (name, _) in others.into_iter().chain(main) {
+        fs::rename(aside.path().join(name), folder.join(name))?;
+    }
+    Ok(())
+}
+
+/// How to call the other renderer.
+fn commands(format: Format, folder: &Path, export: &Export) -> Vec<String> {
+    let quoted = |name: &str| quoted(&folder.join(name));
+    let named = |ending: &str| {
+        let names = export.files.iter().map(|(name, _)| name.as_str());
+        names
+            .filter(|name| name.ends_with(ending))
+            .collect::<Vec<_>>()
+    };
+    match format {
+        Format::Mitsuba => {
+            let stem = export.main.trim_end_matches(".xml");
+            let channels = ["red", "green", "blue"];
+            let split = format!("{stem}.red.xml");
+            if named(".xml").contains(&split.as_str()) {
+                let command = |channel| {
+                    format!(
+                        "mitsuba -m scalar_rgb -Dchannel={channel} -o {stem}.{channel}.exr {}",
+                        quoted(&export.main)
+                    )
+                };
+                return channels.map(command).to_vec();
+            }
+            let main = quoted(&export.main);
+            vec![format!("mitsuba -m scalar_rgb -o {stem}.exr {main}")]
+        }
+        Format::Pbrt => named(".pbrt")
+            .into_iter()
+            .map(|name| format!("pbrt {}", quoted(name)))
+            .collect(),
+        Format::Bundle => Vec::new(),
+    }
+}
+
+/// A path as a shell takes it.
+fn quoted(path: &Path) -> String {
+    let path = path.display().to_string();
+    let plain = |letter: char| letter.is_ascii_alphanumeric() || "/._-".contains(letter);
+    if path.chars().all(plain) {
+        return path;
+    }
+    format!("'{}'", path.replace('\'', r"'\''"))
+}

@@ -1,0 +1,83 @@
+//! Grids and meshes as files of their own.
+
+use crate::volume::Grid;
+use glam::DVec3;
+
+/// A mesh as PLY: little endian, coordinates as `float`.
+///
+/// Both renderers read them into `float32`, so more digits would be lost there.
+pub(super) fn ply(vertices: &[DVec3], faces: &[[usize; 3]]) -> Vec<u8> {
+    let mut bytes = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\n\
+         property float x\nproperty float y\nproperty float z\n\
+         element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        vertices.len(),
+        faces.len()
+    )
+    .into_bytes();
+    for vertex in vertices {
+        for coordinate in vertex.to_array() {
+            bytes.extend((coordinate as f32).to_le_bytes());
+        }
+    }
+    for face in faces {
+        bytes.push(3);
+        for &corner in face {
+            bytes.extend((corner as u32).to_le_bytes());
+        }
+    }
+    bytes
+}
+
+/// A grid as a volume of Mitsuba's, version 3, as many channels as `shares` are different from
+/// each other: 1 or 3. Every value is multiplied by the share of its channel. The box of the
+/// header is the unit cube: where the grid lies is the scene's to say.
+pub(super) fn vol(grid: &Grid<f32>, shares: [f64; 3]) -> Vec<u8> {
+    let shares = match shares {
+        [r, g, b] if r == g && g == b => &shares[..1],
+        _ => &shares[..],
+    };
+    let [nx, ny, nz] = grid.lattice().nodes().map(|nodes| nodes as i32);
+    let mut bytes = b"VOL\x03".to_vec();
+    for word in [1, nx, ny, nz, shares.len() as i32] {
+        bytes.extend(word.to_le_bytes());
+    }
+    for corner in [0_f32, 0.0, 0.0, 1.0, 1.0, 1.0] {
+        bytes.extend(corner.to_le_bytes());
+    }
+    for &value in grid.values() {
+        for &share in shares {
+            bytes.extend(((f64::from(value) * share) as f32).to_le_bytes());
+        }
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::volume::{Lattice, LoadOptions, read_vol};
+
+    #[test]
+    fn a_triangle_as_ply() {
+        let bytes = ply(&[DVec3::ZERO, DVec3::X, DVec3::Y], &[[0, 1, 2]]);
+        let header = b"end_header\n";
+        let end = bytes.windows(header.len()).position(|part| part == header);
+        let data = &bytes[end.unwrap() + header.len()..];
+        // Three vertices of three floats; a count and three numbers.
+        assert_eq!(data.len(), 36 + 13);
+        assert_eq!(data[12..16], 1_f32.to_le_bytes());
+        assert_eq!(data[36..], [3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]);
+    }
+
+    #[test]
+    fn a_grid_is_written_to_the_bit() {
+        let lattice = Lattice::new([2, 1, 2], DVec3::ONE, DVec3::ZERO).unwrap();
+        let grid = Grid::new(lattice, vec![0.1, 2.5, 1e-30, 7.0]).unwrap();
+        let back = read_vol(&vol(&grid, [1.0; 3]), &LoadOptions::default()).unwrap();
+        assert_eq!(back.values(), grid.values());
+        let coloured = vol(&grid, [0.5, 0.25, 1.0]);
+        assert_eq!(coloured.len(), 48 + 4 * 3 * 4);
+        assert_eq!(coloured[48 + 12..48 + 16], 1.25_f32.to_le_bytes());
+    }
+}

@@ -1,0 +1,152 @@
+//! Scenes for other renderers.
+//!
+//! [`export`] says a scene in another renderer's words: light in media for [Mitsuba 3] and
+//! [pbrt-v4], classified volumes as a plain bundle of numbers. What a format has no words for is
+//! a [`Refusal`] that names each such thing; nothing is approximated. Where a scene must be bent
+//! a little, since other renderers move rays off surfaces by more than rounding, the file says
+//! so in a comment.
+//!
+//! `forms` are shapes by their coordinates, `vessels` which media lie in which; `mitsuba` and
+//! `pbrt` write.
+//!
+//! [Mitsuba 3]: https://www.mitsuba-renderer.org
+//! [pbrt-v4]: https://pbrt.org
+
+mod bundle;
+mod files;
+mod forms;
+mod mitsuba;
+mod pbrt;
+mod refusal;
+mod stage;
+mod vessels;
+mod view;
+
+pub use refusal::{Fault, Refusal};
+
+use crate::scene::{Model, Scene};
+use std::fmt;
+use std::str::FromStr;
+
+/// For whom a scene is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// XML of Mitsuba 3, with grids (`.vol`) and meshes (`.ply`) beside it.
+    Mitsuba,
+    /// A scene of pbrt-v4, with meshes (`.ply`) beside it.
+    Pbrt,
+    /// A classified volume or a curve, as numbers and formulas.
+    Bundle,
+}
+
+impl Format {
+    /// All of them.
+    pub const ALL: [Format; 3] = [Format::Mitsuba, Format::Pbrt, Format::Bundle];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Format::Mitsuba => "mitsuba",
+            Format::Pbrt => "pbrt",
+            Format::Bundle => "bundle",
+        }
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Format {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Format, String> {
+        Format::ALL
+            .into_iter()
+            .find(|format| format.name() == text)
+            .ok_or_else(|| {
+                let names = Format::ALL.map(Format::name).join(", ");
+                format!("there is no format `{text}`: choose one of {names}")
+            })
+    }
+}
+
+/// A scene in another format: files by names relative to one folder.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Export {
+    /// The file that the other renderer is given; one of `files`.
+    pub main: String,
+    /// Every file and what is in it. No name leads out of the folder.
+    pub files: Vec<(String, Vec<u8>)>,
+}
+
+/// `scene` in the words of `format`, in files whose names begin with `name`: letters, digits,
+/// `.`, `-` and `_` of it, other characters as `-`.
+///
+/// # Errors
+///
+/// [`Refusal`] names everything that the format has no words for.
+pub fn export(scene: &Scene, format: Format, name: &str) -> Result<Export, Refusal> {
+    let name = &plain(name);
+    if format == Format::Bundle {
+        return bundle::bundle(scene, name);
+    }
+    let [panel] = &scene.panels[..] else {
+        let what = "several pictures side by side; write a scene of each panel";
+        return Err(Refusal::of(format, "panel", what));
+    };
+    let radiative = match &panel.model {
+        Model::Radiative(radiative) => radiative,
+        Model::Classified(_) => {
+            let what = "a classified volume; export it to `bundle`";
+            return Err(Refusal::of(format, "classified", what));
+        }
+        Model::Curve(_) => {
+            let what = "a plot of a curve; export it to `bundle`";
+            return Err(Refusal::of(format, "curve", what));
+        }
+    };
+    match format {
+        Format::Mitsuba => mitsuba::scene(panel, radiative, name),
+        Format::Pbrt => pbrt::scene(panel, radiative, name),
+        Format::Bundle => unreachable!("answered above"),
+    }
+}
+
+/// A name that any file system, shell, XML attribute and pbrt string takes as it is.
+fn plain(name: &str) -> String {
+    let plain = |letter: char| match letter {
+        'a'..='z' | 'A'..='Z' | '0'..='9' | '.' | '_' => letter,
+        _ => '-',
+    };
+    let name: String = name.chars().map(plain).collect();
+    match name.trim_start_matches(['.', '-']) {
+        "" => "scene".to_owned(),
+        name => name.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_have_names() {
+        for format in Format::ALL {
+            assert_eq!(format.to_string().parse(), Ok(format));
+        }
+        let error = "Mitsuba".parse::<Format>().unwrap_err();
+        assert!(error.contains("mitsuba, pbrt, bundle"), "{error}");
+    }
+
+    #[test]
+    fn names_stay_in_their_folder() {
+        assert_eq!(plain("../../etc/x"), "etc-x");
+        assert_eq!(plain("rate-0.1"), "rate-0.1");
+        assert_eq!(plain("a\"b<c>"), "a-b-c-");
+        assert_eq!(plain(".."), "scene");
+        assert_eq!(plain(""), "scene");
+    }
+}

@@ -1,0 +1,67 @@
+//! What a format has no words for.
+
+use super::Format;
+use std::fmt;
+use thiserror::Error;
+
+/// One thing that a format cannot say.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// Where it stands in the scene, such as `radiative.medium[2]`, counted from 0.
+    pub place: String,
+    /// What it is, and where there is a way around it, which.
+    pub what: String,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.place, self.what)
+    }
+}
+
+/// A scene that a format cannot say without changing it.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{format} cannot say {}", listed(faults))]
+pub struct Refusal {
+    /// The format.
+    pub format: Format,
+    /// Everything it has no words for, at least one thing.
+    pub faults: Vec<Fault>,
+}
+
+impl Refusal {
+    /// A refusal for a single reason.
+    pub fn of(format: Format, place: impl Into<String>, what: impl Into<String>) -> Refusal {
+        let (place, what) = (place.into(), what.into());
+        Refusal {
+            format,
+            faults: vec![Fault { place, what }],
+        }
+    }
+}
+
+fn listed(faults: &[Fault]) -> String {
+    let faults: Vec<String> = faults.iter().map(Fault::to_string).collect();
+    faults.join("; ")
+}
+
+/// Collects all faults of a scene before it is refused.
+#[derive(Default)]
+pub(super) struct Faults(Vec<Fault>);
+
+impl Faults {
+    /// Notes one.
+    pub(super) fn add(&mut self, place: impl Into<String>, what: impl Into<String>) {
+        let (place, what) = (place.into(), what.into());
+        self.0.push(Fault { place, what });
+    }
+
+    /// `result`, unless there was a fault.
+    pub(super) fn none<T>(self, format: Format, result: T) -> Result<T, Refusal> {
+        if self.0.is_empty() {
+            return Ok(result);
+        }
+        let faults = self.0;
+        Err(Refusal { format, faults })
+    }
+}

@@ -1,0 +1,145 @@
+//! A radiative scene, put in order for other renderers.
+
+use super::forms::Form;
+use super::refusal::Faults;
+use super::vessels::{Vessels, Wall};
+use super::view::View;
+use crate::geometry::{ClosedMesh, Emitter, Mesh, Ray, Shape, Side, Surface};
+use crate::optics::{Light, Material};
+use crate::scene::{AreaLight, Object, Panel, Radiative, Scattering};
+use glam::DVec3;
+
+/// Everything of a scene, by its coordinates, with the names that messages use.
+pub(super) struct Stage<'s> {
+    /// Surfaces that reflect or refract, and what they do to light.
+    pub objects: Vec<(String, Form, Material)>,
+    /// Surfaces that send out light.
+    pub area_lights: Vec<(String, Form, &'s AreaLight)>,
+    /// Media.
+    pub vessels: Vessels<'s>,
+    /// The eye.
+    pub view: View,
+    /// The largest coordinate of anything, in magnitude.
+    pub reach: f64,
+}
+
+impl<'s> Stage<'s> {
+    /// That of `scene`, which is the model of `panel`. What neither format can say goes to
+    /// `faults`.
+    pub(super) fn of(panel: &Panel, scene: &'s Radiative, faults: &mut Faults) -> Stage<'s> {
+        let view = View::of(&scene.camera);
+        let [objects, lights] = names(panel, scene);
+        let objects: Vec<_> = (scene.objects.iter().zip(objects))
+            .map(|(object, place)| (place, Form::of_shape(&object.shape), object.material))
+            .collect();
+        let area_lights: Vec<_> = (scene.area_lights.iter().zip(lights))
+            .map(|(light, place)| (place, Form::of_luminous(&light.shape), light))
+            .collect();
+        for ((place, _, _), object) in objects.iter().zip(&scene.objects) {
+            if let Err(what) = check_glass(object, scene, view.eye) {
+                faults.add(place, what);
+            }
+        }
+        let forms = objects.iter().map(|(_, form, _)| form);
+        let forms = forms.chain(area_lights.iter().map(|(_, form, _)| form));
+        let bodies = scene.media.iter().filter_map(|body| body.boundary.as_ref());
+        let places = scene.lights.iter().filter_map(Light::position);
+        let reach = forms
+            .map(Form::reach)
+            .chain(bodies.map(|boundary| boundary.bounds().reach()))
+            .chain(places.map(|place| place.abs().max_element()))
+            .fold(view.eye.abs().max_element(), f64::max);
+        // Beyond, squares of distances leave the numbers that both renderers calculate with.
+        if !(1e-15..1e15).contains(&reach) {
+            let what = format!(
+                "coordinates up to {reach:e}, too large or too small for 32-bit numbers; choose \
+                 another unit of length"
+            );
+            faults.add("radiative", what);
+        }
+        let walls = objects
+            .iter()
+            .enumerate()
+            .map(|(object, (place, form, material))| Wall {
+                place: place.clone(),
+                form: form.clone(),
+                opaque: !matches!(material, Material::Glass(_)) && !matches!(form, Form::Mesh { .. }),
+                object: Some(object),
+            });
+        let lamps = area_lights.iter().map(|(place, form, _)| Wall {
+            place: place.clone(),
+            form: form.clone(),
+            opaque: !matches!(form, Form::Mesh { .. }),
+            object: None,
+        });
+        let walls: Vec<Wall> = walls.chain(lamps).collect();
+        let vessels = Vessels::of(scene, &walls, view.eye, reach, faults);
+        Stage {
+            objects,
+            area_lights,
+            vessels,
+            view,
+            reach,
+        }
+    }
+}
+
+/// How often light may be turned; none without limit.
+pub(super) fn turns(scattering: Scattering) -> Option<u32> {
+    match scattering {
+        Scattering::None => Some(0),
+        Scattering::Single => Some(1),
+        Scattering::Multiple(limit) => limit,
+    }
+}
+
+/// The names of objects and of lights, which the scene file lists together.
+fn names(panel: &Panel, scene: &Radiative) -> [Vec<String>; 2] {
+    let count = scene.objects.len() + scene.area_lights.len();
+    let mut names = [Vec::new(), Vec::new()];
+    for index in 0..count {
+        let place = format!("radiative.surface[{index}]");
+        let emitter = format!("{place}.emitter.");
+        let is_light = |key: &str| key.starts_with(&emitter);
+        let kind = usize::from(panel.readings.iter().any(|reading| is_light(&reading.key)));
+        names[kind].push(place);
+    }
+    names
+}
+
+/// Other renderers let radiance grow by the square of the index where light goes into glass;
+/// volref does not. That cancels where light leaves again, so what begins or ends in glass is
+/// refused.
+fn check_glass(object: &Object, scene: &Radiative, eye: DVec3) -> Result<(), String> {
+    if !matches!(object.material, Material::Glass(_)) {
+        return Ok(());
+    }
+    let closed = |mesh: &Mesh| ClosedMesh::new(mesh.clone()).is_ok();
+    let is_closed = match &object.shape {
+        Shape::Rectangle(_) => false,
+        Shape::Mesh(mesh) => closed(mesh),
+        Shape::PlacedMesh(placed) => closed(placed.shape()),
+        _ => true,
+    };
+    if !is_closed {
+        let what = "glass without an inside: the radiance behind it has another scale there";
+        return Err(what.to_owned());
+    }
+    let lights = scene.lights.iter().filter_map(Light::position);
+    let lamps = scene.area_lights.iter();
+    let lamps = lamps.map(|light| light.shape.sample([0.25, 0.25]).position);
+    let mut places = std::iter::once(eye).chain(lights).chain(lamps);
+    if places.any(|place| is_inside(&object.shape, place)) {
+        let what = "glass with the eye or a light in it: the radiance there has another scale";
+        return Err(what.to_owned());
+    }
+    Ok(())
+}
+
+/// Whether the first thing seen of a closed shape is its back.
+fn is_inside(shape: &Shape, point: DVec3) -> bool {
+    // No direction of symmetry, so that no edge is met.
+    let direction = DVec3::new(0.613, 0.371, 0.697);
+    let hit = Ray::new(point, direction).and_then(|ray| shape.hit(&ray, f64::INFINITY));
+    hit.is_some_and(|hit| hit.side == Side::Back)
+}

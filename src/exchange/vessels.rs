@@ -1,0 +1,483 @@
+//! Which media lie in which, and where their boundaries may stand.
+//!
+//! In volref media overlap and add up. Mitsuba and pbrt know one medium at a place, told inside
+//! from outside by the boundary that a ray crosses. So media must be apart or one wholly within
+//! another, and a boundary may not lie in a surface: a ray that starts on the surface would start
+//! beyond the boundary, or not, by rounding.
+
+use super::forms::{Form, normal_of};
+use super::refusal::Faults;
+use crate::geometry::{Boundary, Ray, Solid, Transform};
+use crate::media::{Field, Homogeneous};
+use crate::scene::{Body, Radiative};
+use crate::volume::{DensityField, GridDensity};
+use glam::DVec3;
+
+/// Boundaries keep this distance from each other and from surfaces, times 1 + the largest
+/// coordinate. Mitsuba starts rays 9e-5 times that off a surface; pbrt's distances are smaller.
+pub(super) const GAP: f64 = 5e-4;
+
+/// Places nearer to each other than this, times the largest coordinate, are one.
+const SAME: f64 = 1e-6;
+
+/// A medium and where it ends.
+pub(super) struct Vessel<'s> {
+    /// Which of the scene's media it is.
+    pub index: usize,
+    /// Its boundary.
+    pub form: Form,
+    /// Whether faces of the boundary were moved behind the surfaces that they lay in.
+    pub moved: bool,
+    /// The scene's object that has the same shape: the boundary is its surface.
+    pub skin: Option<usize>,
+    /// What it is made of at density 1.
+    pub medium: Homogeneous,
+    /// Its density, if that varies.
+    pub grid: Option<Placed<'s>>,
+    /// The vessel directly around it, by its place in the list.
+    pub parent: Option<usize>,
+}
+
+/// A grid of densities somewhere.
+pub(super) struct Placed<'s> {
+    /// Densities.
+    pub density: &'s GridDensity,
+    /// From the coordinates of the grid to the world.
+    pub to_world: Transform,
+}
+
+/// A surface that a boundary may touch.
+pub(super) struct Wall {
+    /// Its name in the scene.
+    pub place: String,
+    /// Its shape.
+    pub form: Form,
+    /// Whether nobody can look behind it.
+    pub opaque: bool,
+    /// Which of the scene's objects it is; none for a light.
+    pub object: Option<usize>,
+}
+
+/// All media of a scene.
+pub(super) struct Vessels<'s> {
+    /// Those that do something to light, in the scene's order.
+    pub list: Vec<Vessel<'s>>,
+    /// The innermost that the eye is in.
+    pub eye: Option<usize>,
+}
+
+impl<'s> Vessels<'s> {
+    /// The media of `scene`, whose surfaces are `walls`; `reach` is the largest coordinate of
+    /// anything. What cannot be said goes to `faults`.
+    pub(super) fn of(
+        scene: &'s Radiative,
+        walls: &[Wall],
+        eye: DVec3,
+        reach: f64,
+        faults: &mut Faults,
+    ) -> Vessels<'s> {
+        let contacts = Contacts {
+            walls,
+            gap: GAP * (1.0 + reach),
+            same: SAME * reach,
+        };
+        let mut list = Vec::new();
+        for (index, body) in scene.media.iter().enumerate() {
+            match vessel(index, body, &contacts) {
+                Ok(vessel) => list.extend(vessel),
+                Err(what) => faults.add(place_of(index), what),
+            }
+        }
+        nest(&mut list, contacts.gap, faults);
+        let holds_eye = |vessel: &Vessel| match &scene.media[vessel.index].boundary {
+            Some(boundary) => holds(&vessel.form, boundary, eye),
+            None => false,
+        };
+        let depth = |at: usize| ancestors(&list, at).count();
+        let around_eye = (0..list.len()).filter(|&at| holds_eye(&list[at]));
+        let eye = around_eye.max_by_key(|&at| depth(at));
+        Vessels { list, eye }
+    }
+
+    /// The vessel `at` and all around it, from the inside out: what it is filled with.
+    pub(super) fn layers(&self, at: usize) -> impl Iterator<Item = &Vessel<'s>> {
+        std::iter::once(at)
+            .chain(ancestors(&self.list, at))
+            .map(|at| &self.list[at])
+    }
+}
+
+/// The name of a medium in messages.
+pub(super) fn place_of(index: usize) -> String {
+    format!("radiative.medium[{index}]")
+}
+
+fn ancestors<'v>(list: &'v [Vessel], at: usize) -> impl Iterator<Item = usize> + 'v {
+    std::iter::successors(list[at].parent, |&at| list[at].parent)
+}
+
+/// The medium `body`, if it does anything to light; or what cannot be said of it.
+fn vessel<'s>(
+    index: usize,
+    body: &'s Body,
+    contacts: &Contacts,
+) -> Result<Option<Vessel<'s>>, String> {
+    if body.medium.emission != DVec3::ZERO {
+        return Err("a medium that sends out light".to_owned());
+    }
+    let mut medium = body.medium;
+    let mut grid = None;
+    if let Some(density) = &body.density {
+        match density.field() {
+            Field::Constant(field) => {
+                medium = thinned(medium, field.density(DVec3::ZERO));
+            }
+            Field::Grid(field) => grid = Some(field),
+            Field::Noise(_) => return Err("fractal noise".to_owned()),
+            Field::Exponential(_) => return Err("an exponential layer".to_owned()),
+            Field::Linear(_) => return Err("a linear ramp of densities".to_owned()),
+            Field::Blob(_) => return Err("a Gaussian ball".to_owned()),
+        }
+        if density.blocks().range().high == 0.0 {
+            return Ok(None);
+        }
+    }
+    if medium.coefficients.sigma_t() == DVec3::ZERO {
+        return Ok(None);
+    }
+    let Some(boundary) = &body.boundary else {
+        let what = "a medium that fills all space; give it a box, sphere or mesh";
+        return Err(what.to_owned());
+    };
+    let mut form = Form::of_boundary(boundary);
+    let mut placed = None;
+    if let Some(density) = grid {
+        form = within_grid(boundary, form, density)?;
+        let to_world = match boundary {
+            Boundary::PlacedSphere(shape) => *shape.to_world(),
+            Boundary::PlacedBox(shape) => *shape.to_world(),
+            Boundary::PlacedMesh(shape) => *shape.to_world(),
+            _ => Transform::IDENTITY,
+        };
+        placed = Some(Placed { density, to_world });
+    }
+    let mut walls = contacts.walls.iter();
+    let skin = walls.find(|wall| wall.form == form);
+    if let Some(Wall {
+        object: None,
+        place,
+        ..
+    }) = skin
+    {
+        return Err(format!("its boundary is the surface of a light, {place}"));
+    }
+    let mut moved = false;
+    if skin.is_none() {
+        let touched = contacts.touched(&form)?;
+        moved = touched.contains(&true);
+        behind(&mut form, &touched, contacts.gap);
+    }
+    Ok(Some(Vessel {
+        index,
+        form,
+        moved,
+        skin: skin.and_then(|wall| wall.object),
+        medium,
+        grid: placed,
+        parent: None,
+    }))
+}
+
+/// The same medium at another density.
+fn thinned(medium: Homogeneous, density: f64) -> Homogeneous {
+    let coefficients = &medium.coefficients;
+    let (sigma_a, sigma_s) = (
+        coefficients.sigma_a() * density,
+        coefficients.sigma_s() * density,
+    );
+    Homogeneous {
+        coefficients: crate::media::Coefficients::new(sigma_a, sigma_s)
+            .unwrap_or(medium.coefficients),
+        ..medium
+    }
+}
+
+/// The part of a boundary that its grid fills: there the medium ends.
+fn within_grid(boundary: &Boundary, form: Form, density: &GridDensity) -> Result<Form, String> {
+    let own = density.bounds();
+    let (shape, to_world) = match boundary {
+        Boundary::Box(shape) => (Some(*shape), Transform::IDENTITY),
+        Boundary::PlacedBox(placed) => (Some(*placed.shape()), *placed.to_world()),
+        Boundary::Sphere(shape) => (None, bounds_within(shape, &own)?),
+        Boundary::PlacedSphere(placed) => (None, bounds_within(placed.shape(), &own)?),
+        Boundary::Mesh(shape) => (None, bounds_within(&**shape, &own)?),
+        Boundary::PlacedMesh(placed) => (None, bounds_within(&**placed.shape(), &own)?),
+    };
+    let Some(mut shape) = shape else {
+        return Ok(form);
+    };
+    shape.min = shape.min.max(own.min);
+    shape.max = shape.max.min(own.max);
+    if shape.min.cmpge(shape.max).any() {
+        return Err("a grid that lies outside the box of its medium".to_owned());
+    }
+    Ok(Form::cuboid(&shape, &to_world))
+}
+
+/// That `shape` does not reach beyond its grid, for only a box can be cut off there.
+fn bounds_within(
+    shape: &impl crate::geometry::Surface,
+    own: &crate::geometry::Aabb,
+) -> Result<Transform, String> {
+    let bounds = shape.bounds();
+    if bounds.min.cmplt(own.min).any() || bounds.max.cmpgt(own.max).any() {
+        return Err("a sphere or mesh of medium that reaches beyond its grid".to_owned());
+    }
+    Ok(Transform::IDENTITY)
+}
+
+/// Moves the touched faces of a box outward by `way`.
+fn behind(form: &mut Form, touched: &[bool], way: f64) {
+    let Form::Box { corner, edges } = form else {
+        return;
+    };
+    for axis in 0..3 {
+        let step = edges[axis].normalize() * way;
+        if touched[2 * axis] {
+            *corner -= step;
+            edges[axis] += step;
+        }
+        if touched[2 * axis + 1] {
+            edges[axis] += step;
+        }
+    }
+}
+
+/// Where boundaries meet surfaces.
+struct Contacts<'w> {
+    walls: &'w [Wall],
+    gap: f64,
+    same: f64,
+}
+
+impl Contacts<'_> {
+    /// For each face of a boundary, whether it lies wholly in an opaque surface, behind which it
+    /// can be moved. An error for contacts of any other kind.
+    fn touched(&self, form: &Form) -> Result<Vec<bool>, String> {
+        let is_box = matches!(form, Form::Box { .. });
+        let mut touched = Vec::new();
+        for face in form.faces() {
+            let mut partly = None;
+            let mut covered = false;
+            for wall in self.walls {
+                // A mesh of medium beside a mesh of surface: too many pairs, and no plane of
+                // their own that they would share on purpose.
+                if !is_box && matches!(wall.form, Form::Mesh { .. }) {
+                    continue;
+                }
+                for piece in wall.form.faces() {
+                    match self.meet(&face, &piece) {
+                        Meeting::No => {}
+                        Meeting::Covered if is_box && wall.opaque => covered = true,
+                        Meeting::Covered | Meeting::Partly => partly = Some(wall),
+                    }
+                }
+            }
+            if let (Some(wall), false) = (partly, covered) {
+                return Err(format!(
+                    "a face that lies in {}, or so near that rays from there start beyond it; \
+                     move it into the surface or away from it",
+                    wall.place
+                ));
+            }
+            touched.push(covered);
+        }
+        Ok(touched)
+    }
+
+    /// How a face of a boundary meets a flat piece of surface.
+    fn meet(&self, face: &[DVec3], piece: &[DVec3]) -> Meeting {
+        let normal = normal_of(face);
+        let heights = || piece.iter().map(|point| (point - face[0]).dot(normal));
+        let (low, high) = heights().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
+            (low.min(h), high.max(h))
+        });
+        // Not parallel, inside the medium, or far enough outside.
+        if high - low > self.same || low < -self.same || high > self.gap {
+            return Meeting::No;
+        }
+        if !overlap(face, piece, normal, self.same) {
+            return Meeting::No;
+        }
+        let in_plane = high <= self.same;
+        let covered = face.iter().all(|&point| within(piece, point, self.same));
+        if in_plane && covered {
+            Meeting::Covered
+        } else {
+            Meeting::Partly
+        }
+    }
+}
+
+enum Meeting {
+    No,
+    Partly,
+    Covered,
+}
+
+/// Whether two convex polygons in planes with this normal overlap by more than `tolerance`,
+/// seen along the normal: separating axes.
+fn overlap(a: &[DVec3], b: &[DVec3], normal: DVec3, tolerance: f64) -> bool {
+    let sides = |polygon: &[DVec3]| -> Vec<DVec3> {
+        let next = |at: usize| polygon[(at + 1) % polygon.len()];
+        (0..polygon.len())
+            .map(|at| (next(at) - polygon[at]).cross(normal).normalize())
+            .collect()
+    };
+    let mut axes = sides(a).into_iter().chain(sides(b));
+    axes.all(|axis| {
+        let ([low, high], [other_low, other_high]) = (extent(a, axis), extent(b, axis));
+        low + tolerance < other_high && other_low + tolerance < high
+    })
+}
+
+/// Whether a point of the plane of a convex polygon lies in it.
+fn within(polygon: &[DVec3], point: DVec3, tolerance: f64) -> bool {
+    let normal = normal_of(polygon);
+    (0..polygon.len()).all(|at| {
+        let (from, to) = (polygon[at], polygon[(at + 1) % polygon.len()]);
+        let inward = normal.cross(to - from).normalize();
+        (point - from).dot(inward) >= -tolerance
+    })
+}
+
+/// Smallest and largest coordinate along an axis.
+fn extent(points: &[DVec3], axis: DVec3) -> [f64; 2] {
+    points
+        .iter()
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], point| {
+            let place = point.dot(axis);
+            [low.min(place), high.max(place)]
+        })
+}
+
+/// Finds the vessel directly around each; a fault where two neither are apart nor nested.
+fn nest(list: &mut [Vessel], gap: f64, faults: &mut Faults) {
+    let mut around = vec![Vec::new(); list.len()];
+    for first in 0..list.len() {
+        for second in first + 1..list.len() {
+            let (a, b) = (&list[first].form, &list[second].form);
+            if lies_in(a, b, gap) {
+                around[first].push(second);
+            } else if lies_in(b, a, gap) {
+                around[second].push(first);
+            } else if !apart(a, b, gap) {
+                let (one, other) = (list[first].index, list[second].index);
+                let what = format!(
+                    "it and {} overlap or touch, or boxes around them do, and neither lies within \
+                     the other; only one medium can be at a place",
+                    place_of(one)
+                );
+                faults.add(place_of(other), what);
+            }
+        }
+    }
+    let depth: Vec<usize> = around.iter().map(Vec::len).collect();
+    for (at, around) in around.iter().enumerate() {
+        list[at].parent = around.iter().copied().max_by_key(|&other| depth[other]);
+        if list[at].parent.is_some() && list[at].layers_vary(around, list) {
+            let what = "a grid in another medium, or a medium in a grid: densities add up only \
+                        where both are the same everywhere";
+            faults.add(place_of(list[at].index), what);
+        }
+    }
+}
+
+impl Vessel<'_> {
+    fn layers_vary(&self, around: &[usize], list: &[Vessel]) -> bool {
+        self.grid.is_some() || around.iter().any(|&other| list[other].grid.is_some())
+    }
+}
+
+/// Whether one form lies within another, `gap` away from its boundary. Only boxes and balls are
+/// asked: they are convex.
+fn lies_in(inner: &Form, outer: &Form, gap: f64) -> bool {
+    match outer {
+        Form::Box { corner, edges } => edges.iter().all(|edge| {
+            let axis = edge.normalize();
+            let low = corner.dot(axis);
+            let [from, to] = extent_of(inner, axis);
+            from > low + gap && to < low + edge.length() - gap
+        }),
+        Form::Sphere { centre, radius } => {
+            let farthest = match inner {
+                Form::Sphere {
+                    centre: other,
+                    radius: less,
+                } => centre.distance(*other) + less,
+                _ => (inner.corners().iter())
+                    .map(|corner| corner.distance(*centre))
+                    .fold(0.0, f64::max),
+            };
+            farthest < radius - gap
+        }
+        _ => false,
+    }
+}
+
+/// Whether a plane parts two forms, or the boxes around them, by more than `gap`.
+fn apart(a: &Form, b: &Form, gap: f64) -> bool {
+    if let (
+        Form::Sphere { centre, radius },
+        Form::Sphere {
+            centre: other,
+            radius: other_radius,
+        },
+    ) = (a, b)
+    {
+        return centre.distance(*other) > radius + other_radius + gap;
+    }
+    let (first, second) = (frame(a), frame(b));
+    let crossed = first
+        .iter()
+        .flat_map(|u| second.iter().map(move |v| u.cross(*v)));
+    let axes = first.iter().chain(&second).copied().chain(crossed);
+    axes.filter_map(DVec3::try_normalize).any(|axis| {
+        let ([low, high], [other_low, other_high]) = (extent_of(a, axis), extent_of(b, axis));
+        other_low > high + gap || low > other_high + gap
+    })
+}
+
+/// Directions of the edges of a box around a form.
+fn frame(form: &Form) -> [DVec3; 3] {
+    match form {
+        Form::Box { edges, .. } => *edges,
+        _ => [DVec3::X, DVec3::Y, DVec3::Z],
+    }
+}
+
+/// Smallest and largest coordinate of a form along an axis of length 1.
+fn extent_of(form: &Form, axis: DVec3) -> [f64; 2] {
+    match form {
+        Form::Sphere { centre, radius } => {
+            let middle = centre.dot(axis);
+            [middle - radius, middle + radius]
+        }
+        _ => extent(&form.corners(), axis),
+    }
+}
+
+/// Whether a vessel holds a point. A box may have been cut off or moved: its form is asked.
+fn holds(form: &Form, boundary: &Boundary, point: DVec3) -> bool {
+    if let Form::Box { corner, edges } = form {
+        return edges.iter().all(|edge| {
+            let part = (point - corner).dot(*edge) / edge.length_squared();
+            (0.0..1.0).contains(&part)
+        });
+    }
+    let Some(ray) = Ray::new(point, DVec3::Z) else {
+        return false;
+    };
+    let spans = boundary.spans(&ray);
+    spans.first().is_some_and(|span| span.near == 0.0)
+}

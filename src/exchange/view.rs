@@ -1,0 +1,73 @@
+//! The eye, in the numbers that other renderers ask for.
+
+use crate::geometry::Camera;
+use crate::math::atan2;
+use glam::DVec3;
+
+/// A camera as position, direction and angle.
+pub(super) struct View {
+    /// Where it stands.
+    pub eye: DVec3,
+    /// A point it looks at, at distance 1.
+    pub target: DVec3,
+    /// The direction that points up in the image, perpendicular to the line of sight.
+    pub up: DVec3,
+    /// Full angle from the top to the bottom edge of the image, degrees.
+    pub vertical_fov: f64,
+}
+
+impl View {
+    /// That of `camera`, read off the rays through the middle, top and bottom of its image.
+    pub(super) fn of(camera: &Camera) -> View {
+        let ray = |y| camera.ray_through([1.0, y], [2, 2]);
+        let (top, middle, bottom) = (ray(0.0), ray(1.0), ray(2.0));
+        let (upper, lower) = (top.direction, bottom.direction);
+        View {
+            eye: middle.origin,
+            target: middle.origin + middle.direction,
+            up: (upper - lower).normalize(),
+            vertical_fov: degrees(atan2(upper.cross(lower).length(), upper.dot(lower))),
+        }
+    }
+
+    /// Full angle across the shorter side of an image, degrees.
+    pub(super) fn shorter_fov(&self, width: usize, height: usize) -> f64 {
+        if height <= width {
+            return self.vertical_fov;
+        }
+        let half = (0.5 * self.vertical_fov).to_radians();
+        let across = crate::math::tan(half) * width as f64 / height as f64;
+        degrees(2.0 * atan2(across, 1.0))
+    }
+}
+
+/// Degrees, to twelve digits after the point: what conversions to radians and back have left of
+/// a round number is round again.
+pub(super) fn degrees(radians: f64) -> f64 {
+    (radians.to_degrees() * 1e12).round() / 1e12
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_camera_is_read_back() {
+        let eye = DVec3::new(0.0, 4.0, -11.5);
+        let target = DVec3::new(0.0, 3.9, 5.0);
+        let camera = Camera::new(eye, target, DVec3::Y, 37_f64.to_radians()).unwrap();
+        let view = View::of(&camera);
+        assert_eq!(view.eye, eye);
+        // Unit vectors, a few roundings each.
+        let forward = (target - eye).normalize();
+        assert!((view.target - eye - forward).length() < 8.0 * f64::EPSILON * eye.length());
+        assert!(view.up.dot(forward).abs() < 8.0 * f64::EPSILON);
+        assert!(view.up.y > 0.99);
+        assert!((view.vertical_fov - 37.0).abs() < 1e-11);
+        assert_eq!(view.shorter_fov(4, 3), view.vertical_fov);
+        // Half as wide as high: half the tangent.
+        let half = crate::math::tan(0.5 * view.shorter_fov(1, 2).to_radians());
+        let expected = 0.5 * crate::math::tan(18.5_f64.to_radians());
+        assert!((half - expected).abs() < 1e-13);
+    }
+}
