@@ -76,6 +76,7 @@
 pub mod atomic_file;
 pub mod cli;
 pub mod compare;
+pub mod exchange;
 pub mod film;
 pub mod geometry;
 pub mod math;

@@ -32,7 +32,10 @@ const ROOMS: &[(&str, &[&str])] = &[
         &["compare", "render", "scene", "film", "atomic_file"],
     ),
     ("compare", &["film", "math"]),
-    ("exchange", &["scene"]),
+    (
+        "exchange",
+        &["render", "scene", "media", "volume", "geometry"],
+    ),
     (
         "render",
         &[

@@ -52,6 +52,26 @@ impl Camera {
         })
     }
 
+    /// Where the rays begin.
+    pub fn eye(&self) -> DVec3 {
+        self.eye
+    }
+
+    /// Direction of the middle of the image, of length 1.
+    pub fn forward(&self) -> DVec3 {
+        self.forward
+    }
+
+    /// From the middle of the image plane at distance 1, half the image's height to the right.
+    pub fn half_right(&self) -> DVec3 {
+        self.half_right
+    }
+
+    /// From the middle of the image plane at distance 1 to its upper edge.
+    pub fn half_up(&self) -> DVec3 {
+        self.half_up
+    }
+
     /// The ray through a point of the image, in pixels from its upper left corner.
     pub fn ray_through(&self, [x, y]: [f64; 2], [width, height]: [usize; 2]) -> Ray {
         self.ray_at(2.0 * x - width as f64, 2.0 * y - height as f64, height)

@@ -1,0 +1,327 @@
+//! Bundles, and the renderer in `scripts/peers` that knows nothing else of a scene.
+//!
+//! The student's renderer needs `python3` with NumPy. Where there is none, its tests say so and
+//! test nothing.
+
+use serde_json::Value;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use volref::compare::{Gate, Judgement, Picture, judge};
+use volref::exchange::{Export, bundle};
+use volref::film::Film;
+use volref::render::{Plan, render};
+use volref::scene::{Model, Scene};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn figure_file(name: &str) -> PathBuf {
+    root().join(format!("fixtures/scenes/figures/{name}.toml"))
+}
+
+/// A figure of the suite, with `from` in its text replaced by `to`.
+fn figure_with(name: &str, edits: &[(&str, &str)]) -> Scene {
+    let mut text = std::fs::read_to_string(figure_file(name)).unwrap();
+    for (from, to) in edits {
+        assert!(text.contains(from), "{name} has no {from:?}");
+        text = text.replace(from, to);
+    }
+    Scene::parse(&text, &figure_file(name)).unwrap()
+}
+
+fn figure(name: &str) -> Scene {
+    figure_with(name, &[])
+}
+
+/// A figure in a sixteenth of its pixels.
+fn small(name: &str) -> Scene {
+    let edits = [
+        ("width = 256", "width = 64"),
+        ("height = 256", "height = 64"),
+    ];
+    figure_with(name, &edits)
+}
+
+fn description(export: &Export) -> Value {
+    serde_json::from_slice(contents(export, &export.main)).unwrap()
+}
+
+fn contents<'e>(export: &'e Export, name: &str) -> &'e [u8] {
+    let found = export.files.iter().find(|(file, _)| file == name);
+    &found.unwrap_or_else(|| panic!("no {name}")).1
+}
+
+fn floats(bytes: &[u8]) -> Vec<f32> {
+    let (values, rest) = bytes.as_chunks();
+    assert!(rest.is_empty());
+    values
+        .iter()
+        .map(|&value| f32::from_le_bytes(value))
+        .collect()
+}
+
+fn vector(value: &Value) -> [f64; 3] {
+    std::array::from_fn(|axis| value[axis].as_f64().unwrap())
+}
+
+fn film(scene: &Scene) -> Film {
+    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
+    render(scene, &plans, &|| {}).unwrap().film
+}
+
+fn deterministic(reference: &Film, test: &Film) -> Judgement {
+    let [reference, test] = [reference, test].map(|film| Picture::Radiance(film.clone()));
+    judge(Gate::Deterministic, &reference, &test, 0.0).unwrap()
+}
+
+#[test]
+fn the_numbers_of_a_bundle_are_those_of_the_scene() {
+    let scene = figure("figure-5");
+    let export = bundle(&scene, "five").unwrap();
+    let bundle = description(&export);
+    assert_eq!(bundle["image"]["width"], 512);
+    for (index, panel) in scene.panels.iter().enumerate() {
+        let Model::Classified(scene) = &panel.model else {
+            panic!("figure 5 is a volume");
+        };
+        let panel = &bundle["panels"][index];
+        assert_eq!(panel["first_column"], 256 * index);
+        // Both panels show one grid: it is written once.
+        let file = panel["grid"]["file"].as_str().unwrap();
+        assert_eq!(file, "five.grid-1.raw");
+        assert_eq!(floats(contents(&export, file)), scene.grid.values());
+        let lattice = scene.grid.lattice();
+        assert_eq!(
+            vector(&panel["grid"]["first_node"]),
+            lattice.first().to_array()
+        );
+        assert_eq!(
+            vector(&panel["grid"]["spacing"]),
+            lattice.spacing().to_array()
+        );
+        assert_eq!(
+            vector(&panel["grid"]["box_max"]),
+            lattice.bounds().max.to_array()
+        );
+        assert_eq!(panel["sampling"]["step"], scene.step);
+        assert_eq!(vector(&panel["light"]["position"]), scene.light.to_array());
+        let shadow = scene.shadow.map(|shadow| shadow.reference_step);
+        assert_eq!(panel["shadow"]["reference_step"].as_f64(), shadow);
+    }
+    assert_eq!(export.files.len(), 2);
+}
+
+/// The formula of the rays, followed to the letter, gives the camera's rays.
+#[test]
+fn rays_follow_from_the_bundle() {
+    let scene = figure_with("figure-3", &[("up = [0, 1, 0]", "up = [0.3, 1, 0]")]);
+    let Model::Classified(volume) = &scene.panels[0].model else {
+        panic!("figure 3 is a volume");
+    };
+    let bundle = description(&bundle(&scene, "three").unwrap());
+    let ray = &bundle["panels"][0]["ray"];
+    let (width, height) = (256.0, 256.0);
+    let [forward, right, up] =
+        ["forward", "half_right", "half_up"].map(|key| glam::DVec3::from(vector(&ray[key])));
+    for [x, y] in [[0, 0], [255, 0], [17, 201]] {
+        let across = (2.0 * x as f64 + 1.0 - width) / height;
+        let down = (2.0 * y as f64 + 1.0 - height) / height;
+        let direction = (forward + right * across - up * down).normalize();
+        let expected = volume.camera.ray([x, y], [256, 256]);
+        assert_eq!(vector(&ray["eye"]), expected.origin.to_array());
+        // Components of at most 1, after a dozen roundings.
+        let off = (direction - expected.direction).abs().max_element();
+        assert!(off <= 12.0 * f64::EPSILON, "{off:e}");
+    }
+}
+
+#[test]
+fn a_bundle_says_only_what_applies() {
+    let points = "point = [{ value = 0.2, colour = [1, 0.5, 0], opacity = 0.25 }]\n[classified]";
+    let scene = figure_with(
+        "figure-1",
+        &[
+            ("[classified]", points),
+            ("[classified.phong]", "[classified.shadow]"),
+            (
+                "ambient = 0.1\ndiffuse = 1.0\nspecular = 1.0\nshininess = 32",
+                "",
+            ),
+        ],
+    );
+    let bundle = description(&bundle(&scene, "table").unwrap());
+    let panel = &bundle["panels"][0];
+    assert_eq!(panel["phong"], Value::Null);
+    assert_eq!(panel["gradient"], Value::Null);
+    assert_eq!(
+        panel["transfer_function"]["points"],
+        serde_json::json!([{ "value": 0.2, "opacity": 0.25, "colour": [1.0, 0.5, 0.0] }])
+    );
+    let radiance = panel["radiance"].as_str().unwrap();
+    assert_eq!(
+        radiance,
+        "a sample of value d sends out L = colour(d) * v, ambient light and highlight included"
+    );
+}
+
+#[test]
+fn light_in_media_is_refused_by_name() {
+    let scene = Scene::load(&root().join("fixtures/scenes/fog/forward.toml")).unwrap();
+    let refusal = bundle(&scene, "fog").unwrap_err();
+    insta::assert_snapshot!(refusal, @"a bundle states classified volumes, and this scene has surfaces, media and lights: use --to mitsuba or --to pbrt");
+}
+
+/// The bundle restates the gate in numbers; here the gate is held to them.
+#[test]
+fn images_are_judged_as_the_bundle_says() {
+    let judged = &description(&bundle(&small("figure-3"), "three").unwrap())["judged"];
+    let number = |key: &str| judged[key].as_f64().unwrap();
+    let value = 0.5;
+    let tolerance = number("absolute") + number("relative") * value;
+    let count = 10_000;
+    let judge = |offset: &dyn Fn(usize) -> f64| {
+        let film = |offset: &dyn Fn(usize) -> f64| {
+            let pixels = (0..count).map(|i| [(value + offset(i)) as f32; 3]);
+            Film::new(100, 100, pixels.collect())
+        };
+        deterministic(&film(&|_| 0.0), &film(offset)).passed
+    };
+    // Offsets of both signs keep the mean.
+    let sign = |i: usize| if i % 2 == 0 { 1.0 } else { -1.0 };
+    assert!(judge(&|i| 0.99 * tolerance * sign(i)));
+    assert!(!judge(&|i| 1.01 * tolerance * sign(i)));
+    let outliers = (number("outlier_share") * count as f64) as usize;
+    let some = |share: usize, size: f64| {
+        move |i: usize| {
+            if i < share {
+                size * tolerance * sign(i)
+            } else {
+                0.0
+            }
+        }
+    };
+    assert!(judge(&some(outliers, 2.0)));
+    assert!(!judge(&some(outliers + 1, 2.0)));
+    assert!(judge(&some(outliers, 0.99 * number("hard_cap"))));
+    assert!(!judge(&some(outliers, 1.01 * number("hard_cap"))));
+    let bias = number("bias_share") * tolerance;
+    assert!(judge(&|_| 0.99 * bias));
+    assert!(!judge(&|_| 1.01 * bias));
+}
+
+// --- The student's renderer ---------------------------------------------------------------------
+
+/// Whether there is something to run it with.
+fn python() -> bool {
+    let numpy = Command::new("python3")
+        .args(["-c", "import numpy"])
+        .output();
+    let found = numpy.is_ok_and(|output| output.status.success());
+    if !found {
+        // Past the test harness, which keeps what passing tests print to itself.
+        let _ = writeln!(
+            std::io::stderr(),
+            "skipped: the student's renderer needs python3 with NumPy"
+        );
+    }
+    found
+}
+
+/// Writes the bundle of `scene` into `folder` and has the student render it to `output`.
+fn student(scene: &Scene, folder: &Path, output: &str, options: &[&str]) -> Vec<u8> {
+    let export = bundle(scene, "scene").unwrap();
+    for (file, bytes) in &export.files {
+        std::fs::write(folder.join(file), bytes).unwrap();
+    }
+    let run = Command::new("python3")
+        .arg(root().join("scripts/peers/student.py"))
+        .args([&export.main, output])
+        .args(options)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    let complaint = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.success(), "{complaint}");
+    std::fs::read(folder.join(output)).unwrap()
+}
+
+fn student_film(scene: &Scene, options: &[&str]) -> Film {
+    let folder = tempfile::tempdir().unwrap();
+    Film::from_exr(&student(scene, folder.path(), "image.exr", options)).unwrap()
+}
+
+/// Somebody who has only the bundles renders what the goldens show.
+#[test]
+fn the_student_passes_figures_1_to_4() {
+    if !python() {
+        return;
+    }
+    for name in ["figure-1", "figure-2", "figure-3", "figure-4"] {
+        let golden = root().join(format!("golden/figures/{name}.exr"));
+        let golden = Film::from_exr(&std::fs::read(golden).unwrap()).unwrap();
+        let judgement = deterministic(&golden, &student_film(&figure(name), &[]));
+        assert!(judgement.passed, "{name}: {}", judgement.reason);
+    }
+}
+
+/// Shadow rays take the student long: figure 5 is rendered small, without the shadow and with.
+#[test]
+fn the_student_passes_figure_5_and_fails_without_its_shadow() {
+    if !python() {
+        return;
+    }
+    let scene = small("figure-5");
+    let right = film(&scene);
+    let judgement = deterministic(&right, &student_film(&scene, &[]));
+    assert!(judgement.passed, "{}", judgement.reason);
+    let wrong = student_film(&scene, &["--mistake", "no-shadow"]);
+    assert!(!deterministic(&right, &wrong).passed);
+}
+
+/// Every other mistake that the script offers makes an image that fails.
+#[test]
+fn the_students_mistakes_are_seen() {
+    if !python() {
+        return;
+    }
+    let scene = small("figure-3");
+    let right = film(&scene);
+    assert!(deterministic(&right, &student_film(&scene, &[])).passed);
+    for mistake in [
+        "nearest",
+        "half-voxel",
+        "no-opacity-correction",
+        "inward-normal",
+        "upside-down",
+        "gamma",
+    ] {
+        let judgement = deterministic(&right, &student_film(&scene, &["--mistake", mistake]));
+        assert!(!judgement.passed, "{mistake}: {}", judgement.reason);
+    }
+}
+
+/// EXR, PFM and NPY are written by hand, the same numbers in each.
+#[test]
+fn the_student_writes_three_formats() {
+    if !python() {
+        return;
+    }
+    let scene = figure("figure-2");
+    let folder = tempfile::tempdir().unwrap();
+    let write = |output: &str| student(&scene, folder.path(), output, &[]);
+    let film = Film::from_exr(&write("image.exr")).unwrap();
+    let radiance = film.radiance().as_flattened();
+    let npy = write("image.npy");
+    // Magic, version 1.0, length of the header.
+    let header = 10 + usize::from(u16::from_le_bytes([npy[8], npy[9]]));
+    assert_eq!(floats(&npy[header..]), radiance);
+    let pfm = write("image.pfm");
+    let header = b"PF\n256 192\n-1.0\n";
+    assert!(pfm.starts_with(header));
+    let row = 256 * 3;
+    let rows = floats(&pfm[header.len()..]);
+    let from_top: Vec<f32> = rows.chunks(row).rev().flatten().copied().collect();
+    assert_eq!(from_top, radiance);
+}
