@@ -48,6 +48,10 @@ fn description(export: &Export) -> Value {
     serde_json::from_slice(contents(export, &export.main)).unwrap()
 }
 
+fn json_text(export: &Export) -> &str {
+    std::str::from_utf8(contents(export, &export.main)).unwrap()
+}
+
 fn contents<'e>(export: &'e Export, name: &str) -> &'e [u8] {
     let found = export.files.iter().find(|(file, _)| file == name);
     &found.unwrap_or_else(|| panic!("no {name}")).1
@@ -74,6 +78,156 @@ fn film(scene: &Scene) -> Film {
 fn deterministic(reference: &Film, test: &Film) -> Judgement {
     let [reference, test] = [reference, test].map(|film| Picture::Radiance(film.clone()));
     judge(Gate::Deterministic, &reference, &test, 0.0).unwrap()
+}
+
+/// The bundle as its reader sees it: a volume with everything on.
+#[test]
+fn a_volume_in_words_and_numbers() {
+    let shadow = "[classified.shadow]\nreference_step = \"0.05 voxels\"\n\n[classified.phong]";
+    let scene = figure_with("figure-3", &[("[classified.phong]", shadow)]);
+    let export = bundle(&scene, "lit").unwrap();
+    insta::assert_snapshot!(json_text(&export), @r#"
+    {
+      "schema": "volref/bundle/1",
+      "name": "lit",
+      "image": {
+        "width": 256,
+        "height": 256,
+        "panels": "side by side from left to right: panel k fills the columns from its first_column on, all rows",
+        "pixels": "linear RGB radiance as 32-bit floats, without gamma, exposure or clipping, top row first; colours as they reach the eye, that is already multiplied by opacity",
+        "files": "EXR with channels R, G, B; PFM (which stores the bottom row first); or NPY of shape (height, width, 3), type float32, C order"
+      },
+      "judged": {
+        "rule": "a pixel agrees if in every channel |yours - right| <= tolerance(right), where tolerance(c) = absolute + relative*|c|; at most outlier_share of the pixels may disagree, none by more than hard_cap tolerances, and the mean of a channel may be off by bias_share*tolerance(mean)",
+        "absolute": 0.001,
+        "relative": 0.01,
+        "outlier_share": 0.0002,
+        "hard_cap": 20.0,
+        "bias_share": 0.1
+      },
+      "panels": [{
+        "title": "Trilinear, front to back",
+        "first_column": 0,
+        "width": 256,
+        "height": 256,
+        "shows": "volume",
+        "ray": {
+          "eye": [0.325, 0.505, -1.34],
+          "forward": [0.0, 0.0, 1.0],
+          "half_right": [-0.41421356237309503, 0.0, 0.0],
+          "half_up": [0.0, 0.41421356237309503, -0.0],
+          "formula": "one ray through the centre of each pixel: with x the column and y the row within this panel, both from 0, and row 0 at the top, it leaves eye along direction = normalise(forward + half_right*(2*x + 1 - width)/height - half_up*(2*y + 1 - height)/height), and p(t) = eye + t*direction. forward has length 1, half_right and half_up the tangent of half the vertical field of view. Coordinates are right-handed: half_right points along forward x half_up, so that with +y up and looking along +z, +x is to the left of the image"
+        },
+        "grid": {
+          "file": "lit.grid-1.raw",
+          "format": "bare float32, little endian, x fastest: with [nx, ny, nz] = nodes, the value of node (i, j, k) is number (k*ny + j)*nx + i, from 0",
+          "nodes": [70, 106, 67],
+          "spacing": [0.01, 0.01, 0.01],
+          "first_node": [-0.02, -0.02, -0.02],
+          "positions": "node (i, j, k) lies at first_node + (i, j, k)*spacing; a point p has the node coordinates u = (p - first_node)/spacing",
+          "box_min": [-0.02, -0.02, -0.02],
+          "box_max": [0.67, 1.03, 0.64],
+          "faces": "the volume fills the box, whose faces lie on the outermost nodes; along an axis of a single node they lie half a spacing to either side"
+        },
+        "interpolation": {
+          "method": "trilinear",
+          "formula": "with i = floor(u) and f = u - i on each axis, a + (b - a)*f between the values a of node i and b of node i + 1, along x, then y, then z; node indices are clamped to 0 ... nodes - 1"
+        },
+        "sampling": {
+          "step": 0.005,
+          "formula": "t0 and t1 are where the ray enters and leaves the box, t0 = 0 if the eye is inside; a ray that misses the box sees the background. n = ceil((t1 - t0)/step); sample i = 0 ... n - 1 lies at t = t0 + (i + 1/2)*step and stands for the length h = step. The last step is as long as what is left: h = (t1 - t0) - (n - 1)*step, its sample in its middle at t = t0 + (n - 1)*step + h/2"
+        },
+        "transfer_function": {
+          "reference_length": 0.02,
+          "kind": "formula",
+          "floor": 0.36,
+          "opacity": "at density d a step of length h has the opacity a = 1 - T(d)^(h/reference_length), where T(d) = min(1, max(0, (exp(-d^2) - floor)/(1 - floor))) is the transparency of one reference_length",
+          "colours": [[0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]],
+          "colour": "linear RGB, in straight lines between the m colours, which are evenly spaced from d = 0 to d = 1: with s = min(d, 1)*(m - 1) and k = floor(s), colour(d) = colours[k] + (colours[k+1] - colours[k])*(s - k); from d = 1 on, and for m = 1, the last"
+        },
+        "gradient": "stored at the nodes, by central differences: along each axis (value(i+1) - value(i-1))/(2*spacing). A border node takes the gradient of the nearest inner node: on each axis the index is clamped to 1 ... nodes - 2. An axis of fewer than 3 nodes has the component 0. Between the nodes the three components are interpolated like the values",
+        "phong": {
+          "ambient": 0.1,
+          "diffuse": 1.0,
+          "specular": 1.0,
+          "shininess": 32,
+          "formula": "with n = -gradient/|gradient|, l = normalise(light.position - p), v = -direction and r = 2*(n.l)*n - l: where n.l > 0, shade(c) = c*(ambient + diffuse*(n.l)) + (1, 1, 1)*specular*max(r.v, 0)^shininess; elsewhere shade(c) = c*ambient. Where the gradient is exactly zero there is no normal, and shade(c) = c"
+        },
+        "shadow": {
+          "step": 0.01,
+          "reference_step": 0.0005,
+          "formula": "from each sample a ray goes towards the light, to where it leaves the box or reaches the light, whichever comes first. It is sampled like the ray of the eye, with t0 = 0 and its own step: the share of the light that arrives is v = min(1, exp(-S/100)), S = sum of density*h/reference_step"
+        },
+        "light": {
+          "position": [0.325, 5.505, -1.34],
+          "kind": "a white point light of strength 1, without fall-off"
+        },
+        "radiance": "a sample of value d sends out L = d^2 * shade(colour(d)) * v, ambient light and highlight included",
+        "compositing": {
+          "method": "front-to-back",
+          "formula": "C = 0, A = 0; for each sample from the eye on, C = C + (1 - A)*a*L and A = A + (1 - A)*a; the pixel is C + (1 - A)*background"
+        },
+        "background": [0.0, 0.0, 0.0]
+      }]
+    }
+    "#);
+}
+
+#[test]
+fn a_plot_in_words_and_numbers() {
+    let export = bundle(&figure("figure-2"), "plot").unwrap();
+    insta::assert_snapshot!(json_text(&export), @r#"
+    {
+      "schema": "volref/bundle/1",
+      "name": "plot",
+      "image": {
+        "width": 256,
+        "height": 192,
+        "panels": "side by side from left to right: panel k fills the columns from its first_column on, all rows",
+        "pixels": "linear RGB radiance as 32-bit floats, without gamma, exposure or clipping, top row first; colours as they reach the eye, that is already multiplied by opacity",
+        "files": "EXR with channels R, G, B; PFM (which stores the bottom row first); or NPY of shape (height, width, 3), type float32, C order"
+      },
+      "judged": {
+        "rule": "a pixel agrees if in every channel |yours - right| <= tolerance(right), where tolerance(c) = absolute + relative*|c|; at most outlier_share of the pixels may disagree, none by more than hard_cap tolerances, and the mean of a channel may be off by bias_share*tolerance(mean)",
+        "absolute": 0.001,
+        "relative": 0.01,
+        "outlier_share": 0.0002,
+        "hard_cap": 20.0,
+        "bias_share": 0.1
+      },
+      "panels": [{
+        "title": "Transfer function",
+        "first_column": 0,
+        "width": 256,
+        "height": 192,
+        "shows": "plot",
+        "backdrop": {
+          "file": "plot.backdrop-1.raw",
+          "format": "bare float32, little endian: linear R, G, B of every pixel, row by row from the top; all of the picture but the curves"
+        },
+        "axes": {
+          "left": 26.5,
+          "right": 245.5,
+          "top": 8.5,
+          "bottom": 166.5,
+          "from": 0.0,
+          "to": 1.2,
+          "formula": "in pixels from the upper left corner of the image, whose pixels have their centres at halves: d(x) = max(from, from + (to - from)*(x - left)/(right - left)), Y(value) = bottom - (bottom - top)*value. Only pixels whose centres lie in left <= x <= right, top <= y <= bottom are drawn upon"
+        },
+        "line": {
+          "half_width": 1.1,
+          "coverage": "share of the pixel with centre (x, y) that the curve of f covers: with H(x) = Y(f(d(x))) and slope = H(x + 1/2) - H(x - 1/2), distance = |y - H(x)|/sqrt(1 + slope^2), coverage = min(1, max(0, half_width + 1/2 - distance))",
+          "blending": "pixel = pixel + (colour - pixel)*coverage, in linear RGB"
+        },
+        "kind": "formula",
+        "floor": 0.36,
+        "transparency": "T(d) = min(1, max(0, (exp(-d^2) - floor)/(1 - floor)))",
+        "opacity_colour": [0.5775804404296506, 0.08021982031446831, 0.006995410187265387],
+        "transparency_colour": [0.013702083047289686, 0.1022417330881013, 0.40197777983219574],
+        "order": "first the curve of the opacity 1 - T(d), then over it that of T(d)"
+      }]
+    }
+    "#);
 }
 
 #[test]
@@ -189,7 +343,7 @@ fn images_are_judged_as_the_bundle_says() {
         deterministic(&film(&|_| 0.0), &film(offset)).passed
     };
     // Offsets of both signs keep the mean.
-    let sign = |i: usize| if i % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
     assert!(judge(&|i| 0.99 * tolerance * sign(i)));
     assert!(!judge(&|i| 1.01 * tolerance * sign(i)));
     let outliers = (number("outlier_share") * count as f64) as usize;

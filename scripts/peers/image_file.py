@@ -1,17 +1,22 @@
 """Writes linear RGB images, 32-bit floats, with nothing but NumPy."""
 
+import argparse
 import struct
-import sys
+from pathlib import Path
 
 import numpy as np
 
 
+def image_path(name):
+    """The path of an image that can be written: a type of argument for argparse."""
+    if Path(name).suffix not in WRITERS:
+        raise argparse.ArgumentTypeError(f"{name}: an image ends in {', '.join(WRITERS)}")
+    return Path(name)
+
+
 def write_image(path, image):
-    """Writes `image`, rows from the top, in the format that `path`, a Path, ends in."""
-    writers = {".npy": write_npy, ".pfm": write_pfm, ".exr": write_exr}
-    if path.suffix not in writers:
-        sys.exit(f"{path}: an image file ends in {', '.join(writers)}")
-    writers[path.suffix](path, image)
+    """Writes `image`, rows from the top, in the format that `path` ends in."""
+    WRITERS[path.suffix](path, image)
 
 
 def write_npy(path, image):
@@ -50,3 +55,6 @@ def write_exr(path, image):
     planes = image[:, :, ::-1].transpose(0, 2, 1).astype("<f4")
     rows = (struct.pack("<2i", row, 12 * width) + planes[row].tobytes() for row in range(height))
     path.write_bytes(header + table + b"".join(rows))
+
+
+WRITERS = {".npy": write_npy, ".pfm": write_pfm, ".exr": write_exr}

@@ -16,7 +16,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from image_file import write_image
+from image_file import image_path, write_image
 
 MISTAKES = {
     "nearest": "takes the nearest node where it should interpolate",
@@ -225,7 +225,7 @@ def main():
     global mistake
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("bundle", type=Path)
-    parser.add_argument("output", type=Path)
+    parser.add_argument("output", type=image_path)
     parser.add_argument("--mistake", choices=MISTAKES, help=str(MISTAKES)[1:-1])
     options = parser.parse_args()
     mistake = options.mistake

@@ -18,7 +18,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from image_file import write_image
+from image_file import image_path, write_image
 
 TABLE = 4096  # entries of the tables that stand for the transfer function
 
@@ -44,12 +44,12 @@ SHADER = {
 def obstacles(panel):
     """What of a panel VTK's model has no word for."""
     if panel["shows"] != "volume":
-        return ["it is a plot, not a volume"]
+        return ["a plot, which is no volume"]
     found = []
     if panel["transfer_function"]["kind"] != "formula":
-        found.append("this script translates transfer functions by formula only")
+        found.append("a transfer function that is a table (this script knows the formula only)")
     if panel["shadow"]:
-        found.append("the volume shadow: VTK scatters light by a model of its own")
+        found.append("the volume shadow (VTK scatters light by a model of its own)")
     return found
 
 
@@ -182,7 +182,7 @@ def render(vtk, panel, folder, stock):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("bundle", type=Path)
-    parser.add_argument("output", type=Path)
+    parser.add_argument("output", type=image_path)
     parser.add_argument("--stock", action="store_true", help="VTK as it is, shader and all")
     options = parser.parse_args()
     bundle = json.loads(options.bundle.read_text("utf-8"))
@@ -191,7 +191,7 @@ def main():
     for panel in bundle["panels"]:
         found = obstacles(panel)
         if found:
-            sys.exit(f"{options.bundle}: VTK cannot say " + "; ".join(found))
+            sys.exit(f"{options.bundle}: refused: " + "; ".join(found))
     try:
         import vtk
     except ImportError:

@@ -41,9 +41,9 @@ pub(super) fn draw(curve: &Curve, width: usize, height: usize) -> Vec<[f32; 4]> 
 /// and all of the picture but its curves.
 #[derive(Clone, Debug)]
 pub struct Layout {
-    /// Left and right end of the axis of densities, pixels from the left edge of the image.
+    /// Left end of the axis of densities, pixels from the left edge of the image.
     pub left: f64,
-    /// See `left`.
+    /// Its right end, likewise.
     pub right: f64,
     /// Where value 1 lies, pixels from the top edge of the image.
     pub top: f64,
