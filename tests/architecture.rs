@@ -45,7 +45,9 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("compare", &["film", "math", "regular_file"]),
     (
         "exchange",
-        &["scene", "media", "optics", "volume", "geometry", "math"],
+        &[
+            "render", "scene", "media", "optics", "volume", "geometry", "math",
+        ],
     ),
     (
         "render",

@@ -87,7 +87,10 @@ fn write_all(folder: &Path, export: &Export) -> io::Result<()> {
 }
 
 fn write_into(folder: &Path, export: &Export) -> io::Result<()> {
-    let taken = export.files.iter().find(|(name, _)| folder.join(name).is_dir());
+    let taken = export
+        .files
+        .iter()
+        .find(|(name, _)| folder.join(name).is_dir());
     if let Some((name, _)) = taken {
         return Err(io::Error::other(format!("{name} is a folder")));
     }

@@ -1,10 +1,207 @@
-//! Classified volumes as plain numbers.
+//! A classified scene as a plain bundle: a JSON file that says in words and numbers all that is
+//! computed, beside bare densities. Made for somebody who writes a renderer and has nothing else.
+//!
+//! Formulas stand beside the numbers they use, and name them by their keys. They are ASCII, so
+//! that they can be read with any editor and pasted into code.
+
+mod inline_arrays;
+mod plot;
+mod volume;
 
 use super::{Export, Format, Refusal};
-use crate::scene::Scene;
+use crate::media::{TransferPoint, TransferPoints};
+use crate::render::curve::Layout;
+use crate::scene::{Model, Panel, Scene};
+use crate::volume::Grid;
+use inline_arrays::to_json;
+use plot::Plot;
+use serde::Serialize;
+use std::sync::Arc;
+use volume::Volume;
 
-/// The numbers and formulas of a classified scene or a curve.
-pub fn bundle(_scene: &Scene, _name: &str) -> Result<Export, Refusal> {
-    let what = "a bundle holds classified volumes and curves only";
-    Err(Refusal::of(Format::Bundle, "radiative", what))
+/// The bundle of `scene`: `NAME.json`, and beside it `NAME.grid-1.raw` and so on for each volume,
+/// `NAME.backdrop-1.raw` for each plot. The same scene gives the same bytes.
+///
+/// Classified volumes and plots of a transfer function only: a participating medium is no short
+/// list of formulas, and there are formats for it.
+pub fn bundle(scene: &Scene, name: &str) -> Result<Export, Refusal> {
+    let mut raw = RawFiles::new(name);
+    let mut panels = Vec::new();
+    let mut first_column = 0;
+    for panel in &scene.panels {
+        let content = content(panel, &mut raw)?;
+        panels.push(Picture {
+            title: panel.title.clone(),
+            first_column,
+            width: panel.width,
+            height: panel.height,
+            content,
+        });
+        first_column += panel.width;
+    }
+    let description = Bundle {
+        schema: "volref/bundle/1",
+        name,
+        image: Image {
+            width: scene.width(),
+            height: scene.height(),
+            panels: "side by side from left to right: panel k fills the columns from its \
+                     first_column on, all rows",
+            pixels: "linear RGB radiance as 32-bit floats, without gamma, exposure or clipping, \
+                     top row first; colours as they reach the eye, that is already multiplied by \
+                     opacity",
+            files: "EXR with channels R, G, B; PFM (which stores the bottom row first); or NPY \
+                    of shape (height, width, 3), type float32, C order",
+        },
+        judged: JUDGED,
+        panels,
+    };
+    let main = format!("{name}.json");
+    let mut files = vec![(main.clone(), to_json(&description))];
+    files.extend(raw.files);
+    Ok(Export { main, files })
+}
+
+fn content(panel: &Panel, raw: &mut RawFiles) -> Result<Content, Refusal> {
+    match &panel.model {
+        Model::Classified(scene) => {
+            let file = raw.grid(&scene.grid);
+            Ok(Content::Volume(Box::new(Volume::new(scene, file))))
+        }
+        Model::Curve(curve) => {
+            let layout = Layout::new(curve, panel.width, panel.height);
+            let file = raw.backdrop(&layout.backdrop);
+            Ok(Content::Plot(Box::new(Plot::new(curve, &layout, file))))
+        }
+        Model::Radiative(_) => {
+            let what = "surfaces, media and lights, and a bundle states classified volumes; export it \
+                        to `mitsuba` or `pbrt`";
+            Err(Refusal::of(Format::Bundle, "radiative", what))
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Bundle<'n> {
+    schema: &'static str,
+    name: &'n str,
+    image: Image,
+    judged: Judged,
+    panels: Vec<Picture>,
+}
+
+#[derive(Serialize)]
+struct Image {
+    width: usize,
+    height: usize,
+    panels: &'static str,
+    pixels: &'static str,
+    files: &'static str,
+}
+
+/// The deterministic gate. It is the business of [`crate`]'s comparisons, which lie above this
+/// room; `tests/peers.rs` holds these numbers against what they do.
+#[derive(Serialize)]
+struct Judged {
+    rule: &'static str,
+    absolute: f64,
+    relative: f64,
+    outlier_share: f64,
+    hard_cap: f64,
+    bias_share: f64,
+}
+
+const JUDGED: Judged = Judged {
+    rule: "a pixel agrees if in every channel |yours - right| <= tolerance(right), where \
+           tolerance(c) = absolute + relative*|c|; at most outlier_share of the pixels may \
+           disagree, none by more than hard_cap tolerances, and the mean of a channel may be off \
+           by bias_share*tolerance(mean)",
+    absolute: 1e-3,
+    relative: 0.01,
+    outlier_share: 2e-4,
+    hard_cap: 20.0,
+    bias_share: 0.1,
+};
+
+/// One of the pictures side by side.
+#[derive(Serialize)]
+struct Picture {
+    title: Option<String>,
+    first_column: usize,
+    width: usize,
+    height: usize,
+    #[serde(flatten)]
+    content: Content,
+}
+
+#[derive(Serialize)]
+#[serde(tag = "shows", rename_all = "lowercase")]
+enum Content {
+    Volume(Box<Volume>),
+    Plot(Box<Plot>),
+}
+
+/// A point of a transfer function that is a table.
+#[derive(Serialize)]
+struct Point {
+    value: f64,
+    opacity: f64,
+    colour: [f64; 3],
+}
+
+impl Point {
+    fn list(points: &TransferPoints) -> Vec<Point> {
+        let point = |point: &TransferPoint| Point {
+            value: point.value,
+            opacity: point.opacity,
+            colour: point.colour.to_array(),
+        };
+        points.points().iter().map(point).collect()
+    }
+}
+
+/// The files beside the JSON: float32, little endian, nothing else inside.
+struct RawFiles<'n> {
+    name: &'n str,
+    grids: Vec<(Arc<Grid<f32>>, String)>,
+    backdrops: usize,
+    files: Vec<(String, Vec<u8>)>,
+}
+
+impl RawFiles<'_> {
+    fn new(name: &str) -> RawFiles<'_> {
+        RawFiles {
+            name,
+            grids: Vec::new(),
+            backdrops: 0,
+            files: Vec::new(),
+        }
+    }
+
+    /// Name of the file with the values of `grid`. Panels that share a grid share the file.
+    fn grid(&mut self, grid: &Arc<Grid<f32>>) -> String {
+        if let Some((_, file)) = self
+            .grids
+            .iter()
+            .find(|(known, _)| Arc::ptr_eq(known, grid))
+        {
+            return file.clone();
+        }
+        let file = format!("{}.grid-{}.raw", self.name, self.grids.len() + 1);
+        self.grids.push((grid.clone(), file.clone()));
+        self.add(&file, grid.values());
+        file
+    }
+
+    fn backdrop(&mut self, pixels: &[[f32; 3]]) -> String {
+        self.backdrops += 1;
+        let file = format!("{}.backdrop-{}.raw", self.name, self.backdrops);
+        self.add(&file, pixels.as_flattened());
+        file
+    }
+
+    fn add(&mut self, file: &str, values: &[f32]) {
+        let bytes = values.iter().flat_map(|value| value.to_le_bytes());
+        self.files.push((file.to_owned(), bytes.collect()));
+    }
 }

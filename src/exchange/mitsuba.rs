@@ -328,7 +328,10 @@ impl Writer<'_> {
             }
             let way = BEHIND * form.reach();
             let (back, more) = match form {
-                Form::Rectangle { corner, edges: [u, v] } => {
+                Form::Rectangle {
+                    corner,
+                    edges: [u, v],
+                } => {
                     let corner = corner - u.cross(*v).normalize() * way;
                     let edges = [*v, *u];
                     (Form::Rectangle { corner, edges }, None)
@@ -375,7 +378,10 @@ impl Writer<'_> {
                 let [u, v] = *edges;
                 let normal = u.cross(v).normalize();
                 let centre = corner + 0.5 * (u + v);
-                ("rectangle", vec![matrix([0.5 * u, 0.5 * v, normal, centre])])
+                (
+                    "rectangle",
+                    vec![matrix([0.5 * u, 0.5 * v, normal, centre])],
+                )
             }
             Form::Rectangle { .. } => {
                 let corners = form.corners();
@@ -500,7 +506,11 @@ impl Mixture {
         };
         // A weight belongs to the second of the two.
         let parts = [
-            typed("float", "weight", left / (weight + left).max(f64::MIN_POSITIVE)),
+            typed(
+                "float",
+                "weight",
+                left / (weight + left).max(f64::MIN_POSITIVE),
+            ),
             phase(depth + 1, *g),
             remaining.phases(depth + 1, rest),
         ];
@@ -535,7 +545,13 @@ fn sides(stage: &Stage, at: usize) -> Vec<String> {
 fn bsdf(material: &Material) -> String {
     match material {
         Material::Diffuse(reflectance) => {
-            let inner = element(3, "bsdf", "diffuse", "", &[rgb("reflectance", *reflectance)]);
+            let inner = element(
+                3,
+                "bsdf",
+                "diffuse",
+                "",
+                &[rgb("reflectance", *reflectance)],
+            );
             element(2, "bsdf", "twosided", "", &[inner])
         }
         Material::Mirror(reflectance) => {

@@ -22,6 +22,7 @@ mod stage;
 mod vessels;
 mod view;
 
+pub use bundle::bundle;
 pub use refusal::{Fault, Refusal};
 
 use crate::scene::{Model, Scene};

@@ -52,7 +52,7 @@ impl Camera {
         })
     }
 
-    /// Where it stands.
+    /// Where the rays begin.
     pub fn eye(&self) -> DVec3 {
         self.eye
     }
@@ -70,6 +70,21 @@ impl Camera {
             half_up: self.half_up * factor,
             ..*self
         }
+    }
+
+    /// Direction of the middle of the image, of length 1.
+    pub fn forward(&self) -> DVec3 {
+        self.forward
+    }
+
+    /// From the middle of the image plane at distance 1, half the image's height to the right.
+    pub fn half_right(&self) -> DVec3 {
+        self.half_right
+    }
+
+    /// From the middle of the image plane at distance 1 to its upper edge.
+    pub fn half_up(&self) -> DVec3 {
+        self.half_up
     }
 
     /// The ray through a point of the image, in pixels from its upper left corner.

@@ -63,6 +63,11 @@ impl Colormap {
         Colormap { stops }
     }
 
+    /// The colours, evenly spaced over densities 0 to 1; a single one holds everywhere.
+    pub fn stops(&self) -> &[DVec3] {
+        &self.stops
+    }
+
     /// Colour at `density ≥ 0`.
     pub fn at(&self, density: f64) -> DVec3 {
         let last = self.stops.len() - 1;

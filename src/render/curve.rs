@@ -27,14 +27,77 @@ const HALF_WIDTH: f64 = 1.1;
 /// Draws `curve` into an image of `width` × `height` pixels, opacity 1.
 pub(super) fn draw(curve: &Curve, width: usize, height: usize) -> Vec<[f32; 4]> {
     let plot = Plot::new(curve, width, height);
-    let mut pixels: Vec<[f64; 3]> = (0..width * height)
-        .map(|index| plot.colour([index % width, index / width]))
-        .collect();
-    plot.label(&mut pixels, width, height);
+    let mut pixels = plot.backdrop(width, height);
+    for (index, pixel) in pixels.iter_mut().enumerate() {
+        *pixel = plot.with_curves(*pixel, centre(index, width));
+    }
     pixels
         .iter()
         .map(|&[r, g, b]| [r as f32, g as f32, b as f32, 1.0])
         .collect()
+}
+
+/// What somebody must know who is to draw the same plot without our font: where the axes lie,
+/// and all of the picture but its curves.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// Left end of the axis of densities, pixels from the left edge of the image.
+    pub left: f64,
+    /// Its right end, likewise.
+    pub right: f64,
+    /// Where value 1 lies, pixels from the top edge of the image.
+    pub top: f64,
+    /// Where value 0 lies, likewise.
+    pub bottom: f64,
+    /// Density at the left end.
+    pub from: f64,
+    /// Density at the right end.
+    pub to: f64,
+    /// Paper, grid, axes and labels: linear RGB, row by row from the top.
+    pub backdrop: Vec<[f32; 3]>,
+}
+
+impl Layout {
+    /// Half the width of a curve, pixels.
+    pub const HALF_WIDTH: f64 = HALF_WIDTH;
+
+    /// The layout of the plot of `curve` in an image of `width` × `height` pixels.
+    pub fn new(curve: &Curve, width: usize, height: usize) -> Layout {
+        let plot = Plot::new(curve, width, height);
+        let backdrop = plot.backdrop(width, height);
+        Layout {
+            left: plot.left,
+            right: plot.right,
+            top: plot.top,
+            bottom: plot.bottom,
+            from: plot.from,
+            to: plot.to,
+            backdrop: backdrop
+                .iter()
+                .map(|pixel| pixel.map(|channel| channel as f32))
+                .collect(),
+        }
+    }
+
+    /// Linear colour of the curve of transparency.
+    pub fn transparency_colour() -> [f64; 3] {
+        linear(TRANSPARENCY)
+    }
+
+    /// Linear colour of the curve of opacity.
+    pub fn opacity_colour() -> [f64; 3] {
+        linear(OPACITY)
+    }
+
+    /// Linear colour of the line of a table of points.
+    pub fn line_colour() -> [f64; 3] {
+        linear(INK)
+    }
+}
+
+/// Image coordinates of the centre of a pixel.
+fn centre(index: usize, width: usize) -> [f64; 2] {
+    [index % width, index / width].map(|place| place as f64 + 0.5)
 }
 
 /// The axes: where density and value lie in the image, in pixels from its top left corner.
@@ -89,23 +152,41 @@ impl Plot<'_> {
         (share * (self.to - self.from) + self.from).max(self.from)
     }
 
-    /// Linear colour of a pixel, but for the labels.
-    fn colour(&self, [column, row]: [usize; 2]) -> [f64; 3] {
-        let (x, y) = (column as f64 + 0.5, row as f64 + 0.5);
-        let mut colour = linear(PAPER);
-        let inside = x >= self.left && x <= self.right && y >= self.top && y <= self.bottom;
-        if !inside {
-            return colour;
+    /// Everything but the curves, in linear colours.
+    fn backdrop(&self, width: usize, height: usize) -> Vec<[f64; 3]> {
+        let mut pixels: Vec<[f64; 3]> = (0..width * height)
+            .map(|index| self.paper(centre(index, width)))
+            .collect();
+        self.label(&mut pixels, width, height);
+        pixels
+    }
+
+    fn is_inside(&self, [x, y]: [f64; 2]) -> bool {
+        x >= self.left && x <= self.right && y >= self.top && y <= self.bottom
+    }
+
+    fn is_on_axis(&self, [x, y]: [f64; 2]) -> bool {
+        x == self.left || y == self.bottom
+    }
+
+    /// Linear colour of the paper, ruled.
+    fn paper(&self, [x, y]: [f64; 2]) -> [f64; 3] {
+        if !self.is_inside([x, y]) {
+            return linear(PAPER);
+        }
+        if self.is_on_axis([x, y]) {
+            return linear(INK);
         }
         let on_line = |position: f64, at: f64| (position - at.floor() - 0.5).abs() < 0.25;
         let on_grid = self.ticks.iter().any(|(d, _)| on_line(x, self.x(*d)))
             || ticks(1.0).any(|v| on_line(y, self.y(v)));
-        if on_grid {
-            colour = linear(GRID);
-        }
-        let on_axis = x == self.left || y == self.bottom;
-        if on_axis {
-            colour = linear(INK);
+        linear(if on_grid { GRID } else { PAPER })
+    }
+
+    /// Linear colour of a pixel of `colour`, once the curves are drawn.
+    fn with_curves(&self, mut colour: [f64; 3], [x, y]: [f64; 2]) -> [f64; 3] {
+        if !self.is_inside([x, y]) {
+            return colour;
         }
         match self.curve {
             Curve::Formula { opacity: curve, .. } => {
@@ -116,7 +197,7 @@ impl Plot<'_> {
             }
             Curve::Points(points) => {
                 let value = self.density(x);
-                if !on_axis && y > self.y(points.opacity(value)) {
+                if !self.is_on_axis([x, y]) && y > self.y(points.opacity(value)) {
                     let shown = points.colour(value).min(DVec3::ONE);
                     colour = shown.to_array();
                 }

@@ -15,7 +15,7 @@
 //! the stretch of a ray that it works on, and [`tracker`] what it needs besides.
 
 pub mod compositing;
-mod curve;
+pub mod curve;
 pub mod direct_light;
 pub mod draws;
 pub mod effects;

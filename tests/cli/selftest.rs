@@ -13,12 +13,22 @@ fn a_small_suite_catches_what_it_can() {
     let rows = json["mistakes"].as_array().unwrap();
     let row = |name: &str| {
         let found = rows.iter().find(|row| row["name"] == name);
-        found.unwrap_or_else(|| panic!("{name} is in the catalogue")).clone()
+        found
+            .unwrap_or_else(|| panic!("{name} is in the catalogue"))
+            .clone()
     };
-    for name in ["mirrored", "nearest-for-trilinear", "shadow-left-out", "opacity-uncorrected"] {
+    for name in [
+        "mirrored",
+        "nearest-for-trilinear",
+        "shadow-left-out",
+        "opacity-uncorrected",
+    ] {
         assert_ne!(row(name)["caught_by"], serde_json::json!([]), "{name}");
     }
-    assert_eq!(row("shadow-left-out")["caught_by"], serde_json::json!(["smoke/shadow"]));
+    assert_eq!(
+        row("shadow-left-out")["caught_by"],
+        serde_json::json!(["smoke/shadow"])
+    );
     assert_eq!(row("phase-reversed")["caught_by"], serde_json::json!([]));
     assert_eq!(json["summary"]["benign_rejected"], 0);
     let run = folder.volref(&["selftest", "plots", "smoke", "--quick"]);
@@ -31,7 +41,11 @@ fn a_whole_suite_must_catch_all() {
     let folder = Folder::with_goldens();
     let run = folder.volref(&["selftest", "--quick"]);
     assert_eq!(run.code, 6);
-    assert!(run.stdout.contains("phase-reversed is caught by no case"), "{}", run.stdout);
+    assert!(
+        run.stdout.contains("phase-reversed is caught by no case"),
+        "{}",
+        run.stdout
+    );
 }
 
 /// A case that promises what it does not hold.
@@ -39,16 +53,27 @@ fn a_whole_suite_must_catch_all() {
 fn promises_are_kept() {
     let folder = Folder::with_goldens();
     let manifest = "fixtures/cases/plots/curve.toml";
-    folder.write(manifest, folder.text(manifest) + "mistakes = [\"mirrored\", \"shadow-left-out\"]\n");
+    folder.write(
+        manifest,
+        folder.text(manifest) + "mistakes = [\"mirrored\", \"shadow-left-out\"]\n",
+    );
     let run = folder.volref(&["selftest", "plots"]);
     assert_eq!(run.code, 6);
     assert!(
-        run.stdout.contains("not caught, though promised: plots/curve: shadow-left-out"),
+        run.stdout
+            .contains("not caught, though promised: plots/curve: shadow-left-out"),
         "{}",
         run.stdout
     );
-    folder.write(manifest, folder.text(manifest).replace("mirrored", "mirorred"));
+    folder.write(
+        manifest,
+        folder.text(manifest).replace("mirrored", "mirorred"),
+    );
     let run = folder.volref(&["selftest", "plots"]);
     assert_eq!(run.code, 2);
-    assert!(run.message().contains("did you mean \"mirrored\"?"), "{}", run.stderr);
+    assert!(
+        run.message().contains("did you mean \"mirrored\"?"),
+        "{}",
+        run.stderr
+    );
 }

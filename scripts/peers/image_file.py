@@ -1,0 +1,60 @@
+"""Writes linear RGB images, 32-bit floats, with nothing but NumPy."""
+
+import argparse
+import struct
+from pathlib import Path
+
+import numpy as np
+
+
+def image_path(name):
+    """The path of an image that can be written: a type of argument for argparse."""
+    if Path(name).suffix not in WRITERS:
+        raise argparse.ArgumentTypeError(f"{name}: an image ends in {', '.join(WRITERS)}")
+    return Path(name)
+
+
+def write_image(path, image):
+    """Writes `image`, rows from the top, in the format that `path` ends in."""
+    WRITERS[path.suffix](path, image)
+
+
+def write_npy(path, image):
+    np.save(path, image.astype("<f4"))
+
+
+def write_pfm(path, image):
+    height, width, _ = image.shape
+    header = f"PF\n{width} {height}\n-1.0\n".encode()  # minus: little endian
+    path.write_bytes(header + image[::-1].astype("<f4").tobytes())
+
+
+def write_exr(path, image):
+    """The simplest EXR there is: scan lines, not compressed, channels by name, 32-bit floats."""
+    height, width, _ = image.shape
+    corner = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    channels = b"".join(name + struct.pack("<xiB3xii", 2, 0, 1, 1) for name in (b"B", b"G", b"R"))
+    attributes = [
+        (b"channels", b"chlist", channels + b"\0"),
+        (b"compression", b"compression", b"\0"),
+        (b"dataWindow", b"box2i", corner),
+        (b"displayWindow", b"box2i", corner),
+        (b"lineOrder", b"lineOrder", b"\0"),
+        (b"pixelAspectRatio", b"float", struct.pack("<f", 1)),
+        (b"screenWindowCenter", b"v2f", struct.pack("<2f", 0, 0)),
+        (b"screenWindowWidth", b"float", struct.pack("<f", 1)),
+    ]
+    header = struct.pack("<2i", 20000630, 2)
+    for name, kind, value in attributes:
+        header += name + b"\0" + kind + b"\0" + struct.pack("<i", len(value)) + value
+    header += b"\0"
+    # Where each row begins; then for each row its number, its size, and all of a channel at once.
+    line = 8 + 12 * width
+    begin = len(header) + 8 * height
+    table = struct.pack(f"<{height}Q", *(begin + line * row for row in range(height)))
+    planes = image[:, :, ::-1].transpose(0, 2, 1).astype("<f4")
+    rows = (struct.pack("<2i", row, 12 * width) + planes[row].tobytes() for row in range(height))
+    path.write_bytes(header + table + b"".join(rows))
+
+
+WRITERS = {".npy": write_npy, ".pfm": write_pfm, ".exr": write_exr}

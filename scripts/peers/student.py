@@ -1,0 +1,250 @@
+#!/usr/bin/env python3
+"""A volume renderer as a student writes it: plain Python and NumPy, all pixels at a time.
+
+    volref export SCENE --to bundle -o DIR         # SCENE.json, and the bare densities beside it
+    student.py DIR/SCENE.json OUTPUT               # OUTPUT: .npy, .pfm or .exr
+
+All that it knows of a scene stands in the bundle, formulas included; comments say what code is
+for. It renders volumes whose transfer function is a formula, and plots of such functions. To see
+how a wrong renderer is found out, let it make a mistake: `student.py --mistake gamma ...`. Numbers
+of n rays or samples are arrays of length n, vectors have the shape (3, n).
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+from image_file import image_path, write_image
+
+MISTAKES = {
+    "nearest": "takes the nearest node where it should interpolate",
+    "half-voxel": "looks half a voxel beside the right place",
+    "no-opacity-correction": "gives a step its opacity whatever its length",
+    "inward-normal": "lets normals point into the dense part",
+    "no-shadow": "leaves the volume shadow out",
+    "upside-down": "stores the bottom row first",
+    "gamma": "encodes the image for a display",
+}
+mistake = None  # the one to be made
+
+
+def read_floats(path, shape):
+    return np.fromfile(path, "<f4").astype(float).reshape(shape)
+
+
+def column(vector):
+    """One vector, to be combined with many."""
+    return np.array(vector, float)[:, None]
+
+
+def dot(a, b):
+    return (a * b).sum(axis=0)
+
+
+def length(vectors):
+    return np.sqrt(dot(vectors, vectors))
+
+
+def transparency(density, floor):
+    return np.clip((np.exp(-(density**2)) - floor) / (1 - floor), 0, 1)
+
+
+class Field:
+    """Numbers or vectors at the nodes of a grid, and what lies between the nodes."""
+
+    def __init__(self, grid, method, values):
+        self.first, self.spacing = column(grid["first_node"]), column(grid["spacing"])
+        nx, ny, nz = grid["nodes"]
+        self.last = np.array([[nx - 1], [ny - 1], [nz - 1]])
+        self.strides = np.array([[1], [nx], [nx * ny]])
+        self.method = "nearest" if mistake == "nearest" else method
+        self.values = values
+
+    def at(self, points):
+        u = (points - self.first) / self.spacing
+        if mistake == "half-voxel":
+            u = u + 0.5
+        if self.method == "nearest":
+            nearest = np.floor(u + 0.5).astype(int).clip(0, self.last)
+            return self.values.take(dot(nearest, self.strides), axis=-1)
+        low = np.floor(u).astype(int)
+        x, y, z = (np.array([low, low + 1]).clip(0, self.last) * self.strides).swapaxes(0, 1)
+        values = self.values.take(z[:, None, None] + y[:, None] + x, axis=-1)
+        for f in u - low:  # along x, then y, then z
+            a, b = values[..., 0, :], values[..., 1, :]
+            values = a + (b - a) * f
+        return values
+
+
+def central_differences(values, spacing):
+    """Gradients at the nodes; `values` in the order [z, y, x], as the file has them."""
+    gradient = np.array(np.gradient(values, *spacing[::-1])[::-1])
+    # A border node takes the gradient of the nearest inner node.
+    for axis, nodes in enumerate(values.shape):
+        gradient = gradient.take(np.arange(nodes).clip(1, nodes - 2), 1 + axis)
+    return gradient
+
+
+class Volume:
+    def __init__(self, panel, folder):
+        self.panel, self.grid = panel, panel["grid"]
+        method = panel["interpolation"]["method"]
+        values = read_floats(folder / self.grid["file"], self.grid["nodes"][::-1])
+        self.density = Field(self.grid, method, values.ravel())
+        if panel["phong"]:
+            if min(values.shape) < 3:
+                sys.exit("this renderer takes gradients of grids of 3 nodes or more on each axis")
+            gradient = central_differences(values, self.grid["spacing"])
+            self.gradient = Field(self.grid, method, gradient.reshape(3, -1))
+        if panel["light"]:
+            self.light = column(panel["light"]["position"])
+
+    def span(self, origins, directions):
+        """Where rays enter and leave the box; those that miss it leave before they enter."""
+        with np.errstate(divide="ignore"):
+            a = (column(self.grid["box_min"]) - origins) / directions
+            b = (column(self.grid["box_max"]) - origins) / directions
+        return np.minimum(a, b).max(axis=0).clip(0), np.maximum(a, b).min(axis=0)
+
+    def opacity(self, density, step):
+        transfer = self.panel["transfer_function"]
+        references = step / transfer["reference_length"]
+        if mistake == "no-opacity-correction":
+            references = 1
+        return 1 - transparency(density, transfer["floor"]) ** references
+
+    def colour(self, density):
+        colours = self.panel["transfer_function"]["colours"]
+        position = np.linspace(0, 1, len(colours))
+        return np.array([np.interp(density, position, channel) for channel in zip(*colours)])
+
+    def shade(self, colour, points, to_eye):
+        """Phong's reflection model."""
+        phong = self.panel["phong"]
+        gradient = self.gradient.at(points)
+        size = length(gradient)
+        normal = -gradient / np.where(size > 0, size, 1)
+        if mistake == "inward-normal":
+            normal = -normal
+        to_light = (self.light - points) / length(self.light - points)
+        cosine = dot(normal, to_light).clip(0)
+        mirrored = 2 * cosine * normal - to_light
+        highlight = dot(mirrored, to_eye).clip(0) ** phong["shininess"] * (cosine > 0)
+        shaded = colour * (phong["ambient"] + phong["diffuse"] * cosine)
+        return np.where(size > 0, shaded + phong["specular"] * highlight, colour)
+
+    def light_arriving(self, points):
+        """The share of light that the volume between each point and the light lets through."""
+        shadow, distance = self.panel["shadow"], length(self.light - points)
+        directions = (self.light - points) / distance
+        far = np.minimum(self.span(points, directions)[1], distance)
+        total = np.zeros(len(far))
+        for rays, t, step in samples(np.zeros(len(far)), far, shadow["step"]):
+            total[rays] += self.density.at(points[:, rays] + t * directions[:, rays]) * step
+        return np.minimum(1, np.exp(-total / shadow["reference_step"] / 100))
+
+    def radiance(self, density, points, to_eye):
+        """What samples send to the eye."""
+        colour = self.colour(density)
+        if self.panel["phong"]:
+            colour = self.shade(colour, points, to_eye)
+        if self.panel["shadow"] and mistake != "no-shadow":
+            colour = colour * self.light_arriving(points)
+        return density**2 * colour
+
+
+def rays_of(panel):
+    """The eye, and a direction for every pixel, row by row from the top."""
+    ray, width, height = panel["ray"], panel["width"], panel["height"]
+    y, x = np.divmod(np.arange(width * height), width)
+    right = column(ray["half_right"]) * (2 * x + 1 - width) / height
+    down = column(ray["half_up"]) * (2 * y + 1 - height) / height
+    towards = column(ray["forward"]) + right - down
+    return column(ray["eye"]), towards / length(towards)
+
+
+def samples(near, far, step, backwards=False):
+    """Step by step: the rays that go so far, where their samples lie, how long the steps are."""
+    whole = (far - near).clip(0)
+    count = np.ceil(whole / step).astype(int)
+    last = whole - (count - 1) * step
+    indices = range(count.max(initial=0))
+    for i in reversed(indices) if backwards else indices:
+        rays = np.flatnonzero(i < count)
+        size = np.where(i == count[rays] - 1, last[rays], step)
+        yield rays, near[rays] + i * step + size / 2, size
+
+
+def draw_volume(panel, folder):
+    volume = Volume(panel, folder)
+    eye, directions = rays_of(panel)
+    colour, opacity = np.zeros(directions.shape), np.zeros(directions.shape[1])
+    backwards = panel["compositing"]["method"] == "back-to-front"
+    near, far = volume.span(eye, directions)
+    for rays, t, step in samples(near, far, panel["sampling"]["step"], backwards):
+        points = eye + t * directions[:, rays]
+        density = volume.density.at(points)
+        a = volume.opacity(density, step)
+        # Most of the volume is empty; its samples change nothing.
+        seen = np.flatnonzero(a > 0)
+        rays, points, density, a = rays[seen], points[:, seen], density[seen], a[seen]
+        light = volume.radiance(density, points, -directions[:, rays])
+        if backwards:
+            colour[:, rays] = a * light + (1 - a) * colour[:, rays]
+            opacity[rays] = a + (1 - a) * opacity[rays]
+        else:
+            colour[:, rays] += (1 - opacity[rays]) * a * light
+            opacity[rays] += (1 - opacity[rays]) * a
+    colour += (1 - opacity) * column(panel["background"])
+    return colour.T.reshape(panel["height"], panel["width"], 3)
+
+
+def draw_plot(panel, folder):
+    axes = panel["axes"]
+    left, right, top, bottom = (axes[side] for side in ("left", "right", "top", "bottom"))
+    image = read_floats(folder / panel["backdrop"]["file"], (panel["height"], panel["width"], 3))
+    x, y = np.arange(panel["width"]) + 0.5, column(np.arange(panel["height"])) + 0.5
+    inside = (x >= left) & (x <= right) & (y >= top) & (y <= bottom)
+
+    def height(x, curve):
+        density = axes["from"] + (axes["to"] - axes["from"]) * (x - left) / (right - left)
+        value = transparency(np.maximum(density, axes["from"]), panel["floor"])
+        return bottom - (bottom - top) * (value if curve == "transparency" else 1 - value)
+
+    for curve in ("opacity", "transparency"):
+        slope = height(x + 0.5, curve) - height(x - 0.5, curve)
+        distance = abs(y - height(x, curve)) / np.sqrt(1 + slope**2)
+        coverage = inside * (panel["line"]["half_width"] + 0.5 - distance).clip(0, 1)
+        image += (panel[f"{curve}_colour"] - image) * coverage[:, :, None]
+    return image
+
+
+def main():
+    global mistake
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("bundle", type=Path)
+    parser.add_argument("output", type=image_path)
+    parser.add_argument("--mistake", choices=MISTAKES, help=str(MISTAKES)[1:-1])
+    options = parser.parse_args()
+    mistake = options.mistake
+    bundle = json.loads(options.bundle.read_text("utf-8"))
+    if bundle["schema"] != "volref/bundle/1":
+        sys.exit(f"{options.bundle}: not a bundle that this renderer knows")
+    pictures = []
+    for panel in bundle["panels"]:
+        if panel.get("transfer_function", panel)["kind"] != "formula":
+            sys.exit("this renderer knows transfer functions by formula only, not by table")
+        draw = {"volume": draw_volume, "plot": draw_plot}[panel["shows"]]
+        pictures.append(draw(panel, options.bundle.parent))
+    image = np.concatenate(pictures, axis=1)  # side by side
+    if mistake == "upside-down":
+        image = image[::-1]
+    if mistake == "gamma":
+        image = image ** (1 / 2.2)
+    write_image(options.output, image)
+
+
+if __name__ == "__main__":
+    main()

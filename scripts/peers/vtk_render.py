@@ -1,0 +1,207 @@
+#!/usr/bin/env python3
+"""Renders a bundle of a classified volume with VTK's ray caster for graphics cards.
+
+    volref export SCENE --to bundle -o DIR
+    vtk_render.py DIR/SCENE.json OUTPUT            # OUTPUT: .npy, .pfm or .exr
+
+Needs `pip install vtk numpy`; without a screen VTK uses EGL or OSMesa, in software where there is
+no card. What VTK cannot say is refused by name.
+
+VTK's tables take the opacity of a reference length, which VTK corrects for the step, and d^2 times
+the colour. Where its model differs by design, lines of its shader are replaced (`SHADER` below);
+--stock leaves them as they are. VTK.md beside this file tells what that changes, and by how much.
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+from image_file import image_path, write_image
+
+TABLE = 4096  # entries of the tables that stand for the transfer function
+
+SHADER = {
+    # VTK takes its first sample a whole step behind the front face.
+    "g_rayJitter = g_dirStep;": "g_rayJitter = 0.5 * g_dirStep;",
+    # It stops where less than a 255th of the light would still come through.
+    "g_opacityThreshold = 1.0 - 1.0 / 255.0;": "g_opacityThreshold = 1.0;",
+    # For a light that has a place, it distorts normals by the proportions of the box,
+    "(in_textureToEye[0] * vec4(shading_gradient.xyz, 0.0)).xyz":
+        "(in_modelViewMatrix * in_volumeMatrix[0] * vec4(shading_gradient.xyz, 0.0)).xyz",
+    # gives neither ambient light nor highlight a colour, and so no factor of d^2,
+    "in_ambient[lightingComponent] * ambient +": "in_ambient[lightingComponent] * color.rgb +",
+    "in_specular[lightingComponent] * specular;":
+        "in_specular[lightingComponent] * specular * color.rgb;",
+    # and takes differences over n/(n - 1) spacings, n the nodes of an axis.
+    "vec3(in_cellStep[index].x, 0.0, 0.0)": "vec3(1.0 / float(textureSize(volume, 0).x), 0.0, 0.0)",
+    "vec3(0.0, in_cellStep[index].y, 0.0)": "vec3(0.0, 1.0 / float(textureSize(volume, 0).y), 0.0)",
+    "vec3(0.0, 0.0, in_cellStep[index].z)": "vec3(0.0, 0.0, 1.0 / float(textureSize(volume, 0).z))",
+}  # fmt: skip
+
+
+def obstacles(panel):
+    """What of a panel VTK's model has no word for."""
+    if panel["shows"] != "volume":
+        return ["a plot, which is no volume"]
+    found = []
+    if panel["transfer_function"]["kind"] != "formula":
+        found.append("a transfer function that is a table (this script knows the formula only)")
+    if panel["shadow"]:
+        found.append("the volume shadow (VTK scatters light by a model of its own)")
+    return found
+
+
+def tables(vtk, transfer, colours):
+    """Opacity over the reference length, and d^2 times the colour, over density."""
+    density = np.linspace(0, 1, TABLE)
+    clear = (np.exp(-(density**2)) - transfer["floor"]) / (1 - transfer["floor"])
+    position = np.linspace(0, 1, len(colours))
+    channels = [np.interp(density, position, c) * density**2 for c in np.array(colours).T]
+    opacity, colour = vtk.vtkPiecewiseFunction(), vtk.vtkColorTransferFunction()
+    for d, t, *rgb in zip(density, np.clip(clear, 0, 1), *channels):
+        opacity.AddPoint(d, 1 - t)
+        colour.AddRGBPoint(d, *rgb)
+    return opacity, colour
+
+
+def look_of(vtk, panel, colours, ambient=1, diffuse=0, specular=0):
+    """What densities look like, by that share of each kind of light."""
+    opacity, colour = tables(vtk, panel["transfer_function"], colours)
+    look = vtk.vtkVolumeProperty()
+    look.SetScalarOpacity(opacity)
+    look.SetScalarOpacityUnitDistance(panel["transfer_function"]["reference_length"])
+    look.SetColor(colour)
+    if panel["interpolation"]["method"] == "nearest":
+        look.SetInterpolationTypeToNearest()
+    else:
+        look.SetInterpolationTypeToLinear()
+    look.SetShade(bool(panel["phong"]))
+    look.SetAmbient(ambient)
+    look.SetDiffuse(diffuse)
+    look.SetSpecular(specular)
+    look.SetSpecularPower(panel["phong"]["shininess"] if panel["phong"] else 1)
+    return look
+
+
+def looks_of(vtk, panel, stock):
+    """Looks whose pictures add up to that of the panel: the highlight is white."""
+    colours, phong = panel["transfer_function"]["colours"], panel["phong"]
+    if not phong:
+        return [look_of(vtk, panel, colours)]
+    ambient, diffuse, specular = phong["ambient"], phong["diffuse"], phong["specular"]
+    if stock:
+        return [look_of(vtk, panel, colours, ambient, diffuse, specular)]
+    looks = [look_of(vtk, panel, colours, ambient, diffuse)]
+    if specular:
+        looks.append(look_of(vtk, panel, [[1, 1, 1]], 0, 0, specular))
+    return looks
+
+
+def mapper_of(vtk, panel, folder):
+    from vtk.util.numpy_support import numpy_to_vtk
+
+    grid = panel["grid"]
+    image = vtk.vtkImageData()
+    image.SetDimensions(grid["nodes"])
+    image.SetSpacing(grid["spacing"])
+    image.SetOrigin(grid["first_node"])
+    values = np.fromfile(folder / grid["file"], "<f4")
+    image.GetPointData().SetScalars(numpy_to_vtk(values, deep=True))
+    mapper = vtk.vtkGPUVolumeRayCastMapper()
+    mapper.SetInputData(image)
+    mapper.AutoAdjustSampleDistancesOff()
+    mapper.LockSampleDistanceToInputSpacingOff()
+    mapper.UseJitteringOff()
+    mapper.SetSampleDistance(panel["sampling"]["step"])
+    return mapper
+
+
+def camera_of(vtk, panel):
+    ray, grid = panel["ray"], panel["grid"]
+    eye, forward, up = (np.array(ray[key]) for key in ("eye", "forward", "half_up"))
+    camera = vtk.vtkCamera()
+    camera.SetPosition(eye)
+    camera.SetFocalPoint(eye + forward)
+    camera.SetViewUp(up)
+    camera.SetViewAngle(2 * np.degrees(np.arctan(np.linalg.norm(up))))
+    reach = np.abs(np.array([grid["box_min"], grid["box_max"]]) - eye).max(0)
+    camera.SetClippingRange(1e-3 * np.linalg.norm(reach), 2 * np.linalg.norm(reach))
+    return camera
+
+
+def picture(vtk, panel, mapper, look, stock):
+    """The picture as floats: VTK's usual buffers hold 8 bits, too few to be judged."""
+    volume = vtk.vtkVolume()
+    volume.SetMapper(mapper)
+    volume.SetProperty(look)
+    if not stock:
+        for theirs, ours in SHADER.items():
+            volume.GetShaderProperty().AddFragmentShaderReplacement(theirs, False, ours, False)
+    renderer = vtk.vtkRenderer()
+    renderer.AddVolume(volume)
+    renderer.SetActiveCamera(camera_of(vtk, panel))
+    renderer.SetTwoSidedLighting(False)
+    renderer.SetAutomaticLightCreation(False)
+    if panel["light"]:
+        light = vtk.vtkLight()
+        light.SetLightTypeToSceneLight()
+        light.SetPositional(True)
+        light.SetConeAngle(180)
+        light.SetPosition(panel["light"]["position"])
+        renderer.AddLight(light)
+    floats = vtk.vtkFramebufferPass()
+    floats.SetDelegatePass(vtk.vtkRenderStepsPass())
+    floats.SetColorFormat(vtk.vtkTextureObject.Float32)
+    # With the depth format that it chooses itself, VTK 9.7 shows no volume in software.
+    floats.SetDepthFormat(vtk.vtkTextureObject.Fixed32)
+    renderer.SetPass(floats)
+
+    width, height = panel["width"], panel["height"]
+    window = vtk.vtkRenderWindow()
+    window.SetOffScreenRendering(True)
+    window.SetMultiSamples(0)
+    window.SetSize(width, height)
+    window.AddRenderer(renderer)
+    window.Render()
+    pixels = np.zeros((height, width, 4), np.float32)
+    texture = floats.GetColorTexture()
+    texture.Download().Download2D(vtk.VTK_FLOAT, pixels, (width, height), 4, (0, 0))
+    return pixels[::-1]
+
+
+def render(vtk, panel, folder, stock):
+    mapper = mapper_of(vtk, panel, folder)
+    looks = looks_of(vtk, panel, stock)
+    pictures = [picture(vtk, panel, mapper, look, stock) for look in looks]
+    behind = 1 - pictures[0][:, :, 3:]
+    return sum(p[:, :, :3] for p in pictures) + behind * panel["background"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("bundle", type=Path)
+    parser.add_argument("output", type=image_path)
+    parser.add_argument("--stock", action="store_true", help="VTK as it is, shader and all")
+    options = parser.parse_args()
+    bundle = json.loads(options.bundle.read_text("utf-8"))
+    if bundle["schema"] != "volref/bundle/1":
+        sys.exit(f"{options.bundle}: not a bundle that this script knows")
+    for panel in bundle["panels"]:
+        found = obstacles(panel)
+        if found:
+            sys.exit(f"{options.bundle}: refused: " + "; ".join(found))
+    try:
+        import vtk
+    except ImportError:
+        sys.exit("VTK is missing: pip install vtk")
+    image = np.zeros((bundle["image"]["height"], bundle["image"]["width"], 3))
+    for panel in bundle["panels"]:
+        columns = slice(panel["first_column"], panel["first_column"] + panel["width"])
+        image[:, columns] = render(vtk, panel, options.bundle.parent, options.stock)
+    write_image(options.output, image)
+
+
+if __name__ == "__main__":
+    main()

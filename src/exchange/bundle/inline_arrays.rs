@@ -1,0 +1,59 @@
+//! JSON to be read by people: objects over several lines, arrays of numbers in one.
+
+use serde::Serialize;
+use serde_json::ser::{Formatter, PrettyFormatter, Serializer};
+use std::io::{Result, Write};
+
+/// `value` as JSON, with a newline at the end.
+pub(super) fn to_json(value: &impl Serialize) -> Vec<u8> {
+    let mut text = Vec::new();
+    let formatter = InlineArrays(PrettyFormatter::new());
+    value
+        .serialize(&mut Serializer::with_formatter(&mut text, formatter))
+        .expect("structures of texts and numbers are JSON, and memory takes all bytes");
+    text.push(b'\n');
+    text
+}
+
+/// The usual pretty form, but for arrays.
+struct InlineArrays(PrettyFormatter<'static>);
+
+impl Formatter for InlineArrays {
+    fn begin_array_value<W: Write + ?Sized>(&mut self, writer: &mut W, first: bool) -> Result<()> {
+        writer.write_all(if first { b"" } else { b", " })
+    }
+
+    fn begin_object<W: Write + ?Sized>(&mut self, writer: &mut W) -> Result<()> {
+        self.0.begin_object(writer)
+    }
+
+    fn end_object<W: Write + ?Sized>(&mut self, writer: &mut W) -> Result<()> {
+        self.0.end_object(writer)
+    }
+
+    fn begin_object_key<W: Write + ?Sized>(&mut self, writer: &mut W, first: bool) -> Result<()> {
+        self.0.begin_object_key(writer, first)
+    }
+
+    fn begin_object_value<W: Write + ?Sized>(&mut self, writer: &mut W) -> Result<()> {
+        self.0.begin_object_value(writer)
+    }
+
+    fn end_object_value<W: Write + ?Sized>(&mut self, writer: &mut W) -> Result<()> {
+        self.0.end_object_value(writer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn arrays_stay_in_one_line() {
+        let value = json!({ "a": [1.5, [2, 3]], "b": [{ "c": [] }, { "d": null }] });
+        let expected = "{\n  \"a\": [1.5, [2, 3]],\n  \"b\": [{\n    \"c\": []\n  }, {\n    \
+                        \"d\": null\n  }]\n}\n";
+        assert_eq!(String::from_utf8(to_json(&value)).unwrap(), expected);
+    }
+}
