@@ -75,7 +75,7 @@ impl From<Refusal> for Failure {
 
 /// All files or none: they are written aside, in the folder itself, then renamed, the main one
 /// last. A folder that was made for them is removed again.
-fn write_all(folder: &Path, export: &Export) -> io::Result<()> {
+pub(super) fn write_all(folder: &Path, export: &Export) -> io::Result<()> {
     let is_new = !folder.exists();
     fs::create_dir_all(folder)?;
     let written = write_into(folder, export);

@@ -1,10 +1,10 @@
 //! `volref validate (--outputs DIR | --run CMD) [FILTER…]`
 
+use super::export::write_all;
 use super::failure::{Exit, Failure};
 use super::results::{Findings, ResultFiles};
 use super::suite::{Selection, exit, select, store};
 use super::{Outcome, progress};
-use crate::atomic_file::directory_of;
 use crate::exchange::{self, Format};
 use crate::report;
 use crate::scene::Scene;
@@ -315,13 +315,8 @@ impl Renderer {
         let name = case.name.rsplit('/').next().unwrap_or(&case.name);
         let export = exchange::export(scene, format, name)
             .map_err(|refusal| Output::Missing(format!("not rendered: {refusal}")))?;
-        let failed =
-            |error: std::io::Error| Output::Unusable(format!("the export failed: {error}"));
-        for (name, bytes) in &export.files {
-            let path = folder.join(name);
-            std::fs::create_dir_all(directory_of(&path)).map_err(failed)?;
-            std::fs::write(&path, bytes).map_err(failed)?;
-        }
+        write_all(&folder, &export)
+            .map_err(|error| Output::Unusable(format!("the export failed: {error}")))?;
         Ok(folder.join(&export.main))
     }
 }
