@@ -94,8 +94,9 @@ impl Plot {
                     Curve::Points(_) => {
                         "share of the pixel with centre (x, y) that the line covers: with \
                          distance that of (x, y) from the nearest of the straight lines between \
-                         neighbours among (left, Y(a0(from))), the points (d, a0) in the image, and \
-                         (right, Y(a0(to))), coverage = min(1, max(0, half_width + 1/2 - \
+                         neighbours among (left, Y(a0(from))), (X(value), Y(opacity)) of each \
+                         point, and (right, Y(a0(to))), where X(d) = left + (right - left)*(d - \
+                         from)/(to - from), coverage = min(1, max(0, half_width + 1/2 - \
                          distance))"
                     }
                 },
