@@ -89,15 +89,7 @@ fn measure_naming(
     json: &Json,
 ) -> Result<Outcome, Failure> {
     let bar = progress::cases(made.len());
-    let namings: Vec<Naming> = made
-        .iter()
-        .map(|(mistakes, run)| {
-            bar.set_message(mistakes[0].name);
-            let naming = naming(cases, store, mistakes, *run);
-            bar.inc(1);
-            naming
-        })
-        .collect();
+    let namings: Vec<Naming> = naming(cases, store, made, &|| bar.inc(1));
     bar.finish_and_clear();
     let rows: Vec<_> = namings
         .iter()

@@ -9,7 +9,7 @@ use crate::exchange::{self, Format};
 use crate::report;
 use crate::scene::Scene;
 use crate::suite::{
-    Case, CommandTemplate, Evidence, Judged, Likeness, Output, Outputs, Store, Verdict, likeness,
+    Case, CommandTemplate, Evidence, Judged, Output, Outputs, Store, Verdict, likeness,
     run as run_process, validate,
 };
 use std::collections::BTreeMap;
@@ -99,7 +99,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             return Err(Failure::new(Exit::Undecided, message, Some(help)));
         }
     }
-    let likely = name_mistakes(&cases, &mut judged, &store);
+    let bar = progress::mistakes();
+    let likely = likeness(&cases, &mut judged, &|| bar.tick());
+    bar.finish_and_clear();
     if !arguments.files.wants_evidence() {
         for judged in &mut judged {
             judged.evidence = Evidence::default();
@@ -350,12 +352,4 @@ fn judge_all(cases: &[&Case], store: &Store, source: &Source, jobs: usize) -> Ve
     let mut done = done.into_inner().expect("no thread panicked");
     done.sort_by_key(|(index, _)| *index);
     done.into_iter().map(|(_, judged)| judged).collect()
-}
-
-/// Holds the images that failed against the catalogue of mistakes.
-fn name_mistakes(cases: &[&Case], judged: &mut [Judged], store: &Store) -> Vec<Likeness> {
-    let bar = progress::mistakes();
-    let likely = likeness(cases, judged, store, &|| bar.tick());
-    bar.finish_and_clear();
-    likely
 }

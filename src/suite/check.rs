@@ -57,7 +57,7 @@ pub fn check(case: &str, image: &Film) -> Result<CaseResult, SuiteError> {
         &store,
         Output::Picture(Box::new(picture)),
     )];
-    likeness(&cases, &mut judged, &store, &|| ());
+    likeness(&cases, &mut judged, &|| ());
     let [judged] = judged;
     Ok(judged.result)
 }

@@ -184,6 +184,16 @@ impl<'c> Subject<'c> {
         picture(&self.trusted.scene, self.samples, run)
     }
 
+    /// What is rendered, were there no mistake.
+    pub fn scene(&self) -> &Scene {
+        &self.trusted.scene
+    }
+
+    /// The picture as it should be, judged.
+    pub fn judged_right(&self) -> Judged {
+        self.judge(Picture::Radiance(self.honest.clone()))
+    }
+
     /// Judges a picture of the case.
     pub fn judge(&self, picture: Picture) -> Judged {
         validate_with(self.case, &self.trusted, picture)

@@ -1,6 +1,9 @@
 //! Mistakes in ray casters of classified volumes.
 
-use super::densities::{half_a_voxel_off, in_classified, upside_down, x_and_z_exchanged};
+use super::densities::{
+    cells_for_nodes, half_a_voxel_back, half_a_voxel_on, in_classified, upside_down,
+    x_and_z_exchanged,
+};
 use super::{Edit, Mistake};
 use crate::media::{Appearance, Colormap, Phong, TransferPoint, TransferPoints};
 use crate::scene::Classified;
@@ -127,8 +130,18 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "volume-half-voxel-off",
-        advice: "the volume is half a voxel off: values belong to nodes, the outermost of which lie on the faces of the box, not to the middles of cells",
-        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_off)),
+        advice: "the volume is half a voxel off, towards larger coordinates: values belong to nodes, the first of which lies at the corner of the box",
+        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_on)),
+    },
+    Mistake {
+        name: "volume-half-voxel-back",
+        advice: "the volume is half a voxel off, towards smaller coordinates: values belong to nodes, the first of which lies at the corner of the box",
+        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_back)),
+    },
+    Mistake {
+        name: "volume-cells-for-nodes",
+        advice: "the values of the volume are taken for the middles of cells, as textures have them: the outermost lie on the faces of the box",
+        edit: Edit::Classified(|scene| in_classified(scene, cells_for_nodes)),
     },
     Mistake {
         name: "volume-axes-exchanged",

@@ -3,7 +3,9 @@
 use super::{Edit, Mistake};
 use crate::media::Field;
 use crate::scene::{Classified, Radiative};
-use crate::volume::{FractalDensity, FractalParameters, Grid, GridDensity, Interpolation, Lattice};
+use crate::volume::{
+    Centring, FractalDensity, FractalParameters, Grid, GridDensity, Interpolation, Lattice,
+};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -19,8 +21,18 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "grid-half-voxel-off",
-        advice: "the grid is half a voxel off: its values belong to nodes, the outermost of which lie on the faces of the box, not to the middles of cells",
-        edit: Edit::Radiative(|scene| with_grids(scene, half_a_voxel_off)),
+        advice: "the grid is half a voxel off, towards larger coordinates: values belong to nodes, the first of which lies at the corner of the box",
+        edit: Edit::Radiative(|scene| with_grids(scene, half_a_voxel_on)),
+    },
+    Mistake {
+        name: "grid-half-voxel-back",
+        advice: "the grid is half a voxel off, towards smaller coordinates: values belong to nodes, the first of which lies at the corner of the box",
+        edit: Edit::Radiative(|scene| with_grids(scene, half_a_voxel_back)),
+    },
+    Mistake {
+        name: "grid-cells-for-nodes",
+        advice: "the values of the grid are taken for the middles of cells, as textures have them: the outermost lie on the faces of the box",
+        edit: Edit::Radiative(|scene| with_grids(scene, cells_for_nodes)),
     },
     Mistake {
         name: "grid-axes-exchanged",
@@ -93,15 +105,40 @@ pub(super) fn in_classified(scene: &mut Classified, edit: fn(&Values) -> Option<
     true
 }
 
-/// Half a voxel off along every axis.
-pub(super) fn half_a_voxel_off(grid: &Values) -> Option<Values> {
+/// Half a voxel off along every axis, towards larger coordinates.
+pub(super) fn half_a_voxel_on(grid: &Values) -> Option<Values> {
+    moved_by_voxels(grid, 0.5)
+}
+
+/// Half a voxel off along every axis, towards smaller coordinates.
+pub(super) fn half_a_voxel_back(grid: &Values) -> Option<Values> {
+    moved_by_voxels(grid, -0.5)
+}
+
+fn moved_by_voxels(grid: &Values, voxels: f64) -> Option<Values> {
     let old = grid.lattice();
-    let first = old.first() + old.spacing() * 0.5;
+    let first = old.first() + old.spacing() * voxels;
     let lattice = Lattice::new(old.nodes(), old.spacing(), first).ok()?;
-    let lattice = lattice.with_centring(old.centring()).ok()?;
-    Grid::new(lattice, grid.values().to_vec())
-        .ok()
-        .map(Arc::new)
+    on(lattice.with_centring(old.centring()).ok()?, grid)
+}
+
+/// In the same box, but each value in the middle of a cell of its own.
+pub(super) fn cells_for_nodes(grid: &Values) -> Option<Values> {
+    let old = grid.lattice();
+    if old.centring() == Centring::Cells {
+        return None;
+    }
+    let bounds = old.bounds();
+    let counts = DVec3::from_array(old.nodes().map(|count| count as f64));
+    let spacing = bounds.size() / counts;
+    let lattice = Lattice::new(old.nodes(), spacing, bounds.min + spacing * 0.5).ok()?;
+    on(lattice.with_centring(Centring::Cells).ok()?, grid)
+}
+
+/// The values of `grid` at the nodes of another lattice.
+fn on(lattice: Lattice, grid: &Values) -> Option<Values> {
+    let grid = Grid::new(lattice, grid.values().to_vec());
+    grid.ok().map(Arc::new)
 }
 
 /// Read as though z ran fastest; nothing of a grid that is no cube of nodes is left in its place,

@@ -49,11 +49,19 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "srgb-encoded",
-        advice: "the image is encoded for a display: linear radiance is wanted, without the sRGB curve (or a gamma of 2.2); set the output to raw or linear",
+        advice: "the image is encoded for a display: linear radiance is wanted, without the sRGB curve; set the output to raw or linear",
         edit: Edit::Image(|film| {
             Some(mapped(film, |x| {
                 (math::linear_to_srgb(x), slope(math::linear_to_srgb, x))
             }))
+        }),
+    },
+    Mistake {
+        name: "gamma-encoded",
+        advice: "the image is encoded with a gamma of 2.2: linear radiance is wanted",
+        edit: Edit::Image(|film| {
+            let encode = |x: f64| math::exp(math::ln(x.max(f64::MIN_POSITIVE)) / 2.2);
+            Some(mapped(film, |x| (encode(x), slope(encode, x))))
         }),
     },
     Mistake {
