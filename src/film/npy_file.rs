@@ -260,7 +260,11 @@ impl Number {
 
 fn unsuited_type(descr: &str) -> FilmError {
     let shown: String = descr.chars().take(20).collect();
-    let (kind, remedy) = match descr.trim_start_matches(['<', '>', '|', '=']).chars().next() {
+    let (kind, remedy) = match descr
+        .trim_start_matches(['<', '>', '|', '='])
+        .chars()
+        .next()
+    {
         Some('u' | 'i' | 'b') => (
             "whole numbers",
             "radiance is linear float: save what was there before it was rounded and gamma \

@@ -3,8 +3,8 @@
 //! What is read are sRGB codes. A file that says its codes are others (another gamma, another
 //! profile) is refused: to convert them is to guess what its renderer meant.
 
-use super::error::{check_claim, check_size};
 use super::FilmError;
+use super::error::{check_claim, check_size};
 use crate::math;
 use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
@@ -121,7 +121,11 @@ fn description(profile: &[u8]) -> Option<String> {
             // Before the letters come the type and a length, or the lengths of a table of one.
             let before = if text.starts_with(b"mluc") { 28 } else { 12 };
             let letters = text.iter().skip(before).map(|&byte| char::from(byte));
-            return Some(letters.filter(|c| c.is_ascii_graphic() || *c == ' ').collect());
+            return Some(
+                letters
+                    .filter(|c| c.is_ascii_graphic() || *c == ' ')
+                    .collect(),
+            );
         }
     }
     None
@@ -146,7 +150,11 @@ fn eight_bits(image: &DynamicImage) -> Vec<[u8; 3]> {
         ImageLuma16(_) | ImageLumaA16(_) | ImageRgb16(_) | ImageRgba16(_)
     ) {
         let code = |wide: u16| ((u32::from(wide) + 128) / 257) as u8;
-        return image.to_rgb16().pixels().map(|pixel| pixel.0.map(code)).collect();
+        return image
+            .to_rgb16()
+            .pixels()
+            .map(|pixel| pixel.0.map(code))
+            .collect();
     }
     image.to_rgb8().pixels().map(|pixel| pixel.0).collect()
 }

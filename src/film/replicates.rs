@@ -31,7 +31,10 @@ pub(super) fn pooled(films: &[Film]) -> Result<Film, FilmError> {
             ));
         }
     }
-    let counts: Option<Vec<u32>> = films.iter().map(|film| Some(film.noise()?.samples)).collect();
+    let counts: Option<Vec<u32>> = films
+        .iter()
+        .map(|film| Some(film.noise()?.samples))
+        .collect();
     let (samples, parts) = match counts {
         Some(counts) => {
             let total = counts.iter().map(|&count| u64::from(count)).sum::<u64>();
@@ -43,13 +46,15 @@ pub(super) fn pooled(films: &[Film]) -> Result<Film, FilmError> {
     let mut variance = Vec::with_capacity(first.radiance.len());
     for index in 0..first.radiance.len() {
         let pixel = [0, 1, 2].map(|channel| {
-            pooled_value(films.iter().zip(&parts).map(|(film, &count)| Part {
-                count: f64::from(count),
-                mean: f64::from(film.radiance[index][channel]),
-                // Of a single number there is none, and `count` is 1.
-                variance_of_mean: film.noise().map_or(0.0, |noise| {
-                    f64::from(noise.variance[index][channel])
-                }),
+            pooled_value(films.iter().zip(&parts).map(|(film, &count)| {
+                Part {
+                    count: f64::from(count),
+                    mean: f64::from(film.radiance[index][channel]),
+                    // Of a single number there is none, and `count` is 1.
+                    variance_of_mean: film
+                        .noise()
+                        .map_or(0.0, |noise| f64::from(noise.variance[index][channel])),
+                }
             }))
         });
         radiance.push(pixel.map(|(mean, _)| mean as f32));
@@ -91,7 +96,11 @@ struct Part {
 /// the parts' means from the common mean, `n·(m − mean)²`.
 fn pooled_value(parts: impl Iterator<Item = Part> + Clone) -> (f64, f64) {
     let total: f64 = parts.clone().map(|part| part.count).sum();
-    let mean = parts.clone().map(|part| part.count * part.mean).sum::<f64>() / total;
+    let mean = parts
+        .clone()
+        .map(|part| part.count * part.mean)
+        .sum::<f64>()
+        / total;
     let squares: f64 = parts
         .map(|part| {
             let within = part.variance_of_mean * part.count * (part.count - 1.0);

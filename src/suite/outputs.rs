@@ -143,7 +143,8 @@ impl Outputs {
                 return Err(several_for(case, one, other));
             }
         }
-        if let (Some(one), Some(other)) = (files.single.first(), replicates.clone().flatten().next())
+        if let (Some(one), Some(other)) =
+            (files.single.first(), replicates.clone().flatten().next())
         {
             return Err(several_for(case, one, other));
         }
@@ -157,7 +158,12 @@ impl Outputs {
                 });
             }
         }
-        let images: Vec<PathBuf> = files.single.iter().chain(replicates.flatten()).cloned().collect();
+        let images: Vec<PathBuf> = files
+            .single
+            .iter()
+            .chain(replicates.flatten())
+            .cloned()
+            .collect();
         let variance = files.variance.first().cloned();
         if let Some(file) = &variance
             && images.len() != 1
@@ -283,11 +289,18 @@ fn case_called<'c>(name: &str, cases: &[&'c str]) -> Result<Option<&'c str>, Str
     if let Some(case) = cases.iter().find(|case| **case == name) {
         return Ok(Some(case));
     }
-    let called: Vec<&str> = cases.iter().copied().filter(|case| bare(case) == name).collect();
+    let called: Vec<&str> = cases
+        .iter()
+        .copied()
+        .filter(|case| bare(case) == name)
+        .collect();
     match called[..] {
         [] => Ok(None),
         [case] => Ok(Some(case)),
-        _ => Err(format!("may be of {}: put it into the folder of its family", called.join(" or "))),
+        _ => Err(format!(
+            "may be of {}: put it into the folder of its family",
+            called.join(" or ")
+        )),
     }
 }
 
