@@ -491,22 +491,30 @@ fn every_kind_of_png_is_read() {
         ),
         ("8-bit grey", png(2, 1, L8, &[7, 200]), grey),
         ("16-bit grey", png(2, 1, L16, &wide(&[7, 200])), grey),
-        ("grey with alpha", png(2, 1, La8, &[7, 0, 200, 255]), grey),
-        // Opacity is dropped, not multiplied in.
+        ("opaque grey", png(2, 1, La8, &[7, 255, 200, 255]), grey),
         (
-            "alpha",
-            png(2, 1, Rgba8, &[1, 2, 3, 0, 250, 128, 0, 99]),
+            "opaque colour",
+            png(2, 1, Rgba8, &[1, 2, 3, 255, 250, 128, 0, 255]),
             colour,
         ),
         (
-            "16-bit alpha",
-            png(2, 1, Rgba16, &wide(&[1, 2, 3, 9, 250, 128, 0, 99])),
+            "opaque 16-bit colour",
+            png(2, 1, Rgba16, &wide(&[1, 2, 3, 255, 250, 128, 0, 255])),
             colour,
         ),
         ("palette", palette_png(), [[200, 100, 50], [10, 20, 30]]),
     ] {
         let read = Film::codes_from_png(&bytes);
         assert_eq!(read, Ok((2, 1, expected.to_vec())), "{what}");
+    }
+    // What shows through is not in the file.
+    for bytes in [
+        png(2, 1, La8, &[7, 255, 200, 254]),
+        png(2, 1, Rgba8, &[1, 2, 3, 255, 250, 128, 0, 99]),
+        png(2, 1, Rgba16, &wide(&[1, 2, 3, 255, 250, 128, 0, 0])),
+    ] {
+        let error = Film::codes_from_png(&bytes).unwrap_err().to_string();
+        assert!(error.contains("the pixel (1, 0) is transparent"), "{error}");
     }
 }
 

@@ -15,6 +15,7 @@ use exr::prelude::{
 };
 use std::io::Cursor;
 use std::ops::Range;
+use std::panic::catch_unwind;
 
 /// Channels with the variance of the mean of red, green and blue. Only in small letters:
 /// pbrt writes `Variance.R` for the variance of one sample, another quantity.
@@ -103,6 +104,10 @@ fn picture(file: &File, colours: &Colours) -> Result<Film, FilmError> {
 }
 
 /// All parts of a file that is neither too large nor of a kind that cannot be used.
+///
+/// On some broken files the crate panics (chunks of another resolution than their table says, for
+/// one), which is caught here. In one of its own threads a panic would end the process, so it
+/// is to use none.
 fn read_file(bytes: &[u8]) -> Result<File, FilmError> {
     // The size is checked in the header, before anything of that size is allocated.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
@@ -118,14 +123,21 @@ fn read_file(bytes: &[u8]) -> Result<File, FilmError> {
     for header in &meta.headers {
         check_kind(header)?;
     }
-    read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .all_layers()
-        .all_attributes()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(unreadable)
+    let decoded = catch_unwind(|| {
+        read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .all_layers()
+            .all_attributes()
+            .non_parallel()
+            .from_buffered(Cursor::new(bytes))
+    });
+    let broken = |_| FilmError::Unreadable {
+        format: "EXR",
+        reason: "its data are broken".to_owned(),
+    };
+    decoded.map_err(broken)?.map_err(unreadable)
 }
 
 fn check_kind(header: &Header) -> Result<(), FilmError> {

@@ -294,6 +294,6 @@ fn images_that_cannot_be_read() {
     cut.png: not a readable PNG image: unexpected end of file
     text.exr: not a readable EXR image: it does not begin like one
     text.png: not a readable PNG image: Format error decoding Png: Invalid PNG signature.
-    image.jpg: not an image by its extension: known are .exr (linear radiance) and .png (preview)
+    image.jpg: not an image by its extension: known are .exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB)
     ");
 }
