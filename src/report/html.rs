@@ -116,8 +116,8 @@ fn counts(results: &[CaseResult]) -> Vec<Count> {
     .collect()
 }
 
-/// The palettes of the maps: of FLIP as in [`crate::compare::flip`], 256 colours for as many codes,
-/// and of signed differences, from blue to red, 255 colours so that the one of 0 is in the middle.
+/// The palettes of the maps: of FLIP as in [`crate::compare::flip`], as many colours as it
+/// has steps here, and of signed differences, from blue to red, 255 colours so that the one of 0 is in the middle.
 #[derive(serde::Serialize)]
 struct Palettes {
     magma: Vec<[u8; 3]>,
@@ -125,7 +125,8 @@ struct Palettes {
 }
 
 fn palettes() -> Palettes {
-    let magma = (0..256).map(|i| colorous::MAGMA.eval_rational(i, 256).into_array());
+    let steps = usize::from(pixels::WHOLE) + 1;
+    let magma = (0..steps).map(|i| colorous::MAGMA.eval_rational(i, steps).into_array());
     let signed = (0..255).map(|i| colorous::RED_BLUE.eval_rational(254 - i, 255).into_array());
     Palettes {
         magma: magma.collect(),
