@@ -1,12 +1,15 @@
 //! Results as one page that needs no network: is it wrong, where, by how much, and what to change.
 
 mod case;
+mod measures;
+mod pictures;
 mod pixels;
 mod words;
 
 use crate::suite::{CaseResult, Evidence, Likeness, Summary, Verdict};
 use case::CaseView;
 use minijinja::{Environment, context};
+use rayon::prelude::*;
 
 /// What a page tells of.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +33,7 @@ pub fn results_html(page: &Page<'_>) -> String {
     let mut order: Vec<usize> = (0..page.results.len()).collect();
     order.sort_by_key(|&index| rank(page.results[index].verdict));
     let cases: Vec<CaseView> = order
-        .iter()
+        .par_iter()
         .enumerate()
         .map(|(place, &index)| {
             let evidence = page.evidence.get(index).unwrap_or(&none);
