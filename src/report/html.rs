@@ -1,12 +1,15 @@
 //! Results as one page that needs no network: is it wrong, where, by how much, and what to change.
 
 mod case;
+mod measures;
+mod pictures;
 mod pixels;
 mod words;
 
 use crate::suite::{CaseResult, Evidence, Likeness, Summary, Verdict};
 use case::CaseView;
 use minijinja::{Environment, context};
+use rayon::prelude::*;
 
 /// What a page tells of.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +33,7 @@ pub fn results_html(page: &Page<'_>) -> String {
     let mut order: Vec<usize> = (0..page.results.len()).collect();
     order.sort_by_key(|&index| rank(page.results[index].verdict));
     let cases: Vec<CaseView> = order
-        .iter()
+        .par_iter()
         .enumerate()
         .map(|(place, &index)| {
             let evidence = page.evidence.get(index).unwrap_or(&none);
@@ -116,8 +119,8 @@ fn counts(results: &[CaseResult]) -> Vec<Count> {
     .collect()
 }
 
-/// The palettes of the maps: of FLIP as in [`crate::compare::flip`], 256 colours for as many codes,
-/// and of signed differences, from blue to red, 255 colours so that the one of 0 is in the middle.
+/// The palettes of the maps: of FLIP as in [`crate::compare::flip`], as many colours as it
+/// has steps here, and of signed differences, from blue to red, 255 colours so that the one of 0 is in the middle.
 #[derive(serde::Serialize)]
 struct Palettes {
     magma: Vec<[u8; 3]>,
@@ -125,7 +128,8 @@ struct Palettes {
 }
 
 fn palettes() -> Palettes {
-    let magma = (0..256).map(|i| colorous::MAGMA.eval_rational(i, 256).into_array());
+    let steps = usize::from(pixels::WHOLE) + 1;
+    let magma = (0..steps).map(|i| colorous::MAGMA.eval_rational(i, steps).into_array());
     let signed = (0..255).map(|i| colorous::RED_BLUE.eval_rational(254 - i, 255).into_array());
     Palettes {
         magma: magma.collect(),

@@ -66,7 +66,10 @@ fn wait_for_pictures(browser: &Browser) {
 
 /// Nothing may be complained of, and nothing asked for but the page itself.
 fn check_quiet(browser: &Browser) {
-    assert_eq!(browser.console(), Vec::<String>::new());
+    let mut console = browser.console();
+    // That is about this test, which reads what the page only draws.
+    console.retain(|message| !message.contains("getImageData"));
+    assert_eq!(console, Vec::<String>::new());
     for url in browser.requests() {
         assert!(
             url.starts_with("file://") && url.ends_with("/index.html")

@@ -695,9 +695,9 @@ addEventListener("keydown", event => {
   if (key === "Escape" && isTyping) return target.blur();
   if (isTyping && key === "Enter") return links.find((_, i) => !items[i].hidden)?.click();
   if (arrow) {
-    if (target.matches("canvas") && pictures) movePixel(...arrow.map(by => by * (event.shiftKey ? 8 : 1)));
+    if (arrow[0] && state.view === "swipe" && target.matches("body, canvas, button")) setSwipe(state.swipe + 0.02 * arrow[0]);
+    else if (target.matches("canvas") && pictures) movePixel(...arrow.map(by => by * (event.shiftKey ? 8 : 1)));
     else if (arrow[1] && (isTyping || target.matches("nav a, body"))) step(arrow[1]);
-    else if (arrow[0] && state.view === "swipe" && !target.matches("input, select, pre")) setSwipe(state.swipe + 0.02 * arrow[0]);
     else return;
   } else if (key === " " && state.view === "blink" && !target.matches("button, input, select, a")) {
     if (timer) setBlinking(false);

@@ -145,6 +145,14 @@ pub(super) fn number(name: &str) -> &'static str {
         "chi_square_probability" => {
             "How likely honest noise is to give an amount as odd as this; near 0 it is not noise."
         }
+        "copied_pixels" => {
+            "Pixels with noise that are exactly the golden's; two honest renderings share none."
+        }
+        "correlation_across" => {
+            "How alike the differences of neighbours in a row are: 0 is honest, above 0.05 the \
+             image was filtered or denoised, or its pixels share random numbers."
+        }
+        "correlation_down" => "The same of neighbours in a column.",
         "non_finite_pixels" => "Pixels that hold NaN or infinity; none may.",
         _ => "",
     }

@@ -1,0 +1,93 @@
+//! By how much two images differ, and where, in numbers and words.
+
+use super::words;
+use crate::compare::stochastic::{BLOCK, BlockMap};
+use crate::film::Film;
+use serde::Serialize;
+
+/// The mean of a channel in both images.
+#[derive(Serialize)]
+pub(super) struct Mean {
+    channel: &'static str,
+    golden: String,
+    test: String,
+    difference: String,
+    ratio: String,
+}
+
+/// Of each channel, over the pixels that are finite in both images.
+pub(super) fn means(golden: &Film, test: &Film) -> Vec<Mean> {
+    let mut means = Vec::new();
+    for (c, channel) in ["red", "green", "blue"].into_iter().enumerate() {
+        let mut sums = [0.0_f64; 2];
+        let mut count = 0.0_f64;
+        for (a, b) in golden.radiance().iter().zip(test.radiance()) {
+            if a[c].is_finite() && b[c].is_finite() {
+                sums[0] += f64::from(a[c]);
+                sums[1] += f64::from(b[c]);
+                count += 1.0;
+            }
+        }
+        let [a, b] = sums.map(|sum| sum / count.max(1.0));
+        let ratio = match a > 0.0 && b > 0.0 {
+            true => format!("× {:.4}", b / a),
+            false => "–".to_owned(),
+        };
+        means.push(Mean {
+            channel,
+            golden: words::digits(a),
+            test: words::digits(b),
+            difference: words::digits(b - a),
+            ratio,
+        });
+    }
+    means
+}
+
+/// Over how many pixels the difference is spread.
+pub(super) fn spread(golden: &Film, test: &Film) -> Option<String> {
+    let of_pixel = |(a, b): (&[f32; 3], &[f32; 3])| {
+        let parts = [0, 1, 2].map(|c| (f64::from(b[c]) - f64::from(a[c])).abs());
+        parts.iter().sum::<f64>()
+    };
+    let mut sizes: Vec<f64> = golden
+        .radiance()
+        .iter()
+        .zip(test.radiance())
+        .map(of_pixel)
+        .collect();
+    sizes.retain(|size| size.is_finite());
+    let all: f64 = sizes.iter().sum();
+    if all == 0.0 {
+        return None;
+    }
+    sizes.sort_by(|a, b| b.total_cmp(a));
+    let mut sum = 0.0;
+    let half = sizes.iter().take_while(|size| {
+        let below = sum < 0.5 * all;
+        sum += **size;
+        below
+    });
+    let share = half.count() as f64 / sizes.len() as f64;
+    let advice = match share {
+        _ if share < 0.05 => "in a few places, which the difference shows",
+        _ if share < 0.2 => "in a part of the picture, which the difference shows",
+        _ => "spread over the picture: rather a factor or an offset than a place",
+    };
+    Some(format!(
+        "Half of all difference lies in {:.1} % of the pixels, {advice}.",
+        (100.0 * share).max(0.1)
+    ))
+}
+
+/// In how many blocks there is more than noise.
+pub(super) fn odd_blocks(map: &BlockMap) -> String {
+    let is_odd = |block: &&[f64; 3]| block.iter().any(|z| z.abs() > 5.0);
+    let odd = map.deviations.iter().filter(is_odd).count();
+    let side = BLOCK;
+    format!(
+        "{odd} of {} blocks of {side} × {side} pixels are off by more than 5 standard errors; the z \
+         map shows them.",
+        map.deviations.len()
+    )
+}

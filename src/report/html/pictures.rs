@@ -1,0 +1,242 @@
+//! The images of a case: which can be shown, and packed for the page.
+
+use super::pixels;
+use crate::compare::flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
+use crate::compare::stochastic::{self, BlockMap};
+use crate::compare::{Gate, Picture, deterministic};
+use crate::film::Film;
+use crate::suite::Evidence;
+use serde::Serialize;
+
+/// Images of more pixels are left out of the page: a browser could not open it.
+const MOST_PIXELS: usize = 1 << 22;
+/// Browsers draw no larger ones.
+const MOST_SIDE: usize = 1 << 14;
+
+/// What there is to look at, of images that can be shown.
+pub(super) struct Views<'a> {
+    pub(super) golden: Option<&'a Film>,
+    pub(super) test: Option<&'a Picture>,
+    /// Both, where they are of one size.
+    pair: Option<(&'a Film, &'a Picture)>,
+    /// Stops at which they are shown first.
+    pub(super) exposure: f64,
+    /// What is odd about them, in words.
+    pub(super) notes: Vec<String>,
+}
+
+impl<'a> Views<'a> {
+    pub(super) fn of(evidence: &'a Evidence) -> Views<'a> {
+        let mut notes = Vec::new();
+        let golden = evidence.golden.as_ref();
+        let golden = golden
+            .and_then(|film| shown(film, [film.width(), film.height()], "golden", &mut notes));
+        let test = evidence.test.as_ref();
+        let test =
+            test.and_then(|image| shown(image, image.size().into(), "test image", &mut notes));
+        if evidence.golden.is_none() {
+            notes.push("There is no golden that can be trusted to compare with.".to_owned());
+        }
+        if evidence.test.is_none() {
+            notes.push("There is no test image, or none that can be read.".to_owned());
+        }
+        let exposure = match evidence.exposure {
+            stops if stops.is_finite() => stops,
+            _ => 0.0,
+        };
+        let pair = golden
+            .zip(test)
+            .filter(|(golden, test)| test.size() == (golden.width(), golden.height()));
+        if let (Some(golden), Some(test), None) = (golden, test, pair) {
+            let (width, height) = test.size();
+            notes.push(format!(
+                "The images differ in size: the golden has {} × {} pixels, the test image \
+                 {width} × {height}. They can be looked at, but not subtracted.",
+                golden.width(),
+                golden.height()
+            ));
+        }
+        if let Some(Picture::Codes(_)) = test {
+            notes.push(format!(
+                "The test image has 8 bits: it is compared with the golden as a display shows it \
+                 at exposure {exposure:+}, and differences are in codes from 0 to 255."
+            ));
+        }
+        for (name, film) in [("golden", golden), ("test image", test.and_then(radiance))] {
+            notes.extend(film.and_then(|film| not_finite(name, film)));
+        }
+        Views {
+            golden,
+            test,
+            pair,
+            exposure,
+            notes,
+        }
+    }
+
+    /// Golden and test image, where they are of one size and both radiance.
+    pub(super) fn films(&self) -> Option<(&'a Film, &'a Film)> {
+        let (golden, test) = self.pair?;
+        Some((golden, radiance(test)?))
+    }
+
+    /// How far blocks deviate, where the gate asks for that.
+    pub(super) fn blocks(&self, gate: Gate) -> Option<BlockMap> {
+        let (golden, test) = self.films().filter(|_| gate == Gate::Stochastic)?;
+        stochastic::block_map(golden, test)
+    }
+
+    /// Everything that the script needs; nothing where there is no image.
+    pub(super) fn packed(&self, gate: Gate, blocks: Option<&BlockMap>) -> Option<Pictures> {
+        if self.golden.is_none() && self.test.is_none() {
+            return None;
+        }
+        Some(Pictures {
+            exposure: self.exposure,
+            golden: self.golden.map(|film| Image {
+                width: film.width(),
+                height: film.height(),
+                floats: Some(pixels::smooth_floats(film.radiance(), film.width())),
+                codes: None,
+            }),
+            test: self.test.map(|picture| self.packed_test(picture)),
+            difference: self.pair.map(|(golden, test)| {
+                pixels::floats(&differences(golden, test, self.exposure), golden.width())
+            }),
+            flip: self.packed_flip(),
+            z: blocks.map(packed_blocks),
+            tolerance: (gate == Gate::Deterministic)
+                .then_some([deterministic::ABSOLUTE, deterministic::RELATIVE]),
+        })
+    }
+
+    fn packed_test(&self, picture: &Picture) -> Image {
+        let (width, height) = picture.size();
+        let (floats, codes) = match picture {
+            Picture::Codes(image) => (None, Some(pixels::codes(image.pixels(), width))),
+            Picture::Radiance(_) if self.pair.is_some() => (None, None),
+            Picture::Radiance(film) => (Some(pixels::smooth_floats(film.radiance(), width)), None),
+        };
+        Image {
+            width,
+            height,
+            floats,
+            codes,
+        }
+    }
+
+    fn packed_flip(&self) -> Option<String> {
+        let (golden, test) = self.pair?;
+        let golden = Picture::Radiance(golden.clone()).srgb(self.exposure).ok()?;
+        let test = test.srgb(self.exposure).ok()?;
+        let errors = flip(&golden, &test, DEFAULT_PIXELS_PER_DEGREE).ok()?;
+        Some(pixels::fractions(errors.values()))
+    }
+}
+
+/// Images and maps, packed by [`pixels`].
+#[derive(Serialize)]
+pub(super) struct Pictures {
+    /// Stops at which they are shown first.
+    exposure: f64,
+    golden: Option<Image>,
+    test: Option<Image>,
+    /// Test minus golden where they are of one size: of radiance, or of 8-bit codes at the
+    /// exposure.
+    difference: Option<String>,
+    flip: Option<String>,
+    z: Option<Blocks>,
+    /// Absolute and relative part of a tolerance, under the deterministic gate.
+    tolerance: Option<[f64; 2]>,
+}
+
+#[derive(Serialize)]
+struct Image {
+    width: usize,
+    height: usize,
+    /// Radiance. The test image has none where it is golden plus difference.
+    floats: Option<String>,
+    /// 8-bit codes.
+    codes: Option<String>,
+}
+
+#[derive(Serialize)]
+struct Blocks {
+    columns: usize,
+    rows: usize,
+    side: usize,
+    floats: String,
+}
+
+/// `image` if it has pixels and not too many; says so in `notes` otherwise.
+fn shown<'a, T>(
+    image: &'a T,
+    [width, height]: [usize; 2],
+    name: &str,
+    notes: &mut Vec<String>,
+) -> Option<&'a T> {
+    if width * height == 0 {
+        notes.push(format!("The {name} has no pixels."));
+    } else if width * height > MOST_PIXELS || width.max(height) > MOST_SIDE {
+        notes.push(format!(
+            "The {name} is left out of this page: it has {width} × {height} pixels; shown are at \
+             most {MOST_PIXELS} altogether and {MOST_SIDE} on a side."
+        ));
+    } else {
+        return Some(image);
+    }
+    None
+}
+
+fn radiance(picture: &Picture) -> Option<&Film> {
+    match picture {
+        Picture::Radiance(film) => Some(film),
+        Picture::Codes(_) => None,
+    }
+}
+
+fn not_finite(name: &str, film: &Film) -> Option<String> {
+    let broken = |pixel: &[f32; 3]| pixel.iter().any(|value| !value.is_finite());
+    let pixels = film.radiance();
+    let first = pixels.iter().position(broken)?;
+    let count = pixels.iter().filter(|pixel| broken(pixel)).count();
+    Some(format!(
+        "{count} of {} pixels of the {name} hold NaN or infinity; the first is at ({}, {}). They are \
+         shown chequered.",
+        pixels.len(),
+        first % film.width(),
+        first / film.width()
+    ))
+}
+
+/// Test minus golden, of radiance or of codes.
+fn differences(golden: &Film, test: &Picture, exposure: f64) -> Vec<[f32; 3]> {
+    match test {
+        Picture::Radiance(test) => golden
+            .radiance()
+            .iter()
+            .zip(test.radiance())
+            .map(|(a, b)| [0, 1, 2].map(|c| (f64::from(b[c]) - f64::from(a[c])) as f32))
+            .collect(),
+        Picture::Codes(test) => golden
+            .srgb_codes(exposure)
+            .iter()
+            .zip(test.pixels())
+            .map(|(a, b)| [0, 1, 2].map(|c| f32::from(b[c]) - f32::from(a[c])))
+            .collect(),
+    }
+}
+
+fn packed_blocks(map: &stochastic::BlockMap) -> Blocks {
+    let deviations: Vec<_> = map
+        .deviations
+        .iter()
+        .map(|block| block.map(|z| z as f32))
+        .collect();
+    Blocks {
+        columns: map.columns,
+        rows: map.rows,
+        side: stochastic::BLOCK,
+        floats: pixels::floats(&deviations, map.columns),
+    }
+}
