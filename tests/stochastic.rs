@@ -1,6 +1,6 @@
 //! The stochastic gate against the pairs it must reject and the noise it must accept.
 
-use volref::compare::stochastic::{FALSE_ALARM, judge, judge_at};
+use volref::compare::stochastic::{FALSE_ALARM, Undecided, judge, judge_at, judge_case};
 use volref::compare::{Gate, Judgement, Picture, PictureError};
 use volref::film::Film;
 use volref::math::rng::{Purpose, Stream};
@@ -218,12 +218,18 @@ fn too_little_noise_is_suspicious() {
         let variance = variance.iter().map(|v| v.map(|v| scale * v)).collect();
         Film::with_noise(SIDE, SIDE, loud.radiance().to_vec(), variance, 256)
     };
-    let overstated = judged(&quiet(1.0), &quiet(8.0));
-    assert!(overstated.passed, "the same picture needs no noise");
+    assert_rejected(
+        "a copy",
+        &quiet(1.0),
+        &quiet(8.0),
+        "it is the same image, not an independent estimate",
+    );
+    assert_rejected("a silent copy", &loud, &silent(&loud), "the same image");
     assert_rejected("overstated noise", &reference, &quiet(8.0), "in common");
-    // Few samples: reported, not judged.
+    // Of n samples that are among the N of the reference, the differences have (N − n)/(N + n)
+    // times the noise of independent ones: with few of them that is nothing to speak of.
     let few = judged(&reference, &sampled(1, 40, exponential, truth));
-    assert!(few.metrics["amount_of_noise"] < 1.0);
+    assert!(few.passed && few.metrics["amount_of_noise"] < 1.0);
 }
 
 /// A pixel that missed a rare light is too dark and says it has no noise. The samples of the
@@ -315,6 +321,124 @@ fn the_resolution_is_no_boast() {
     assert_rejected("twice the resolution", &reference, &biased, "blocks");
     let stricter = judge_at(&reference, &test, FALSE_ALARM / 1e6).unwrap();
     assert!(stricter.resolution.unwrap() > resolution);
+}
+
+/// An image of a third, drawn and copied, is called out only where the copied pixels are more
+/// than chance can explain: where there is no noise, both are right.
+#[test]
+fn copies_are_of_noise() {
+    let reference = sampled(1, 256, exponential, truth);
+    let test = sampled(2, 64, exponential, truth);
+    let mixed = |part: usize| {
+        edited(&test, |i, pixel| match i % 10 < part {
+            true => reference.radiance()[i],
+            false => pixel,
+        })
+    };
+    assert!(judged(&reference, &mixed(1)).metrics["copied_pixels"] > 0.0);
+    assert!(judged(&reference, &mixed(1)).passed);
+    assert_rejected(
+        "most is copied",
+        &reference,
+        &mixed(8),
+        "part of it is copied",
+    );
+}
+
+/// What is promised and would not have been seen is not passed over in silence, and the samples
+/// that are asked for do decide.
+#[test]
+fn a_promise_that_was_not_kept() {
+    let reference = sampled(1, 4096, even, truth);
+    let test = |samples| sampled(2, samples, even, truth);
+    let with_promise = |test: &Film, promise| judge_case(&reference, test, 1, promise).unwrap();
+
+    let resolution = judged(&reference, &test(16)).resolution.unwrap();
+    let kept = with_promise(&test(16), resolution);
+    assert!(kept.passed && kept.undecided.is_none());
+
+    let promise = 0.5 * resolution;
+    let blind = with_promise(&test(16), promise);
+    assert!(blind.passed, "it is still no mismatch");
+    assert!(blind.reason.contains("would decide"), "{}", blind.reason);
+    let Some(Undecided::Samples(needed)) = blind.undecided else {
+        panic!("{:?}", blind.undecided);
+    };
+    // Half the bias takes four times the samples, less what Student's t saves.
+    assert!((40..=64 + 2).contains(&needed), "{needed}");
+    // The variances are estimates: of 16 samples each and 64 pixels, to √(2/1024).
+    let enough = (1.1 * needed as f64) as u32;
+    assert_eq!(with_promise(&test(enough), promise).undecided, None);
+    let wanting = (0.8 * needed as f64) as u32;
+    assert!(with_promise(&test(wanting), promise).undecided.is_some());
+
+    let silent = with_promise(&silent(&test(16)), promise);
+    let Some(Undecided::Times(times)) = silent.undecided else {
+        panic!("{:?}", silent.undecided);
+    };
+    assert!((4..12).contains(&times), "{times}");
+
+    // As small as the reference's own noise: no samples help.
+    let hopeless = with_promise(&test(16), 1e-3);
+    let Some(Undecided::Reference(bias)) = hopeless.undecided else {
+        panic!("{:?}", hopeless.undecided);
+    };
+    let much = judged(&reference, &sampled(2, 4096, even, truth))
+        .resolution
+        .unwrap();
+    // That one has the noise of both.
+    let both = bias * 2.0_f64.sqrt();
+    assert!((0.8..1.25).contains(&(much / both)), "{much} {both}");
+
+    let wrong = sampled(2, 16, even, |i| truth(i).map(|value| 3.0 * value));
+    let wrong = with_promise(&wrong, promise);
+    assert!(
+        !wrong.passed && wrong.undecided.is_none(),
+        "a mismatch is decided"
+    );
+}
+
+/// The brightest light comes in one sample of a thousand. A block that missed it says that it has
+/// no noise, and half of the image does.
+#[test]
+fn a_light_that_most_blocks_miss() {
+    let lamp: Shape = |u| if u < 1e-3 { 500.5 } else { 0.5 };
+    let reference = sampled(1, 2048, lamp, truth);
+    for seed in 10..14 {
+        let test = sampled(seed, 8, lamp, truth);
+        for test in [&silent(&test), &test] {
+            let judgement = judged(&reference, test);
+            assert!(judgement.passed, "{}", judgement.reason);
+        }
+    }
+}
+
+/// Correlation of neighbours, where variances say nothing against it.
+#[test]
+fn neighbours_are_independent() {
+    let reference = sampled(1, 1024, exponential, truth);
+    let test = sampled(2, 16, exponential, truth);
+    let honest = judged(&reference, &test);
+    // Of products that are independent, in units of their root mean square: four deviations of
+    // the mean of 36 blocks × 16, more where some are black.
+    for axis in ["correlation_across", "correlation_down"] {
+        assert!(honest.metrics[axis].abs() < 4.0 / (12.0 * 16.0_f64).sqrt());
+    }
+    let blurred = edited(&test, |i, _| {
+        let around = [0, 1, SIDE, SIDE + 1].map(|step| test.radiance()[(i + step) % (SIDE * SIDE)]);
+        [0, 1, 2].map(|c| around.iter().map(|pixel| pixel[c]).sum::<f32>() / 4.0)
+    });
+    for test in [&blurred, &silent(&blurred)] {
+        let judgement = judged(&reference, test);
+        assert!(
+            judgement.reason.contains("too smooth"),
+            "{}",
+            judgement.reason
+        );
+        // Means of two by two share half their pixels with each neighbour.
+        let found = judgement.metrics["correlation_across"];
+        assert!((0.3..0.7).contains(&found), "{found}");
+    }
 }
 
 #[test]

@@ -82,6 +82,9 @@ pub struct Judgement {
     /// Under the stochastic gate: the bias of a block that would have been seen, relative to the
     /// mean of the block plus [`stochastic::DARK`]. A pass says nothing about smaller ones.
     pub resolution: Option<f64>,
+    /// Under the stochastic gate, of a pass that could not have seen the bias that was
+    /// [promised](stochastic::judge_case): the verdict is *inconclusive*, and this would decide.
+    pub undecided: Option<stochastic::Undecided>,
 }
 
 impl Judgement {
@@ -96,6 +99,7 @@ impl Judgement {
             metrics,
             reason,
             resolution: None,
+            undecided: None,
         }
     }
 }
@@ -152,6 +156,9 @@ fn incomparable_films(gate: Gate, reference: &Film, test: &Film) -> Option<Judge
     None
 }
 
+/// Pixels that are named where something is wrong with single ones.
+const MOST_PLACES: usize = 8;
+
 /// A failed judgement where no gate can be applied: sizes differ, or a pixel is no number.
 /// Looked for first, because `error > limit` is false for NaN.
 fn incomparable(gate: Gate, reference: &Picture, test: &Picture) -> Option<Judgement> {
@@ -169,22 +176,26 @@ fn incomparable(gate: Gate, reference: &Picture, test: &Picture) -> Option<Judge
             continue;
         };
         let broken = |&index: &usize| film.pixel(index).iter().any(|value| !value.is_finite());
-        let pixels = 0..width * height;
-        let count = pixels.clone().filter(broken).count();
-        if let Some(first) = pixels.clone().find(broken) {
+        let broken: Vec<usize> = (0..width * height).filter(broken).collect();
+        if let Some(&first) = broken.first() {
+            let place = |&index: &usize| format!("({}, {})", index % width, index / width);
+            let mut places: Vec<String> = broken.iter().take(MOST_PLACES).map(place).collect();
+            if broken.len() > MOST_PLACES {
+                places.push("…".to_owned());
+            }
             let reason = format!(
-                "{count} of {} pixels of the {name} are not finite; the first is \
-                 ({}, {}) with red, green, blue, opacity {:?}",
+                "{} of {} pixels of the {name} are not finite: {}; the first has red, green, blue, \
+                 opacity {:?}",
+                broken.len(),
                 width * height,
-                first % width,
-                first / width,
+                places.join(", "),
                 film.pixel(first)
             );
             return Some(Judgement::new(
                 gate,
                 false,
                 reason,
-                &[("non_finite_pixels", count as f64)],
+                &[("non_finite_pixels", broken.len() as f64)],
             ));
         }
     }

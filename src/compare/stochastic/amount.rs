@@ -1,0 +1,81 @@
+//! The amount of noise: do the squares of the differences sum to the variances?
+
+use super::super::significance::chi_square_two_sided;
+use super::blocks::{Block, Channel, Comparison};
+use super::variance::unstated;
+use super::{Metrics, finite};
+
+/// There may be this much times the noise that is stated, or one part in this of it, however
+/// unlikely: variances are themselves estimates, and their ratio to the squares is not quite
+/// chi-square where channels share their noise or samples are far from normal.
+const AMOUNT: f64 = 2.0;
+
+/// Samples from which too much noise is looked for: light that arrives in fewer samples than one
+/// in so many makes pixels differ by more than they know. Too little noise has no such excuse: an
+/// event that is not seen raises no variance.
+const ENOUGH: u32 = 64;
+
+/// Mean over blocks and channels of their squares over their variance, and how many pixels and
+/// channels that is the mean of.
+fn mean_ratio(blocks: &[Block], ratio: impl Fn(&Channel) -> (f64, f64)) -> Option<(f64, f64)> {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for block in blocks {
+        for channel in &block.channels {
+            let (squares, variance) = ratio(channel);
+            if variance > 0.0 && squares.is_finite() {
+                sum += squares / variance * block.pixels() as f64;
+                count += block.pixels() as f64;
+            }
+        }
+    }
+    (count > 0.0).then(|| (finite(sum / count), count))
+}
+
+/// Too much or too little of `amount`: chi-square of `count` values over that number, where the
+/// channels of a pixel may share their noise, as if there were a third of them.
+fn probability(amount: f64, count: f64) -> f64 {
+    chi_square_two_sided(amount * count / 3.0, count / 3.0)
+}
+
+pub(super) fn judge_amount(
+    comparison: &Comparison<'_>,
+    level: f64,
+    metrics: &mut Metrics,
+) -> Option<String> {
+    let blocks = &comparison.blocks;
+    let of_stated = |channel: &Channel| match unstated(comparison.films) {
+        None => (channel.squares, channel.stated[0] + channel.stated[1]),
+        // Of one image alone: there must be at least its own noise.
+        Some(silent) => (channel.spread, channel.stated[1 - silent]),
+    };
+    let (amount, count) = mean_ratio(blocks, of_stated)?;
+    match unstated(comparison.films) {
+        None => {
+            metrics.push(("amount_of_noise", amount));
+            metrics.push(("chi_square_probability", probability(amount, count)));
+        }
+        Some(_) => metrics.push(("noise_over_that_stated", amount)),
+    }
+    if amount < 1.0 / AMOUNT && probability(amount, count) <= level {
+        let stated = match unstated(comparison.films) {
+            None => "that the images state",
+            Some(_) => "that one image alone states",
+        };
+        return Some(format!(
+            "the differences are only {amount:.2} times the noise {stated}: have the images random \
+             numbers in common, is one smoothed or denoised, or are its samples so well spread \
+             that it overstates its variance?"
+        ));
+    }
+    let [Some(a), Some(b)] = comparison.samples() else {
+        return None;
+    };
+    let guarded = |channel: &Channel| (channel.squares, channel.variance.largest());
+    let (amount, count) = mean_ratio(blocks, guarded)?;
+    (a.min(b) >= ENOUGH && amount > AMOUNT && probability(amount, count) <= level).then(|| {
+        format!(
+            "the differences are {amount:.2} times the noise that the images state: pixels differ \
+             beyond it"
+        )
+    })
+}

@@ -1,0 +1,60 @@
+//! Numbers of all blocks of an image.
+
+use super::blocks::{Comparison, DARK, parts};
+use super::{block_deviation, finite};
+use crate::film::Film;
+
+/// The standard error of the mean of a block, relative to that mean plus [`DARK`], that nine
+/// tenths of the blocks and channels do not exceed, as with
+/// [`Judgement::resolution`](crate::compare::Judgement::resolution); nothing of an image without
+/// noise.
+pub fn block_error(film: &Film) -> Option<f64> {
+    let noise = film.noise()?;
+    let mut errors = Vec::new();
+    for rows in parts(film.height()) {
+        for columns in parts(film.width()) {
+            for channel in 0..3 {
+                let (mut radiance, mut variance, mut count) = (0.0, 0.0, 0.0);
+                for row in rows.clone() {
+                    for index in columns.clone().map(|column| row * film.width() + column) {
+                        radiance += f64::from(film.radiance()[index][channel]);
+                        variance += f64::from(noise.variance()[index][channel]);
+                        count += 1.0;
+                    }
+                }
+                errors.push(variance.sqrt() / (radiance.abs() + DARK * count));
+            }
+        }
+    }
+    errors.sort_by(f64::total_cmp);
+    Some(errors[(errors.len() * 9).div_ceil(10) - 1])
+}
+
+/// How far blocks of 8 × 8 pixels deviate, for a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockMap {
+    /// Blocks in a row.
+    pub columns: usize,
+    /// Rows of blocks.
+    pub rows: usize,
+    /// Test minus reference in standard errors, by channel; row by row from the top. What is left
+    /// over at the right and lower edges belongs to the last blocks. At most 1e9 either way.
+    pub deviations: Vec<[f64; 3]>,
+}
+
+/// The deviations of the blocks of `test` from `reference`, images of one size; nothing where
+/// neither states its noise.
+pub fn block_map(reference: &Film, test: &Film) -> Option<BlockMap> {
+    if reference.noise().is_none() && test.noise().is_none() {
+        return None;
+    }
+    let blocks = Comparison::new(reference, test, super::FALSE_ALARM).blocks;
+    Some(BlockMap {
+        columns: parts(reference.width()).count(),
+        rows: parts(reference.height()).count(),
+        deviations: blocks
+            .iter()
+            .map(|block| block.channels.map(|c| finite(block_deviation(&c))))
+            .collect(),
+    })
+}
