@@ -1,0 +1,21 @@
+//! The suite catches every mistake of the catalogue, and accepts what is right: the quick form of
+//! `volref selftest`.
+
+use std::path::Path;
+use volref::suite::{Extent, Store, Suite, self_test};
+
+#[test]
+fn the_suite_catches_every_mistake() {
+    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let cases = suite.select(&[]).unwrap();
+    let store = Store::open(suite.golden_folder());
+    let test = self_test(&cases, true, &store, Extent::Quick, &|_| ());
+    assert!(test.mistakes.len() >= 40);
+    assert_eq!(test.uncaught, Vec::<&str>::new(), "caught by no case");
+    assert_eq!(test.broken_promises, Vec::<String>::new());
+    for benign in &test.benign {
+        assert!(benign.rejected.is_empty(), "{benign:?}");
+        assert!(benign.accepted > 0, "{} was never tried", benign.variant);
+    }
+    assert!(test.passed(), "{:?}", test.unusable);
+}
