@@ -220,9 +220,8 @@ fn somebody_looks_into_a_failure() {
     for c in 0..3 {
         let [a, b] = [golden, test].map(|film| f64::from(film.radiance()[pixel][c]));
         // 2⁻¹¹ of it by the stored bits, and half of the fourth digit.
-        let close = |shown: f64, value: f64| {
-            (shown - value).abs() <= value.abs() * (0.5_f64.powi(11) + 0.5e-3)
-        };
+        let close =
+            |shown: f64, value: f64| (shown - value).abs() <= value.abs() * (1.0 / 2048.0 + 0.5e-3);
         let [shown_a, shown_b, difference] = read_out(browser, c);
         assert!(close(shown_a, a), "golden {shown_a}, not {a}");
         assert!(close(shown_b, b), "test {shown_b}, not {b}");
