@@ -25,7 +25,7 @@ use crate::math;
 const CORRELATED: f64 = 0.05;
 
 /// Correlation along one axis.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Axis {
     products: f64,
     squared_products: f64,
@@ -42,25 +42,52 @@ impl Axis {
         }
     }
 
-    /// Probability of a correlation as large where there is none, at most.
+    /// Probability of a correlation as large where there is none, at most; 1 of one that is left
+    /// alone.
     fn probability(&self) -> f64 {
-        if self.products <= 0.0 {
+        if self.correlation() <= CORRELATED {
             return 1.0;
         }
         math::exp(-0.5 * self.products * self.products / self.squared_products)
+    }
+
+    /// One more product, of the channels together: they may share their noise.
+    fn add(&mut self, [a, b, c, d]: [[f64; 3]; 4]) {
+        let mut product = 0.0;
+        for channel in 0..3 {
+            let (one, next) = (a[channel] - c[channel], b[channel] - d[channel]);
+            product += one * next;
+            self.squares += 0.5 * (one * one + next * next);
+        }
+        self.products += product;
+        self.squared_products += product * product;
     }
 }
 
 /// The pixels a, b, c, d along a line of a block: neighbours, and neighbours half a block on.
 const QUADS: [[usize; 4]; 2] = [[0, 1, 4, 5], [2, 3, 6, 7]];
 
-/// Differences of a block in parts of their standard error on average, row by row.
-fn scaled(comparison: &Comparison<'_>, block: &Block) -> Vec<[f64; 3]> {
+/// In what differences are measured, so that blocks can be added. Exchanging pixels of a block
+/// moves neither.
+#[derive(Clone, Copy)]
+enum Unit {
+    /// Their root mean square over the block: all blocks weigh alike, which finds smoothing.
+    Spread,
+    /// The standard error of a pixel of the block on average, or their root mean square where that
+    /// is larger: blocks that hold more than noise weigh more, which finds what is misplaced.
+    Noise,
+}
+
+/// Differences of a block, row by row.
+fn scaled(comparison: &Comparison<'_>, block: &Block, unit: Unit) -> Vec<[f64; 3]> {
     let [reference, test] = comparison.films.map(|film| film.radiance());
     let scales = block.channels.map(|channel| {
-        let variance = channel.variance.largest() / block.pixels() as f64;
-        if variance > 0.0 && variance.is_finite() {
-            1.0 / variance.sqrt()
+        let squares = match unit {
+            Unit::Spread => channel.squares,
+            Unit::Noise => channel.variance.largest().max(channel.squares),
+        };
+        if channel.squares > 0.0 && squares.is_finite() {
+            (block.pixels() as f64 / squares).sqrt()
         } else {
             0.0
         }
@@ -72,15 +99,12 @@ fn scaled(comparison: &Comparison<'_>, block: &Block) -> Vec<[f64; 3]> {
     scaled.collect()
 }
 
-pub(super) fn judge_neighbours(
-    comparison: &Comparison<'_>,
-    level: f64,
-    metrics: &mut Metrics,
-) -> Option<String> {
+/// Correlation across and down.
+fn axes(comparison: &Comparison<'_>, unit: Unit) -> [Axis; 2] {
     let mut axes = [Axis::default(); 2];
     for block in &comparison.blocks {
         let (width, height) = (block.columns.len(), block.rows.len());
-        let pixels = scaled(comparison, block);
+        let pixels = scaled(comparison, block, unit);
         let steps = [(1, width, width, height), (width, 1, height, width)];
         for (axis, (along, across, length, lines)) in axes.iter_mut().zip(steps) {
             if length < BLOCK {
@@ -88,32 +112,33 @@ pub(super) fn judge_neighbours(
             }
             for line in 0..lines {
                 for quad in QUADS {
-                    let [a, b, c, d] = quad.map(|i| pixels[line * across + i * along]);
-                    let mut product = 0.0;
-                    for channel in 0..3 {
-                        let (one, next) = (a[channel] - c[channel], b[channel] - d[channel]);
-                        product += one * next;
-                        axis.squares += 0.5 * (one * one + next * next);
-                    }
-                    axis.products += product;
-                    axis.squared_products += product * product;
+                    axis.add(quad.map(|i| pixels[line * across + i * along]));
                 }
             }
         }
     }
-    let [across, down] = axes.map(|axis| axis.correlation());
+    axes
+}
+
+pub(super) fn judge_neighbours(
+    comparison: &Comparison<'_>,
+    level: f64,
+    metrics: &mut Metrics,
+) -> Option<String> {
+    let [spread, noise] = [Unit::Spread, Unit::Noise].map(|unit| axes(comparison, unit));
+    let [across, down] = spread.map(|axis| axis.correlation());
     metrics.push(("correlation_across", across));
     metrics.push(("correlation_down", down));
-    let probabilities = axes.map(|axis| match axis.correlation() > CORRELATED {
-        true => axis.probability(),
-        false => 1.0,
-    });
+    let probabilities = [spread, noise].concat();
+    let probabilities: Vec<f64> = probabilities.iter().map(Axis::probability).collect();
     (holm(&probabilities, level) > 0).then(|| {
+        let larger = |axis: usize| spread[axis].correlation().max(noise[axis].correlation());
         format!(
-            "neighbouring pixels are off together (correlation {across:.2} across, {down:.2} down): \
-             too smooth for pixels sampled independently; is the image denoised, smoothed or \
-             filtered over more than a pixel, do pixels share random numbers, or is a whole region \
-             off?"
+            "neighbouring pixels are off together (correlation {:.2} across, {:.2} down): too \
+             smooth for pixels sampled independently; is the image denoised, smoothed or filtered \
+             over more than a pixel, do pixels share random numbers, or is a whole region off?",
+            larger(0),
+            larger(1)
         )
     })
 }
