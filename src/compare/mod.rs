@@ -82,6 +82,9 @@ pub struct Judgement {
     /// Under the stochastic gate: the bias of a block that would have been seen, relative to the
     /// mean of the block plus [`stochastic::DARK`]. A pass says nothing about smaller ones.
     pub resolution: Option<f64>,
+    /// Under the stochastic gate: the bias of the mean of the image that would have been seen,
+    /// relative to that mean plus [`stochastic::DARK`].
+    pub mean_resolution: Option<f64>,
     /// Under the stochastic gate, of a pass that could not have seen the bias that was
     /// [promised](stochastic::judge_case): the verdict is *inconclusive*, and this would decide.
     pub undecided: Option<stochastic::Undecided>,
@@ -99,6 +102,7 @@ impl Judgement {
             metrics,
             reason,
             resolution: None,
+            mean_resolution: None,
             undecided: None,
         }
     }

@@ -3,7 +3,7 @@
 use super::finding::{Finding, Trusted};
 use super::verify::MOST_CASES;
 use super::{Case, Cause, Evidence, Judged, Store, Verdict};
-use crate::compare::{Gate, Judgement, Picture, judge, stochastic};
+use crate::compare::{Gate, Picture, judge, stochastic};
 use std::time::Instant;
 
 /// What another renderer made of a case.
@@ -82,7 +82,10 @@ fn judged(case: &Case, gate: Gate, trusted: &Trusted, picture: &Picture) -> Find
     let golden = Picture::Radiance(trusted.golden.film.clone());
     let judgement = match (gate, picture) {
         (Gate::Stochastic, Picture::Radiance(test)) => {
-            stochastic::judge(&trusted.golden.film, test, MOST_CASES)
+            let promise = case
+                .sampling
+                .map_or(1.0, |sampling| sampling.mean_resolution);
+            stochastic::judge_case(&trusted.golden.film, test, MOST_CASES, promise)
         }
         _ => judge(gate, &golden, picture, case.exposure),
     };
@@ -92,9 +95,9 @@ fn judged(case: &Case, gate: Gate, trusted: &Trusted, picture: &Picture) -> Find
             return Finding::new(Verdict::Error, Cause::OtherRenderer, error.to_string());
         }
     };
-    let mut finding = match (judgement.passed, undecided(case, &judgement)) {
+    let mut finding = match (judgement.passed, judgement.undecided) {
         (false, _) => Finding::new(Verdict::Fail, Cause::Mismatch, judgement.reason),
-        (true, Some(reason)) => Finding::new(Verdict::Inconclusive, Cause::Undecided, reason),
+        (true, Some(_)) => Finding::new(Verdict::Inconclusive, Cause::Undecided, judgement.reason),
         (true, None) => Finding::new(Verdict::Pass, Cause::None, judgement.reason),
     };
     let without = trusted.without();
@@ -105,18 +108,4 @@ fn judged(case: &Case, gate: Gate, trusted: &Trusted, picture: &Picture) -> Find
     }
     finding.metrics = judgement.metrics;
     finding
-}
-
-/// Why a pass says too little: the case promises to see smaller differences.
-fn undecided(case: &Case, judgement: &Judgement) -> Option<String> {
-    let promise = case.sampling?.mean_resolution;
-    let seen = judgement.resolution?;
-    (seen > promise).then(|| {
-        format!(
-            "a bias of {:.2} % of a block could have been there unseen; the case promises to see \
-             {:.2} %",
-            100.0 * seen,
-            100.0 * promise
-        )
-    })
 }

@@ -23,11 +23,16 @@ pub(super) struct Total {
     pub stated: [f64; 2],
 }
 
+/// Relative rounding error of half precision, 11 significant bits.
+const HALF_ROUNDING: f64 = 1.0 / 2048.0;
+/// Below this half precision has fewer bits.
+const SMALLEST_HALF: f64 = 1.0 / 16384.0;
+
 /// A sum of differences, test minus reference.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Difference {
     pub value: f64,
-    /// How much of it the rounding of means to 32 bits can explain.
+    /// How much of it the rounding of the test image's means to 16 bits can explain.
     pub rounding: f64,
 }
 
@@ -36,8 +41,9 @@ impl Difference {
     pub fn of(a: f64, b: f64) -> Difference {
         Difference {
             value: b - a,
-            // Each mean was rounded by at most half an epsilon of itself.
-            rounding: f64::from(f32::EPSILON) * a.abs().max(b.abs()),
+            // Most renderers write half precision unless asked for more: by 2⁻¹¹ of a value, or 2⁻²⁵
+            // of a very small one. References are of 32 bits, whose rounding is nothing beside.
+            rounding: HALF_ROUNDING * a.abs().max(b.abs()).max(SMALLEST_HALF),
         }
     }
 
@@ -254,10 +260,15 @@ impl<'f> Comparison<'f> {
             Some(_) => beyond > 0.0,
             None => false,
         };
-        let guard = match is_brighter {
-            true => 0.0,
-            false => self.shape.guard_of_whole(total.stated),
+        let variance = match is_brighter {
+            true => total.own,
+            false => self.variance_of_whole(total),
         };
-        deviation(beyond, total.own.max(guard))
+        deviation(beyond, variance)
+    }
+
+    /// The larger variance of the whole image, own or guard.
+    pub fn variance_of_whole(&self, total: &Total) -> f64 {
+        total.own.max(self.shape.guard_of_whole(total.stated))
     }
 }

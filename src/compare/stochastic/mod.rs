@@ -90,7 +90,7 @@ pub fn judge(reference: &Film, test: &Film, cases: usize) -> Result<Judgement, P
     judge_at(reference, test, FALSE_ALARM / cases.max(1) as f64)
 }
 
-/// [`judge`] for a case that promises to see a bias of `promise` of the mean of a block plus
+/// [`judge`] for a case that promises to see a bias of `promise` of the mean of the image plus
 /// [`DARK`]. A pass that could not have seen it says so in [`Judgement::undecided`].
 pub fn judge_case(
     reference: &Film,
@@ -135,7 +135,9 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
     let mut metrics = Metrics::new();
     let limits = Limits::new(comparison, level);
     let resolution = limits.resolution(1.0);
-    metrics.push(("smallest_visible_bias", resolution));
+    let mean_resolution = limits.mean_resolution(1.0);
+    metrics.push(("smallest_visible_bias", mean_resolution));
+    metrics.push(("smallest_visible_block_bias", resolution));
 
     let mut faults = Vec::new();
     faults.extend(judge_whole(comparison, level, &mut metrics));
@@ -157,9 +159,11 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
     let mut reason = if passed {
         format!(
             "the differences are noise; the worst of {} blocks and channels is off by {:.1} \
-             standard errors; a bias of {:.2} % of a block would have been seen",
+             standard errors; a bias of {:.2} % of the mean, or of {:.2} % of a block, would have \
+             been seen",
             comparison.asked(),
             finite(worst.deviation().abs()),
+            100.0 * mean_resolution,
             100.0 * resolution
         )
     } else {
@@ -170,12 +174,13 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
         .and_then(|promise| limits.undecided(promise));
     if let (Some(undecided), Some(promise)) = (undecided, promise) {
         reason.push_str(&format!(
-            ", not the {:.2} % that the case promises; {undecided}",
+            ", not the {:.2} % of the mean that the case promises; {undecided}",
             100.0 * promise
         ));
     }
     Judgement {
         resolution: Some(resolution),
+        mean_resolution: Some(mean_resolution),
         undecided,
         ..Judgement::new(Gate::Stochastic, passed, reason, &metrics)
     }

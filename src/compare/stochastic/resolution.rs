@@ -5,8 +5,8 @@ use super::blocks::{Block, Comparison};
 use super::finite;
 use std::fmt;
 
-/// A pass that says too little: the bias a case promises to see would not have been seen. What
-/// would decide.
+/// A pass that says too little: the bias of the mean of the image that a case promises to see
+/// would not have been seen. What would decide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Undecided {
     /// That many samples per pixel of the test image.
@@ -14,7 +14,7 @@ pub enum Undecided {
     /// That many times the samples of the test image, which does not say how many it has.
     Times(u64),
     /// Nothing the test image could do: the noise of the reference alone hides any bias up to
-    /// this, relative to a block.
+    /// this, relative to the mean of the image.
     Reference(f64),
 }
 
@@ -39,17 +39,20 @@ impl fmt::Display for Undecided {
     }
 }
 
-/// Deviations at which blocks are rejected, by how their variance is known.
+/// Deviations at which blocks are rejected, by how their variance is known, and at which the whole
+/// image is.
 pub(super) struct Limits<'c> {
     comparison: &'c Comparison<'c>,
+    whole: f64,
     guard: f64,
     /// By the pixels of a block, of which there are four numbers at most.
     own: Vec<(usize, f64)>,
 }
 
 impl<'c> Limits<'c> {
-    /// `level` is that of all blocks together.
+    /// `level` is that of all blocks together, and that of the channels of the whole image.
     pub fn new(comparison: &'c Comparison<'c>, level: f64) -> Limits<'c> {
+        let whole = critical(level / 3.0);
         let level = level / comparison.asked() as f64;
         let mut own: Vec<(usize, f64)> = Vec::new();
         for block in &comparison.blocks {
@@ -61,6 +64,7 @@ impl<'c> Limits<'c> {
         }
         Limits {
             comparison,
+            whole,
             guard: critical(level),
             own,
         }
@@ -101,28 +105,36 @@ impl<'c> Limits<'c> {
         finite(self.of_nine_tenths(visible))
     }
 
-    /// What it takes to see a bias of `promise`, if the images do not show it.
+    /// The bias of the mean of the image that each channel would show with probability one half at
+    /// least, relative to that mean plus [`DARK`](super::DARK), were the variance of the test image `scale` times
+    /// what it is.
+    pub fn mean_resolution(&self, scale: f64) -> f64 {
+        let visible = self.channels().map(|channel| {
+            let variance = channel.reference + scale * channel.test;
+            (self.whole * variance.sqrt() + channel.rounding) / channel.floor
+        });
+        finite(visible.into_iter().fold(0.0, f64::max))
+    }
+
+    /// What it takes to see a bias of `promise` of the mean, if the images do not show it.
     pub fn undecided(&self, promise: f64) -> Option<Undecided> {
-        if self.resolution(1.0) <= promise {
+        if self.mean_resolution(1.0) <= promise {
             return None;
         }
-        // How much more of its samples each block needs: the variance of the test image falls as
+        // How much more of its samples each channel needs: the variance of the test image falls as
         // they grow, that of the reference and the rounding stay.
-        let times = |block: &Block, channel: usize| {
-            let rounding = block.channels[channel].difference.rounding;
-            let room = (promise * block.floor(channel) - rounding).max(0.0);
-            let of_term = |[reference, test]: [f64; 2]| match room * room - reference {
-                left if left > 0.0 => test / left,
+        let times = self.channels().map(|channel| {
+            let room = (promise * channel.floor - channel.rounding).max(0.0) / self.whole;
+            match room * room - channel.reference {
+                left if left > 0.0 => channel.test / left,
                 _ => f64::INFINITY,
-            };
-            let [own, guard] = self.terms(block, channel).map(of_term);
-            own.max(guard)
-        };
-        let times = self.of_nine_tenths(times);
+            }
+        });
+        let times = times.into_iter().fold(0.0, f64::max);
         // More than any renderer takes: the reference is what is in the way.
         const MOST: f64 = 1e6;
         if times > MOST {
-            return Some(Undecided::Reference(self.resolution(0.0)));
+            return Some(Undecided::Reference(self.mean_resolution(0.0)));
         }
         let samples = self.comparison.samples()[1];
         Some(match samples {
@@ -130,4 +142,34 @@ impl<'c> Limits<'c> {
             None => Undecided::Times(times.ceil() as u64),
         })
     }
+
+    /// The channels of the whole image.
+    fn channels(&self) -> [Whole; 3] {
+        let totals = self.comparison.totals();
+        let blocks = &self.comparison.blocks;
+        [0, 1, 2].map(|c| {
+            let variance = self.comparison.variance_of_whole(&totals[c]);
+            let reference = blocks
+                .iter()
+                .map(|block| block.channels[c].variance.own[0])
+                .sum();
+            Whole {
+                reference,
+                test: (variance - reference).max(0.0),
+                rounding: totals[c].difference.rounding,
+                floor: blocks.iter().map(|block| block.floor(c)).sum(),
+            }
+        })
+    }
+}
+
+/// Sums over a channel of the image.
+struct Whole {
+    /// Variance of the reference.
+    reference: f64,
+    /// Variance of the test image.
+    test: f64,
+    rounding: f64,
+    /// What a bias is relative to.
+    floor: f64,
 }
