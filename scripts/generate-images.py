@@ -48,12 +48,14 @@ def exr_parts(name, parts):
 def write_exr():
     for name, dtype in ("half", np.float16), ("float", np.float32), ("uint", np.uint32):
         exr(f"{name}.exr", planes(PICTURE, dtype))
-    for name in "NO", "RLE", "ZIPS", "ZIP", "PIZ", "PXR24", "B44", "B44A", "DWAA", "DWAB":
+    for name in "NO", "RLE", "ZIPS", "ZIP", "PIZ", "PXR24", "B44", "B44A":
         compression = getattr(OpenEXR, f"{name}_COMPRESSION")
-        # B44 and DWA lose digits of colours; whole numbers they keep.
-        lossy = name[0] in "BD"
-        exr(f"{name.lower()}.exr", planes(PICTURE, np.uint32 if lossy else np.float16),
+        # B44 loses digits of halves and keeps all others.
+        exr(f"{name.lower()}.exr", planes(PICTURE, np.float32 if "B" in name else np.float16),
             compression=compression)
+    for name in "DWAA", "DWAB":
+        exr(f"bad-{name.lower()}.exr", planes(PICTURE, np.float16),
+            compression=getattr(OpenEXR, f"{name}_COMPRESSION"))
     more = planes(PICTURE + 1000, np.float16, ("albedo.R", "albedo.G", "albedo.B"))
     more |= {"Z": np.zeros((HEIGHT, WIDTH), np.float32), "id.Y": np.zeros((HEIGHT, WIDTH), np.uint32)}
     exr("aovs.exr", planes(PICTURE, np.float16) | more)
@@ -196,6 +198,7 @@ def write_png():
     png("profile.png", codes, rgb, before=[icc("sRGB IEC61966-2.1")])
     png("bad-gamma.png", codes, rgb, before=[gamma(100000)])
     png("bad-profile.png", codes, rgb, before=[icc("Display P3")])
+    png("bad-wide.png", codes, rgb, before=[(b"cICP", bytes([9, 16, 0, 1]))])
     png("bad-linear-profile.png", codes, rgb, before=[icc("Linear sRGB")])
     holed = np.concatenate([codes, opaque], axis=-1).astype("u1")
     holed[1, 3, 3] = 254

@@ -61,8 +61,6 @@ fn every_way_to_write_radiance_is_read() {
         "pxr24.exr",
         "b44.exr",
         "b44a.exr",
-        "dwaa.exr",
-        "dwab.exr",
         "aovs.exr",
         "layer.exr",
         "small-letters.exr",
@@ -151,6 +149,8 @@ fn what_cannot_be_used_is_refused_in_words() {
         "bad-chroma.exr",
         "bad-full-chroma.exr",
         "bad-deep.exr",
+        "bad-dwaa.exr",
+        "bad-dwab.exr",
         "bad-uint8.npy",
         "bad-int64.npy",
         "bad-complex.npy",
@@ -162,6 +162,7 @@ fn what_cannot_be_used_is_refused_in_words() {
         "bad-gamma.png",
         "bad-profile.png",
         "bad-linear-profile.png",
+        "bad-wide.png",
         "bad-alpha.png",
         "bad-grey-alpha.png",
         "bad-palette-alpha.png",
@@ -170,7 +171,32 @@ fn what_cannot_be_used_is_refused_in_words() {
     ]
     .map(|name| format!("{name}: {}\n", refusal(name)))
     .concat();
-    insta::assert_snapshot!(said, @"");
+    insta::assert_snapshot!(said, @r#"
+    bad-two-layers.exr: several layers have colours, and none is the main one: albedo, direct; write one of them without a name, or call it rgba, beauty or combined
+    bad-elsewhere.exr: the data of this EXR lie outside its display window; write both windows alike
+    bad-chroma.exr: the channel BY of this EXR is subsampled: it has fewer values than pixels; write R, G and B in full
+    bad-full-chroma.exr: this EXR holds luminance and chroma (Y, RY, BY); write R, G and B
+    bad-deep.exr: this EXR has deep data, many samples along each ray; write a flat image, one radiance a pixel
+    bad-dwaa.exr: this EXR is compressed with DWA, which loses digits; compress it without loss, with ZIP or PIZ, or not at all
+    bad-dwab.exr: this EXR is compressed with DWA, which loses digits; compress it without loss, with ZIP or PIZ, or not at all
+    bad-uint8.npy: an array of whole numbers (dtype "|u1"); radiance is linear float: save what was there before it was rounded and gamma encoded, with image.astype(np.float32); or 8-bit sRGB as .png
+    bad-int64.npy: an array of whole numbers (dtype "<i8"); radiance is linear float: save what was there before it was rounded and gamma encoded, with image.astype(np.float32); or 8-bit sRGB as .png
+    bad-complex.npy: an array of numbers of a kind that is not read (dtype "<c8"); save image.astype(np.float32)
+    bad-planes.npy: an array of shape (3, 6, 8); channels come last: save np.moveaxis(image, 0, -1), of shape (height, width, 3)
+    bad-stack.npy: an array of shape (1, 6, 8, 3); it is a stack of one image: save image[0]
+    bad-line.npy: an array of shape (12,); an image has the shape (height, width, 3), (height, width, 4) with opacity, or (height, width) if it is grey
+    bad-records.npy: an array of records; save the colours alone, as an array of np.float32 of shape (height, width, 3)
+    bad-objects.npy: an array of pickled Python objects (dtype "|O"); they are never run; save np.asarray(image, dtype=np.float32)
+    bad-gamma.png: the codes of this PNG are not sRGB: its gAMA says 1; encode them as sRGB and state nothing else, or write linear radiance as .exr
+    bad-profile.png: the codes of this PNG are not sRGB: their profile is "Display P3"; encode them as sRGB and state nothing else, or write linear radiance as .exr
+    bad-linear-profile.png: the codes of this PNG are not sRGB: their profile is "Linear sRGB"; encode them as sRGB and state nothing else, or write linear radiance as .exr
+    bad-wide.png: the codes of this PNG are not sRGB: its cICP says 9 and 16; encode them as sRGB and state nothing else, or write linear radiance as .exr
+    bad-alpha.png: the pixel (3, 1) is transparent; composite the image over the background of the scene first, or write linear radiance as .exr
+    bad-grey-alpha.png: the pixel (3, 1) is transparent; composite the image over the background of the scene first, or write linear radiance as .exr
+    bad-palette-alpha.png: the pixel (1, 0) is transparent; composite the image over the background of the scene first, or write linear radiance as .exr
+    bad-animated.png: this PNG is animated; write the one image that is meant
+    bad-crc.png: not a readable PNG image: Format error decoding Png: CRC error: expected 0x9724fbc9 have 0xcf6a00d4 while decoding ChunkType { type: IDAT, critical: true, private: false, reserved: false, safecopy: false } chunk.
+    "#);
 }
 
 /// Nothing but the whole file is the image.
@@ -369,7 +395,12 @@ fn a_file_that_is_not_what_its_name_says() {
         message[start..].to_owned() + "\n"
     })
     .concat();
-    insta::assert_snapshot!(said, @"");
+    insta::assert_snapshot!(said, @r#"
+    a.exr: named .exr, but it begins like a PNG image: name it after what it is, or write it as one of the formats that are read (.exr, .pfm, .npy, .png)
+    b.PNG: named .png, but it begins like an EXR image: name it after what it is, or write it as one of the formats that are read (.exr, .pfm, .npy, .png)
+    c.npy: named .npy, but it begins like a PFM image: name it after what it is, or write it as one of the formats that are read (.exr, .pfm, .npy, .png)
+    d.pfm: named .pfm, but it begins like a NumPy array: name it after what it is, or write it as one of the formats that are read (.exr, .pfm, .npy, .png)
+    "#);
     let jpeg = folder.path().join("e.exr");
     std::fs::write(&jpeg, b"\xff\xd8\xff\xe0").unwrap();
     let message = Picture::read(&jpeg).unwrap_err().to_string();
@@ -582,7 +613,16 @@ fn files_that_contradict_each_other() {
     ]
     .map(|names| found(names, "fog/forward").unwrap_err() + "\n")
     .concat();
-    insta::assert_snapshot!(said, @"");
+    insta::assert_snapshot!(said, @r#"
+    fog/forward: both fog/forward.exr and fog/forward.png could be its image: keep one of them
+    fog/forward: both fog/forward.exr and forward.exr could be its image: keep one of them
+    fog/forward: both fog/forward.exr and fog/forward.0.exr could be its image: keep one of them
+    fog/forward: both fog/forward.0.exr and fog/forward.00.exr could be its image: keep one of them
+    fog/forward: there is a replicate fog/forward.2.exr but none with the number 1: number them without a gap from 0 or 1
+    fog/forward: there is a replicate fog/forward.2.exr but none with the number 1: number them without a gap from 0 or 1
+    fog/forward: fog/forward.variance.exr is the variance of one image, and there is none
+    fog/forward: forward.variance.exr is the variance of one image, and there are several, whose spread says it already
+    "#);
     let nowhere = Outputs::list(Path::new("no such folder"), &CASES);
     assert!(matches!(nowhere, Err(OutputError::Folder { .. })));
 }
@@ -605,7 +645,15 @@ fn files_of_no_case_are_named() {
         let file = stranger.file.strip_prefix(folder.path()).unwrap();
         format!("{} {}\n", file.display(), stranger.reason)
     });
-    insta::assert_snapshot!(lines.collect::<String>(), @"");
+    insta::assert_snapshot!(lines.collect::<String>(), @r#"
+    figure-1.1.2.exr belongs to no case: did you mean figures/figure-1?
+    fog/<script>alert('1')<script>.png belongs to no case
+    fog/forward.jpg is not read: .jpg is none of .exr, .pfm, .npy (linear radiance) and .png (8-bit sRGB)
+    fog/forward.variance.npy is not read: variances are an .exr, with R, G, B and samples.Y
+    fog/forwrad.exr belongs to no case: did you mean fog/forward?
+    frowad.npy belongs to no case: did you mean fog/forward?
+    twice.exr may be of fog/twice or smoke/twice: put it into the folder of its family
+    "#);
 }
 
 #[test]
@@ -663,7 +711,7 @@ static VALID_FILES: LazyLock<Vec<(FilmFormat, Vec<u8>)>> = LazyLock::new(|| {
         "shifted.exr",
         "overscan.exr",
         "b44.exr",
-        "dwaa.exr",
+        "bad-dwaa.exr",
         "bad-deep.exr",
         "bad-chroma.exr",
         "little-f4.npy",

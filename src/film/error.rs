@@ -15,7 +15,7 @@ pub enum FilmError {
         reason: String,
     },
     /// An image, but of a kind whose colours would have to be guessed.
-    #[error("{what}: {remedy}")]
+    #[error("{what}; {remedy}")]
     Unsuited {
         /// What the file holds.
         what: String,

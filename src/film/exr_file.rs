@@ -10,8 +10,8 @@ use super::{Film, FilmError, Noise};
 use exr::meta::MetaData;
 use exr::meta::header::Header;
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels,
-    ReadLayers, Vec2, WritableImage, read,
+    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes,
+    ReadChannels, ReadLayers, Vec2, WritableImage, read,
 };
 use std::io::Cursor;
 use std::ops::Range;
@@ -145,6 +145,16 @@ fn check_kind(header: &Header) -> Result<(), FilmError> {
         return Err(FilmError::Unsuited {
             what: "this EXR has deep data, many samples along each ray".to_owned(),
             remedy: "write a flat image, one radiance a pixel",
+        });
+    }
+    if matches!(
+        header.compression,
+        Compression::DWAA(_) | Compression::DWAB(_)
+    ) {
+        // Besides, the crate allocates whatever a block of it claims.
+        return Err(FilmError::Unsuited {
+            what: "this EXR is compressed with DWA, which loses digits".to_owned(),
+            remedy: "compress it without loss, with ZIP or PIZ, or not at all",
         });
     }
     let channels = header.channels.list.iter();

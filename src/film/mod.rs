@@ -260,8 +260,8 @@ impl Film {
     /// `rgba`, `beauty` or `combined`. Everything else is left out, but noise: the layers
     /// `variance` (of the means; R, G, B) and `samples` (Y).
     ///
-    /// Refused are deep data, subsampled channels, and luminance with chroma. Numbers that are
-    /// not finite are kept.
+    /// Refused are deep data, subsampled channels, luminance with chroma, and the compressions
+    /// DWAA and DWAB. Numbers that are not finite are kept.
     pub fn from_exr(bytes: &[u8]) -> Result<Film, FilmError> {
         exr_file::decode(bytes)
     }

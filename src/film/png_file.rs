@@ -1,4 +1,5 @@
-//! PNG, through the `image` crate.
+//! PNG: pixels through the `image` crate, and what they mean through `png` below it, for `image`
+//! tells no gamma.
 //!
 //! What is read are sRGB codes. A file that says its codes are others (another gamma, another
 //! profile) is refused: to convert them is to guess what its renderer meant.
@@ -46,12 +47,12 @@ const GAMMA_ROUNDING: f64 = 0.0005;
 pub(super) fn decode(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MOST_MEMORY);
-    let mut decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(unreadable)?;
+    let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(unreadable)?;
     let (width, height) = decoder.dimensions();
     let (width, height) = (width as usize, height as usize);
     check_size(width, height)?;
     check_claim(decoder.total_bytes(), bytes.len())?;
-    check_meaning(&mut decoder)?;
+    check_meaning(bytes)?;
     let image = DynamicImage::from_decoder(decoder).map_err(unreadable)?;
     if let Some(index) = first_transparent(&image) {
         return Err(FilmError::Unsuited {
@@ -75,33 +76,54 @@ fn unreadable(error: ImageError) -> FilmError {
 }
 
 /// Fails where the file is no single image of sRGB codes.
-fn check_meaning(decoder: &mut PngDecoder<Cursor<&[u8]>>) -> Result<(), FilmError> {
-    if decoder.is_apng().map_err(unreadable)? {
+fn check_meaning(bytes: &[u8]) -> Result<(), FilmError> {
+    let limits = png::Limits {
+        bytes: MOST_MEMORY as usize,
+    };
+    let reader = png::Decoder::new_with_limits(Cursor::new(bytes), limits).read_info();
+    let reader = reader.map_err(|error| FilmError::Unreadable {
+        format: "PNG",
+        reason: error.to_string(),
+    })?;
+    let info = reader.info();
+    if info.animation_control.is_some() {
         return Err(FilmError::Unsuited {
             what: "this PNG is animated".to_owned(),
             remedy: "write the one image that is meant",
         });
     }
-    if let Some(gamma) = decoder.gamma_value().map_err(unreadable)?
-        && (gamma - SRGB_GAMMA).abs() > GAMMA_ROUNDING
-    {
-        return Err(FilmError::Unsuited {
-            what: format!("the codes of this PNG are not sRGB, its gAMA says {gamma}"),
-            remedy: "encode them as sRGB, or write linear radiance as .exr",
-        });
+    match other_codes(info) {
+        Some(what) => Err(FilmError::Unsuited {
+            what: format!("the codes of this PNG are not sRGB: {what}"),
+            remedy: "encode them as sRGB and state nothing else, or write linear radiance as .exr",
+        }),
+        None => Ok(()),
     }
-    if let Some(profile) = decoder.icc_profile().map_err(unreadable)? {
-        let description = description(&profile).unwrap_or_default();
-        let is_linear = description.to_ascii_lowercase().contains("linear");
-        if !description.contains("sRGB") || is_linear {
-            return Err(FilmError::Unsuited {
-                what: format!("the colours of this PNG have the profile {description:?}, not sRGB"),
-                remedy: "convert them to sRGB and write no profile, or write linear radiance as \
-                         .exr",
-            });
-        }
+}
+
+/// What the file says of its codes, if they are not sRGB. Of four ways to say it the first that
+/// is there counts; a file that says nothing has sRGB.
+///
+/// Source: PNG, third edition, 4.3 and 11.3.2.
+fn other_codes(info: &png::Info) -> Option<String> {
+    /// ITU-T H.273: primaries of BT.709, which are those of sRGB, and its curve.
+    const SRGB: (u8, u8) = (1, 13);
+    if let Some(points) = info.coding_independent_code_points {
+        let found = (points.color_primaries, points.transfer_function);
+        return (found != SRGB).then(|| format!("its cICP says {} and {}", found.0, found.1));
     }
-    Ok(())
+    if let Some(profile) = &info.icc_profile {
+        let name = description(profile).unwrap_or_default();
+        let is_linear = name.to_ascii_lowercase().contains("linear");
+        let is_srgb = name.contains("sRGB") && !is_linear;
+        return (!is_srgb).then(|| format!("their profile is {name:?}"));
+    }
+    if info.srgb.is_some() {
+        return None;
+    }
+    let gamma = f64::from(info.gama_chunk?.into_scaled()) / 1e5;
+    let is_srgb = (gamma - SRGB_GAMMA).abs() <= GAMMA_ROUNDING;
+    (!is_srgb).then(|| format!("its gAMA says {gamma}"))
 }
 
 /// The name that an ICC profile gives itself: its tag `desc`, in 8 or 16 bits a letter.

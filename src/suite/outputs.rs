@@ -274,11 +274,14 @@ fn belonging<'c>(stem: &str, cases: &[&'c str]) -> Result<(&'c str, Role), Strin
             return Ok((case, role));
         }
     }
-    let distance = |case: &&&str| {
+    let distance = |case: &str| {
         let name = if stem.contains('/') { case } else { bare(case) };
         strsim::damerau_levenshtein(name, stem)
     };
-    Err(match cases.iter().min_by_key(distance) {
+    let nearest = cases.iter().min_by_key(|case| distance(case));
+    // Farther away it is no slip of the fingers.
+    let near = nearest.filter(|case| distance(case) <= (stem.len() / 3).max(2));
+    Err(match near {
         Some(case) => format!("belongs to no case: did you mean {case}?"),
         None => "belongs to no case".to_owned(),
     })

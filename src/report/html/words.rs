@@ -127,6 +127,10 @@ pub(super) fn number(name: &str) -> &'static str {
         "mean_z_green" => "Mean of green over the image, test minus golden, in standard errors.",
         "mean_z_blue" => "Mean of blue over the image, test minus golden, in standard errors.",
         "smallest_visible_bias" => {
+            "An image that is wrong on the whole by this share of its brightness would have been \
+             seen; smaller mistakes would not."
+        }
+        "smallest_visible_block_bias" => {
             "A block that is wrong by this share of its brightness would have been seen; smaller \
              mistakes would not."
         }
