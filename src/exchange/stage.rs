@@ -63,7 +63,8 @@ impl<'s> Stage<'s> {
             .map(|(object, (place, form, material))| Wall {
                 place: place.clone(),
                 form: form.clone(),
-                opaque: !matches!(material, Material::Glass(_)) && !matches!(form, Form::Mesh { .. }),
+                opaque: !matches!(material, Material::Glass(_))
+                    && !matches!(form, Form::Mesh { .. }),
                 object: Some(object),
             });
         let lamps = area_lights.iter().map(|(place, form, _)| Wall {
