@@ -13,8 +13,7 @@
 //!   three. Those with shares that differ from channel to channel, for `blendphase` weighs all
 //!   alike. And those of coloured extinction: `volpath` draws distances by a channel chosen at
 //!   random, so that the weights of the others grow without bound, and what it misses is dark.
-//!   (In `procedural/coloured` the blue was 4 % too dark, after 64 samples a pixel; `volpathmis`
-//!   did not end.)
+//!   (`volpathmis` is made for such media, and does not end in time: scripts/peers/README.md.)
 //! - A grid is a `gridvolume`, put so that the middles of its voxels are volref's nodes; the
 //!   medium ends with its shape, and beyond the outermost values both are constant.
 
