@@ -19,8 +19,6 @@ from pathlib import Path
 
 import numpy as np
 
-from volref_grid import write_vol
-
 NODES = 128
 DEPTH = 4.0
 
@@ -108,6 +106,13 @@ def plume():
     density = np.maximum(balls * np.maximum(2.5 * noise - 0.75, 0) - 0.02, 0)
     # Smoke at its source is no denser without end.
     return 1 - np.exp(-3 * density)
+
+
+def write_vol(path, values, low, high):
+    """Writes `values[z, y, x]` as a volume of Mitsuba's, `float32`, in a box."""
+    header = np.array([1, *values.shape[::-1], 1], "<i4").tobytes()
+    box = np.array([*low, *high], "<f4").tobytes()
+    path.write_bytes(b"VOL\x03" + header + box + values.astype("<f4").tobytes())
 
 
 def main():

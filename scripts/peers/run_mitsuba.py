@@ -46,29 +46,29 @@ def parameters(scene):
     return {default.get("name"): default.get("value") for default in root.iter("default")}
 
 
-def replicates(scene, samples, seeds):
-    """A picture of a loaded scene for each seed, of `samples` each."""
-    pictures = (mi.render(scene, spp=samples, seed=int(seed)) for seed in seeds)
-    return np.stack([np.array(picture, float)[:, :, :3] for picture in pictures])
-
-
-def render(file, spp, seed, count=64, settings=None):
-    """Mean, variance of the mean, and samples per pixel."""
+def load(file, settings=None):
+    """The scene of a file, or one for each channel."""
     settings = settings or {}
+    if "channel" in parameters(file):
+        return [mi.load_file(str(file), channel=channel, **settings) for channel in CHANNELS]
+    return [mi.load_file(str(file), **settings)]
+
+
+def picture(scenes, spp, seed):
+    """One picture of what `load` returned."""
+    pictures = [np.array(mi.render(scene, spp=spp, seed=seed), float) for scene in scenes]
+    if len(pictures) == 1:
+        return pictures[0][:, :, :3]
+    return np.stack([pictures[channel][:, :, channel] for channel in range(3)], axis=2)
+
+
+def render(scenes, spp, seed, count):
+    """Mean, variance of the mean, and samples per pixel, from at most `count` pictures."""
     samples = math.ceil(spp / count)
     count = max(2, math.ceil(spp / samples))
     # A seed of its own for every picture, none of them near another.
-    seeds = np.random.SeedSequence(seed).generate_state(3 * count).reshape(3, count)
-    if "channel" in parameters(file):
-        parts = []
-        for channel, name in enumerate(CHANNELS):
-            scene = mi.load_file(str(file), channel=name, **settings)
-            pictures = replicates(scene, samples, seeds[channel])
-            parts.append(pictures[..., channel])
-        pictures = np.stack(parts, axis=-1)
-    else:
-        scene = mi.load_file(str(file), **settings)
-        pictures = replicates(scene, samples, seeds[0])
+    seeds = np.random.SeedSequence(seed).generate_state(count)
+    pictures = np.stack([picture(scenes, samples, int(seed)) for seed in seeds])
     mean = pictures.mean(0)
     variance = pictures.var(0, ddof=1) / count + (ROUNDING * mean) ** 2
     return mean, variance, count * samples
@@ -110,7 +110,8 @@ def main():
     if spp < 2 or seed < 0 or options.replicates < 2:
         parser.error("--spp and --replicates are at least 2, --seed is not negative")
     settings = dict(setting.split("=", 1) for setting in options.settings)
-    write(options.output, *render(options.scene, spp, seed, options.replicates, settings))
+    scenes = load(options.scene, settings)
+    write(options.output, *render(scenes, spp, seed, options.replicates))
 
 
 if __name__ == "__main__":

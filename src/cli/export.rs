@@ -64,12 +64,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 
 impl From<Refusal> for Failure {
     fn from(refusal: Refusal) -> Failure {
-        let mut message = format!("{} has no words for", refusal.format);
-        for fault in &refusal.faults {
-            message.push_str(&format!("\n- {fault}"));
-        }
         let help = "nothing was written; leave these out of the scene, or say them another way";
-        Failure::new(Exit::BadInput, message, Some(help))
+        Failure::new(Exit::BadInput, refusal.to_string(), Some(help))
     }
 }
 

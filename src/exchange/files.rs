@@ -29,27 +29,18 @@ pub(super) fn ply(vertices: &[DVec3], faces: &[[usize; 3]]) -> Vec<u8> {
     bytes
 }
 
-/// A grid as a volume of Mitsuba's, version 3, as many channels as `shares` are different from
-/// each other: 1 or 3. Every value is multiplied by the share of its channel. The box of the
-/// header is the unit cube: where the grid lies is the scene's to say.
-pub(super) fn vol(grid: &Grid<f32>, shares: [f64; 3]) -> Vec<u8> {
-    let shares = match shares {
-        [r, g, b] if r == g && g == b => &shares[..1],
-        _ => &shares[..],
-    };
+/// A grid as a volume of Mitsuba's, version 3, to the bit. The box of the header is the unit
+/// cube: where the grid lies is the scene's to say.
+pub(super) fn vol(grid: &Grid<f32>) -> Vec<u8> {
     let [nx, ny, nz] = grid.lattice().nodes().map(|nodes| nodes as i32);
     let mut bytes = b"VOL\x03".to_vec();
-    for word in [1, nx, ny, nz, shares.len() as i32] {
+    for word in [1, nx, ny, nz, 1] {
         bytes.extend(word.to_le_bytes());
     }
     for corner in [0_f32, 0.0, 0.0, 1.0, 1.0, 1.0] {
         bytes.extend(corner.to_le_bytes());
     }
-    for &value in grid.values() {
-        for &share in shares {
-            bytes.extend(((f64::from(value) * share) as f32).to_le_bytes());
-        }
-    }
+    bytes.extend(grid.values().iter().flat_map(|value| value.to_le_bytes()));
     bytes
 }
 
@@ -74,10 +65,7 @@ mod tests {
     fn a_grid_is_written_to_the_bit() {
         let lattice = Lattice::new([2, 1, 2], DVec3::ONE, DVec3::ZERO).unwrap();
         let grid = Grid::new(lattice, vec![0.1, 2.5, 1e-30, 7.0]).unwrap();
-        let back = read_vol(&vol(&grid, [1.0; 3]), &LoadOptions::default()).unwrap();
+        let back = read_vol(&vol(&grid), &LoadOptions::default()).unwrap();
         assert_eq!(back.values(), grid.values());
-        let coloured = vol(&grid, [0.5, 0.25, 1.0]);
-        assert_eq!(coloured.len(), 48 + 4 * 3 * 4);
-        assert_eq!(coloured[48 + 12..48 + 16], 1.25_f32.to_le_bytes());
     }
 }

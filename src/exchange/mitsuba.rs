@@ -8,14 +8,18 @@
 //!   just behind the first.
 //! - One medium is at a place. Where a medium lies within another, its boundary has the sum of
 //!   both inside and the outer one outside; `blendphase` scatters by either's phase function in
-//!   proportion to their scattering. It weighs all channels alike: where the shares differ from
-//!   channel to channel, the media are said for each channel in a file of its own, and a picture
-//!   is put together from three.
+//!   proportion to their scattering.
+//! - Some media are said for each channel in a file of its own, and a picture is put together from
+//!   three. Those with shares that differ from channel to channel, for `blendphase` weighs all
+//!   alike. And those of coloured extinction: `volpath` draws distances by a channel chosen at
+//!   random, so that the weights of the others grow without bound, and what it misses is dark.
+//!   (`volpathmis` is made for such media, and does not end in time: scripts/peers/README.md.)
 //! - A grid is a `gridvolume`, put so that the middles of its voxels are volref's nodes; the
 //!   medium ends with its shape, and beyond the outermost values both are constant.
 
 use super::files::{ply, vol};
 use super::forms::Form;
+use super::mixture::Mixture;
 use super::refusal::Faults;
 use super::stage::{Stage, turns};
 use super::vessels::{GAP, Placed, Vessel, place_of};
@@ -83,11 +87,9 @@ impl Writer<'_> {
     fn finish(self, panel: &Panel, by_channel: bool) -> Result<Export, Refusal> {
         let mut text = String::from("<scene version=\"3.0.0\">\n");
         let title = panel.title.as_deref().unwrap_or("A scene");
-        // Two hyphens would end the comment.
-        let title: String = title.replace('-', "‐");
-        let _ = writeln!(text, "    <!-- {title}. Written by volref.");
+        let _ = writeln!(text, "    <!-- {}. Written by volref.", commented(title));
         for note in &self.notes {
-            let _ = writeln!(text, "         {note}");
+            let _ = writeln!(text, "         {}", commented(note));
         }
         text.push_str("    -->\n");
         if by_channel {
@@ -167,24 +169,15 @@ impl Writer<'_> {
         let mut by_channel = [String::new(), String::new(), String::new()];
         for (at, vessel) in vessels.list.iter().enumerate() {
             let layers: Vec<&Vessel> = vessels.layers(at).collect();
+            let mixture = Mixture::of(&layers);
+            let volume = vessel.grid.as_ref().map(|grid| self.volume(vessel, grid));
             let id = format!(" id=\"{}\"", medium_id(vessel));
-            if let Some(grid) = &vessel.grid {
-                let medium = self.grid(vessel, grid);
-                self.element("medium", "heterogeneous", &id, &medium);
+            if is_grey(mixture.sigma_t()) && mixture.weights().is_some() {
+                self.body.push_str(&medium(&id, &mixture, &volume, None));
                 continue;
             }
-            let mixture = Mixture::of(&layers);
-            match mixture.weights() {
-                Some(weights) => {
-                    let medium = mixture.medium(&weights);
-                    self.element("medium", "homogeneous", &id, &medium);
-                }
-                None => {
-                    for (channel, text) in by_channel.iter_mut().enumerate() {
-                        let medium = mixture.medium(&mixture.weights_of(channel));
-                        text.push_str(&element(1, "medium", "homogeneous", &id, &medium));
-                    }
-                }
+            for (channel, text) in by_channel.iter_mut().enumerate() {
+                text.push_str(&medium(&id, &mixture, &volume, Some(channel)));
             }
         }
         let moved: Vec<String> = (vessels.list.iter())
@@ -227,21 +220,11 @@ impl Writer<'_> {
         split
     }
 
-    /// A medium whose density is a grid.
-    fn grid(&mut self, vessel: &Vessel, grid: &Placed) -> Vec<String> {
-        let sigma_t = vessel.medium.coefficients.sigma_t();
-        let most = sigma_t.max_element();
+    /// The density of a grid: a texture in a file of its own.
+    fn volume(&mut self, vessel: &Vessel, grid: &Placed) -> String {
         let file = format!("{}.medium{}.vol", self.name, vessel.index);
-        let shares = (sigma_t / most).to_array();
         let density = grid.density.grid();
-        self.files.push((file.clone(), vol(density, shares)));
-        if shares != [1.0; 3] {
-            self.notes.push(format!(
-                "Densities of {} are multiplied by the shares of the channels and rounded to \
-                 32 bits.",
-                place_of(vessel.index)
-            ));
-        }
+        self.files.push((file.clone(), vol(density)));
         // The unit cube is divided into voxels; their middles are the nodes.
         let lattice = density.lattice();
         let low = lattice.first() - 0.5 * lattice.spacing();
@@ -254,21 +237,14 @@ impl Writer<'_> {
             Interpolation::Nearest => "nearest",
             Interpolation::Trilinear => "trilinear",
         };
-        let volume = [
+        let parts = [
             typed("string", "filename", &file),
             typed("boolean", "raw", true),
             typed("string", "filter_type", filter),
             typed("string", "wrap_mode", "clamp"),
             unit_cube_to(&cube, &grid.to_world),
         ];
-        let g = vessel.medium.phase.0.g();
-        vec![
-            element(2, "volume", "gridvolume", " name=\"sigma_t\"", &volume),
-            typed("float", "scale", most),
-            rgb("albedo", vessel.medium.coefficients.albedo()),
-            typed("boolean", "has_spectral_extinction", is_coloured(sigma_t)),
-            phase(2, g),
-        ]
+        element(2, "volume", "gridvolume", " name=\"sigma_t\"", &parts)
     }
 
     fn light(&mut self, light: &Light) {
@@ -411,111 +387,65 @@ impl Writer<'_> {
     }
 }
 
-/// Media at one place, which add up.
-struct Mixture {
-    sigma_t: DVec3,
-    albedo: DVec3,
-    /// Scattering by phase function, that is by g.
-    parts: Vec<(f64, DVec3)>,
+/// A medium, as it is in all channels or in one; `volume` is its density, if that varies.
+fn medium(id: &str, mixture: &Mixture, volume: &Option<String>, channel: Option<usize>) -> String {
+    let one = channel.unwrap_or(0);
+    let sigma_t = mixture.sigma_t()[one];
+    let albedo = match channel {
+        None => rgb("albedo", mixture.albedo()),
+        Some(channel) => typed("float", "albedo", mixture.albedo()[channel]),
+    };
+    let weights = match channel {
+        None => mixture.weights().unwrap_or_default(),
+        Some(channel) => mixture.weights_of(channel),
+    };
+    let mut parts = match volume {
+        None => vec![typed("float", "sigma_t", sigma_t)],
+        Some(volume) => vec![volume.clone(), typed("float", "scale", sigma_t)],
+    };
+    parts.push(albedo);
+    parts.push(typed("boolean", "has_spectral_extinction", false));
+    parts.push(phases(2, &mixture.parts, &weights));
+    let kind = match volume {
+        None => "homogeneous",
+        Some(_) => "heterogeneous",
+    };
+    element(1, "medium", kind, id, &parts)
 }
 
-impl Mixture {
-    fn of(layers: &[&Vessel]) -> Mixture {
-        let (mut sigma_t, mut sigma_s) = (DVec3::ZERO, DVec3::ZERO);
-        let mut parts: Vec<(f64, DVec3)> = Vec::new();
-        for layer in layers {
-            let coefficients = &layer.medium.coefficients;
-            let scattering = coefficients.sigma_s();
-            sigma_t += coefficients.sigma_t();
-            sigma_s += scattering;
-            if scattering == DVec3::ZERO {
-                continue;
-            }
-            let g = layer.medium.phase.0.g();
-            match parts.iter_mut().find(|(other, _)| *other == g) {
-                Some((_, sum)) => *sum += scattering,
-                None => parts.push((g, scattering)),
-            }
-        }
-        let part = |channel: usize| match sigma_t[channel] {
-            0.0 => 0.0,
-            all => sigma_s[channel] / all,
-        };
-        Mixture {
-            sigma_t,
-            albedo: DVec3::new(part(0), part(1), part(2)),
-            parts,
-        }
+/// Phase functions, the first blended with the rest of them.
+fn phases(depth: usize, parts: &[(f64, DVec3)], weights: &[f64]) -> String {
+    let (Some(((g, _), others)), Some((weight, rest))) =
+        (parts.split_first(), weights.split_first())
+    else {
+        // Nothing scatters.
+        return phase(depth, 0.0);
+    };
+    if others.is_empty() {
+        return phase(depth, *g);
     }
+    let left: f64 = rest.iter().sum();
+    let share = if left > 0.0 {
+        left / (weight + left)
+    } else {
+        0.0
+    };
+    let blended = [
+        // The weight is that of the second of the two.
+        typed("float", "weight", share),
+        phase(depth + 1, *g),
+        phases(depth + 1, others, rest),
+    ];
+    element(depth, "phase", "blendphase", "", &blended)
+}
 
-    /// The share of scattering of every part in a channel; of one without any, 0.
-    fn weights_of(&self, channel: usize) -> Vec<f64> {
-        let all: f64 = self.parts.iter().map(|(_, part)| part[channel]).sum();
-        let share = |part: &DVec3| if all > 0.0 { part[channel] / all } else { 0.0 };
-        self.parts.iter().map(|(_, part)| share(part)).collect()
+/// Text for a comment, which two hyphens would end and control characters would spoil.
+fn commented(text: &str) -> String {
+    let mut text = text.replace(char::is_control, " ");
+    while text.contains("--") {
+        text = text.replace("--", "- -");
     }
-
-    /// The shares, if they are those of every channel in which anything scatters: to the
-    /// accuracy of the 32-bit numbers that they become.
-    fn weights(&self) -> Option<Vec<f64>> {
-        let scatters = |channel: &usize| self.parts.iter().any(|(_, part)| part[*channel] > 0.0);
-        let mut channels = (0..3).filter(scatters);
-        let Some(first) = channels.next() else {
-            return Some(Vec::new());
-        };
-        let weights = self.weights_of(first);
-        let alike = |channel: usize| {
-            let others = self.weights_of(channel);
-            let mut pairs = weights.iter().zip(others);
-            pairs.all(|(one, other)| (one - other).abs() <= f64::from(f32::EPSILON))
-        };
-        channels.all(alike).then_some(weights)
-    }
-
-    /// The medium, its parts scattering in these shares.
-    fn medium(&self, weights: &[f64]) -> Vec<String> {
-        let most = self.sigma_t.max_element();
-        // 1 is the most that a colour of Mitsuba's may be.
-        vec![
-            rgb("sigma_t", self.sigma_t / most),
-            typed("float", "scale", most),
-            rgb("albedo", self.albedo),
-            typed(
-                "boolean",
-                "has_spectral_extinction",
-                is_coloured(self.sigma_t),
-            ),
-            self.phases(2, weights),
-        ]
-    }
-
-    /// The phase functions, each blended with the rest of them.
-    fn phases(&self, depth: usize, weights: &[f64]) -> String {
-        let (Some(((g, _), others)), Some((weight, rest))) =
-            (self.parts.split_first(), weights.split_first())
-        else {
-            return phase(depth, 0.0);
-        };
-        if others.is_empty() {
-            return phase(depth, *g);
-        }
-        let left: f64 = rest.iter().sum();
-        let remaining = Mixture {
-            parts: others.to_vec(),
-            ..*self
-        };
-        // A weight belongs to the second of the two.
-        let parts = [
-            typed(
-                "float",
-                "weight",
-                left / (weight + left).max(f64::MIN_POSITIVE),
-            ),
-            phase(depth + 1, *g),
-            remaining.phases(depth + 1, rest),
-        ];
-        element(depth, "phase", "blendphase", "", &parts)
-    }
+    text
 }
 
 fn phase(depth: usize, g: f64) -> String {
@@ -525,8 +455,8 @@ fn phase(depth: usize, g: f64) -> String {
     element(depth, "phase", "hg", "", &[typed("float", "g", g)])
 }
 
-fn is_coloured(v: DVec3) -> bool {
-    v.min_element() < v.max_element()
+fn is_grey(v: DVec3) -> bool {
+    v == DVec3::splat(v.x)
 }
 
 fn medium_id(vessel: &Vessel) -> String {

@@ -16,6 +16,7 @@ mod bundle;
 mod files;
 mod forms;
 mod mitsuba;
+mod mixture;
 mod pbrt;
 mod refusal;
 mod stage;

@@ -1,6 +1,461 @@
-//! pbrt-v4.
+//! Scenes of pbrt-v4, written after its documentation and sources: **none was rendered with it.**
+//!
+//! - pbrt multiplies spectra, not channels. Only grey values mean the same to both: `rgb` of
+//!   three equal numbers is a constant spectrum for reflectances and coefficients, and the white
+//!   of sRGB for lights. So a scene with colours is said channel by channel, in three files; the
+//!   picture of each is grey, and is that channel.
+//! - `LookAt` is left-handed: `Scale -1 1 1` before it puts +x to the left for who looks along +z.
+//! - `fov` goes across the shorter side of the image.
+//! - Light turned n times is `maxdepth` n; interfaces do not count.
+//! - Media are named before `WorldBegin`, for the eye may be in one, and after `Camera`, for the
+//!   coordinates of a grid.
+//! - A `uniformgrid` has its values in the middles of voxels and fades to 0 beyond them: around
+//!   the grid another layer of its outermost values is laid.
+//! - A conductor reflects the less the flatter it is met, unless it is infinitely conductive: a
+//!   mirror is one with k = 10⁶, mixed with black. Where it is met at an angle of cosine c it
+//!   takes away 4·10⁻¹²/c, no more than is lost by 32-bit numbers.
+//!
+//! Refused, beside what both formats lack words for: spotlights with a soft edge, whose falloff
+//! is another one; nearest-neighbour grids; media with different phase functions in one place.
+
+use super::files::ply;
+use super::forms::Form;
+use super::mixture::Mixture;
+use super::refusal::Faults;
+use super::stage::{Stage, turns};
+use super::vessels::{GAP, Placed, Vessel, place_of};
+use super::view::degrees;
 use super::{Export, Format, Refusal};
+use crate::geometry::Transform;
+use crate::optics::{Light, Material, Sides};
 use crate::scene::{Panel, Radiative};
-pub(super) fn scene(_: &Panel, _: &Radiative, _: &str) -> Result<Export, Refusal> {
-    Err(Refusal::of(Format::Pbrt, "x", "y"))
+use crate::volume::Interpolation;
+use glam::DVec3;
+use std::fmt::Display;
+
+/// The names of the channels in files.
+const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+
+/// So many turns are as good as any number.
+const ENDLESS: u32 = 1_000_000_000;
+
+/// The two materials that a mirror is mixed of: a name is given once in a file.
+const MIRROR: &str = "\
+MakeNamedMaterial \"black\" \"string type\" [ \"diffuse\" ] \"rgb reflectance\" [ 0 0 0 ]
+MakeNamedMaterial \"mirror\" \"string type\" [ \"conductor\" ] \"float roughness\" [ 0 ]
+    \"spectrum eta\" [ 200 1 900 1 ] \"spectrum k\" [ 200 1000000 900 1000000 ]
+";
+
+/// The scene in one file, or one for each channel, with its meshes beside it.
+pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Export, Refusal> {
+    let mut faults = Faults::default();
+    let stage = Stage::of(panel, scene, &mut faults);
+    check(scene, &stage, &mut faults);
+    let is_grey = colours(scene, &stage).all(|colour| colour == DVec3::splat(colour.x));
+    let texts: Vec<(Option<usize>, String)> = if is_grey {
+        vec![(None, format!("{name}.pbrt"))]
+    } else {
+        (0..3)
+            .map(|channel| (Some(channel), format!("{name}.{}.pbrt", CHANNELS[channel])))
+            .collect()
+    };
+    let main = texts[0].1.clone();
+    let mut files = Vec::new();
+    let mut meshes = Meshes {
+        name,
+        files: Vec::new(),
+    };
+    for (channel, file) in texts {
+        let mut writer = Writer {
+            text: String::new(),
+            channel: channel.unwrap_or(0),
+            meshes: &mut meshes,
+        };
+        writer.opening(panel, &stage, channel);
+        writer.options(panel, scene, &stage, &file);
+        writer.media(&stage);
+        writer.line("\nWorldBegin\nMediumInterface \"\" \"\"\n");
+        let materials = stage.objects.iter().map(|(_, _, material)| material);
+        if materials
+            .into_iter()
+            .any(|material| matches!(material, Material::Mirror(_)))
+        {
+            writer.line(MIRROR);
+        }
+        for light in &scene.lights {
+            writer.light(light);
+        }
+        if scene.environment != DVec3::ZERO {
+            let radiance = writer.rgb("L", scene.environment);
+            writer.line(&format!("LightSource \"infinite\" {radiance}"));
+        }
+        writer.surfaces(&stage);
+        files.push((file, writer.text.into_bytes()));
+    }
+    files.extend(meshes.files);
+    faults.none(Format::Pbrt, Export { main, files })
+}
+
+/// What pbrt has no words for, though Mitsuba has.
+fn check(scene: &Radiative, stage: &Stage, faults: &mut Faults) {
+    for (index, light) in scene.lights.iter().enumerate() {
+        let Light::Spot(spot) = light else { continue };
+        if spot.inner() < spot.outer() {
+            let what = "a spotlight whose edge falls off linearly in the angle; pbrt's falls off \
+                        in another way: make inner_angle the outer_angle";
+            faults.add(format!("radiative.light[{index}]"), what);
+        }
+    }
+    for (at, vessel) in stage.vessels.list.iter().enumerate() {
+        let place = place_of(vessel.index);
+        if let Some(grid) = &vessel.grid {
+            if grid.density.interpolation() == Interpolation::Nearest {
+                faults.add(&place, "a grid with the value of the nearest node");
+            }
+            continue;
+        }
+        let layers: Vec<&Vessel> = stage.vessels.layers(at).collect();
+        if Mixture::of(&layers).parts.len() > 1 {
+            let what = "a medium within another of a different g: one phase function is at a place";
+            faults.add(place, what);
+        }
+    }
+}
+
+/// Every colour of a scene.
+fn colours<'s>(scene: &'s Radiative, stage: &'s Stage) -> impl Iterator<Item = DVec3> + 's {
+    let materials = stage
+        .objects
+        .iter()
+        .filter_map(|(_, _, material)| match material {
+            Material::Diffuse(reflectance) | Material::Mirror(reflectance) => Some(*reflectance),
+            Material::Glass(_) => None,
+        });
+    let media = stage.vessels.list.iter().flat_map(|vessel| {
+        let coefficients = &vessel.medium.coefficients;
+        [coefficients.sigma_a(), coefficients.sigma_s()]
+    });
+    let lights = scene.lights.iter().map(|light| match light {
+        Light::Point(light) => light.intensity,
+        Light::Spot(light) => light.intensity,
+        Light::Directional(light) => light.irradiance,
+    });
+    let lamps = scene.area_lights.iter().map(|light| light.radiance);
+    materials
+        .chain(media)
+        .chain(lights)
+        .chain(lamps)
+        .chain([scene.environment])
+}
+
+/// Meshes in files that all channels share.
+struct Meshes<'n> {
+    name: &'n str,
+    files: Vec<(String, Vec<u8>)>,
+}
+
+impl Meshes<'_> {
+    fn file(&mut self, vertices: &[DVec3], faces: &[[usize; 3]]) -> String {
+        let bytes = ply(vertices, faces);
+        if let Some((file, _)) = self.files.iter().find(|(_, other)| *other == bytes) {
+            return file.clone();
+        }
+        let file = format!("{}.mesh{}.ply", self.name, self.files.len());
+        self.files.push((file.clone(), bytes));
+        file
+    }
+}
+
+/// One file.
+struct Writer<'m, 'n> {
+    text: String,
+    channel: usize,
+    meshes: &'m mut Meshes<'n>,
+}
+
+impl Writer<'_, '_> {
+    fn line(&mut self, line: &str) {
+        self.text.push_str(line);
+        self.text.push('\n');
+    }
+
+    /// A colour: three times the value of the channel.
+    fn rgb(&self, name: &str, value: DVec3) -> String {
+        let grey = value[self.channel];
+        format!("\"rgb {name}\" [ {grey} {grey} {grey} ]")
+    }
+
+    fn opening(&mut self, panel: &Panel, stage: &Stage, channel: Option<usize>) {
+        let title = panel.title.as_deref().unwrap_or("A scene");
+        let title = title.replace(char::is_control, " ");
+        self.line(&format!(
+            "# {title}. Written by volref, and not tried with pbrt-v4."
+        ));
+        if let Some(channel) = channel {
+            let channel = CHANNELS[channel];
+            self.line(&format!(
+                "# The picture is grey, and is the channel {channel} of the scene's; the other two \
+                 have files of their own."
+            ));
+        }
+        let vessels = stage.vessels.list.iter().filter(|vessel| vessel.moved);
+        let moved: Vec<String> = vessels.map(|vessel| place_of(vessel.index)).collect();
+        if !moved.is_empty() {
+            let way = GAP * (1.0 + stage.reach);
+            self.line(&format!(
+                "# Faces of {} that lie in surfaces stand {way:.3e} behind them, where no ray sees \
+                 it.",
+                moved.join(", ")
+            ));
+        }
+        self.line("");
+    }
+
+    /// Everything but the world.
+    fn options(&mut self, panel: &Panel, scene: &Radiative, stage: &Stage, file: &str) {
+        let view = &stage.view;
+        let [eye, target, up] = [view.eye, view.target, view.up].map(listed);
+        let fov = view.shorter_fov(panel.width, panel.height);
+        self.line("Scale -1 1 1");
+        self.line(&format!("LookAt {eye}  {target}  {up}"));
+        if let Some(at) = stage.vessels.eye {
+            let around = medium_name(&stage.vessels.list[at]);
+            self.line(&format!("MediumInterface \"\" \"{around}\""));
+        }
+        self.line(&format!("Camera \"perspective\" {}", float("fov", fov)));
+        let image = format!("{}.exr", file.trim_end_matches(".pbrt"));
+        self.line(&format!(
+            "Film \"rgb\" {} {} \"string filename\" [ \"{image}\" ] \"bool savefp16\" [ false ]",
+            integer("xresolution", panel.width),
+            integer("yresolution", panel.height)
+        ));
+        let (x, y) = (float("xradius", 0.5), float("yradius", 0.5));
+        self.line(&format!("PixelFilter \"box\" {x} {y}"));
+        // pbrt's whole numbers have 31 bits and a sign.
+        let samples = integer("pixelsamples", scene.samples.min(i32::MAX as u32));
+        let seed = integer("seed", scene.seed & 0x7fff_ffff);
+        self.line(&format!("Sampler \"independent\" {samples} {seed}"));
+        let depth = integer("maxdepth", turns(scene.scattering).unwrap_or(ENDLESS));
+        self.line(&format!("Integrator \"volpath\" {depth}"));
+    }
+
+    fn media(&mut self, stage: &Stage) {
+        for (at, vessel) in stage.vessels.list.iter().enumerate() {
+            let name = medium_name(vessel);
+            let layers: Vec<&Vessel> = stage.vessels.layers(at).collect();
+            let mixture = Mixture::of(&layers);
+            let (sigma_a, sigma_s) = (mixture.sigma_a, mixture.sigma_s);
+            let g = mixture.parts.first().map_or(0.0, |(g, _)| *g);
+            let coefficients = format!(
+                "{} {} {}",
+                self.rgb("sigma_a", sigma_a),
+                self.rgb("sigma_s", sigma_s),
+                float("g", g)
+            );
+            self.line("\nIdentity");
+            let kind = match &vessel.grid {
+                None => "homogeneous",
+                Some(grid) => {
+                    self.line(&format!("ConcatTransform [ {} ]", matrix(&grid.to_world)));
+                    "uniformgrid"
+                }
+            };
+            self.line(&format!(
+                "MakeNamedMedium \"{name}\" \"string type\" [ \"{kind}\" ]\n    {coefficients}"
+            ));
+            if let Some(grid) = &vessel.grid {
+                self.grid(grid);
+            }
+        }
+    }
+
+    /// A grid, and a layer of its outermost values around it.
+    fn grid(&mut self, grid: &Placed) {
+        let density = grid.density.grid();
+        let lattice = density.lattice();
+        let low = lattice.first() - 1.5 * lattice.spacing();
+        let [nx, ny, nz] = lattice.nodes().map(|nodes| nodes + 2);
+        let high = low + lattice.spacing() * DVec3::new(nx as f64, ny as f64, nz as f64);
+        self.line(&format!(
+            "    \"point3 p0\" [ {} ] \"point3 p1\" [ {} ]",
+            listed(low),
+            listed(high)
+        ));
+        self.line(&format!(
+            "    {} {} {}\n    \"float density\" [",
+            integer("nx", nx),
+            integer("ny", ny),
+            integer("nz", nz)
+        ));
+        let nearest = |at: usize, axis: usize| at.clamp(1, lattice.nodes()[axis]) - 1;
+        for k in 0..nz {
+            for j in 0..ny {
+                let values = (0..nx).map(|i| {
+                    let node = [nearest(i, 0), nearest(j, 1), nearest(k, 2)];
+                    density.values()[lattice.index(node)].to_string()
+                });
+                let row: Vec<String> = values.collect();
+                self.text.push_str(&row.join(" "));
+                self.text.push('\n');
+            }
+        }
+        self.line("    ]");
+    }
+
+    fn light(&mut self, light: &Light) {
+        let line = match light {
+            Light::Point(light) => {
+                let intensity = self.rgb("I", light.intensity);
+                let from = point("from", light.position);
+                format!("LightSource \"point\" {from} {intensity}")
+            }
+            Light::Spot(light) => {
+                let intensity = self.rgb("I", light.intensity);
+                let from = point("from", light.position);
+                let to = point("to", light.position + light.axis());
+                let angle = float("coneangle", degrees(light.outer()));
+                let edge = float("conedeltaangle", 0.0);
+                format!("LightSource \"spot\" {from} {to} {intensity} {angle} {edge}")
+            }
+            Light::Directional(light) => {
+                let irradiance = self.rgb("L", light.irradiance);
+                let (from, to) = (point("from", DVec3::ZERO), point("to", light.direction));
+                format!("LightSource \"distant\" {from} {to} {irradiance}")
+            }
+        };
+        self.line(&line);
+    }
+
+    fn surfaces(&mut self, stage: &Stage) {
+        let list = &stage.vessels.list;
+        for (at, vessel) in list.iter().enumerate() {
+            if vessel.skin.is_none() {
+                self.begin(&place_of(vessel.index));
+                self.line("    Material \"interface\"");
+                self.sides(list, at);
+                self.form(&vessel.form);
+            }
+        }
+        for (index, (place, form, material)) in stage.objects.iter().enumerate() {
+            self.begin(place);
+            self.material(material);
+            if let Some(at) = list.iter().position(|vessel| vessel.skin == Some(index)) {
+                self.sides(list, at);
+            }
+            self.form(form);
+        }
+        for (place, form, light) in &stage.area_lights {
+            self.begin(place);
+            self.material(&Material::Diffuse(DVec3::ZERO));
+            let radiance = self.rgb("L", light.radiance);
+            let both = light.sides == Sides::Both;
+            self.line(&format!(
+                "    AreaLightSource \"diffuse\" {radiance} \"bool twosided\" [ {both} ]"
+            ));
+            self.form(form);
+        }
+    }
+
+    fn begin(&mut self, place: &str) {
+        self.line(&format!("\n# {place}\nAttributeBegin"));
+    }
+
+    /// What is inside and outside the boundary of a vessel.
+    fn sides(&mut self, list: &[Vessel], at: usize) {
+        let inside = medium_name(&list[at]);
+        let outside = list[at].parent.map(|at| medium_name(&list[at]));
+        let outside = outside.unwrap_or_default();
+        self.line(&format!("    MediumInterface \"{inside}\" \"{outside}\""));
+    }
+
+    fn material(&mut self, material: &Material) {
+        match material {
+            Material::Diffuse(reflectance) => {
+                let reflectance = self.rgb("reflectance", *reflectance);
+                self.line(&format!("    Material \"diffuse\" {reflectance}"));
+            }
+            Material::Mirror(reflectance) => {
+                let amount = float("amount", reflectance[self.channel]);
+                self.line(&format!(
+                    "    Material \"mix\" \"string materials\" [ \"black\" \"mirror\" ] {amount}"
+                ));
+            }
+            Material::Glass(index) => {
+                let eta = float("eta", *index);
+                self.line(&format!("    Material \"dielectric\" {eta}"));
+            }
+        }
+    }
+
+    /// A shape, and the end of what belongs to it.
+    fn form(&mut self, form: &Form) {
+        match form {
+            Form::Sphere { centre, radius } => self.ball(*centre, *radius),
+            Form::Ellipsoid { sphere, to_world } => {
+                self.line(&format!("    ConcatTransform [ {} ]", matrix(to_world)));
+                self.ball(sphere.centre(), sphere.radius());
+            }
+            Form::Rectangle { corner, edges } => {
+                let [u, v] = *edges;
+                let corners = [*corner, corner + u, corner + v, corner + u + v].map(listed);
+                self.line(&format!(
+                    "    Shape \"bilinearmesh\" \"point3 P\" [ {} ]",
+                    corners.join("  ")
+                ));
+            }
+            Form::Box { .. } => {
+                let faces = form.faces();
+                let corners: Vec<String> = faces.iter().flatten().map(|&p| listed(p)).collect();
+                let triangles: Vec<String> = (0..faces.len())
+                    .map(|face| 4 * face)
+                    .map(|a| format!("{a} {} {} {a} {} {}", a + 1, a + 2, a + 2, a + 3))
+                    .collect();
+                self.line(&format!(
+                    "    Shape \"trianglemesh\" \"point3 P\" [ {} ]\n        \
+                     \"integer indices\" [ {} ]",
+                    corners.join("  "),
+                    triangles.join("  ")
+                ));
+            }
+            Form::Mesh { vertices, faces } => {
+                let file = self.meshes.file(vertices, faces);
+                self.line(&format!(
+                    "    Shape \"plymesh\" \"string filename\" [ \"{file}\" ]"
+                ));
+            }
+        }
+        self.line("AttributeEnd");
+    }
+
+    fn ball(&mut self, centre: DVec3, radius: f64) {
+        self.line(&format!("    Translate {}", listed(centre)));
+        self.line(&format!("    Shape \"sphere\" {}", float("radius", radius)));
+    }
+}
+
+fn medium_name(vessel: &Vessel) -> String {
+    format!("medium{}", vessel.index)
+}
+
+fn float(name: &str, value: f64) -> String {
+    format!("\"float {name}\" [ {value} ]")
+}
+
+fn integer(name: &str, value: impl Display) -> String {
+    format!("\"integer {name}\" [ {value} ]")
+}
+
+fn point(name: &str, value: DVec3) -> String {
+    format!("\"point3 {name}\" [ {} ]", listed(value))
+}
+
+fn listed(v: DVec3) -> String {
+    format!("{} {} {}", v.x, v.y, v.z)
+}
+
+/// The sixteen numbers of a map, column by column, as pbrt takes them.
+fn matrix(map: &Transform) -> String {
+    let columns = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| map.direction(axis));
+    let [x, y, z] = columns.map(listed);
+    format!("{x} 0  {y} 0  {z} 0  {} 1", listed(map.point(DVec3::ZERO)))
 }

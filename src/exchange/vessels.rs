@@ -7,8 +7,8 @@
 
 use super::forms::{Form, normal_of};
 use super::refusal::Faults;
-use crate::geometry::{Boundary, Ray, Solid, Transform};
-use crate::media::{Field, Homogeneous};
+use crate::geometry::{Aabb, Boundary, Ray, Solid, Surface, Transform};
+use crate::media::{Coefficients, Field, Homogeneous};
 use crate::scene::{Body, Radiative};
 use crate::volume::{DensityField, GridDensity};
 use glam::DVec3;
@@ -19,6 +19,9 @@ pub(super) const GAP: f64 = 5e-4;
 
 /// Places nearer to each other than this, times the largest coordinate, are one.
 const SAME: f64 = 1e-6;
+
+/// Coefficients up to here leave room for products of them in 32-bit numbers.
+const LARGEST: f64 = 1e15;
 
 /// A medium and where it ends.
 pub(super) struct Vessel<'s> {
@@ -130,7 +133,7 @@ fn vessel<'s>(
     if let Some(density) = &body.density {
         match density.field() {
             Field::Constant(field) => {
-                medium = thinned(medium, field.density(DVec3::ZERO));
+                medium = thinned(medium, field.density(DVec3::ZERO))?;
             }
             Field::Grid(field) => grid = Some(field),
             Field::Noise(_) => return Err("fractal noise".to_owned()),
@@ -144,6 +147,10 @@ fn vessel<'s>(
     }
     if medium.coefficients.sigma_t() == DVec3::ZERO {
         return Ok(None);
+    }
+    let most = medium.coefficients.sigma_t().max_element();
+    if most > LARGEST {
+        return Err(format!("an extinction of {most:e}, beyond 32-bit numbers"));
     }
     let Some(boundary) = &body.boundary else {
         let what = "a medium that fills all space; give it a box, sphere or mesh";
@@ -189,22 +196,23 @@ fn vessel<'s>(
 }
 
 /// The same medium at another density.
-fn thinned(medium: Homogeneous, density: f64) -> Homogeneous {
-    let coefficients = &medium.coefficients;
-    let (sigma_a, sigma_s) = (
-        coefficients.sigma_a() * density,
-        coefficients.sigma_s() * density,
-    );
-    Homogeneous {
-        coefficients: crate::media::Coefficients::new(sigma_a, sigma_s)
-            .unwrap_or(medium.coefficients),
+fn thinned(medium: Homogeneous, density: f64) -> Result<Homogeneous, String> {
+    let whole = &medium.coefficients;
+    let thinned = Coefficients::new(whole.sigma_a() * density, whole.sigma_s() * density);
+    Ok(Homogeneous {
+        coefficients: thinned.map_err(|error| error.to_string())?,
         ..medium
-    }
+    })
 }
 
 /// The part of a boundary that its grid fills: there the medium ends.
 fn within_grid(boundary: &Boundary, form: Form, density: &GridDensity) -> Result<Form, String> {
     let own = density.bounds();
+    // The whole numbers of both formats have 31 bits and a sign.
+    let nodes = density.grid().lattice().nodes();
+    if nodes.iter().any(|&count| count >= i32::MAX as usize - 2) {
+        return Err("a grid of more nodes along an axis than the format can count".to_owned());
+    }
     let (shape, to_world) = match boundary {
         Boundary::Box(shape) => (Some(*shape), Transform::IDENTITY),
         Boundary::PlacedBox(placed) => (Some(*placed.shape()), *placed.to_world()),
@@ -225,10 +233,7 @@ fn within_grid(boundary: &Boundary, form: Form, density: &GridDensity) -> Result
 }
 
 /// That `shape` does not reach beyond its grid, for only a box can be cut off there.
-fn bounds_within(
-    shape: &impl crate::geometry::Surface,
-    own: &crate::geometry::Aabb,
-) -> Result<Transform, String> {
+fn bounds_within(shape: &impl Surface, own: &Aabb) -> Result<Transform, String> {
     let bounds = shape.bounds();
     if bounds.min.cmplt(own.min).any() || bounds.max.cmpgt(own.max).any() {
         return Err("a sphere or mesh of medium that reaches beyond its grid".to_owned());

@@ -165,6 +165,7 @@ fn help() {
       compare  Compare one pair of images
       render   Render a scene to an image
       plan     Show what a scene calls for: effects with reasons, the kernel, filled-in defaults
+      export   Write a scene for another renderer
       accept   Render cases and make the results their goldens; look at the pictures before and after
       info     Show what a volume file holds: where it lies, how it is stored, its values
       list     List the cases of the suite

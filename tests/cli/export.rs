@@ -1,0 +1,133 @@
+//! `volref export`.
+
+use crate::folder::{Folder, assert_shown};
+
+const SCENE: &str = "\
+[film]
+width = 4
+height = 3
+
+[camera]
+eye = [0, 1, -6]
+target = [0, 1, 0]
+
+[radiative]
+environment = 1
+
+[[radiative.surface]]
+mesh = { file = \"gem.obj\" }
+diffuse = { reflectance = 0.5 }
+
+[[radiative.medium]]
+sphere = { centre = [0, 5, 0], radius = 1 }
+sigma_s = 1
+";
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    folder.write("gem.obj", mesh);
+    folder.write("fog.toml", SCENE);
+    folder
+}
+
+#[test]
+fn says_what_was_written_and_how_to_render_it() {
+    let folder = folder();
+    let run = folder.volref(&["export", "fog.toml", "--to", "mitsuba", "-o", "out/a b"]);
+    insta::with_settings!({filters => vec![(r"\d+ bytes", "[n] bytes")]}, {
+        assert_shown!(run.shown(), @r##"
+        exit code 0
+        --- stdout
+        out/a b/fog.xml: [n] bytes
+        out/a b/fog.mesh0.ply: [n] bytes
+
+        to render it:
+          mitsuba -m scalar_rgb -o fog.exr 'out/a b/fog.xml'
+        "##);
+    });
+    let names: Vec<String> = folder.files().into_keys().collect();
+    let written = ["out/a b/fog.mesh0.ply", "out/a b/fog.xml"];
+    assert!(
+        written
+            .iter()
+            .all(|name| names.contains(&(*name).to_owned())),
+        "{names:?}"
+    );
+    assert_eq!(names.len(), 4, "nothing is left over: {names:?}");
+    assert!(folder.text("out/a b/fog.xml").ends_with("</scene>\n"));
+}
+
+#[test]
+fn as_json() {
+    let run = folder().volref(&["export", "fog.toml", "--to", "pbrt", "-o", "out", "--json"]);
+    assert_shown!(run.shown(), @r##"
+    exit code 0
+    --- stdout
+    {
+      "commands": [
+        "pbrt out/fog.pbrt"
+      ],
+      "files": [
+        "fog.pbrt",
+        "fog.mesh0.ply"
+      ],
+      "folder": "out",
+      "format": "pbrt",
+      "main": "fog.pbrt",
+      "scene": "fog.toml",
+      "schema": "volref/export/1"
+    }
+    "##);
+}
+
+#[test]
+fn an_export_replaces_the_one_before() {
+    let folder = folder();
+    folder.write("out/fog.xml", "old");
+    folder.write("out/mine.txt", "mine");
+    let run = folder.volref(&["export", "fog.toml", "--to", "mitsuba", "-o", "out"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(folder.text("out/fog.xml").starts_with("<scene"));
+    assert_eq!(folder.text("out/mine.txt"), "mine");
+}
+
+#[test]
+fn what_cannot_be_said_is_named_and_nothing_is_written() {
+    let folder = folder();
+    folder.edit("fog.toml", "sigma_s = 1\n", "sigma_s = 1\nemission = 1\n");
+    let before = folder.files();
+    let run = folder.volref(&["export", "fog.toml", "--to", "mitsuba", "-o", "out"]);
+    assert_shown!(run.shown(), @r##"
+    exit code 2
+    --- stderr
+      × mitsuba cannot say radiative.medium[0]: a medium that sends out light
+      help: nothing was written; leave these out of the scene, or say them another way
+    "##);
+    assert_eq!(folder.files(), before);
+    assert!(!folder.path("out").exists());
+}
+
+#[test]
+fn bad_arguments() {
+    let folder = folder();
+    let export = |scene: &str, format: &str, output: &str| {
+        folder.volref(&["export", scene, "--to", format, "-o", output])
+    };
+    let before = folder.files();
+    export("fog.toml", "mitsuba", "gem.obj").expect(2, &["cannot write into gem.obj"]);
+    export("gone.toml", "mitsuba", "out").expect(2, &["gone.toml"]);
+    let unknown = export("fog.toml", "blender", "out");
+    assert_eq!(unknown.code, 2);
+    assert!(
+        unknown.stderr.contains("mitsuba, pbrt, bundle"),
+        "{}",
+        unknown.stderr
+    );
+    assert_eq!(folder.files(), before);
+    // A folder in the place of a file: nothing else is written either.
+    folder.write("out/fog.xml/x", "");
+    let before = folder.files();
+    export("fog.toml", "mitsuba", "out").expect(2, &["fog.xml is a folder"]);
+    assert_eq!(folder.files(), before);
+}
