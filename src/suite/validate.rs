@@ -70,9 +70,11 @@ fn evidence(case: &Case, trusted: &Trusted) -> Evidence {
     }
 }
 
-/// The gate that judges `picture` as an image of `case`.
+/// The gate that judges `picture` as an image of `case`. Whoever samples what has a closed form, and
+/// states the noise, is judged by that.
 fn gate_for(case: &Case, picture: &Picture) -> Gate {
     match picture {
+        Picture::Radiance(film) if film.noise().is_some() => Gate::Stochastic,
         Picture::Radiance(_) => case.gate(),
         Picture::Codes(_) => Gate::Perceptual,
     }
