@@ -173,7 +173,7 @@ fn what_cannot_be_used_is_refused_in_words() {
     .concat();
     insta::assert_snapshot!(said, @r#"
     bad-two-layers.exr: several layers have colours, and none is the main one: albedo, direct; write one of them without a name, or call it rgba, beauty or combined
-    bad-elsewhere.exr: the data of this EXR lie outside its display window; write both windows alike
+    bad-elsewhere.exr: the data of this EXR cover 0 of the 8 × 6 pixels of its display window; write both windows alike
     bad-chroma.exr: the channel BY of this EXR is subsampled: it has fewer values than pixels; write R, G and B in full
     bad-full-chroma.exr: this EXR holds luminance and chroma (Y, RY, BY); write R, G and B
     bad-deep.exr: this EXR has deep data, many samples along each ray; write a flat image, one radiance a pixel
@@ -466,7 +466,7 @@ fn replicates_with_noise_become_one_image_of_all_samples() {
     // mean 20/3/4; in the second channel values are twice and variances four times that.
     let of = |low: f32, high: f32| {
         let mean = (low + high) / 2.0;
-        let variance = [1.0, 4.0, 16.0].map(|scale| (high - low).powi(2) / 4.0 * scale);
+        let variance = [1.0, 4.0, 16.0].map(|scale| (high - low) * (high - low) / 4.0 * scale);
         let colours = constant(mean, None).radiance().to_vec();
         Film::with_noise(3, 2, colours, vec![variance; 6], 2)
     };

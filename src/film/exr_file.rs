@@ -215,10 +215,10 @@ struct Frame {
     width: usize,
     /// Rows of the picture.
     height: usize,
-    /// Columns of the part.
-    stride: usize,
     /// Column and row in the picture of the first pixel of the part.
     first: [i64; 2],
+    /// Columns of the part.
+    stride: usize,
     /// Rows of the part.
     rows: usize,
 }
@@ -236,22 +236,22 @@ impl Frame {
         let frame = Frame {
             width,
             height,
-            stride: part.size.width(),
             first: [
                 place(data.x(), display.position.x()),
                 place(data.y(), display.position.y()),
             ],
+            stride: part.size.width(),
             rows: part.size.height(),
         };
-        let (columns, rows) = (frame.columns(), frame.covered_rows());
-        if columns.is_empty() || rows.is_empty() {
+        let covered = frame.columns().len() * frame.covered_rows().len();
+        if covered == 0 || width * height - covered > Frame::MOST_UNCOVERED {
             return Err(FilmError::Unsuited {
-                what: "the data of this EXR lie outside its display window".to_owned(),
+                what: format!(
+                    "the data of this EXR cover {covered} of the {width} × {height} pixels of its \
+                     display window"
+                ),
                 remedy: "write both windows alike",
             });
-        }
-        if width * height - columns.len() * rows.len() > Frame::MOST_UNCOVERED {
-            return Err(FilmError::TooLarge { width, height });
         }
         Ok(frame)
     }

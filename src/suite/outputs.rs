@@ -196,7 +196,7 @@ impl Outputs {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
         let Some(format) = FilmFormat::of(path) else {
             let is_image = |other: &&str| extension.eq_ignore_ascii_case(other);
-            if OTHER_IMAGES.iter().any(|other| is_image(&other)) {
+            if OTHER_IMAGES.iter().any(is_image) {
                 let reason = format!(
                     "is not read: .{extension} is none of .exr, .pfm, .npy (linear radiance) and \
                      .png (8-bit sRGB)"
@@ -308,7 +308,7 @@ fn case_called<'c>(name: &str, cases: &[&'c str]) -> Result<Option<&'c str>, Str
 }
 
 /// The name of a case without its family.
-fn bare<'c>(case: &'c str) -> &'c str {
+fn bare(case: &str) -> &str {
     case.rsplit_once('/').map_or(case, |(_, name)| name)
 }
 
