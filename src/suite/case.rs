@@ -15,6 +15,8 @@ use thiserror::Error;
 const CASES: &str = "fixtures/cases";
 /// Where the goldens are.
 const GOLDEN: &str = "golden";
+/// Among the goldens, a folder that holds none: what other renderers came to.
+const PEERS: &str = "peers";
 /// Where renderings of an interrupted accept are.
 const CACHE: &str = ".volref";
 
@@ -250,7 +252,7 @@ impl Suite {
         }
         for family in sorted_entries(&root)?
             .into_iter()
-            .filter(|path| path.is_dir())
+            .filter(|path| path.is_dir() && !path.ends_with(PEERS))
         {
             for path in sorted_entries(&family)? {
                 if path

@@ -63,9 +63,11 @@ pub(super) const MISTAKES: &[Mistake] = &[
         }),
     },
     Mistake {
-        name: "noise-octave-left-out",
-        advice: "the noise lacks its finest octave: the sum runs over all of them, from 0 to octaves - 1",
-        edit: Edit::Radiative(|scene| noises(scene, |noise| noise.octaves -= 1)),
+        name: "noise-octaves-left-out",
+        advice: "the noise lacks its finer octaves (half of them look like this): the sum runs over all, from 0 to octaves - 1",
+        edit: Edit::Radiative(|scene| {
+            noises(scene, |noise| noise.octaves = noise.octaves.div_ceil(2))
+        }),
     },
     Mistake {
         name: "noise-gain-from-lacunarity",

@@ -1,0 +1,64 @@
+#!/usr/bin/env python3
+"""Writes what another renderer came to as a table to keep, golden/peers/NAME.toml.
+
+    volref validate fog smoke procedural --run '...' --spp 64 --json results.json
+    peer_table.py results.json --name mitsuba --version 3.9.1 --spp 64 --notes notes.toml
+
+NOTES is TOML, a sentence for a case: who is right where they differ, and how that is known.
+"""
+
+import argparse
+import json
+import tomllib
+from pathlib import Path
+
+KEPT = [
+    "mean_z_red", "mean_z_green", "mean_z_blue", "worst_block_z", "rejected_blocks",
+    "amount_of_noise", "smallest_visible_bias", "outlier_share", "max_abs_error",
+]
+
+
+def quoted(text):
+    return json.dumps(text, ensure_ascii=False)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("results", type=Path)
+    parser.add_argument("--name", required=True)
+    parser.add_argument("--version", required=True)
+    parser.add_argument("--spp", type=int)
+    parser.add_argument("--notes", type=Path)
+    options = parser.parse_args()
+    results = json.loads(options.results.read_text())
+    notes = tomllib.loads(options.notes.read_text()) if options.notes else {}
+    lines = [
+        "# What volref says of another renderer's images, case by case: for information, judged by",
+        "# nobody. Written by scripts/peers/peer_table.py.",
+        f"renderer = {quoted(options.name)}",
+        f"version = {quoted(options.version)}",
+    ]
+    if options.spp:
+        lines.append(f"samples = {options.spp}")
+    for case in results["cases"]:
+        lines += ["", f"[{quoted(case['name'])}]", f"verdict = {quoted(case['verdict'])}"]
+        if case["verdict"] in ("pass", "fail", "inconclusive"):
+            lines.append(f"gate = {quoted(case['gate'])}")
+            for name in KEPT:
+                if name in case["metrics"]:
+                    lines.append(f"{name} = {float(case['metrics'][name]):.4g}")
+        if case["verdict"] != "pass":
+            lines.append(f"reason = {quoted(case['reason'])}")
+        if note := notes.get(case["name"]):
+            lines.append(f"note = {quoted(note)}")
+    text = "\n".join(lines) + "\n"
+    tomllib.loads(text)
+    root = Path(__file__).resolve().parents[2]
+    path = root / "golden" / "peers" / f"{options.name}.toml"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(text)
+    print(path.relative_to(root))
+
+
+if __name__ == "__main__":
+    main()
