@@ -9,7 +9,7 @@ use crate::suite::mistakes::{self, Mistake};
 use crate::suite::{Case, Extent, Naming, Store, naming, self_test};
 use serde_json::json;
 
-/// Make every known mistake and see that the suite catches it, and that it accepts what is right
+/// Make every known mistake and see that the suite catches it, and nothing that is right
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Families, cases, or patterns over them such as 'figures/*' [default: all cases]

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf, absolute};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// Judge another renderer's images by the goldens, and name the mistake
@@ -47,7 +47,7 @@ pub struct Arguments {
     #[arg(long)]
     only_present: bool,
     /// With --run: seconds after which the renderer, and all that it started, is ended
-    #[arg(long, value_name = "SECONDS", default_value_t = 600.0, value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 600.0, allow_negative_numbers = true, value_parser = seconds)]
     timeout: f64,
     /// With --run: cases to render at the same time
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
@@ -337,8 +337,10 @@ fn judge_all(cases: &[&Case], store: &Store, source: &Source, jobs: usize) -> Ve
                         return;
                     };
                     bar.set_message(case.name.clone());
+                    let start = Instant::now();
                     let (output, printed, reproduce) = source.output(case);
                     let mut judged = validate(case, store, output);
+                    judged.result.seconds = start.elapsed().as_secs_f64();
                     judged.evidence.output = printed;
                     judged.evidence.reproduce = reproduce;
                     bar.inc(1);

@@ -29,7 +29,11 @@ fn test_case(result: &CaseResult) -> TestCase {
     };
     if result.verdict != Verdict::Pass {
         status.set_type(result.verdict.name());
-        status.set_message(result.reason.clone());
+        let likely = match &result.looks_like[..] {
+            [] => String::new(),
+            names => format!("; looks like {}", names.join(", ")),
+        };
+        status.set_message(format!("{}{likely}", result.reason));
     }
     let mut case = TestCase::new(result.name.clone(), status);
     case.set_classname(result.family.clone());

@@ -168,7 +168,7 @@ fn schema_and_reader_agree_on_keys_and_defaults() {
             let read = |key: &str, value: &Value| {
                 let text = with_key(base, &path, key, value);
                 // Keys of sampling belong to cases of sampled scenes.
-                let sampled = matches!(key, "quick_samples" | "resolution");
+                let sampled = matches!(key, "quick_samples" | "resolution" | "mean_resolution");
                 if kind == "case" && sampled {
                     let deterministic = "class = \"deterministic\"";
                     assert!(text.contains(deterministic));

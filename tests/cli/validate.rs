@@ -40,7 +40,16 @@ fn right_images_pass() {
     let folder = with_images();
     let before = folder.files();
     let run = folder.volref(&["validate", "--outputs", "out"]);
-    assert_shown!(run.shown(), @"");
+    assert_shown!(run.shown(), @r"
+    exit code 0
+    --- stdout
+    pass          plots/curve [seconds]
+    pass          smoke/nearest [seconds]
+    pass          smoke/plain [seconds]
+    pass          smoke/shadow [seconds]
+
+    4 cases: 4 passed
+    ");
     assert_eq!(folder.files(), before, "validate writes nothing unasked");
 }
 
@@ -95,19 +104,25 @@ fn mistakes_are_named() {
     ]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     let right = film(&folder, "right.exr");
-    let (width, height) = (right.width(), right.height());
-    let at = |index: usize| right.radiance()[index % width + width * (height - 1 - index / width)];
-    let flipped = Film::new(width, height, (0..width * height).map(at).collect());
-    folder.write("out/smoke/plain.exr", flipped.to_exr().unwrap());
+    let blue_first = right
+        .radiance()
+        .iter()
+        .map(|&[r, g, b]| [b, g, r])
+        .collect();
+    let wrong = Film::new(right.width(), right.height(), blue_first);
+    folder.write("out/smoke/plain.exr", wrong.to_exr().unwrap());
     let run = folder.volref(&["validate", "--outputs", "out", "--json"]);
     assert_eq!(run.code, 1);
-    assert_eq!(case(&run, "smoke/plain")["looks_like"][0], "upside-down");
+    assert_eq!(
+        case(&run, "smoke/plain")["looks_like"][0],
+        "red-and-blue-exchanged"
+    );
     assert_eq!(
         case(&run, "smoke/shadow")["looks_like"],
         serde_json::json!([])
     );
     let likely = &run.json()["looks_like"][0];
-    assert_eq!(likely["mistake"], "upside-down");
+    assert_eq!(likely["mistake"], "red-and-blue-exchanged");
     assert_eq!(
         (likely["explains"].clone(), likely["of"].clone()),
         (1.into(), 1.into())
@@ -326,7 +341,7 @@ fn reports_for_people_and_build_servers() {
     ]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     let page = folder.text("report/index.html");
-    assert!(page.contains("smoke/plain"));
+    assert!(page.contains("smoke&#x2f;plain"), "names are escaped");
     assert!(
         !page.contains("http://") && !page.contains("https://"),
         "it needs no network"
