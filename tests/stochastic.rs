@@ -377,7 +377,8 @@ fn a_promise_that_was_not_kept() {
         panic!("{:?}", silent.undecided);
     };
     // The reference has a 256th of the noise: next to nothing of the bias that is seen is its.
-    let expected = (silent.mean_resolution.unwrap() / promise).powi(2);
+    let ratio = silent.mean_resolution.unwrap() / promise;
+    let expected = ratio * ratio;
     assert!(
         (0.9..1.2).contains(&(times as f64 / expected)),
         "{times} {expected}"

@@ -137,12 +137,12 @@ pub fn sampled(sampling: Sampling<'_>, truth: impl Fn(f64, f64) -> [f64; 3]) -> 
         let shape = sampling.shapes[usize::from(3 * x > side + 5)];
         let mut drawn = shape.mean(samples, &mut bits);
         let mut pixel = ([0.0; 3], [0.0; 3]);
-        for c in 0..3 {
+        for (c, mean) in truth.into_iter().enumerate() {
             if sampling.coloured && c > 0 {
                 drawn = shape.mean(samples, &mut bits);
             }
-            pixel.0[c] = (truth[c] * drawn.0) as f32;
-            pixel.1[c] = (truth[c] * truth[c] * drawn.1) as f32;
+            pixel.0[c] = (mean * drawn.0) as f32;
+            pixel.1[c] = (mean * mean * drawn.1) as f32;
         }
         means.push(pixel.0);
         variances.push(pixel.1);
@@ -246,7 +246,7 @@ pub fn faults() -> Vec<Fault> {
             // Ten times the brightest that a scene without lamps reflects.
             let mut bits = Bits(7);
             let hits: Vec<bool> = (0..film.radiance().len())
-                .map(|_| bits.next() % 500 == 0)
+                .map(|_| bits.next().is_multiple_of(500))
                 .collect();
             edited(film, |x, y, pixel| match hits[y * film.width() + x] {
                 true => pixel.map(|value| value + 10.0),

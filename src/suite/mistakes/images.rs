@@ -86,7 +86,11 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "tone-mapped",
         advice: "the image is tone mapped, x / (1 + x) or alike: radiance is wanted as it is",
-        edit: Edit::Image(|film| Some(mapped(film, |x| (x / (1.0 + x), 1.0 / (1.0 + x).powi(2))))),
+        edit: Edit::Image(|film| {
+            Some(mapped(film, |x| {
+                (x / (1.0 + x), 1.0 / ((1.0 + x) * (1.0 + x)))
+            }))
+        }),
     },
     Mistake {
         name: "bright-times-pi",
@@ -273,7 +277,10 @@ fn mapped(film: &Film, map: impl Fn(f64) -> (f64, f64)) -> Film {
         let (mean, variance) = value(film, at);
         (
             mean.map(|x| map(x).0),
-            std::array::from_fn(|c| variance[c] * map(mean[c]).1.powi(2)),
+            std::array::from_fn(|c| {
+                let slope = map(mean[c]).1;
+                variance[c] * slope * slope
+            }),
         )
     })
 }
