@@ -10,6 +10,7 @@ fn the_suite_catches_every_mistake() {
     let names = [
         "figures",
         "smoke",
+        "fog/absorption",
         "fog/forward",
         "fog/balance",
         "fog/rate-0.1",

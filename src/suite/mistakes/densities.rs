@@ -63,11 +63,9 @@ pub(super) const MISTAKES: &[Mistake] = &[
         }),
     },
     Mistake {
-        name: "noise-octaves-left-out",
-        advice: "the noise lacks its finer octaves (half of them look like this): the sum runs over all, from 0 to octaves - 1",
-        edit: Edit::Radiative(|scene| {
-            noises(scene, |noise| noise.octaves = noise.octaves.div_ceil(2))
-        }),
+        name: "noise-of-one-octave",
+        advice: "the noise has one octave only: the sum runs over all of them, each of another frequency and amplitude",
+        edit: Edit::Radiative(|scene| noises(scene, |noise| noise.octaves = 1)),
     },
     Mistake {
         name: "noise-gain-from-lacunarity",
