@@ -236,6 +236,29 @@ fn sizes_and_what_is_not_finite() {
     }
 }
 
+/// Enough places to see a pattern, and not a page of them.
+#[test]
+fn places_of_what_is_not_finite() {
+    for (broken, places) in [
+        (2, "(1, 0), (4, 0); the first"),
+        (8, "(16, 0), (19, 0), (22, 0); the first"),
+        (9, "(16, 0), (19, 0), (22, 0), …; the first"),
+    ] {
+        let pixels = edited(|i, pixel| match i % 3 == 1 && i / 3 < broken {
+            true => [f32::NAN; 3],
+            false => pixel,
+        });
+        let judgement = judged(Gate::Deterministic, pixels);
+        let said = &judgement.reason;
+        assert!(
+            said.contains(&format!("{broken} of 9216 pixels of the test image")),
+            "{said}"
+        );
+        assert!(said.contains(places), "{said}");
+        assert_eq!(judgement.metrics["non_finite_pixels"], broken as f64);
+    }
+}
+
 #[test]
 fn codes_are_judged_by_how_they_look_only() {
     let codes = film(ball()).srgb_codes(0.0);

@@ -58,7 +58,8 @@ fn alarms_of_case(
     let other = &shapes[(case + usize::from(suite.is_multiple_of(3))) % shapes.len()];
     let image = |seed: u64, samples: u32| {
         let sampling = Sampling {
-            side: SIDE,
+            // Where there is more to see, what is not there must not be seen either.
+            side: if suite % 10 == 5 { 3 * SIDE } else { SIDE },
             samples,
             seed: number * 16 + seed,
             shapes: [shape, other],
@@ -107,6 +108,39 @@ fn honest_suites_raise_no_alarm() {
     let suites = 10;
     let (alarms, said) = honest(suites, [256, 384]);
     assert_rare(suites, alarms, &said);
+}
+
+/// Most pixels of these miss a light that is half of all, and which they miss varies smoothly.
+#[test]
+fn what_a_large_image_misses_is_not_held_against_it() {
+    let shapes = Shape::all();
+    for (number, shape) in (0..).zip([&shapes[4], &shapes[3], &shapes[4], &shapes[5]]) {
+        let image = |seed: u64, samples: u32| {
+            let sampling = Sampling {
+                side: 192,
+                samples,
+                seed: 100 * number + seed,
+                shapes: [shape; 2],
+                coloured: number == 2,
+                one_for_all: false,
+            };
+            sampled(sampling, |x, y| scene(x / 3.0, y / 3.0))
+        };
+        let reference = image(0, 512);
+        for (seed, samples) in [(1, 4), (2, 4), (3, 16)] {
+            let test = image(seed, samples);
+            for test in [&silent(&test), &test] {
+                // A hundred such, and one in a thousand may fail.
+                let judgement = judge_at(&reference, test, 1e-5).unwrap();
+                let said = judgement.reason;
+                assert!(
+                    judgement.passed,
+                    "{}, {samples} samples: {said}",
+                    shape.name
+                );
+            }
+        }
+    }
 }
 
 #[test]

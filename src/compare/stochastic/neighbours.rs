@@ -12,6 +12,12 @@
 //! symmetric numbers over the root of the sum of their squares, P(T ≥ t) ≤ exp(−t²/2): of any
 //! distribution, however few they are.
 //!
+//! Where brightness varies within a block, a could not as well be c: what a light that was missed
+//! leaves out varies with it, and only the few products that hold the light make up for that. The
+//! mean of a product is zero all the same, as long as none is made smaller for being large. So
+//! blocks are weighed by the noise that the finer image states for them, and never by what the
+//! differences themselves are.
+//!
 //! Source: Efron 1969, JASA 64, 1278–1302, after Hoeffding 1963, JASA 58, 13–30.
 
 use super::super::significance::holm;
@@ -67,44 +73,39 @@ impl Axis {
 /// The pixels a, b, c, d along a line of a block: neighbours, and neighbours half a block on.
 const QUADS: [[usize; 4]; 2] = [[0, 1, 4, 5], [2, 3, 6, 7]];
 
-/// In what differences are measured, so that blocks can be added. Exchanging pixels of a block
-/// moves neither.
-#[derive(Clone, Copy)]
-enum Unit {
-    /// Their root mean square over the block: all blocks weigh alike, which finds smoothing.
-    Spread,
-    /// The standard error of a pixel of the block on average, or their root mean square where that
-    /// is larger: blocks that hold more than noise weigh more, which finds what is misplaced.
-    Noise,
-}
-
-/// Differences of a block, row by row.
-fn scaled(comparison: &Comparison<'_>, block: &Block, unit: Unit) -> Vec<[f64; 3]> {
-    let [reference, test] = comparison.films.map(|film| film.radiance());
-    let scales = block.channels.map(|channel| {
-        let squares = match unit {
-            Unit::Spread => channel.squares,
-            Unit::Noise => channel.variance.largest().max(channel.squares),
-        };
-        if channel.squares > 0.0 && squares.is_finite() {
-            (block.pixels() as f64 / squares).sqrt()
-        } else {
-            0.0
-        }
-    });
-    let indices = block.indices(comparison.films[0].width());
-    let scaled = indices.map(|i| {
-        [0, 1, 2].map(|c| (f64::from(test[i][c]) - f64::from(reference[i][c])) * scales[c])
-    });
-    scaled.collect()
+/// What differences of each block and channel are multiplied by, so that blocks can be added: one
+/// over the standard error of a pixel of the finer image, or of the median block where that is
+/// larger. Dark blocks, in which light of others is much to them, do not outweigh those.
+fn scales(comparison: &Comparison<'_>) -> Vec<[f64; 3]> {
+    let fine = comparison.shape.fine;
+    let of_block = |block: &Block| {
+        let pixels = block.pixels() as f64;
+        block.channels.map(|channel| channel.stated[fine] / pixels)
+    };
+    let variances: Vec<[f64; 3]> = comparison.blocks.iter().map(of_block).collect();
+    let mut noisy: Vec<f64> = variances.concat();
+    noisy.retain(|&variance| variance > 0.0);
+    if noisy.is_empty() {
+        return vec![[0.0; 3]; variances.len()];
+    }
+    let middle = noisy.len() / 2;
+    let median = *noisy.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let scale = |variance: f64| 1.0 / variance.max(median).sqrt();
+    variances.into_iter().map(|v| v.map(scale)).collect()
 }
 
 /// Correlation across and down.
-fn axes(comparison: &Comparison<'_>, unit: Unit) -> [Axis; 2] {
+fn axes(comparison: &Comparison<'_>) -> [Axis; 2] {
+    let [reference, test] = comparison.films.map(|film| film.radiance());
     let mut axes = [Axis::default(); 2];
-    for block in &comparison.blocks {
+    for (block, scales) in comparison.blocks.iter().zip(scales(comparison)) {
         let (width, height) = (block.columns.len(), block.rows.len());
-        let pixels = scaled(comparison, block, unit);
+        let difference = |i: usize| {
+            let channel = |c: usize| f64::from(test[i][c]) - f64::from(reference[i][c]);
+            [0, 1, 2].map(|c| channel(c) * scales[c])
+        };
+        let indices = block.indices(comparison.films[0].width());
+        let pixels: Vec<[f64; 3]> = indices.map(difference).collect();
         let steps = [(1, width, width, height), (width, 1, height, width)];
         for (axis, (along, across, length, lines)) in axes.iter_mut().zip(steps) {
             if length < BLOCK {
@@ -125,20 +126,16 @@ pub(super) fn judge_neighbours(
     level: f64,
     metrics: &mut Metrics,
 ) -> Option<String> {
-    let [spread, noise] = [Unit::Spread, Unit::Noise].map(|unit| axes(comparison, unit));
-    let [across, down] = spread.map(|axis| axis.correlation());
+    let axes = axes(comparison);
+    let [across, down] = axes.map(|axis| axis.correlation());
     metrics.push(("correlation_across", across));
     metrics.push(("correlation_down", down));
-    let probabilities = [spread, noise].concat();
-    let probabilities: Vec<f64> = probabilities.iter().map(Axis::probability).collect();
-    (holm(&probabilities, level) > 0).then(|| {
-        let larger = |axis: usize| spread[axis].correlation().max(noise[axis].correlation());
+    (holm(&axes.map(|axis| axis.probability()), level) > 0).then(|| {
         format!(
-            "neighbouring pixels are off together (correlation {:.2} across, {:.2} down): too \
-             smooth for pixels sampled independently; is the image denoised, smoothed or filtered \
-             over more than a pixel, do pixels share random numbers, or is a whole region off?",
-            larger(0),
-            larger(1)
+            "neighbouring pixels are off together (correlation {across:.2} across, {down:.2} down): \
+             too smooth for pixels sampled independently; is the image denoised, smoothed or \
+             filtered over more than a pixel, do pixels share random numbers, or is a whole region \
+             off?"
         )
     })
 }

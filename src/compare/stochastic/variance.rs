@@ -121,3 +121,38 @@ impl Ratio {
         (above + z * more + z * (squares + more * more).sqrt()) / below
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// k blocks of a thousand hold an event of 1, the finer image knows that any may.
+    fn events(k: usize) -> Ratio {
+        Ratio(
+            (0..1000)
+                .map(|i| [f64::from(u8::from(i < k)), 1.0])
+                .collect(),
+        )
+    }
+
+    /// λ events are z standard errors, √λ each, from the k that came.
+    #[test]
+    fn few_events_may_have_been_many() {
+        for (k, z) in [(1, 3.0), (4, 6.0), (30, 6.5)] {
+            let expected = 1000.0 * events(k).upper(z);
+            assert!(expected > k as f64);
+            let errors = (expected - k as f64) / expected.sqrt();
+            // Of an event, the excess over the ratio is less than 1 by a few in a thousand.
+            assert!((errors / z - 1.0).abs() < 0.05, "{k}: {errors}");
+        }
+        assert_eq!(events(30).value(), 0.03);
+    }
+
+    #[test]
+    fn an_even_ratio_is_known() {
+        let even = Ratio(vec![[0.5, 0.25], [2.0, 1.0], [4.0, 2.0]]);
+        assert_eq!((even.value(), even.upper(6.0)), (2.0, 2.0));
+        let without = Ratio(vec![[0.5, 0.0]]);
+        assert_eq!((without.value(), without.upper(6.0)), (0.0, 0.0));
+    }
+}
