@@ -269,10 +269,7 @@ fn without_noise_equal_is_equal() {
         assert!(judgement.passed, "{name}: {}", judgement.reason);
     }
     for (name, different) in [
-        (
-            "twice that",
-            film(|v| v * (1.0 + 2.0 / 2048.0), 0.0),
-        ),
+        ("twice that", film(|v| v * (1.0 + 2.0 / 2048.0), 0.0)),
         ("an offset", film(|v| v + 1e-6, 0.0)),
     ] {
         assert_rejected(name, &exact, &different, "neither image has any noise");

@@ -91,7 +91,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     } else {
         Exit::Mismatch
     };
-    let json = report::results_json("compare", &[result], &[]);
+    let json = report::results_json("compare", &[result]);
     let text = arguments.json.instead_of(text, &json)?;
     Ok(Outcome { text, exit })
 }

@@ -89,7 +89,10 @@ impl ResultFiles {
             output::write(&path, page(findings, &results).as_bytes())?;
             text.push_str(&format!("\nreport: {}\n", path.display()));
         }
-        let json = report::results_json(findings.command, &results, &findings.likely);
+        let json = match findings.command {
+            "validate" => report::validation_json(&results, &findings.likely),
+            command => report::results_json(command, &results),
+        };
         match &self.json {
             Some(path) if path.as_os_str() == "-" => text = output::pretty(&json),
             Some(path) => output::write(path, output::pretty(&json).as_bytes())?,

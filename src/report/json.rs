@@ -3,13 +3,18 @@
 use crate::suite::{CaseResult, Likeness, Summary};
 use serde_json::{Value, json};
 
-/// The results of the command `kind` (`verify`, `validate`, `compare`) as JSON, with the mistakes
-/// that they look like all together.
-pub fn results_json(kind: &str, results: &[CaseResult], likely: &[Likeness]) -> Value {
+/// The results of the command `kind` (`verify`, `validate`, `compare`) as JSON.
+pub fn results_json(kind: &str, results: &[CaseResult]) -> Value {
     json!({
         "schema": format!("volref/{kind}/1"),
         "cases": results,
         "summary": Summary::of(results),
-        "looks_like": likely,
     })
+}
+
+/// [`results_json`] of `validate`, with the mistakes that the images look like all together.
+pub fn validation_json(results: &[CaseResult], likely: &[Likeness]) -> Value {
+    let mut value = results_json("validate", results);
+    value["looks_like"] = json!(likely);
+    value
 }

@@ -328,7 +328,7 @@ fn reports_are_not_written_over_goldens_or_cases() {
         (
             "--json",
             "smoke/plain",
-            "a file to write or the cases to verify?",
+            "a file to write or the cases to take?",
         ),
     ] {
         suite.volref(&["verify", option, path]).expect(2, &[said]);

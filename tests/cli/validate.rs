@@ -113,16 +113,13 @@ fn mistakes_are_named() {
     folder.write("out/smoke/plain.exr", wrong.to_exr().unwrap());
     let run = folder.volref(&["validate", "--outputs", "out", "--json"]);
     assert_eq!(run.code, 1);
-    assert_eq!(
-        case(&run, "smoke/plain")["looks_like"][0],
-        "red-and-blue-exchanged"
-    );
+    assert_eq!(case(&run, "smoke/plain")["looks_like"][0], "bright-doubled");
     assert_eq!(
         case(&run, "smoke/shadow")["looks_like"],
         serde_json::json!([])
     );
     let likely = &run.json()["looks_like"][0];
-    assert_eq!(likely["mistake"], "red-and-blue-exchanged");
+    assert_eq!(likely["mistake"], "bright-doubled");
     assert_eq!(
         (likely["explains"].clone(), likely["of"].clone()),
         (1.into(), 1.into())
