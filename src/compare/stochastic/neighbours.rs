@@ -13,22 +13,33 @@
 //! distribution, however few they are.
 //!
 //! Where brightness varies within a block, a could not as well be c: what a light that was missed
-//! leaves out varies with it, and only the few products that hold the light make up for that. The
-//! mean of a product is zero all the same, as long as none is made smaller for being large. So
-//! blocks are weighed by the noise that the finer image states for them, and never by what the
-//! differences themselves are.
+//! leaves out varies with it, and only the few products that hold the light make up for that. Two
+//! ways around it are both taken, for each finds what the other does not:
+//!
+//! - The mean of a product is zero all the same, as long as none is made smaller for being large:
+//!   blocks are weighed by the noise of the finer image, and never by their own differences.
+//!   Edges weigh most, which finds what is misplaced.
+//! - In flat blocks there is little that could be left out, and their differences may be measured
+//!   by their own spread: all weigh alike, which finds smoothed noise beside bright edges.
 //!
 //! Source: Efron 1969, JASA 64, 1278–1302, after Hoeffding 1963, JASA 58, 13–30.
 
 use super::super::significance::holm;
 use super::Metrics;
-use super::blocks::{BLOCK, Block, Comparison};
-use crate::math;
+use super::blocks::{BLOCK, Block, Channel, Comparison};
+use crate::film::Film;
+use crate::math::{self, Moments};
 
 /// Correlation of neighbours that is left alone, however unlikely: with it, the variance of the
 /// sum of a block is less than 1 + 4 · 0.05 times what it should be, its standard error a tenth
 /// off.
 const CORRELATED: f64 = 0.05;
+
+/// Variance of the radiance in a flat block, in parts of the mean square of its differences. What
+/// is left out varies as the radiance does at most: as a slope of g a pixel, which has a variance
+/// of 21 g²/4 over eight pixels, and in the products (4 g)². Over twice the mean square of the
+/// differences, that is a correlation of 32/21 of this: no more than what is left alone.
+const FLAT: f64 = CORRELATED * 21.0 / 32.0;
 
 /// Correlation along one axis.
 #[derive(Clone, Copy, Debug, Default)]
@@ -48,13 +59,14 @@ impl Axis {
         }
     }
 
-    /// Probability of a correlation as large where there is none, at most; 1 of one that is left
-    /// alone.
-    fn probability(&self) -> f64 {
+    /// Probability, at most, of a correlation as large where there is one of `allowed`; 1 of one
+    /// that is left alone.
+    fn probability(&self, allowed: f64) -> f64 {
         if self.correlation() <= CORRELATED {
             return 1.0;
         }
-        math::exp(-0.5 * self.products * self.products / self.squared_products)
+        let excess = self.products - allowed * self.squares;
+        math::exp(-0.5 * excess * excess / self.squared_products)
     }
 
     /// One more product, of the channels together: they may share their noise.
@@ -73,32 +85,64 @@ impl Axis {
 /// The pixels a, b, c, d along a line of a block: neighbours, and neighbours half a block on.
 const QUADS: [[usize; 4]; 2] = [[0, 1, 4, 5], [2, 3, 6, 7]];
 
-/// What differences of each block and channel are multiplied by, so that blocks can be added: one
-/// over the standard error of a pixel of the finer image, or of the median block where that is
-/// larger. Dark blocks, in which light of others is much to them, do not outweigh those.
-fn scales(comparison: &Comparison<'_>) -> Vec<[f64; 3]> {
+/// In what differences are measured, so that blocks can be added.
+#[derive(Clone, Copy)]
+enum Unit {
+    /// The standard error of a pixel of the finer image, or of the median block where that is
+    /// larger: dark blocks, in which light of others is much to them, do not outweigh those.
+    Noise,
+    /// Their root mean square over the block, in [flat](FLAT) blocks only.
+    Spread,
+}
+
+/// What the differences of each block and channel are multiplied by.
+fn scales(comparison: &Comparison<'_>, unit: Unit) -> Vec<[f64; 3]> {
     let fine = comparison.shape.fine;
-    let of_block = |block: &Block| {
-        let pixels = block.pixels() as f64;
-        block.channels.map(|channel| channel.stated[fine] / pixels)
+    let noise = |channel: &Channel| channel.stated[fine];
+    let blocks = comparison.blocks.iter();
+    let noises = blocks
+        .clone()
+        .flat_map(|block| block.channels.iter().map(noise));
+    let typical = median(noises.filter(|noise| *noise > 0.0).collect());
+    let scale = |block: &Block, c: usize| {
+        let channel = &block.channels[c];
+        let sum = match unit {
+            Unit::Noise => noise(channel).max(typical),
+            Unit::Spread if is_flat(comparison.films[fine], block, c) => channel.squares,
+            Unit::Spread => 0.0,
+        };
+        if sum > 0.0 {
+            (block.pixels() as f64 / sum).sqrt()
+        } else {
+            0.0
+        }
     };
-    let variances: Vec<[f64; 3]> = comparison.blocks.iter().map(of_block).collect();
-    let mut noisy: Vec<f64> = variances.concat();
-    noisy.retain(|&variance| variance > 0.0);
-    if noisy.is_empty() {
-        return vec![[0.0; 3]; variances.len()];
+    blocks
+        .map(|block| [0, 1, 2].map(|c| scale(block, c)))
+        .collect()
+}
+
+fn is_flat(film: &Film, block: &Block, c: usize) -> bool {
+    let radiance = |index: usize| f64::from(film.radiance()[index][c]);
+    let moments: Moments = block.indices(film.width()).map(radiance).collect();
+    let mean_square = block.channels[c].squares / block.pixels() as f64;
+    moments.population_variance() <= FLAT * mean_square
+}
+
+/// 0 of no values.
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    if values.is_empty() {
+        return 0.0;
     }
-    let middle = noisy.len() / 2;
-    let median = *noisy.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let scale = |variance: f64| 1.0 / variance.max(median).sqrt();
-    variances.into_iter().map(|v| v.map(scale)).collect()
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Correlation across and down.
-fn axes(comparison: &Comparison<'_>) -> [Axis; 2] {
+fn axes(comparison: &Comparison<'_>, unit: Unit) -> [Axis; 2] {
     let [reference, test] = comparison.films.map(|film| film.radiance());
     let mut axes = [Axis::default(); 2];
-    for (block, scales) in comparison.blocks.iter().zip(scales(comparison)) {
+    for (block, scales) in comparison.blocks.iter().zip(scales(comparison, unit)) {
         let (width, height) = (block.columns.len(), block.rows.len());
         let difference = |i: usize| {
             let channel = |c: usize| f64::from(test[i][c]) - f64::from(reference[i][c]);
@@ -126,16 +170,21 @@ pub(super) fn judge_neighbours(
     level: f64,
     metrics: &mut Metrics,
 ) -> Option<String> {
-    let axes = axes(comparison);
-    let [across, down] = axes.map(|axis| axis.correlation());
+    let [noise, spread] = [Unit::Noise, Unit::Spread].map(|unit| axes(comparison, unit));
+    let [across, down] = noise.map(|axis| axis.correlation());
     metrics.push(("correlation_across", across));
     metrics.push(("correlation_down", down));
-    (holm(&axes.map(|axis| axis.probability()), level) > 0).then(|| {
+    let by_noise = noise.map(|axis| axis.probability(0.0));
+    let by_spread = spread.map(|axis| axis.probability(CORRELATED));
+    let probabilities = [by_noise, by_spread].concat();
+    (holm(&probabilities, level) > 0).then(|| {
+        let larger = |axis: usize| noise[axis].correlation().max(spread[axis].correlation());
         format!(
-            "neighbouring pixels are off together (correlation {across:.2} across, {down:.2} down): \
-             too smooth for pixels sampled independently; is the image denoised, smoothed or \
-             filtered over more than a pixel, do pixels share random numbers, or is a whole region \
-             off?"
+            "neighbouring pixels are off together (correlation {:.2} across, {:.2} down): too \
+             smooth for pixels sampled independently; is the image denoised, smoothed or filtered \
+             over more than a pixel, do pixels share random numbers, or is a whole region off?",
+            larger(0),
+            larger(1)
         )
     })
 }
