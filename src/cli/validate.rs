@@ -115,7 +115,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     };
     let results = findings.results();
     let text = report::results_text(&results)
-        + &report::likely_text(&findings.likely)
+        + &report::likely_text(&results, &findings.likely)
         + &source.strangers();
     Ok(Outcome {
         text: arguments.files.write(&findings, text)?,
@@ -242,6 +242,28 @@ fn read(outputs: &Outputs, folder: &Path, case: &Case) -> Output {
     }
 }
 
+/// The last lines that a renderer printed, where errors are, as the end of a message.
+fn last_words(printed: &str) -> String {
+    const LINES: usize = 3;
+    const LETTERS: usize = 400;
+    let lines: Vec<&str> = printed
+        .lines()
+        .filter(|line| !line.trim().is_empty())
+        .collect();
+    let last = &lines[lines.len().saturating_sub(LINES)..];
+    if last.is_empty() {
+        return String::new();
+    }
+    let mut text = String::from("; the last it printed:");
+    for line in last {
+        // It may hold anything, escape sequences too.
+        let plain = line.chars().filter(|letter| !letter.is_control());
+        text.push('\n');
+        text.extend(plain.take(LETTERS));
+    }
+    text
+}
+
 impl Renderer {
     fn output(&self, case: &Case) -> (Output, Option<String>, Vec<String>) {
         let words = match self.words(case) {
@@ -252,7 +274,8 @@ impl Renderer {
         let command = vec![shell_words::join(&words)];
         let printed = Some(ran.printed);
         if let Some(failure) = ran.failure {
-            return (Output::Unusable(failure), printed, command);
+            let reason = failure + &last_words(printed.as_deref().unwrap_or_default());
+            return (Output::Unusable(reason), printed, command);
         }
         let outputs = match Outputs::list(&self.folder, &[&case.name]) {
             Ok(outputs) => outputs,

@@ -44,20 +44,23 @@ pub fn results_text(results: &[CaseResult]) -> String {
     text
 }
 
-/// What failing images look like, most likely first; nothing if they look like nothing known.
-pub fn likely_text(likely: &[Likeness]) -> String {
+/// What failing images look like, most likely first.
+pub fn likely_text(results: &[CaseResult], likely: &[Likeness]) -> String {
     let mut text = String::new();
-    for Likeness {
-        mistake,
-        advice,
-        explains,
-        of,
-    } in likely
-    {
-        let cases = if *of == 1 { "case" } else { "cases" };
+    for known in likely {
+        let cases = if known.of == 1 { "case" } else { "cases" };
         text.push_str(&format!(
-            "\nlooks like  {mistake} ({explains} of {of} {cases})\n            {advice}\n"
+            "\nlooks like  {} ({} of {} {cases}",
+            known.mistake, known.explains, known.of
         ));
+        if known.explains < known.of {
+            text.push_str(&format!(": {}", known.cases.join(", ")));
+        }
+        text.push_str(&format!(")\n            {}\n", known.advice));
+    }
+    let has_failed = results.iter().any(|result| result.verdict == Verdict::Fail);
+    if likely.is_empty() && has_failed {
+        text.push_str("\nlooks like no mistake of the catalogue\n");
     }
     text
 }

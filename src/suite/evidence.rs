@@ -51,4 +51,6 @@ pub struct Likeness {
     pub explains: usize,
     /// Failed cases that it was held against.
     pub of: usize,
+    /// Names of those that it explains.
+    pub cases: Vec<String>,
 }

@@ -102,6 +102,12 @@ fn judged(case: &Case, gate: Gate, trusted: &Trusted, picture: &Picture) -> Find
         (true, Some(_)) => Finding::new(Verdict::Inconclusive, Cause::Undecided, judgement.reason),
         (true, None) => Finding::new(Verdict::Pass, Cause::None, judgement.reason),
     };
+    if gate == Gate::Perceptual {
+        finding.reason.push_str(&format!(
+            "; the case is seen at an exposure of {} stops",
+            case.exposure
+        ));
+    }
     let without = trusted.without();
     if !without.is_empty() {
         finding

@@ -251,12 +251,14 @@ fn made_suite() -> Sample {
             advice: "the phase function has forward and backward exchanged: check the sign convention of your direction vectors".to_owned(),
             explains: 1,
             of: 6,
+            cases: Vec::new(),
         },
         Likeness {
             mistake: "no opacity correction".to_owned(),
             advice: "opacities of the table are meant over the reference length: correct them for the length of your step".to_owned(),
             explains: 1,
             of: 6,
+            cases: Vec::new(),
         },
     ];
     sample
@@ -294,6 +296,7 @@ pub fn hostile() -> Sample {
         advice: text(),
         explains: 1,
         of: 1,
+        cases: Vec::new(),
     }];
     sample
 }

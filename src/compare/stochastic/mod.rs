@@ -214,11 +214,11 @@ fn judge_whole(comparison: &Comparison<'_>, level: f64, metrics: &mut Metrics) -
         .expect("three channels");
     (holm(&probabilities, level) > 0).then(|| {
         format!(
-            "{} is too {} on the whole: its mean is off by {:.3e}, {:.1} standard errors",
+            "{} is too {} on the whole: its mean is off by {:.3e}, {}",
             colour(c),
             side(mean(c)),
             mean(c),
-            finite(deviations[c].abs()),
+            standard_errors(deviations[c]),
         )
     })
 }
@@ -266,14 +266,14 @@ impl<'c> Worst<'c> {
         (rejected > 0).then(|| {
             format!(
                 "{rejected} of {} blocks and channels are off by more than noise; the worst begins \
-                 at ({}, {}): its {} is too {} by {:.3e}, {:.1} standard errors",
+                 at ({}, {}): its {} is too {} by {:.3e}, {}",
                 self.probabilities.len(),
                 place[0],
                 place[1],
                 colour(self.channel),
                 side(off),
                 off.abs() / self.block.pixels() as f64,
-                finite(self.deviation().abs()),
+                standard_errors(self.deviation()),
             )
         })
     }
@@ -294,6 +294,14 @@ fn block_deviation(channel: &Channel) -> f64 {
         channel.difference.beyond_rounding(),
         channel.variance.largest(),
     )
+}
+
+/// A deviation in words.
+fn standard_errors(deviation: f64) -> String {
+    match deviation.abs() {
+        size if size < BOUNDLESS => format!("{size:.1} standard errors"),
+        _ => "where there is no noise at all".to_owned(),
+    }
 }
 
 fn finite(value: f64) -> f64 {

@@ -106,6 +106,21 @@ impl Cells {
         }
     }
 
+    /// Where noise was guessed: a block that missed what is rare seems to have none, so each has at
+    /// least what is due to it if noise is spread over the image as in `reference`.
+    pub fn spread_noise_like(&mut self, reference: &Cells) {
+        for c in 0..3 {
+            let sum = |cells: &Cells| -> f64 { cells.variances.iter().map(|v| v[c]).sum() };
+            let ratio = sum(self) / sum(reference);
+            if !ratio.is_finite() {
+                continue;
+            }
+            for (own, due) in self.variances.iter_mut().zip(&reference.variances) {
+                own[c] = own[c].max(ratio * due[c]);
+            }
+        }
+    }
+
     /// The same image without noise of its own.
     pub fn without_noise(mut self) -> Cells {
         self.variances.fill([0.0; 3]);
