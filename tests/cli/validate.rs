@@ -104,12 +104,8 @@ fn mistakes_are_named() {
     ]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     let right = film(&folder, "right.exr");
-    let blue_first = right
-        .radiance()
-        .iter()
-        .map(|&[r, g, b]| [b, g, r])
-        .collect();
-    let wrong = Film::new(right.width(), right.height(), blue_first);
+    let bright = right.radiance().iter().map(|p| p.map(|x| 2.0 * x));
+    let wrong = Film::new(right.width(), right.height(), bright.collect());
     folder.write("out/smoke/plain.exr", wrong.to_exr().unwrap());
     let run = folder.volref(&["validate", "--outputs", "out", "--json"]);
     assert_eq!(run.code, 1);

@@ -41,7 +41,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
         }),
     },
     Mistake {
-        name: "transparency-floor-at-0.5",
+        name: "transparency-floor-too-high",
         advice: "the volume turns opaque too early: the floor of the transparency is not the one that the scene gives",
         edit: Edit::Opacity(|opacity| {
             let occurs = opacity.floor != 0.5;
