@@ -13,7 +13,7 @@ const ENTRIES: usize = 1 << 16;
 pub struct Bits(pub u64);
 
 impl Bits {
-    pub fn next(&mut self) -> u64 {
+    pub fn word(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -59,7 +59,7 @@ impl Shape {
         let (mut sum, mut squares) = (0.0, 0.0);
         let mut left = count;
         while left > 0 {
-            let mut word = bits.next();
+            let mut word = bits.word();
             for _ in 0..left.min(4) {
                 // Taken from the mean of all, which keeps the digits of the variance.
                 let sample = self.samples[word as usize % ENTRIES] - 1.0;
@@ -132,20 +132,16 @@ pub fn sampled(sampling: Sampling<'_>, truth: impl Fn(f64, f64) -> [f64; 3]) -> 
         } else {
             index as u64
         };
-        let mut bits = Bits(Bits(sampling.seed ^ (pixel << 40)).next());
+        let mut bits = Bits(Bits(sampling.seed ^ (pixel << 40)).word());
         let truth = truth(x as f64, y as f64);
         let shape = sampling.shapes[usize::from(3 * x > side + 5)];
-        let mut drawn = shape.mean(samples, &mut bits);
-        let mut pixel = ([0.0; 3], [0.0; 3]);
-        for (c, mean) in truth.into_iter().enumerate() {
-            if sampling.coloured && c > 0 {
-                drawn = shape.mean(samples, &mut bits);
-            }
-            pixel.0[c] = (mean * drawn.0) as f32;
-            pixel.1[c] = (mean * mean * drawn.1) as f32;
+        let first = shape.mean(samples, &mut bits);
+        let mut drawn = [first; 3];
+        if sampling.coloured {
+            drawn[1..].fill_with(|| shape.mean(samples, &mut bits));
         }
-        means.push(pixel.0);
-        variances.push(pixel.1);
+        means.push([0, 1, 2].map(|c| (truth[c] * drawn[c].0) as f32));
+        variances.push([0, 1, 2].map(|c| (truth[c] * truth[c] * drawn[c].1) as f32));
     }
     if samples < 2 {
         return Film::new(side, side, means);
@@ -246,7 +242,7 @@ pub fn faults() -> Vec<Fault> {
             // Ten times the brightest that a scene without lamps reflects.
             let mut bits = Bits(7);
             let hits: Vec<bool> = (0..film.radiance().len())
-                .map(|_| bits.next().is_multiple_of(500))
+                .map(|_| bits.word().is_multiple_of(500))
                 .collect();
             edited(film, |x, y, pixel| match hits[y * film.width() + x] {
                 true => pixel.map(|value| value + 10.0),
@@ -258,7 +254,7 @@ pub fn faults() -> Vec<Fault> {
                 film.radiance()[y * film.width() + x.saturating_sub(1)]
             })
         }),
-        ("half a pixel to the right", |film| {
+        ("half a pixel to the right, resampled", |film| {
             edited(film, |x, y, pixel| {
                 let left = film.radiance()[y * film.width() + x.saturating_sub(1)];
                 [0, 1, 2].map(|c| 0.5 * (pixel[c] + left[c]))

@@ -15,7 +15,7 @@
 //! - *Copies*: more than half of the pixels that have noise are the same bit for bit.
 //! - *The amount of noise*: the squares of the differences should sum to the variances, block by
 //!   block (chi-square). Half as much is suspicious too: as if the images shared random numbers,
-//!   or one had been smoothed. Twice as much only is from 64 samples a pixel.
+//!   or one had been smoothed. Too much is looked for from 64 samples a pixel on.
 //! - *Neighbours*: are they off together? See the file `neighbours.rs`.
 //!
 //! # Whose variance

@@ -18,7 +18,8 @@
 //!
 //! - The mean of a product is zero all the same, as long as none is made smaller for being large:
 //!   blocks are weighed by the noise of the finer image, and never by their own differences.
-//!   Edges weigh most, which finds what is misplaced.
+//!   Edges weigh most, which finds what is misplaced. The bound is then that of a normal number,
+//!   from many products of mean zero, no longer one of any distribution.
 //! - In flat blocks there is little that could be left out, and their differences may be measured
 //!   by their own spread: all weigh alike, which finds smoothed noise beside bright edges.
 //!
