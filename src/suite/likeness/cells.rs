@@ -166,13 +166,15 @@ impl Cells {
     /// the stochastic gate: few samples that missed the light claim to have no noise.
     fn variance_with(&self, test: &Cells, cell: usize, channel: usize) -> f64 {
         let (own, other) = (self.variances[cell][channel], test.variances[cell][channel]);
-        let lent = match (self.samples, test.samples) {
-            (Some(own_samples), Some(samples)) if samples > own_samples => {
-                other * samples / own_samples
-            }
-            _ => own,
+        let (Some(own_samples), Some(samples)) = (self.samples, test.samples) else {
+            return own + other;
         };
-        own.max(lent) + other
+        let lent = other * samples / own_samples;
+        let borrowed = own * own_samples / samples;
+        match samples > own_samples {
+            true => own.max(lent) + other,
+            false => own + other.max(borrowed),
+        }
     }
 }
 

@@ -90,7 +90,11 @@ pub(super) const MISTAKES: &[Mistake] = &[
         name: "coefficients-grey",
         advice: "media have no colour: coefficients are the mean of their channels; they differ from channel to channel, and so does transmittance",
         edit: Edit::Radiative(|scene| {
-            let mean = |c: DVec3| DVec3::splat(c.element_sum() / 3.0);
+            // The mean of equal numbers may be off by a rounding.
+            let mean = |c: DVec3| match c.min_element() == c.max_element() {
+                true => c,
+                false => DVec3::splat(c.element_sum() / 3.0),
+            };
             coefficients(scene, |a, s| (mean(a), mean(s)))
         }),
     },
