@@ -77,6 +77,7 @@
 pub mod atomic_file;
 pub mod cli;
 pub mod compare;
+pub mod cost;
 pub mod exchange;
 pub mod film;
 pub mod geometry;
