@@ -35,6 +35,8 @@ pub struct Study {
     pub quantity: String,
     /// What the errors are measured against.
     pub reference: Reference,
+    /// On which rays orders are judged, where that is not on all.
+    pub judged_on: Option<String>,
     /// A ladder for every way to approximate it.
     pub ladders: Vec<Ladder>,
     /// The cheapest setting of each ladder for a wanted error.
@@ -101,7 +103,9 @@ pub struct Rung {
     pub work: Work,
     /// Error, relative to the root mean square of the reference.
     pub error: Norms,
-    /// Error with arithmetic in single precision, where that was tried.
+    /// The same over those rays alone on which theory expects an order, where these are not all.
+    pub error_of_order: Option<Norms>,
+    /// How far the same setting in single precision is from this, where that was tried.
     pub single_precision: Option<Norms>,
     /// Time for each ray.
     pub time: Option<Times>,
@@ -166,6 +170,8 @@ pub struct Norms {
     pub l2: f64,
     /// Largest error.
     pub max: f64,
+    /// Relative standard error of the root mean square, as far as these rays stand for others.
+    pub uncertainty: f64,
 }
 
 /// Wall time for each ray, in seconds, of runs taken by turns with those of the other settings.
@@ -199,7 +205,8 @@ pub struct Order {
     pub fitted_max: Option<f64>,
     /// From each setting to the next, of the root mean square error.
     pub local: Vec<Option<f64>>,
-    /// How far `fitted` may be from `expected`.
+    /// How far `fitted` may be from `expected`: what theory leaves open, and twice the standard
+    /// error of the fit.
     pub tolerance: f64,
     /// What follows.
     pub verdict: OrderVerdict,
@@ -315,8 +322,9 @@ pub struct ThicknessCurve {
 pub struct ThicknessPoint {
     /// Optical thickness of the ray.
     pub depth: f64,
-    /// Relative variance, variance/T², times look-ups; as measured.
-    pub measured: f64,
+    /// Relative variance, variance/T², times look-ups; as measured, if it could be: where almost
+    /// no sample gets through, the spread of a few says nothing.
+    pub measured: Option<f64>,
     /// The same as predicted, where theory says.
     pub predicted: Option<f64>,
 }

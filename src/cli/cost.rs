@@ -1,0 +1,107 @@
+//! `volref cost SCENE…`
+
+use super::failure::{Exit, Failure};
+use super::output::{self, Json};
+use super::{Outcome, progress};
+use crate::cost::results::{Cost, Machine};
+use crate::cost::timing::{Clock, RUNS};
+use crate::cost::{CostError, Options, cost};
+use crate::scene::Scene;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Show what accuracy costs in a scene: error against look-ups and time, knob by knob
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Errors and counts of work are the same on every run; only times differ. \
+    Times are taken on one thread, setting by setting in turn."
+)]
+pub struct Arguments {
+    /// Scene files (TOML)
+    #[arg(value_name = "SCENE", required = true)]
+    scenes: Vec<PathBuf>,
+    /// Stop climbing after this long, and say how far it got [default: climb all ladders]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    budget: Option<f64>,
+    /// Runs of each setting whose time is taken; 0 takes none
+    #[arg(long, value_name = "N", default_value_t = RUNS, value_parser = runs)]
+    runs: usize,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Write a page to look at, DIR/index.html, one file that needs nothing else, and the tables
+    /// as CSV beside it
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    #[command(flatten)]
+    json: Json,
+}
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+    arguments.json.check()?;
+    if let Some(folder) = &arguments.report {
+        make_folder(folder)?;
+    }
+    let mut scenes = Vec::new();
+    for path in &arguments.scenes {
+        scenes.push(Scene::load(path)?);
+    }
+    let options = Options {
+        clock: Clock {
+            runs: arguments.runs,
+            deadline: arguments
+                .budget
+                .map(|budget| Instant::now() + Duration::from_secs_f64(budget)),
+        },
+        seed: arguments.seed,
+    };
+    let bar = progress::steps();
+    bar.enable_steady_tick(Duration::from_millis(200));
+    let mut costs: Vec<Cost> = Vec::new();
+    for scene in &scenes {
+        let name = scene.path.display().to_string();
+        let told = |what: &str| bar.set_message(format!("{name}: {what}"));
+        costs.extend(cost(scene, &options, &told).map_err(|error| failure(&name, &error))?);
+    }
+    bar.finish_and_clear();
+    let machine = (arguments.runs > 0).then(|| Machine::here(1));
+    let _ = (&arguments.report, machine, &arguments.json);
+    Ok(Outcome::from(serde_json::to_string(&costs).unwrap()))
+}
+
+fn failure(scene: &str, error: &CostError) -> Failure {
+    let help = match error {
+        CostError::NoKnob(_) => Some(
+            "cost compares settings: give a scene that is marched, tracked or sampled, such as \
+             figures/figure-3 or procedural/threshold-1.25",
+        ),
+        CostError::Render(_) => None,
+    };
+    Failure::new(Exit::BadInput, format!("{scene}: {error}"), help)
+}
+
+fn make_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| {
+        let message = format!("cannot make the folder {}: {error}", folder.display());
+        Failure::new(Exit::BadInput, message, None)
+    })?;
+    output::check_place(&folder.join("index.html"))
+}
+
+/// Seconds on the command line: up to a year, which no clock overflows by.
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(seconds) if (0.0..=3.2e7).contains(&seconds) && seconds > 0.0 => Ok(seconds),
+        _ => Err("a budget is a number of seconds above 0, such as 30".to_owned()),
+    }
+}
+
+/// Runs whose time is taken.
+fn runs(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(1) => Err("one run has no spread: take 2 or more, or 0 for no times".to_owned()),
+        Ok(runs @ 0..=1000) => Ok(runs),
+        _ => Err("a number of runs from 2 to 1000, or 0 for no times".to_owned()),
+    }
+}
