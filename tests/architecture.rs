@@ -26,7 +26,12 @@ const ROOMS: &[(&str, &[&str])] = &[
         ],
     ),
     ("report", &["suite", "cost", "compare", "film"]),
-    ("cost", &["compare", "render"]),
+    (
+        "cost",
+        &[
+            "compare", "render", "scene", "media", "optics", "volume", "geometry", "film", "math",
+        ],
+    ),
     (
         "suite",
         // Mistakes are edits of a scene, down to the nodes of its grids.

@@ -1,0 +1,3 @@
+//! What accuracy costs: ladders of settings, error against time.
+
+pub mod unbiased_ray_marching;
