@@ -29,7 +29,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "cost",
         &[
-            "compare", "render", "scene", "media", "volume", "geometry", "film", "math",
+            "compare", "render", "scene", "media", "optics", "volume", "geometry", "film", "math",
         ],
     ),
     (
