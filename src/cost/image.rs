@@ -257,6 +257,28 @@ fn preintegrated(
     (radiance, depth)
 }
 
+/// The image of `scene`, of `size` pixels in full, neither shaded nor shadowed; none if it is
+/// neither. A highlight may be narrower than any step; emission and absorption are not, and show
+/// what order a rule has.
+pub fn unlit_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Study> {
+    if scene.phong.is_none() && scene.shadow.is_none() {
+        return None;
+    }
+    let unlit = Classified {
+        phong: None,
+        shadow: None,
+        ..scene.clone()
+    };
+    let study = steps(&unlit, size, clock);
+    Some(Study {
+        name: "unlit",
+        quantity: format!("{}, neither shaded nor shadowed", study.quantity),
+        pictures: vec![],
+        worst_ray: None,
+        ..study
+    })
+}
+
 /// The image of `scene`, of `size` pixels in full: radiance by step and scheme.
 pub fn steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
     let rays = Rays::new(scene, size);

@@ -35,7 +35,7 @@ pub struct Study {
     pub quantity: String,
     /// What the errors are measured against.
     pub reference: Reference,
-    /// On which rays orders are judged, where that is not on all.
+    /// What orders are judged on, where that is not all of it.
     pub judged_on: Option<String>,
     /// A ladder for every way to approximate it.
     pub ladders: Vec<Ladder>,

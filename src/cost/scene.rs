@@ -125,6 +125,9 @@ fn of_classified(
         told(name);
         cost.studies.extend(study());
     };
+    later("steps without light", &mut || {
+        image::unlit_steps(scene, size, clock)
+    });
     if scene.shadow.is_some() {
         later("shadow steps", &mut || image::shadow_steps(scene, size, clock));
     }

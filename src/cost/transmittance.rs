@@ -33,7 +33,9 @@ const SIDE: usize = 32;
 const SIDE_WITHOUT_INTEGRAL: usize = 16;
 
 /// Steps, in units of the field: voxels, or blocks of what is no grid.
-const STEPS: [f64; 8] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
+const STEPS: [f64; 10] = [
+    4.0, 2.0, 1.0, 0.5, 0.25, 0.125, 0.0625, 0.031_25, 0.015_625, 0.007_812_5,
+];
 
 /// Estimates for each ray.
 const ESTIMATES: [u32; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];
@@ -74,8 +76,11 @@ pub struct Crossings<'s> {
     pub unit_name: &'static str,
     /// Whether the densities have jumps.
     pub jumps: bool,
-    /// Whether they are interpolated, and have kinks.
+    /// Whether they have kinks, as interpolated ones do.
     pub kinks: bool,
+    /// Whether they have detail finer than any step here, as noise of many octaves does: then no
+    /// step is small.
+    pub rough: bool,
     /// Whether every ray ends in the same extinction as it begins in: then rules that look at one
     /// end only are as good as those that look at both.
     pub same_ends: bool,
@@ -106,6 +111,7 @@ pub fn crossings<'s>(
     let kinks = densities().any(|density| {
         matches!(density.field(), Field::Grid(_) | Field::Linear(_) | Field::Noise(_))
     });
+    let rough = densities().any(|density| matches!(density.field(), Field::Noise(_)));
     let collocation = Collocation::new();
     let rays: Vec<Crossing<'s>> = (0..size[0] * size[1])
         .into_par_iter()
@@ -127,6 +133,7 @@ pub fn crossings<'s>(
         unit_name,
         jumps,
         kinks,
+        rough,
     })
 }
 
@@ -294,7 +301,10 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
             },
             bound,
         },
-        judged_on: None,
+        judged_on: crossings.rough.then(|| {
+            "no order of a step is expected: the noise has detail finer than all steps here"
+                .to_owned()
+        }),
         prices: prices(&ladders, bound),
         pictures: vec![],
         worst_ray: None,
@@ -354,6 +364,7 @@ impl Asked<'_, '_> {
         let Crossings {
             kinks,
             jumps,
+            rough,
             same_ends,
             ..
         } = self.crossings;
@@ -365,10 +376,11 @@ impl Asked<'_, '_> {
             estimator: rule.name().to_owned(),
             is_ours: false,
             knob: Knob::Step,
-            expected: Expected::of_step(match kinks {
-                true => like.order_with_kinks(*jumps),
-                false => like.order(),
-            }),
+            expected: match (rough, kinks) {
+                (true, _) => Expected::NOTHING,
+                (false, true) => Expected::of_step(like.order_with_kinks(*jumps)),
+                (false, false) => Expected::of_step(like.order()),
+            },
             settings: self.steps(|step| {
                 self.run(move |ray, _| {
                     let (depth, lookups) = rule.depth(&ray.profile, step);
@@ -393,7 +405,10 @@ impl Asked<'_, '_> {
             estimator: name.to_owned(),
             is_ours: false,
             knob: Knob::Step,
-            expected: Expected::of_step(order),
+            expected: match self.crossings.rough {
+                true => Expected::NOTHING,
+                false => Expected::of_step(order),
+            },
             settings: self.steps(|step| {
                 self.run(move |ray, index| {
                     let stream = Stream::new(self.seed, index as u32, 0);
