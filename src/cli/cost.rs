@@ -6,6 +6,7 @@ use super::{Outcome, progress};
 use crate::cost::results::{Cost, Machine};
 use crate::cost::timing::{Clock, RUNS};
 use crate::cost::{CostError, Options, cost};
+use crate::report;
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -66,8 +67,18 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     bar.finish_and_clear();
     let machine = (arguments.runs > 0).then(|| Machine::here(1));
-    let _ = (&arguments.report, machine, &arguments.json);
-    Ok(Outcome::from(serde_json::to_string(&costs).unwrap()))
+    let mut text = report::cost_text(&costs, machine.as_ref());
+    if let Some(folder) = &arguments.report {
+        let page = page(&costs, machine.as_ref());
+        let path = folder.join("index.html");
+        output::write(&path, page.as_bytes())?;
+        for (name, table) in report::cost_csv(&costs) {
+            output::write(&folder.join(name), table.as_bytes())?;
+        }
+        text.push_str(&format!("\nreport: {}\n", path.display()));
+    }
+    let value = report::cost_json(&costs, machine.as_ref());
+    arguments.json.instead_of(text, &value).map(Outcome::from)
 }
 
 fn failure(scene: &str, error: &CostError) -> Failure {
@@ -79,6 +90,16 @@ fn failure(scene: &str, error: &CostError) -> Failure {
         CostError::Render(_) => None,
     };
     Failure::new(Exit::BadInput, format!("{scene}: {error}"), help)
+}
+
+fn page(costs: &[Cost], machine: Option<&Machine>) -> String {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    report::cost_html(&report::CostPage {
+        title: "What accuracy costs",
+        command: &format!("volref {}", shell_words::join(words)),
+        costs,
+        machine,
+    })
 }
 
 fn make_folder(folder: &Path) -> Result<(), Failure> {

@@ -27,9 +27,7 @@ const SIDE: usize = 32;
 const SIDE_WITH_SHADOW: usize = 10;
 
 /// Steps, in voxels.
-const STEPS: [f64; 9] = [
-    4.0, 2.0, 1.0, 0.5, 0.25, 0.125, 0.0625, 0.031_25, 0.015_625,
-];
+const STEPS: [f64; 9] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125, 0.0625, 0.031_25, 0.015_625];
 /// The same where every sample sends out a ray to the light: those that are done in seconds.
 const STEPS_WITH_SHADOW: [f64; 6] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125];
 
@@ -240,8 +238,7 @@ fn preintegrated(
     let mut front = None;
     for index in 0..steps.count() {
         let (middle, length) = steps.sample(index);
-        let near = front
-            .unwrap_or_else(|| subject.value(ray, middle - 0.5 * length, work));
+        let near = front.unwrap_or_else(|| subject.value(ray, middle - 0.5 * length, work));
         let far = subject.value(ray, middle + 0.5 * length, work);
         front = Some(far);
         let segment = table.segment(near, far, length);
@@ -269,7 +266,9 @@ pub fn unlit_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Optio
         shadow: None,
         ..scene.clone()
     };
-    let study = steps(&unlit, size, clock);
+    // Its work is that of the image but for the light; times would only say so again.
+    let untimed = Clock { runs: 0, ..*clock };
+    let study = steps(&unlit, size, &untimed);
     Some(Study {
         name: "unlit",
         quantity: format!("{}, neither shaded nor shadowed", study.quantity),
@@ -308,19 +307,32 @@ pub fn steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
                 .to_owned(),
             bound: rays.bound,
         },
-        judged_on: judged.map(|_| {
-            format!(
-                "{} of {} rays: the others meet voxels that let less than a hundredth of the light \
-                 through, and light that ends within a step follows no order",
-                clear / 3,
-                rays.rays.len()
-            )
-        }),
+        judged_on: judged_on(scene, &rays, clear / 3),
         prices: prices(&ladders, rays.bound),
         pictures: pictures(&rays),
         worst_ray: Some(worst_ray(&rays)),
         ladders,
     }
+}
+
+/// What is to be known of the orders of an image, `clear` of whose rays are judged.
+fn judged_on(scene: &Classified, rays: &Rays<'_>, clear: usize) -> Option<String> {
+    let mut words = Vec::new();
+    if clear < rays.rays.len() {
+        words.push(format!(
+            "{clear} of {} rays: the others meet voxels that let less than a hundredth of the \
+             light through, and light that ends within a step follows no order",
+            rays.rays.len()
+        ));
+    }
+    if scene.phong.is_some() {
+        words.push(
+            "all steps, though a highlight may be narrower than any of them; `unlit` shows what \
+             is left without"
+                .to_owned(),
+        );
+    }
+    (!words.is_empty()).then(|| words.join("; "))
 }
 
 /// The image of `scene` by the step of its shadow rays, where there are any and where they have
@@ -403,9 +415,8 @@ fn pictures(rays: &Rays<'_>) -> Vec<ErrorPicture> {
     [2.0, own, 0.125]
         .into_iter()
         .map(|voxels| {
-            let outcome = rays.run(move |ray, _, work| {
-                rays.subject.cast(voxels * voxel, ray, work)
-            })();
+            let outcome =
+                rays.run(move |ray, _, work| rays.subject.cast(voxels * voxel, ray, work))();
             let errors = outcome.errors.chunks(3);
             ErrorPicture {
                 setting: format!("midpoint, {voxels} voxels"),
@@ -444,7 +455,9 @@ fn worst_ray(rays: &Rays<'_>) -> RayTrace {
             .map(|index| at(span.near + length * index as f64 / TRACE as f64))
             .collect();
         let steps = Steps::over(span, scene.step);
-        samples = (0..steps.count()).map(|index| at(steps.sample(index).0)).collect();
+        samples = (0..steps.count())
+            .map(|index| at(steps.sample(index).0))
+            .collect();
     }
     let value = subject.cast(scene.step, ray, &mut work);
     RayTrace {

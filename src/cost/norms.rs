@@ -74,7 +74,9 @@ mod tests {
     #[test]
     fn sizes_of_three_errors() {
         let mut errors = Errors::default();
-        [3.0, -4.0, 0.0].map(|error| errors.add(error));
+        for error in [3.0, -4.0, 0.0] {
+            errors.add(error);
+        }
         let norms = errors.norms(2.0);
         assert_eq!(norms.l1, 7.0 / 6.0);
         assert_eq!(norms.l2, (25.0_f64 / 3.0).sqrt() / 2.0);

@@ -28,7 +28,14 @@ const FINE: usize = 512;
 const OPAQUE: f64 = 0.99;
 
 /// Samples of every ray are as far apart as the scene says: pixels are compared with pixels.
+///
+/// Neither shaded nor shadowed: a highlight may be narrower than any pixel.
 pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
+    let scene = &Classified {
+        phong: None,
+        shadow: None,
+        ..scene.clone()
+    };
     let subject = Subject::new(scene, Shade::None);
     let window = [size[0] as f64 / ZOOM as f64, size[1] as f64 / ZOOM as f64];
     let corner = [
@@ -128,8 +135,8 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
     Study {
         name: "pixels",
         quantity: format!(
-            "radiance of the middle of the image, a thirty-second of it wide, without shadow: centre of \
-             a pixel for its area, in pixels of {} × {}",
+            "radiance of the middle of the image, a thirty-second of it wide, neither shaded \
+             nor shadowed: centre of a pixel for its area, in pixels of {} × {}",
             size[0], size[1]
         ),
         reference: Reference {
