@@ -25,7 +25,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "atomic_file",
         ],
     ),
-    ("report", &["suite", "cost", "compare", "film"]),
+    ("report", &["suite", "cost", "compare", "film", "math"]),
     (
         "cost",
         &[

@@ -28,7 +28,13 @@ use volref::volume::{
 
 /// Steps of the smooth test ray, of length 2.
 const STEPS: [f64; 7] = [
-    0.25, 0.125, 0.0625, 0.031_25, 0.015_625, 0.007_812_5, 0.003_906_25,
+    0.25,
+    0.125,
+    0.0625,
+    0.031_25,
+    0.015_625,
+    0.007_812_5,
+    0.003_906_25,
 ];
 
 const DEPTH: f64 = 4.751_743_965_520_435;
@@ -156,8 +162,16 @@ fn bias_and_variance_of_jittered_marching() {
     let ray = smooth_ray();
     for jitter in [Jitter::Comb, Jitter::Stratified] {
         let curve = jitter.curve(&ray, &STEPS);
-        assert_eq!(curve.deviation_order.verdict, OrderVerdict::AsExpected, "{curve:?}");
-        assert_eq!(curve.bias_order.verdict, OrderVerdict::AsExpected, "{curve:?}");
+        assert_eq!(
+            curve.deviation_order.verdict,
+            OrderVerdict::AsExpected,
+            "{curve:?}"
+        );
+        assert_eq!(
+            curve.bias_order.verdict,
+            OrderVerdict::AsExpected,
+            "{curve:?}"
+        );
         for point in &curve.points[2..] {
             // Always too bright; ½ Var τ̂ is the leading term, the next is of third order in the
             // deviation.
@@ -172,7 +186,9 @@ fn bias_and_variance_of_jittered_marching() {
 #[test]
 fn across_a_jump_every_rule_has_order_one() {
     // By chance of where the jump lies a single ray errs by anything: many places tell.
-    let places: Vec<f64> = (0..400).map(|i| 0.3 + 1.4 * f64::from(i) / 400.0 + 1e-4).collect();
+    let places: Vec<f64> = (0..400)
+        .map(|i| 0.3 + 1.4 * f64::from(i) / 400.0 + 1e-4)
+        .collect();
     for rule in Rule::ALL {
         let errors = STEPS.map(|step| {
             let mut errors = Errors::default();
@@ -269,7 +285,11 @@ fn rules_on_a_grid() {
                 emission: DVec3::ZERO,
             });
             // Two ways to the same number, of some fifty cells each.
-            assert!((light.depth - exact).abs() < 1e-13, "{} {exact}", light.depth);
+            assert!(
+                (light.depth - exact).abs() < 1e-13,
+                "{} {exact}",
+                light.depth
+            );
         }
         for rule in Rule::ALL {
             let errors = STEPS.map(|step| {
@@ -332,9 +352,8 @@ fn finer_data() {
             let mut errors = Errors::default();
             for ray in &rays {
                 let span = density.bounds().span(ray).unwrap();
-                let exact = quadrature::integral(span.near, span.far, 64, |t| {
-                    blob().density(ray.at(t))
-                });
+                let exact =
+                    quadrature::integral(span.near, span.far, 64, |t| blob().density(ray.at(t)));
                 let found = density.integral(ray.origin, ray.direction, span, &mut 0);
                 errors.add((found - exact) / exact);
             }
@@ -393,21 +412,45 @@ fn gradients_of_finer_data() {
         let all = errors.norms(3.47);
         Norms { l2: all.max, ..all }
     });
-    falls_as("stored central differences", 2.0, &spacings(), &stored, 1e-9);
+    falls_as(
+        "stored central differences",
+        2.0,
+        &spacings(),
+        &stored,
+        1e-9,
+    );
     let central = along_x(&|density, point, h| {
         (density.density(point + x * h) - density.density(point - x * h)) / (2.0 * h)
     });
-    falls_as("central differences of the interpolant", 2.0, &spacings(), &central, 1e-9);
+    falls_as(
+        "central differences of the interpolant",
+        2.0,
+        &spacings(),
+        &central,
+        1e-9,
+    );
     let forward =
         along_x(&|density, point, h| (density.density(point + x * h) - density.density(point)) / h);
-    falls_as("forward differences of the interpolant", 1.0, &spacings(), &forward, 1e-9);
+    falls_as(
+        "forward differences of the interpolant",
+        1.0,
+        &spacings(),
+        &forward,
+        1e-9,
+    );
     let own = along_x(&|density, point, h| {
         // Between the nodes the interpolant is a straight line along x.
         let cell = (point.x / h).floor() * h;
         let at = |t: f64| density.density(DVec3::new(cell + t * h, point.y, point.z));
         (at(0.75) - at(0.25)) / (0.5 * h)
     });
-    falls_as("derivative of the interpolant", 1.0, &spacings(), &own, 1e-9);
+    falls_as(
+        "derivative of the interpolant",
+        1.0,
+        &spacings(),
+        &own,
+        1e-9,
+    );
 }
 
 /// The centre of a pixel for its area: order 2 in a smooth image. Across a silhouette order 1 in
@@ -438,7 +481,11 @@ fn finer_pixels() {
     falls_as("smooth image", 2.0, &sizes, &smooth, 1e-12);
     let disc = |x: f64, y: f64| {
         let (x, y) = (x - 0.512, y - 0.487);
-        if x * x + y * y < 0.31 * 0.31 { 1.0 } else { 0.0 }
+        if x * x + y * y < 0.31 * 0.31 {
+            1.0
+        } else {
+            0.0
+        }
     };
     let silhouette = errors(&disc);
     let by = |norm: fn(&Norms) -> f64, expected: f64| {
@@ -457,7 +504,9 @@ fn finer_pixels() {
                 ..*error
             })
             .collect();
-        order(&sizes, &small, Expected::of_step(expected), 1e-12).fitted.unwrap()
+        order(&sizes, &small, Expected::of_step(expected), 1e-12)
+            .fitted
+            .unwrap()
     };
     let found = [by(|e| e.l1, 1.0), by(|e| e.l2, 0.5), by(|e| e.max, 0.0)];
     println!("silhouette: orders {found:?}");

@@ -8,9 +8,9 @@ use super::{Outcome, progress};
 use crate::exchange::{self, Format};
 use crate::report;
 use crate::scene::Scene;
-use crate::suite::{stop_all,
+use crate::suite::{
     Case, CommandTemplate, Evidence, Judged, Output, Outputs, Store, Verdict, likeness,
-    run as run_process, validate,
+    run as run_process, stop_all, validate,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf, absolute};

@@ -33,12 +33,11 @@ struct Given {
 impl Given {
     fn of(panel: &Panel, ladder: &Ladder) -> Given {
         let (setting, value) = match &panel.model {
-            Model::Classified(scene) => {
-                (in_voxels(scene.step, scene.grid.lattice()), scene.step)
-            }
-            Model::Radiative(scene) => {
-                (format!("{} samples", scene.samples), f64::from(scene.samples))
-            }
+            Model::Classified(scene) => (in_voxels(scene.step, scene.grid.lattice()), scene.step),
+            Model::Radiative(scene) => (
+                format!("{} samples", scene.samples),
+                f64::from(scene.samples),
+            ),
             Model::Curve(_) => (String::new(), 0.0),
         };
         Given {

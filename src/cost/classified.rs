@@ -70,7 +70,10 @@ impl<'s> Subject<'s> {
 
     /// Whether [`Shade::Exact`] can be had.
     pub fn has_exact_shadow(scene: &Classified) -> bool {
-        matches!(scene.transfer_function.appearance, Appearance::Formula { .. })
+        matches!(
+            scene.transfer_function.appearance,
+            Appearance::Formula { .. }
+        )
     }
 
     /// The stretch of `ray` in the volume.
@@ -133,7 +136,9 @@ impl<'s> Subject<'s> {
             return (behind, 0.0);
         };
         let mut cuts = vec![span.near];
-        let pieces = self.density.smooth_stretches(ray.origin, ray.direction, span);
+        let pieces = self
+            .density
+            .smooth_stretches(ray.origin, ray.direction, span);
         cuts.extend(pieces.map(|piece| piece.far));
         let mut work = Counters::default();
         let mut steepest = 0.0_f64;
@@ -275,13 +280,7 @@ struct ExactShadow {
 }
 
 impl Visibility for ExactShadow {
-    fn at<F: Field, S: Space, W: Work>(
-        &self,
-        sample: Sample,
-        _: &F,
-        _: &S,
-        work: &mut W,
-    ) -> f64 {
+    fn at<F: Field, S: Space, W: Work>(&self, sample: Sample, _: &F, _: &S, work: &mut W) -> f64 {
         let to_light = self.light - sample.world;
         let Some(ray) = Ray::new(sample.world, to_light) else {
             return 1.0;

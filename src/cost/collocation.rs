@@ -248,7 +248,10 @@ mod tests {
             let light = Collocation::new().light(&[0.0, 2.0], tolerance, smooth);
             let error = (light.radiance.x - 0.338_236_980_254_304_8).abs();
             // Sums of some hundred terms of size 1 round by as many units of 1e-16.
-            assert!(error <= light.radiance_error + 1e-14, "{tolerance}: {light:?}");
+            assert!(
+                error <= light.radiance_error + 1e-14,
+                "{tolerance}: {light:?}"
+            );
         }
     }
 

@@ -1,13 +1,13 @@
 //! What the resolution of the data costs: the same field on coarser grids.
 
+use super::classified::{Shade, Subject};
 use super::collocation::{Collocation, Light};
+use super::image::thumbnail;
 use super::norms::root_mean_square;
 use super::order::Expected;
 use super::results::{Knob, Reference, Study};
 use super::study::{Climb, Outcome, Setting, climb, prices};
 use super::timing::Clock;
-use super::image::thumbnail;
-use super::classified::{Shade, Subject};
 use crate::geometry::Ray;
 use crate::render::Counters;
 use crate::scene::Classified;
@@ -75,7 +75,11 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
     };
     let right = image(&plain);
     let scale = root_mean_square(right.iter().flat_map(|light| light.radiance.to_array()));
-    let bound = right.iter().map(|light| light.radiance_error).fold(0.0, f64::max) / scale;
+    let bound = right
+        .iter()
+        .map(|light| light.radiance_error)
+        .fold(0.0, f64::max)
+        / scale;
     let scenes: Vec<(f64, Classified)> = SPACINGS
         .into_iter()
         .filter_map(|factor| {
@@ -96,7 +100,8 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
         value: factor * scene.grid.lattice().voxel(),
         run: Box::new(move || {
             let found = image(coarse).into_iter().zip(right);
-            let errors = found.flat_map(|(light, right)| (light.radiance - right.radiance).to_array());
+            let errors =
+                found.flat_map(|(light, right)| (light.radiance - right.radiance).to_array());
             // What the renderer would look up, with its own step in voxels of the coarse grid.
             let subject = Subject::new(coarse, Shade::None);
             let mut work = Counters::default();

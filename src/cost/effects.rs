@@ -3,9 +3,9 @@
 use super::image::thumbnail;
 use super::results::{EffectPrice, Work};
 use super::timing::Clock;
+use crate::media::{Asymmetry, Coefficients, HenyeyGreenstein};
 use crate::render::{Plan, RenderError, render, render_counted};
 use crate::scene::{Classified, Model, Panel, Radiative, Scattering, Scene};
-use crate::media::{Asymmetry, Coefficients, HenyeyGreenstein};
 use glam::DVec3;
 use std::path::PathBuf;
 
@@ -60,7 +60,9 @@ pub fn prices(panel: &Panel, clock: &Clock) -> Result<Vec<EffectPrice>, RenderEr
         })
         .collect();
     let tasks: Vec<&(dyn Fn() + Sync)> = renders.iter().map(|task| &**task).collect();
-    let pixels = scenes.first().map_or(1, |(_, scene, _)| scene.width() * scene.height());
+    let pixels = scenes
+        .first()
+        .map_or(1, |(_, scene, _)| scene.width() * scene.height());
     if let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(1).build() {
         let times = pool.install(|| clock.by_turns(&tasks, pixels as f64));
         for (price, time) in prices.iter_mut().zip(times) {
@@ -123,13 +125,16 @@ fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
         variants.push(named(name, edited));
     };
     let any = |f: &dyn Fn(&crate::scene::Body) -> bool| scene.media.iter().any(f);
-    let each = |edited: &mut Radiative, f: &dyn Fn(&mut crate::scene::Body, &crate::scene::Body)| {
+    let each = |edited: &mut Radiative,
+                f: &dyn Fn(&mut crate::scene::Body, &crate::scene::Body)| {
         let bodies = edited.media.iter_mut().zip(&scene.media);
         bodies.for_each(|(body, given)| f(body, given));
     };
     if any(&|body| body.medium.emission != DVec3::ZERO) {
         add("with emission", &|edited| {
-            each(edited, &|body, given| body.medium.emission = given.medium.emission);
+            each(edited, &|body, given| {
+                body.medium.emission = given.medium.emission
+            });
         });
     }
     if any(&|body| body.density.is_some()) {
@@ -138,14 +143,20 @@ fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
         });
     }
     if scene.scattering != Scattering::None {
-        add("with single scattering", &|edited| edited.scattering = Scattering::Single);
+        add("with single scattering", &|edited| {
+            edited.scattering = Scattering::Single
+        });
     }
     if matches!(scene.scattering, Scattering::Multiple(_)) {
-        add("with multiple scattering", &|edited| edited.scattering = scene.scattering);
+        add("with multiple scattering", &|edited| {
+            edited.scattering = scene.scattering
+        });
         if any(&|body| body.medium.phase != HenyeyGreenstein(Asymmetry::ISOTROPIC)) {
             add("with multiple scattering, anisotropic", &|edited| {
                 edited.scattering = scene.scattering;
-                each(edited, &|body, given| body.medium.phase = given.medium.phase);
+                each(edited, &|body, given| {
+                    body.medium.phase = given.medium.phase
+                });
             });
         }
     }

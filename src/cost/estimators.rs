@@ -2,7 +2,9 @@
 
 use super::collocation::{Collocation, Here};
 use super::profile::{Profile, Stretch};
-use super::results::{EstimatorRow, EstimatorTable, ThicknessCurve, ThicknessPoint, ThicknessSweep};
+use super::results::{
+    EstimatorRow, EstimatorTable, ThicknessCurve, ThicknessPoint, ThicknessSweep,
+};
 use super::timing::Clock;
 use super::unbiased_ray_marching;
 use crate::math::rng::{Purpose, Stream};
@@ -162,7 +164,9 @@ impl Known {
         });
         let over = |rate: fn(&Stretch) -> f64| -> f64 {
             let stretches = profile.stretches.iter();
-            stretches.map(|stretch| rate(stretch) * stretch.span.length()).sum()
+            stretches
+                .map(|stretch| rate(stretch) * stretch.span.length())
+                .sum()
         };
         let each = profile.densities as f64;
         Known {
@@ -173,7 +177,10 @@ impl Known {
             majorant: each * over(|stretch| stretch.high),
             residual_majorant: each * over(|stretch| stretch.high - stretch.low),
             marching_lookups: each * marching_lookups(profile),
-            is_constant: profile.stretches.iter().all(|stretch| stretch.low == stretch.high),
+            is_constant: profile
+                .stretches
+                .iter()
+                .all(|stretch| stretch.low == stretch.high),
         }
     }
 }
@@ -206,7 +213,11 @@ fn measure(estimator: Estimator, profile: &Profile<'_>, samples: u32, seed: u64)
     let count = f64::from(samples);
     Measured {
         fourth: found.iter().map(fourth).sum::<f64>() / count,
-        lookups: found.iter().map(|sample| sample.lookups as f64).sum::<f64>() / count,
+        lookups: found
+            .iter()
+            .map(|sample| sample.lookups as f64)
+            .sum::<f64>()
+            / count,
         moments,
     }
 }
@@ -245,35 +256,39 @@ pub fn table(
         Ok(pool) => pool.install(|| clock.by_turns(&tasks, f64::from(SAMPLES_TIMED))),
         Err(_) => vec![None; tasks.len()],
     };
-    let rows = Estimator::ALL.into_iter().zip(times).map(|(estimator, time)| {
-        let measured = measure(estimator, profile, SAMPLES, seed);
-        let (predicted_variance, predicted_lookups) = estimator.predicted(&known);
-        let (mean, variance) = (measured.moments.mean(), measured.variance());
-        let standard_error = (variance / f64::from(SAMPLES)).sqrt();
-        let variance_error = measured.variance_error();
-        // What rounding makes of an estimate that does not vary: a few hundred products.
-        let rounding = 1e-12 * transmittance;
-        let agrees = (mean - transmittance).abs() <= 4.0 * standard_error + rounding
-            && predicted_variance.is_none_or(|predicted| {
-                (variance - predicted).abs() <= 4.0 * variance_error + rounding * rounding
-            })
-            && predicted_lookups
-                .is_none_or(|predicted| (measured.lookups - predicted).abs() <= 0.05 * predicted);
-        EstimatorRow {
-            estimator: estimator.name().to_owned(),
-            mean,
-            bias: mean - transmittance,
-            standard_error,
-            variance,
-            variance_error,
-            predicted_variance,
-            lookups: measured.lookups,
-            predicted_lookups,
-            variance_times_lookups: variance * measured.lookups,
-            variance_times_seconds: time.map(|time| variance * time.median),
-            agrees,
-        }
-    });
+    let rows = Estimator::ALL
+        .into_iter()
+        .zip(times)
+        .map(|(estimator, time)| {
+            let measured = measure(estimator, profile, SAMPLES, seed);
+            let (predicted_variance, predicted_lookups) = estimator.predicted(&known);
+            let (mean, variance) = (measured.moments.mean(), measured.variance());
+            let standard_error = (variance / f64::from(SAMPLES)).sqrt();
+            let variance_error = measured.variance_error();
+            // What rounding makes of an estimate that does not vary: a few hundred products.
+            let rounding = 1e-12 * transmittance;
+            let agrees = (mean - transmittance).abs() <= 4.0 * standard_error + rounding
+                && predicted_variance.is_none_or(|predicted| {
+                    (variance - predicted).abs() <= 4.0 * variance_error + rounding * rounding
+                })
+                && predicted_lookups.is_none_or(|predicted| {
+                    (measured.lookups - predicted).abs() <= 0.05 * predicted
+                });
+            EstimatorRow {
+                estimator: estimator.name().to_owned(),
+                mean,
+                bias: mean - transmittance,
+                standard_error,
+                variance,
+                variance_error,
+                predicted_variance,
+                lookups: measured.lookups,
+                predicted_lookups,
+                variance_times_lookups: variance * measured.lookups,
+                variance_times_seconds: time.map(|time| variance * time.median),
+                agrees,
+            }
+        });
     EstimatorTable {
         ray,
         depth,
@@ -340,13 +355,18 @@ pub fn sweep(
 fn march_steps(profile: &Profile<'_>) -> u32 {
     let stretches = profile.stretches.iter();
     unbiased_ray_marching::march_steps(
-        stretches.map(|stretch| stretch.high * stretch.span.length()).sum(),
+        stretches
+            .map(|stretch| stretch.high * stretch.span.length())
+            .sum(),
     )
 }
 
 /// Look-ups of an estimate in the mean: none where a bound says that there is nothing.
 fn marching_lookups(profile: &Profile<'_>) -> f64 {
-    let filled = profile.stretches.iter().filter(|stretch| stretch.high > 0.0);
+    let filled = profile
+        .stretches
+        .iter()
+        .filter(|stretch| stretch.high > 0.0);
     let filled: f64 = filled.map(|stretch| stretch.span.length()).sum();
     let share = filled / profile.span().length();
     f64::from(march_steps(profile)) * unbiased_ray_marching::MEAN_MARCHES * share

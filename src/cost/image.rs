@@ -27,9 +27,7 @@ const SIDE: usize = 32;
 const SIDE_WITH_SHADOW: usize = 10;
 
 /// Steps, in voxels.
-const STEPS: [f64; 9] = [
-    4.0, 2.0, 1.0, 0.5, 0.25, 0.125, 0.0625, 0.031_25, 0.015_625,
-];
+const STEPS: [f64; 9] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125, 0.0625, 0.031_25, 0.015_625];
 /// The same where every sample sends out a ray to the light: those that are done in seconds.
 const STEPS_WITH_SHADOW: [f64; 6] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125];
 
@@ -240,8 +238,7 @@ fn preintegrated(
     let mut front = None;
     for index in 0..steps.count() {
         let (middle, length) = steps.sample(index);
-        let near = front
-            .unwrap_or_else(|| subject.value(ray, middle - 0.5 * length, work));
+        let near = front.unwrap_or_else(|| subject.value(ray, middle - 0.5 * length, work));
         let far = subject.value(ray, middle + 0.5 * length, work);
         front = Some(far);
         let segment = table.segment(near, far, length);
@@ -381,9 +378,8 @@ fn pictures(rays: &Rays<'_>) -> Vec<ErrorPicture> {
     [2.0, own, 0.125]
         .into_iter()
         .map(|voxels| {
-            let outcome = rays.run(move |ray, _, work| {
-                rays.subject.cast(voxels * voxel, ray, work)
-            })();
+            let outcome =
+                rays.run(move |ray, _, work| rays.subject.cast(voxels * voxel, ray, work))();
             let errors = outcome.errors.chunks(3);
             ErrorPicture {
                 setting: format!("midpoint, {voxels} voxels"),
@@ -422,7 +418,9 @@ fn worst_ray(rays: &Rays<'_>) -> RayTrace {
             .map(|index| at(span.near + length * index as f64 / TRACE as f64))
             .collect();
         let steps = Steps::over(span, scene.step);
-        samples = (0..steps.count()).map(|index| at(steps.sample(index).0)).collect();
+        samples = (0..steps.count())
+            .map(|index| at(steps.sample(index).0))
+            .collect();
     }
     let value = subject.cast(scene.step, ray, &mut work);
     RayTrace {

@@ -49,7 +49,8 @@ impl Jitter {
         let steps = Steps::over(profile.span(), step);
         // How far the depth is off, by offset, of one step or of all.
         let mut comb = [0.0; OFFSETS];
-        let (mut variance, mut first, mut second) = (Sum::default(), Sum::default(), Sum::default());
+        let (mut variance, mut first, mut second) =
+            (Sum::default(), Sum::default(), Sum::default());
         for index in 0..steps.count() {
             let (middle, length) = steps.sample(index);
             let near = middle - 0.5 * length;
@@ -90,8 +91,10 @@ impl Jitter {
 
     /// [`Jitter::split`] for each of `steps`, from coarse to fine, and the orders that follow.
     pub fn curve(self, profile: &Profile<'_>, steps: &[f64]) -> JitterCurve {
-        let points: Vec<JitterPoint> =
-            steps.iter().map(|&step| self.split(profile, step)).collect();
+        let points: Vec<JitterPoint> = steps
+            .iter()
+            .map(|&step| self.split(profile, step))
+            .collect();
         let orders = self.orders();
         let found = |expected: f64, error: fn(&JitterPoint) -> f64| {
             let norms = points.iter().map(|point| Norms {

@@ -62,10 +62,7 @@ impl Scheme {
     pub fn order(self) -> f64 {
         match self {
             Scheme::Midpoint | Scheme::MiddleAttenuation | Scheme::Trapezoid => 2.0,
-            Scheme::Left
-            | Scheme::ThinOpacity
-            | Scheme::NoSelfAttenuation
-            | Scheme::Comb => 1.0,
+            Scheme::Left | Scheme::ThinOpacity | Scheme::NoSelfAttenuation | Scheme::Comb => 1.0,
             Scheme::Stratified => 1.5,
         }
     }

@@ -67,7 +67,8 @@ pub fn order(values: &[f64], errors: &[Norms], expected: Expected, bound: f64) -
                 uncertainty: 0.0,
             };
             let line = line(&[at(fine - 1), at(fine)]);
-            line.map(|line| line.slope).filter(|_| squares[fine] > bound)
+            line.map(|line| line.slope)
+                .filter(|_| squares[fine] > bound)
         })
         .collect();
     let (floor, ceiling) = match expected.by_chance {

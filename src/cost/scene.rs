@@ -34,11 +34,7 @@ pub enum CostError {
 }
 
 /// What accuracy costs in `scene`, panel by panel. `told` is told of what is done next.
-pub fn cost(
-    scene: &Scene,
-    options: &Options,
-    told: &dyn Fn(&str),
-) -> Result<Vec<Cost>, CostError> {
+pub fn cost(scene: &Scene, options: &Options, told: &dyn Fn(&str)) -> Result<Vec<Cost>, CostError> {
     let several = scene.panels.len() > 1;
     let panels = scene.panels.iter().enumerate();
     let costs = panels.map(|(index, panel)| {
@@ -94,7 +90,10 @@ fn panel_cost(
         told("effects");
         cost.effects = effects::prices(panel, &options.clock)?;
     }
-    let unsure = cost.studies.iter().filter(|study| study.reference.bound > SURE);
+    let unsure = cost
+        .studies
+        .iter()
+        .filter(|study| study.reference.bound > SURE);
     cost.notes.extend(unsure.map(|study| {
         format!(
             "{}: the reference knows no more than {:.1e}; no order and no price is claimed below \
@@ -119,14 +118,17 @@ fn of_classified(
     cost.studies.push(image::steps(scene, size, clock));
     let mut later = |name: &str, study: &mut dyn FnMut() -> Option<super::results::Study>| {
         if clock.is_over() {
-            cost.notes.push(format!("{name} were not tried: the time given was over"));
+            cost.notes
+                .push(format!("{name} were not tried: the time given was over"));
             return;
         }
         told(name);
         cost.studies.extend(study());
     };
     if scene.shadow.is_some() {
-        later("shadow steps", &mut || image::shadow_steps(scene, size, clock));
+        later("shadow steps", &mut || {
+            image::shadow_steps(scene, size, clock)
+        });
     }
     later("coarser data", &mut || data::study(scene, size, clock));
     later("pixels", &mut || Some(pixels::study(scene, size, clock)));
@@ -154,7 +156,8 @@ fn of_radiative(
             cost.notes.push(note.to_owned());
         } else {
             told("samples per pixel");
-            cost.studies.push(samples::study(panel, options.seed, clock)?);
+            cost.studies
+                .push(samples::study(panel, options.seed, clock)?);
         }
     }
     Ok(())
@@ -176,12 +179,7 @@ const JITTER_STEPS: [f64; 8] = [
 ];
 
 /// Tables about a single ray: the one whose optical depth is nearest to [`TYPICAL_DEPTH`].
-fn of_one_ray(
-    cost: &mut Cost,
-    crossings: &Crossings<'_>,
-    options: &Options,
-    told: &dyn Fn(&str),
-) {
+fn of_one_ray(cost: &mut Cost, crossings: &Crossings<'_>, options: &Options, told: &dyn Fn(&str)) {
     let far = |ray: &&Crossing<'_>| (ray.depth - TYPICAL_DEPTH).abs();
     let rays = crossings.rays.iter();
     let Some(ray) = rays
@@ -202,8 +200,20 @@ fn of_one_ray(
     }
     told("estimators on one ray");
     let (profile, depth) = (&ray.profile, ray.depth);
-    cost.estimators = Some(estimators::table(name.clone(), profile, depth, *seed, clock));
-    cost.thickness = Some(estimators::sweep(name.clone(), profile, depth, *seed, clock));
+    cost.estimators = Some(estimators::table(
+        name.clone(),
+        profile,
+        depth,
+        *seed,
+        clock,
+    ));
+    cost.thickness = Some(estimators::sweep(
+        name.clone(),
+        profile,
+        depth,
+        *seed,
+        clock,
+    ));
     let length = profile.span().length();
     let steps = JITTER_STEPS.map(|share| share * length);
     cost.jitter = Some(JitterSplit {

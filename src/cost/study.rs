@@ -144,7 +144,9 @@ fn time(climbs: &[Climb<'_>], rungs: &mut [Vec<Rung>], clock: &Clock) {
         rays = (setting.run)().rays.max(1);
     }
     let tasks: Vec<&(dyn Fn() + Sync)> = tasks.iter().map(|task| &**task).collect();
-    let mut times = pool.install(|| clock.by_turns(&tasks, rays as f64)).into_iter();
+    let mut times = pool
+        .install(|| clock.by_turns(&tasks, rays as f64))
+        .into_iter();
     for rung in rungs.iter_mut().flatten() {
         rung.time = times.next().flatten();
     }

@@ -2,20 +2,20 @@
 
 use super::collocation::{Collocation, Here};
 use super::estimators::Estimator;
+use super::image::thumbnail;
 use super::norms::root_mean_square;
 use super::order::Expected;
 use super::profile::{Profile, Stretch};
 use super::results::{Knob, Reference, Study};
 use super::rules::Rule;
-use super::image::thumbnail;
 use super::study::{Climb, Outcome, Run, Setting, climb, prices};
 use super::timing::Clock;
 use crate::geometry::{Ray, Span};
 use crate::math::exp;
 use crate::math::rng::{Purpose, Stream};
+use crate::media::Field;
 use crate::render::Counters;
 use crate::render::effects::Everything;
-use crate::media::Field;
 use crate::render::matter::{Media, Medium, Set, members};
 use crate::render::media_path::MediaPath;
 use crate::render::passage::Passage;
@@ -104,7 +104,10 @@ pub fn crossings<'s>(
         _ => false,
     });
     let kinks = densities().any(|density| {
-        matches!(density.field(), Field::Grid(_) | Field::Linear(_) | Field::Noise(_))
+        matches!(
+            density.field(),
+            Field::Grid(_) | Field::Linear(_) | Field::Noise(_)
+        )
     });
     let collocation = Collocation::new();
     let rays: Vec<Crossing<'s>> = (0..size[0] * size[1])
@@ -159,7 +162,9 @@ fn crossing<'s>(
     let (first, last) = (pieces.first()?.0, pieces.last()?.0);
     let set = pieces.iter().fold(0, |all, (_, set)| all | set);
     // The channel in which most is taken away.
-    let sigma: DVec3 = members(set).map(|index| media.medium(index).sigma_t()).sum();
+    let sigma: DVec3 = members(set)
+        .map(|index| media.medium(index).sigma_t())
+        .sum();
     let channel = (0..3)
         .max_by(|&a, &b| sigma[a].total_cmp(&sigma[b]))
         .unwrap_or(0);
@@ -249,9 +254,7 @@ fn crossing<'s>(
 
 /// The media of varying density that take light away.
 fn varying(media: &Media<'_>) -> Set {
-    let varies = |(index, medium): (usize, &Medium<'_>)| {
-        medium.density.map(|_| 1 << index)
-    };
+    let varies = |(index, medium): (usize, &Medium<'_>)| medium.density.map(|_| 1 << index);
     media.all().iter().enumerate().filter_map(varies).sum()
 }
 
@@ -454,7 +457,10 @@ impl Asked<'_, '_> {
                 value: 0.0,
                 run: self.run(|ray, _| {
                     let mut lookups = 0;
-                    let depth = ray.cell_by_cell.as_ref().map_or(0.0, |depth| depth(&mut lookups));
+                    let depth = ray
+                        .cell_by_cell
+                        .as_ref()
+                        .map_or(0.0, |depth| depth(&mut lookups));
                     (exp(-depth), lookups, 0)
                 }),
                 single: None,
