@@ -24,6 +24,9 @@ pub fn recommendations(cost: &Cost, panel: &Panel, path: &Path) -> Vec<Recommend
 /// Samples per pixel of a scene, at most: 2^31.
 const MOST_SAMPLES: f64 = 2_147_483_648.0;
 
+/// A command is given for no more samples than this: a day and more for a small image.
+const MOST_ADVISED: f64 = 1e6;
+
 /// What the scene asks for.
 struct Given {
     setting: String,
@@ -89,11 +92,12 @@ fn recommendation(error: f64, ladder: &Ladder, given: &Given, path: &Path) -> Re
             return Recommendation {
                 error,
                 text: format!(
-                    "{wanted} about {setting} would do, if noise falls on as the root of \
+                    "{wanted} some {setting} would do, if noise falls on as the root of \
                      them{}",
                     relative(times, &given.setting)
                 ),
-                command: Some(command(ladder.knob, &setting, path)),
+                // Nobody waits for more.
+                command: (samples <= MOST_ADVISED).then(|| command(ladder.knob, &setting, path)),
             };
         }
     }

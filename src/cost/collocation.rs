@@ -103,8 +103,8 @@ impl Collocation {
         let mut up_to = [[0.0; N]; N];
         for j in 0..N {
             let polynomial = lagrange(j);
-            for i in 0..N {
-                up_to[i][j] = integral(&polynomial, POINTS[i]) - integral(&polynomial, -1.0);
+            for (row, point) in up_to.iter_mut().zip(POINTS) {
+                row[j] = integral(&polynomial, point) - integral(&polynomial, -1.0);
             }
         }
         Collocation { up_to }

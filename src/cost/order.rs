@@ -95,6 +95,9 @@ pub fn order(values: &[f64], errors: &[Norms], expected: Expected, bound: f64) -
         _ => line(points),
     };
     let points = counting(&squares);
+    let counted = values
+        .iter()
+        .map(|value| points.iter().any(|point| point.value == *value));
     let line_of_all = fit(&points);
     let fitted = line_of_all.map(|line| line.slope);
     let tolerance = expected.tolerance + line_of_all.map_or(0.0, |line| 2.0 * line.uncertainty);
@@ -117,6 +120,8 @@ pub fn order(values: &[f64], errors: &[Norms], expected: Expected, bound: f64) -
     };
     Order {
         expected: expected.order,
+        known: floor,
+        counted: counted.collect(),
         fitted,
         fitted_max: fit(&counting(&largest)).map(|line| line.slope),
         local,

@@ -52,8 +52,8 @@ pub struct Study {
 pub struct Reference {
     /// How it was come by.
     pub method: String,
-    /// Its own error, relative as in [`Norms`], is at most this: errors below a hundred times
-    /// this are not called errors of a setting.
+    /// Its own error, relative as in [`Norms`], is at most this: errors not far above it are not
+    /// called errors of a setting.
     pub bound: f64,
 }
 
@@ -198,8 +198,11 @@ pub struct Times {
 pub struct Order {
     /// From theory, where that says; of a number of samples, negative.
     pub expected: Option<f64>,
-    /// By least squares through the logarithms of the root mean square errors that count: above
-    /// a hundred times the bound of the reference, and below a tenth.
+    /// Errors up to this may be those of the reference, and are not counted.
+    pub known: f64,
+    /// By setting, whether its error is counted.
+    pub counted: Vec<bool>,
+    /// By least squares through the logarithms of the root mean square errors that are counted.
     pub fitted: Option<f64>,
     /// The same of the largest errors.
     pub fitted_max: Option<f64>,

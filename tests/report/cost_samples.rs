@@ -54,6 +54,8 @@ pub fn order(expected: Option<f64>, points: &[(f64, f64)], bound: f64) -> Order 
     };
     Order {
         expected,
+        known: 100.0 * bound,
+        counted: points.iter().map(|point| counts(point.1)).collect(),
         fitted,
         fitted_max: fitted.map(|order| order - 0.03),
         local,

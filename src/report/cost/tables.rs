@@ -59,7 +59,7 @@ pub(super) fn ladder(study: &Study, ladder: &Ladder) -> Table {
     if has_time {
         columns.push(number("time a ray"));
     }
-    let known = words::least_known_of(study, ladder);
+    let known = ladder.order.known;
     let rows = ladder.rungs.iter().enumerate().map(|(at, rung)| {
         let Norms {
             l1,

@@ -199,65 +199,15 @@ pub(super) fn machine_warning(machine: &Machine) -> Option<&'static str> {
     (machine.profile != "release").then_some("not optimised: look-ups can be trusted, times cannot")
 }
 
-/// Above this error no setting is used for a fit: it does not fall as a power yet.
-const LARGEST_FITTED: f64 = 0.1;
-
-/// A fit takes so many settings at most, from the fine end.
-const MOST_FITTED: usize = 4;
-
-/// Errors below so many times the bound of the reference are not those of a setting.
-const ABOVE_THE_BOUND: f64 = 100.0;
-
-/// The same where chance is at work, whose parts add up by squares.
-const ABOVE_THE_NOISE: f64 = 4.0;
-
-fn is_by_chance(ladder: &Ladder) -> bool {
-    ladder.knob == Knob::Samples
-}
-
-/// Errors at or below this are not those of a setting of the ladder but those of the reference.
-pub(super) fn least_known_of(study: &Study, ladder: &Ladder) -> f64 {
-    match is_by_chance(ladder) {
-        true => ABOVE_THE_NOISE * study.reference.bound,
-        false => ABOVE_THE_BOUND * study.reference.bound,
-    }
-}
-
-/// The same of all ladders of the study, where these are not of one kind.
+/// Errors at or below this may be those of the reference, in all ladders of the study.
 pub(super) fn least_known(study: &Study) -> f64 {
-    let of_each = study.ladders.iter();
-    of_each
-        .map(|ladder| least_known_of(study, ladder))
-        .reduce(f64::max)
-        .unwrap_or(ABOVE_THE_BOUND * study.reference.bound)
+    let of_each = study.ladders.iter().map(|ladder| ladder.order.known);
+    of_each.reduce(f64::max).unwrap_or(study.reference.bound)
 }
 
 /// The root mean square error to which an order is fitted.
 pub(super) fn judged(rung: &Rung) -> f64 {
     rung.error_of_order.unwrap_or(rung.error).l2
-}
-
-/// Which settings the order of the ladder is fitted to.
-pub(super) fn fitted_to(study: &Study, ladder: &Ladder) -> Vec<bool> {
-    let known = least_known_of(study, ladder);
-    let by_chance = is_by_chance(ladder);
-    let mut left = match by_chance {
-        true => ladder.rungs.len(),
-        false => MOST_FITTED,
-    };
-    let mut counted: Vec<bool> = ladder
-        .rungs
-        .iter()
-        .rev()
-        .map(|rung| {
-            let error = judged(rung);
-            let counts = error > known && (by_chance || error < LARGEST_FITTED) && left > 0;
-            left -= usize::from(counts);
-            counts
-        })
-        .collect();
-    counted.reverse();
-    counted
 }
 
 /// Verdicts of a report, counted, and those in detail that are not as they should be.

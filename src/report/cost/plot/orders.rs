@@ -26,13 +26,13 @@ pub(in super::super) fn orders(cost: &Cost, dress: Dress) -> Option<Plot> {
                     1 => estimator,
                     _ => format!("{}, {estimator}", study.name),
                 };
-                let counted = words::fitted_to(study, ladder);
+                let counted = &ladder.order.counted;
                 let points = ladder.rungs.iter().zip(counted).map(|(rung, counts)| {
                     let error = words::judged(rung);
                     Falling {
                         value: rung.value,
                         error,
-                        counts,
+                        counts: *counts,
                         told: format!("{name}, {}: error {}", rung.setting, words::error(error)),
                     }
                 });

@@ -216,7 +216,7 @@ fn panel(
                 label: Some(short(ladder, rung)),
                 is_urgent: false,
                 told: told(study, ladder, rung),
-                is_hollow: error <= words::least_known_of(study, ladder),
+                is_hollow: error <= ladder.order.known,
                 whiskers: whiskers.map(|ends| ends.map(log10)),
                 cross: single(
                     rung,
