@@ -30,8 +30,8 @@ pub struct Arguments {
     /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Write a page to look at, DIR/index.html, one file that needs nothing else, and the tables
-    /// as CSV beside it
+    /// Write a page to look at, DIR/index.html, one file that needs nothing else; beside it the
+    /// tables as CSV and the plots of error against work as SVG
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     #[command(flatten)]
@@ -75,6 +75,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         for (name, table) in report::cost_csv(&costs) {
             output::write(&folder.join(name), table.as_bytes())?;
         }
+        for (name, picture) in pictures(&costs) {
+            output::write(&folder.join(name), picture.as_bytes())?;
+        }
         text.push_str(&format!("\nreport: {}\n", path.display()));
     }
     let value = report::cost_json(&costs, machine.as_ref());
@@ -100,6 +103,26 @@ fn page(costs: &[Cost], machine: Option<&Machine>) -> String {
         costs,
         machine,
     })
+}
+
+/// Error against work of every study, by the names of their files.
+fn pictures(costs: &[Cost]) -> Vec<(String, String)> {
+    let mut pictures = Vec::new();
+    for (index, cost) in costs.iter().enumerate() {
+        let stem = Path::new(&cost.scene).file_stem().unwrap_or_default();
+        let mut name = stem.display().to_string();
+        // Another panel, or another scene of the same name.
+        let same = |other: &&Cost| Path::new(&other.scene).file_stem() == Some(stem);
+        let before = costs[..index].iter().filter(same).count();
+        if before > 0 {
+            name.push_str(&format!("-{}", before + 1));
+        }
+        for study in &cost.studies {
+            let picture = report::work_precision_svg(study);
+            pictures.push((format!("{name}-{}.svg", study.name), picture));
+        }
+    }
+    pictures
 }
 
 fn make_folder(folder: &Path) -> Result<(), Failure> {

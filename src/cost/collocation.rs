@@ -117,7 +117,7 @@ impl Collocation {
         // The elements found so far, from the eye on; then put together from behind.
         let mut elements: Vec<Light> = Vec::new();
         let mut depth = Sum::default();
-        let mut waiting: Vec<(f64, f64, u32, Light)> = Vec::new();
+        let mut waiting: Vec<(f64, f64, u32, Element)> = Vec::new();
         'pieces: for piece in cuts.windows(2) {
             if piece[0] >= piece[1] {
                 continue;
@@ -128,16 +128,17 @@ impl Collocation {
                 let middle = near + 0.5 * (far - near);
                 let first = self.element(near, middle, &mut at);
                 let second = self.element(middle, far, &mut at);
-                let mut halves = first.before(&second);
+                let mut halves = first.light.before(&second.light);
                 let through = exp(-depth.value());
-                // Two halves that are opaque from their beginnings agree in depth.
-                halves.depth_error = match halves.depth == whole.depth {
+                // Two that are opaque agree in depth.
+                halves.depth_error = match halves.depth == whole.light.depth {
                     true => 0.0,
-                    false => (halves.depth - whole.depth).abs(),
+                    false => (halves.depth - whole.light.depth).abs(),
                 };
-                halves.radiance_error = (halves.radiance - whole.radiance).abs().max_element();
+                halves.radiance_error =
+                    (halves.radiance - whole.light.radiance).abs().max_element();
                 let left = through * (halves.radiance_error + halves.depth_error);
-                let settled = left <= tolerance
+                let settled = left <= tolerance && !first.is_mixed && !second.is_mixed
                     || halvings >= MOST_HALVINGS
                     || elements.len() >= MOST_ELEMENTS
                     || !(near < middle && middle < far);
@@ -158,14 +159,18 @@ impl Collocation {
     }
 
     /// Light of one element.
-    fn element(&self, near: f64, far: f64, at: &mut impl FnMut(f64) -> Here) -> Light {
+    fn element(&self, near: f64, far: f64, at: &mut impl FnMut(f64) -> Here) -> Element {
         let half = 0.5 * (far - near);
         let here = POINTS.map(|point| at(near + half * (1.0 + point)));
-        if let Some(opaque) = here.iter().find(|here| here.extinction == f64::INFINITY) {
-            return Light {
-                radiance: opaque.emission,
-                depth: f64::INFINITY,
-                ..Light::default()
+        let is_opaque = |here: &&Here| here.extinction == f64::INFINITY;
+        if let Some(opaque) = here.iter().find(is_opaque) {
+            return Element {
+                light: Light {
+                    radiance: opaque.emission,
+                    depth: f64::INFINITY,
+                    ..Light::default()
+                },
+                is_mixed: !here.iter().all(|here| is_opaque(&here)),
             };
         }
         let mut light = Light::default();
@@ -174,8 +179,19 @@ impl Collocation {
             light.radiance += here[i].emission * (WEIGHTS[i] * half * exp(-half * before));
             light.depth += WEIGHTS[i] * half * here[i].extinction;
         }
-        light
+        Element {
+            light,
+            is_mixed: false,
+        }
     }
+}
+
+/// Light of an element, at seven points.
+#[derive(Clone, Copy, Debug)]
+struct Element {
+    light: Light,
+    /// Some of the points are opaque, others are not: where light ends is not known yet.
+    is_mixed: bool,
 }
 
 impl Light {

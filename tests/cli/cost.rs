@@ -111,7 +111,12 @@ fn a_scene_without_a_knob() {
          [[radiative.medium]]\nsphere = { centre = [0, 0, 0], radius = 1 }\nsigma_a = 1\n",
     );
     let run = folder.volref(&["cost", "fog.toml", "--runs", "0", "--report", "out"]);
-    assert_shown!(run.shown(), @"");
+    assert_shown!(run.shown(), @r"
+    exit code 2
+    --- stderr
+      × fog.toml: this scene has no knob to turn: its media are the same everywhere and light is not turned, so every pixel is a closed form
+      help: cost compares settings: give a scene that is marched, tracked or sampled, such as figures/figure-3 or procedural/threshold-1.25
+    ");
     assert!(!folder.files().keys().any(|name| name.starts_with("out/")));
 }
 
