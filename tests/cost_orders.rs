@@ -232,7 +232,7 @@ fn jittered_schemes() {
 fn bias_and_variance_of_jittered_marching() {
     let ray = smooth_ray();
     for jitter in [Jitter::Comb, Jitter::Stratified] {
-        let curve = jitter.curve(&ray, &STEPS);
+        let curve = jitter.curve(&ray, &STEPS, false);
         assert_eq!(
             curve.deviation_order.verdict,
             OrderVerdict::AsExpected,

@@ -12,6 +12,7 @@
 use super::order::{Expected, order};
 use super::profile::Profile;
 use super::results::{JitterCurve, JitterPoint, Norms};
+use crate::geometry::Span;
 use crate::math::{Sum, exp_m1, ln_1p};
 use crate::render::steps::Steps;
 
@@ -90,7 +91,13 @@ impl Jitter {
     }
 
     /// [`Jitter::split`] for each of `steps`, from coarse to fine, and the orders that follow.
-    pub fn curve(self, profile: &Profile<'_>, steps: &[f64]) -> JitterCurve {
+    ///
+    /// Of a `rough` ray, with detail finer than any step, no order is expected; nor of a comb on a
+    /// ray that ends in the extinction in which it begins: what an offset takes at one end it gives
+    /// at the other, and the order is higher.
+    pub fn curve(self, profile: &Profile<'_>, steps: &[f64], rough: bool) -> JitterCurve {
+        let Span { near, far } = profile.span();
+        let is_closed = self == Jitter::Comb && profile.at(near) == profile.at(far);
         let points: Vec<JitterPoint> = steps
             .iter()
             .map(|&step| self.split(profile, step))
@@ -105,7 +112,11 @@ impl Jitter {
             });
             let norms: Vec<Norms> = norms.collect();
             // Sums of some hundred terms: what is far above their rounding is known.
-            order(steps, &norms, Expected::of_step(expected), 1e-15)
+            let expected = match rough || is_closed {
+                true => Expected::NOTHING,
+                false => Expected::of_step(expected),
+            };
+            order(steps, &norms, expected, 1e-15)
         };
         JitterCurve {
             jitter: self.name().to_owned(),

@@ -225,7 +225,7 @@ fn of_one_ray(cost: &mut Cost, crossings: &Crossings<'_>, options: &Options, tol
     cost.jitter = Some(JitterSplit {
         ray: name,
         curves: [Jitter::Comb, Jitter::Stratified]
-            .map(|jitter| jitter.curve(profile, &steps))
+            .map(|jitter| jitter.curve(profile, &steps, crossings.rough))
             .into(),
     });
 }
