@@ -60,7 +60,7 @@
 //! [`render::ray_caster`] and [`render::path_tracer`] are the renderers, [`scene`] what it is given, [`render::plan`] how the
 //! code that runs follows from the scene. [`compare`] judges two images, [`suite`] keeps the
 //! goldens and knows the [mistakes](suite::mistakes) people make, [`exchange`] says a scene in other
-//! renderers' words. Other renderers' tests begin at [`suite::check`]. Arrows between modules only point down this list: `cli`, [`report`], [`suite`],
+//! renderers' words. Other renderers' tests begin at [`suite::check`]. Arrows between modules only point down this list: `cli`, [`report`], [`cost`], [`suite`],
 //! [`compare`], [`exchange`] and [`render`], [`scene`], [`media`], [`optics`],
 //! [`volume`], [`geometry`], [`film`], [`math`].
 //!
@@ -77,6 +77,7 @@
 pub mod atomic_file;
 pub mod cli;
 pub mod compare;
+pub mod cost;
 pub mod exchange;
 pub mod film;
 pub mod geometry;

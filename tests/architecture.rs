@@ -25,8 +25,13 @@ const ROOMS: &[(&str, &[&str])] = &[
             "atomic_file",
         ],
     ),
-    ("report", &["suite", "cost", "compare", "film"]),
-    ("cost", &["compare", "render"]),
+    ("report", &["suite", "cost", "compare", "film", "math"]),
+    (
+        "cost",
+        &[
+            "compare", "render", "scene", "media", "optics", "volume", "geometry", "film", "math",
+        ],
+    ),
     (
         "suite",
         // Mistakes are edits of a scene, down to the nodes of its grids.

@@ -4,6 +4,7 @@
 
 mod accept;
 mod compare;
+mod cost;
 mod export;
 mod failure;
 mod info;
@@ -46,6 +47,7 @@ enum Command {
     Compare(compare::Arguments),
     Render(render::Arguments),
     Plan(plan::Arguments),
+    Cost(cost::Arguments),
     Export(export::Arguments),
     Accept(accept::Arguments),
     Selftest(selftest::Arguments),
@@ -93,6 +95,7 @@ pub fn main() -> ExitCode {
         Command::Compare(arguments) => compare::run(arguments),
         Command::Render(arguments) => render::run(arguments),
         Command::Plan(arguments) => plan::run(arguments),
+        Command::Cost(arguments) => cost::run(arguments),
         Command::Export(arguments) => export::run(arguments),
         Command::Accept(arguments) => accept::run(arguments),
         Command::Selftest(arguments) => selftest::run(arguments),

@@ -10,7 +10,7 @@ use crate::report;
 use crate::scene::Scene;
 use crate::suite::{
     Case, CommandTemplate, Evidence, Judged, Output, Outputs, Store, Verdict, likeness,
-    run as run_process, validate,
+    run as run_process, stop_all, validate,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf, absolute};
@@ -123,6 +123,18 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     })
 }
 
+/// Has renderers end, and `temporary` go, when this process is told to end, as by Ctrl-C. They have
+/// process groups of their own, so nobody else tells them.
+fn end_renderers_with_us(temporary: PathBuf) {
+    // Where no such handler can be had, renderers end by their time limit.
+    let _ = ctrlc::set_handler(move || {
+        stop_all();
+        let _ = std::fs::remove_dir_all(&temporary);
+        // 128 and the number of SIGINT, as shells have it.
+        std::process::exit(130);
+    });
+}
+
 /// Where images come from.
 enum Source {
     /// A folder of finished images.
@@ -173,6 +185,7 @@ impl Source {
             Some(folder) => folder.clone(),
             None => temporary.path().join("images"),
         };
+        end_renderers_with_us(temporary.path().to_owned());
         std::fs::create_dir_all(&folder)
             .and_then(|()| absolute(&folder))
             .map(|folder| {

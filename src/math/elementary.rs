@@ -30,6 +30,11 @@ pub fn log2(x: f64) -> f64 {
     libm::log2(x)
 }
 
+/// Logarithm to base 10 of `x ≥ 0`; `−∞` at 0.
+pub fn log10(x: f64) -> f64 {
+    libm::log10(x)
+}
+
 /// `2^x`.
 pub fn exp2(x: f64) -> f64 {
     libm::exp2(x)

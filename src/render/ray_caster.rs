@@ -100,13 +100,18 @@ pub struct RayCaster<'c, F, O, S, V, E> {
 impl<F: Field, O: Order, S: Shading, V: Visibility, E: Space> RayCaster<'_, F, O, S, V, E> {
     /// The samples of `ray`, put together.
     pub fn layers<W: Work>(&self, ray: &Ray, work: &mut W) -> Layers {
+        self.layers_by(self.step, ray, work)
+    }
+
+    /// The same with samples `step` apart.
+    pub fn layers_by<W: Work>(&self, step: f64, ray: &Ray, work: &mut W) -> Layers {
         let mut layers = Layers::default();
         let Some(span) = self.bounds.span(ray) else {
             return layers;
         };
-        let steps = Steps::over(span, self.step);
+        let steps = Steps::over(span, step);
         let path = NodePath::new(ray, self.field.lattice());
-        let reach = path.reach(self.step);
+        let reach = path.reach(step);
         let mut done = 0;
         while done < steps.count() {
             let (t, length) = steps.sample(O::index(done, steps.count()));
@@ -124,16 +129,43 @@ impl<F: Field, O: Order, S: Shading, V: Visibility, E: Space> RayCaster<'_, F, O
             if opacity == 0.0 {
                 continue; // adds exactly nothing, whatever its colour
             }
-            let world = ray.at(t);
-            let colour = self.transfer_function.colour(density);
-            let shaded = self
-                .shading
-                .shade(colour, &self.field, &place, world, ray, work);
-            let sample = Sample { world, nodes };
-            let visibility = self.visibility.at(sample, &self.field, &self.space, work);
-            let radiance = shaded * (self.transfer_function.strength(density) * visibility);
+            let sample = Sample {
+                world: ray.at(t),
+                nodes,
+            };
+            let radiance = self.source(ray, sample, &place, density, work);
             layers = O::add(layers, radiance * opacity, opacity);
         }
         layers
+    }
+
+    /// The light that an opaque sample of `density` sends back along `ray`.
+    fn source<W: Work>(
+        &self,
+        ray: &Ray,
+        sample: Sample,
+        place: &F::Place,
+        density: f64,
+        work: &mut W,
+    ) -> DVec3 {
+        let colour = self.transfer_function.colour(density);
+        let shaded = self
+            .shading
+            .shade(colour, &self.field, place, sample.world, ray, work);
+        let visibility = self.visibility.at(sample, &self.field, &self.space, work);
+        shaded * (self.transfer_function.strength(density) * visibility)
+    }
+
+    /// What there is at the world point `world` of `ray`: the density, and the light that an
+    /// opaque sample would send back; none where it is transparent.
+    pub fn at<W: Work>(&self, ray: &Ray, world: DVec3, work: &mut W) -> (f64, DVec3) {
+        let nodes = self.field.lattice().to_nodes(world);
+        let place = self.field.locate(nodes);
+        let density = self.field.density(&place, work);
+        if self.transfer_function.reference_opacity(density) == 0.0 {
+            return (density, DVec3::ZERO);
+        }
+        let sample = Sample { world, nodes };
+        (density, self.source(ray, sample, &place, density, work))
     }
 }

@@ -1,11 +1,13 @@
-//! Results to text, JSON, JUnit and HTML. Nothing here reads, writes or prints.
+//! Results to text, JSON, CSV, JUnit and HTML. Nothing here reads, writes or prints.
 
+mod cost;
 mod html;
 mod json;
 mod junit;
 mod self_test;
 mod terminal;
 
+pub use cost::{CostPage, cost_csv, cost_html, cost_json, cost_text, work_precision_svg};
 pub use html::{Page, results_html};
 pub use json::{results_json, validation_json};
 pub use junit::results_junit;

@@ -30,7 +30,7 @@ pub use finding::Judged;
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
 pub use likeness::likeness;
 pub use naming::{Naming, naming};
-pub use other_renderer::{CommandTemplate, Ran, TemplateError, run};
+pub use other_renderer::{CommandTemplate, Ran, TemplateError, run, stop_all};
 pub use outputs::{Found, OutputError, Outputs, Stranger};
 pub use results::{CaseResult, Cause, Summary, Verdict};
 pub use self_test::{BenignTrials, Extent, MistakeTrials, Rejection, SelfTest, Trial, self_test};

@@ -18,16 +18,21 @@ pub struct Naming {
 }
 
 impl Naming {
-    /// The place of what was made among what was named, 1 for the first; two in any order.
+    /// The place, among what was named, by which all that was made is named, 1 for the first. Of
+    /// two mistakes that meet in no case each is named by itself; a name that holds anything else
+    /// does not count.
     pub fn place(&self) -> Option<usize> {
-        let sorted = |names: Vec<&str>| {
-            let mut names: Vec<String> = names.into_iter().map(str::to_owned).collect();
-            names.sort();
-            names
-        };
-        let made = sorted(self.made.clone());
-        let is_made = |named: &Likeness| sorted(named.mistake.split(" + ").collect()) == made;
-        self.named.iter().position(is_made).map(|place| place + 1)
+        let mut missing = self.made.clone();
+        for (index, named) in self.named.iter().enumerate() {
+            let parts: Vec<&str> = named.mistake.split(" + ").collect();
+            if parts.iter().all(|part| self.made.contains(part)) {
+                missing.retain(|made| !parts.contains(made));
+            }
+            if missing.is_empty() {
+                return Some(index + 1);
+            }
+        }
+        None
     }
 }
 
@@ -68,4 +73,38 @@ pub fn naming(
         told();
     }
     namings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn naming(made: &[&'static str], named: &[&str]) -> Option<usize> {
+        let likeness = |name: &&str| Likeness {
+            mistake: (*name).to_owned(),
+            advice: String::new(),
+            explains: 1,
+            of: 1,
+            cases: vec![],
+        };
+        let naming = Naming {
+            made: made.to_vec(),
+            failed: 1,
+            named: named.iter().map(likeness).collect(),
+        };
+        naming.place()
+    }
+
+    #[test]
+    fn one_mistake_has_the_place_of_its_name() {
+        assert_eq!(naming(&["a"], &["b", "a"]), Some(2));
+        assert_eq!(naming(&["a"], &["a + b", "b"]), None);
+    }
+
+    #[test]
+    fn two_mistakes_are_named_together_or_one_by_one() {
+        assert_eq!(naming(&["a", "b"], &["b + a"]), Some(1));
+        assert_eq!(naming(&["a", "b"], &["b", "c", "a"]), Some(3));
+        assert_eq!(naming(&["a", "b"], &["a", "b + c"]), None);
+    }
 }

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::process::{Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 use thiserror::Error;
@@ -157,6 +158,24 @@ const MOST_PRINTED: u64 = 64 * 1024;
 /// How long a process may take to notice that it is over.
 const PAUSE: Duration = Duration::from_millis(5);
 
+/// Programs that are running, and whether no more may be.
+static RUNNING: AtomicUsize = AtomicUsize::new(0);
+static STOPPED: AtomicBool = AtomicBool::new(false);
+
+/// How long [`stop_all`] waits for programs that do not go.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Ends every program that [`run`] has running, with all that it started, and starts no more: for
+/// a process that was told to end, since what it started has process groups of its own and would
+/// go on. Returns when they are gone.
+pub fn stop_all() {
+    STOPPED.store(true, Ordering::SeqCst);
+    let start = Instant::now();
+    while RUNNING.load(Ordering::SeqCst) > 0 && start.elapsed() < PATIENCE {
+        sleep(PAUSE);
+    }
+}
+
 /// Runs a program to its end, or until `timeout` is over. `words` are the program and its
 /// arguments.
 pub fn run(words: &[String], timeout: Duration) -> Ran {
@@ -164,8 +183,16 @@ pub fn run(words: &[String], timeout: Duration) -> Ran {
         Ok(file) => file,
         Err(error) => return not_started(&words[0], &error),
     };
-    let failure = match spawn(words, &log) {
-        Ok(child) => wait(child, timeout),
+    // Counted before it is asked: whoever stops asks in the other order, so one of the two sees
+    // the other.
+    RUNNING.fetch_add(1, Ordering::SeqCst);
+    let failure = match STOPPED.load(Ordering::SeqCst) {
+        true => Err(std::io::ErrorKind::Interrupted.into()),
+        false => spawn(words, &log).map(|child| wait(child, timeout)),
+    };
+    RUNNING.fetch_sub(1, Ordering::SeqCst);
+    let failure = match failure {
+        Ok(failure) => failure,
         Err(error) => return not_started(&words[0], &error),
     };
     Ran {
@@ -204,7 +231,9 @@ fn wait(mut child: Box<dyn ChildWrapper>, timeout: Duration) -> Option<String> {
     let ended = loop {
         match child.try_wait() {
             Ok(Some(status)) => break Ok(status),
-            Ok(None) if start.elapsed() >= timeout => break Err(None),
+            Ok(None) if STOPPED.load(Ordering::SeqCst) || start.elapsed() >= timeout => {
+                break Err(None);
+            }
             Ok(None) => sleep(PAUSE.min(timeout.saturating_sub(start.elapsed()))),
             Err(error) => break Err(Some(error)),
         }

@@ -144,6 +144,16 @@ pub trait Reconstruction: Copy + Sync {
     fn read<T: Node>(self, grid: &Grid<T>, cell: &Cell) -> T::Value;
 }
 
+impl Reconstruction for Interpolation {
+    #[inline]
+    fn read<T: Node>(self, grid: &Grid<T>, cell: &Cell) -> T::Value {
+        match self {
+            Interpolation::Nearest => cell.nearest(grid),
+            Interpolation::Trilinear => cell.trilinear(grid),
+        }
+    }
+}
+
 /// Linear along each axis between the eight nodes around.
 #[derive(Clone, Copy, Debug)]
 pub struct Trilinear;

@@ -6,6 +6,7 @@ mod bad_files;
 mod bad_goldens;
 mod bad_scenes;
 mod compare;
+mod cost;
 mod export;
 mod folder;
 mod info;

@@ -3,6 +3,7 @@
 //! Needs Chromium and its driver (Debian: `apt-get install chromium chromium-driver`). Without
 //! them this is skipped, and says so; with `VOLREF_REQUIRE_BROWSER` set it fails instead.
 
+use crate::cost_samples::{costs, extremes};
 use crate::samples::{self, CHECKED};
 use crate::webdriver::Browser;
 use serde_json::Value;
@@ -431,4 +432,32 @@ fn take_screenshots() {
     save(browser, "narrow-case");
     browser.run("document.querySelector('#read-out').scrollIntoView()");
     save(browser, "narrow-lower");
+}
+
+/// The page of costs complains of nothing, asks for nothing, is no wider than the window, and no
+/// text of its drawings is cut off.
+#[test]
+fn the_cost_page_fits() {
+    let html = crate::cost::page(&[costs(), vec![extremes()]].concat());
+    for width in [1280, 500] {
+        let Some(opened) = open(&html, width, 900) else {
+            return;
+        };
+        let browser = &opened.browser;
+        browser.wait_for("document.querySelector('main')");
+        let is_too_wide = "return document.documentElement.scrollWidth > innerWidth";
+        assert_eq!(browser.run(is_too_wide), false);
+        let cut_off = browser.run(
+            "return [...document.querySelectorAll('svg')].flatMap(svg => {
+                 const outer = svg.getBoundingClientRect();
+                 return [...svg.querySelectorAll('text')].filter(text => {
+                     const inner = text.getBoundingClientRect();
+                     return inner.left < outer.left || inner.right > outer.right + 1
+                         || inner.top < outer.top || inner.bottom > outer.bottom;
+                 }).map(text => text.textContent.trim());
+             })",
+        );
+        assert_eq!(cut_off.as_array().unwrap(), &Vec::<Value>::new());
+        check_quiet(browser);
+    }
 }

@@ -1,0 +1,151 @@
+//! `volref cost SCENE…`
+
+use super::failure::{Exit, Failure};
+use super::output::{self, Json};
+use super::{Outcome, progress};
+use crate::cost::results::{Cost, Machine};
+use crate::cost::timing::{Clock, RUNS};
+use crate::cost::{CostError, Options, cost};
+use crate::report;
+use crate::scene::Scene;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Show what accuracy costs in a scene: error against look-ups and time, knob by knob
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Errors and counts of work are the same on every run; only times differ. \
+    Times are taken on one thread, setting by setting in turn."
+)]
+pub struct Arguments {
+    /// Scene files (TOML)
+    #[arg(value_name = "SCENE", required = true)]
+    scenes: Vec<PathBuf>,
+    /// Stop climbing after this long, and say how far it got [default: climb all ladders]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    budget: Option<f64>,
+    /// Runs of each setting whose time is taken; 0 takes none
+    #[arg(long, value_name = "N", default_value_t = RUNS, value_parser = runs)]
+    runs: usize,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Write a page to look at, DIR/index.html, one file that needs nothing else; beside it the
+    /// tables as CSV and the plots of error against work as SVG
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    #[command(flatten)]
+    json: Json,
+}
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+    arguments.json.check()?;
+    if let Some(folder) = &arguments.report {
+        make_folder(folder)?;
+    }
+    let mut scenes = Vec::new();
+    for path in &arguments.scenes {
+        scenes.push(Scene::load(path)?);
+    }
+    let options = Options {
+        clock: Clock {
+            runs: arguments.runs,
+            deadline: arguments
+                .budget
+                .map(|budget| Instant::now() + Duration::from_secs_f64(budget)),
+        },
+        seed: arguments.seed,
+    };
+    let bar = progress::steps();
+    bar.enable_steady_tick(Duration::from_millis(200));
+    let mut costs: Vec<Cost> = Vec::new();
+    for scene in &scenes {
+        let name = scene.path.display().to_string();
+        let told = |what: &str| bar.set_message(format!("{name}: {what}"));
+        costs.extend(cost(scene, &options, &told).map_err(|error| failure(&name, &error))?);
+    }
+    bar.finish_and_clear();
+    let machine = (arguments.runs > 0).then(|| Machine::here(1));
+    let mut text = report::cost_text(&costs, machine.as_ref());
+    if let Some(folder) = &arguments.report {
+        let page = page(&costs, machine.as_ref());
+        let path = folder.join("index.html");
+        output::write(&path, page.as_bytes())?;
+        for (name, table) in report::cost_csv(&costs) {
+            output::write(&folder.join(name), table.as_bytes())?;
+        }
+        for (name, picture) in pictures(&costs) {
+            output::write(&folder.join(name), picture.as_bytes())?;
+        }
+        text.push_str(&format!("\nreport: {}\n", path.display()));
+    }
+    let value = report::cost_json(&costs, machine.as_ref());
+    arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+fn failure(scene: &str, error: &CostError) -> Failure {
+    let help = match error {
+        CostError::NoKnob(_) => Some(
+            "cost compares settings: give a scene that is marched, tracked or sampled, such as \
+             figures/figure-3 or procedural/threshold-1.25",
+        ),
+        CostError::Render(_) => None,
+    };
+    Failure::new(Exit::BadInput, format!("{scene}: {error}"), help)
+}
+
+fn page(costs: &[Cost], machine: Option<&Machine>) -> String {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    report::cost_html(&report::CostPage {
+        title: "What accuracy costs",
+        command: &format!("volref {}", shell_words::join(words)),
+        costs,
+        machine,
+    })
+}
+
+/// Error against work of every study, by the names of their files.
+fn pictures(costs: &[Cost]) -> Vec<(String, String)> {
+    let mut pictures = Vec::new();
+    for (index, cost) in costs.iter().enumerate() {
+        let stem = Path::new(&cost.scene).file_stem().unwrap_or_default();
+        let mut name = stem.display().to_string();
+        // Another panel, or another scene of the same name.
+        let same = |other: &&Cost| Path::new(&other.scene).file_stem() == Some(stem);
+        let before = costs[..index].iter().filter(same).count();
+        if before > 0 {
+            name.push_str(&format!("-{}", before + 1));
+        }
+        for study in &cost.studies {
+            let picture = report::work_precision_svg(study);
+            pictures.push((format!("{name}-{}.svg", study.name), picture));
+        }
+    }
+    pictures
+}
+
+fn make_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| {
+        let message = format!("cannot make the folder {}: {error}", folder.display());
+        Failure::new(Exit::BadInput, message, None)
+    })?;
+    output::check_place(&folder.join("index.html"))
+}
+
+/// Seconds on the command line: up to a year, which no clock overflows by.
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(seconds) if (0.0..=3.2e7).contains(&seconds) && seconds > 0.0 => Ok(seconds),
+        _ => Err("a budget is a number of seconds above 0, such as 30".to_owned()),
+    }
+}
+
+/// Runs whose time is taken.
+fn runs(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(1) => Err("one run has no spread: take 2 or more, or 0 for no times".to_owned()),
+        Ok(runs @ 0..=1000) => Ok(runs),
+        _ => Err("a number of runs from 2 to 1000, or 0 for no times".to_owned()),
+    }
+}

@@ -1,0 +1,141 @@
+//! What to take, in plain words.
+
+use super::image::in_voxels;
+use super::results::{Cost, Knob, Ladder, Recommendation, Rung, Study};
+use super::study::WANTED;
+use crate::scene::{Model, Panel};
+use std::path::Path;
+
+/// What the reference renderer should be told for each wanted error, by the ladders it climbs.
+pub fn recommendations(cost: &Cost, panel: &Panel, path: &Path) -> Vec<Recommendation> {
+    let ours = |study: &&Study| matches!(study.name, "image" | "samples");
+    let Some(study) = cost.studies.iter().find(ours) else {
+        return vec![];
+    };
+    let Some(ladder) = study.ladders.iter().find(|ladder| ladder.is_ours) else {
+        return vec![];
+    };
+    let given = Given::of(panel, ladder);
+    WANTED
+        .map(|error| recommendation(error, ladder, &given, path))
+        .into()
+}
+
+/// Samples per pixel of a scene, at most: 2^31.
+const MOST_SAMPLES: f64 = 2_147_483_648.0;
+
+/// A command is given for no more samples than this: a day and more for a small image.
+const MOST_ADVISED: f64 = 1e6;
+
+/// What the scene asks for.
+struct Given {
+    setting: String,
+    price: Option<f64>,
+}
+
+impl Given {
+    fn of(panel: &Panel, ladder: &Ladder) -> Given {
+        let (setting, value) = match &panel.model {
+            Model::Classified(scene) => (in_voxels(scene.step, scene.grid.lattice()), scene.step),
+            Model::Radiative(scene) => (
+                format!("{} samples", scene.samples),
+                f64::from(scene.samples),
+            ),
+            Model::Curve(_) => (String::new(), 0.0),
+        };
+        Given {
+            setting,
+            price: price_at(ladder, value),
+        }
+    }
+}
+
+/// Look-ups at a setting: those of the nearest one, which are as good as proportional, or
+/// inversely so, to the setting.
+fn price_at(ladder: &Ladder, value: f64) -> Option<f64> {
+    let far = |rung: &&Rung| (rung.value / value).max(value / rung.value);
+    let rungs = ladder.rungs.iter();
+    let nearest = rungs.min_by(|a, b| far(a).total_cmp(&far(b)))?;
+    let share = match ladder.knob {
+        Knob::Samples => value / nearest.value,
+        _ => nearest.value / value,
+    };
+    Some(nearest.work.price() * share)
+}
+
+fn recommendation(error: f64, ladder: &Ladder, given: &Given, path: &Path) -> Recommendation {
+    let good = ladder.rungs.iter().rev();
+    let good = good.take_while(|rung| rung.error.l2 <= error);
+    let wanted = format!("for an error of {error:.0e}");
+    if let Some(rung) = good.last() {
+        let times = given.price.map(|price| rung.work.price() / price);
+        let text = format!(
+            "{wanted} use {}{}",
+            phrase(ladder.knob, &rung.setting),
+            relative(times, &given.setting)
+        );
+        return Recommendation {
+            error,
+            text,
+            command: Some(command(ladder.knob, &rung.setting, path)),
+        };
+    }
+    // Noise falls with the root of the samples, which no finer setting needs to be tried for.
+    if let (Knob::Samples, Some(finest)) = (ladder.knob, ladder.rungs.last()) {
+        let ratio = finest.error.l2 / error;
+        let samples = (finest.value * ratio * ratio).ceil();
+        if samples <= MOST_SAMPLES {
+            let times = given
+                .price
+                .map(|price| finest.work.price() * samples / finest.value / price);
+            let setting = format!("{samples} samples");
+            return Recommendation {
+                error,
+                text: format!(
+                    "{wanted} some {setting} would do, if noise falls on as the root of \
+                     them{}",
+                    relative(times, &given.setting)
+                ),
+                // Nobody waits for more.
+                command: (samples <= MOST_ADVISED).then(|| command(ladder.knob, &setting, path)),
+            };
+        }
+    }
+    let best = ladder.rungs.last().map(|rung| rung.error.l2);
+    Recommendation {
+        error,
+        text: match best {
+            Some(best) => format!(
+                "{wanted} no setting of the ladder is fine enough: the last one is off by \
+                 {best:.1e}"
+            ),
+            None => format!("{wanted} nothing was tried"),
+        },
+        command: None,
+    }
+}
+
+fn phrase(knob: Knob, setting: &str) -> String {
+    match knob {
+        Knob::Step => format!("steps of {setting}"),
+        _ => setting.to_owned(),
+    }
+}
+
+fn relative(times: Option<f64>, given: &str) -> String {
+    match times {
+        Some(times) => format!(": {times:.2} times the work of the scene's own {given}"),
+        None => String::new(),
+    }
+}
+
+fn command(knob: Knob, setting: &str, path: &Path) -> String {
+    let option = match knob {
+        Knob::Samples => {
+            let count = setting.split(' ').next().unwrap_or_default();
+            format!("--spp {count}")
+        }
+        _ => format!("--step \"{setting}\""),
+    };
+    format!("volref render {} -o image.exr {option}", path.display())
+}

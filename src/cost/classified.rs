@@ -1,0 +1,302 @@
+//! A classified volume, ready to be asked in every way there is to composite it.
+
+use super::collocation::{Collocation, Here, Light};
+use crate::geometry::{Aabb, Ray, Span, length_of};
+use crate::math::{exp, ln_1p};
+use crate::media::{Appearance, TransferFunction};
+use crate::render::Counters;
+use crate::render::compositing::{FrontToBack, Layers};
+use crate::render::empty_space::{EmptySpace, Space};
+use crate::render::field::{Field, Sampled};
+use crate::render::ray_caster::{RayCaster, Shaded, Shading};
+use crate::render::steps::Steps;
+use crate::render::volume_shadow::{Sample, Visibility, VolumeShadow};
+use crate::render::work::{Event, Work};
+use crate::scene::{Classified, Shadow};
+use crate::volume::{DensityField, GridDensity, relative_gradients};
+use glam::DVec3;
+use std::marker::PhantomData;
+
+/// How much light a sample gets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shade {
+    /// As the scene has it.
+    AsGiven,
+    /// By shadow rays sampled at this distance.
+    Every(f64),
+    /// Without a step, where the shadow is an integral of the density.
+    Exact,
+    /// All of it.
+    None,
+}
+
+/// A classified volume and all that can be asked of a ray through it.
+pub struct Subject<'s> {
+    scene: &'s Classified,
+    caster: Box<dyn Caster + 's>,
+    density: GridDensity,
+}
+
+/// The reference renderer's ray caster, compiled for whatever it is asked.
+trait Caster: Send + Sync {
+    fn layers(&self, step: f64, ray: &Ray, work: &mut Counters) -> Layers;
+    fn at(&self, ray: &Ray, world: DVec3, work: &mut Counters) -> (f64, DVec3);
+}
+
+impl<F, S, V> Caster for RayCaster<'_, F, FrontToBack, S, V, EmptySpace>
+where
+    F: Field + Send,
+    S: Shading + Send,
+    V: Visibility + Send,
+{
+    fn layers(&self, step: f64, ray: &Ray, work: &mut Counters) -> Layers {
+        self.layers_by(step, ray, work)
+    }
+
+    fn at(&self, ray: &Ray, world: DVec3, work: &mut Counters) -> (f64, DVec3) {
+        RayCaster::at(self, ray, world, work)
+    }
+}
+
+impl<'s> Subject<'s> {
+    /// `scene`, with its samples lit as `shade` says.
+    pub fn new(scene: &'s Classified, shade: Shade) -> Subject<'s> {
+        Subject {
+            scene,
+            caster: Box::new(caster(scene, shade)),
+            density: GridDensity::new(scene.grid.clone(), scene.interpolation),
+        }
+    }
+
+    /// Whether [`Shade::Exact`] can be had.
+    pub fn has_exact_shadow(scene: &Classified) -> bool {
+        matches!(
+            scene.transfer_function.appearance,
+            Appearance::Formula { .. }
+        )
+    }
+
+    /// The stretch of `ray` in the volume.
+    pub fn span(&self, ray: &Ray) -> Option<Span> {
+        self.scene.grid.lattice().bounds().span(ray)
+    }
+
+    /// What comes back along `ray` by the reference renderer's ray caster, with this step.
+    pub fn cast(&self, step: f64, ray: &Ray, work: &mut Counters) -> DVec3 {
+        let layers = self.layers(step, ray, work);
+        layers.colour + self.scene.background * (1.0 - layers.opacity)
+    }
+
+    /// The same without the background.
+    pub fn layers(&self, step: f64, ray: &Ray, work: &mut Counters) -> Layers {
+        self.caster.layers(step, ray, work)
+    }
+
+    /// What comes back along `ray` if `radiance` is seen before a `depth`.
+    pub fn before_background(&self, radiance: DVec3, depth: f64) -> DVec3 {
+        radiance + self.scene.background * exp(-depth)
+    }
+
+    /// The value of the field and what an opaque sample sends back, at distance `t`.
+    pub fn sample(&self, ray: &Ray, t: f64, work: &mut Counters) -> (f64, DVec3) {
+        self.caster.at(ray, ray.at(t), work)
+    }
+
+    /// Extinction and emission at distance `t`.
+    pub fn here(&self, ray: &Ray, t: f64, work: &mut Counters) -> Here {
+        let (value, source) = self.sample(ray, t, work);
+        Here::with_source(extinction(&self.scene.transfer_function, value), source)
+    }
+
+    /// Whether samples are shaded or shadowed.
+    pub fn is_lit(&self) -> bool {
+        self.scene.phong.is_some() || self.scene.shadow.is_some()
+    }
+
+    /// What an opaque sample of `value` would send back, were it neither shaded nor shadowed.
+    pub fn unlit(&self, value: f64) -> DVec3 {
+        let transfer_function = &self.scene.transfer_function;
+        transfer_function.colour(value) * transfer_function.strength(value)
+    }
+
+    /// The value of the field alone, at distance `t`.
+    pub fn value(&self, ray: &Ray, t: f64, work: &mut Counters) -> f64 {
+        work.count(Event::DensityLookup);
+        self.density.density(ray.at(t))
+    }
+
+    /// What comes back along `ray` in the limit of small steps, each element of the integral
+    /// good to `tolerance`; and the largest extinction that was met.
+    pub fn exact(&self, collocation: &Collocation, ray: &Ray, tolerance: f64) -> (Light, f64) {
+        let behind = Light {
+            radiance: self.scene.background,
+            ..Light::default()
+        };
+        let Some(span) = self.span(ray) else {
+            return (behind, 0.0);
+        };
+        let mut cuts = vec![span.near];
+        let pieces = self
+            .density
+            .smooth_stretches(ray.origin, ray.direction, span);
+        cuts.extend(pieces.map(|piece| piece.far));
+        let mut work = Counters::default();
+        let mut steepest = 0.0_f64;
+        let light = collocation.light(&cuts, tolerance, |t| {
+            let here = self.here(ray, t, &mut work);
+            steepest = steepest.max(here.extinction);
+            here
+        });
+        (light.before(&behind), steepest)
+    }
+
+    /// What comes back along `ray` by the midpoint rule with everything in single precision that
+    /// a ray caster carries: places, values, colours, opacities and their sums. What is evaluated
+    /// in between, as interpolation and exponentials, is rounded to single precision each time.
+    pub fn cast_single(&self, step: f64, ray: &Ray) -> DVec3 {
+        let background = self.scene.background.as_vec3();
+        let Some(span) = self.span(ray) else {
+            return background.as_dvec3();
+        };
+        let steps = Steps::over(span, step);
+        let (near, step) = (span.near as f32, step as f32);
+        let (origin, direction) = (ray.origin.as_vec3(), ray.direction.as_vec3());
+        let (mut colour, mut opacity) = (glam::Vec3::ZERO, 0.0_f32);
+        let mut work = Counters::default();
+        for index in 0..steps.count() {
+            let (t, length) = match index + 1 < steps.count() {
+                true => (near + (index as f32 + 0.5) * step, step),
+                false => {
+                    let (t, length) = steps.sample(index);
+                    (t as f32, length as f32)
+                }
+            };
+            let world = origin + direction * t;
+            let (value, source) = self.caster.at(ray, world.as_dvec3(), &mut work);
+            let value = f64::from(value as f32);
+            let own = self.scene.transfer_function.opacity(value, length.into()) as f32;
+            let through = 1.0 - opacity;
+            colour += source.as_vec3() * own * through;
+            opacity += own * through;
+        }
+        (colour + background * (1.0 - opacity)).as_dvec3()
+    }
+}
+
+/// Extinction, per length, of a value of the field.
+pub fn extinction(transfer_function: &TransferFunction, value: f64) -> f64 {
+    -ln_1p(-transfer_function.reference_opacity(value)) / transfer_function.reference_length
+}
+
+fn caster<'s>(scene: &'s Classified, shade: Shade) -> impl Caster + 's {
+    let bounds = scene.grid.lattice().bounds();
+    let sampled = |shadow: Shadow| VolumeShadow {
+        shadow,
+        light: scene.light,
+        bounds,
+        transfer_function: &scene.transfer_function,
+    };
+    let visibility = match (scene.shadow, shade) {
+        (None, _) | (_, Shade::None) => AnyVisibility::All,
+        (Some(shadow), Shade::AsGiven) => AnyVisibility::Sampled(sampled(shadow)),
+        (Some(shadow), Shade::Every(step)) => {
+            AnyVisibility::Sampled(sampled(Shadow { step, ..shadow }))
+        }
+        (Some(shadow), Shade::Exact) => AnyVisibility::Exact(ExactShadow {
+            light: scene.light,
+            reference_step: shadow.reference_step,
+            bounds,
+            density: GridDensity::new(scene.grid.clone(), scene.interpolation),
+        }),
+    };
+    let shading = scene.phong.map(|phong| Shaded {
+        phong,
+        gradients: relative_gradients(&*scene.grid),
+        light: scene.light,
+    });
+    RayCaster {
+        field: Sampled::new(&scene.grid, scene.interpolation),
+        order: PhantomData::<FrontToBack>,
+        shading: AnyShading(shading),
+        visibility,
+        space: EmptySpace::of(&*scene.grid, &scene.transfer_function),
+        transfer_function: &scene.transfer_function,
+        step: scene.step,
+        bounds,
+    }
+}
+
+/// Shading, if there is any. Decided for each sample, so that there is one ray caster to compile
+/// for all scenes; what is compared is counted, and times are compared among themselves.
+struct AnyShading(Option<Shaded>);
+
+impl Shading for AnyShading {
+    fn shade<F: Field, W: Work>(
+        &self,
+        colour: DVec3,
+        field: &F,
+        place: &F::Place,
+        point: DVec3,
+        ray: &Ray,
+        work: &mut W,
+    ) -> DVec3 {
+        match &self.0 {
+            Some(shaded) => shaded.shade(colour, field, place, point, ray, work),
+            None => colour,
+        }
+    }
+}
+
+/// Shadow of any kind, decided for each sample as well.
+enum AnyVisibility<'c> {
+    All,
+    Sampled(VolumeShadow<'c>),
+    Exact(ExactShadow),
+}
+
+impl Visibility for AnyVisibility<'_> {
+    fn at<F: Field, S: Space, W: Work>(
+        &self,
+        sample: Sample,
+        field: &F,
+        space: &S,
+        work: &mut W,
+    ) -> f64 {
+        match self {
+            AnyVisibility::All => 1.0,
+            AnyVisibility::Sampled(shadow) => shadow.at(sample, field, space, work),
+            AnyVisibility::Exact(shadow) => shadow.at(sample, field, space, work),
+        }
+    }
+}
+
+/// The volume shadow of the ray-casting assignment, `min(1, exp(−S/100))`, with `S` integrated
+/// cell by cell: what sampled shadow rays converge to.
+struct ExactShadow {
+    light: DVec3,
+    reference_step: f64,
+    bounds: Aabb,
+    density: GridDensity,
+}
+
+impl Visibility for ExactShadow {
+    fn at<F: Field, S: Space, W: Work>(&self, sample: Sample, _: &F, _: &S, work: &mut W) -> f64 {
+        let to_light = self.light - sample.world;
+        let Some(ray) = Ray::new(sample.world, to_light) else {
+            return 1.0;
+        };
+        let Some(inside) = self.bounds.span(&ray) else {
+            return 1.0;
+        };
+        work.count(Event::ShadowRay);
+        let span = Span {
+            near: 0.0,
+            far: inside.far.min(length_of(to_light)),
+        };
+        let mut lookups = 0;
+        let (origin, direction) = (ray.origin, ray.direction);
+        let sum = self.density.integral(origin, direction, span, &mut lookups);
+        work.count_times(Event::DensityLookup, lookups);
+        exp(-(sum / self.reference_step) / 100.0).min(1.0)
+    }
+}

@@ -1,0 +1,165 @@
+//! What each effect costs by itself.
+
+use super::image::thumbnail;
+use super::results::{EffectPrice, Work};
+use super::timing::Clock;
+use crate::media::{Asymmetry, Coefficients, HenyeyGreenstein};
+use crate::render::{Plan, RenderError, render, render_counted};
+use crate::scene::{Classified, Model, Panel, Radiative, Scattering, Scene};
+use glam::DVec3;
+use std::path::PathBuf;
+
+/// Pixels of the larger side of the image.
+const SIDE: usize = 32;
+/// Samples per pixel, where an image is sampled.
+const SAMPLES: u32 = 4;
+
+/// The effects of `panel`, each on alone upon what is there without any; the last is all of them.
+pub fn prices(panel: &Panel, clock: &Clock) -> Result<Vec<EffectPrice>, RenderError> {
+    let variants = match &panel.model {
+        Model::Classified(scene) => of_classified(scene),
+        Model::Radiative(scene) => of_radiative(scene),
+        Model::Curve(_) => vec![],
+    };
+    let scenes: Vec<(String, Scene, Vec<Plan>)> = variants
+        .into_iter()
+        .map(|(name, model)| {
+            let [width, height] = thumbnail([panel.width, panel.height], SIDE);
+            let mut scene = Scene {
+                path: PathBuf::new(),
+                panels: vec![Panel {
+                    width,
+                    height,
+                    model,
+                    ..panel.clone()
+                }],
+            };
+            scene.set_samples(SAMPLES);
+            let plans = scene.panels.iter().map(Plan::new).collect();
+            (name, scene, plans)
+        })
+        .collect();
+    let mut prices = Vec::new();
+    for (name, scene, plans) in &scenes {
+        let made = render_counted(scene, plans, &|| ())?;
+        let pixels = scene.panels[0].width * scene.panels[0].height;
+        prices.push(EffectPrice {
+            effect: name.clone(),
+            work: Work::per_ray(&made.work[0], pixels),
+            time: None,
+            times_lookups: None,
+        });
+    }
+    let renders: Vec<Box<dyn Fn() + Sync + '_>> = scenes
+        .iter()
+        .map(|(_, scene, plans)| -> Box<dyn Fn() + Sync> {
+            Box::new(move || {
+                // It was rendered above, and refuses nothing that it did not then.
+                let _ = std::hint::black_box(render(scene, plans, &|| ()));
+            })
+        })
+        .collect();
+    let tasks: Vec<&(dyn Fn() + Sync)> = renders.iter().map(|task| &**task).collect();
+    let pixels = scenes
+        .first()
+        .map_or(1, |(_, scene, _)| scene.width() * scene.height());
+    if let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+        let times = pool.install(|| clock.by_turns(&tasks, pixels as f64));
+        for (price, time) in prices.iter_mut().zip(times) {
+            price.time = time;
+        }
+    }
+    let first = prices.first().map_or(0.0, |price| price.work.price());
+    for price in &mut prices {
+        let lookups = price.work.price();
+        price.times_lookups = (first > 0.0).then_some(lookups / first);
+    }
+    Ok(prices)
+}
+
+fn of_classified(scene: &Classified) -> Vec<(String, Model)> {
+    let with = |name: &str, shading: bool, shadow: bool| {
+        let scene = Classified {
+            phong: scene.phong.filter(|_| shading),
+            shadow: scene.shadow.filter(|_| shadow),
+            ..scene.clone()
+        };
+        (name.to_owned(), Model::Classified(Box::new(scene)))
+    };
+    let mut variants = vec![with("absorption and emission", false, false)];
+    let (shading, shadow) = (scene.phong.is_some(), scene.shadow.is_some());
+    if shading {
+        variants.push(with("with gradient shading", true, false));
+    }
+    if shadow {
+        variants.push(with("with volume shadow", false, true));
+    }
+    if shading && shadow {
+        variants.push(with("with both", true, true));
+    }
+    variants
+}
+
+fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
+    // What is left without effects: light that is not turned, in grey, even, isotropic media that
+    // send out nothing.
+    let mut plain = scene.clone();
+    plain.scattering = Scattering::None;
+    for body in &mut plain.media {
+        let coefficients = body.medium.coefficients;
+        let grey = |channels: DVec3| DVec3::splat(channels.element_sum() / 3.0);
+        if let Ok(coefficients) =
+            Coefficients::new(grey(coefficients.sigma_a()), grey(coefficients.sigma_s()))
+        {
+            body.medium.coefficients = coefficients;
+        }
+        body.medium.emission = DVec3::ZERO;
+        body.medium.phase = HenyeyGreenstein(Asymmetry::ISOTROPIC);
+        body.density = None;
+    }
+    let named = |name: &str, scene: Radiative| (name.to_owned(), Model::Radiative(Box::new(scene)));
+    let mut variants = vec![named("absorption, light not turned", plain.clone())];
+    let mut add = |name: &str, edit: &dyn Fn(&mut Radiative)| {
+        let mut edited = plain.clone();
+        edit(&mut edited);
+        variants.push(named(name, edited));
+    };
+    let any = |f: &dyn Fn(&crate::scene::Body) -> bool| scene.media.iter().any(f);
+    let each = |edited: &mut Radiative,
+                f: &dyn Fn(&mut crate::scene::Body, &crate::scene::Body)| {
+        let bodies = edited.media.iter_mut().zip(&scene.media);
+        bodies.for_each(|(body, given)| f(body, given));
+    };
+    if any(&|body| body.medium.emission != DVec3::ZERO) {
+        add("with emission", &|edited| {
+            each(edited, &|body, given| {
+                body.medium.emission = given.medium.emission
+            });
+        });
+    }
+    if any(&|body| body.density.is_some()) {
+        add("with varying density", &|edited| {
+            each(edited, &|body, given| body.density = given.density.clone());
+        });
+    }
+    if scene.scattering != Scattering::None {
+        add("with single scattering", &|edited| {
+            edited.scattering = Scattering::Single
+        });
+    }
+    if matches!(scene.scattering, Scattering::Multiple(_)) {
+        add("with multiple scattering", &|edited| {
+            edited.scattering = scene.scattering
+        });
+        if any(&|body| body.medium.phase != HenyeyGreenstein(Asymmetry::ISOTROPIC)) {
+            add("with multiple scattering, anisotropic", &|edited| {
+                edited.scattering = scene.scattering;
+                each(edited, &|body, given| {
+                    body.medium.phase = given.medium.phase
+                });
+            });
+        }
+    }
+    variants.push(named("all of the scene", scene.clone()));
+    variants
+}

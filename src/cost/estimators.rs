@@ -1,0 +1,394 @@
+//! Estimators of a ray's transmittance by random numbers: what theory promises, and what they do.
+
+use super::collocation::{Collocation, Here};
+use super::profile::{Profile, Stretch};
+use super::results::{
+    EstimatorRow, EstimatorTable, ThicknessCurve, ThicknessPoint, ThicknessSweep,
+};
+use super::timing::Clock;
+use super::unbiased_ray_marching;
+use crate::math::rng::{Purpose, Stream};
+use crate::math::{Moments, exp};
+use crate::media::estimators::{delta_tracking_variance, ratio_tracking_variance};
+use crate::render::tracker::Numbers;
+use crate::render::tracking::{Chance, Control, Effort, Small, delta_tracking, ratio_tracking};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// A way to estimate transmittance without bias.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Estimator {
+    /// 1 for a flight that gets through, 0 for one that does not.
+    Delta,
+    /// Product of the shares of tentative collisions that are null.
+    Ratio,
+    /// The same relative to the lower bound of each stretch: the reference renderer's.
+    ResidualRatio,
+    /// A series around a marched depth, ended by chance.
+    UnbiasedMarching,
+}
+
+/// One estimate, and what it took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// The estimate.
+    pub value: f64,
+    /// Look-ups.
+    pub lookups: u64,
+    /// Random numbers drawn.
+    pub draws: u64,
+}
+
+impl Estimator {
+    /// All of them.
+    pub const ALL: [Estimator; 4] = [
+        Estimator::Delta,
+        Estimator::Ratio,
+        Estimator::ResidualRatio,
+        Estimator::UnbiasedMarching,
+    ];
+
+    /// As it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Estimator::Delta => "delta tracking",
+            Estimator::Ratio => "ratio tracking",
+            Estimator::ResidualRatio => "residual ratio tracking",
+            Estimator::UnbiasedMarching => "unbiased ray marching",
+        }
+    }
+
+    /// One estimate for `profile`, with the random numbers of `stream`.
+    pub fn sample(self, profile: &Profile<'_>, stream: &Stream) -> Sample {
+        let mut chance = Numbers::new(stream, 0, Purpose::Tracking);
+        let mut walk = profile.walk();
+        let mut effort = Effort::default();
+        let ratio = |control| (control, Small::Kept);
+        let (control, small) = match self {
+            Estimator::Delta => {
+                let first = chance.tentative();
+                let mut survived = DVec3::ONE;
+                let end =
+                    delta_tracking(&mut walk, 0, first, &mut chance, &mut survived, &mut effort);
+                return Sample {
+                    value: if end.is_break() { 0.0 } else { 1.0 },
+                    lookups: walk.lookups,
+                    draws: 2 * u64::from(chance.drawn),
+                };
+            }
+            Estimator::UnbiasedMarching => return by_unbiased_marching(profile, stream),
+            Estimator::Ratio => ratio(Control::Nothing),
+            Estimator::ResidualRatio => ratio(Control::LowerBound),
+        };
+        let value = ratio_tracking(&mut walk, control, small, &mut chance, &mut effort);
+        Sample {
+            value: value.x,
+            lookups: walk.lookups,
+            draws: 2 * u64::from(chance.drawn),
+        }
+    }
+
+    /// Variance and mean look-ups of one estimate by theory, where there is one.
+    fn predicted(self, known: &Known) -> (Option<f64>, Option<f64>) {
+        match self {
+            Estimator::Delta => (
+                Some(delta_tracking_variance(known.depth)),
+                Some(known.delta_lookups),
+            ),
+            Estimator::Ratio => (
+                Some(ratio_tracking_variance(known.depth, known.ratio)),
+                Some(known.majorant),
+            ),
+            Estimator::ResidualRatio => (
+                Some(ratio_tracking_variance(known.depth, known.residual)),
+                Some(known.residual_majorant),
+            ),
+            Estimator::UnbiasedMarching => (
+                known.is_constant.then_some(0.0),
+                Some(known.marching_lookups),
+            ),
+        }
+    }
+}
+
+/// What is known of a ray beforehand.
+struct Known {
+    depth: f64,
+    /// `∫ σ̄ e^(−τ) dt`.
+    delta_lookups: f64,
+    /// `∫ σ²/σ̄ dt`.
+    ratio: f64,
+    /// `∫ (σ − c)²/(σ̄ − c) dt`.
+    residual: f64,
+    /// `∫ σ̄ dt`.
+    majorant: f64,
+    /// `∫ (σ̄ − c) dt`.
+    residual_majorant: f64,
+    /// Of unbiased ray marching.
+    marching_lookups: f64,
+    /// Whether every extinction is its bound.
+    is_constant: bool,
+}
+
+/// Accuracy of the predictions: far below the 5 % and the standard errors they are compared with.
+const TOLERANCE: f64 = 1e-9;
+
+impl Known {
+    fn of(profile: &Profile<'_>, depth: f64) -> Known {
+        let collocation = Collocation::new();
+        let cuts = profile.cuts();
+        let bounds = |t: f64| match profile.stretch_at(t) {
+            Some(Stretch { low, high, .. }) => (*low, *high),
+            None => (0.0, 0.0),
+        };
+        let share = |squared: f64, bound: f64| match bound > 0.0 {
+            true => squared / bound,
+            false => 0.0,
+        };
+        let dimmed = collocation.light(&cuts, TOLERANCE, |t| Here {
+            extinction: profile.at(t),
+            emission: DVec3::new(bounds(t).1, 0.0, 0.0),
+        });
+        let sums = collocation.light(&cuts, TOLERANCE, |t| {
+            let (low, high) = bounds(t);
+            let sigma = profile.at(t);
+            let above = sigma - low;
+            Here {
+                extinction: 0.0,
+                emission: DVec3::new(
+                    share(sigma * sigma, high),
+                    share(above * above, high - low),
+                    0.0,
+                ),
+            }
+        });
+        let over = |rate: fn(&Stretch) -> f64| -> f64 {
+            let stretches = profile.stretches.iter();
+            stretches
+                .map(|stretch| rate(stretch) * stretch.span.length())
+                .sum()
+        };
+        let each = profile.densities as f64;
+        Known {
+            depth,
+            delta_lookups: each * dimmed.radiance.x,
+            ratio: sums.radiance.x,
+            residual: sums.radiance.y,
+            majorant: each * over(|stretch| stretch.high),
+            residual_majorant: each * over(|stretch| stretch.high - stretch.low),
+            marching_lookups: each * marching_lookups(profile),
+            is_constant: profile
+                .stretches
+                .iter()
+                .all(|stretch| stretch.low == stretch.high),
+        }
+    }
+}
+
+/// Samples of each estimator in the table, and at each thickness.
+const SAMPLES: u32 = 1 << 16;
+const SAMPLES_OF_A_SWEEP: u32 = 1 << 14;
+/// Samples whose time is taken.
+const SAMPLES_TIMED: u32 = 1 << 12;
+
+/// What many samples came to.
+struct Measured {
+    moments: Moments,
+    /// Mean of the fourth power of what a sample is off from their mean.
+    fourth: f64,
+    lookups: f64,
+}
+
+fn measure(estimator: Estimator, profile: &Profile<'_>, samples: u32, seed: u64) -> Measured {
+    let found: Vec<Sample> = (0..samples)
+        .into_par_iter()
+        .map(|number| estimator.sample(profile, &Stream::new(seed, 0, number)))
+        .collect();
+    let mut moments = Moments::default();
+    found.iter().for_each(|sample| moments.add(sample.value));
+    let fourth = |sample: &Sample| {
+        let squared = (sample.value - moments.mean()) * (sample.value - moments.mean());
+        squared * squared
+    };
+    let count = f64::from(samples);
+    Measured {
+        fourth: found.iter().map(fourth).sum::<f64>() / count,
+        lookups: found
+            .iter()
+            .map(|sample| sample.lookups as f64)
+            .sum::<f64>()
+            / count,
+        moments,
+    }
+}
+
+impl Measured {
+    fn variance(&self) -> f64 {
+        self.moments.variance().unwrap_or(0.0)
+    }
+
+    /// Standard error of the variance, `√((μ₄ − σ⁴)/n)`.
+    fn variance_error(&self) -> f64 {
+        let variance = self.variance();
+        let left = (self.fourth - variance * variance).max(0.0);
+        (left / self.moments.count() as f64).sqrt()
+    }
+}
+
+/// The estimators on one ray of optical depth `depth`.
+pub fn table(
+    ray: String,
+    profile: &Profile<'_>,
+    depth: f64,
+    seed: u64,
+    clock: &Clock,
+) -> EstimatorTable {
+    let known = Known::of(profile, depth);
+    let transmittance = exp(-depth);
+    let timed = Estimator::ALL.map(|estimator| {
+        move || {
+            std::hint::black_box(measure(estimator, profile, SAMPLES_TIMED, seed).lookups);
+        }
+    });
+    let tasks: Vec<&(dyn Fn() + Sync)> = timed.iter().map(|task| task as _).collect();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let times = match pool {
+        Ok(pool) => pool.install(|| clock.by_turns(&tasks, f64::from(SAMPLES_TIMED))),
+        Err(_) => vec![None; tasks.len()],
+    };
+    let rows = Estimator::ALL
+        .into_iter()
+        .zip(times)
+        .map(|(estimator, time)| {
+            let measured = measure(estimator, profile, SAMPLES, seed);
+            let (predicted_variance, predicted_lookups) = estimator.predicted(&known);
+            let (mean, variance) = (measured.moments.mean(), measured.variance());
+            let standard_error = (variance / f64::from(SAMPLES)).sqrt();
+            let variance_error = measured.variance_error();
+            // What rounding makes of an estimate that does not vary: a few hundred products.
+            let rounding = 1e-12 * transmittance;
+            let agrees = (mean - transmittance).abs() <= 4.0 * standard_error + rounding
+                && predicted_variance.is_none_or(|predicted| {
+                    (variance - predicted).abs() <= 4.0 * variance_error + rounding * rounding
+                })
+                && predicted_lookups.is_none_or(|predicted| {
+                    (measured.lookups - predicted).abs() <= 0.05 * predicted
+                });
+            EstimatorRow {
+                estimator: estimator.name().to_owned(),
+                mean,
+                bias: mean - transmittance,
+                standard_error,
+                variance,
+                variance_error,
+                predicted_variance,
+                lookups: measured.lookups,
+                predicted_lookups,
+                variance_times_lookups: variance * measured.lookups,
+                variance_times_seconds: time.map(|time| variance * time.median),
+                agrees,
+            }
+        });
+    EstimatorTable {
+        ray,
+        depth,
+        transmittance,
+        samples: SAMPLES,
+        rows: rows.collect(),
+    }
+}
+
+/// Optical thicknesses of a sweep: 1e-2 to 1e2, two for each power of ten.
+const THICKNESSES: [f64; 9] = [
+    0.01,
+    0.031_622_776_601_683_79,
+    0.1,
+    0.316_227_766_016_837_94,
+    1.0,
+    3.162_277_660_168_379_5,
+    10.0,
+    31.622_776_601_683_793,
+    100.0,
+];
+
+/// The estimators on a ray of optical depth `depth > 0`, made thinner and denser.
+pub fn sweep(
+    ray: String,
+    profile: &Profile<'_>,
+    depth: f64,
+    seed: u64,
+    clock: &Clock,
+) -> ThicknessSweep {
+    let curve = |estimator: Estimator| {
+        let mut points = Vec::new();
+        for thickness in THICKNESSES {
+            if clock.is_over() {
+                break;
+            }
+            let scaled = profile.scaled(thickness / depth);
+            let known = Known::of(&scaled, thickness);
+            let measured = measure(estimator, &scaled, SAMPLES_OF_A_SWEEP, seed);
+            let (variance, lookups) = estimator.predicted(&known);
+            let squared = exp(-2.0 * thickness);
+            let is_known = measured.variance_error() < 0.3 * measured.variance();
+            points.push(ThicknessPoint {
+                depth: thickness,
+                measured: is_known.then(|| measured.variance() / squared * measured.lookups),
+                predicted: match (variance, lookups) {
+                    (Some(variance), Some(lookups)) => Some(variance / squared * lookups),
+                    _ => None,
+                },
+            });
+        }
+        ThicknessCurve {
+            estimator: estimator.name().to_owned(),
+            points,
+        }
+    };
+    ThicknessSweep {
+        ray,
+        curves: Estimator::ALL.map(curve).into(),
+    }
+}
+
+/// Steps of a march by the rule of the authors.
+fn march_steps(profile: &Profile<'_>) -> u32 {
+    let stretches = profile.stretches.iter();
+    unbiased_ray_marching::march_steps(
+        stretches
+            .map(|stretch| stretch.high * stretch.span.length())
+            .sum(),
+    )
+}
+
+/// Look-ups of an estimate in the mean: none where a bound says that there is nothing.
+fn marching_lookups(profile: &Profile<'_>) -> f64 {
+    let filled = profile
+        .stretches
+        .iter()
+        .filter(|stretch| stretch.high > 0.0);
+    let filled: f64 = filled.map(|stretch| stretch.span.length()).sum();
+    let share = filled / profile.span().length();
+    f64::from(march_steps(profile)) * unbiased_ray_marching::MEAN_MARCHES * share
+}
+
+fn by_unbiased_marching(profile: &Profile<'_>, stream: &Stream) -> Sample {
+    let mut effort = Effort::default();
+    let (mut lookups, mut draws) = (0, 0);
+    let mut uniform = unbiased_ray_marching::uniform_numbers(stream, 0, Purpose::Tracking);
+    let value = unbiased_ray_marching::unbiased_ray_marching(
+        |t| (profile.extinction)(t, &mut lookups),
+        profile.span(),
+        march_steps(profile),
+        || {
+            draws += 1;
+            uniform()
+        },
+        &mut effort,
+    );
+    Sample {
+        value,
+        lookups,
+        draws,
+    }
+}

@@ -1,0 +1,493 @@
+//! What a classified image costs: the ray caster's step, the schemes people write, the step of
+//! shadow rays, and interpolation.
+
+use super::classified::{Shade, Subject};
+use super::collocation::{Collocation, Light};
+use super::marching::Scheme;
+use super::norms::root_mean_square;
+use super::order::Expected;
+use super::preintegration::Preintegrated;
+use super::results::{ErrorPicture, Knob, RayTrace, Reference, Study};
+use super::study::{Climb, Outcome, Run, Setting, climb, prices};
+use super::timing::Clock;
+use crate::geometry::Ray;
+use crate::math::rng::{Purpose, Stream};
+use crate::render::Counters;
+use crate::render::steps::Steps;
+use crate::render::work::Work;
+use crate::scene::Classified;
+use crate::volume::{Interpolation, Lattice};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Pixels of the larger side of the image that is looked at: every ladder needs the same rays,
+/// and some hundred of them tell an order as well as all do.
+const SIDE: usize = 32;
+/// The same where every sample sends out a ray to the light.
+const SIDE_WITH_SHADOW: usize = 10;
+
+/// Steps, in voxels.
+const STEPS: [f64; 9] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125, 0.0625, 0.031_25, 0.015_625];
+/// The same where every sample sends out a ray to the light: those that are done in seconds.
+const STEPS_WITH_SHADOW: [f64; 6] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125];
+
+/// Steps of shadow rays, in voxels.
+const SHADOW_STEPS: [f64; 7] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125, 0.0625];
+
+/// A voxel of this optical depth lets a hundredth of the light through.
+const OPAQUE: f64 = 4.605_170_185_988_092;
+
+/// Each element of the reference is good to this share of a radiance of 1.
+const TOLERANCE: f64 = 1e-12;
+/// The same where every evaluation walks to the light.
+const TOLERANCE_WITH_SHADOW: f64 = 1e-10;
+
+/// A scene's rays, and what is right for each of them.
+struct Rays<'s> {
+    scene: &'s Classified,
+    /// With the shadow as it should be.
+    subject: Subject<'s>,
+    size: [usize; 2],
+    rays: Vec<Ray>,
+    right: Vec<DVec3>,
+    /// By ray and channel, whether no voxel on the way is nearly opaque: where one is, light ends
+    /// in less than a step, and no rule has its order before steps are finer than that.
+    clear: Vec<bool>,
+    /// Root mean square of what is right.
+    scale: f64,
+    bound: f64,
+}
+
+impl<'s> Rays<'s> {
+    fn new(scene: &'s Classified, [width, height]: [usize; 2]) -> Rays<'s> {
+        let (most, tolerance) = match scene.shadow {
+            None => (SIDE, TOLERANCE),
+            Some(_) => (SIDE_WITH_SHADOW, TOLERANCE_WITH_SHADOW),
+        };
+        let size = thumbnail([width, height], most);
+        let shade = match Subject::has_exact_shadow(scene) {
+            true => Shade::Exact,
+            false => Shade::AsGiven,
+        };
+        let subject = Subject::new(scene, shade);
+        let rays: Vec<Ray> = (0..size[0] * size[1])
+            .map(|index| scene.camera.ray([index % size[0], index / size[0]], size))
+            .collect();
+        let collocation = Collocation::new();
+        let exact: Vec<(Light, f64)> = rays
+            .par_iter()
+            .map(|ray| subject.exact(&collocation, ray, tolerance))
+            .collect();
+        let right: Vec<DVec3> = exact.iter().map(|(light, _)| light.radiance).collect();
+        let steepest = OPAQUE / scene.grid.lattice().voxel();
+        let clear = exact.iter().flat_map(|(_, met)| [*met < steepest; 3]);
+        let scale = root_mean_square(right.iter().flat_map(|radiance| radiance.to_array()));
+        let errors = exact.iter().map(|(light, _)| light.radiance_error);
+        let bound = errors.fold(0.0, f64::max) / scale;
+        Rays {
+            scene,
+            subject,
+            size,
+            rays,
+            right,
+            clear: clear.collect(),
+            scale,
+            // Sums of some hundred terms of size 1.
+            bound: bound.max(1e-14),
+        }
+    }
+
+    /// Asks `radiance` for every ray.
+    fn run<'a>(
+        &'a self,
+        radiance: impl Fn(&Ray, usize, &mut Counters) -> DVec3 + Send + Sync + 'a,
+    ) -> Run<'a> {
+        Box::new(move || {
+            let found: Vec<(DVec3, Counters)> = self
+                .rays
+                .par_iter()
+                .enumerate()
+                .map(|(index, ray)| {
+                    let mut work = Counters::default();
+                    (radiance(ray, index, &mut work), work)
+                })
+                .collect();
+            let mut outcome = Outcome {
+                rays: self.rays.len(),
+                ..Outcome::default()
+            };
+            for ((value, work), right) in found.iter().zip(&self.right) {
+                outcome.work.add(work);
+                outcome.errors.extend((*value - *right).to_array());
+            }
+            outcome
+        })
+    }
+
+    /// The reference renderer's ray caster by its step.
+    fn ours(&self) -> Climb<'_> {
+        let jumps = self.scene.interpolation == Interpolation::Nearest;
+        Climb {
+            estimator: "midpoint".to_owned(),
+            is_ours: true,
+            knob: Knob::Step,
+            expected: Expected::of_step(if jumps { 1.0 } else { 2.0 }),
+            settings: self.steps(
+                |step| self.run(move |ray, _, work| self.subject.cast(step, ray, work)),
+                |step| Some(self.run(move |ray, _, _| self.subject.cast_single(step, ray))),
+            ),
+        }
+    }
+
+    /// Another scheme, by its step.
+    fn by_scheme(&self, scheme: Scheme) -> Climb<'_> {
+        let jumps = self.scene.interpolation == Interpolation::Nearest;
+        let order = match scheme {
+            // Any jitter across a jump: 1.
+            _ if jumps => scheme.order().min(1.0),
+            _ => scheme.order(),
+        };
+        let march = move |step: f64| {
+            self.run(move |ray, index, work| {
+                let Some(span) = self.subject.span(ray) else {
+                    return self.subject.before_background(DVec3::ZERO, 0.0);
+                };
+                let stream = Stream::new(0, index as u32, 0);
+                let uniform = |step: usize| stream.uniform(0, Purpose::Tracking, step as u32);
+                let mut here = |t: f64| self.subject.here(ray, t, work);
+                let (radiance, depth) = scheme.march(&Steps::over(span, step), &mut here, uniform);
+                self.subject.before_background(radiance, depth)
+            })
+        };
+        Climb {
+            estimator: scheme.name().to_owned(),
+            is_ours: false,
+            knob: Knob::Step,
+            // At both ends of a volume with an empty border there is nothing: errors at the ends,
+            // which make a rule of the first order one, are not there.
+            expected: match scheme {
+                Scheme::Left | Scheme::Comb => Expected::NOTHING,
+                _ => Expected::of_step(order),
+            },
+            settings: self.steps(march, |_| None),
+        }
+    }
+
+    /// Pre-integrated classification, by its step.
+    fn by_preintegration<'a>(&'a self, table: &'a Preintegrated) -> Climb<'a> {
+        Climb {
+            estimator: "pre-integrated".to_owned(),
+            is_ours: false,
+            knob: Knob::Step,
+            expected: match self.scene.interpolation {
+                Interpolation::Trilinear => Expected::of_step(2.0),
+                // Between two nodes' values there is a jump, which it takes for a slope.
+                Interpolation::Nearest => Expected::of_step(1.0),
+            },
+            settings: self.steps(
+                |step| {
+                    self.run(move |ray, _, work| {
+                        let (radiance, depth) =
+                            preintegrated(&self.subject, table, step, ray, work);
+                        self.subject.before_background(radiance, depth)
+                    })
+                },
+                |_| None,
+            ),
+        }
+    }
+
+    fn steps<'a>(
+        &'a self,
+        run: impl Fn(f64) -> Run<'a>,
+        single: impl Fn(f64) -> Option<Run<'a>>,
+    ) -> Vec<Setting<'a>> {
+        let steps: &[f64] = match self.scene.shadow {
+            None => &STEPS,
+            Some(_) => &STEPS_WITH_SHADOW,
+        };
+        let voxel = self.scene.grid.lattice().voxel();
+        steps
+            .iter()
+            .map(|&voxels| Setting {
+                name: format!("{voxels} voxels"),
+                value: voxels * voxel,
+                run: run(voxels * voxel),
+                single: single(voxels * voxel),
+            })
+            .collect()
+    }
+}
+
+/// What comes back along `ray` by pre-integrated segments of length `step`, and their depth.
+///
+/// The table holds what the transfer function makes of a segment. What shading and shadow add to
+/// that, or take from it, is looked up in its middle.
+fn preintegrated(
+    subject: &Subject<'_>,
+    table: &Preintegrated,
+    step: f64,
+    ray: &Ray,
+    work: &mut Counters,
+) -> (DVec3, f64) {
+    let Some(span) = subject.span(ray) else {
+        return (DVec3::ZERO, 0.0);
+    };
+    let steps = Steps::over(span, step);
+    let (mut radiance, mut depth) = (DVec3::ZERO, 0.0);
+    let mut front = None;
+    for index in 0..steps.count() {
+        let (middle, length) = steps.sample(index);
+        let near = front.unwrap_or_else(|| subject.value(ray, middle - 0.5 * length, work));
+        let far = subject.value(ray, middle + 0.5 * length, work);
+        front = Some(far);
+        let segment = table.segment(near, far, length);
+        let through = crate::math::exp(-depth);
+        radiance += segment.colour * through;
+        if subject.is_lit() && segment.opacity > 0.0 {
+            let (value, source) = subject.sample(ray, middle, work);
+            let added = source - subject.unlit(value);
+            radiance += added * (segment.opacity * through);
+        }
+        depth += -crate::math::ln_1p(-segment.opacity);
+    }
+    (radiance, depth)
+}
+
+/// The image of `scene`, of `size` pixels in full, neither shaded nor shadowed; none if it is
+/// neither. A highlight may be narrower than any step; emission and absorption are not, and show
+/// what order a rule has.
+pub fn unlit_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Study> {
+    if scene.phong.is_none() && scene.shadow.is_none() {
+        return None;
+    }
+    let unlit = Classified {
+        phong: None,
+        shadow: None,
+        ..scene.clone()
+    };
+    // Its work is that of the image but for the light; times would only say so again.
+    let untimed = Clock { runs: 0, ..*clock };
+    let study = steps(&unlit, size, &untimed);
+    Some(Study {
+        name: "unlit",
+        quantity: format!("{}, neither shaded nor shadowed", study.quantity),
+        pictures: vec![],
+        worst_ray: None,
+        ..study
+    })
+}
+
+/// The image of `scene`, of `size` pixels in full: radiance by step and scheme.
+pub fn steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
+    let rays = Rays::new(scene, size);
+    let table = Preintegrated::new(&scene.transfer_function);
+    let mut climbs = vec![rays.ours()];
+    let schemes = Scheme::ALL.into_iter();
+    // The first is what the ray caster does.
+    climbs.extend(schemes.skip(1).map(|scheme| rays.by_scheme(scheme)));
+    climbs.push(rays.by_preintegration(&table));
+    let clear = rays.clear.iter().filter(|clear| **clear).count();
+    let judged = (clear < rays.clear.len()).then_some(&rays.clear[..]);
+    let ladders = climb(&climbs, rays.scale, rays.bound, judged, clock);
+    let shadow = match scene.shadow {
+        None => "",
+        Some(_) if Subject::has_exact_shadow(scene) => ", the shadow integrated cell by cell",
+        Some(_) => ", the shadow as the scene samples it",
+    };
+    Study {
+        name: "image",
+        quantity: format!(
+            "radiance of {} × {} pixels{shadow}",
+            rays.size[0], rays.size[1]
+        ),
+        reference: Reference {
+            method: "collocation at Gauss points between the faces of cells, halved until its \
+                     parts agree"
+                .to_owned(),
+            bound: rays.bound,
+        },
+        judged_on: judged_on(scene, &rays, clear / 3),
+        prices: prices(&ladders, rays.bound),
+        pictures: pictures(&rays),
+        worst_ray: Some(worst_ray(&rays)),
+        ladders,
+    }
+}
+
+/// What is to be known of the orders of an image, `clear` of whose rays are judged.
+fn judged_on(scene: &Classified, rays: &Rays<'_>, clear: usize) -> Option<String> {
+    let mut words = Vec::new();
+    if clear < rays.rays.len() {
+        words.push(format!(
+            "{clear} of {} rays: the others meet voxels that let less than a hundredth of the \
+             light through, and light that ends within a step follows no order",
+            rays.rays.len()
+        ));
+    }
+    if scene.phong.is_some() {
+        words.push(
+            "all steps, though a highlight may be narrower than any of them; `unlit` shows what \
+             is left without"
+                .to_owned(),
+        );
+    }
+    (!words.is_empty()).then(|| words.join("; "))
+}
+
+/// The image of `scene` by the step of its shadow rays, where there are any and where they have
+/// a limit that is known.
+pub fn shadow_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Study> {
+    scene.shadow?;
+    if !Subject::has_exact_shadow(scene) {
+        return None;
+    }
+    let mut rays = Rays::new_without_reference(scene, size);
+    // One step for all: what is compared is the shadow.
+    let step = scene.grid.lattice().voxel();
+    rays.right = rays
+        .rays
+        .par_iter()
+        .map(|ray| rays.subject.cast(step, ray, &mut Counters::default()))
+        .collect();
+    rays.scale = root_mean_square(rays.right.iter().flat_map(|radiance| radiance.to_array()));
+    rays.bound = 1e-14;
+    let voxel = scene.grid.lattice().voxel();
+    let subjects: Vec<(f64, Subject<'_>)> = SHADOW_STEPS
+        .map(|voxels| (voxels, Subject::new(scene, Shade::Every(voxels * voxel))))
+        .into();
+    let rays = &rays;
+    let settings = subjects.iter().map(|(voxels, subject)| Setting {
+        name: format!("{voxels} voxels"),
+        value: voxels * voxel,
+        run: rays.run(move |ray, _, work| subject.cast(step, ray, work)),
+        single: None,
+    });
+    let jumps = scene.interpolation == Interpolation::Nearest;
+    let climbs = [Climb {
+        estimator: "midpoint".to_owned(),
+        is_ours: true,
+        knob: Knob::ShadowStep,
+        expected: Expected::of_step(if jumps { 1.0 } else { 2.0 }),
+        settings: settings.collect(),
+    }];
+    let ladders = climb(&climbs, rays.scale, rays.bound, None, clock);
+    Some(Study {
+        name: "shadow",
+        quantity: format!(
+            "radiance of {} × {} pixels by the step of shadow rays, samples 1 voxel apart",
+            rays.size[0], rays.size[1]
+        ),
+        reference: Reference {
+            method: "the shadow integrated cell by cell".to_owned(),
+            bound: rays.bound,
+        },
+        judged_on: None,
+        prices: prices(&ladders, rays.bound),
+        pictures: vec![],
+        worst_ray: None,
+        ladders,
+    })
+}
+
+impl<'s> Rays<'s> {
+    fn new_without_reference(scene: &'s Classified, size: [usize; 2]) -> Rays<'s> {
+        let size = thumbnail(size, SIDE_WITH_SHADOW);
+        Rays {
+            scene,
+            subject: Subject::new(scene, Shade::Exact),
+            size,
+            rays: (0..size[0] * size[1])
+                .map(|index| scene.camera.ray([index % size[0], index / size[0]], size))
+                .collect(),
+            right: vec![],
+            clear: vec![],
+            scale: 1.0,
+            bound: 0.0,
+        }
+    }
+}
+
+/// Signed errors of three steps, the scene's own among them, on the same rays.
+fn pictures(rays: &Rays<'_>) -> Vec<ErrorPicture> {
+    let voxel = rays.scene.grid.lattice().voxel();
+    let own = rays.scene.step / voxel;
+    [2.0, own, 0.125]
+        .into_iter()
+        .map(|voxels| {
+            let outcome =
+                rays.run(move |ray, _, work| rays.subject.cast(voxels * voxel, ray, work))();
+            let errors = outcome.errors.chunks(3);
+            ErrorPicture {
+                setting: format!("midpoint, {voxels} voxels"),
+                size: rays.size,
+                errors: errors
+                    .map(|error| error.iter().sum::<f64>() / 3.0 / rays.scale)
+                    .collect(),
+            }
+        })
+        .collect()
+}
+
+/// Points of the finely drawn curve of a ray.
+const TRACE: usize = 800;
+
+/// The ray on which the scene's own step is farthest off.
+fn worst_ray(rays: &Rays<'_>) -> RayTrace {
+    let (scene, subject) = (rays.scene, &rays.subject);
+    let mut work = Counters::default();
+    let mut off = |index: usize| {
+        let value = subject.cast(scene.step, &rays.rays[index], &mut work);
+        (value - rays.right[index]).abs().max_element()
+    };
+    let errors: Vec<f64> = (0..rays.rays.len()).map(&mut off).collect();
+    let worst = (0..errors.len())
+        .max_by(|&a, &b| errors[a].total_cmp(&errors[b]))
+        .unwrap_or(0);
+    let ray = &rays.rays[worst];
+    let span = subject.span(ray);
+    let mut at = |t: f64| [t, subject.here(ray, t, &mut work).extinction];
+    let mut extinction = Vec::new();
+    let mut samples = Vec::new();
+    if let Some(span) = span {
+        let length = span.length();
+        extinction = (0..=TRACE)
+            .map(|index| at(span.near + length * index as f64 / TRACE as f64))
+            .collect();
+        let steps = Steps::over(span, scene.step);
+        samples = (0..steps.count())
+            .map(|index| at(steps.sample(index).0))
+            .collect();
+    }
+    let value = subject.cast(scene.step, ray, &mut work);
+    RayTrace {
+        ray: format!(
+            "pixel ({}, {}) of {} × {}",
+            worst % rays.size[0],
+            worst / rays.size[0],
+            rays.size[0],
+            rays.size[1]
+        ),
+        setting: format!("midpoint, {}", in_voxels(scene.step, scene.grid.lattice())),
+        extinction,
+        samples,
+        value: value.element_sum() / 3.0,
+        reference: rays.right[worst].element_sum() / 3.0,
+    }
+}
+
+/// A length in voxels, in words.
+pub fn in_voxels(length: f64, lattice: &Lattice) -> String {
+    // Six digits: the length was a product, and would show the rounding of it.
+    let voxels = length / lattice.voxel();
+    format!("{} voxels", (voxels * 1e6).round() / 1e6)
+}
+
+/// The size of a smaller image of the same shape, its larger side `most` pixels.
+pub fn thumbnail([width, height]: [usize; 2], most: usize) -> [usize; 2] {
+    let larger = width.max(height);
+    if larger <= most {
+        return [width, height];
+    }
+    [width, height].map(|side| (side * most).div_ceil(larger).max(1))
+}

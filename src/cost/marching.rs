@@ -1,0 +1,128 @@
+//! Ways of adding up emission and absorption over equal steps along a ray.
+//!
+//! One of them is the reference renderer's; the others are what people write.
+
+use super::collocation::Here;
+use crate::math::{exp, ln};
+use crate::media::optical_depth;
+use crate::render::steps::Steps;
+use glam::DVec3;
+
+/// What is done with one step of length `h`, `σ` and `ε` being extinction and emission where it
+/// looks, and `S = ε/σ` the source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scheme {
+    /// In its middle, `S (1 − e^(−σh))`: the reference's.
+    Midpoint,
+    /// Where it begins, `S (1 − e^(−σh))`.
+    Left,
+    /// In its middle, with the opacity `min(σh, 1)` in place of `1 − e^(−σh)`.
+    ThinOpacity,
+    /// In its middle, `ε h`: the step does not dim its own light.
+    NoSelfAttenuation,
+    /// In its middle, `ε h e^(−σh/2)`: light is dimmed as from the middle.
+    MiddleAttenuation,
+    /// The means of `σ` and `ε` at its ends, dimmed as if they were spread evenly over it.
+    Trapezoid,
+    /// As the midpoint rule, but at a random place in the step, another one in each.
+    Stratified,
+    /// As the midpoint rule, but at a random place in the step, the same in all of a ray.
+    Comb,
+}
+
+impl Scheme {
+    /// All of them.
+    pub const ALL: [Scheme; 8] = [
+        Scheme::Midpoint,
+        Scheme::Left,
+        Scheme::ThinOpacity,
+        Scheme::NoSelfAttenuation,
+        Scheme::MiddleAttenuation,
+        Scheme::Trapezoid,
+        Scheme::Stratified,
+        Scheme::Comb,
+    ];
+
+    /// As it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Scheme::Midpoint => "midpoint",
+            Scheme::Left => "left",
+            Scheme::ThinOpacity => "midpoint, opacity σh",
+            Scheme::NoSelfAttenuation => "midpoint, no attenuation inside a step",
+            Scheme::MiddleAttenuation => "midpoint, attenuation from the middle",
+            Scheme::Trapezoid => "trapezoid",
+            Scheme::Stratified => "jittered, stratified",
+            Scheme::Comb => "jittered, one offset a ray",
+        }
+    }
+
+    /// Order of its error in the length of a step, where extinction and source are continuous; of
+    /// jitter, order of the standard deviation.
+    pub fn order(self) -> f64 {
+        match self {
+            Scheme::Midpoint | Scheme::MiddleAttenuation | Scheme::Trapezoid => 2.0,
+            Scheme::Left | Scheme::ThinOpacity | Scheme::NoSelfAttenuation | Scheme::Comb => 1.0,
+            Scheme::Stratified => 1.5,
+        }
+    }
+
+    /// Light sent back over `steps`, and their depth. `at` says what is found at a distance,
+    /// `random` gives the random numbers of the step with an index, uniform in [0, 1).
+    pub fn march(
+        self,
+        steps: &Steps,
+        mut at: impl FnMut(f64) -> Here,
+        mut random: impl FnMut(usize) -> f64,
+    ) -> (DVec3, f64) {
+        let mut radiance = DVec3::ZERO;
+        // The depth is what is carried; transmittance would end at 0 and stay there.
+        let mut depth = 0.0;
+        // Transparency by multiplication, of the scheme that has no depth.
+        let mut through = 1.0;
+        let mut before = None;
+        for index in 0..steps.count() {
+            let (middle, length) = steps.sample(index);
+            let (near, far) = (middle - 0.5 * length, middle + 0.5 * length);
+            let place = match self {
+                Scheme::Left => near,
+                Scheme::Stratified => near + random(index) * length,
+                Scheme::Comb => near + random(0) * length,
+                _ => middle,
+            };
+            if self == Scheme::Trapezoid {
+                let first = before.unwrap_or_else(|| at(near));
+                let last = at(far);
+                before = Some(last);
+                let own = 0.5 * length * (first.extinction + last.extinction);
+                let mean = Here {
+                    extinction: 0.5 * (first.extinction + last.extinction),
+                    emission: 0.5 * (first.emission + last.emission),
+                };
+                radiance += mean.seen_over(length) * exp(-depth);
+                depth += own;
+                continue;
+            }
+            let here = at(place);
+            let own = optical_depth(here.extinction, length);
+            match self {
+                Scheme::ThinOpacity => {
+                    // Of what is denser than that, the step is opaque at its beginning.
+                    let whole = (1.0 / here.extinction).min(length);
+                    radiance += here.emission * (whole * through);
+                    through *= 1.0 - own.min(1.0);
+                }
+                Scheme::NoSelfAttenuation => radiance += here.emission * (length * exp(-depth)),
+                Scheme::MiddleAttenuation => {
+                    radiance += here.emission * (length * exp(-(depth + 0.5 * own)));
+                }
+                _ => radiance += here.seen_over(length) * exp(-depth),
+            }
+            depth += own;
+        }
+        if self == Scheme::ThinOpacity {
+            depth = -ln(through);
+        }
+        (radiance, depth)
+    }
+}

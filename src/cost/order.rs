@@ -1,0 +1,224 @@
+//! How an error falls: orders of convergence, and whether they are those of theory.
+
+use super::results::{Norms, Order, OrderVerdict};
+use crate::math;
+
+/// Errors below this many times what the reference itself may be off are not counted.
+const ABOVE_THE_BOUND: f64 = 100.0;
+
+/// The same where chance is at work: the noise of the reference adds up by squares, to an
+/// thirty-second of the error.
+const ABOVE_THE_NOISE: f64 = 4.0;
+
+/// Errors above this share of what is right belong to no limit; those of chance all do.
+const COARSE: f64 = 0.1;
+
+/// Settings that a fit needs, at least; and those that it takes, at most, from the fine end: an
+/// order is a statement about the limit.
+const FEWEST: usize = 3;
+const MOST: usize = 4;
+
+/// What theory says of a ladder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Expected {
+    /// The order, if anything is expected.
+    pub order: Option<f64>,
+    /// How far a fit may be off.
+    pub tolerance: f64,
+    /// Whether all settings that count are fitted, not only the finest: where chance is at work,
+    /// every one of them is a measurement of the same law.
+    pub by_chance: bool,
+}
+
+impl Expected {
+    /// Nothing.
+    pub const NOTHING: Expected = Expected {
+        order: None,
+        tolerance: 0.1,
+        by_chance: false,
+    };
+
+    /// An order of a rule in the length of a step.
+    pub fn of_step(order: f64) -> Expected {
+        Expected {
+            order: Some(order),
+            ..Expected::NOTHING
+        }
+    }
+
+    /// The error of a mean of samples.
+    pub const OF_SAMPLES: Expected = Expected {
+        order: Some(-0.5),
+        tolerance: 0.05,
+        by_chance: true,
+    };
+}
+
+/// The order in which errors fall with `values`, of settings from coarse to fine, against a
+/// reference that may be off by `bound`.
+pub fn order(values: &[f64], errors: &[Norms], expected: Expected, bound: f64) -> Order {
+    let squares: Vec<f64> = errors.iter().map(|error| error.l2).collect();
+    let largest: Vec<f64> = errors.iter().map(|error| error.max).collect();
+    let local: Vec<Option<f64>> = (1..values.len())
+        .map(|fine| {
+            let at = |index: usize| Point {
+                value: values[index],
+                error: squares[index],
+                uncertainty: 0.0,
+            };
+            let line = line(&[at(fine - 1), at(fine)]);
+            line.map(|line| line.slope)
+                .filter(|_| squares[fine] > bound)
+        })
+        .collect();
+    let (floor, ceiling) = match expected.by_chance {
+        true => (ABOVE_THE_NOISE * bound, f64::INFINITY),
+        false => (ABOVE_THE_BOUND * bound, COARSE),
+    };
+    let counting = |sizes: &[f64]| -> Vec<Point> {
+        let all = values.iter().zip(sizes).zip(errors);
+        let points = all.map(|((&value, &error), norms)| Point {
+            value,
+            error,
+            uncertainty: norms.uncertainty,
+        });
+        let mut points: Vec<_> = points
+            .filter(|point| point.error > floor && point.error < ceiling)
+            .collect();
+        if !expected.by_chance && points.len() > MOST {
+            points.drain(..points.len() - MOST);
+        }
+        points
+    };
+    let fit = |points: &[Point]| match points.len() {
+        0..FEWEST => None,
+        _ => line(points),
+    };
+    let points = counting(&squares);
+    let counted = values
+        .iter()
+        .map(|value| points.iter().any(|point| point.value == *value));
+    let line_of_all = fit(&points);
+    let fitted = line_of_all.map(|line| line.slope);
+    let tolerance = expected.tolerance + line_of_all.map_or(0.0, |line| 2.0 * line.uncertainty);
+    let verdict = match (expected.order, fitted) {
+        (None, _) => OrderVerdict::NothingExpected,
+        (Some(_), None) => OrderVerdict::Undecided,
+        (Some(order), Some(fitted)) if (fitted - order).abs() <= tolerance => {
+            OrderVerdict::AsExpected
+        }
+        _ => {
+            let steps = points.windows(2).filter_map(line).map(|line| line.slope);
+            let (low, high) = steps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
+                (low.min(at), high.max(at))
+            });
+            match high - low > 2.0 * tolerance {
+                true => OrderVerdict::NotYetAPower,
+                false => OrderVerdict::Otherwise,
+            }
+        }
+    };
+    Order {
+        expected: expected.order,
+        known: floor,
+        counted: counted.collect(),
+        fitted,
+        fitted_max: fit(&counting(&largest)).map(|line| line.slope),
+        local,
+        tolerance,
+        verdict,
+    }
+}
+
+/// A setting and its error.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    value: f64,
+    error: f64,
+    /// Relative standard error of the error.
+    uncertainty: f64,
+}
+
+/// A straight line through logarithms.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    slope: f64,
+    /// Standard error of the slope, if the points are independent.
+    uncertainty: f64,
+}
+
+/// The line of least squares through the logarithms of `points`, all positive; none through fewer
+/// than two different ones.
+fn line(points: &[Point]) -> Option<Line> {
+    let usable = |point: &Point| point.value > 0.0 && point.error > 0.0 && point.error.is_finite();
+    if points.len() < 2 || !points.iter().all(usable) {
+        return None;
+    }
+    let xs: Vec<f64> = points.iter().map(|point| math::ln(point.value)).collect();
+    let ys: Vec<f64> = points.iter().map(|point| math::ln(point.error)).collect();
+    let mean = |numbers: &[f64]| numbers.iter().sum::<f64>() / numbers.len() as f64;
+    let (mean_x, mean_y) = (mean(&xs), mean(&ys));
+    let (mut across, mut along, mut doubt) = (0.0, 0.0, 0.0);
+    for ((x, y), point) in xs.iter().zip(&ys).zip(points) {
+        across += (x - mean_x) * (y - mean_y);
+        along += (x - mean_x) * (x - mean_x);
+        // The logarithm of an error is off by as much as the error is relative to itself.
+        doubt += (x - mean_x) * (x - mean_x) * (point.uncertainty * point.uncertainty);
+    }
+    (along > 0.0).then(|| Line {
+        slope: across / along,
+        uncertainty: doubt.sqrt() / along,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ladder(error: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<Norms>) {
+        let steps = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
+        let norms = |&h: &f64| Norms {
+            l1: error(h),
+            l2: error(h),
+            max: 2.0 * error(h),
+            uncertainty: 0.0,
+        };
+        (steps.to_vec(), steps.iter().map(norms).collect())
+    }
+
+    #[test]
+    fn a_power_is_found_and_judged() {
+        let (steps, errors) = ladder(|h| 0.05 * h * h);
+        let found = order(&steps, &errors, Expected::of_step(2.0), 1e-12);
+        assert!((found.fitted.unwrap() - 2.0).abs() < 1e-12);
+        assert!((found.fitted_max.unwrap() - 2.0).abs() < 1e-12);
+        assert_eq!(found.verdict, OrderVerdict::AsExpected);
+        let found = order(&steps, &errors, Expected::of_step(1.0), 1e-12);
+        assert_eq!(found.verdict, OrderVerdict::Otherwise);
+    }
+
+    #[test]
+    fn what_the_reference_does_not_know_is_not_judged() {
+        let (steps, errors) = ladder(|h| 0.05 * h * h);
+        // Below 100 × 1e-4 are all but the two coarsest.
+        let found = order(&steps, &errors, Expected::of_step(2.0), 1e-4);
+        assert_eq!(
+            (found.fitted, found.verdict),
+            (None, OrderVerdict::Undecided)
+        );
+    }
+
+    #[test]
+    fn a_floor_is_no_power() {
+        let (steps, errors) = ladder(|h| 0.05 * h * h + 1e-3);
+        let found = order(&steps, &errors, Expected::of_step(2.0), 1e-12);
+        assert_eq!(found.verdict, OrderVerdict::NotYetAPower);
+    }
+
+    #[test]
+    fn no_error_has_no_order() {
+        let (steps, errors) = ladder(|_| 0.0);
+        let found = order(&steps, &errors, Expected::of_step(2.0), 0.0);
+        assert_eq!(found.verdict, OrderVerdict::Undecided);
+    }
+}

@@ -1,0 +1,123 @@
+//! Extinction along one ray: what every estimator of its transmittance is given.
+
+use crate::geometry::Span;
+use crate::render::tracking::{Bounded, Bounds};
+use glam::DVec3;
+
+/// Extinction along a ray, in one channel.
+pub struct Profile<'p> {
+    /// Stretches that follow one another without gaps, with bounds on the extinction over each.
+    pub stretches: Vec<Stretch>,
+    /// Extinction at a distance, per length; adds what it looked up to the number.
+    pub extinction: Extinction<'p>,
+    /// Places between which the extinction is smooth, or nearly so, beside the ends of stretches.
+    pub kinks: Vec<f64>,
+    /// Densities that a look-up of the extinction looks up.
+    pub densities: usize,
+}
+
+/// Extinction by distance; the number counts look-ups.
+pub type Extinction<'p> = Box<dyn Fn(f64, &mut u64) -> f64 + Send + Sync + 'p>;
+
+/// A stretch of a ray, and bounds on the extinction over it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// From where to where.
+    pub span: Span,
+    /// No extinction is below.
+    pub low: f64,
+    /// None is above.
+    pub high: f64,
+}
+
+impl Profile<'_> {
+    /// From where to where the ray is followed.
+    pub fn span(&self) -> Span {
+        match (self.stretches.first(), self.stretches.last()) {
+            (Some(first), Some(last)) => Span {
+                near: first.span.near,
+                far: last.span.far,
+            },
+            _ => Span {
+                near: 0.0,
+                far: 0.0,
+            },
+        }
+    }
+
+    /// Extinction at `t`, where nobody counts.
+    pub fn at(&self, t: f64) -> f64 {
+        (self.extinction)(t, &mut 0)
+    }
+
+    /// Ends of stretches and kinks, in order, each once: between two of them the extinction is
+    /// smooth.
+    pub fn cuts(&self) -> Vec<f64> {
+        let span = self.span();
+        let mut cuts: Vec<f64> = vec![span.near, span.far];
+        cuts.extend(self.stretches.iter().map(|stretch| stretch.span.near));
+        cuts.extend(&self.kinks);
+        cuts.retain(|&t| span.near <= t && t <= span.far);
+        cuts.sort_unstable_by(f64::total_cmp);
+        cuts.dedup();
+        cuts
+    }
+
+    /// The stretch that holds `t`; of two that meet there, the first.
+    pub fn stretch_at(&self, t: f64) -> Option<&Stretch> {
+        let index = self
+            .stretches
+            .partition_point(|stretch| stretch.span.far < t);
+        self.stretches.get(index)
+    }
+
+    /// The same ray in matter `factor > 0` times as dense.
+    pub fn scaled(&self, factor: f64) -> Profile<'_> {
+        let stretch = |stretch: &Stretch| Stretch {
+            low: stretch.low * factor,
+            // An extinction may round up where its bound rounds down.
+            high: stretch.high * factor * (1.0 + 2.0 * f64::EPSILON),
+            ..*stretch
+        };
+        Profile {
+            stretches: self.stretches.iter().map(stretch).collect(),
+            extinction: Box::new(move |t, lookups| factor * (self.extinction)(t, lookups)),
+            kinks: self.kinks.clone(),
+            densities: self.densities,
+        }
+    }
+
+    /// The ray as the renderer's own trackers want it.
+    pub fn walk(&self) -> Walk<'_> {
+        Walk {
+            profile: self,
+            next: 0,
+            lookups: 0,
+        }
+    }
+}
+
+/// A walk along a profile.
+pub struct Walk<'p> {
+    profile: &'p Profile<'p>,
+    next: usize,
+    /// Look-ups so far.
+    pub lookups: u64,
+}
+
+impl Bounded for Walk<'_> {
+    fn next_stretch(&mut self) -> Option<Bounds> {
+        let stretch = self.profile.stretches.get(self.next)?;
+        self.next += 1;
+        Some(Bounds {
+            span: stretch.span,
+            low: DVec3::splat(stretch.low),
+            high: DVec3::splat(stretch.high),
+            glow: DVec3::ZERO,
+        })
+    }
+
+    fn extinction(&mut self, t: f64) -> DVec3 {
+        DVec3::splat((self.profile.extinction)(t, &mut self.lookups))
+    }
+}

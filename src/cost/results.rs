@@ -1,0 +1,441 @@
+//! What was found out about a scene, ready to be printed and drawn.
+
+use crate::render::Counters;
+use serde::Serialize;
+
+/// What accuracy costs in one scene, or in one panel of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Cost {
+    /// The scene, as it was named.
+    pub scene: String,
+    /// Title of the panel, where the scene has several.
+    pub panel: Option<String>,
+    /// What was approximated, and what each approximation costs.
+    pub studies: Vec<Study>,
+    /// Estimators of one ray's transmittance: what they promise, and what they keep.
+    pub estimators: Option<EstimatorTable>,
+    /// The same estimators in thinner and denser matter.
+    pub thickness: Option<ThicknessSweep>,
+    /// Jittered marching along one ray: bias and variance apart.
+    pub jitter: Option<JitterSplit>,
+    /// What each effect costs by itself.
+    pub effects: Vec<EffectPrice>,
+    /// What to take, in words.
+    pub recommendations: Vec<Recommendation>,
+    /// What was not measured, and why.
+    pub notes: Vec<String>,
+}
+
+/// One quantity, approximated in several ways.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Study {
+    /// What is approximated: `image`, `transmittance`, …; a word for files and links.
+    pub name: &'static str,
+    /// The same in a sentence.
+    pub quantity: String,
+    /// What the errors are measured against.
+    pub reference: Reference,
+    /// What orders are judged on, where that is not all of it.
+    pub judged_on: Option<String>,
+    /// A ladder for every way to approximate it.
+    pub ladders: Vec<Ladder>,
+    /// The cheapest setting of each ladder for a wanted error.
+    pub prices: Vec<Price>,
+    /// Pictures of signed errors.
+    pub pictures: Vec<ErrorPicture>,
+    /// The ray on which the default setting is farthest off.
+    pub worst_ray: Option<RayTrace>,
+}
+
+/// What errors are measured against.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Reference {
+    /// How it was come by.
+    pub method: String,
+    /// Its own error, relative as in [`Norms`], is at most this: errors not far above it are not
+    /// called errors of a setting.
+    pub bound: f64,
+}
+
+/// Settings of one knob, from coarse to fine.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Ladder {
+    /// The way to approximate: `midpoint`, `delta tracking`, …
+    pub estimator: String,
+    /// Whether it is what the reference renderer does.
+    pub is_ours: bool,
+    /// What is turned.
+    pub knob: Knob,
+    /// The settings.
+    pub rungs: Vec<Rung>,
+    /// How its error is expected to fall, and how it does.
+    pub order: Order,
+    /// Where a ladder ended early, why.
+    pub cut: Option<String>,
+}
+
+/// Something to be turned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Knob {
+    /// Distance between samples along a ray.
+    Step,
+    /// Distance between samples along a shadow ray.
+    ShadowStep,
+    /// Distance between the nodes of the grid.
+    Spacing,
+    /// Edge of a pixel.
+    Pixel,
+    /// Samples per pixel, or estimates per ray.
+    Samples,
+    /// Nothing: there is one setting, and it is exact.
+    None,
+}
+
+/// One setting.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rung {
+    /// In words: "0.25 voxels", "16 samples".
+    pub setting: String,
+    /// As a number: a length, or a number of samples.
+    pub value: f64,
+    /// Work for each ray (or pixel), mean over them.
+    pub work: Work,
+    /// Error, relative to the root mean square of the reference.
+    pub error: Norms,
+    /// The same over those rays alone on which theory expects an order, where these are not all.
+    pub error_of_order: Option<Norms>,
+    /// How far the same setting in single precision is from this, where that was tried.
+    pub single_precision: Option<Norms>,
+    /// Time for each ray.
+    pub time: Option<Times>,
+}
+
+/// Work for each ray, mean over all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Work {
+    /// Densities looked up, on the way to lights as well.
+    pub density_lookups: f64,
+    /// Gradients looked up.
+    pub gradient_lookups: f64,
+    /// Cells or blocks walked.
+    pub cells_walked: f64,
+    /// Rays towards lights.
+    pub shadow_rays: f64,
+    /// Values of a phase function.
+    pub phase_evaluations: f64,
+    /// Collisions with nothing.
+    pub null_collisions: f64,
+    /// Rays tested against a surface.
+    pub surface_tests: f64,
+    /// Random numbers.
+    pub random_draws: f64,
+}
+
+impl Work {
+    /// The counts of `rays` rays.
+    pub fn per_ray(counters: &Counters, rays: usize) -> Work {
+        let each = |count: u64| count as f64 / rays as f64;
+        Work {
+            density_lookups: each(counters.density_lookups),
+            gradient_lookups: each(counters.gradient_lookups),
+            cells_walked: each(counters.cells_walked),
+            shadow_rays: each(counters.shadow_rays),
+            phase_evaluations: each(counters.phase_evaluations),
+            null_collisions: each(counters.null_collisions),
+            surface_tests: each(counters.surface_tests),
+            random_draws: each(counters.random_draws),
+        }
+    }
+
+    /// The number by which settings are compared: look-ups of densities and gradients, or random
+    /// numbers where nothing is looked up.
+    pub fn price(&self) -> f64 {
+        let lookups = self.density_lookups + self.gradient_lookups;
+        if lookups > 0.0 {
+            lookups
+        } else {
+            self.random_draws
+        }
+    }
+}
+
+/// Sizes of an error over many rays and channels, relative to the root mean square of what is
+/// right.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Norms {
+    /// Mean of the absolute error.
+    pub l1: f64,
+    /// Root mean square error.
+    pub l2: f64,
+    /// Largest error.
+    pub max: f64,
+    /// Relative standard error of the root mean square, as far as these rays stand for others.
+    pub uncertainty: f64,
+}
+
+/// Wall time for each ray, in seconds, of runs taken by turns with those of the other settings.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Times {
+    /// Number of runs.
+    pub runs: usize,
+    /// Median.
+    pub median: f64,
+    /// Least.
+    pub min: f64,
+    /// Most.
+    pub max: f64,
+    /// Median of the distances from the median.
+    pub deviation: f64,
+    /// Runs outside of 1.5 interquartile ranges around the quartiles.
+    pub outliers: usize,
+    /// Whether the coefficient of variation is above 5 %.
+    pub is_noisy: bool,
+}
+
+/// How an error falls as a knob is turned: as the `order`-th power of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Order {
+    /// From theory, where that says; of a number of samples, negative.
+    pub expected: Option<f64>,
+    /// Errors up to this may be those of the reference, and are not counted.
+    pub known: f64,
+    /// By setting, whether its error is counted.
+    pub counted: Vec<bool>,
+    /// By least squares through the logarithms of the root mean square errors that are counted.
+    pub fitted: Option<f64>,
+    /// The same of the largest errors.
+    pub fitted_max: Option<f64>,
+    /// From each setting to the next, of the root mean square error.
+    pub local: Vec<Option<f64>>,
+    /// How far `fitted` may be from `expected`: what theory leaves open, and twice the standard
+    /// error of the fit.
+    pub tolerance: f64,
+    /// What follows.
+    pub verdict: OrderVerdict,
+}
+
+/// Whether an error falls as expected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OrderVerdict {
+    /// It does.
+    AsExpected,
+    /// It does not.
+    Otherwise,
+    /// Too few settings count: too coarse, or below what the reference knows.
+    Undecided,
+    /// The errors do not fall as a power yet: from setting to setting the order still changes.
+    NotYetAPower,
+    /// Nothing is expected.
+    NothingExpected,
+}
+
+/// The cheapest setting of each ladder for a wanted error.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Price {
+    /// Root mean square error that is wanted.
+    pub error: f64,
+    /// By ladder, cheapest first.
+    pub offers: Vec<Offer>,
+}
+
+/// What a ladder asks for a wanted error.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Offer {
+    /// The estimator.
+    pub estimator: String,
+    /// What is turned.
+    pub knob: Knob,
+    /// The setting; none if no setting of the ladder reaches the error.
+    pub setting: Option<String>,
+    /// Look-ups for each ray.
+    pub lookups: Option<f64>,
+    /// Median wall time for each ray, seconds.
+    pub seconds: Option<f64>,
+    /// How many times the look-ups of the cheapest.
+    pub times_cheapest: Option<f64>,
+}
+
+/// Estimators of the transmittance of one ray.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EstimatorTable {
+    /// Which ray.
+    pub ray: String,
+    /// Its optical depth, to the last digits.
+    pub depth: f64,
+    /// Its transmittance.
+    pub transmittance: f64,
+    /// Samples that were taken of each.
+    pub samples: u32,
+    /// One each.
+    pub rows: Vec<EstimatorRow>,
+}
+
+/// What was predicted of an estimator, and what it did.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EstimatorRow {
+    /// Which.
+    pub estimator: String,
+    /// Mean of the samples.
+    pub mean: f64,
+    /// Mean minus truth.
+    pub bias: f64,
+    /// Standard error of the mean.
+    pub standard_error: f64,
+    /// Variance of one sample.
+    pub variance: f64,
+    /// Standard error of that.
+    pub variance_error: f64,
+    /// Variance by theory, where there is one.
+    pub predicted_variance: Option<f64>,
+    /// Look-ups of one sample.
+    pub lookups: f64,
+    /// The same by theory.
+    pub predicted_lookups: Option<f64>,
+    /// Variance times look-ups: the smaller, the better.
+    pub variance_times_lookups: f64,
+    /// Variance times seconds.
+    pub variance_times_seconds: Option<f64>,
+    /// Mean within four standard errors, look-ups within 5 % and variance within four standard
+    /// errors of what was predicted.
+    pub agrees: bool,
+}
+
+/// Variance times look-ups by optical thickness.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ThicknessSweep {
+    /// Which ray, whose extinction is scaled.
+    pub ray: String,
+    /// By estimator.
+    pub curves: Vec<ThicknessCurve>,
+}
+
+/// One estimator in thinner and denser matter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ThicknessCurve {
+    /// Which.
+    pub estimator: String,
+    /// By rising optical thickness.
+    pub points: Vec<ThicknessPoint>,
+}
+
+/// An estimator at one optical thickness.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ThicknessPoint {
+    /// Optical thickness of the ray.
+    pub depth: f64,
+    /// Relative variance, variance/T², times look-ups; as measured, if it could be: where almost
+    /// no sample gets through, the spread of a few says nothing.
+    pub measured: Option<f64>,
+    /// The same as predicted, where theory says.
+    pub predicted: Option<f64>,
+}
+
+/// Bias and variance of jittered marching.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct JitterSplit {
+    /// Which ray.
+    pub ray: String,
+    /// By kind of jitter.
+    pub curves: Vec<JitterCurve>,
+}
+
+/// One kind of jitter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct JitterCurve {
+    /// `comb`: one offset for all steps; `stratified`: one for each.
+    pub jitter: String,
+    /// By falling step.
+    pub points: Vec<JitterPoint>,
+    /// Order of the standard deviation of the optical depth.
+    pub deviation_order: Order,
+    /// Order of the bias of the transmittance.
+    pub bias_order: Order,
+}
+
+/// Jittered marching at one step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct JitterPoint {
+    /// The step, world units.
+    pub step: f64,
+    /// Expected transmittance minus truth, relative to the truth.
+    pub bias: f64,
+    /// Standard deviation of the transmittance, relative to the truth.
+    pub deviation: f64,
+    /// Standard deviation of the optical depth.
+    pub depth_deviation: f64,
+    /// What the bias should be to leading order, `½ Var τ̂`.
+    pub predicted_bias: f64,
+}
+
+/// What one effect costs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EffectPrice {
+    /// What is simulated.
+    pub effect: String,
+    /// Work for each pixel.
+    pub work: Work,
+    /// Time for each pixel.
+    pub time: Option<Times>,
+    /// Look-ups relative to the first of the list.
+    pub times_lookups: Option<f64>,
+}
+
+/// A setting to take.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Recommendation {
+    /// For this root mean square error.
+    pub error: f64,
+    /// In words.
+    pub text: String,
+    /// The command that renders it.
+    pub command: Option<String>,
+}
+
+/// Signed error of an image.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ErrorPicture {
+    /// Of which setting.
+    pub setting: String,
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// Value minus reference, relative to the root mean square of the reference; mean of the
+    /// channels, row by row from the top.
+    #[serde(skip)]
+    pub errors: Vec<f64>,
+}
+
+/// Extinction along a ray, and where a setting looked.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RayTrace {
+    /// Which ray.
+    pub ray: String,
+    /// Which setting.
+    pub setting: String,
+    /// Distance and extinction, finely.
+    pub extinction: Vec<[f64; 2]>,
+    /// Distance and extinction at the samples.
+    pub samples: Vec<[f64; 2]>,
+    /// What comes back, by this setting.
+    pub value: f64,
+    /// What should.
+    pub reference: f64,
+}
+
+/// Where times were taken.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Machine {
+    /// Processor, as it calls itself.
+    pub processor: String,
+    /// Threads used for timing.
+    pub threads: usize,
+    /// Operating system and architecture.
+    pub platform: String,
+    /// Compiler.
+    pub compiler: String,
+    /// `release` or `debug`.
+    pub profile: &'static str,
+    /// Instruction sets the program was compiled for.
+    pub target_features: String,
+}

@@ -1,0 +1,87 @@
+//! Rules for the integral of the extinction over equal steps along a ray.
+
+use super::profile::Profile;
+use crate::math::Sum;
+use crate::math::quadrature::cubic_integral;
+use crate::render::steps::Steps;
+
+/// A rule for one step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rule {
+    /// The value where the step begins.
+    Left,
+    /// The value in its middle.
+    Midpoint,
+    /// The mean of those at its ends.
+    Trapezoid,
+    /// A parabola through ends and middle.
+    Simpson,
+    /// Gauss's two points.
+    GaussTwo,
+}
+
+impl Rule {
+    /// All of them.
+    pub const ALL: [Rule; 5] = [
+        Rule::Left,
+        Rule::Midpoint,
+        Rule::Trapezoid,
+        Rule::Simpson,
+        Rule::GaussTwo,
+    ];
+
+    /// As it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Rule::Left => "left",
+            Rule::Midpoint => "midpoint",
+            Rule::Trapezoid => "trapezoid",
+            Rule::Simpson => "Simpson",
+            Rule::GaussTwo => "Gauss, 2 points a step",
+        }
+    }
+
+    /// Order of its error in the length of a step, where the extinction has as many derivatives.
+    pub fn order(self) -> f64 {
+        match self {
+            Rule::Left => 1.0,
+            Rule::Midpoint | Rule::Trapezoid => 2.0,
+            Rule::Simpson | Rule::GaussTwo => 4.0,
+        }
+    }
+
+    /// The same where the extinction is continuous and has kinks between the steps' ends, as
+    /// interpolated data have; with `jumps`, where it is not even that.
+    pub fn order_with_kinks(self, jumps: bool) -> f64 {
+        self.order().min(if jumps { 1.0 } else { 2.0 })
+    }
+
+    /// Optical depth of `profile` by steps of `length`, and the number of look-ups.
+    pub fn depth(self, profile: &Profile<'_>, length: f64) -> (f64, u64) {
+        let steps = Steps::over(profile.span(), length);
+        let mut lookups = 0;
+        let mut at = |t: f64| (profile.extinction)(t, &mut lookups);
+        let mut depth = Sum::default();
+        // Neighbouring steps share the value between them.
+        let mut before = None;
+        for index in 0..steps.count() {
+            let (middle, length) = steps.sample(index);
+            let (near, far) = (middle - 0.5 * length, middle + 0.5 * length);
+            depth.add(match self {
+                Rule::Left => at(near) * length,
+                Rule::Midpoint => at(middle) * length,
+                Rule::Trapezoid | Rule::Simpson => {
+                    let first = before.unwrap_or_else(|| at(near));
+                    let last = at(far);
+                    before = Some(last);
+                    match self {
+                        Rule::Simpson => (first + 4.0 * at(middle) + last) * length / 6.0,
+                        _ => (first + last) * length / 2.0,
+                    }
+                }
+                Rule::GaussTwo => cubic_integral(&mut at, near, far),
+            });
+        }
+        (depth.value(), lookups)
+    }
+}

@@ -1,0 +1,100 @@
+//! What samples per pixel cost, where an image is a mean of random samples.
+
+use super::image::thumbnail;
+use super::norms::root_mean_square;
+use super::order::Expected;
+use super::results::{Knob, Reference, Study};
+use super::study::{Climb, Outcome, Setting, climb, prices};
+use super::timing::Clock;
+use crate::film::Film;
+use crate::render::{Counters, Plan, RenderError, render_counted};
+use crate::scene::{Panel, Scene};
+
+/// Pixels of the larger side of the image.
+const SIDE: usize = 16;
+
+/// Samples per pixel.
+const SAMPLES: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
+
+/// Samples of the reference: its standard error is an eighth of that of the finest setting, which
+/// moves the order by less than 0.003.
+const REFERENCE: u32 = 4096;
+
+/// The image of `panel`, by samples per pixel; random numbers from `seed`.
+pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderError> {
+    let [width, height] = thumbnail([panel.width, panel.height], SIDE);
+    let image = |samples: u32, seed: u64| -> Result<(Film, Counters), RenderError> {
+        let panel = Panel {
+            width,
+            height,
+            ..panel.clone()
+        };
+        let mut scene = Scene {
+            path: std::path::PathBuf::new(),
+            panels: vec![panel],
+        };
+        scene.set_samples(samples);
+        scene.set_seed(seed);
+        let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
+        let made = render_counted(&scene, &plans, &|| ())?;
+        Ok((made.film, made.work[0]))
+    };
+    // Seeds of their own, so that no setting shares random numbers with another.
+    let (film, _) = image(REFERENCE, seed.wrapping_add(1 << 32))?;
+    let right: Vec<f64> = values(&film);
+    let scale = root_mean_square(right.iter().copied());
+    let noise = film.noise().expect("several samples have a variance");
+    let squares = noise.variance().as_flattened().iter();
+    let bound = root_mean_square(squares.map(|variance| f64::from(*variance).sqrt())) / scale;
+    let (image, right) = (&image, &right);
+    let settings = SAMPLES.iter().enumerate().map(|(index, &samples)| Setting {
+        name: match samples {
+            1 => "1 sample".to_owned(),
+            _ => format!("{samples} samples"),
+        },
+        value: f64::from(samples),
+        run: Box::new(move || {
+            let seed = seed.wrapping_add(index as u64);
+            // A setting of fewer samples than the reference meets no path that it did not bear.
+            let Ok((film, work)) = image(samples, seed) else {
+                return Outcome::default();
+            };
+            let errors = values(&film).into_iter().zip(right);
+            Outcome {
+                errors: errors.map(|(value, right)| value - right).collect(),
+                work,
+                rays: width * height,
+            }
+        }),
+        single: None,
+    });
+    let climbs = [Climb {
+        estimator: "path tracing".to_owned(),
+        is_ours: true,
+        knob: Knob::Samples,
+        expected: Expected::OF_SAMPLES,
+        settings: settings.collect(),
+    }];
+    let ladders = climb(&climbs, scale, bound, None, clock);
+    Ok(Study {
+        name: "samples",
+        quantity: format!("radiance of {width} × {height} pixels, by samples per pixel"),
+        reference: Reference {
+            method: format!(
+                "{REFERENCE} samples per pixel with other random numbers; the bound is its \
+                 standard error"
+            ),
+            bound,
+        },
+        judged_on: None,
+        prices: prices(&ladders, bound),
+        pictures: vec![],
+        worst_ray: None,
+        ladders,
+    })
+}
+
+fn values(film: &Film) -> Vec<f64> {
+    let values = film.radiance().as_flattened().iter();
+    values.map(|value| f64::from(*value)).collect()
+}

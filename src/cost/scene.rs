@@ -1,0 +1,231 @@
+//! All that can be found out about one scene.
+
+use super::estimators;
+use super::jitter::Jitter;
+use super::results::{Cost, JitterSplit};
+use super::timing::Clock;
+use super::transmittance::{self, Crossing, Crossings};
+use super::{advice, data, effects, image, pixels, samples};
+use crate::render::effects::Everything;
+use crate::render::surroundings::Surroundings;
+use crate::render::{Plan, RenderError};
+use crate::scene::{Classified, Model, Panel, Radiative, Scene};
+use std::path::Path;
+use thiserror::Error;
+
+/// How a scene is looked into.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Who measures time, and when it is over.
+    pub clock: Clock,
+    /// Chooses the random numbers.
+    pub seed: u64,
+}
+
+/// Why nothing was found out.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum CostError {
+    /// There is nothing to be turned.
+    #[error("this scene has no knob to turn: {0}")]
+    NoKnob(&'static str),
+    /// The scene cannot be rendered.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+}
+
+/// What accuracy costs in `scene`, panel by panel. `told` is told of what is done next.
+pub fn cost(scene: &Scene, options: &Options, told: &dyn Fn(&str)) -> Result<Vec<Cost>, CostError> {
+    let several = scene.panels.len() > 1;
+    let panels = scene.panels.iter().enumerate();
+    let costs = panels.map(|(index, panel)| {
+        let mut cost = panel_cost(panel, &scene.path, options, told)?;
+        if several {
+            let title = panel.title.clone();
+            cost.panel = Some(title.unwrap_or_else(|| format!("panel {}", index + 1)));
+        }
+        Ok(cost)
+    });
+    costs.collect()
+}
+
+/// A reference that knows less than this is said to.
+const SURE: f64 = 1e-8;
+
+fn panel_cost(
+    panel: &Panel,
+    path: &Path,
+    options: &Options,
+    told: &dyn Fn(&str),
+) -> Result<Cost, CostError> {
+    let mut cost = Cost {
+        scene: path.display().to_string(),
+        panel: None,
+        studies: vec![],
+        estimators: None,
+        thickness: None,
+        jitter: None,
+        effects: vec![],
+        recommendations: vec![],
+        notes: vec![],
+    };
+    match &panel.model {
+        Model::Curve(_) => {
+            return Err(CostError::NoKnob(
+                "a plot of a transfer function is not sampled",
+            ));
+        }
+        Model::Classified(scene) => of_classified(&mut cost, scene, panel, options, told),
+        Model::Radiative(scene) => of_radiative(&mut cost, scene, panel, options, told)?,
+    }
+    if cost.studies.is_empty() {
+        return Err(CostError::NoKnob(
+            "its media are the same everywhere and light is not turned, so every pixel is a \
+             closed form",
+        ));
+    }
+    if options.clock.is_over() {
+        let note = "the prices of effects were not measured: the time given was over";
+        cost.notes.push(note.to_owned());
+    } else {
+        told("effects");
+        cost.effects = effects::prices(panel, &options.clock)?;
+    }
+    let unsure = cost
+        .studies
+        .iter()
+        .filter(|study| study.reference.bound > SURE);
+    cost.notes.extend(unsure.map(|study| {
+        format!(
+            "{}: the reference knows no more than {:.1e}; no order and no price is claimed below \
+             what it can tell",
+            study.name, study.reference.bound
+        )
+    }));
+    cost.recommendations = advice::recommendations(&cost, panel, path);
+    Ok(cost)
+}
+
+fn of_classified(
+    cost: &mut Cost,
+    scene: &Classified,
+    panel: &Panel,
+    options: &Options,
+    told: &dyn Fn(&str),
+) {
+    let size = [panel.width, panel.height];
+    let clock = &options.clock;
+    told("steps");
+    cost.studies.push(image::steps(scene, size, clock));
+    let note = "the reference renderer's own ray caster leaps over empty space, the other schemes \
+                look everywhere: compare their look-ups with that in mind";
+    cost.notes.push(note.to_owned());
+    let mut later = |name: &str, study: &mut dyn FnMut() -> Option<super::results::Study>| {
+        if clock.is_over() {
+            cost.notes
+                .push(format!("{name} were not tried: the time given was over"));
+            return;
+        }
+        told(name);
+        cost.studies.extend(study());
+    };
+    later("steps without light", &mut || {
+        image::unlit_steps(scene, size, clock)
+    });
+    if scene.shadow.is_some() {
+        later("shadow steps", &mut || {
+            image::shadow_steps(scene, size, clock)
+        });
+    }
+    later("coarser data", &mut || data::study(scene, size, clock));
+    later("pixels", &mut || Some(pixels::study(scene, size, clock)));
+}
+
+fn of_radiative(
+    cost: &mut Cost,
+    scene: &Radiative,
+    panel: &Panel,
+    options: &Options,
+    told: &dyn Fn(&str),
+) -> Result<(), CostError> {
+    let size = [panel.width, panel.height];
+    let clock = &options.clock;
+    let around: Surroundings<'_, Everything> = Surroundings::new(scene, false);
+    if let Some(crossings) = transmittance::crossings(&around, size) {
+        told("transmittance");
+        let study = transmittance::study(&crossings, options.seed, clock);
+        cost.studies.push(study);
+        of_one_ray(cost, &crossings, options, told);
+    }
+    if Plan::new(panel).is_sampled() {
+        if clock.is_over() {
+            let note = "samples per pixel were not tried: the time given was over";
+            cost.notes.push(note.to_owned());
+        } else {
+            told("samples per pixel");
+            cost.studies
+                .push(samples::study(panel, options.seed, clock)?);
+        }
+    }
+    Ok(())
+}
+
+/// An optical depth at which all estimators have something to tell.
+const TYPICAL_DEPTH: f64 = 2.0;
+
+/// Steps of jittered marching on one ray, as shares of its length.
+const JITTER_STEPS: [f64; 8] = [
+    0.25,
+    0.125,
+    0.0625,
+    0.031_25,
+    0.015_625,
+    0.007_812_5,
+    0.003_906_25,
+    0.001_953_125,
+];
+
+/// Tables about a single ray: the one whose optical depth is nearest to [`TYPICAL_DEPTH`].
+fn of_one_ray(cost: &mut Cost, crossings: &Crossings<'_>, options: &Options, told: &dyn Fn(&str)) {
+    let far = |ray: &&Crossing<'_>| (ray.depth - TYPICAL_DEPTH).abs();
+    let rays = crossings.rays.iter();
+    let Some(ray) = rays
+        .filter(|ray| ray.depth > 0.0)
+        .min_by(|a, b| far(a).total_cmp(&far(b)))
+    else {
+        return;
+    };
+    let name = format!(
+        "pixel ({}, {}) of {} × {}, of optical depth {:.6}",
+        ray.pixel[0], ray.pixel[1], crossings.size[0], crossings.size[1], ray.depth
+    );
+    let Options { clock, seed } = options;
+    if clock.is_over() {
+        let note = "estimators were not compared on one ray: the time given was over";
+        cost.notes.push(note.to_owned());
+        return;
+    }
+    told("estimators on one ray");
+    let (profile, depth) = (&ray.profile, ray.depth);
+    cost.estimators = Some(estimators::table(
+        name.clone(),
+        profile,
+        depth,
+        *seed,
+        clock,
+    ));
+    cost.thickness = Some(estimators::sweep(
+        name.clone(),
+        profile,
+        depth,
+        *seed,
+        clock,
+    ));
+    let length = profile.span().length();
+    let steps = JITTER_STEPS.map(|share| share * length);
+    cost.jitter = Some(JitterSplit {
+        ray: name,
+        curves: [Jitter::Comb, Jitter::Stratified]
+            .map(|jitter| jitter.curve(profile, &steps, crossings.rough))
+            .into(),
+    });
+}

@@ -1,0 +1,154 @@
+//! Wall time, told honestly: by turns, with its spread, and called noisy when it is.
+
+use super::results::{Machine, Times};
+use std::time::{Duration, Instant};
+
+/// Runs of each setting.
+pub const RUNS: usize = 10;
+
+/// Whoever measures time; counting work and errors needs none of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock {
+    /// Runs of each setting; none, and no time is taken.
+    pub runs: usize,
+    /// Where the time that was given ends.
+    pub deadline: Option<Instant>,
+}
+
+impl Clock {
+    /// No time is taken, and there is no end to it.
+    pub const NONE: Clock = Clock {
+        runs: 0,
+        deadline: None,
+    };
+
+    /// Whether the time that was given is over.
+    pub fn is_over(&self) -> bool {
+        self.deadline
+            .is_some_and(|deadline| Instant::now() >= deadline)
+    }
+
+    /// Times `tasks` by turns, A B C A B C …, so that what slows the machine down for a while
+    /// meets all of them. By task, and nothing if no time is to be taken or none is left for two
+    /// rounds. Divided by `share`, the number of rays.
+    pub fn by_turns(&self, tasks: &[&(dyn Fn() + Sync)], share: f64) -> Vec<Option<Times>> {
+        let mut seconds: Vec<Vec<f64>> = vec![Vec::new(); tasks.len()];
+        if self.runs > 0 {
+            // What the first run finds cold belongs to none of them.
+            tasks.iter().for_each(|task| task());
+        }
+        for _ in 0..self.runs {
+            if self.is_over() {
+                break;
+            }
+            for (task, seconds) in tasks.iter().zip(&mut seconds) {
+                seconds.push(time(task).as_secs_f64() / share);
+            }
+        }
+        seconds.iter().map(|runs| summary(runs)).collect()
+    }
+}
+
+fn time(task: &dyn Fn()) -> Duration {
+    let start = Instant::now();
+    task();
+    start.elapsed()
+}
+
+/// What `runs` seconds came to; nothing of fewer than two.
+pub fn summary(runs: &[f64]) -> Option<Times> {
+    if runs.len() < 2 {
+        return None;
+    }
+    let mut sorted = runs.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let median = quantile(&sorted, 0.5);
+    let mut distances: Vec<f64> = sorted.iter().map(|run| (run - median).abs()).collect();
+    distances.sort_unstable_by(f64::total_cmp);
+    let [low, high] = [0.25, 0.75].map(|share| quantile(&sorted, share));
+    let fence = 1.5 * (high - low);
+    let is_outlier = |run: &&f64| **run < low - fence || **run > high + fence;
+    let count = runs.len() as f64;
+    let mean = runs.iter().sum::<f64>() / count;
+    let squares: f64 = runs.iter().map(|run| (run - mean) * (run - mean)).sum();
+    Some(Times {
+        runs: runs.len(),
+        median,
+        min: sorted[0],
+        max: sorted[sorted.len() - 1],
+        deviation: quantile(&distances, 0.5),
+        outliers: sorted.iter().filter(is_outlier).count(),
+        is_noisy: (squares / (count - 1.0)).sqrt() > 0.05 * mean,
+    })
+}
+
+/// The value below which a `share` of the `sorted` numbers lies, by straight lines between them.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let place = share * (sorted.len() - 1) as f64;
+    let index = place as usize;
+    let next = (index + 1).min(sorted.len() - 1);
+    sorted[index] + (sorted[next] - sorted[index]) * (place - index as f64)
+}
+
+impl Machine {
+    /// The one this runs on, timing with `threads` threads.
+    pub fn here(threads: usize) -> Machine {
+        Machine {
+            processor: processor(),
+            threads,
+            platform: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            compiler: env!("VOLREF_COMPILER").to_owned(),
+            profile: if cfg!(debug_assertions) {
+                "debug"
+            } else {
+                "release"
+            },
+            target_features: env!("VOLREF_TARGET_FEATURES").to_owned(),
+        }
+    }
+}
+
+/// What the processor calls itself, where the system says.
+fn processor() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let named = |line: &str| {
+        let (key, value) = line.split_once(':')?;
+        (key.trim() == "model name").then(|| value.trim().to_owned())
+    };
+    text.lines()
+        .find_map(named)
+        .unwrap_or_else(|| "unknown".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Mutex;
+
+    #[test]
+    fn median_spread_and_outliers() {
+        let times = summary(&[3.0, 1.0, 2.0, 4.0, 100.0]).unwrap();
+        assert_eq!((times.median, times.min, times.max), (3.0, 1.0, 100.0));
+        assert_eq!((times.deviation, times.outliers), (1.0, 1));
+        assert!(times.is_noisy);
+        assert!(!summary(&[1.0, 1.01, 0.99]).unwrap().is_noisy);
+        assert_eq!(summary(&[1.0]), None);
+    }
+
+    #[test]
+    fn tasks_take_turns() {
+        let order = Mutex::new(String::new());
+        let (a, b) = (
+            || order.lock().unwrap().push('a'),
+            || order.lock().unwrap().push('b'),
+        );
+        let clock = Clock {
+            runs: 3,
+            deadline: None,
+        };
+        let times = clock.by_turns(&[&a, &b], 1.0);
+        assert_eq!(*order.lock().unwrap(), "abababab");
+        assert!(times.iter().all(|times| times.unwrap().runs == 3));
+        assert_eq!(Clock::NONE.by_turns(&[&a], 1.0), [None]);
+    }
+}

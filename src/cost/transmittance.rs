@@ -1,0 +1,494 @@
+//! What the transmittance of media of varying density costs, along the rays of the camera.
+
+use super::collocation::{Collocation, Here};
+use super::estimators::Estimator;
+use super::image::thumbnail;
+use super::norms::root_mean_square;
+use super::order::Expected;
+use super::profile::{Profile, Stretch};
+use super::results::{Knob, Reference, Study};
+use super::rules::Rule;
+use super::study::{Climb, Outcome, Run, Setting, climb, prices};
+use super::timing::Clock;
+use crate::geometry::{Ray, Span};
+use crate::math::exp;
+use crate::math::rng::{Purpose, Stream};
+use crate::media::Field;
+use crate::render::Counters;
+use crate::render::effects::Everything;
+use crate::render::matter::{Media, Medium, Set, members};
+use crate::render::media_path::MediaPath;
+use crate::render::passage::Passage;
+use crate::render::steps::Steps;
+use crate::render::surroundings::Surroundings;
+use crate::render::tracking::Bounded;
+use crate::render::work::{Event, Uncounted, Work};
+use crate::volume::Interpolation;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Pixels of the larger side of the image whose rays are followed.
+const SIDE: usize = 32;
+/// The same where densities have no integral, and the reference takes its time.
+const SIDE_WITHOUT_INTEGRAL: usize = 16;
+
+/// Steps, in units of the field: voxels, or blocks of what is no grid.
+const STEPS: [f64; 10] = [
+    4.0,
+    2.0,
+    1.0,
+    0.5,
+    0.25,
+    0.125,
+    0.0625,
+    0.031_25,
+    0.015_625,
+    0.007_812_5,
+];
+
+/// Estimates for each ray.
+const ESTIMATES: [u32; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];
+
+/// Each element of the reference is good to this, where a density has no integral: fractal noise,
+/// for each digit of which a ray takes a multiple of elements.
+const TOLERANCE: f64 = 1e-9;
+
+/// Pieces that a ray is cut into, where nothing says what is smooth on it.
+const PIECES: usize = 64;
+
+/// A ray through media of varying density.
+pub struct Crossing<'s> {
+    /// Which pixel of the smaller image it belongs to.
+    pub pixel: [usize; 2],
+    /// Extinction along it, of what varies.
+    pub profile: Profile<'s>,
+    /// Its optical depth.
+    pub depth: f64,
+    /// By how much that may be off.
+    pub depth_error: f64,
+    /// The depth cell by cell, where the densities are grids; counts look-ups.
+    pub cell_by_cell: Option<Depth<'s>>,
+}
+
+/// An optical depth; the number counts look-ups.
+pub type Depth<'s> = Box<dyn Fn(&mut u64) -> f64 + Send + Sync + 's>;
+
+/// All rays of a smaller image that cross media of varying density.
+pub struct Crossings<'s> {
+    /// Columns and rows of the smaller image.
+    pub size: [usize; 2],
+    /// The rays.
+    pub rays: Vec<Crossing<'s>>,
+    /// Length of a voxel, or of a block of a field that is no grid, world units.
+    pub unit: f64,
+    /// What that is.
+    pub unit_name: &'static str,
+    /// Whether the densities have jumps.
+    pub jumps: bool,
+    /// Whether they have kinks, as interpolated ones do.
+    pub kinks: bool,
+    /// Whether they have detail finer than any step here, as noise of many octaves does: then no
+    /// step is small.
+    pub rough: bool,
+    /// Whether every ray ends in the same extinction as it begins in: then rules that look at one
+    /// end only are as good as those that look at both.
+    pub same_ends: bool,
+}
+
+/// Those of `around`, for an image of `size` pixels in full; none if nothing varies.
+pub fn crossings<'s>(
+    around: &'s Surroundings<'s, Everything>,
+    size: [usize; 2],
+) -> Option<Crossings<'s>> {
+    let (scene, media) = (around.scene, &around.media);
+    let first = media.all().iter().find_map(|medium| medium.density)?;
+    let densities = || media.all().iter().filter_map(|medium| medium.density);
+    let side = match densities().all(|density| density.is_integrable()) {
+        true => SIDE,
+        false => SIDE_WITHOUT_INTEGRAL,
+    };
+    let size = thumbnail(size, side);
+    let blocks = first.blocks();
+    let (unit, unit_name) = match first.field() {
+        Field::Grid(grid) => (grid.grid().lattice().voxel(), "voxels"),
+        _ => (blocks.bounds().size().max_element() / 32.0, "blocks"),
+    };
+    let jumps = densities().any(|density| match density.field() {
+        Field::Grid(grid) => grid.interpolation() == Interpolation::Nearest,
+        _ => false,
+    });
+    let kinks = densities().any(|density| {
+        matches!(
+            density.field(),
+            Field::Grid(_) | Field::Linear(_) | Field::Noise(_)
+        )
+    });
+    let rough = densities().any(|density| matches!(density.field(), Field::Noise(_)));
+    let collocation = Collocation::new();
+    let rays: Vec<Crossing<'s>> = (0..size[0] * size[1])
+        .into_par_iter()
+        .filter_map(|index| {
+            let pixel = [index % size[0], index / size[0]];
+            let ray = scene.camera.ray(pixel, size);
+            crossing(around, &collocation, pixel, ray)
+        })
+        .collect();
+    let same_ends = rays.iter().all(|ray| {
+        let Span { near, far } = ray.profile.span();
+        ray.profile.at(near) == ray.profile.at(far)
+    });
+    (!rays.is_empty()).then_some(Crossings {
+        same_ends,
+        size,
+        rays,
+        unit,
+        unit_name,
+        jumps,
+        kinks,
+        rough,
+    })
+}
+
+/// What `ray` crosses before it meets a surface.
+fn crossing<'s>(
+    around: &'s Surroundings<'s, Everything>,
+    collocation: &Collocation,
+    pixel: [usize; 2],
+    ray: Ray,
+) -> Option<Crossing<'s>> {
+    let media = &around.media;
+    let met = around.nearest(&ray, &mut Uncounted);
+    let end = met.map_or(f64::INFINITY, |(_, hit)| hit.t);
+    let mut path = MediaPath::default();
+    path.lay(media, &ray, end);
+    // Stretches that follow one another, from the first on which something varies.
+    let mut pieces: Vec<(Span, Set)> = Vec::new();
+    for stretch in path.stretches() {
+        let set = stretch.set & varying(media);
+        let follows = pieces
+            .last()
+            .is_none_or(|(span, _)| span.far == stretch.span.near);
+        match (set, pieces.is_empty()) {
+            (0, true) => continue,
+            (0, false) => break,
+            _ if follows => pieces.push((stretch.span, set)),
+            _ => break,
+        }
+    }
+    let (first, last) = (pieces.first()?.0, pieces.last()?.0);
+    let set = pieces.iter().fold(0, |all, (_, set)| all | set);
+    // The channel in which most is taken away.
+    let sigma: DVec3 = members(set)
+        .map(|index| media.medium(index).sigma_t())
+        .sum();
+    let channel = (0..3)
+        .max_by(|&a, &b| sigma[a].total_cmp(&sigma[b]))
+        .unwrap_or(0);
+    if sigma[channel] == 0.0 {
+        return None;
+    }
+    let mut stretches = Vec::new();
+    let mut kinks: Vec<f64> = Vec::new();
+    let mut strands = Vec::new();
+    for (span, set) in &pieces {
+        let mut passage = Passage::new(media, *set, &ray, *span, &mut strands);
+        while let Some(bounds) = passage.next_stretch() {
+            stretches.push(Stretch {
+                span: bounds.span,
+                low: bounds.low[channel],
+                high: bounds.high[channel],
+            });
+        }
+    }
+    let whole = Span {
+        near: first.near,
+        far: last.far,
+    };
+    let (mut integrable, mut grids) = (true, true);
+    let mut parts = Vec::new();
+    for index in members(set) {
+        let medium = media.medium(index);
+        let density = medium.density.expect("it varies");
+        let Some((line, span)) = density.along(&ray, whole) else {
+            continue;
+        };
+        density.append_kinks(&line, span, &mut kinks);
+        kinks.extend([span.near, span.far]);
+        grids &= matches!(density.field(), Field::Grid(_));
+        integrable &= density.is_integrable();
+        if !density.is_integrable() {
+            let cut = |index: usize| span.near + span.length() * index as f64 / PIECES as f64;
+            kinks.extend((1..PIECES).map(cut));
+        }
+        parts.push((medium.sigma_t()[channel], density, line, span));
+    }
+    let integral = move |lookups: &mut u64| -> f64 {
+        let parts = parts.iter();
+        parts
+            .map(|(sigma, density, line, span)| sigma * density.integral(line, *span, lookups))
+            .sum()
+    };
+    let extinction = move |t: f64, lookups: &mut u64| {
+        let inside = pieces
+            .iter()
+            .find(|(span, _)| span.near <= t && t <= span.far);
+        let set = inside.map_or(0, |(_, set)| *set);
+        members(set).fold(0.0, |sum, index| {
+            let medium = media.medium(index);
+            let density = medium.density.expect("it varies");
+            sum + medium.sigma_t()[channel] * density.at(ray.at(t), lookups)
+        })
+    };
+    let profile = Profile {
+        stretches,
+        extinction: Box::new(extinction),
+        kinks,
+        densities: members(set).count(),
+    };
+    let (depth, depth_error) = if integrable {
+        let depth = integral(&mut 0);
+        // A sum of some hundred terms, compensated.
+        (depth, depth * 1e-15)
+    } else {
+        let light = collocation.light(&profile.cuts(), TOLERANCE, |t| Here {
+            extinction: profile.at(t),
+            emission: DVec3::ZERO,
+        });
+        (light.depth, light.depth_error)
+    };
+    Some(Crossing {
+        pixel,
+        profile,
+        depth,
+        depth_error,
+        cell_by_cell: match integrable && grids {
+            true => Some(Box::new(integral)),
+            false => None,
+        },
+    })
+}
+
+/// The media of varying density that take light away.
+fn varying(media: &Media<'_>) -> Set {
+    let varies = |(index, medium): (usize, &Medium<'_>)| medium.density.map(|_| 1 << index);
+    media.all().iter().enumerate().filter_map(varies).sum()
+}
+
+/// Transmittance of the rays of `crossings`, by rule, jitter and chance; random numbers from
+/// `seed`.
+pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
+    let right: Vec<f64> = crossings.rays.iter().map(|ray| exp(-ray.depth)).collect();
+    let scale = root_mean_square(right.iter().copied());
+    let error = |ray: &Crossing<'_>| exp(-ray.depth) * ray.depth_error;
+    let bound = crossings.rays.iter().map(error).fold(0.0, f64::max) / scale;
+    let bound = bound.max(1e-15);
+    let asked = Asked {
+        crossings,
+        right,
+        seed,
+    };
+    let mut climbs: Vec<Climb<'_>> = Rule::ALL.map(|rule| asked.by_rule(rule)).into();
+    climbs.push(asked.by_jitter(false));
+    climbs.push(asked.by_jitter(true));
+    climbs.extend(Estimator::ALL.map(|estimator| asked.by_chance(estimator)));
+    if crossings.rays.iter().all(|ray| ray.cell_by_cell.is_some()) {
+        climbs.push(asked.cell_by_cell());
+    }
+    let ladders = climb(&climbs, scale, bound, None, clock);
+    let exact = crossings.rays.iter().all(|ray| ray.cell_by_cell.is_some());
+    Study {
+        name: "transmittance",
+        quantity: format!(
+            "transmittance of what varies, along the {} rays of {} × {} pixels that meet it",
+            crossings.rays.len(),
+            crossings.size[0],
+            crossings.size[1]
+        ),
+        reference: Reference {
+            method: match exact {
+                true => "Gauss's rule cell by cell, which leaves no error but rounding".to_owned(),
+                false => "closed forms, or collocation at Gauss points, halved until its parts \
+                          agree"
+                    .to_owned(),
+            },
+            bound,
+        },
+        judged_on: crossings.rough.then(|| {
+            "no order of a step is expected: the noise has detail finer than all steps here"
+                .to_owned()
+        }),
+        prices: prices(&ladders, bound),
+        pictures: vec![],
+        worst_ray: None,
+        ladders,
+    }
+}
+
+/// The rays, what is right for them, and a seed.
+struct Asked<'c, 's> {
+    crossings: &'c Crossings<'s>,
+    right: Vec<f64>,
+    seed: u64,
+}
+
+impl Asked<'_, '_> {
+    /// Asks every ray for its transmittance and counts what was looked up and drawn.
+    fn run<'a>(
+        &'a self,
+        estimate: impl Fn(&Crossing<'_>, usize) -> (f64, u64, u64) + Send + Sync + 'a,
+    ) -> Run<'a> {
+        Box::new(move || {
+            let found: Vec<(f64, u64, u64)> = self
+                .crossings
+                .rays
+                .par_iter()
+                .enumerate()
+                .map(|(index, ray)| estimate(ray, index))
+                .collect();
+            let mut work = Counters::default();
+            for (_, lookups, draws) in &found {
+                work.count_times(Event::DensityLookup, *lookups);
+                work.count_times(Event::RandomDraw, *draws);
+            }
+            let errors = found.iter().zip(&self.right);
+            Outcome {
+                errors: errors.map(|((value, ..), right)| value - right).collect(),
+                work,
+                rays: found.len(),
+            }
+        })
+    }
+
+    fn steps<'a>(&'a self, run: impl Fn(f64) -> Run<'a>) -> Vec<Setting<'a>> {
+        let unit = self.crossings.unit;
+        STEPS
+            .iter()
+            .map(|&units| Setting {
+                name: format!("{units} {}", self.crossings.unit_name),
+                value: units * unit,
+                run: run(units * unit),
+                single: None,
+            })
+            .collect()
+    }
+
+    fn by_rule(&self, rule: Rule) -> Climb<'_> {
+        let Crossings {
+            kinks,
+            jumps,
+            rough,
+            same_ends,
+            ..
+        } = self.crossings;
+        let like = match rule {
+            Rule::Left if *same_ends => Rule::Trapezoid,
+            _ => rule,
+        };
+        Climb {
+            estimator: rule.name().to_owned(),
+            is_ours: false,
+            knob: Knob::Step,
+            expected: match (rough, kinks) {
+                (true, _) => Expected::NOTHING,
+                (false, true) => Expected::of_step(like.order_with_kinks(*jumps)),
+                (false, false) => Expected::of_step(like.order()),
+            },
+            settings: self.steps(|step| {
+                self.run(move |ray, _| {
+                    let (depth, lookups) = rule.depth(&ray.profile, step);
+                    (exp(-depth), lookups, 0)
+                })
+            }),
+        }
+    }
+
+    fn by_jitter(&self, stratified: bool) -> Climb<'_> {
+        let order = match (self.crossings.jumps, stratified) {
+            (true, _) => 1.0,
+            (false, true) => 1.5,
+            (false, false) if self.crossings.same_ends => 2.0,
+            (false, false) => 1.0,
+        };
+        let name = match stratified {
+            true => "jittered, stratified",
+            false => "jittered, one offset a ray",
+        };
+        Climb {
+            estimator: name.to_owned(),
+            is_ours: false,
+            knob: Knob::Step,
+            expected: match self.crossings.rough {
+                true => Expected::NOTHING,
+                false => Expected::of_step(order),
+            },
+            settings: self.steps(|step| {
+                self.run(move |ray, index| {
+                    let stream = Stream::new(self.seed, index as u32, 0);
+                    let steps = Steps::over(ray.profile.span(), step);
+                    let (mut depth, mut lookups) = (0.0, 0);
+                    for number in 0..steps.count() {
+                        let (middle, length) = steps.sample(number);
+                        let number = if stratified { number as u32 } else { 0 };
+                        let offset = stream.uniform(0, Purpose::Tracking, number) - 0.5;
+                        let t = middle + offset * length;
+                        depth += length * (ray.profile.extinction)(t, &mut lookups);
+                    }
+                    let draws = if stratified { steps.count() as u64 } else { 1 };
+                    (exp(-depth), lookups, draws)
+                })
+            }),
+        }
+    }
+
+    fn by_chance(&self, estimator: Estimator) -> Climb<'_> {
+        let settings = ESTIMATES.iter().map(|&count| Setting {
+            name: match count {
+                1 => "1 estimate".to_owned(),
+                _ => format!("{count} estimates"),
+            },
+            value: f64::from(count),
+            run: self.run(move |ray, index| {
+                let (mut sum, mut lookups, mut draws) = (0.0, 0, 0);
+                // Powers of two: no setting shares an estimate with another.
+                for number in count..2 * count {
+                    let stream = Stream::new(self.seed, index as u32, number);
+                    let sample = estimator.sample(&ray.profile, &stream);
+                    sum += sample.value;
+                    lookups += sample.lookups;
+                    draws += sample.draws;
+                }
+                (sum / f64::from(count), lookups, draws)
+            }),
+            single: None,
+        });
+        Climb {
+            estimator: estimator.name().to_owned(),
+            is_ours: estimator == Estimator::ResidualRatio,
+            knob: Knob::Samples,
+            expected: Expected::OF_SAMPLES,
+            settings: settings.collect(),
+        }
+    }
+
+    fn cell_by_cell(&self) -> Climb<'_> {
+        Climb {
+            estimator: "Gauss, 2 points a cell".to_owned(),
+            is_ours: true,
+            knob: Knob::None,
+            expected: Expected::NOTHING,
+            settings: vec![Setting {
+                name: "cell by cell".to_owned(),
+                value: 0.0,
+                run: self.run(|ray, _| {
+                    let mut lookups = 0;
+                    let depth = ray
+                        .cell_by_cell
+                        .as_ref()
+                        .map_or(0.0, |depth| depth(&mut lookups));
+                    (exp(-depth), lookups, 0)
+                }),
+                single: None,
+            }],
+        }
+    }
+}

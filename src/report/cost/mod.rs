@@ -1,0 +1,28 @@
+//! What accuracy costs: for a terminal, for spreadsheets, for programs, and as one page that needs
+//! no network.
+
+mod csv;
+mod page;
+mod pictures;
+mod plot;
+mod table;
+mod tables;
+mod text;
+mod words;
+
+pub use csv::cost_csv;
+pub use page::{CostPage, cost_html};
+pub use plot::work_precision_svg;
+pub use text::cost_text;
+
+use crate::cost::results::{Cost, Machine};
+use serde_json::{Value, json};
+
+/// What accuracy costs, as JSON. Error images are not in it.
+pub fn cost_json(costs: &[Cost], machine: Option<&Machine>) -> Value {
+    json!({
+        "schema": "volref/cost/1",
+        "machine": machine,
+        "costs": costs,
+    })
+}

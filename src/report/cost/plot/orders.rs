@@ -1,0 +1,180 @@
+//! Error against what is turned: steps, nodes and pixels side by side.
+
+use super::axis::{Axis, Measure};
+use super::draw::drawn;
+use super::picture::{Curve, Entry, Guide, Key, Panel, Picture, Point};
+use super::{Dress, Plot};
+use crate::cost::results::{Cost, Knob, Order, OrderVerdict};
+use crate::math::log10;
+use crate::report::cost::words;
+
+/// A panel for each length that is turned, with the ladders of all studies; none where there are
+/// no such ladders.
+pub(in super::super) fn orders(cost: &Cost, dress: Dress) -> Option<Plot> {
+    let kinds = [
+        (Knob::Step, "step", "step along the ray"),
+        (Knob::ShadowStep, "shadow step", "step along shadow rays"),
+        (Knob::Spacing, "grid", "spacing of the nodes"),
+        (Knob::Pixel, "pixel", "edge of a pixel"),
+    ];
+    let mut lines = Lines::default();
+    for (knob, title, axis) in kinds {
+        for study in &cost.studies {
+            for ladder in study.ladders.iter().filter(|ladder| ladder.knob == knob) {
+                let estimator = words::ladder(study, &ladder.estimator, knob);
+                let name = match cost.studies.len() {
+                    1 => estimator,
+                    _ => format!("{}, {estimator}", study.name),
+                };
+                let counted = &ladder.order.counted;
+                let points = ladder.rungs.iter().zip(counted).map(|(rung, counts)| {
+                    let error = words::judged(rung);
+                    Falling {
+                        value: rung.value,
+                        error,
+                        counts: *counts,
+                        told: format!("{name}, {}: error {}", rung.setting, words::error(error)),
+                    }
+                });
+                lines.push(&name, points, &ladder.order, 1.0, ladder.is_ours);
+            }
+        }
+        lines.end_panel(title, axis, "error: relative RMSE");
+    }
+    lines.plot("Error against step, node spacing and pixel", 270, dress)
+}
+
+/// A point of a curve that falls.
+pub(super) struct Falling {
+    pub(super) value: f64,
+    pub(super) error: f64,
+    /// Whether the order is fitted to it.
+    pub(super) counts: bool,
+    pub(super) told: String,
+}
+
+/// Curves that fall as powers, with the powers that are expected, in panels.
+#[derive(Default)]
+pub(super) struct Lines {
+    panels: Vec<Panel>,
+    legend: Vec<Entry>,
+    /// Of the panel that is being filled.
+    curves: Vec<Curve>,
+    guides: Vec<Guide>,
+}
+
+impl Lines {
+    /// Adds a curve. What is drawn falls by `power` times the order.
+    pub(super) fn push(
+        &mut self,
+        name: &str,
+        points: impl Iterator<Item = Falling>,
+        order: &Order,
+        power: f64,
+        is_wide: bool,
+    ) {
+        // No style twice: all panels have one legend.
+        let style = self.legend.len();
+        let mut points: Vec<Falling> = points
+            .filter(|point| point.value > 0.0 && point.error > 0.0 && point.error.is_finite())
+            .collect();
+        points.sort_by(|a, b| b.value.total_cmp(&a.value));
+        let place = |point: &Falling| [log10(point.value), log10(point.error)];
+        // The line that is expected goes through the finest setting that counts: errors of
+        // coarser ones, which fall otherwise, show as a distance from it.
+        let finest = points.iter().rfind(|point| point.counts);
+        if let (Some(expected), Some(finest)) = (order.expected, finest) {
+            self.guides.push(Guide {
+                through: place(finest),
+                slope: power * expected,
+                style: Some(style),
+                label: None,
+                is_ray: false,
+            });
+        }
+        self.legend.push(Entry {
+            key: Key::Curve(style, is_wide),
+            text: format!("{name}: {}", fitted_and_expected(order, power)),
+        });
+        let last = points.len().saturating_sub(1);
+        let has_order = order.fitted.is_some() || order.expected.is_some();
+        let points = points.iter().enumerate().map(|(at, point)| Point {
+            at: place(point),
+            label: (at == last && has_order).then(|| fitted(order, power)),
+            is_urgent: order.verdict != OrderVerdict::AsExpected,
+            told: point.told.clone(),
+            is_hollow: !point.counts,
+            ..Point::default()
+        });
+        self.curves.push(Curve {
+            style,
+            is_wide,
+            marks: 1.0,
+            is_joined: true,
+            points: points.collect(),
+        });
+    }
+
+    /// Makes a panel of the curves since the last; none of no points.
+    pub(super) fn end_panel(&mut self, title: &str, x_title: &str, y_title: &str) {
+        let curves = std::mem::take(&mut self.curves);
+        let guides = std::mem::take(&mut self.guides);
+        let points = || curves.iter().flat_map(|curve| &curve.points);
+        let across: Vec<f64> = points().map(|point| point.at[0]).collect();
+        let up: Vec<f64> = points().map(|point| point.at[1]).collect();
+        if across.is_empty() {
+            return;
+        }
+        // The title of the axis is the same on all of them.
+        let y_title = if self.panels.is_empty() { y_title } else { "" };
+        self.panels.push(Panel {
+            title: title.to_owned(),
+            x: Axis::log(x_title, Measure::Number, &across),
+            y: Axis::log(y_title, Measure::Number, &up),
+            curves,
+            guides,
+            levels: Vec::new(),
+            front: Vec::new(),
+        });
+    }
+
+    /// All panels; none of no panels.
+    pub(super) fn plot(self, title: &str, height: i32, dress: Dress) -> Option<Plot> {
+        if self.panels.is_empty() {
+            return None;
+        }
+        let picture = Picture {
+            title: title.to_owned(),
+            panels: self.panels,
+            legend: self.legend,
+            height,
+        };
+        Some(Plot {
+            svg: drawn(&picture, dress),
+            notes: Vec::new(),
+        })
+    }
+}
+
+/// Fitted order, with the sign of the verdict.
+fn fitted(order: &Order, power: f64) -> String {
+    let fitted = order
+        .fitted
+        .map_or("–".to_owned(), |fitted| format!("{:.2}", power * fitted));
+    let sign = match order.verdict {
+        OrderVerdict::AsExpected => " ✓",
+        OrderVerdict::Otherwise => " ✗",
+        OrderVerdict::Undecided => " ?",
+        OrderVerdict::NotYetAPower => " ~",
+        OrderVerdict::NothingExpected => "",
+    };
+    format!("{fitted}{sign}")
+}
+
+fn fitted_and_expected(order: &Order, power: f64) -> String {
+    let fitted = fitted(order, power);
+    match order.expected {
+        Some(expected) => format!("{fitted} (expected {})", power * expected),
+        None => fitted,
+    }
+}

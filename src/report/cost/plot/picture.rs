@@ -1,0 +1,104 @@
+//! What is to be drawn: panels with axes, curves and lines. Coordinates are places on an
+//! [`Axis`]: logarithms where that is logarithmic.
+
+use super::axis::Axis;
+
+/// Panels side by side, with one legend below.
+#[derive(Debug, Default)]
+pub(super) struct Picture {
+    /// For those who do not see it.
+    pub(super) title: String,
+    pub(super) panels: Vec<Panel>,
+    pub(super) legend: Vec<Entry>,
+    /// Height of the axes.
+    pub(super) height: i32,
+}
+
+#[derive(Debug)]
+pub(super) struct Panel {
+    pub(super) title: String,
+    pub(super) x: Axis,
+    pub(super) y: Axis,
+    pub(super) curves: Vec<Curve>,
+    pub(super) guides: Vec<Guide>,
+    pub(super) levels: Vec<Level>,
+    /// Corners of the border of what can be had.
+    pub(super) front: Vec<[f64; 2]>,
+}
+
+/// Points that belong together.
+#[derive(Debug)]
+pub(super) struct Curve {
+    /// Number of colour, dashes and shape of the marks.
+    pub(super) style: usize,
+    pub(super) is_wide: bool,
+    /// Radius of the marks, relative to the usual; 0 for none.
+    pub(super) marks: f64,
+    /// Whether they are joined.
+    pub(super) is_joined: bool,
+    pub(super) points: Vec<Point>,
+}
+
+/// A point of a curve.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Point {
+    pub(super) at: [f64; 2],
+    pub(super) label: Option<String>,
+    /// Whether its label goes before those of other points.
+    pub(super) is_urgent: bool,
+    /// What a pointer that rests on it is told.
+    pub(super) told: String,
+    /// Not to be trusted: drawn without filling.
+    pub(super) is_hollow: bool,
+    /// From where to where it may be along the first axis.
+    pub(super) whiskers: Option<[f64; 2]>,
+    /// Where a cross is drawn above or below it, and what a pointer is told there.
+    pub(super) cross: Option<(f64, String)>,
+}
+
+/// A thin line through a point.
+#[derive(Debug)]
+pub(super) struct Guide {
+    pub(super) through: [f64; 2],
+    pub(super) slope: f64,
+    /// In the colour of this curve; grey otherwise.
+    pub(super) style: Option<usize>,
+    pub(super) label: Option<String>,
+    /// Whether it begins at the point, and goes on to the right only.
+    pub(super) is_ray: bool,
+}
+
+/// A line across the panel.
+#[derive(Debug)]
+pub(super) struct Level {
+    pub(super) at: f64,
+    pub(super) label: String,
+    /// Whether everything below it is shaded.
+    pub(super) is_shaded: bool,
+}
+
+/// A line of a legend.
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    pub(super) key: Key,
+    pub(super) text: String,
+}
+
+/// What a line of a legend explains.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Key {
+    /// Line and mark of a curve, in that style; wide or not.
+    Curve(usize, bool),
+    /// The line of a curve, in that style.
+    Line(usize),
+    /// The mark of a curve, in that style.
+    Mark(usize),
+    /// A mark without filling.
+    Hollow,
+    /// A cross.
+    Cross,
+    /// The border of what can be had.
+    Front,
+    /// A thin line.
+    Guide,
+}

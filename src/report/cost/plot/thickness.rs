@@ -1,0 +1,134 @@
+//! Which estimator wins in thin and in dense matter.
+
+use super::axis::{Axis, Measure};
+use super::draw::drawn;
+use super::picture::{Curve, Entry, Key, Panel, Picture, Point};
+use super::{Dress, Plot};
+use crate::cost::results::{ThicknessCurve, ThicknessPoint, ThicknessSweep};
+use crate::math::log10;
+use crate::report::cost::words;
+
+/// So many look-ups for one sample of relative error 1 nobody takes. Variances of dense matter grow
+/// like `e^τ`: drawn to their end they would press everything else to the ground.
+const HOPELESS: f64 = 1e8;
+
+/// Relative variance times look-ups against optical depth: marks are measured, lines predicted.
+pub(in super::super) fn thickness(sweep: &ThicknessSweep, dress: Dress) -> Plot {
+    let mut curves = Vec::new();
+    let mut legend = Vec::new();
+    let mut notes = Vec::new();
+    for (style, curve) in sweep.curves.iter().enumerate() {
+        let name = &curve.estimator;
+        let predicted = predicted(curve);
+        legend.push(Entry {
+            key: match predicted.is_empty() {
+                true => Key::Mark(style),
+                false => Key::Curve(style, false),
+            },
+            text: match predicted.is_empty() {
+                true => format!("{name} (no theory)"),
+                false => name.clone(),
+            },
+        });
+        let known = curve.points.iter().filter_map(|point| {
+            let measured = point.measured.filter(|measured| *measured > 0.0);
+            Some((point, measured?)).filter(|(point, _)| point.depth > 0.0)
+        });
+        let (shown, hopeless): (Vec<_>, Vec<_>) =
+            known.partition(|(_, measured)| *measured < HOPELESS);
+        if let (Some((first, _)), Some((_, most))) = (hopeless.first(), hopeless.last()) {
+            notes.push(format!(
+                "Above the picture: {name} from depth {} on, up to {}.",
+                words::value(first.depth),
+                words::error(*most)
+            ));
+        }
+        let is_unknown = |point: &&ThicknessPoint| point.measured.is_none();
+        if let Some(first) = curve.points.iter().find(is_unknown) {
+            notes.push(format!(
+                "Not measured: {name} from depth {} on, where almost no sample gets through.",
+                words::value(first.depth)
+            ));
+        }
+        let mut measured: Vec<Point> = shown
+            .into_iter()
+            .map(|(point, measured)| Point {
+                at: [log10(point.depth), log10(measured)],
+                told: told(name, point),
+                ..Point::default()
+            })
+            .collect();
+        if let Some(last) = measured.last_mut() {
+            last.label = Some(name.clone());
+        }
+        for (is_marked, points) in [(false, predicted), (true, measured)] {
+            curves.push(Curve {
+                style,
+                is_wide: false,
+                marks: if is_marked { 1.0 } else { 0.0 },
+                is_joined: !is_marked,
+                points,
+            });
+        }
+    }
+    let points = || curves.iter().flat_map(|curve| &curve.points);
+    let across: Vec<f64> = points().map(|point| point.at[0]).collect();
+    let up: Vec<f64> = points().map(|point| point.at[1]).collect();
+    let picture = Picture {
+        title: "Relative variance times look-ups against optical depth".to_owned(),
+        panels: vec![Panel {
+            title: "marks: measured; lines: theory; lower is better".to_owned(),
+            x: Axis::log("optical depth of the ray", Measure::Number, &across),
+            y: Axis::log("variance / T² × look-ups", Measure::Number, &up),
+            curves,
+            guides: Vec::new(),
+            levels: Vec::new(),
+            front: Vec::new(),
+        }],
+        legend,
+        height: 320,
+    };
+    Plot {
+        svg: drawn(&picture, dress),
+        notes,
+    }
+}
+
+/// What theory says, up to where it is [`HOPELESS`].
+fn predicted(curve: &ThicknessCurve) -> Vec<Point> {
+    let top = log10(HOPELESS);
+    let mut points: Vec<[f64; 2]> = Vec::new();
+    for point in &curve.points {
+        let Some(theory) = point.predicted else {
+            continue;
+        };
+        if !(point.depth > 0.0 && theory > 0.0) {
+            continue;
+        }
+        let [x, y] = [log10(point.depth), log10(theory)];
+        if y < top {
+            points.push([x, y]);
+        } else {
+            // The last piece of the line ends at the top.
+            if let Some(&[x0, y0]) = points.last() {
+                points.push([x0 + (x - x0) * (top - y0) / (y - y0), top]);
+            }
+            break;
+        }
+    }
+    let point = |at| Point {
+        at,
+        ..Point::default()
+    };
+    points.into_iter().map(point).collect()
+}
+
+fn told(name: &str, point: &ThicknessPoint) -> String {
+    let shown = |value: Option<f64>| value.map_or("–".to_owned(), words::error);
+    format!(
+        "{name} at depth {}: measured {}, theory {}",
+        words::value(point.depth),
+        shown(point.measured),
+        shown(point.predicted),
+    )
+}

@@ -1,0 +1,353 @@
+//! Numbers and verdicts, as text and page write them.
+
+use crate::cost::results::{
+    Cost, EstimatorRow, Knob, Ladder, Machine, Order, OrderVerdict, Rung, Study, Times,
+};
+
+/// The scene, with its panel.
+pub(super) fn scene(cost: &Cost) -> String {
+    match &cost.panel {
+        Some(panel) => format!("{}: {panel}", cost.scene),
+        None => cost.scene.clone(),
+    }
+}
+
+/// What is turned, in a word or two.
+pub(super) fn knob(knob: Knob) -> &'static str {
+    match knob {
+        Knob::Step => "step",
+        Knob::ShadowStep => "shadow step",
+        Knob::Spacing => "node spacing",
+        Knob::Pixel => "pixel",
+        Knob::Samples => "samples",
+        Knob::None => "none",
+    }
+}
+
+/// The estimator, and what is turned where another ladder of the study turns something else.
+pub(super) fn ladder(study: &Study, estimator: &str, turned: Knob) -> String {
+    let is_other = |ladder: &&Ladder| ladder.estimator == estimator && ladder.knob != turned;
+    match study.ladders.iter().find(is_other) {
+        Some(_) => format!("{estimator}, {}", knob(turned)),
+        None => estimator.to_owned(),
+    }
+}
+
+/// How a verdict is marked: never by colour alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Mark {
+    Plain,
+    Good,
+    Bad,
+    Odd,
+}
+
+/// A verdict with its sign.
+pub(super) fn verdict(verdict: OrderVerdict) -> (Mark, &'static str) {
+    match verdict {
+        OrderVerdict::AsExpected => (Mark::Good, "✓ as expected"),
+        OrderVerdict::Otherwise => (Mark::Bad, "✗ not as expected"),
+        OrderVerdict::Undecided => (Mark::Odd, "? undecided: too few settings count"),
+        OrderVerdict::NotYetAPower => (Mark::Odd, "~ not a power yet: still changing"),
+        OrderVerdict::NothingExpected => (Mark::Plain, "– nothing expected"),
+    }
+}
+
+/// Whether an estimator keeps its promises, with a sign.
+pub(super) fn agreement(row: &EstimatorRow) -> (Mark, &'static str) {
+    match row.agrees {
+        true => (Mark::Good, "✓ agrees"),
+        false => (Mark::Bad, "✗ disagrees"),
+    }
+}
+
+/// How many standard errors the mean is off, with its sign.
+pub(super) fn standard_errors(row: &EstimatorRow) -> String {
+    match row.standard_error > 0.0 {
+        true => format!("{:+.1}", row.bias / row.standard_error),
+        // Without noise there is nothing to measure a bias by.
+        false => format!("{} abs", error(row.bias)),
+    }
+}
+
+/// An error or a variance, with three digits.
+pub(super) fn error(value: f64) -> String {
+    match value {
+        0.0 => "0".to_owned(),
+        _ if !value.is_finite() => value.to_string(),
+        _ => format!("{value:.2e}"),
+    }
+}
+
+/// A round number such as 1e-3, without digits that say nothing.
+pub(super) fn round(value: f64) -> String {
+    let [short, long] = [format!("{value:.0e}"), format!("{value:.1e}")];
+    // A product such as 100 × 3e-7 is as round as can be, but for its last bit.
+    let near = 4.0 * f64::EPSILON * value;
+    let says_all = |text: &str| {
+        let read = text.parse::<f64>();
+        read.is_ok_and(|read| (read - value).abs() <= near)
+    };
+    if says_all(&short) { short } else { long }
+}
+
+/// A mean of counts, with three digits.
+pub(super) fn count(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        size if size < 9.995 => format!("{value:.2}"),
+        size if size < 99.95 => format!("{value:.1}"),
+        size if size < 999_999.5 => format!("{value:.0}"),
+        _ => error(value),
+    }
+}
+
+/// A length, a depth or a value, with four digits.
+pub(super) fn value(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        size if size < 1e-3 => format!("{value:.3e}"),
+        size if size < 1e-2 => format!("{value:.6}"),
+        size if size < 0.1 => format!("{value:.5}"),
+        size if size < 1.0 => format!("{value:.4}"),
+        size if size < 10.0 => format!("{value:.3}"),
+        size if size < 100.0 => format!("{value:.2}"),
+        size if size < 1e6 => format!("{value:.1}"),
+        _ => format!("{value:.3e}"),
+    }
+}
+
+/// How many times as much; of nothing, it cannot be said.
+pub(super) fn factor(value: f64) -> String {
+    match value {
+        _ if !value.is_finite() => "–".to_owned(),
+        _ if value < 99.95 => format!("{value:.1}"),
+        _ => count(value),
+    }
+}
+
+/// An order, with its sign.
+pub(super) fn order(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".to_owned(), |order| format!("{order:.2}"))
+}
+
+/// An order that theory says: `2`, `-0.5`.
+pub(super) fn expected(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".to_owned(), |order| order.to_string())
+}
+
+/// An order that was fitted beside the expected one: `1.99 (expected 2)`.
+pub(super) fn fitted(order: &Order) -> String {
+    let fitted = match order.fitted {
+        Some(fitted) => format!("order {fitted:.2}"),
+        None => "no order".to_owned(),
+    };
+    match order.expected {
+        Some(expected) => format!("{fitted}, expected {expected}"),
+        None => fitted,
+    }
+}
+
+/// Unit of a time, and how many seconds it has.
+fn unit(seconds: f64) -> (&'static str, f64) {
+    match seconds {
+        _ if seconds < 0.999_5e-6 => ("ns", 1e-9),
+        _ if seconds < 0.999_5e-3 => ("µs", 1e-6),
+        _ if seconds < 0.999_5 => ("ms", 1e-3),
+        _ => ("s", 1.0),
+    }
+}
+
+fn three_digits(value: f64) -> String {
+    match value {
+        _ if value < 9.995 => format!("{value:.2}"),
+        _ if value < 99.95 => format!("{value:.1}"),
+        _ => format!("{value:.0}"),
+    }
+}
+
+/// A time with three digits and its unit.
+pub(super) fn seconds(value: f64) -> String {
+    let (unit, size) = unit(value);
+    format!("{} {unit}", three_digits(value / size))
+}
+
+/// Median, least and most: `1.23 (1.20–1.31) µs`.
+pub(super) fn times(times: &Times) -> String {
+    let (unit, size) = unit(times.median);
+    let [median, min, max] =
+        [times.median, times.min, times.max].map(|value| three_digits(value / size));
+    let noisy = if times.is_noisy { " noisy" } else { "" };
+    format!("{median} ({min}–{max}) {unit}{noisy}")
+}
+
+/// Where times were taken, as facts.
+pub(super) fn machine(machine: &Machine) -> Vec<(&'static str, String)> {
+    vec![
+        ("processor", machine.processor.clone()),
+        ("threads", machine.threads.to_string()),
+        ("platform", machine.platform.clone()),
+        ("compiler", machine.compiler.clone()),
+        ("profile", machine.profile.to_owned()),
+        ("target features", machine.target_features.clone()),
+    ]
+}
+
+/// What makes times of this machine worthless.
+pub(super) fn machine_warning(machine: &Machine) -> Option<&'static str> {
+    (machine.profile != "release").then_some("not optimised: look-ups can be trusted, times cannot")
+}
+
+/// Errors at or below this may be those of the reference, in all ladders of the study.
+pub(super) fn least_known(study: &Study) -> f64 {
+    let of_each = study.ladders.iter().map(|ladder| ladder.order.known);
+    of_each.reduce(f64::max).unwrap_or(study.reference.bound)
+}
+
+/// The root mean square error to which an order is fitted.
+pub(super) fn judged(rung: &Rung) -> f64 {
+    rung.error_of_order.unwrap_or(rung.error).l2
+}
+
+/// Verdicts of a report, counted, and those in detail that are not as they should be.
+pub(super) struct Judgement {
+    pub(super) mark: Mark,
+    pub(super) headline: String,
+    /// What is not as expected, or not known: mark and words.
+    pub(super) faults: Vec<(Mark, String)>,
+}
+
+/// What came of all expectations.
+pub(super) fn judgement(costs: &[Cost]) -> Judgement {
+    let mut faults = Vec::new();
+    // As expected, otherwise, undecided, not yet a power, nothing expected.
+    let mut orders = [0_usize; 5];
+    let mut note = |name: String, order: &Order| {
+        orders[order.verdict as usize] += 1;
+        let words = fitted(order);
+        match order.verdict {
+            OrderVerdict::Otherwise => {
+                let tolerance = order.tolerance;
+                faults.push((Mark::Bad, format!("✗ {name}: {words} ± {tolerance:.2}")));
+            }
+            OrderVerdict::Undecided => {
+                let why = "too few settings are fine enough and above what the reference knows";
+                faults.push((Mark::Odd, format!("? {name}: undecided, {why} ({words})")));
+            }
+            OrderVerdict::NotYetAPower => {
+                let why = "from setting to setting the order still changes";
+                faults.push((
+                    Mark::Odd,
+                    format!("~ {name}: not a power yet, {why} ({words})"),
+                ));
+            }
+            OrderVerdict::AsExpected | OrderVerdict::NothingExpected => {}
+        }
+    };
+    for cost in costs {
+        let scene = scene(cost);
+        for study in &cost.studies {
+            for each in &study.ladders {
+                let name = ladder(study, &each.estimator, each.knob);
+                note(format!("{scene}, {}, {name}", study.name), &each.order);
+            }
+        }
+        for curve in cost.jitter.iter().flat_map(|jitter| &jitter.curves) {
+            let name = format!("{scene}, {} jitter", curve.jitter);
+            note(format!("{name}, deviation"), &curve.deviation_order);
+            note(format!("{name}, bias"), &curve.bias_order);
+        }
+    }
+    let mut estimators = [0_usize; 2];
+    for cost in costs {
+        for row in cost.estimators.iter().flat_map(|table| &table.rows) {
+            estimators[usize::from(row.agrees)] += 1;
+            if !row.agrees {
+                faults.push((
+                    Mark::Bad,
+                    format!(
+                        "✗ {}, {}: not what theory says; mean off by {} s.e., variance {} (theory {}), look-ups {} (theory {})",
+                        scene(cost),
+                        row.estimator,
+                        standard_errors(row),
+                        error(row.variance),
+                        row.predicted_variance.map_or("–".to_owned(), error),
+                        count(row.lookups),
+                        row.predicted_lookups.map_or("–".to_owned(), count),
+                    ),
+                ));
+            }
+        }
+    }
+    // What is wrong before what is not known.
+    faults.sort_by_key(|(mark, _)| *mark != Mark::Bad);
+    let [as_expected, otherwise, undecided, not_yet, _] = orders;
+    let judged = as_expected + otherwise + undecided + not_yet;
+    let mut parts = Vec::new();
+    if judged > 0 {
+        let mut counts = vec![format!("{as_expected} as expected")];
+        for (count, words) in [
+            (otherwise, "not as expected"),
+            (undecided, "undecided"),
+            (not_yet, "not a power yet"),
+        ] {
+            if count > 0 {
+                counts.push(format!("{count} {words}"));
+            }
+        }
+        let noun = if judged == 1 { "order" } else { "orders" };
+        parts.push(format!("{judged} {noun} of error: {}", counts.join(", ")));
+    }
+    let [disagree, agree] = estimators;
+    if agree + disagree > 0 {
+        parts.push(format!(
+            "{agree} of {} estimators agree with theory",
+            agree + disagree
+        ));
+    }
+    let mark = match faults.first() {
+        None if parts.is_empty() => Mark::Plain,
+        None => Mark::Good,
+        Some((mark, _)) => *mark,
+    };
+    let headline = match parts.is_empty() {
+        true => "Nothing was expected, so nothing was judged.".to_owned(),
+        false => format!("{}.", parts.join("; ")),
+    };
+    Judgement {
+        mark,
+        headline,
+        faults,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_three_digits() {
+        assert_eq!(
+            [0.0, 1.234_5e-4, 0.999_9, f64::NAN].map(error),
+            ["0", "1.23e-4", "1.00e0", "NaN"]
+        );
+        assert_eq!(
+            [1e-3, 0.1, 2.5e-4, 100.0 * 3e-7].map(round),
+            ["1e-3", "1e-1", "2.5e-4", "3e-5"]
+        );
+        assert_eq!(
+            [0.0, 2.224_6, 9.996, 123.4, 65_536.0, 1.5e7].map(count),
+            ["0", "2.22", "10.0", "123", "65536", "1.50e7"]
+        );
+        assert_eq!(
+            [0.0, 0.003_125, 0.5, 31.622_8, -1e-5].map(value),
+            ["0", "0.003125", "0.5000", "31.62", "-1.000e-5"]
+        );
+        assert_eq!([1.0, 12.34, 12_345.0].map(factor), ["1.0", "12.3", "12345"]);
+        assert_eq!(
+            [1.5e-9, 999.7e-9, 1.234e-5, 0.25, 3.0].map(seconds),
+            ["1.50 ns", "1.00 µs", "12.3 µs", "250 ms", "3.00 s"]
+        );
+    }
+}
