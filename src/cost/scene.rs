@@ -155,6 +155,10 @@ fn of_radiative(
         let study = transmittance::study(&crossings, options.seed, clock);
         cost.studies.push(study);
         of_one_ray(cost, &crossings, options, told);
+        if !clock.is_over() {
+            told("coarser data");
+            cost.studies.extend(data::of_grids(&crossings, clock));
+        }
     }
     if Plan::new(panel).is_sampled() {
         if clock.is_over() {

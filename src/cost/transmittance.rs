@@ -13,7 +13,7 @@ use super::timing::Clock;
 use crate::geometry::{Ray, Span};
 use crate::math::exp;
 use crate::math::rng::{Purpose, Stream};
-use crate::media::Field;
+use crate::media::{Density, Field, Line};
 use crate::render::Counters;
 use crate::render::effects::Everything;
 use crate::render::matter::{Media, Medium, Set, members};
@@ -66,12 +66,44 @@ pub struct Crossing<'s> {
     pub depth: f64,
     /// By how much that may be off.
     pub depth_error: f64,
-    /// The depth cell by cell, where the densities are grids; counts look-ups.
-    pub cell_by_cell: Option<Depth<'s>>,
+    /// The media that vary on it.
+    pub parts: Vec<Part<'s>>,
 }
 
-/// An optical depth; the number counts look-ups.
-pub type Depth<'s> = Box<dyn Fn(&mut u64) -> f64 + Send + Sync + 's>;
+/// A medium of varying density on a ray.
+pub struct Part<'s> {
+    /// Its number in the scene.
+    pub medium: usize,
+    /// Extinction where its density is 1, per length, in the channel that is followed.
+    pub sigma: f64,
+    /// Its density.
+    pub density: &'s Density,
+    /// The ray in the coordinates of the density.
+    pub line: Line,
+    /// Where the ray is in the box of the density.
+    pub span: Span,
+}
+
+impl Crossing<'_> {
+    /// Whether all that varies is a grid.
+    pub fn is_through_grids(&self) -> bool {
+        let mut parts = self.parts.iter();
+        parts.all(|part| matches!(part.density.field(), Field::Grid(_)))
+    }
+
+    /// Optical depth by the integrals of the densities: in closed form, or cell by cell. Adds what
+    /// is looked up to `lookups`.
+    ///
+    /// # Panics
+    ///
+    /// If a density has no integral.
+    pub fn depth_by_integrals(&self, lookups: &mut u64) -> f64 {
+        let parts = self.parts.iter();
+        parts
+            .map(|part| part.sigma * part.density.integral(&part.line, part.span, lookups))
+            .sum()
+    }
+}
 
 /// All rays of a smaller image that cross media of varying density.
 pub struct Crossings<'s> {
@@ -204,7 +236,7 @@ fn crossing<'s>(
         near: first.near,
         far: last.far,
     };
-    let (mut integrable, mut grids) = (true, true);
+    let mut integrable = true;
     let mut parts = Vec::new();
     for index in members(set) {
         let medium = media.medium(index);
@@ -214,20 +246,19 @@ fn crossing<'s>(
         };
         density.append_kinks(&line, span, &mut kinks);
         kinks.extend([span.near, span.far]);
-        grids &= matches!(density.field(), Field::Grid(_));
         integrable &= density.is_integrable();
         if !density.is_integrable() {
             let cut = |index: usize| span.near + span.length() * index as f64 / PIECES as f64;
             kinks.extend((1..PIECES).map(cut));
         }
-        parts.push((medium.sigma_t()[channel], density, line, span));
+        parts.push(Part {
+            medium: index,
+            sigma: medium.sigma_t()[channel],
+            density,
+            line,
+            span,
+        });
     }
-    let integral = move |lookups: &mut u64| -> f64 {
-        let parts = parts.iter();
-        parts
-            .map(|(sigma, density, line, span)| sigma * density.integral(line, *span, lookups))
-            .sum()
-    };
     let extinction = move |t: f64, lookups: &mut u64| {
         let inside = pieces
             .iter()
@@ -245,27 +276,26 @@ fn crossing<'s>(
         kinks,
         densities: members(set).count(),
     };
-    let (depth, depth_error) = if integrable {
-        let depth = integral(&mut 0);
+    let mut crossing = Crossing {
+        pixel,
+        profile,
+        depth: 0.0,
+        depth_error: 0.0,
+        parts,
+    };
+    if integrable {
+        crossing.depth = crossing.depth_by_integrals(&mut 0);
         // A sum of some hundred terms, compensated.
-        (depth, depth * 1e-15)
+        crossing.depth_error = crossing.depth * 1e-15;
     } else {
+        let profile = &crossing.profile;
         let light = collocation.light(&profile.cuts(), TOLERANCE, |t| Here {
             extinction: profile.at(t),
             emission: DVec3::ZERO,
         });
-        (light.depth, light.depth_error)
-    };
-    Some(Crossing {
-        pixel,
-        profile,
-        depth,
-        depth_error,
-        cell_by_cell: match integrable && grids {
-            true => Some(Box::new(integral)),
-            false => None,
-        },
-    })
+        (crossing.depth, crossing.depth_error) = (light.depth, light.depth_error);
+    }
+    Some(crossing)
 }
 
 /// The media of varying density that take light away.
@@ -291,11 +321,11 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
     climbs.push(asked.by_jitter(false));
     climbs.push(asked.by_jitter(true));
     climbs.extend(Estimator::ALL.map(|estimator| asked.by_chance(estimator)));
-    if crossings.rays.iter().all(|ray| ray.cell_by_cell.is_some()) {
+    if crossings.rays.iter().all(Crossing::is_through_grids) {
         climbs.push(asked.cell_by_cell());
     }
     let ladders = climb(&climbs, scale, bound, None, clock);
-    let exact = crossings.rays.iter().all(|ray| ray.cell_by_cell.is_some());
+    let exact = crossings.rays.iter().all(Crossing::is_through_grids);
     Study {
         name: "transmittance",
         quantity: format!(
@@ -481,10 +511,7 @@ impl Asked<'_, '_> {
                 value: 0.0,
                 run: self.run(|ray, _| {
                     let mut lookups = 0;
-                    let depth = ray
-                        .cell_by_cell
-                        .as_ref()
-                        .map_or(0.0, |depth| depth(&mut lookups));
+                    let depth = ray.depth_by_integrals(&mut lookups);
                     (exp(-depth), lookups, 0)
                 }),
                 single: None,
