@@ -2,7 +2,7 @@
 
 use super::classified::{Shade, Subject};
 use super::collocation::{Collocation, Light};
-use super::image::thumbnail;
+use super::image::{in_words, thumbnail};
 use super::norms::root_mean_square;
 use super::order::Expected;
 use super::results::{Knob, Reference, Study};
@@ -57,10 +57,8 @@ pub fn coarsened(grid: &Grid<f32>, factor: f64) -> Option<Grid<f32>> {
 }
 
 fn in_voxels_of_data(factor: f64) -> String {
-    match factor {
-        1.0 => "1 voxel".to_owned(),
-        _ => format!("{factor} voxels"),
-    }
+    // What follows from a whole number of nodes has any number of digits.
+    in_words((factor * 1e3).round() / 1e3)
 }
 
 fn name_of(interpolation: Interpolation) -> &'static str {
@@ -160,7 +158,7 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
             bound,
         },
         judged_on: None,
-        prices: prices(&ladders, bound),
+        prices: prices(&ladders),
         pictures: vec![],
         worst_ray: None,
         ladders,
@@ -203,20 +201,27 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
         };
         Some((factor, coarse))
     };
-    let by = |interpolation: Interpolation| -> Option<Vec<(f64, Classified)>> {
+    let voxel = scene.grid.lattice().voxel();
+    let by = |interpolation: Interpolation| -> Vec<(f64, Classified)> {
         // With the interpolation of the scene the data as they are have no error.
         let finest = (interpolation != scene.interpolation).then_some(1.0);
         let spacings = SPACINGS.into_iter().chain(finest);
-        spacings.map(|factor| with(factor, interpolation)).collect()
+        let mut scenes: Vec<_> = spacings
+            .filter_map(|factor| with(factor, interpolation))
+            .map(|(_, coarse)| (coarse.grid.lattice().voxel() / voxel, coarse))
+            .collect();
+        // A whole number of nodes may be the same for two wishes.
+        scenes.dedup_by(|a, b| a.0 == b.0);
+        scenes
     };
     let ladders = [Interpolation::Trilinear, Interpolation::Nearest]
         .map(|interpolation| (interpolation, by(interpolation)));
-    if ladders.iter().any(|(_, scenes)| scenes.is_none()) {
+    if ladders.iter().all(|(_, scenes)| scenes.is_empty()) {
         return None;
     }
     let (image, right, rays) = (&image, &right, &rays);
     let climbs = ladders.iter().map(|(interpolation, scenes)| {
-        let settings = scenes.iter().flatten().map(|(factor, coarse)| Setting {
+        let settings = scenes.iter().map(|(factor, coarse)| Setting {
             name: in_voxels_of_data(*factor),
             value: factor * scene.grid.lattice().voxel(),
             run: Box::new(move || {
@@ -263,7 +268,7 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
             bound,
         },
         judged_on: None,
-        prices: prices(&ladders, bound),
+        prices: prices(&ladders),
         pictures: vec![],
         worst_ray: None,
         ladders,

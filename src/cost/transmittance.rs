@@ -11,8 +11,8 @@ use super::rules::Rule;
 use super::study::{Climb, Outcome, Run, Setting, climb, prices};
 use super::timing::Clock;
 use crate::geometry::{Ray, Span};
-use crate::math::exp;
 use crate::math::rng::{Purpose, Stream};
+use crate::math::{exp, powu};
 use crate::media::{Density, Field, Line};
 use crate::render::Counters;
 use crate::render::effects::Everything;
@@ -23,7 +23,7 @@ use crate::render::steps::Steps;
 use crate::render::surroundings::Surroundings;
 use crate::render::tracking::Bounded;
 use crate::render::work::{Event, Uncounted, Work};
-use crate::volume::Interpolation;
+use crate::volume::{FractalParameters, Interpolation};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -48,6 +48,9 @@ const STEPS: [f64; 10] = [
 
 /// Estimates for each ray.
 const ESTIMATES: [u32; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];
+
+/// Deepest bound along a ray through which flights are followed one by one.
+pub const MOST_DEPTHS: f64 = 1e4;
 
 /// Each element of the reference is good to this, where a density has no integral: fractal noise,
 /// for each digit of which a ray takes a multiple of elements.
@@ -122,9 +125,39 @@ pub struct Crossings<'s> {
     /// Whether they have detail finer than any step here, as noise of many octaves does: then no
     /// step is small.
     pub rough: bool,
-    /// Whether every ray ends in the same extinction as it begins in: then rules that look at one
-    /// end only are as good as those that look at both.
-    pub same_ends: bool,
+    /// How rays begin and end.
+    pub ends: Ends,
+}
+
+/// How the extinctions compare in which rays begin and end: a rule that looks at one end of a step
+/// only is off by half a step's worth of their difference, to first order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ends {
+    /// They are the same: such a rule is as good as one that looks at both.
+    Same,
+    /// They are nearly so: it comes to its order only where steps are very fine.
+    Alike,
+    /// They differ.
+    Different,
+}
+
+/// Differences of the ends below this share of the mean extinction are small.
+const ALIKE: f64 = 0.2;
+
+impl Ends {
+    fn of(rays: &[Crossing<'_>]) -> Ends {
+        let (mut difference, mut mean) = (0.0, 0.0);
+        for ray in rays {
+            let Span { near, far } = ray.profile.span();
+            difference += (ray.profile.at(near) - ray.profile.at(far)).abs();
+            mean += ray.depth / (far - near);
+        }
+        match difference {
+            0.0 => Ends::Same,
+            _ if difference < ALIKE * mean => Ends::Alike,
+            _ => Ends::Different,
+        }
+    }
 }
 
 /// Those of `around`, for an image of `size` pixels in full; none if nothing varies.
@@ -155,7 +188,11 @@ pub fn crossings<'s>(
             Field::Grid(_) | Field::Linear(_) | Field::Noise(_)
         )
     });
-    let rough = densities().any(|density| matches!(density.field(), Field::Noise(_)));
+    let finest = STEPS[STEPS.len() - 1] * unit;
+    let rough = densities().any(|density| match density.field() {
+        Field::Noise(noise) => detail(noise.parameters()) < FINE * finest,
+        _ => false,
+    });
     let collocation = Collocation::new();
     let rays: Vec<Crossing<'s>> = (0..size[0] * size[1])
         .into_par_iter()
@@ -165,12 +202,13 @@ pub fn crossings<'s>(
             crossing(around, &collocation, pixel, ray)
         })
         .collect();
-    let same_ends = rays.iter().all(|ray| {
-        let Span { near, far } = ray.profile.span();
-        ray.profile.at(near) == ray.profile.at(far)
-    });
+    // A length of the field in world units, as it lies in the scene.
+    let unit = match rays.first().and_then(|ray| ray.parts.first()) {
+        Some(part) => unit / part.line.direction.length(),
+        None => unit,
+    };
     (!rays.is_empty()).then_some(Crossings {
-        same_ends,
+        ends: Ends::of(&rays),
         size,
         rays,
         unit,
@@ -179,6 +217,15 @@ pub fn crossings<'s>(
         kinks,
         rough,
     })
+}
+
+/// Steps are small against what is this many times as long.
+const FINE: f64 = 16.0;
+
+/// The edge of the smallest cells of noise, in its own coordinates.
+fn detail(noise: &FractalParameters) -> f64 {
+    let octaves = powu(noise.lacunarity.max(1.0), noise.octaves - 1);
+    1.0 / (noise.scale.abs().max_element() * octaves)
 }
 
 /// What `ray` crosses before it meets a surface.
@@ -207,7 +254,7 @@ fn crossing<'s>(
             _ => break,
         }
     }
-    let (first, last) = (pieces.first()?.0, pieces.last()?.0);
+    let first = pieces.first()?.1;
     let set = pieces.iter().fold(0, |all, (_, set)| all | set);
     // The channel in which most is taken away.
     let sigma: DVec3 = members(set)
@@ -232,16 +279,13 @@ fn crossing<'s>(
             });
         }
     }
-    let whole = Span {
-        near: first.near,
-        far: last.far,
-    };
     let mut integrable = true;
     let mut parts = Vec::new();
-    for index in members(set) {
+    let each = pieces.iter();
+    for (piece, index) in each.flat_map(|(span, set)| members(*set).map(move |m| (*span, m))) {
         let medium = media.medium(index);
         let density = medium.density.expect("it varies");
-        let Some((line, span)) = density.along(&ray, whole) else {
+        let Some((line, span)) = density.along(&ray, piece) else {
             continue;
         };
         density.append_kinks(&line, span, &mut kinks);
@@ -259,6 +303,11 @@ fn crossing<'s>(
             span,
         });
     }
+    // As many look-ups at every place, or a number that is not known.
+    let densities = match pieces.iter().all(|(_, set)| *set == first) {
+        true => members(first).count(),
+        false => 0,
+    };
     let extinction = move |t: f64, lookups: &mut u64| {
         let inside = pieces
             .iter()
@@ -274,7 +323,7 @@ fn crossing<'s>(
         stretches,
         extinction: Box::new(extinction),
         kinks,
-        densities: members(set).count(),
+        densities,
     };
     let mut crossing = Crossing {
         pixel,
@@ -320,7 +369,14 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
     let mut climbs: Vec<Climb<'_>> = Rule::ALL.map(|rule| asked.by_rule(rule)).into();
     climbs.push(asked.by_jitter(false));
     climbs.push(asked.by_jitter(true));
-    climbs.extend(Estimator::ALL.map(|estimator| asked.by_chance(estimator)));
+    let deepest = crossings
+        .rays
+        .iter()
+        .map(|ray| ray.profile.majorant_depth());
+    let is_dense = deepest.fold(0.0, f64::max) > MOST_DEPTHS;
+    if !is_dense {
+        climbs.extend(Estimator::ALL.map(|estimator| asked.by_chance(estimator)));
+    }
     if crossings.rays.iter().all(Crossing::is_through_grids) {
         climbs.push(asked.cell_by_cell());
     }
@@ -343,11 +399,19 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
             },
             bound,
         },
-        judged_on: crossings.rough.then(|| {
-            "no order of a step is expected: the noise has detail finer than all steps here"
-                .to_owned()
-        }),
-        prices: prices(&ladders, bound),
+        judged_on: match (crossings.rough, is_dense) {
+            (true, _) => Some(
+                "none is expected of a step: the noise has detail that no step here is small \
+                 against"
+                    .to_owned(),
+            ),
+            (_, true) => Some(format!(
+                "tracking was left out: bounds of more than {MOST_DEPTHS} optical depths take as \
+                 many look-ups"
+            )),
+            _ => None,
+        },
+        prices: prices(&ladders),
         pictures: vec![],
         worst_ray: None,
         ladders,
@@ -407,13 +471,14 @@ impl Asked<'_, '_> {
             kinks,
             jumps,
             rough,
-            same_ends,
+            ends,
             ..
         } = self.crossings;
         let like = match rule {
-            Rule::Left if *same_ends => Rule::Trapezoid,
+            Rule::Left if *ends == Ends::Same => Rule::Trapezoid,
             _ => rule,
         };
+        let rough = *rough || rule == Rule::Left && *ends == Ends::Alike;
         Climb {
             estimator: rule.name().to_owned(),
             is_ours: false,
@@ -436,9 +501,10 @@ impl Asked<'_, '_> {
         let order = match (self.crossings.jumps, stratified) {
             (true, _) => 1.0,
             (false, true) => 1.5,
-            (false, false) if self.crossings.same_ends => 2.0,
+            (false, false) if self.crossings.ends == Ends::Same => 2.0,
             (false, false) => 1.0,
         };
+        let rough = self.crossings.rough || !stratified && self.crossings.ends == Ends::Alike;
         let name = match stratified {
             true => "jittered, stratified",
             false => "jittered, one offset a ray",
@@ -447,7 +513,7 @@ impl Asked<'_, '_> {
             estimator: name.to_owned(),
             is_ours: false,
             knob: Knob::Step,
-            expected: match self.crossings.rough {
+            expected: match rough {
                 true => Expected::NOTHING,
                 false => Expected::of_step(order),
             },
