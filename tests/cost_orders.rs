@@ -9,6 +9,7 @@
 mod quadrature;
 
 use glam::DVec3;
+use std::path::Path;
 use std::sync::Arc;
 use volref::cost::collocation::{Collocation, Here};
 use volref::cost::estimators::table;
@@ -20,10 +21,12 @@ use volref::cost::profile::{Profile, Stretch};
 use volref::cost::results::{Norms, OrderVerdict};
 use volref::cost::rules::Rule;
 use volref::cost::timing::Clock;
+use volref::cost::{Options, cost};
 use volref::geometry::{Ray, Span};
 use volref::math::rng::{Purpose, Stream};
 use volref::math::{cos, exp, sin};
 use volref::render::steps::Steps;
+use volref::scene::Scene;
 use volref::volume::{
     Blob, Cell, DensityField, Grid, GridDensity, Interpolation, Lattice, gradients,
 };
@@ -602,4 +605,36 @@ fn finer_pixels() {
     // Where the edge happens to cut pixels is chance: some hundred to a thousand of them.
     assert!((found[0] - 1.0).abs() < 0.1 && (found[1] - 0.5).abs() < 0.1);
     assert!(found[2].abs() < 0.1);
+}
+
+/// A whole scene: marching through its grid, tracking, and the estimators on one of its rays.
+#[test]
+fn orders_in_a_scene_with_a_grid() {
+    let scene = Scene::load(Path::new("fixtures/scenes/procedural/absorbing-grid.toml")).unwrap();
+    let options = Options {
+        clock: Clock::NONE,
+        seed: 0,
+    };
+    let costs = cost(&scene, &options, &|_| ()).unwrap();
+    let study = &costs[0].studies[0];
+    assert_eq!(study.name, "transmittance");
+    for ladder in &study.ladders {
+        println!("{}: {:?}", ladder.estimator, ladder.order);
+        let allowed = [OrderVerdict::AsExpected, OrderVerdict::NothingExpected];
+        assert!(allowed.contains(&ladder.order.verdict), "{ladder:?}");
+    }
+    let exact = study.ladders.last().unwrap();
+    assert_eq!(
+        exact.rungs[0].error.max, 0.0,
+        "cell by cell is the reference"
+    );
+    let estimators = costs[0].estimators.as_ref().unwrap();
+    for row in &estimators.rows {
+        assert!(row.agrees, "{row:?}");
+    }
+    // Coarser data are worse, and the nearest node is worse than what lies between nodes.
+    let data = &costs[0].studies[1];
+    let error = |ladder: usize, rung: usize| data.ladders[ladder].rungs[rung].error.l2;
+    assert!(error(0, 0) > error(0, 5) && error(1, 0) > error(1, 6));
+    assert!(error(0, 5) < error(1, 5));
 }

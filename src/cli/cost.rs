@@ -21,10 +21,11 @@ pub struct Arguments {
     /// Scene files (TOML)
     #[arg(value_name = "SCENE", required = true)]
     scenes: Vec<PathBuf>,
-    /// Stop climbing after this long, and say how far it got [default: climb all ladders]
+    /// Stop climbing after this long, for all scenes together, and say how far it got; what has
+    /// been begun is finished [default: climb all ladders]
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     budget: Option<f64>,
-    /// Runs of each setting whose time is taken; 0 takes none
+    /// Runs of each setting whose time is taken, 2 or more; 0 takes none
     #[arg(long, value_name = "N", default_value_t = RUNS, value_parser = runs)]
     runs: usize,
     /// Seed of the random numbers
@@ -41,12 +42,17 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     arguments.json.check()?;
-    if let Some(folder) = &arguments.report {
-        make_folder(folder)?;
-    }
     let mut scenes = Vec::new();
     for path in &arguments.scenes {
+        if arguments.json.writes(path) {
+            let message = format!("--json would overwrite the scene {}", path.display());
+            let help = "give another file, or --json alone to print";
+            return Err(Failure::new(Exit::BadInput, message, Some(help)));
+        }
         scenes.push(Scene::load(path)?);
+    }
+    if let Some(folder) = &arguments.report {
+        make_folder(folder)?;
     }
     let options = Options {
         clock: Clock {

@@ -37,6 +37,12 @@ impl Json {
         }
     }
 
+    /// Whether the result is to be written over the file at `path`.
+    pub fn writes(&self, path: &Path) -> bool {
+        let json = self.json.as_ref().map(|json| json.canonicalize());
+        matches!((json, path.canonicalize()), (Some(Ok(json)), Ok(path)) if json == path)
+    }
+
     /// The text to print: `text`, or `value` as JSON if asked for on stdout.
     pub fn instead_of(&self, text: String, value: &impl Serialize) -> Result<String, Failure> {
         match &self.json {

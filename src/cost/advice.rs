@@ -10,7 +10,14 @@ use std::path::Path;
 pub fn recommendations(cost: &Cost, panel: &Panel, path: &Path) -> Vec<Recommendation> {
     let ours = |study: &&Study| matches!(study.name, "image" | "samples");
     let Some(study) = cost.studies.iter().find(ours) else {
-        return vec![];
+        return vec![Recommendation {
+            error: 0.0,
+            text:
+                "this image is made of closed forms and integrals, exact but for rounding: there \
+                   is nothing to choose"
+                    .to_owned(),
+            command: None,
+        }];
     };
     let Some(ladder) = study.ladders.iter().find(|ladder| ladder.is_ours) else {
         return vec![];
@@ -50,6 +57,30 @@ impl Given {
     }
 }
 
+impl Given {
+    /// How many times the work of the scene's own setting that is.
+    fn times(&self, price: f64) -> Option<f64> {
+        let own = self.price.filter(|own| *own > 0.0)?;
+        Some(price / own)
+    }
+}
+
+/// Samples at which noise has fallen to `error`, if it falls as the root of them: by the middle one
+/// of all settings, since a single one may have met a rare path. To two digits.
+fn samples_for(ladder: &Ladder, error: f64) -> f64 {
+    let rungs = ladder.rungs.iter();
+    let mut scaled: Vec<f64> = rungs
+        .map(|rung| rung.error.l2 * rung.error.l2 * rung.value)
+        .collect();
+    scaled.sort_unstable_by(f64::total_cmp);
+    let samples = scaled[scaled.len() / 2] / (error * error);
+    let mut unit = 1.0;
+    while samples / unit >= 100.0 && unit < 1e300 {
+        unit *= 10.0;
+    }
+    (samples / unit).ceil() * unit
+}
+
 /// Look-ups at a setting: those of the nearest one, which are as good as proportional, or
 /// inversely so, to the setting.
 fn price_at(ladder: &Ladder, value: f64) -> Option<f64> {
@@ -65,10 +96,11 @@ fn price_at(ladder: &Ladder, value: f64) -> Option<f64> {
 
 fn recommendation(error: f64, ladder: &Ladder, given: &Given, path: &Path) -> Recommendation {
     let good = ladder.rungs.iter().rev();
-    let good = good.take_while(|rung| rung.error.l2 <= error);
+    let known = ladder.order.known;
+    let good = good.take_while(|rung| known <= error && rung.error.l2 <= error);
     let wanted = format!("for an error of {error:.0e}");
     if let Some(rung) = good.last() {
-        let times = given.price.map(|price| rung.work.price() / price);
+        let times = given.times(rung.work.price());
         let text = format!(
             "{wanted} use {}{}",
             phrase(ladder.knob, &rung.setting),
@@ -82,17 +114,14 @@ fn recommendation(error: f64, ladder: &Ladder, given: &Given, path: &Path) -> Re
     }
     // Noise falls with the root of the samples, which no finer setting needs to be tried for.
     if let (Knob::Samples, Some(finest)) = (ladder.knob, ladder.rungs.last()) {
-        let ratio = finest.error.l2 / error;
-        let samples = (finest.value * ratio * ratio).ceil();
+        let samples = samples_for(ladder, error);
         if samples <= MOST_SAMPLES {
-            let times = given
-                .price
-                .map(|price| finest.work.price() * samples / finest.value / price);
+            let times = given.times(finest.work.price() * samples / finest.value);
             let setting = format!("{samples} samples");
             return Recommendation {
                 error,
                 text: format!(
-                    "{wanted} some {setting} would do, if noise falls on as the root of \
+                    "{wanted} some {setting} would do, if noise falls as the root of \
                      them{}",
                     relative(times, &given.setting)
                 ),
@@ -100,6 +129,13 @@ fn recommendation(error: f64, ladder: &Ladder, given: &Given, path: &Path) -> Re
                 command: (samples <= MOST_ADVISED).then(|| command(ladder.knob, &setting, path)),
             };
         }
+    }
+    if ladder.cut.is_some() {
+        return Recommendation {
+            error,
+            text: format!("{wanted} no setting that there was time for is fine enough"),
+            command: None,
+        };
     }
     let best = ladder.rungs.last().map(|rung| rung.error.l2);
     Recommendation {
@@ -124,6 +160,8 @@ fn phrase(knob: Knob, setting: &str) -> String {
 
 fn relative(times: Option<f64>, given: &str) -> String {
     match times {
+        // The settings of a ladder are not the scene's own to the last digit.
+        Some(times) if (times - 1.0).abs() < 0.02 => format!(", the scene's own {given}"),
         Some(times) => format!(": {times:.2} times the work of the scene's own {given}"),
         None => String::new(),
     }
@@ -137,5 +175,9 @@ fn command(knob: Knob, setting: &str, path: &Path) -> String {
         }
         _ => format!("--step \"{setting}\""),
     };
-    format!("volref render {} -o image.exr {option}", path.display())
+    let scene = path.display().to_string();
+    format!(
+        "volref render {} -o image.exr {option}",
+        shell_words::quote(&scene)
+    )
 }

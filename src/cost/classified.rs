@@ -13,7 +13,7 @@ use crate::render::steps::Steps;
 use crate::render::volume_shadow::{Sample, Visibility, VolumeShadow};
 use crate::render::work::{Event, Work};
 use crate::scene::{Classified, Shadow};
-use crate::volume::{DensityField, GridDensity, relative_gradients};
+use crate::volume::{DensityField, GridDensity, Interpolation, relative_gradients};
 use glam::DVec3;
 use std::marker::PhantomData;
 
@@ -108,6 +108,11 @@ impl<'s> Subject<'s> {
         Here::with_source(extinction(&self.scene.transfer_function, value), source)
     }
 
+    /// Whether `value` is not transparent.
+    pub fn is_seen(&self, value: f64) -> bool {
+        self.scene.transfer_function.reference_opacity(value) > 0.0
+    }
+
     /// Whether samples are shaded or shadowed.
     pub fn is_lit(&self) -> bool {
         self.scene.phong.is_some() || self.scene.shadow.is_some()
@@ -141,6 +146,11 @@ impl<'s> Subject<'s> {
             .smooth_stretches(ray.origin, ray.direction, span);
         cuts.extend(pieces.map(|piece| piece.far));
         let mut work = Counters::default();
+        if let Appearance::Points(points) = &self.scene.transfer_function.appearance {
+            // A peak of the table may be narrower than what lies between an element's points.
+            let values: Vec<f64> = points.points().iter().map(|point| point.value).collect();
+            cuts = self.cut_at(&values, ray, &cuts);
+        }
         let mut steepest = 0.0_f64;
         let light = collocation.light(&cuts, tolerance, |t| {
             let here = self.here(ray, t, &mut work);
@@ -148,6 +158,32 @@ impl<'s> Subject<'s> {
             here
         });
         (light.before(&behind), steepest)
+    }
+
+    /// `cuts`, and between them the places where the field passes one of `values`. In a cell it is
+    /// a cubic along the ray: it passes a value three times at most, and pieces of an eighth of the
+    /// way through tell those apart unless it turns within one.
+    fn cut_at(&self, values: &[f64], ray: &Ray, cuts: &[f64]) -> Vec<f64> {
+        const PIECES: usize = 8;
+        let at = |t: f64| self.density.density(ray.at(t));
+        let mut all = Vec::with_capacity(cuts.len());
+        for pair in cuts.windows(2) {
+            all.push(pair[0]);
+            let place =
+                |index: usize| pair[0] + (pair[1] - pair[0]) * (index as f64 / PIECES as f64);
+            for index in 0..PIECES {
+                let (from, to) = (place(index), place(index + 1));
+                let (first, last) = (at(from), at(to));
+                for value in values {
+                    if (first < *value) != (last < *value) {
+                        all.push(crossing(&at, *value, first < *value, [from, to]));
+                    }
+                }
+            }
+        }
+        all.extend(cuts.last());
+        all.sort_unstable_by(f64::total_cmp);
+        all
     }
 
     /// What comes back along `ray` by the midpoint rule with everything in single precision that
@@ -181,6 +217,34 @@ impl<'s> Subject<'s> {
         }
         (colour + background * (1.0 - opacity)).as_dvec3()
     }
+}
+
+/// Where `at`, which is below `value` at one end of [from, to] and not at the other, passes it;
+/// `rises` if it is below at the first.
+fn crossing(at: &impl Fn(f64) -> f64, value: f64, rises: bool, [from, to]: [f64; 2]) -> f64 {
+    let (mut from, mut to) = (from, to);
+    // Fifty-three halvings leave neighbouring numbers.
+    for _ in 0..53 {
+        let middle = from + 0.5 * (to - from);
+        match (at(middle) < value) == rises {
+            true => from = middle,
+            false => to = middle,
+        }
+    }
+    to
+}
+
+/// Whether equal neighbours in space or in value look different: the nearest node's, or a step in a
+/// table. Then what is composited has jumps.
+pub fn has_jumps(scene: &Classified) -> bool {
+    scene.interpolation == Interpolation::Nearest
+        || match &scene.transfer_function.appearance {
+            Appearance::Formula { .. } => false,
+            Appearance::Points(points) => {
+                let mut pairs = points.points().windows(2);
+                pairs.any(|pair| pair[0].value == pair[1].value)
+            }
+        }
 }
 
 /// Extinction, per length, of a value of the field.

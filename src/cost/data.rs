@@ -2,18 +2,22 @@
 
 use super::classified::{Shade, Subject};
 use super::collocation::{Collocation, Light};
-use super::image::thumbnail;
+use super::image::{in_words, thumbnail};
 use super::norms::root_mean_square;
 use super::order::Expected;
 use super::results::{Knob, Reference, Study};
 use super::study::{Climb, Outcome, Setting, climb, prices};
 use super::timing::Clock;
+use super::transmittance::{Crossing, Crossings, Part};
 use crate::geometry::Ray;
+use crate::math::exp;
+use crate::media::Field;
 use crate::render::Counters;
 use crate::scene::Classified;
-use crate::volume::{Cell, Grid, Lattice};
+use crate::volume::{Cell, Centring, Grid, GridDensity, Interpolation, Lattice};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Pixels of the larger side of the image that is looked at.
@@ -52,10 +56,119 @@ pub fn coarsened(grid: &Grid<f32>, factor: f64) -> Option<Grid<f32>> {
     Grid::new(coarse, values).ok()
 }
 
-/// The image of `scene`, of `size` pixels in full, from coarser and coarser data; none where
-/// there are too few.
+fn in_voxels_of_data(factor: f64) -> String {
+    // What follows from a whole number of nodes has any number of digits.
+    in_words((factor * 1e3).round() / 1e3)
+}
+
+fn name_of(interpolation: Interpolation) -> &'static str {
+    match interpolation {
+        Interpolation::Trilinear => "trilinear",
+        Interpolation::Nearest => "nearest node",
+    }
+}
+
+/// The transmittance of the rays of `crossings` from coarser and coarser grids, by either
+/// interpolation, cell by cell; none where not all that varies is a grid, or one has too few
+/// nodes.
+pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
+    if !crossings.rays.iter().all(Crossing::is_through_grids) {
+        return None;
+    }
+    let parts = || crossings.rays.iter().flat_map(|ray| &ray.parts);
+    let right: Vec<f64> = crossings.rays.iter().map(|ray| exp(-ray.depth)).collect();
+    let scale = root_mean_square(right.iter().copied());
+    // The grids by medium, coarser.
+    let coarse = |factor: f64, interpolation: Interpolation| {
+        let mut grids: BTreeMap<usize, GridDensity> = BTreeMap::new();
+        for part in parts() {
+            if let Field::Grid(grid) = part.density.field()
+                && !grids.contains_key(&part.medium)
+            {
+                if grid.grid().lattice().centring() == Centring::Cells {
+                    return None;
+                }
+                let grid = Arc::new(coarsened(grid.grid(), factor)?);
+                grids.insert(part.medium, GridDensity::new(grid, interpolation));
+            }
+        }
+        Some((factor, grids))
+    };
+    let all_trilinear = parts().all(|part| match part.density.field() {
+        Field::Grid(grid) => grid.interpolation() == Interpolation::Trilinear,
+        _ => false,
+    });
+    let ladders = [Interpolation::Trilinear, Interpolation::Nearest].map(|interpolation| {
+        let is_own = all_trilinear == (interpolation == Interpolation::Trilinear);
+        let spacings = SPACINGS.into_iter().chain((!is_own).then_some(1.0));
+        let grids: Option<Vec<_>> = spacings
+            .map(|factor| coarse(factor, interpolation))
+            .collect();
+        (interpolation, is_own, grids)
+    });
+    if ladders.iter().any(|(.., grids)| grids.is_none()) {
+        return None;
+    }
+    let right = &right;
+    let climbs = ladders.iter().map(|(interpolation, is_own, grids)| {
+        let settings = grids.iter().flatten().map(|(factor, grids)| Setting {
+            name: in_voxels_of_data(*factor),
+            value: factor * crossings.unit,
+            run: Box::new(move || {
+                let mut lookups = 0;
+                let errors = crossings.rays.iter().zip(right).map(|(ray, right)| {
+                    let depth = |part: &Part<'_>| {
+                        let (line, span) = (&part.line, part.span);
+                        let grid = &grids[&part.medium];
+                        let column = grid.integral(line.origin, line.direction, span, &mut lookups);
+                        part.sigma * column
+                    };
+                    exp(-ray.parts.iter().map(depth).sum::<f64>()) - right
+                });
+                let errors = errors.collect();
+                Outcome {
+                    errors,
+                    work: Counters {
+                        density_lookups: lookups,
+                        ..Counters::default()
+                    },
+                    rays: crossings.rays.len(),
+                }
+            }),
+            single: None,
+        });
+        Climb {
+            estimator: format!("{}, cell by cell", name_of(*interpolation)),
+            is_ours: *is_own,
+            knob: Knob::Spacing,
+            expected: Expected::NOTHING,
+            settings: settings.collect(),
+        }
+    });
+    let climbs: Vec<Climb<'_>> = climbs.collect();
+    let bound = 1e-15;
+    let untimed = Clock { runs: 0, ..*clock };
+    let ladders = climb(&climbs, scale, bound, None, &untimed);
+    Some(Study {
+        name: "data",
+        quantity: "transmittance of the same rays from coarser data, by either interpolation"
+            .to_owned(),
+        reference: Reference {
+            method: "the data as they are, cell by cell".to_owned(),
+            bound,
+        },
+        judged_on: None,
+        prices: prices(&ladders),
+        pictures: vec![],
+        worst_ray: None,
+        ladders,
+    })
+}
+
+/// The image of `scene`, of `size` pixels in full, from coarser and coarser data, by either
+/// interpolation; none where there are too few nodes.
 pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Study> {
-    if scene.grid.lattice().centring() == crate::volume::Centring::Cells {
+    if scene.grid.lattice().centring() == Centring::Cells {
         return None;
     }
     let size = thumbnail(size, SIDE);
@@ -80,58 +193,73 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
         .map(|light| light.radiance_error)
         .fold(0.0, f64::max)
         / scale;
-    let scenes: Vec<(f64, Classified)> = SPACINGS
-        .into_iter()
-        .filter_map(|factor| {
-            let grid = coarsened(&scene.grid, factor)?;
-            let coarse = Classified {
-                grid: Arc::new(grid),
-                ..plain.clone()
-            };
-            Some((factor, coarse))
-        })
-        .collect();
-    if scenes.len() < SPACINGS.len() {
+    let with = |factor: f64, interpolation: Interpolation| -> Option<(f64, Classified)> {
+        let coarse = Classified {
+            grid: Arc::new(coarsened(&scene.grid, factor)?),
+            interpolation,
+            ..plain.clone()
+        };
+        Some((factor, coarse))
+    };
+    let voxel = scene.grid.lattice().voxel();
+    let by = |interpolation: Interpolation| -> Vec<(f64, Classified)> {
+        // With the interpolation of the scene the data as they are have no error.
+        let finest = (interpolation != scene.interpolation).then_some(1.0);
+        let spacings = SPACINGS.into_iter().chain(finest);
+        let mut scenes: Vec<_> = spacings
+            .filter_map(|factor| with(factor, interpolation))
+            .map(|(_, coarse)| (coarse.grid.lattice().voxel() / voxel, coarse))
+            .collect();
+        // A whole number of nodes may be the same for two wishes.
+        scenes.dedup_by(|a, b| a.0 == b.0);
+        scenes
+    };
+    let ladders = [Interpolation::Trilinear, Interpolation::Nearest]
+        .map(|interpolation| (interpolation, by(interpolation)));
+    if ladders.iter().all(|(_, scenes)| scenes.is_empty()) {
         return None;
     }
     let (image, right, rays) = (&image, &right, &rays);
-    let settings = scenes.iter().map(|(factor, coarse)| Setting {
-        name: format!("{factor} voxels"),
-        value: factor * scene.grid.lattice().voxel(),
-        run: Box::new(move || {
-            let found = image(coarse).into_iter().zip(right);
-            let errors =
-                found.flat_map(|(light, right)| (light.radiance - right.radiance).to_array());
-            // What the renderer would look up, with its own step in voxels of the coarse grid.
-            let subject = Subject::new(coarse, Shade::None);
-            let mut work = Counters::default();
-            for ray in rays {
-                subject.cast(scene.step * factor, ray, &mut work);
-            }
-            Outcome {
-                errors: errors.collect(),
-                work,
-                rays: rays.len(),
-            }
-        }),
-        single: None,
+    let climbs = ladders.iter().map(|(interpolation, scenes)| {
+        let settings = scenes.iter().map(|(factor, coarse)| Setting {
+            name: in_voxels_of_data(*factor),
+            value: factor * scene.grid.lattice().voxel(),
+            run: Box::new(move || {
+                let found = image(coarse).into_iter().zip(right);
+                let errors =
+                    found.flat_map(|(light, right)| (light.radiance - right.radiance).to_array());
+                // What the renderer would look up, with its own step in voxels of the coarse grid.
+                let subject = Subject::new(coarse, Shade::None);
+                let mut work = Counters::default();
+                for ray in rays {
+                    subject.cast(scene.step * factor, ray, &mut work);
+                }
+                Outcome {
+                    errors: errors.collect(),
+                    work,
+                    rays: rays.len(),
+                }
+            }),
+            single: None,
+        });
+        Climb {
+            estimator: name_of(*interpolation).to_owned(),
+            is_ours: *interpolation == scene.interpolation,
+            knob: Knob::Spacing,
+            // Data are no smooth field: what lies between their nodes is not known, and how fast
+            // coarser ones come near them says how smooth they happen to be.
+            expected: Expected::NOTHING,
+            settings: settings.collect(),
+        }
     });
-    let climbs = [Climb {
-        estimator: "coarser data".to_owned(),
-        is_ours: false,
-        knob: Knob::Spacing,
-        // Data are no smooth field: what lies between their nodes is not known, and how fast
-        // coarser ones come near them says how smooth they happen to be.
-        expected: Expected::NOTHING,
-        settings: settings.collect(),
-    }];
+    let climbs: Vec<Climb<'_>> = climbs.collect();
     // What is measured is an error of the data; the time of its measurement is nobody's.
     let untimed = Clock { runs: 0, ..*clock };
     let ladders = climb(&climbs, scale, bound, None, &untimed);
     Some(Study {
         name: "data",
         quantity: format!(
-            "radiance of {} × {} pixels without shadow, from coarser data",
+            "radiance of {} × {} pixels without shadow, from coarser data, by either interpolation",
             size[0], size[1]
         ),
         reference: Reference {
@@ -140,7 +268,7 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
             bound,
         },
         judged_on: None,
-        prices: prices(&ladders, bound),
+        prices: prices(&ladders),
         pictures: vec![],
         worst_ray: None,
         ladders,

@@ -3,7 +3,7 @@
 use super::image::thumbnail;
 use super::results::{EffectPrice, Work};
 use super::timing::Clock;
-use crate::media::{Asymmetry, Coefficients, HenyeyGreenstein};
+use crate::media::{Asymmetry, Coefficients, Density, HenyeyGreenstein};
 use crate::render::{Plan, RenderError, render, render_counted};
 use crate::scene::{Classified, Model, Panel, Radiative, Scattering, Scene};
 use glam::DVec3;
@@ -100,19 +100,22 @@ fn of_classified(scene: &Classified) -> Vec<(String, Model)> {
     variants
 }
 
+/// Coefficients that are the same in all channels, `factor` times as large.
+fn grey(coefficients: &Coefficients, factor: f64) -> Coefficients {
+    let mean = |channels: DVec3| DVec3::splat(factor * channels.element_sum() / 3.0);
+    let grey = Coefficients::new(mean(coefficients.sigma_a()), mean(coefficients.sigma_s()));
+    grey.unwrap_or(*coefficients)
+}
+
 fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
     // What is left without effects: light that is not turned, in grey, even, isotropic media that
     // send out nothing.
     let mut plain = scene.clone();
     plain.scattering = Scattering::None;
     for body in &mut plain.media {
-        let coefficients = body.medium.coefficients;
-        let grey = |channels: DVec3| DVec3::splat(channels.element_sum() / 3.0);
-        if let Ok(coefficients) =
-            Coefficients::new(grey(coefficients.sigma_a()), grey(coefficients.sigma_s()))
-        {
-            body.medium.coefficients = coefficients;
-        }
+        // In place of a density that varies, one that is like it.
+        let typical = body.density.as_ref().map_or(1.0, Density::typical);
+        body.medium.coefficients = grey(&body.medium.coefficients, typical);
         body.medium.emission = DVec3::ZERO;
         body.medium.phase = HenyeyGreenstein(Asymmetry::ISOTROPIC);
         body.density = None;
@@ -139,7 +142,10 @@ fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
     }
     if any(&|body| body.density.is_some()) {
         add("with varying density", &|edited| {
-            each(edited, &|body, given| body.density = given.density.clone());
+            each(edited, &|body, given| {
+                body.density = given.density.clone();
+                body.medium.coefficients = grey(&given.medium.coefficients, 1.0);
+            });
         });
     }
     if scene.scattering != Scattering::None {

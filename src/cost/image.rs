@@ -1,7 +1,7 @@
 //! What a classified image costs: the ray caster's step, the schemes people write, the step of
 //! shadow rays, and interpolation.
 
-use super::classified::{Shade, Subject};
+use super::classified::{Shade, Subject, has_jumps};
 use super::collocation::{Collocation, Light};
 use super::marching::Scheme;
 use super::norms::root_mean_square;
@@ -126,7 +126,7 @@ impl<'s> Rays<'s> {
 
     /// The reference renderer's ray caster by its step.
     fn ours(&self) -> Climb<'_> {
-        let jumps = self.scene.interpolation == Interpolation::Nearest;
+        let jumps = has_jumps(self.scene);
         Climb {
             estimator: "midpoint".to_owned(),
             is_ours: true,
@@ -141,7 +141,7 @@ impl<'s> Rays<'s> {
 
     /// Another scheme, by its step.
     fn by_scheme(&self, scheme: Scheme) -> Climb<'_> {
-        let jumps = self.scene.interpolation == Interpolation::Nearest;
+        let jumps = has_jumps(self.scene);
         let order = match scheme {
             // Any jitter across a jump: 1.
             _ if jumps => scheme.order().min(1.0),
@@ -180,6 +180,7 @@ impl<'s> Rays<'s> {
             is_ours: false,
             knob: Knob::Step,
             expected: match self.scene.interpolation {
+                // Steps of the table are no jumps to it.
                 Interpolation::Trilinear => Expected::of_step(2.0),
                 // Between two nodes' values there is a jump, which it takes for a slope.
                 Interpolation::Nearest => Expected::of_step(1.0),
@@ -210,7 +211,7 @@ impl<'s> Rays<'s> {
         steps
             .iter()
             .map(|&voxels| Setting {
-                name: format!("{voxels} voxels"),
+                name: in_words(voxels),
                 value: voxels * voxel,
                 run: run(voxels * voxel),
                 single: single(voxels * voxel),
@@ -246,8 +247,11 @@ fn preintegrated(
         radiance += segment.colour * through;
         if subject.is_lit() && segment.opacity > 0.0 {
             let (value, source) = subject.sample(ray, middle, work);
-            let added = source - subject.unlit(value);
-            radiance += added * (segment.opacity * through);
+            // Where the middle is transparent nothing is lit, and nothing was asked.
+            if subject.is_seen(value) {
+                let added = source - subject.unlit(value);
+                radiance += added * (segment.opacity * through);
+            }
         }
         depth += -crate::math::ln_1p(-segment.opacity);
     }
@@ -308,7 +312,7 @@ pub fn steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
             bound: rays.bound,
         },
         judged_on: judged_on(scene, &rays, clear / 3),
-        prices: prices(&ladders, rays.bound),
+        prices: prices(&ladders),
         pictures: pictures(&rays),
         worst_ray: Some(worst_ray(&rays)),
         ladders,
@@ -320,15 +324,14 @@ fn judged_on(scene: &Classified, rays: &Rays<'_>, clear: usize) -> Option<String
     let mut words = Vec::new();
     if clear < rays.rays.len() {
         words.push(format!(
-            "{clear} of {} rays: the others meet voxels that let less than a hundredth of the \
+            "judged on {clear} of {} rays: the others meet voxels that let less than a hundredth of the \
              light through, and light that ends within a step follows no order",
             rays.rays.len()
         ));
     }
     if scene.phong.is_some() {
         words.push(
-            "all steps, though a highlight may be narrower than any of them; `unlit` shows what \
-             is left without"
+            "a highlight may be narrower than any step; `unlit` shows what is left without"
                 .to_owned(),
         );
     }
@@ -358,12 +361,12 @@ pub fn shadow_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Opti
         .into();
     let rays = &rays;
     let settings = subjects.iter().map(|(voxels, subject)| Setting {
-        name: format!("{voxels} voxels"),
+        name: in_words(*voxels),
         value: voxels * voxel,
         run: rays.run(move |ray, _, work| subject.cast(step, ray, work)),
         single: None,
     });
-    let jumps = scene.interpolation == Interpolation::Nearest;
+    let jumps = has_jumps(scene);
     let climbs = [Climb {
         estimator: "midpoint".to_owned(),
         is_ours: true,
@@ -383,7 +386,7 @@ pub fn shadow_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Opti
             bound: rays.bound,
         },
         judged_on: None,
-        prices: prices(&ladders, rays.bound),
+        prices: prices(&ladders),
         pictures: vec![],
         worst_ray: None,
         ladders,
@@ -479,8 +482,15 @@ fn worst_ray(rays: &Rays<'_>) -> RayTrace {
 /// A length in voxels, in words.
 pub fn in_voxels(length: f64, lattice: &Lattice) -> String {
     // Six digits: the length was a product, and would show the rounding of it.
-    let voxels = length / lattice.voxel();
-    format!("{} voxels", (voxels * 1e6).round() / 1e6)
+    in_words((length / lattice.voxel() * 1e6).round() / 1e6)
+}
+
+/// A number of voxels, in words.
+pub fn in_words(voxels: f64) -> String {
+    match voxels {
+        1.0 => "1 voxel".to_owned(),
+        _ => format!("{voxels} voxels"),
+    }
 }
 
 /// The size of a smaller image of the same shape, its larger side `most` pixels.

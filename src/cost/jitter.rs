@@ -97,7 +97,9 @@ impl Jitter {
     /// at the other, and the order is higher.
     pub fn curve(self, profile: &Profile<'_>, steps: &[f64], rough: bool) -> JitterCurve {
         let Span { near, far } = profile.span();
-        let is_closed = self == Jitter::Comb && profile.at(near) == profile.at(far);
+        let (first, last) = (profile.at(near), profile.at(far));
+        let is_closed = self == Jitter::Comb
+            && (first - last).abs() < 0.2 * first.max(last).max(profile.mean());
         let points: Vec<JitterPoint> = steps
             .iter()
             .map(|&step| self.split(profile, step))

@@ -94,18 +94,30 @@ impl Scheme {
                 let first = before.unwrap_or_else(|| at(near));
                 let last = at(far);
                 before = Some(last);
-                let own = 0.5 * length * (first.extinction + last.extinction);
-                let mean = Here {
+                let opaque = [first, last]
+                    .into_iter()
+                    .find(|end| end.extinction.is_infinite());
+                // An opaque end makes the step opaque: there is no mean with infinity.
+                let mean = opaque.unwrap_or(Here {
                     extinction: 0.5 * (first.extinction + last.extinction),
                     emission: 0.5 * (first.emission + last.emission),
-                };
+                });
                 radiance += mean.seen_over(length) * exp(-depth);
-                depth += own;
+                depth += optical_depth(mean.extinction, length);
                 continue;
             }
             let here = at(place);
             let own = optical_depth(here.extinction, length);
             match self {
+                // What is opaque shows its own light, by any scheme.
+                _ if own.is_infinite() => {
+                    let before = match self {
+                        Scheme::ThinOpacity => through,
+                        _ => exp(-depth),
+                    };
+                    radiance += here.emission * before;
+                    through = 0.0;
+                }
                 Scheme::ThinOpacity => {
                     // Of what is denser than that, the step is opaque at its beginning.
                     let whole = (1.0 / here.extinction).min(length);

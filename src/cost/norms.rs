@@ -31,8 +31,8 @@ impl Errors {
     /// Their sizes, in units of `scale > 0`.
     pub fn norms(&self, scale: f64) -> Norms {
         let count = self.count.max(1) as f64;
-        // A compensated sum of infinities is no number.
-        if self.largest.is_infinite() {
+        // A compensated sum of infinities is no number; and who asked nobody knows nothing.
+        if self.largest.is_infinite() || self.count == 0 {
             return Norms {
                 l1: f64::INFINITY,
                 l2: f64::INFINITY,

@@ -1,6 +1,6 @@
 //! What the size of pixels costs: their centres in place of their areas.
 
-use super::classified::{Shade, Subject};
+use super::classified::{Shade, Subject, has_jumps};
 use super::norms::root_mean_square;
 use super::order::Expected;
 use super::results::{Knob, Reference, Study};
@@ -95,7 +95,8 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
                     })
                     .collect();
                 let mut outcome = Outcome {
-                    rays: side * side,
+                    // Finer pixels are more rays: work is shared among pixels of the scene.
+                    rays: ((window[0] * window[1]).round() as usize).max(1),
                     ..Outcome::default()
                 };
                 for (error, whole, work) in &found {
@@ -114,7 +115,10 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
         estimator: "centres of pixels, silhouettes left out".to_owned(),
         is_ours: true,
         knob: Knob::Pixel,
-        expected: Expected::of_step(2.0),
+        expected: match has_jumps(scene) {
+            true => Expected::NOTHING,
+            false => Expected::of_step(2.0),
+        },
         settings: settings(true),
     }];
     let hits = fine.iter().filter(|(_, hit, _)| *hit).count();
@@ -144,7 +148,7 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
             bound,
         },
         judged_on: None,
-        prices: prices(&ladders, bound),
+        prices: prices(&ladders),
         pictures: vec![],
         worst_ray: None,
         ladders,

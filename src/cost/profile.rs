@@ -12,7 +12,7 @@ pub struct Profile<'p> {
     pub extinction: Extinction<'p>,
     /// Places between which the extinction is smooth, or nearly so, beside the ends of stretches.
     pub kinks: Vec<f64>,
-    /// Densities that a look-up of the extinction looks up.
+    /// Densities that a look-up of the extinction looks up; 0 if that differs along the ray.
     pub densities: usize,
 }
 
@@ -43,6 +43,19 @@ impl Profile<'_> {
                 far: 0.0,
             },
         }
+    }
+
+    /// The mean of the bounds: more than that of the extinction.
+    pub fn mean(&self) -> f64 {
+        self.majorant_depth() / self.span().length()
+    }
+
+    /// `∫ σ̄ dt`, the depth of the bounds.
+    pub fn majorant_depth(&self) -> f64 {
+        let stretches = self.stretches.iter();
+        stretches
+            .map(|stretch| stretch.high * stretch.span.length())
+            .sum()
     }
 
     /// Extinction at `t`, where nobody counts.

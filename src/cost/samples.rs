@@ -45,7 +45,9 @@ pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderErr
     let scale = root_mean_square(right.iter().copied());
     let noise = film.noise().expect("several samples have a variance");
     let squares = noise.variance().as_flattened().iter();
-    let bound = root_mean_square(squares.map(|variance| f64::from(*variance).sqrt())) / scale;
+    let squares: f64 = squares.map(|variance| f64::from(*variance)).sum();
+    // Without any noise there is still the rounding to 32 bits.
+    let bound = ((squares / right.len() as f64).sqrt() / scale).max(f64::from(f32::EPSILON));
     let (image, right) = (&image, &right);
     let settings = SAMPLES.iter().enumerate().map(|(index, &samples)| Setting {
         name: match samples {
@@ -55,7 +57,7 @@ pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderErr
         value: f64::from(samples),
         run: Box::new(move || {
             let seed = seed.wrapping_add(index as u64);
-            // A setting of fewer samples than the reference meets no path that it did not bear.
+            // What cannot be rendered has no errors, which is no error of 0.
             let Ok((film, work)) = image(samples, seed) else {
                 return Outcome::default();
             };
@@ -87,7 +89,7 @@ pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderErr
             bound,
         },
         judged_on: None,
-        prices: prices(&ladders, bound),
+        prices: prices(&ladders),
         pictures: vec![],
         worst_ray: None,
         ladders,

@@ -77,10 +77,9 @@ fn panel_cost(
         Model::Classified(scene) => of_classified(&mut cost, scene, panel, options, told),
         Model::Radiative(scene) => of_radiative(&mut cost, scene, panel, options, told)?,
     }
-    if cost.studies.is_empty() {
+    if cost.studies.is_empty() && cost.notes.is_empty() {
         return Err(CostError::NoKnob(
-            "its media are the same everywhere and light is not turned, so every pixel is a \
-             closed form",
+            "nothing in it is marched, tracked or sampled, every pixel is a closed form",
         ));
     }
     if options.clock.is_over() {
@@ -88,19 +87,32 @@ fn panel_cost(
         cost.notes.push(note.to_owned());
     } else {
         told("effects");
-        cost.effects = effects::prices(panel, &options.clock)?;
+        match effects::prices(panel, &options.clock) {
+            Ok(effects) => cost.effects = effects,
+            Err(error) => {
+                let note = format!("the prices of effects could not be measured: {error}");
+                cost.notes.push(note);
+            }
+        }
     }
-    let unsure = cost
-        .studies
-        .iter()
-        .filter(|study| study.reference.bound > SURE);
+    let unsure = cost.studies.iter();
+    let unsure = unsure.filter(|study| study.reference.bound > SURE);
     cost.notes.extend(unsure.map(|study| {
+        let known = study.ladders.iter().map(|ladder| ladder.order.known);
         format!(
-            "{}: the reference knows no more than {:.1e}; no order and no price is claimed below \
-             what it can tell",
-            study.name, study.reference.bound
+            "{}: the reference itself may be off by {:.1e}; no order and no price is claimed below \
+             {:.1e}",
+            study.name,
+            study.reference.bound,
+            known.fold(0.0, f64::max)
         )
     }));
+    let timed = cost.studies.iter().flat_map(|study| &study.ladders);
+    let mut rungs = timed.flat_map(|ladder| &ladder.rungs);
+    if options.clock.runs > 0 && rungs.all(|rung| rung.time.is_none()) {
+        let note = "times were not taken: the time given was over";
+        cost.notes.push(note.to_owned());
+    }
     cost.recommendations = advice::recommendations(&cost, panel, path);
     Ok(cost)
 }
@@ -155,6 +167,13 @@ fn of_radiative(
         let study = transmittance::study(&crossings, options.seed, clock);
         cost.studies.push(study);
         of_one_ray(cost, &crossings, options, told);
+        if clock.is_over() {
+            let note = "coarser data were not tried: the time given was over";
+            cost.notes.push(note.to_owned());
+        } else {
+            told("coarser data");
+            cost.studies.extend(data::of_grids(&crossings, clock));
+        }
     }
     if Plan::new(panel).is_sampled() {
         if clock.is_over() {
@@ -202,6 +221,9 @@ fn of_one_ray(cost: &mut Cost, crossings: &Crossings<'_>, options: &Options, tol
     if clock.is_over() {
         let note = "estimators were not compared on one ray: the time given was over";
         cost.notes.push(note.to_owned());
+        return;
+    }
+    if ray.profile.majorant_depth() > transmittance::MOST_DEPTHS {
         return;
     }
     told("estimators on one ray");

@@ -79,16 +79,25 @@ pub fn climb(
                 let errors = run().errors.into_iter().zip(&outcome.errors);
                 norms(&errors.map(|(a, b)| a - b).collect::<Vec<_>>(), scale)
             });
+            // Channels of a ray are off together: there are a third as many errors as numbers.
+            let channels = outcome.errors.len() as f64 / outcome.rays.max(1) as f64;
+            let norms = |errors: &[f64]| {
+                let norms = norms(errors, scale);
+                Norms {
+                    uncertainty: norms.uncertainty * channels.max(1.0).sqrt(),
+                    ..norms
+                }
+            };
             let error_of_order = judged.map(|judged| {
                 let errors = outcome.errors.iter().zip(judged);
                 let judged = errors.filter(|(_, judged)| **judged);
-                norms(&judged.map(|(error, _)| *error).collect::<Vec<_>>(), scale)
+                norms(&judged.map(|(error, _)| *error).collect::<Vec<_>>())
             });
             rungs[index].push(Rung {
                 setting: setting.name.clone(),
                 value: setting.value,
                 work: Work::per_ray(&outcome.work, outcome.rays.max(1)),
-                error: norms(&outcome.errors, scale),
+                error: norms(&outcome.errors),
                 error_of_order,
                 single_precision: single,
                 time: None,
@@ -124,7 +133,7 @@ fn norms(all: &[f64], scale: f64) -> Norms {
 
 /// Times all settings that were tried by turns, on one thread.
 fn time(climbs: &[Climb<'_>], rungs: &mut [Vec<Rung>], clock: &Clock) {
-    if clock.runs == 0 {
+    if clock.runs == 0 || clock.is_over() {
         return;
     }
     // One thread: what is compared is work, not how well it is shared out.
@@ -156,12 +165,12 @@ fn time(climbs: &[Climb<'_>], rungs: &mut [Vec<Rung>], clock: &Clock) {
 pub const WANTED: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-6];
 
 /// The cheapest setting of each of the `ladders` that may be compared with one another, for each
-/// wanted error. Nothing is said to reach an error that a reference with this `bound` does not know.
-pub fn prices(ladders: &[Ladder], bound: f64) -> Vec<Price> {
-    WANTED.map(|error| price(ladders, error, bound)).to_vec()
+/// wanted error. Nothing is said to reach an error that the reference does not know.
+pub fn prices(ladders: &[Ladder]) -> Vec<Price> {
+    WANTED.map(|error| price(ladders, error)).to_vec()
 }
 
-fn price(ladders: &[Ladder], error: f64, bound: f64) -> Price {
+fn price(ladders: &[Ladder], error: f64) -> Price {
     let mut offers: Vec<Offer> = ladders
         .iter()
         .map(|ladder| {
@@ -170,7 +179,7 @@ fn price(ladders: &[Ladder], error: f64, bound: f64) -> Price {
                 .rungs
                 .iter()
                 .rev()
-                .take_while(|rung| bound <= error && rung.error.l2 <= error);
+                .take_while(|rung| ladder.order.known <= error && rung.error.l2 <= error);
             let cheapest = good.min_by(|a, b| a.work.price().total_cmp(&b.work.price()));
             Offer {
                 estimator: ladder.estimator.clone(),

@@ -33,16 +33,19 @@ impl Clock {
     /// rounds. Divided by `share`, the number of rays.
     pub fn by_turns(&self, tasks: &[&(dyn Fn() + Sync)], share: f64) -> Vec<Option<Times>> {
         let mut seconds: Vec<Vec<f64>> = vec![Vec::new(); tasks.len()];
-        if self.runs > 0 {
-            // What the first run finds cold belongs to none of them.
-            tasks.iter().for_each(|task| task());
-        }
-        for _ in 0..self.runs {
-            if self.is_over() {
+        // What the first run finds cold belongs to none of them.
+        'rounds: for round in 0..=self.runs {
+            if self.runs == 0 {
                 break;
             }
             for (task, seconds) in tasks.iter().zip(&mut seconds) {
-                seconds.push(time(task).as_secs_f64() / share);
+                if self.is_over() {
+                    break 'rounds;
+                }
+                let taken = time(task).as_secs_f64() / share;
+                if round > 0 {
+                    seconds.push(taken);
+                }
             }
         }
         seconds.iter().map(|runs| summary(runs)).collect()

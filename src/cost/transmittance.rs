@@ -11,9 +11,9 @@ use super::rules::Rule;
 use super::study::{Climb, Outcome, Run, Setting, climb, prices};
 use super::timing::Clock;
 use crate::geometry::{Ray, Span};
-use crate::math::exp;
 use crate::math::rng::{Purpose, Stream};
-use crate::media::Field;
+use crate::math::{exp, powu};
+use crate::media::{Density, Field, Line};
 use crate::render::Counters;
 use crate::render::effects::Everything;
 use crate::render::matter::{Media, Medium, Set, members};
@@ -23,7 +23,7 @@ use crate::render::steps::Steps;
 use crate::render::surroundings::Surroundings;
 use crate::render::tracking::Bounded;
 use crate::render::work::{Event, Uncounted, Work};
-use crate::volume::Interpolation;
+use crate::volume::{FractalParameters, Interpolation};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -49,6 +49,9 @@ const STEPS: [f64; 10] = [
 /// Estimates for each ray.
 const ESTIMATES: [u32; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];
 
+/// Deepest bound along a ray through which flights are followed one by one.
+pub const MOST_DEPTHS: f64 = 1e4;
+
 /// Each element of the reference is good to this, where a density has no integral: fractal noise,
 /// for each digit of which a ray takes a multiple of elements.
 const TOLERANCE: f64 = 1e-9;
@@ -66,12 +69,44 @@ pub struct Crossing<'s> {
     pub depth: f64,
     /// By how much that may be off.
     pub depth_error: f64,
-    /// The depth cell by cell, where the densities are grids; counts look-ups.
-    pub cell_by_cell: Option<Depth<'s>>,
+    /// The media that vary on it.
+    pub parts: Vec<Part<'s>>,
 }
 
-/// An optical depth; the number counts look-ups.
-pub type Depth<'s> = Box<dyn Fn(&mut u64) -> f64 + Send + Sync + 's>;
+/// A medium of varying density on a ray.
+pub struct Part<'s> {
+    /// Its number in the scene.
+    pub medium: usize,
+    /// Extinction where its density is 1, per length, in the channel that is followed.
+    pub sigma: f64,
+    /// Its density.
+    pub density: &'s Density,
+    /// The ray in the coordinates of the density.
+    pub line: Line,
+    /// Where the ray is in the box of the density.
+    pub span: Span,
+}
+
+impl Crossing<'_> {
+    /// Whether all that varies is a grid.
+    pub fn is_through_grids(&self) -> bool {
+        let mut parts = self.parts.iter();
+        parts.all(|part| matches!(part.density.field(), Field::Grid(_)))
+    }
+
+    /// Optical depth by the integrals of the densities: in closed form, or cell by cell. Adds what
+    /// is looked up to `lookups`.
+    ///
+    /// # Panics
+    ///
+    /// If a density has no integral.
+    pub fn depth_by_integrals(&self, lookups: &mut u64) -> f64 {
+        let parts = self.parts.iter();
+        parts
+            .map(|part| part.sigma * part.density.integral(&part.line, part.span, lookups))
+            .sum()
+    }
+}
 
 /// All rays of a smaller image that cross media of varying density.
 pub struct Crossings<'s> {
@@ -90,9 +125,39 @@ pub struct Crossings<'s> {
     /// Whether they have detail finer than any step here, as noise of many octaves does: then no
     /// step is small.
     pub rough: bool,
-    /// Whether every ray ends in the same extinction as it begins in: then rules that look at one
-    /// end only are as good as those that look at both.
-    pub same_ends: bool,
+    /// How rays begin and end.
+    pub ends: Ends,
+}
+
+/// How the extinctions compare in which rays begin and end: a rule that looks at one end of a step
+/// only is off by half a step's worth of their difference, to first order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ends {
+    /// They are the same: such a rule is as good as one that looks at both.
+    Same,
+    /// They are nearly so: it comes to its order only where steps are very fine.
+    Alike,
+    /// They differ.
+    Different,
+}
+
+/// Differences of the ends below this share of the mean extinction are small.
+const ALIKE: f64 = 0.2;
+
+impl Ends {
+    fn of(rays: &[Crossing<'_>]) -> Ends {
+        let (mut difference, mut mean) = (0.0, 0.0);
+        for ray in rays {
+            let Span { near, far } = ray.profile.span();
+            difference += (ray.profile.at(near) - ray.profile.at(far)).abs();
+            mean += ray.depth / (far - near);
+        }
+        match difference {
+            0.0 => Ends::Same,
+            _ if difference < ALIKE * mean => Ends::Alike,
+            _ => Ends::Different,
+        }
+    }
 }
 
 /// Those of `around`, for an image of `size` pixels in full; none if nothing varies.
@@ -123,7 +188,11 @@ pub fn crossings<'s>(
             Field::Grid(_) | Field::Linear(_) | Field::Noise(_)
         )
     });
-    let rough = densities().any(|density| matches!(density.field(), Field::Noise(_)));
+    let finest = STEPS[STEPS.len() - 1] * unit;
+    let rough = densities().any(|density| match density.field() {
+        Field::Noise(noise) => detail(noise.parameters()) < FINE * finest,
+        _ => false,
+    });
     let collocation = Collocation::new();
     let rays: Vec<Crossing<'s>> = (0..size[0] * size[1])
         .into_par_iter()
@@ -133,12 +202,13 @@ pub fn crossings<'s>(
             crossing(around, &collocation, pixel, ray)
         })
         .collect();
-    let same_ends = rays.iter().all(|ray| {
-        let Span { near, far } = ray.profile.span();
-        ray.profile.at(near) == ray.profile.at(far)
-    });
+    // A length of the field in world units, as it lies in the scene.
+    let unit = match rays.first().and_then(|ray| ray.parts.first()) {
+        Some(part) => unit / part.line.direction.length(),
+        None => unit,
+    };
     (!rays.is_empty()).then_some(Crossings {
-        same_ends,
+        ends: Ends::of(&rays),
         size,
         rays,
         unit,
@@ -147,6 +217,15 @@ pub fn crossings<'s>(
         kinks,
         rough,
     })
+}
+
+/// Steps are small against what is this many times as long.
+const FINE: f64 = 16.0;
+
+/// The edge of the smallest cells of noise, in its own coordinates.
+fn detail(noise: &FractalParameters) -> f64 {
+    let octaves = powu(noise.lacunarity.max(1.0), noise.octaves - 1);
+    1.0 / (noise.scale.abs().max_element() * octaves)
 }
 
 /// What `ray` crosses before it meets a surface.
@@ -175,7 +254,7 @@ fn crossing<'s>(
             _ => break,
         }
     }
-    let (first, last) = (pieces.first()?.0, pieces.last()?.0);
+    let first = pieces.first()?.1;
     let set = pieces.iter().fold(0, |all, (_, set)| all | set);
     // The channel in which most is taken away.
     let sigma: DVec3 = members(set)
@@ -200,33 +279,34 @@ fn crossing<'s>(
             });
         }
     }
-    let whole = Span {
-        near: first.near,
-        far: last.far,
-    };
-    let (mut integrable, mut grids) = (true, true);
+    let mut integrable = true;
     let mut parts = Vec::new();
-    for index in members(set) {
+    let each = pieces.iter();
+    for (piece, index) in each.flat_map(|(span, set)| members(*set).map(move |m| (*span, m))) {
         let medium = media.medium(index);
         let density = medium.density.expect("it varies");
-        let Some((line, span)) = density.along(&ray, whole) else {
+        let Some((line, span)) = density.along(&ray, piece) else {
             continue;
         };
         density.append_kinks(&line, span, &mut kinks);
         kinks.extend([span.near, span.far]);
-        grids &= matches!(density.field(), Field::Grid(_));
         integrable &= density.is_integrable();
         if !density.is_integrable() {
             let cut = |index: usize| span.near + span.length() * index as f64 / PIECES as f64;
             kinks.extend((1..PIECES).map(cut));
         }
-        parts.push((medium.sigma_t()[channel], density, line, span));
+        parts.push(Part {
+            medium: index,
+            sigma: medium.sigma_t()[channel],
+            density,
+            line,
+            span,
+        });
     }
-    let integral = move |lookups: &mut u64| -> f64 {
-        let parts = parts.iter();
-        parts
-            .map(|(sigma, density, line, span)| sigma * density.integral(line, *span, lookups))
-            .sum()
+    // As many look-ups at every place, or a number that is not known.
+    let densities = match pieces.iter().all(|(_, set)| *set == first) {
+        true => members(first).count(),
+        false => 0,
     };
     let extinction = move |t: f64, lookups: &mut u64| {
         let inside = pieces
@@ -243,29 +323,28 @@ fn crossing<'s>(
         stretches,
         extinction: Box::new(extinction),
         kinks,
-        densities: members(set).count(),
+        densities,
     };
-    let (depth, depth_error) = if integrable {
-        let depth = integral(&mut 0);
+    let mut crossing = Crossing {
+        pixel,
+        profile,
+        depth: 0.0,
+        depth_error: 0.0,
+        parts,
+    };
+    if integrable {
+        crossing.depth = crossing.depth_by_integrals(&mut 0);
         // A sum of some hundred terms, compensated.
-        (depth, depth * 1e-15)
+        crossing.depth_error = crossing.depth * 1e-15;
     } else {
+        let profile = &crossing.profile;
         let light = collocation.light(&profile.cuts(), TOLERANCE, |t| Here {
             extinction: profile.at(t),
             emission: DVec3::ZERO,
         });
-        (light.depth, light.depth_error)
-    };
-    Some(Crossing {
-        pixel,
-        profile,
-        depth,
-        depth_error,
-        cell_by_cell: match integrable && grids {
-            true => Some(Box::new(integral)),
-            false => None,
-        },
-    })
+        (crossing.depth, crossing.depth_error) = (light.depth, light.depth_error);
+    }
+    Some(crossing)
 }
 
 /// The media of varying density that take light away.
@@ -290,12 +369,19 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
     let mut climbs: Vec<Climb<'_>> = Rule::ALL.map(|rule| asked.by_rule(rule)).into();
     climbs.push(asked.by_jitter(false));
     climbs.push(asked.by_jitter(true));
-    climbs.extend(Estimator::ALL.map(|estimator| asked.by_chance(estimator)));
-    if crossings.rays.iter().all(|ray| ray.cell_by_cell.is_some()) {
+    let deepest = crossings
+        .rays
+        .iter()
+        .map(|ray| ray.profile.majorant_depth());
+    let is_dense = deepest.fold(0.0, f64::max) > MOST_DEPTHS;
+    if !is_dense {
+        climbs.extend(Estimator::ALL.map(|estimator| asked.by_chance(estimator)));
+    }
+    if crossings.rays.iter().all(Crossing::is_through_grids) {
         climbs.push(asked.cell_by_cell());
     }
     let ladders = climb(&climbs, scale, bound, None, clock);
-    let exact = crossings.rays.iter().all(|ray| ray.cell_by_cell.is_some());
+    let exact = crossings.rays.iter().all(Crossing::is_through_grids);
     Study {
         name: "transmittance",
         quantity: format!(
@@ -313,11 +399,19 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
             },
             bound,
         },
-        judged_on: crossings.rough.then(|| {
-            "no order of a step is expected: the noise has detail finer than all steps here"
-                .to_owned()
-        }),
-        prices: prices(&ladders, bound),
+        judged_on: match (crossings.rough, is_dense) {
+            (true, _) => Some(
+                "none is expected of a step: the noise has detail that no step here is small \
+                 against"
+                    .to_owned(),
+            ),
+            (_, true) => Some(format!(
+                "tracking was left out: bounds of more than {MOST_DEPTHS} optical depths take as \
+                 many look-ups"
+            )),
+            _ => None,
+        },
+        prices: prices(&ladders),
         pictures: vec![],
         worst_ray: None,
         ladders,
@@ -377,13 +471,14 @@ impl Asked<'_, '_> {
             kinks,
             jumps,
             rough,
-            same_ends,
+            ends,
             ..
         } = self.crossings;
         let like = match rule {
-            Rule::Left if *same_ends => Rule::Trapezoid,
+            Rule::Left if *ends == Ends::Same => Rule::Trapezoid,
             _ => rule,
         };
+        let rough = *rough || rule == Rule::Left && *ends == Ends::Alike;
         Climb {
             estimator: rule.name().to_owned(),
             is_ours: false,
@@ -406,9 +501,10 @@ impl Asked<'_, '_> {
         let order = match (self.crossings.jumps, stratified) {
             (true, _) => 1.0,
             (false, true) => 1.5,
-            (false, false) if self.crossings.same_ends => 2.0,
+            (false, false) if self.crossings.ends == Ends::Same => 2.0,
             (false, false) => 1.0,
         };
+        let rough = self.crossings.rough || !stratified && self.crossings.ends == Ends::Alike;
         let name = match stratified {
             true => "jittered, stratified",
             false => "jittered, one offset a ray",
@@ -417,7 +513,7 @@ impl Asked<'_, '_> {
             estimator: name.to_owned(),
             is_ours: false,
             knob: Knob::Step,
-            expected: match self.crossings.rough {
+            expected: match rough {
                 true => Expected::NOTHING,
                 false => Expected::of_step(order),
             },
@@ -481,10 +577,7 @@ impl Asked<'_, '_> {
                 value: 0.0,
                 run: self.run(|ray, _| {
                     let mut lookups = 0;
-                    let depth = ray
-                        .cell_by_cell
-                        .as_ref()
-                        .map_or(0.0, |depth| depth(&mut lookups));
+                    let depth = ray.depth_by_integrals(&mut lookups);
                     (exp(-depth), lookups, 0)
                 }),
                 single: None,

@@ -114,7 +114,7 @@ fn a_scene_without_a_knob() {
     assert_shown!(run.shown(), @r"
     exit code 2
     --- stderr
-      × fog.toml: this scene has no knob to turn: its media are the same everywhere and light is not turned, so every pixel is a closed form
+      × fog.toml: this scene has no knob to turn: nothing in it is marched, tracked or sampled, every pixel is a closed form
       help: cost compares settings: give a scene that is marched, tracked or sampled, such as figures/figure-3 or procedural/threshold-1.25
     ");
     assert!(!folder.files().keys().any(|name| name.starts_with("out/")));

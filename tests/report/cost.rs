@@ -66,8 +66,8 @@ fn text_says_what_to_take_then_what_it_costs_then_how_errors_fall() {
       error  estimator  setting       look-ups  × cheapest  time a ray
       1e-2   midpoint   0.25 voxels       33.0         1.0      516 ns
       1e-3   midpoint   0.125 voxels      65.0         1.0     1.02 µs
-      1e-2 is not reached by left
-      1e-3 is not reached by left
+      1e-2 is not reached, as far as tried, by left
+      1e-3 is not reached, as far as tried, by left
 
     transmittance: orders of error
       estimator  turned  expected     ±  fitted  of max  verdict
@@ -230,7 +230,7 @@ fn failures_are_shown() {
         "plume, image, centre sample: order 0.46, expected 2",
         "plume, transmittance, midpoint, linear opacity: not a power yet",
         "✗ disagrees",
-        "reached by none: 1e-6",
+        "reached by none, as far as tried: 1e-6",
         "ratio tracking ended early: 65536 samples would take 3 minutes",
     ] {
         assert!(html.contains(words), "{words}");

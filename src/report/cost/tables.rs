@@ -145,7 +145,7 @@ pub(super) fn orders(study: &Study) -> Table {
     let mut columns = vec![column_of_words("estimator"), column_of_words("turned")];
     columns.extend(ORDER_COLUMNS);
     let judged_on = study.judged_on.iter();
-    let mut notes: Vec<String> = judged_on.map(|rays| format!("judged on {rays}")).collect();
+    let mut notes: Vec<String> = judged_on.map(|rays| format!("orders: {rays}")).collect();
     notes.extend(study.ladders.iter().filter_map(|ladder| {
         let why = ladder.cut.as_ref()?;
         let name = words::ladder(study, &ladder.estimator, ladder.knob);
@@ -211,7 +211,10 @@ pub(super) fn prices(study: &Study) -> Table {
         if reached.is_empty() {
             by_none.push(error.clone());
         } else if !not.is_empty() {
-            notes.push(format!("{error} is not reached by {}", not.join("; ")));
+            notes.push(format!(
+                "{error} is not reached, as far as tried, by {}",
+                not.join("; ")
+            ));
         }
         for (at, offer) in reached.into_iter().enumerate() {
             let mut row: Vec<Cell> = vec![
@@ -228,12 +231,16 @@ pub(super) fn prices(study: &Study) -> Table {
         }
     }
     if !by_none.is_empty() {
-        notes.push(format!("reached by none: {}", by_none.join(", ")));
+        notes.push(format!(
+            "reached by none, as far as tried: {}",
+            by_none.join(", ")
+        ));
     }
     Table {
         title: format!("{}: price list", study.name),
-        reading: "The cheapest setting of each estimator whose root mean square error is at most \
-                  the one wanted: equal error, so compare the work."
+        reading: "The cheapest setting of each estimator from which on the root mean square error \
+                  stays at or below the one wanted, at all finer settings too: equal error, so \
+                  compare the work."
             .to_owned(),
         columns,
         rows,
