@@ -260,8 +260,8 @@ fn bias_and_variance_of_jittered_marching() {
 #[test]
 fn across_a_jump_every_rule_has_order_one() {
     // By chance of where the jump lies a single ray errs by anything: many places tell.
-    let places: Vec<f64> = (0..400)
-        .map(|i| 0.3 + 1.4 * f64::from(i) / 400.0 + 1e-4)
+    let places: Vec<f64> = (0..4000)
+        .map(|i| 0.3 + 1.4 * f64::from(i) / 4000.0 + 1e-5)
         .collect();
     for rule in Rule::ALL {
         let errors = STEPS.map(|step| {
@@ -304,7 +304,7 @@ fn sampled(count: usize) -> Arc<Grid<f32>> {
 /// Rays through the unit box in all directions: along one that nearly is an axis, steps and cells
 /// keep pace, and errors add up for long.
 fn rays() -> Vec<Ray> {
-    (0..300)
+    (0..2000)
         .map(|number| {
             let stream = Stream::new(3, number, 0);
             let u = |index: u32| stream.uniform(0, Purpose::Camera, index);
@@ -620,7 +620,11 @@ fn orders_in_a_scene_with_a_grid() {
     assert_eq!(study.name, "transmittance");
     for ladder in &study.ladders {
         println!("{}: {:?}", ladder.estimator, ladder.order);
-        let allowed = [OrderVerdict::AsExpected, OrderVerdict::NothingExpected];
+        let allowed = [
+            OrderVerdict::AsExpected,
+            OrderVerdict::TooFewRays,
+            OrderVerdict::NothingExpected,
+        ];
         assert!(allowed.contains(&ladder.order.verdict), "{ladder:?}");
     }
     let exact = study.ladders.last().unwrap();

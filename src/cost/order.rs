@@ -100,20 +100,22 @@ pub fn order(values: &[f64], errors: &[Norms], expected: Expected, bound: f64) -
         .map(|value| points.iter().any(|point| point.value == *value));
     let line_of_all = fit(&points);
     let fitted = line_of_all.map(|line| line.slope);
-    let tolerance = expected.tolerance + line_of_all.map_or(0.0, |line| 2.0 * line.uncertainty);
+    let uncertainty = line_of_all.map_or(0.0, |line| line.uncertainty);
+    let doubt = expected.tolerance + 2.0 * uncertainty;
     let verdict = match (expected.order, fitted) {
         (None, _) => OrderVerdict::NothingExpected,
         (Some(_), None) => OrderVerdict::Undecided,
-        (Some(order), Some(fitted)) if (fitted - order).abs() <= tolerance => {
+        (Some(order), Some(fitted)) if (fitted - order).abs() <= expected.tolerance => {
             OrderVerdict::AsExpected
         }
+        (Some(order), Some(fitted)) if (fitted - order).abs() <= doubt => OrderVerdict::TooFewRays,
         _ => {
             let steps = points.windows(2).filter_map(line).map(|line| line.slope);
             let (low, high) = steps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
                 (low.min(at), high.max(at))
             });
             // From setting to setting chance leaves any order; together they have one.
-            match !expected.by_chance && high - low > 2.0 * tolerance {
+            match !expected.by_chance && high - low > 2.0 * doubt {
                 true => OrderVerdict::NotYetAPower,
                 false => OrderVerdict::Otherwise,
             }
@@ -126,7 +128,8 @@ pub fn order(values: &[f64], errors: &[Norms], expected: Expected, bound: f64) -
         fitted,
         fitted_max: fit(&counting(&largest)).map(|line| line.slope),
         local,
-        tolerance,
+        tolerance: expected.tolerance,
+        uncertainty,
         verdict,
     }
 }

@@ -208,9 +208,10 @@ pub struct Order {
     pub fitted_max: Option<f64>,
     /// From each setting to the next, of the root mean square error.
     pub local: Vec<Option<f64>>,
-    /// How far `fitted` may be from `expected`: what theory leaves open, and twice the standard
-    /// error of the fit.
+    /// How far `fitted` may be from `expected`.
     pub tolerance: f64,
+    /// Standard error of `fitted`, as far as these rays stand for others.
+    pub uncertainty: f64,
     /// What follows.
     pub verdict: OrderVerdict,
 }
@@ -221,6 +222,8 @@ pub struct Order {
 pub enum OrderVerdict {
     /// It does.
     AsExpected,
+    /// It may: what `fitted` is off by beyond the tolerance is within two standard errors.
+    TooFewRays,
     /// It does not.
     Otherwise,
     /// Too few settings count: too coarse, or below what the reference knows.

@@ -60,6 +60,7 @@ pub fn order(expected: Option<f64>, points: &[(f64, f64)], bound: f64) -> Order 
         fitted_max: fitted.map(|order| order - 0.03),
         local,
         tolerance: 0.1,
+        uncertainty: 0.0,
         verdict: verdict(expected, fitted),
     }
 }

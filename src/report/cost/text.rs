@@ -121,7 +121,7 @@ fn scene(cost: &Cost) -> String {
 fn is_shown(ladder: &Ladder) -> bool {
     let is_fine = matches!(
         ladder.order.verdict,
-        OrderVerdict::AsExpected | OrderVerdict::NothingExpected
+        OrderVerdict::AsExpected | OrderVerdict::TooFewRays | OrderVerdict::NothingExpected
     );
     ladder.is_ours || !is_fine
 }

@@ -47,6 +47,7 @@ pub(super) enum Mark {
 pub(super) fn verdict(verdict: OrderVerdict) -> (Mark, &'static str) {
     match verdict {
         OrderVerdict::AsExpected => (Mark::Good, "✓ as expected"),
+        OrderVerdict::TooFewRays => (Mark::Odd, "≈ as expected, as far as so few rays tell"),
         OrderVerdict::Otherwise => (Mark::Bad, "✗ not as expected"),
         OrderVerdict::Undecided => (Mark::Odd, "? undecided: too few settings count"),
         OrderVerdict::NotYetAPower => (Mark::Odd, "~ not a power yet: still changing"),
@@ -221,8 +222,8 @@ pub(super) struct Judgement {
 /// What came of all expectations.
 pub(super) fn judgement(costs: &[Cost]) -> Judgement {
     let mut faults = Vec::new();
-    // As expected, otherwise, undecided, not yet a power, nothing expected.
-    let mut orders = [0_usize; 5];
+    // As expected, as far as rays tell, otherwise, undecided, not yet a power, nothing expected.
+    let mut orders = [0_usize; 6];
     let mut note = |name: String, order: &Order| {
         orders[order.verdict as usize] += 1;
         let words = fitted(order);
@@ -242,7 +243,8 @@ pub(super) fn judgement(costs: &[Cost]) -> Judgement {
                     format!("~ {name}: not a power yet, {why} ({words})"),
                 ));
             }
-            OrderVerdict::AsExpected | OrderVerdict::NothingExpected => {}
+            OrderVerdict::AsExpected | OrderVerdict::TooFewRays | OrderVerdict::NothingExpected => {
+            }
         }
     };
     for cost in costs {
@@ -282,12 +284,13 @@ pub(super) fn judgement(costs: &[Cost]) -> Judgement {
     }
     // What is wrong before what is not known.
     faults.sort_by_key(|(mark, _)| *mark != Mark::Bad);
-    let [as_expected, otherwise, undecided, not_yet, _] = orders;
-    let judged = as_expected + otherwise + undecided + not_yet;
+    let [as_expected, few_rays, otherwise, undecided, not_yet, _] = orders;
+    let judged = as_expected + few_rays + otherwise + undecided + not_yet;
     let mut parts = Vec::new();
     if judged > 0 {
         let mut counts = vec![format!("{as_expected} as expected")];
         for (count, words) in [
+            (few_rays, "as far as so few rays tell"),
             (otherwise, "not as expected"),
             (undecided, "undecided"),
             (not_yet, "not a power yet"),

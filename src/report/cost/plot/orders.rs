@@ -163,6 +163,7 @@ fn fitted(order: &Order, power: f64) -> String {
         .map_or("–".to_owned(), |fitted| format!("{:.2}", power * fitted));
     let sign = match order.verdict {
         OrderVerdict::AsExpected => " ✓",
+        OrderVerdict::TooFewRays => " ≈",
         OrderVerdict::Otherwise => " ✗",
         OrderVerdict::Undecided => " ?",
         OrderVerdict::NotYetAPower => " ~",
