@@ -7,10 +7,14 @@
 #[allow(dead_code, reason = "each test program asks for a part of it")]
 #[path = "common/quadrature.rs"]
 mod quadrature;
+#[allow(dead_code, reason = "each test program asks for a part of it")]
+#[path = "common/test_ray.rs"]
+mod test_ray;
 
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
+use test_ray::{DEPTH, LENGTH, smooth};
 use volref::cost::collocation::{Collocation, Here};
 use volref::cost::estimators::table;
 use volref::cost::jitter::Jitter;
@@ -42,16 +46,11 @@ const STEPS: [f64; 7] = [
     0.003_906_25,
 ];
 
-const DEPTH: f64 = 4.751_743_965_520_435;
 const RADIANCE: f64 = 0.338_236_980_254_304_8;
-
-fn extinction(t: f64) -> f64 {
-    1.5 + sin(3.7 * t) + 0.6 * t * t
-}
 
 fn here(t: f64) -> Here {
     Here {
-        extinction: extinction(t),
+        extinction: smooth(t),
         emission: DVec3::splat(0.7 + 0.5 * cos(5.1 * t + 0.3)),
     }
 }
@@ -65,11 +64,11 @@ fn smooth_ray() -> Profile<'static> {
             },
             // The smallest stands at 1.168, the largest at the end.
             low: 1.394,
-            high: extinction(2.0),
+            high: smooth(LENGTH),
         }],
         extinction: Box::new(|t, lookups| {
             *lookups += 1;
-            extinction(t)
+            smooth(t)
         }),
         kinks: vec![],
         densities: 1,

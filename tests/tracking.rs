@@ -10,13 +10,17 @@ mod entries;
 #[allow(dead_code, reason = "each test program asks for a part of it")]
 #[path = "common/quadrature.rs"]
 mod quadrature;
+#[allow(dead_code, reason = "each test program asks for a part of it")]
+#[path = "common/test_ray.rs"]
+mod test_ray;
 
 use entries::Entry;
 use glam::DVec3;
 use std::ops::ControlFlow::{Break, Continue};
+use test_ray::{DEPTH, LENGTH, TRANSMITTANCE, smooth};
 use volref::geometry::Span;
 use volref::math::rng::{Purpose, Stream};
-use volref::math::{Moments, exp, exp_m1, sin};
+use volref::math::{Moments, exp, exp_m1};
 use volref::media::estimators::{delta_tracking_variance, ratio_tracking_variance};
 use volref::render::tracker::Numbers;
 use volref::render::tracking::*;
@@ -155,15 +159,6 @@ fn costs(what: &str, found: &Found, lookups: f64) {
     println!("{what}: {} look-ups of {lookups}", found.lookups);
     assert!((found.lookups - lookups).abs() <= 0.05 * lookups, "{what}");
 }
-
-/// The smooth test ray of the catalogue, from 0 to 2.
-fn smooth(t: f64) -> f64 {
-    1.5 + sin(3.7 * t) + 0.6 * t * t
-}
-
-const LENGTH: f64 = 2.0;
-const DEPTH: f64 = 4.751_743_965_520_435;
-const TRANSMITTANCE: f64 = 0.008_636_620_094_049_104;
 
 /// `∫ f dt`; of a smooth integrand, to the last digits.
 fn integral(f: impl Fn(f64) -> f64, from: f64, to: f64) -> f64 {

@@ -6,14 +6,18 @@
 #[allow(dead_code, reason = "each test program asks for a part of it")]
 #[path = "common/quadrature.rs"]
 mod quadrature;
+#[allow(dead_code, reason = "each test program asks for a part of it")]
+#[path = "common/test_ray.rs"]
+mod test_ray;
 
 use glam::DVec3;
 use proptest::prelude::*;
 use quadrature::integral;
+use test_ray::{DEPTH, LENGTH, TRANSMITTANCE, smooth};
 use volref::cost::unbiased_ray_marching::*;
 use volref::geometry::Span;
 use volref::math::rng::{Purpose, Stream};
-use volref::math::{Moments, Sum, exp, sin};
+use volref::math::{Moments, Sum, exp};
 use volref::media::estimators::ratio_tracking_variance;
 use volref::render::tracker::Numbers;
 use volref::render::tracking::{Bounded, Bounds, Control, Effort, Small, ratio_tracking};
@@ -58,15 +62,6 @@ fn costs(what: &str, lookups: f64, steps: u32) {
     println!("{what}: {lookups} look-ups of {expected}, standard error {error:.4}");
     assert!((lookups - expected).abs() <= 4.0 * error, "{what}");
 }
-
-/// The smooth test ray of the catalogue, from 0 to 2.
-fn smooth(t: f64) -> f64 {
-    1.5 + sin(3.7 * t) + 0.6 * t * t
-}
-
-const LENGTH: f64 = 2.0;
-const DEPTH: f64 = 4.751_743_965_520_435;
-const TRANSMITTANCE: f64 = 0.008_636_620_094_049_104;
 
 /// Mean of `e^X` over the offset: what plain marching comes to.
 fn marched_mean(steps: u32) -> f64 {

@@ -2,14 +2,14 @@
 
 use super::classified::{Shade, Subject};
 use super::collocation::{Collocation, Light};
-use super::image::{in_words, thumbnail};
+use super::image::in_words;
 use super::norms::root_mean_square;
 use super::order::Expected;
 use super::results::{Knob, Reference, Study};
-use super::study::{Climb, Outcome, Setting, climb, prices};
+use super::study::{Climb, Outcome, Setting, climb};
+use super::thumbnail;
 use super::timing::Clock;
 use super::transmittance::{Crossing, Crossings, Part};
-use crate::geometry::Ray;
 use crate::math::exp;
 use crate::media::Field;
 use crate::render::Counters;
@@ -133,6 +133,7 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
                         ..Counters::default()
                     },
                     rays: crossings.rays.len(),
+                    channels: 1,
                 }
             }),
             single: None,
@@ -147,22 +148,16 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
     });
     let climbs: Vec<Climb<'_>> = climbs.collect();
     let bound = 1e-15;
-    let untimed = Clock { runs: 0, ..*clock };
-    let ladders = climb(&climbs, scale, bound, None, &untimed);
-    Some(Study {
-        name: "data",
-        quantity: "transmittance of the same rays from coarser data, by either interpolation"
-            .to_owned(),
-        reference: Reference {
+    let ladders = climb(&climbs, scale, bound, None, &clock.untimed());
+    Some(Study::of(
+        "data",
+        "transmittance of the same rays from coarser data, by either interpolation".to_owned(),
+        Reference {
             method: "the data as they are, cell by cell".to_owned(),
             bound,
         },
-        judged_on: None,
-        prices: prices(&ladders),
-        pictures: vec![],
-        worst_ray: None,
         ladders,
-    })
+    ))
 }
 
 /// The image of `scene`, of `size` pixels in full, from coarser and coarser data, by either
@@ -171,44 +166,41 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
     if scene.grid.lattice().centring() == Centring::Cells {
         return None;
     }
-    let size = thumbnail(size, SIDE);
-    let rays: Vec<Ray> = (0..size[0] * size[1])
-        .map(|index| scene.camera.ray([index % size[0], index / size[0]], size))
-        .collect();
+    let size = thumbnail::thumbnail(size, SIDE);
+    let rays = thumbnail::rays(&scene.camera, size);
     let plain = Classified {
         shadow: None,
         ..scene.clone()
     };
     let collocation = Collocation::new();
-    let image = |scene: &Classified| -> Vec<Light> {
-        let subject = Subject::new(scene, Shade::None);
+    let image = |subject: &Subject<'_>| -> Vec<Light> {
         rays.par_iter()
             .map(|ray| subject.exact(&collocation, ray, TOLERANCE).0)
             .collect()
     };
-    let right = image(&plain);
+    let right = image(&Subject::new(&plain, Shade::None));
     let scale = root_mean_square(right.iter().flat_map(|light| light.radiance.to_array()));
     let bound = right
         .iter()
         .map(|light| light.radiance_error)
         .fold(0.0, f64::max)
         / scale;
-    let with = |factor: f64, interpolation: Interpolation| -> Option<(f64, Classified)> {
-        let coarse = Classified {
-            grid: Arc::new(coarsened(&scene.grid, factor)?),
-            interpolation,
-            ..plain.clone()
-        };
-        Some((factor, coarse))
-    };
     let voxel = scene.grid.lattice().voxel();
     let by = |interpolation: Interpolation| -> Vec<(f64, Classified)> {
         // With the interpolation of the scene the data as they are have no error.
         let finest = (interpolation != scene.interpolation).then_some(1.0);
         let spacings = SPACINGS.into_iter().chain(finest);
         let mut scenes: Vec<_> = spacings
-            .filter_map(|factor| with(factor, interpolation))
-            .map(|(_, coarse)| (coarse.grid.lattice().voxel() / voxel, coarse))
+            .filter_map(|factor| coarsened(&scene.grid, factor))
+            .map(|grid| {
+                let factor = grid.lattice().voxel() / voxel;
+                let coarse = Classified {
+                    grid: Arc::new(grid),
+                    interpolation,
+                    ..plain.clone()
+                };
+                (factor, coarse)
+            })
             .collect();
         // A whole number of nodes may be the same for two wishes.
         scenes.dedup_by(|a, b| a.0 == b.0);
@@ -223,13 +215,13 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
     let climbs = ladders.iter().map(|(interpolation, scenes)| {
         let settings = scenes.iter().map(|(factor, coarse)| Setting {
             name: in_voxels_of_data(*factor),
-            value: factor * scene.grid.lattice().voxel(),
+            value: factor * voxel,
             run: Box::new(move || {
-                let found = image(coarse).into_iter().zip(right);
+                let subject = Subject::new(coarse, Shade::None);
+                let found = image(&subject).into_iter().zip(right);
                 let errors =
                     found.flat_map(|(light, right)| (light.radiance - right.radiance).to_array());
                 // What the renderer would look up, with its own step in voxels of the coarse grid.
-                let subject = Subject::new(coarse, Shade::None);
                 let mut work = Counters::default();
                 for ray in rays {
                     subject.cast(scene.step * factor, ray, &mut work);
@@ -238,6 +230,7 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
                     errors: errors.collect(),
                     work,
                     rays: rays.len(),
+                    channels: 3,
                 }
             }),
             single: None,
@@ -254,23 +247,18 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
     });
     let climbs: Vec<Climb<'_>> = climbs.collect();
     // What is measured is an error of the data; the time of its measurement is nobody's.
-    let untimed = Clock { runs: 0, ..*clock };
-    let ladders = climb(&climbs, scale, bound, None, &untimed);
-    Some(Study {
-        name: "data",
-        quantity: format!(
+    let ladders = climb(&climbs, scale, bound, None, &clock.untimed());
+    Some(Study::of(
+        "data",
+        format!(
             "radiance of {} × {} pixels without shadow, from coarser data, by either interpolation",
             size[0], size[1]
         ),
-        reference: Reference {
+        Reference {
             method: "the data as they are; integrals by collocation, for coarse data as well"
                 .to_owned(),
             bound,
         },
-        judged_on: None,
-        prices: prices(&ladders),
-        pictures: vec![],
-        worst_ray: None,
         ladders,
-    })
+    ))
 }

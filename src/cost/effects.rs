@@ -1,13 +1,12 @@
 //! What each effect costs by itself.
 
-use super::image::thumbnail;
 use super::results::{EffectPrice, Work};
+use super::thumbnail;
 use super::timing::Clock;
 use crate::media::{Asymmetry, Coefficients, Density, HenyeyGreenstein};
-use crate::render::{Plan, RenderError, render, render_counted};
-use crate::scene::{Classified, Model, Panel, Radiative, Scattering, Scene};
+use crate::render::{RenderError, render, render_counted};
+use crate::scene::{Classified, Model, Panel, Radiative, Scattering};
 use glam::DVec3;
-use std::path::PathBuf;
 
 /// Pixels of the larger side of the image.
 const SIDE: usize = 32;
@@ -21,38 +20,24 @@ pub fn prices(panel: &Panel, clock: &Clock) -> Result<Vec<EffectPrice>, RenderEr
         Model::Radiative(scene) => of_radiative(scene),
         Model::Curve(_) => vec![],
     };
-    let scenes: Vec<(String, Scene, Vec<Plan>)> = variants
-        .into_iter()
-        .map(|(name, model)| {
-            let [width, height] = thumbnail([panel.width, panel.height], SIDE);
-            let mut scene = Scene {
-                path: PathBuf::new(),
-                panels: vec![Panel {
-                    width,
-                    height,
-                    model,
-                    ..panel.clone()
-                }],
-            };
-            scene.set_samples(SAMPLES);
-            let plans = scene.panels.iter().map(Plan::new).collect();
-            (name, scene, plans)
-        })
-        .collect();
+    let [width, height] = thumbnail::thumbnail([panel.width, panel.height], SIDE);
+    let pixels = width * height;
     let mut prices = Vec::new();
-    for (name, scene, plans) in &scenes {
-        let made = render_counted(scene, plans, &|| ())?;
-        let pixels = scene.panels[0].width * scene.panels[0].height;
+    let mut scenes = Vec::new();
+    for (name, model) in variants {
+        let (scene, plans) = thumbnail::scene(panel, model, SIDE, SAMPLES);
+        let made = render_counted(&scene, &plans, &|| ())?;
         prices.push(EffectPrice {
-            effect: name.clone(),
+            effect: name,
             work: Work::per_ray(&made.work[0], pixels),
             time: None,
             times_lookups: None,
         });
+        scenes.push((scene, plans));
     }
     let renders: Vec<Box<dyn Fn() + Sync + '_>> = scenes
         .iter()
-        .map(|(_, scene, plans)| -> Box<dyn Fn() + Sync> {
+        .map(|(scene, plans)| -> Box<dyn Fn() + Sync> {
             Box::new(move || {
                 // It was rendered above, and refuses nothing that it did not then.
                 let _ = std::hint::black_box(render(scene, plans, &|| ()));
@@ -60,14 +45,9 @@ pub fn prices(panel: &Panel, clock: &Clock) -> Result<Vec<EffectPrice>, RenderEr
         })
         .collect();
     let tasks: Vec<&(dyn Fn() + Sync)> = renders.iter().map(|task| &**task).collect();
-    let pixels = scenes
-        .first()
-        .map_or(1, |(_, scene, _)| scene.width() * scene.height());
-    if let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(1).build() {
-        let times = pool.install(|| clock.by_turns(&tasks, pixels as f64));
-        for (price, time) in prices.iter_mut().zip(times) {
-            price.time = time;
-        }
+    let times = clock.by_turns(&tasks, pixels as f64);
+    for (price, time) in prices.iter_mut().zip(times) {
+        price.time = time;
     }
     let first = prices.first().map_or(0.0, |price| price.work.price());
     for price in &mut prices {

@@ -255,11 +255,7 @@ pub fn table(
         }
     });
     let tasks: Vec<&(dyn Fn() + Sync)> = timed.iter().map(|task| task as _).collect();
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-    let times = match pool {
-        Ok(pool) => pool.install(|| clock.by_turns(&tasks, f64::from(SAMPLES_TIMED))),
-        Err(_) => vec![None; tasks.len()],
-    };
+    let times = clock.by_turns(&tasks, f64::from(SAMPLES_TIMED));
     let rows = Estimator::ALL
         .into_iter()
         .zip(times)

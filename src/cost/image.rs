@@ -8,10 +8,12 @@ use super::norms::root_mean_square;
 use super::order::Expected;
 use super::preintegration::Preintegrated;
 use super::results::{ErrorPicture, Knob, RayTrace, Reference, Study};
-use super::study::{Climb, Outcome, Run, Setting, climb, prices};
+use super::study::{Climb, Outcome, Run, Setting, climb};
+use super::thumbnail;
 use super::timing::Clock;
 use crate::geometry::Ray;
 use crate::math::rng::{Purpose, Stream};
+use crate::math::{exp, ln_1p};
 use crate::render::Counters;
 use crate::render::steps::Steps;
 use crate::render::work::Work;
@@ -59,28 +61,40 @@ struct Rays<'s> {
 }
 
 impl<'s> Rays<'s> {
-    fn new(scene: &'s Classified, [width, height]: [usize; 2]) -> Rays<'s> {
+    fn new(scene: &'s Classified, size: [usize; 2]) -> Rays<'s> {
         let (most, tolerance) = match scene.shadow {
             None => (SIDE, TOLERANCE),
             Some(_) => (SIDE_WITH_SHADOW, TOLERANCE_WITH_SHADOW),
         };
-        let size = thumbnail([width, height], most);
         let shade = match Subject::has_exact_shadow(scene) {
             true => Shade::Exact,
             false => Shade::AsGiven,
         };
-        let subject = Subject::new(scene, shade);
-        let rays: Vec<Ray> = (0..size[0] * size[1])
-            .map(|index| scene.camera.ray([index % size[0], index / size[0]], size))
-            .collect();
         let collocation = Collocation::new();
-        let exact: Vec<(Light, f64)> = rays
-            .par_iter()
-            .map(|ray| subject.exact(&collocation, ray, tolerance))
-            .collect();
-        let right: Vec<DVec3> = exact.iter().map(|(light, _)| light.radiance).collect();
         let steepest = OPAQUE / scene.grid.lattice().voxel();
-        let clear = exact.iter().flat_map(|(_, met)| [*met < steepest; 3]);
+        Rays::against(
+            scene,
+            shade,
+            thumbnail::thumbnail(size, most),
+            |subject, ray| {
+                let (light, met) = subject.exact(&collocation, ray, tolerance);
+                (light, met < steepest)
+            },
+        )
+    }
+
+    /// The rays of an image of `size`; for each of them `right` says what is, and whether it is
+    /// clear.
+    fn against(
+        scene: &'s Classified,
+        shade: Shade,
+        size: [usize; 2],
+        right: impl Fn(&Subject<'s>, &Ray) -> (Light, bool) + Sync,
+    ) -> Rays<'s> {
+        let subject = Subject::new(scene, shade);
+        let rays = thumbnail::rays(&scene.camera, size);
+        let exact: Vec<(Light, bool)> = rays.par_iter().map(|ray| right(&subject, ray)).collect();
+        let right: Vec<DVec3> = exact.iter().map(|(light, _)| light.radiance).collect();
         let scale = root_mean_square(right.iter().flat_map(|radiance| radiance.to_array()));
         let errors = exact.iter().map(|(light, _)| light.radiance_error);
         let bound = errors.fold(0.0, f64::max) / scale;
@@ -90,7 +104,7 @@ impl<'s> Rays<'s> {
             size,
             rays,
             right,
-            clear: clear.collect(),
+            clear: exact.iter().flat_map(|(_, clear)| [*clear; 3]).collect(),
             scale,
             // Sums of some hundred terms of size 1.
             bound: bound.max(1e-14),
@@ -114,6 +128,7 @@ impl<'s> Rays<'s> {
                 .collect();
             let mut outcome = Outcome {
                 rays: self.rays.len(),
+                channels: 3,
                 ..Outcome::default()
             };
             for ((value, work), right) in found.iter().zip(&self.right) {
@@ -243,7 +258,7 @@ fn preintegrated(
         let far = subject.value(ray, middle + 0.5 * length, work);
         front = Some(far);
         let segment = table.segment(near, far, length);
-        let through = crate::math::exp(-depth);
+        let through = exp(-depth);
         radiance += segment.colour * through;
         if subject.is_lit() && segment.opacity > 0.0 {
             let (value, source) = subject.sample(ray, middle, work);
@@ -253,7 +268,7 @@ fn preintegrated(
                 radiance += added * (segment.opacity * through);
             }
         }
-        depth += -crate::math::ln_1p(-segment.opacity);
+        depth -= ln_1p(-segment.opacity);
     }
     (radiance, depth)
 }
@@ -271,13 +286,10 @@ pub fn unlit_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Optio
         ..scene.clone()
     };
     // Its work is that of the image but for the light; times would only say so again.
-    let untimed = Clock { runs: 0, ..*clock };
-    let study = steps(&unlit, size, &untimed);
+    let study = by_steps(&Rays::new(&unlit, size), &clock.untimed());
     Some(Study {
         name: "unlit",
         quantity: format!("{}, neither shaded nor shadowed", study.quantity),
-        pictures: vec![],
-        worst_ray: None,
         ..study
     })
 }
@@ -285,6 +297,16 @@ pub fn unlit_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Optio
 /// The image of `scene`, of `size` pixels in full: radiance by step and scheme.
 pub fn steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
     let rays = Rays::new(scene, size);
+    Study {
+        pictures: pictures(&rays),
+        worst_ray: Some(worst_ray(&rays)),
+        ..by_steps(&rays, clock)
+    }
+}
+
+/// Radiance of `rays` by step and scheme.
+fn by_steps(rays: &Rays<'_>, clock: &Clock) -> Study {
+    let scene = rays.scene;
     let table = Preintegrated::new(&scene.transfer_function);
     let mut climbs = vec![rays.ours()];
     let schemes = Scheme::ALL.into_iter();
@@ -300,22 +322,21 @@ pub fn steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
         Some(_) => ", the shadow as the scene samples it",
     };
     Study {
-        name: "image",
-        quantity: format!(
-            "radiance of {} × {} pixels{shadow}",
-            rays.size[0], rays.size[1]
-        ),
-        reference: Reference {
-            method: "collocation at Gauss points between the faces of cells, halved until its \
-                     parts agree"
-                .to_owned(),
-            bound: rays.bound,
-        },
-        judged_on: judged_on(scene, &rays, clear / 3),
-        prices: prices(&ladders),
-        pictures: pictures(&rays),
-        worst_ray: Some(worst_ray(&rays)),
-        ladders,
+        judged_on: judged_on(scene, rays, clear / 3),
+        ..Study::of(
+            "image",
+            format!(
+                "radiance of {} × {} pixels{shadow}",
+                rays.size[0], rays.size[1]
+            ),
+            Reference {
+                method: "collocation at Gauss points between the faces of cells, halved until its \
+                         parts agree"
+                    .to_owned(),
+                bound: rays.bound,
+            },
+            ladders,
+        )
     }
 }
 
@@ -345,17 +366,17 @@ pub fn shadow_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Opti
     if !Subject::has_exact_shadow(scene) {
         return None;
     }
-    let mut rays = Rays::new_without_reference(scene, size);
-    // One step for all: what is compared is the shadow.
-    let step = scene.grid.lattice().voxel();
-    rays.right = rays
-        .rays
-        .par_iter()
-        .map(|ray| rays.subject.cast(step, ray, &mut Counters::default()))
-        .collect();
-    rays.scale = root_mean_square(rays.right.iter().flat_map(|radiance| radiance.to_array()));
-    rays.bound = 1e-14;
     let voxel = scene.grid.lattice().voxel();
+    // One step for all: what is compared is the shadow.
+    let step = voxel;
+    let size = thumbnail::thumbnail(size, SIDE_WITH_SHADOW);
+    let rays = Rays::against(scene, Shade::Exact, size, |subject, ray| {
+        let light = Light {
+            radiance: subject.cast(step, ray, &mut Counters::default()),
+            ..Light::default()
+        };
+        (light, true)
+    });
     let subjects: Vec<(f64, Subject<'_>)> = SHADOW_STEPS
         .map(|voxels| (voxels, Subject::new(scene, Shade::Every(voxels * voxel))))
         .into();
@@ -375,40 +396,18 @@ pub fn shadow_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Opti
         settings: settings.collect(),
     }];
     let ladders = climb(&climbs, rays.scale, rays.bound, None, clock);
-    Some(Study {
-        name: "shadow",
-        quantity: format!(
+    Some(Study::of(
+        "shadow",
+        format!(
             "radiance of {} × {} pixels by the step of shadow rays, samples 1 voxel apart",
             rays.size[0], rays.size[1]
         ),
-        reference: Reference {
+        Reference {
             method: "the shadow integrated cell by cell".to_owned(),
             bound: rays.bound,
         },
-        judged_on: None,
-        prices: prices(&ladders),
-        pictures: vec![],
-        worst_ray: None,
         ladders,
-    })
-}
-
-impl<'s> Rays<'s> {
-    fn new_without_reference(scene: &'s Classified, size: [usize; 2]) -> Rays<'s> {
-        let size = thumbnail(size, SIDE_WITH_SHADOW);
-        Rays {
-            scene,
-            subject: Subject::new(scene, Shade::Exact),
-            size,
-            rays: (0..size[0] * size[1])
-                .map(|index| scene.camera.ray([index % size[0], index / size[0]], size))
-                .collect(),
-            right: vec![],
-            clear: vec![],
-            scale: 1.0,
-            bound: 0.0,
-        }
-    }
+    ))
 }
 
 /// Signed errors of three steps, the scene's own among them, on the same rays.
@@ -491,13 +490,4 @@ pub fn in_words(voxels: f64) -> String {
         1.0 => "1 voxel".to_owned(),
         _ => format!("{voxels} voxels"),
     }
-}
-
-/// The size of a smaller image of the same shape, its larger side `most` pixels.
-pub fn thumbnail([width, height]: [usize; 2], most: usize) -> [usize; 2] {
-    let larger = width.max(height);
-    if larger <= most {
-        return [width, height];
-    }
-    [width, height].map(|side| (side * most).div_ceil(larger).max(1))
 }

@@ -25,6 +25,7 @@ pub mod rules;
 pub mod samples;
 mod scene;
 pub mod study;
+pub mod thumbnail;
 pub mod timing;
 pub mod transmittance;
 pub mod unbiased_ray_marching;

@@ -4,7 +4,7 @@ use super::classified::{Shade, Subject, has_jumps};
 use super::norms::root_mean_square;
 use super::order::Expected;
 use super::results::{Knob, Reference, Study};
-use super::study::{Climb, Outcome, Setting, climb, prices};
+use super::study::{Climb, Outcome, Setting, climb};
 use super::timing::Clock;
 use crate::geometry::Ray;
 use crate::math::Sum;
@@ -97,6 +97,7 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
                 let mut outcome = Outcome {
                     // Finer pixels are more rays: work is shared among pixels of the scene.
                     rays: ((window[0] * window[1]).round() as usize).max(1),
+                    channels: 3,
                     ..Outcome::default()
                 };
                 for (error, whole, work) in &found {
@@ -134,23 +135,18 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
     // The mean of n × n points is itself off by 1/n² of what their middle is: 1/64 at most here.
     // A reference that is a 64th off tells orders to within 0.03.
     let bound = 1e-9;
-    let untimed = Clock { runs: 0, ..*clock };
-    let ladders = climb(&climbs, scale, bound, None, &untimed);
-    Study {
-        name: "pixels",
-        quantity: format!(
+    let ladders = climb(&climbs, scale, bound, None, &clock.untimed());
+    Study::of(
+        "pixels",
+        format!(
             "radiance of the middle of the image, a thirty-second of it wide, neither shaded \
              nor shadowed: centre of a pixel for its area, in pixels of {} × {}",
             size[0], size[1]
         ),
-        reference: Reference {
+        Reference {
             method: format!("means over {FINE} × {FINE} points"),
             bound,
         },
-        judged_on: None,
-        prices: prices(&ladders),
-        pictures: vec![],
-        worst_ray: None,
         ladders,
-    }
+    )
 }

@@ -1,14 +1,14 @@
 //! What samples per pixel cost, where an image is a mean of random samples.
 
-use super::image::thumbnail;
 use super::norms::root_mean_square;
 use super::order::Expected;
 use super::results::{Knob, Reference, Study};
-use super::study::{Climb, Outcome, Setting, climb, prices};
+use super::study::{Climb, Outcome, Setting, climb};
+use super::thumbnail;
 use super::timing::Clock;
 use crate::film::Film;
-use crate::render::{Counters, Plan, RenderError, render_counted};
-use crate::scene::{Panel, Scene};
+use crate::render::{RenderError, render, render_counted};
+use crate::scene::Panel;
 
 /// Pixels of the larger side of the image.
 const SIDE: usize = 16;
@@ -22,25 +22,15 @@ const REFERENCE: u32 = 4096;
 
 /// The image of `panel`, by samples per pixel; random numbers from `seed`.
 pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderError> {
-    let [width, height] = thumbnail([panel.width, panel.height], SIDE);
-    let image = |samples: u32, seed: u64| -> Result<(Film, Counters), RenderError> {
-        let panel = Panel {
-            width,
-            height,
-            ..panel.clone()
-        };
-        let mut scene = Scene {
-            path: std::path::PathBuf::new(),
-            panels: vec![panel],
-        };
-        scene.set_samples(samples);
+    let with = |samples: u32, seed: u64| {
+        let (mut scene, plans) = thumbnail::scene(panel, panel.model.clone(), SIDE, samples);
         scene.set_seed(seed);
-        let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
-        let made = render_counted(&scene, &plans, &|| ())?;
-        Ok((made.film, made.work[0]))
+        (scene, plans)
     };
     // Seeds of their own, so that no setting shares random numbers with another.
-    let (film, _) = image(REFERENCE, seed.wrapping_add(1 << 32))?;
+    let (scene, plans) = with(REFERENCE, seed.wrapping_add(1 << 32));
+    let film = render(&scene, &plans, &|| ())?.film;
+    let (width, height) = (film.width(), film.height());
     let right: Vec<f64> = values(&film);
     let scale = root_mean_square(right.iter().copied());
     let noise = film.noise().expect("several samples have a variance");
@@ -48,24 +38,28 @@ pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderErr
     let squares: f64 = squares.map(|variance| f64::from(*variance)).sum();
     // Without any noise there is still the rounding to 32 bits.
     let bound = ((squares / right.len() as f64).sqrt() / scale).max(f64::from(f32::EPSILON));
-    let (image, right) = (&image, &right);
-    let settings = SAMPLES.iter().enumerate().map(|(index, &samples)| Setting {
+    let right = &right;
+    let numbered = SAMPLES.iter().enumerate();
+    let scenes: Vec<_> = numbered
+        .map(|(index, &samples)| (samples, with(samples, seed.wrapping_add(index as u64))))
+        .collect();
+    let settings = scenes.iter().map(|(samples, (scene, plans))| Setting {
         name: match samples {
             1 => "1 sample".to_owned(),
             _ => format!("{samples} samples"),
         },
-        value: f64::from(samples),
+        value: f64::from(*samples),
         run: Box::new(move || {
-            let seed = seed.wrapping_add(index as u64);
             // What cannot be rendered has no errors, which is no error of 0.
-            let Ok((film, work)) = image(samples, seed) else {
+            let Ok(made) = render_counted(scene, plans, &|| ()) else {
                 return Outcome::default();
             };
-            let errors = values(&film).into_iter().zip(right);
+            let errors = values(&made.film).into_iter().zip(right);
             Outcome {
                 errors: errors.map(|(value, right)| value - right).collect(),
-                work,
+                work: made.work[0],
                 rays: width * height,
+                channels: 3,
             }
         }),
         single: None,
@@ -78,22 +72,18 @@ pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderErr
         settings: settings.collect(),
     }];
     let ladders = climb(&climbs, scale, bound, None, clock);
-    Ok(Study {
-        name: "samples",
-        quantity: format!("radiance of {width} × {height} pixels, by samples per pixel"),
-        reference: Reference {
+    Ok(Study::of(
+        "samples",
+        format!("radiance of {width} × {height} pixels, by samples per pixel"),
+        Reference {
             method: format!(
                 "{REFERENCE} samples per pixel with other random numbers; the bound is its \
                  standard error"
             ),
             bound,
         },
-        judged_on: None,
-        prices: prices(&ladders),
-        pictures: vec![],
-        worst_ray: None,
         ladders,
-    })
+    ))
 }
 
 fn values(film: &Film) -> Vec<f64> {

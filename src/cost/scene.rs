@@ -2,7 +2,7 @@
 
 use super::estimators;
 use super::jitter::Jitter;
-use super::results::{Cost, JitterSplit};
+use super::results::{Cost, JitterSplit, Study};
 use super::timing::Clock;
 use super::transmittance::{self, Crossing, Crossings};
 use super::{advice, data, effects, image, pixels, samples};
@@ -82,11 +82,8 @@ fn panel_cost(
             "nothing in it is marched, tracked or sampled, every pixel is a closed form",
         ));
     }
-    if options.clock.is_over() {
-        let note = "the prices of effects were not measured: the time given was over";
-        cost.notes.push(note.to_owned());
-    } else {
-        told("effects");
+    let missing = "the prices of effects were not measured";
+    if has_time(&mut cost, options, told, "effects", missing) {
         match effects::prices(panel, &options.clock) {
             Ok(effects) => cost.effects = effects,
             Err(error) => {
@@ -117,6 +114,25 @@ fn panel_cost(
     Ok(cost)
 }
 
+/// Whether there is time for the next `step`, of which `told` is told; if not, what is `missing` is
+/// noted.
+fn has_time(
+    cost: &mut Cost,
+    options: &Options,
+    told: &dyn Fn(&str),
+    step: &str,
+    missing: &str,
+) -> bool {
+    let is_over = options.clock.is_over();
+    match is_over {
+        true => cost
+            .notes
+            .push(format!("{missing}: the time given was over")),
+        false => told(step),
+    }
+    !is_over
+}
+
 fn of_classified(
     cost: &mut Cost,
     scene: &Classified,
@@ -131,25 +147,19 @@ fn of_classified(
     let note = "the reference renderer's own ray caster leaps over empty space, the other schemes \
                 look everywhere: compare their look-ups with that in mind";
     cost.notes.push(note.to_owned());
-    let mut later = |name: &str, study: &mut dyn FnMut() -> Option<super::results::Study>| {
-        if clock.is_over() {
-            cost.notes
-                .push(format!("{name} were not tried: the time given was over"));
-            return;
+    let mut later = |name: &str, study: &dyn Fn() -> Option<Study>| {
+        if has_time(cost, options, told, name, &format!("{name} were not tried")) {
+            cost.studies.extend(study());
         }
-        told(name);
-        cost.studies.extend(study());
     };
-    later("steps without light", &mut || {
+    later("steps without light", &|| {
         image::unlit_steps(scene, size, clock)
     });
     if scene.shadow.is_some() {
-        later("shadow steps", &mut || {
-            image::shadow_steps(scene, size, clock)
-        });
+        later("shadow steps", &|| image::shadow_steps(scene, size, clock));
     }
-    later("coarser data", &mut || data::study(scene, size, clock));
-    later("pixels", &mut || Some(pixels::study(scene, size, clock)));
+    later("coarser data", &|| data::study(scene, size, clock));
+    later("pixels", &|| Some(pixels::study(scene, size, clock)));
 }
 
 fn of_radiative(
@@ -167,20 +177,14 @@ fn of_radiative(
         let study = transmittance::study(&crossings, options.seed, clock);
         cost.studies.push(study);
         of_one_ray(cost, &crossings, options, told);
-        if clock.is_over() {
-            let note = "coarser data were not tried: the time given was over";
-            cost.notes.push(note.to_owned());
-        } else {
-            told("coarser data");
+        let missing = "coarser data were not tried";
+        if has_time(cost, options, told, "coarser data", missing) {
             cost.studies.extend(data::of_grids(&crossings, clock));
         }
     }
     if Plan::new(panel).is_sampled() {
-        if clock.is_over() {
-            let note = "samples per pixel were not tried: the time given was over";
-            cost.notes.push(note.to_owned());
-        } else {
-            told("samples per pixel");
+        let missing = "samples per pixel were not tried";
+        if has_time(cost, options, told, "samples per pixel", missing) {
             cost.studies
                 .push(samples::study(panel, options.seed, clock)?);
         }
@@ -218,15 +222,12 @@ fn of_one_ray(cost: &mut Cost, crossings: &Crossings<'_>, options: &Options, tol
         ray.pixel[0], ray.pixel[1], crossings.size[0], crossings.size[1], ray.depth
     );
     let Options { clock, seed } = options;
-    if clock.is_over() {
-        let note = "estimators were not compared on one ray: the time given was over";
-        cost.notes.push(note.to_owned());
+    let missing = "estimators were not compared on one ray";
+    if !has_time(cost, options, told, "estimators on one ray", missing)
+        || ray.profile.majorant_depth() > transmittance::MOST_DEPTHS
+    {
         return;
     }
-    if ray.profile.majorant_depth() > transmittance::MOST_DEPTHS {
-        return;
-    }
-    told("estimators on one ray");
     let (profile, depth) = (&ray.profile, ray.depth);
     cost.estimators = Some(estimators::table(
         name.clone(),

@@ -3,7 +3,7 @@
 
 use super::norms::Errors;
 use super::order::{Expected, order};
-use super::results::{Knob, Ladder, Norms, Offer, Price, Rung, Work};
+use super::results::{Knob, Ladder, Norms, Offer, Price, Reference, Rung, Study, Work};
 use super::timing::Clock;
 use crate::render::Counters;
 
@@ -16,6 +16,8 @@ pub struct Outcome {
     pub work: Counters,
     /// Among how many rays or pixels that is shared.
     pub rays: usize,
+    /// How many errors in a row belong to one place: those of red, green and blue.
+    pub channels: usize,
 }
 
 /// Does what one setting says. The same on every call.
@@ -59,6 +61,8 @@ pub fn climb(
 ) -> Vec<Ladder> {
     let mut rungs: Vec<Vec<Rung>> = climbs.iter().map(|_| Vec::new()).collect();
     let mut cuts: Vec<Option<String>> = vec![None; climbs.len()];
+    // The same for all settings.
+    let mut rays = 1;
     let highest = climbs.iter().map(|climb| climb.settings.len()).max();
     for level in 0..highest.unwrap_or(0) {
         for (index, climb) in climbs.iter().enumerate() {
@@ -75,12 +79,13 @@ pub fn climb(
                 continue;
             }
             let outcome = (setting.run)();
+            rays = outcome.rays.max(1);
             let single = setting.single.as_ref().map(|run| {
                 let errors = run().errors.into_iter().zip(&outcome.errors);
                 norms(&errors.map(|(a, b)| a - b).collect::<Vec<_>>(), scale)
             });
-            // Channels of a ray are off together: there are a third as many errors as numbers.
-            let channels = outcome.errors.len() as f64 / outcome.rays.max(1) as f64;
+            // Channels are off together: there are fewer errors than numbers.
+            let channels = outcome.channels as f64;
             let norms = |errors: &[f64]| {
                 let norms = norms(errors, scale);
                 Norms {
@@ -96,7 +101,7 @@ pub fn climb(
             rungs[index].push(Rung {
                 setting: setting.name.clone(),
                 value: setting.value,
-                work: Work::per_ray(&outcome.work, outcome.rays.max(1)),
+                work: Work::per_ray(&outcome.work, rays),
                 error: norms(&outcome.errors),
                 error_of_order,
                 single_precision: single,
@@ -104,7 +109,7 @@ pub fn climb(
             });
         }
     }
-    time(climbs, &mut rungs, clock);
+    time(climbs, &mut rungs, rays, clock);
     let ladders = climbs.iter().zip(rungs).zip(cuts);
     ladders
         .map(|((climb, rungs), cut)| {
@@ -131,33 +136,42 @@ fn norms(all: &[f64], scale: f64) -> Norms {
     errors.norms(scale)
 }
 
-/// Times all settings that were tried by turns, on one thread.
-fn time(climbs: &[Climb<'_>], rungs: &mut [Vec<Rung>], clock: &Clock) {
-    if clock.runs == 0 || clock.is_over() {
-        return;
-    }
-    // One thread: what is compared is work, not how well it is shared out.
-    let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(1).build() else {
-        return;
-    };
-    let mut tasks: Vec<Box<dyn Fn() + Sync + '_>> = Vec::new();
-    let mut rays = 1;
-    for (climb, rungs) in climbs.iter().zip(rungs.iter()) {
-        for setting in &climb.settings[..rungs.len()] {
-            tasks.push(Box::new(|| {
+/// Times all settings that were tried, for each of `rays`.
+fn time(climbs: &[Climb<'_>], rungs: &mut [Vec<Rung>], rays: usize, clock: &Clock) {
+    let tried = climbs.iter().zip(rungs.iter());
+    let tried = tried.flat_map(|(climb, rungs)| &climb.settings[..rungs.len()]);
+    let tasks: Vec<Box<dyn Fn() + Sync + '_>> = tried
+        .map(|setting| -> Box<dyn Fn() + Sync> {
+            Box::new(|| {
                 std::hint::black_box((setting.run)());
-            }));
-        }
-    }
-    if let Some(setting) = climbs.iter().find_map(|climb| climb.settings.first()) {
-        rays = (setting.run)().rays.max(1);
-    }
+            })
+        })
+        .collect();
     let tasks: Vec<&(dyn Fn() + Sync)> = tasks.iter().map(|task| &**task).collect();
-    let mut times = pool
-        .install(|| clock.by_turns(&tasks, rays as f64))
-        .into_iter();
-    for rung in rungs.iter_mut().flatten() {
-        rung.time = times.next().flatten();
+    let times = clock.by_turns(&tasks, rays as f64);
+    for (rung, time) in rungs.iter_mut().flatten().zip(times) {
+        rung.time = time;
+    }
+}
+
+impl Study {
+    /// What came of `ladders`, and their prices; without pictures.
+    pub fn of(
+        name: &'static str,
+        quantity: String,
+        reference: Reference,
+        ladders: Vec<Ladder>,
+    ) -> Study {
+        Study {
+            name,
+            quantity,
+            reference,
+            judged_on: None,
+            prices: prices(&ladders),
+            pictures: vec![],
+            worst_ray: None,
+            ladders,
+        }
     }
 }
 
@@ -166,7 +180,7 @@ pub const WANTED: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-6];
 
 /// The cheapest setting of each of the `ladders` that may be compared with one another, for each
 /// wanted error. Nothing is said to reach an error that the reference does not know.
-pub fn prices(ladders: &[Ladder]) -> Vec<Price> {
+fn prices(ladders: &[Ladder]) -> Vec<Price> {
     WANTED.map(|error| price(ladders, error)).to_vec()
 }
 

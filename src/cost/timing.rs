@@ -22,6 +22,11 @@ impl Clock {
         deadline: None,
     };
 
+    /// The same without times: where what is measured is no work of the setting.
+    pub fn untimed(self) -> Clock {
+        Clock { runs: 0, ..self }
+    }
+
     /// Whether the time that was given is over.
     pub fn is_over(&self) -> bool {
         self.deadline
@@ -31,13 +36,23 @@ impl Clock {
     /// Times `tasks` by turns, A B C A B C …, so that what slows the machine down for a while
     /// meets all of them. By task, and nothing if no time is to be taken or none is left for two
     /// rounds. Divided by `share`, the number of rays.
+    ///
+    /// On one thread: what is compared is work, not how well it is shared out.
     pub fn by_turns(&self, tasks: &[&(dyn Fn() + Sync)], share: f64) -> Vec<Option<Times>> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
+        match pool.build() {
+            Ok(pool) if self.runs > 0 && !self.is_over() => {
+                pool.install(|| self.by_turns_here(tasks, share))
+            }
+            _ => vec![None; tasks.len()],
+        }
+    }
+
+    /// The same on the threads of whoever asks; with at least one run.
+    fn by_turns_here(&self, tasks: &[&(dyn Fn() + Sync)], share: f64) -> Vec<Option<Times>> {
         let mut seconds: Vec<Vec<f64>> = vec![Vec::new(); tasks.len()];
         // What the first run finds cold belongs to none of them.
         'rounds: for round in 0..=self.runs {
-            if self.runs == 0 {
-                break;
-            }
             for (task, seconds) in tasks.iter().zip(&mut seconds) {
                 if self.is_over() {
                     break 'rounds;

@@ -2,13 +2,13 @@
 
 use super::collocation::{Collocation, Here};
 use super::estimators::Estimator;
-use super::image::thumbnail;
 use super::norms::root_mean_square;
 use super::order::Expected;
 use super::profile::{Profile, Stretch};
 use super::results::{Knob, Reference, Study};
 use super::rules::Rule;
-use super::study::{Climb, Outcome, Run, Setting, climb, prices};
+use super::study::{Climb, Outcome, Run, Setting, climb};
+use super::thumbnail;
 use super::timing::Clock;
 use crate::geometry::{Ray, Span};
 use crate::math::rng::{Purpose, Stream};
@@ -172,7 +172,7 @@ pub fn crossings<'s>(
         true => SIDE,
         false => SIDE_WITHOUT_INTEGRAL,
     };
-    let size = thumbnail(size, side);
+    let size = thumbnail::thumbnail(size, side);
     let blocks = first.blocks();
     let (unit, unit_name) = match first.field() {
         Field::Grid(grid) => (grid.grid().lattice().voxel(), "voxels"),
@@ -194,11 +194,11 @@ pub fn crossings<'s>(
         _ => false,
     });
     let collocation = Collocation::new();
-    let rays: Vec<Crossing<'s>> = (0..size[0] * size[1])
+    let rays: Vec<Crossing<'s>> = thumbnail::rays(&scene.camera, size)
         .into_par_iter()
-        .filter_map(|index| {
+        .enumerate()
+        .filter_map(|(index, ray)| {
             let pixel = [index % size[0], index / size[0]];
-            let ray = scene.camera.ray(pixel, size);
             crossing(around, &collocation, pixel, ray)
         })
         .collect();
@@ -377,28 +377,12 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
     if !is_dense {
         climbs.extend(Estimator::ALL.map(|estimator| asked.by_chance(estimator)));
     }
-    if crossings.rays.iter().all(Crossing::is_through_grids) {
+    let exact = crossings.rays.iter().all(Crossing::is_through_grids);
+    if exact {
         climbs.push(asked.cell_by_cell());
     }
     let ladders = climb(&climbs, scale, bound, None, clock);
-    let exact = crossings.rays.iter().all(Crossing::is_through_grids);
     Study {
-        name: "transmittance",
-        quantity: format!(
-            "transmittance of what varies, along the {} rays of {} × {} pixels that meet it",
-            crossings.rays.len(),
-            crossings.size[0],
-            crossings.size[1]
-        ),
-        reference: Reference {
-            method: match exact {
-                true => "Gauss's rule cell by cell, which leaves no error but rounding".to_owned(),
-                false => "closed forms, or collocation at Gauss points, halved until its parts \
-                          agree"
-                    .to_owned(),
-            },
-            bound,
-        },
         judged_on: match (crossings.rough, is_dense) {
             (true, _) => Some(
                 "none is expected of a step: the noise has detail that no step here is small \
@@ -411,10 +395,26 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
             )),
             _ => None,
         },
-        prices: prices(&ladders),
-        pictures: vec![],
-        worst_ray: None,
-        ladders,
+        ..Study::of(
+            "transmittance",
+            format!(
+                "transmittance of what varies, along the {} rays of {} × {} pixels that meet it",
+                crossings.rays.len(),
+                crossings.size[0],
+                crossings.size[1]
+            ),
+            Reference {
+                method: match exact {
+                    true => "Gauss's rule cell by cell, which leaves no error but rounding",
+                    false => {
+                        "closed forms, or collocation at Gauss points, halved until its parts agree"
+                    }
+                }
+                .to_owned(),
+                bound,
+            },
+            ladders,
+        )
     }
 }
 
@@ -449,6 +449,7 @@ impl Asked<'_, '_> {
                 errors: errors.map(|((value, ..), right)| value - right).collect(),
                 work,
                 rays: found.len(),
+                channels: 1,
             }
         })
     }

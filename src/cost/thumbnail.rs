@@ -1,0 +1,43 @@
+//! A smaller image of a scene: its shape is what is kept, and every cost is one of each ray.
+
+use crate::geometry::{Camera, Ray};
+use crate::render::Plan;
+use crate::scene::{Model, Panel, Scene};
+use std::path::PathBuf;
+
+/// The size of a smaller image of the same shape, its larger side `most` pixels.
+pub fn thumbnail([width, height]: [usize; 2], most: usize) -> [usize; 2] {
+    let larger = width.max(height);
+    if larger <= most {
+        return [width, height];
+    }
+    [width, height].map(|side| (side * most).div_ceil(larger).max(1))
+}
+
+/// The rays through the pixels of an image of `size`, row by row from the top.
+pub fn rays(camera: &Camera, size: [usize; 2]) -> Vec<Ray> {
+    let [width, height] = size;
+    (0..width * height)
+        .map(|index| camera.ray([index % width, index / width], size))
+        .collect()
+}
+
+/// `panel` with another `model` as a scene of its own, of at most `most` pixels a side, and its
+/// plan; with this many samples per pixel, where it is sampled.
+pub fn scene(panel: &Panel, model: Model, most: usize, samples: u32) -> (Scene, Vec<Plan>) {
+    let [width, height] = thumbnail([panel.width, panel.height], most);
+    let mut scene = Scene {
+        path: PathBuf::new(),
+        panels: vec![Panel {
+            title: None,
+            width,
+            height,
+            model,
+            inputs: vec![],
+            readings: vec![],
+        }],
+    };
+    scene.set_samples(samples);
+    let plans = scene.panels.iter().map(Plan::new).collect();
+    (scene, plans)
+}
