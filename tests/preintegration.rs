@@ -76,11 +76,7 @@ fn a_narrow_peak() {
     };
     let [sampled, segments] = crossed(&peak(1.0), 1.0, 10);
     assert_eq!(sampled, Layers::default());
-    let whole = Layers {
-        opacity: 1.0,
-        colour: BLUE,
-    };
-    assert_eq!(segments, whole);
+    assert_eq!(segments, Layers::single(BLUE, 1.0));
 
     // Nearly opaque: the value takes two reference lengths to cross the peak. Of the share y of
     // it is seen (1 − a)^(2y).

@@ -83,8 +83,7 @@ impl<'s> Subject<'s> {
 
     /// What comes back along `ray` by the reference renderer's ray caster, with this step.
     pub fn cast(&self, step: f64, ray: &Ray, work: &mut Counters) -> DVec3 {
-        let layers = self.layers(step, ray, work);
-        layers.colour + self.scene.background * (1.0 - layers.opacity)
+        self.layers(step, ray, work).before(self.scene.background)
     }
 
     /// The same without the background.
@@ -197,7 +196,7 @@ impl<'s> Subject<'s> {
         let steps = Steps::over(span, step);
         let (near, step) = (span.near as f32, step as f32);
         let (origin, direction) = (ray.origin.as_vec3(), ray.direction.as_vec3());
-        let (mut colour, mut opacity) = (glam::Vec3::ZERO, 0.0_f32);
+        let (mut colour, mut through) = (glam::Vec3::ZERO, 1.0_f32);
         let mut work = Counters::default();
         for index in 0..steps.count() {
             let (t, length) = match index + 1 < steps.count() {
@@ -211,11 +210,10 @@ impl<'s> Subject<'s> {
             let (value, source) = self.caster.at(ray, world.as_dvec3(), &mut work);
             let value = f64::from(value as f32);
             let own = self.scene.transfer_function.opacity(value, length.into()) as f32;
-            let through = 1.0 - opacity;
             colour += source.as_vec3() * own * through;
-            opacity += own * through;
+            through *= 1.0 - own;
         }
-        (colour + background * (1.0 - opacity)).as_dvec3()
+        (colour + background * through).as_dvec3()
     }
 }
 

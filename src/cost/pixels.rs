@@ -54,7 +54,7 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
         .map(|index| {
             let ray = ray(FINE, index % FINE, index / FINE);
             let layers = subject.layers(scene.step, &ray, &mut Counters::default());
-            let seen = layers.colour + scene.background * (1.0 - layers.opacity);
+            let seen = layers.before(scene.background);
             let is_clear = layers.opacity < OPAQUE;
             (seen, subject.span(&ray).is_some(), is_clear)
         })

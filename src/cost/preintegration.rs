@@ -113,10 +113,8 @@ impl Preintegrated {
         }
         if front == back {
             let opacity = transfer.opacity(front, length);
-            return Layers {
-                colour: transfer.colour(front) * transfer.strength(front) * opacity,
-                opacity,
-            };
+            let colour = transfer.colour(front) * transfer.strength(front) * opacity;
+            return Layers::single(colour, opacity);
         }
         let lengths = length / transfer.reference_length;
         let mut colour = DVec3::ZERO;
@@ -149,6 +147,7 @@ impl Preintegrated {
         Layers {
             colour,
             opacity: opacity(depth),
+            transparency: transmittance(depth),
         }
     }
 }
@@ -522,7 +521,7 @@ mod tests {
                 let value = f64::from(i) * 0.1;
                 let opacity = transfer.opacity(value, 0.3);
                 let colour = transfer.colour(value) * transfer.strength(value) * opacity;
-                let expected = Layers { colour, opacity };
+                let expected = Layers::single(colour, opacity);
                 assert_eq!(prepared.segment(value, value, 0.3), expected);
                 // And next to it: the depth follows from values that differ by roundings.
                 let next = prepared.segment(value, value.next_up(), 0.3);
@@ -564,11 +563,7 @@ mod tests {
         assert_relative(found.colour.y, 2.0 * through, 16.0 * f64::EPSILON);
         // From the other side it begins with what is opaque.
         let back = prepared.segment(1.5, 0.0, 2.0);
-        let expected = Layers {
-            colour: transfer.colour(1.5),
-            opacity: 1.0,
-        };
-        assert_eq!(back, expected);
+        assert_eq!(back, Layers::single(transfer.colour(1.5), 1.0));
         // Ending on the edge is not passing it.
         assert!(prepared.segment(0.0, 1.0, 2.0).opacity < 1.0);
     }

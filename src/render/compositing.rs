@@ -3,17 +3,47 @@
 //! Colours are *associated*: already multiplied by their opacity. Both orders evaluate the same
 //! sum; they differ by rounding.
 //!
+//! Opacity and transparency are both carried, though either follows from the other: a thin volume
+//! keeps its digits in the first only, where the second is next to 1, and a thick one in the
+//! second only. With `1 − A` for the transparency, every sample would round it to a unit of 1,
+//! however little is let through: a million samples of a depth of 10 in all were 1.3e-10 off.
+//!
 //! Source: Porter & Duff 1984, "Compositing digital images" (the operator *over*); Levoy 1988.
 
 use glam::DVec3;
 
 /// Layers put together so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layers {
     /// Associated colour.
     pub colour: DVec3,
-    /// Opacity, in [0, 1].
+    /// Share of the light from behind that is held back, in [0, 1].
     pub opacity: f64,
+    /// Share of the light from behind that is let through, in [0, 1].
+    pub transparency: f64,
+}
+
+/// No layers: nothing is seen but what lies behind.
+impl Default for Layers {
+    fn default() -> Layers {
+        Layers::single(DVec3::ZERO, 0.0)
+    }
+}
+
+impl Layers {
+    /// One layer of associated `colour`.
+    pub fn single(colour: DVec3, opacity: f64) -> Layers {
+        Layers {
+            colour,
+            opacity,
+            transparency: 1.0 - opacity,
+        }
+    }
+
+    /// The radiance that is seen where these layers lie before `background`.
+    pub fn before(&self, background: DVec3) -> DVec3 {
+        self.colour + background * self.transparency
+    }
 }
 
 /// The order in which samples arrive.
@@ -25,7 +55,7 @@ pub trait Order {
     fn add(layers: Layers, colour: DVec3, opacity: f64) -> Layers;
 }
 
-/// From the eye into the volume: `C += (1 − A)·c`, `A += (1 − A)·a`.
+/// From the eye into the volume: `C += T·c`, `A += T·a`, `T *= 1 − a`.
 #[derive(Clone, Copy, Debug)]
 pub struct FrontToBack;
 
@@ -35,15 +65,15 @@ impl Order for FrontToBack {
     }
 
     fn add(layers: Layers, colour: DVec3, opacity: f64) -> Layers {
-        let transparency = 1.0 - layers.opacity;
         Layers {
-            colour: layers.colour + colour * transparency,
-            opacity: layers.opacity + opacity * transparency,
+            colour: layers.colour + colour * layers.transparency,
+            opacity: layers.opacity + opacity * layers.transparency,
+            transparency: layers.transparency * (1.0 - opacity),
         }
     }
 }
 
-/// Towards the eye: `C = c + (1 − a)·C`, `A = a + (1 − a)·A`.
+/// Towards the eye: `C = c + (1 − a)·C`, `A = a + (1 − a)·A`, `T *= 1 − a`.
 #[derive(Clone, Copy, Debug)]
 pub struct BackToFront;
 
@@ -57,6 +87,7 @@ impl Order for BackToFront {
         Layers {
             colour: colour + layers.colour * transparency,
             opacity: opacity + layers.opacity * transparency,
+            transparency: layers.transparency * transparency,
         }
     }
 }
@@ -73,13 +104,9 @@ mod tests {
     fn the_check_of_the_course() {
         let layers = FrontToBack::add(Layers::default(), GREEN, 0.5);
         let layers = FrontToBack::add(layers, RED, 0.7);
-        assert_eq!(
-            layers,
-            Layers {
-                colour: DVec3::new(0.5, 1.0, 0.0),
-                opacity: 0.85
-            }
-        );
+        assert_eq!(layers.colour, DVec3::new(0.5, 1.0, 0.0));
+        assert_eq!(layers.opacity, 0.85);
+        assert_eq!(layers.transparency, 0.5 * (1.0 - 0.7));
 
         let layers = BackToFront::add(Layers::default(), BLUE, 0.1);
         let layers = BackToFront::add(layers, RED, 0.5);
@@ -88,10 +115,7 @@ mod tests {
 
     #[test]
     fn a_transparent_sample_changes_no_bit() {
-        let layers = Layers {
-            colour: DVec3::new(0.1, 0.7, 1.3),
-            opacity: 0.3,
-        };
+        let layers = Layers::single(DVec3::new(0.1, 0.7, 1.3), 0.3);
         assert_eq!(FrontToBack::add(layers, DVec3::ZERO, 0.0), layers);
         assert_eq!(BackToFront::add(layers, DVec3::ZERO, 0.0), layers);
     }

@@ -140,7 +140,7 @@ fn with_all<F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space, W: W
         || (),
         |pixel, (), work: &mut W| {
             let layers = caster.layers(&scene.camera.ray(pixel, size), work);
-            let radiance = layers.colour + scene.background * (1.0 - layers.opacity);
+            let radiance = layers.before(scene.background);
             [radiance.x, radiance.y, radiance.z, layers.opacity].map(|value| value as f32)
         },
     )

@@ -77,8 +77,10 @@ fn identical_samples() {
         // each term add up to 2u of it, the expected number has one.
         let bound = (count + 3.0) * U * opacity;
         assert_within(&entry, layers.opacity, opacity, bound);
+        // A rounding for 1 − α and one for its product, and u of the expected number.
         let transmittance = expected(&entry, "transmittance");
-        assert_within(&entry, 1.0 - layers.opacity, transmittance, bound + 2.0 * U);
+        let bound = (2.0 * count + 1.0) * U * transmittance;
+        assert_within(&entry, layers.transparency, transmittance, bound);
         // In one go: 2u + u + 2u, and u of the expected number.
         assert_within(
             &entry,
@@ -198,7 +200,7 @@ fn linear_density() {
             // x·e^(−x) < 1 keeps that below 11u of opacity, and a sample has 6u and rounds 5u.
             let bound = (17.0 + 5.0 * input(&entry, "steps") + 1.0) * U;
             for name in ["T_exact", "T_midpoint_exponential"] {
-                assert_within(&entry, 1.0 - layers.opacity, expected(&entry, name), bound);
+                assert_within(&entry, layers.transparency, expected(&entry, name), bound);
             }
         }
     }

@@ -18,9 +18,10 @@ fn both_orders(mut scene: Classified, size: usize) -> [Vec<Layers>; 2] {
 ///
 /// Back to front, each step rounds 1 − a, a product and a sum, none above 1, and passes the
 /// error of what lies behind on times 1 − a: at most 3u a step.
-/// Front to back, the transparency is off by e, where a step makes e·(1 − a) + 3u of e; hence
-/// a·e is the fall of e plus 3u, and the colours' errors a·e add up to no more than 3u a step.
-/// The product and the sum of a step add 2u. One more u a step covers products of errors.
+/// Front to back, a step rounds 1 − a and its product with the transparency T: after n samples T is
+/// off by 2u·n of itself. The parts a·T of all samples add up to 1 at most, so that this moves
+/// colour and opacity by no more than 2u a step; the product and the sum of a step add 2u. Two more
+/// u a step cover products of errors.
 fn bound(samples: f64) -> f64 {
     9.0 * samples * U
 }
