@@ -41,46 +41,39 @@ pub fn lit_span(path: &MediaPath, ray: &Ray, light: &Light) -> Option<Span> {
 /// `(v·a)² = c² v²`, with `v` from the light to the ray, `a` the axis and `c` the cosine; it is
 /// whatever lies between those roots and is lit.
 fn within_cone(spot: &Spot, ray: &Ray, span: Span) -> Option<Span> {
-    let c = spot.cos_outer();
-    if c <= 0.0 {
+    if spot.cos_outer() <= 0.0 {
         return Some(span);
     }
-    // Both measured from the foot of the perpendicular from the light, where v² is smallest.
-    let foot = (spot.position - ray.origin).dot(ray.direction);
-    let v = ray.at(foot) - spot.position;
-    let (along, aside) = (ray.direction.dot(spot.axis()), v.dot(spot.axis()));
-    // A s² + 2 B s + C > 0 at distance s from the foot.
-    let a = along * along - c * c;
-    let b = along * aside;
-    let constant = aside * aside - c * c * v.length_squared();
-    let discriminant = b * b - a * constant;
+    let Roots {
+        roots,
+        foot,
+        distance,
+    } = Roots::new(spot, ray);
     let mut ends = [span.near, span.far, span.near, span.far];
-    if discriminant >= 0.0 {
-        // The larger root of the two in magnitude first, the other from their product.
-        let sum = -(b + discriminant.sqrt().copysign(b));
-        let roots = [foot + sum / a, foot + constant / sum];
-        for (end, root) in ends[1..3].iter_mut().zip(roots) {
-            // A root that is no number lies beyond every end.
-            *end = if root.is_nan() {
-                span.far
-            } else {
-                root.clamp(span.near, span.far)
-            };
+    match roots {
+        Some(roots) => {
+            for (end, root) in ends[1..3].iter_mut().zip(roots) {
+                // A root that is no number lies beyond every end.
+                *end = if root.is_nan() {
+                    span.far
+                } else {
+                    root.clamp(span.near, span.far)
+                };
+            }
         }
-    } else {
-        ends[1] = span.near;
-        ends[2] = span.far;
+        None => {
+            ends[1] = span.near;
+            ends[2] = span.far;
+        }
     }
     ends.sort_unstable_by(f64::total_cmp);
     let lit = |near: f64, far: f64| {
         let middle = if far.is_finite() {
             near + 0.5 * (far - near)
         } else {
-            2.0 * near.abs() + foot.abs() + v.length()
+            2.0 * near.abs() + foot.abs() + distance
         };
-        // Where the light itself is the middle, the ray leaves it along its direction.
-        let towards = direction_of(ray.at(middle) - spot.position).unwrap_or(ray.direction);
-        near < far && spot.falloff(towards) > 0.0
+        near < far && shines_on(spot, ray, middle)
     };
     let pieces = [[ends[0], ends[1]], [ends[1], ends[2]], [ends[2], ends[3]]];
     let mut inside = pieces.into_iter().filter(|&[near, far]| lit(near, far));
@@ -89,11 +82,106 @@ fn within_cone(spot: &Spot, ray: &Ray, span: Span) -> Option<Span> {
     // The roots are off by some roundings of the lengths involved, by more where the ray nearly
     // touches the cone and next to nothing is lit: a little wider. What is not lit in there
     // counts as dark.
-    let margin = 1e-9 * (foot.abs() + v.length() + first[0].abs());
+    let margin = 1e-9 * (foot.abs() + distance + first[0].abs());
     Some(Span {
         near: (first[0] - margin).max(span.near),
         far: (last[1] + margin).min(span.far),
     })
+}
+
+/// Where the light on `ray` begins or ends at the edge of the cone of `light`, to the last place.
+///
+/// An integral has to be cut there. A rule of some points, laid over light and a sliver of dark
+/// beside it, does not see the dark: its outermost point lies half a hundredth of the way inside.
+pub fn edges(light: &Light, ray: &Ray) -> Vec<f64> {
+    let Light::Spot(spot) = light else {
+        return vec![];
+    };
+    let Roots {
+        roots,
+        foot,
+        distance,
+    } = Roots::new(spot, ray);
+    let Some([a, b]) = roots else {
+        return vec![];
+    };
+    let [first, last] = [a.min(b), a.max(b)];
+    // A root that is no number leaves the other alone.
+    let middle = match first.is_finite() && last.is_finite() {
+        true => first + 0.5 * (last - first),
+        false => f64::NAN,
+    };
+    let edges = [first, last]
+        .into_iter()
+        .enumerate()
+        .filter_map(|(index, root)| {
+            // As in `within_cone`, far more than roundings; but each stays on its side of the other. If
+            // light does not change in between, the ray only touches the cone.
+            let margin = 1e-9 * (foot.abs() + distance + root.abs());
+            let (mut from, mut to) = match index {
+                0 => (root - margin, (root + margin).min(middle)),
+                _ => ((root - margin).max(middle), root + margin),
+            };
+            let before = shines_on(spot, ray, from);
+            let is_bracket = from < to;
+            if !is_bracket || before == shines_on(spot, ray, to) {
+                return None;
+            }
+            loop {
+                let middle = from + 0.5 * (to - from);
+                if !(from < middle && middle < to) {
+                    return Some(to);
+                }
+                match shines_on(spot, ray, middle) == before {
+                    true => from = middle,
+                    false => to = middle,
+                }
+            }
+        });
+    edges.collect()
+}
+
+/// Whether `spot` shines on the place at distance `t`, were nothing in the way.
+fn shines_on(spot: &Spot, ray: &Ray, t: f64) -> bool {
+    // Where the light itself is the place, the ray leaves it along its direction.
+    let towards = direction_of(ray.at(t) - spot.position).unwrap_or(ray.direction);
+    spot.falloff(towards) > 0.0
+}
+
+/// Where a line meets the cone of a spotlight, or the mirror image of it on the other side.
+struct Roots {
+    /// Distances from the origin of the ray, in no order; numbers only where there are two. `None`
+    /// where the line misses.
+    roots: Option<[f64; 2]>,
+    /// Distance of the foot of the perpendicular from the light.
+    foot: f64,
+    /// Length of that perpendicular.
+    distance: f64,
+}
+
+impl Roots {
+    fn new(spot: &Spot, ray: &Ray) -> Roots {
+        let c = spot.cos_outer();
+        // Both measured from the foot of the perpendicular from the light, where v² is smallest.
+        let foot = (spot.position - ray.origin).dot(ray.direction);
+        let v = ray.at(foot) - spot.position;
+        let (along, aside) = (ray.direction.dot(spot.axis()), v.dot(spot.axis()));
+        // A s² + 2 B s + C = 0 at distance s from the foot.
+        let a = along * along - c * c;
+        let b = along * aside;
+        let constant = aside * aside - c * c * v.length_squared();
+        let discriminant = b * b - a * constant;
+        let roots = (discriminant >= 0.0).then(|| {
+            // The larger root of the two in magnitude first, the other from their product.
+            let sum = -(b + discriminant.sqrt().copysign(b));
+            [foot + sum / a, foot + constant / sum]
+        });
+        Roots {
+            roots,
+            foot,
+            distance: v.length(),
+        }
+    }
 }
 
 /// How places on a ray are chosen for a light with a position.

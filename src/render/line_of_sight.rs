@@ -5,7 +5,7 @@
 
 use super::direct_light::radiance_of;
 use super::effects::Effects;
-use super::in_scattering::{Place, lit_span};
+use super::in_scattering::{Place, edges, lit_span};
 use super::matter::transmittance;
 use super::media_path::{MediaPath, Stretch};
 use super::smooth::facing;
@@ -115,6 +115,7 @@ impl<E: Effects> LineOfSight<'_, E> {
         let Some(lit) = lit_span(path, ray, light) else {
             return DVec3::ZERO;
         };
+        let edges = edges(light, ray);
         let mut radiance = DVec3::ZERO;
         for stretch in path
             .stretches()
@@ -135,7 +136,7 @@ impl<E: Effects> LineOfSight<'_, E> {
                 };
                 self.around.scattered_at(ray, &place, light, tracker, work)
             };
-            for [near, far] in pieces(stretch, span) {
+            for [near, far] in pieces(stretch, span, &edges) {
                 radiance += match light.position() {
                     // By the angle at which the light sees the ray: in it, the integrand is
                     // smooth however near the ray passes, and the end may be infinitely far away.
@@ -174,14 +175,17 @@ impl<E: Effects> LineOfSight<'_, E> {
     }
 }
 
-/// `span` of a stretch, cut at [`CUTS`]; what lies deeper than the last shines through no more.
-fn pieces(stretch: &Stretch, span: Span) -> Vec<[f64; 2]> {
+/// `span` of a stretch, cut at [`CUTS`] and where light has an edge; what lies deeper than the last
+/// of the cuts shines through no more.
+fn pieces(stretch: &Stretch, span: Span, edges: &[f64]) -> Vec<[f64; 2]> {
     let extinction = (stretch.matter.sigma_t + stretch.matter.dimming).max_element();
     let cuts = CUTS.map(|depth| stretch.span.near + depth / extinction);
-    let inside = cuts.into_iter().filter(|&t| span.near < t && t < span.far);
+    let all = cuts.into_iter().chain(edges.iter().copied());
+    let inside = all.filter(|&t| span.near < t && t < span.far);
     let mut ends = vec![span.near];
     ends.extend(inside);
     ends.push(span.far);
+    ends.sort_unstable_by(f64::total_cmp);
     let pieces = ends.windows(2).map(|ends| [ends[0], ends[1]]);
     pieces.filter(|[near, far]| near < far).collect()
 }
