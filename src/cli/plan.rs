@@ -35,6 +35,8 @@ struct PanelJson<'s> {
     title: Option<&'s str>,
     kernel: String,
     effects: &'s [render::plan::Decision],
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    approximations: &'s [render::plan::Approximation],
     #[serde(skip_serializing_if = "Option::is_none")]
     volume: Option<VolumeJson>,
     defaults: Vec<DefaultJson<'s>>,
@@ -109,6 +111,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             title: panel.title.as_deref(),
             kernel: plan.kernel.to_string(),
             effects: &plan.decisions,
+            approximations: &plan.approximations,
             volume: volume(panel),
             defaults: defaults(panel).collect(),
             counters: work,
@@ -158,6 +161,15 @@ fn describe(panel: &Panel, plan: &Plan, work: Option<&Counters>) -> String {
             }
             _ => text.push('\n'),
         }
+    }
+    if !plan.approximations.is_empty() {
+        text.push_str("\napproximations asked for\n");
+    }
+    for approximation in &plan.approximations {
+        text.push_str(&format!(
+            "  without {}: pixels are off by less than {:.3e}  ({})\n",
+            approximation.without, approximation.bias, approximation.field
+        ));
     }
     text.push_str("\ndefaults filled in\n");
     if defaults(panel).next().is_none() {

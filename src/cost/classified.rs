@@ -15,7 +15,6 @@ use crate::render::work::{Event, Work};
 use crate::scene::{Classified, Shadow};
 use crate::volume::{DensityField, GridDensity, Interpolation, relative_gradients};
 use glam::DVec3;
-use std::marker::PhantomData;
 
 /// How much light a sample gets.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -278,7 +277,7 @@ fn caster<'s>(scene: &'s Classified, shade: Shade) -> impl Caster + 's {
     });
     RayCaster {
         field: Sampled::new(&scene.grid, scene.interpolation),
-        order: PhantomData::<FrontToBack>,
+        order: FrontToBack,
         shading: AnyShading(shading),
         visibility,
         space: EmptySpace::of(&*scene.grid, &scene.transfer_function),

@@ -9,7 +9,7 @@ use super::{advice, data, effects, image, pixels, samples};
 use crate::render::effects::Everything;
 use crate::render::surroundings::Surroundings;
 use crate::render::{Plan, RenderError};
-use crate::scene::{Classified, Model, Panel, Radiative, Scene};
+use crate::scene::{Classified, Compositing, Model, Panel, Radiative, Scene};
 use std::path::Path;
 use thiserror::Error;
 
@@ -68,6 +68,13 @@ fn panel_cost(
         recommendations: vec![],
         notes: vec![],
     };
+    // Rays are followed to their ends here: what is measured is a scene's knobs, each by itself.
+    let whole = to_the_end(panel);
+    if whole.is_some() {
+        let note = "`early_termination` is left out: every ray is followed to its end here";
+        cost.notes.push(note.to_owned());
+    }
+    let panel = whole.as_ref().unwrap_or(panel);
     match &panel.model {
         Model::Curve(_) => {
             return Err(CostError::NoKnob(
@@ -77,7 +84,7 @@ fn panel_cost(
         Model::Classified(scene) => of_classified(&mut cost, scene, panel, options, told),
         Model::Radiative(scene) => of_radiative(&mut cost, scene, panel, options, told)?,
     }
-    if cost.studies.is_empty() && cost.notes.is_empty() {
+    if cost.studies.is_empty() && (cost.notes.is_empty() || whole.is_some()) {
         return Err(CostError::NoKnob(
             "nothing in it is marched, tracked or sampled, every pixel is a closed form",
         ));
@@ -131,6 +138,22 @@ fn has_time(
         false => told(step),
     }
     !is_over
+}
+
+/// `panel` without early termination, if it asks for that.
+fn to_the_end(panel: &Panel) -> Option<Panel> {
+    let Model::Classified(scene) = &panel.model else {
+        return None;
+    };
+    let Compositing::EarlyTermination(_) = scene.compositing else {
+        return None;
+    };
+    let mut scene = scene.clone();
+    scene.compositing = Compositing::FrontToBack;
+    Some(Panel {
+        model: Model::Classified(scene),
+        ..panel.clone()
+    })
 }
 
 fn of_classified(

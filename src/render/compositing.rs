@@ -7,6 +7,7 @@
 //! keeps its digits in the first only, where the second is next to 1, and a thick one in the
 //! second only. With `1 − A` for the transparency, every sample would round it to a unit of 1,
 //! however little is let through: a million samples of a depth of 10 in all were 1.3e-10 off.
+//! Where less than half is let through, the opacity is what is missing, so that it is never above 1.
 //!
 //! Source: Porter & Duff 1984, "Compositing digital images" (the operator *over*); Levoy 1988.
 
@@ -53,10 +54,15 @@ pub trait Order {
 
     /// `layers` with one more sample, of associated `colour`.
     fn add(layers: Layers, colour: DVec3, opacity: f64) -> Layers;
+
+    /// Whether the samples that are still to come are left out.
+    fn is_over(&self, _layers: &Layers) -> bool {
+        false
+    }
 }
 
 /// From the eye into the volume: `C += T·c`, `A += T·a`, `T *= 1 − a`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct FrontToBack;
 
 impl Order for FrontToBack {
@@ -65,16 +71,46 @@ impl Order for FrontToBack {
     }
 
     fn add(layers: Layers, colour: DVec3, opacity: f64) -> Layers {
+        let transparency = layers.transparency * (1.0 - opacity);
         Layers {
             colour: layers.colour + colour * layers.transparency,
-            opacity: layers.opacity + opacity * layers.transparency,
-            transparency: layers.transparency * (1.0 - opacity),
+            opacity: match transparency < 0.5 {
+                true => 1.0 - transparency,
+                false => layers.opacity + opacity * layers.transparency,
+            },
+            transparency,
         }
     }
 }
 
-/// Towards the eye: `C = c + (1 − a)·C`, `A = a + (1 − a)·A`, `T *= 1 − a`.
+/// [`FrontToBack`] until less than a share of the light from behind is let through.
+///
+/// Let `T` be what is let through, `C` what the samples left out would send and `T'` what they would
+/// let through: the pixel is off by `T (C − (1 − T') background)`, either way by less than `T` times the
+/// brightest radiance there is, for both terms are at most that. That bound is part of the [plan](super::plan::Approximation): it is an approximation that a scene asks for,
+/// never one that is made for it.
 #[derive(Clone, Copy, Debug)]
+pub struct EarlyTermination {
+    /// The share, in (0, 1).
+    pub below: f64,
+}
+
+impl Order for EarlyTermination {
+    fn index(done: usize, count: usize) -> usize {
+        FrontToBack::index(done, count)
+    }
+
+    fn add(layers: Layers, colour: DVec3, opacity: f64) -> Layers {
+        FrontToBack::add(layers, colour, opacity)
+    }
+
+    fn is_over(&self, layers: &Layers) -> bool {
+        layers.transparency < self.below
+    }
+}
+
+/// Towards the eye: `C = c + (1 − a)·C`, `A = a + (1 − a)·A`, `T *= 1 − a`.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct BackToFront;
 
 impl Order for BackToFront {
@@ -83,11 +119,15 @@ impl Order for BackToFront {
     }
 
     fn add(layers: Layers, colour: DVec3, opacity: f64) -> Layers {
-        let transparency = 1.0 - opacity;
+        let own = 1.0 - opacity;
+        let transparency = layers.transparency * own;
         Layers {
-            colour: colour + layers.colour * transparency,
-            opacity: opacity + layers.opacity * transparency,
-            transparency: layers.transparency * transparency,
+            colour: colour + layers.colour * own,
+            opacity: match transparency < 0.5 {
+                true => 1.0 - transparency,
+                false => opacity + layers.opacity * own,
+            },
+            transparency,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The one place where a plan becomes code: each choice picks a type, and the last call
 //! compiles the ray caster for the types picked.
 
-use super::compositing::{BackToFront, FrontToBack, Order};
+use super::compositing::{BackToFront, EarlyTermination, FrontToBack, Order};
 use super::empty_space::{EmptySpace, Space, Unexplored};
 use super::field::{Constant, Field, Sampled};
 use super::image::{Pixels, rows};
@@ -11,7 +11,6 @@ use super::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
 use super::work::{Event, Work};
 use crate::scene::{Classified, Compositing};
 use crate::volume::{Nearest, Node, Trilinear, relative_gradients};
-use std::marker::PhantomData;
 
 /// The parts of a ray caster, as a plan names them.
 #[derive(Clone, Copy)]
@@ -49,8 +48,11 @@ fn with_order<F: Field, W: Work>(
     field: F,
 ) -> (Vec<[f32; 4]>, W) {
     match parts.compositing {
-        Compositing::FrontToBack => with_shading::<F, FrontToBack, W>(scene, parts, pixels, field),
-        Compositing::BackToFront => with_shading::<F, BackToFront, W>(scene, parts, pixels, field),
+        Compositing::FrontToBack => with_shading(scene, parts, pixels, field, FrontToBack),
+        Compositing::BackToFront => with_shading(scene, parts, pixels, field, BackToFront),
+        Compositing::EarlyTermination(below) => {
+            with_shading(scene, parts, pixels, field, EarlyTermination { below })
+        }
     }
 }
 
@@ -59,6 +61,7 @@ fn with_shading<F: Field, O: Order + Sync, W: Work>(
     parts: Parts,
     pixels: &Pixels<'_>,
     field: F,
+    order: O,
 ) -> (Vec<[f32; 4]>, W) {
     match scene.phong.filter(|_| parts.shading) {
         Some(phong) => {
@@ -69,12 +72,12 @@ fn with_shading<F: Field, O: Order + Sync, W: Work>(
                 light: scene.light,
             };
             let nodes = scene.grid.lattice().node_count() as u64;
-            let (image, mut work) =
-                with_visibility::<F, O, _, W>(scene, parts, pixels, field, shading);
+            let (image, mut work): (_, W) =
+                with_visibility(scene, parts, pixels, field, order, shading);
             work.count_times(Event::GradientComputed, nodes);
             (image, work)
         }
-        None => with_visibility::<F, O, _, W>(scene, parts, pixels, field, Unshaded),
+        None => with_visibility(scene, parts, pixels, field, order, Unshaded),
     }
 }
 
@@ -83,6 +86,7 @@ fn with_visibility<F: Field, O: Order + Sync, S: Shading, W: Work>(
     parts: Parts,
     pixels: &Pixels<'_>,
     field: F,
+    order: O,
     shading: S,
 ) -> (Vec<[f32; 4]>, W) {
     match scene.shadow.filter(|_| parts.shadow) {
@@ -94,9 +98,9 @@ fn with_visibility<F: Field, O: Order + Sync, S: Shading, W: Work>(
                 bounds,
                 transfer_function: &scene.transfer_function,
             };
-            with_space::<F, O, S, _, W>(scene, parts, pixels, field, shading, visibility)
+            with_space(scene, parts, pixels, field, order, shading, visibility)
         }
-        None => with_space::<F, O, S, _, W>(scene, parts, pixels, field, shading, Unshadowed),
+        None => with_space(scene, parts, pixels, field, order, shading, Unshadowed),
     }
 }
 
@@ -105,14 +109,15 @@ fn with_space<F: Field, O: Order + Sync, S: Shading, V: Visibility, W: Work>(
     parts: Parts,
     pixels: &Pixels<'_>,
     field: F,
+    order: O,
     shading: S,
     visibility: V,
 ) -> (Vec<[f32; 4]>, W) {
     if parts.skip_empty {
         let space = EmptySpace::of(&*scene.grid, &scene.transfer_function);
-        with_all::<F, O, S, V, _, W>(scene, pixels, field, shading, visibility, space)
+        with_all(scene, pixels, field, order, shading, visibility, space)
     } else {
-        with_all::<F, O, S, V, _, W>(scene, pixels, field, shading, visibility, Unexplored)
+        with_all(scene, pixels, field, order, shading, visibility, Unexplored)
     }
 }
 
@@ -120,13 +125,14 @@ fn with_all<F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space, W: W
     scene: &Classified,
     pixels: &Pixels<'_>,
     field: F,
+    order: O,
     shading: S,
     visibility: V,
     space: E,
 ) -> (Vec<[f32; 4]>, W) {
     let caster = RayCaster {
         field,
-        order: PhantomData::<O>,
+        order,
         shading,
         visibility,
         space,

@@ -131,17 +131,30 @@ pub struct Decision {
     pub field: Option<&'static str>,
 }
 
+/// A part of an effect that is left out because the scene asks for it, and what that may cost.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Approximation {
+    /// What is left out, in words.
+    pub without: String,
+    /// The key of the scene behind it.
+    pub field: &'static str,
+    /// No channel of a pixel is off by more, nor its opacity by more than the share.
+    pub bias: f64,
+}
+
 /// What is simulated, and by which kernel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// A decision for each of [`Effect::ALL`].
     pub decisions: Vec<Decision>,
+    /// What is left out of effects that are simulated, because the scene asks for it.
+    pub approximations: Vec<Approximation>,
     /// The code that renders the image.
     pub kernel: Kernel,
 }
 
 /// The code that renders an image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kernel {
     /// A plot; no light is simulated.
     Curve,
@@ -296,8 +309,9 @@ impl fmt::Display for Kernel {
             FieldKind::Constant => "constant density",
         };
         let order = match compositing {
-            Compositing::FrontToBack => "front to back",
-            Compositing::BackToFront => "back to front",
+            Compositing::FrontToBack => "front to back".to_owned(),
+            Compositing::EarlyTermination(below) => format!("front to back down to {below}"),
+            Compositing::BackToFront => "back to front".to_owned(),
         };
         write!(f, "ray caster: {field}, {order}")?;
         f.write_str(if *shading { ", Phong" } else { ", unshaded" })?;
@@ -374,14 +388,17 @@ impl Plan {
         matches!(self.kernel, Kernel::PathTracer { .. })
     }
 
-    /// Names of the effects that the scene could have asked for and did not.
+    /// Names of the effects that the scene could have asked for and did not, and what is left out
+    /// of others.
     pub fn omitted(&self) -> Vec<String> {
         let omitted = self
             .decisions
             .iter()
             .filter(|decision| decision.state == State::Omitted);
-        omitted
-            .map(|decision| decision.effect.to_string())
+        let effects = omitted.map(|decision| decision.effect.to_string());
+        let parts = self.approximations.iter();
+        effects
+            .chain(parts.map(|approximation| approximation.without.clone()))
             .collect()
     }
 
@@ -455,6 +472,7 @@ fn decide(effect: Effect, finding: Finding, forced: &[Effect]) -> Decision {
 fn curve_plan() -> Plan {
     let finding = |_| Finding::Absent("a plot of the transfer function has no light");
     Plan {
+        approximations: vec![],
         decisions: Decisions::new(finding, &[]).0,
         kernel: Kernel::Curve,
     }

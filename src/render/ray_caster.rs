@@ -13,7 +13,6 @@ use crate::geometry::{Aabb, Ray, direction_of};
 use crate::media::{Phong, TransferFunction};
 use crate::volume::Grid;
 use glam::DVec3;
-use std::marker::PhantomData;
 
 /// Colours samples by their surroundings.
 pub trait Shading: Sync {
@@ -82,7 +81,7 @@ pub struct RayCaster<'c, F, O, S, V, E> {
     /// Density between the nodes.
     pub field: F,
     /// Order of compositing.
-    pub order: PhantomData<O>,
+    pub order: O,
     /// Colour by gradient.
     pub shading: S,
     /// Light by what lies in its way.
@@ -135,6 +134,9 @@ impl<F: Field, O: Order, S: Shading, V: Visibility, E: Space> RayCaster<'_, F, O
             };
             let radiance = self.source(ray, sample, &place, density, work);
             layers = O::add(layers, radiance * opacity, opacity);
+            if self.order.is_over(&layers) {
+                break;
+            }
         }
         layers
     }

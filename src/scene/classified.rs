@@ -35,6 +35,12 @@ pub(super) const CLASSIFIED: Table = Table {
             doc: "The order in which the samples of a ray are put together; both give the same image but for rounding.",
         },
         Key {
+            name: "early_termination",
+            kind: Kind::Number(Range::open(0.0, 1.0)),
+            absent: Absent::Nothing,
+            doc: "Ends a ray where less than this share of the light behind is let through: less work, and pixels that are off by less than this share of the brightest radiance. With `compositing = \"front-to-back\"` only. Left out: no ray is ended early.",
+        },
+        Key {
             name: "step",
             kind: Kind::Length,
             absent: Absent::Default(Literal::Text("0.5 voxels")),
@@ -130,10 +136,13 @@ const SHADOW: Table = Table {
 };
 
 /// The order in which the samples of a ray are put together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Compositing {
     /// From the eye into the volume.
     FrontToBack,
+    /// From the eye into the volume, until less than this share of the light behind, in (0, 1), is
+    /// let through.
+    EarlyTermination(f64),
     /// Towards the eye.
     BackToFront,
 }
@@ -177,11 +186,14 @@ pub struct Classified {
 /// More samples on one ray than this are a mistake in the scene, not a wish.
 const MOST_SAMPLES_PER_RAY: f64 = 1e8;
 
+/// With a shadow ray from each sample: more samples than this, minutes for each pixel.
+const MOST_SAMPLES_WITH_SHADOW: f64 = 1e10;
+
 impl Classified {
     /// Reads `[classified]` and `[camera]`; `aspect` is the width of the image over its height.
     pub(super) fn read(
         reader: &Reader<'_, '_>,
-        camera: &Reader<'_, '_>,
+        camera_reader: &Reader<'_, '_>,
         grid: Arc<Grid<f32>>,
         transfer_function: TransferFunction,
         aspect: f64,
@@ -196,6 +208,15 @@ impl Classified {
             "back-to-front" => Compositing::BackToFront,
             _ => Compositing::FrontToBack,
         };
+        let compositing = match (reader.optional_number("early_termination")?, compositing) {
+            (None, compositing) => compositing,
+            (Some(below), Compositing::FrontToBack) => Compositing::EarlyTermination(below),
+            (Some(_), _) => {
+                let message = "back to front, a ray cannot be ended early: what the eye sees \
+                               first comes last";
+                return Err(reader.error("early_termination", message));
+            }
+        };
         let step = step_length(reader, "step", &lattice)?;
         let background = reader.vector("background")?;
 
@@ -203,7 +224,7 @@ impl Classified {
             camera,
             eye,
             target,
-        } = View::framing(camera, &lattice.bounds(), aspect)?;
+        } = View::framing(camera_reader, &lattice.bounds(), aspect)?;
         let light = reader.table_or_default("light", &empty)?;
         let light = light.vector_or("position", || {
             eye + DVec3::new(0.0, length_of(target - eye), 0.0)
@@ -228,6 +249,14 @@ impl Classified {
             background,
             camera,
         };
+        scene.check_eye().map_err(|message| {
+            let help = "move the eye nearer, with a wider `vertical_fov`, or make `step` longer";
+            camera_reader.mistake("eye", message, help)
+        })?;
+        scene.check_shadow_samples().map_err(|message| {
+            let help = "make `step`, `classified.shadow.step` or both longer";
+            reader.mistake("shadow", message, help)
+        })?;
         scene
             .check_brightness()
             .map_err(|message| reader.error("volume", message))?;
@@ -240,6 +269,30 @@ impl Classified {
     /// out at most the brightest colour as shading makes it, times the strength of the densest
     /// voxel; one that is transparent sends out nothing.
     pub fn check_brightness(&self) -> Result<(), String> {
+        let brightest = self.brightest();
+        // Half of the largest number leaves room for the rounding of cosines and sums.
+        let limit = f64::from(f32::MAX / 2.0);
+        if brightest <= limit {
+            return Ok(());
+        }
+        let source = match &self.transfer_function.appearance {
+            Appearance::Formula { .. } => {
+                let (_, most) = self.grid.range();
+                format!("densities up to {most:e}, which send out the square of that,")
+            }
+            Appearance::Points(_) => {
+                let colour = self.transfer_function.brightest_colour();
+                format!("colours up to {colour:e}")
+            }
+        };
+        Err(format!(
+            "{source} make pixels of up to {brightest:e} with this shading and background; an \
+             image holds at most {limit:e}"
+        ))
+    }
+
+    /// A radiance that nothing in the scene exceeds, no sample and not the background.
+    pub fn brightest(&self) -> f64 {
         let (least, most) = self.grid.range();
         let colour = self.transfer_function.brightest_colour();
         // Without a gradient the colour stays as it is.
@@ -255,29 +308,53 @@ impl Classified {
             true => 0.0,
             false => self.transfer_function.strength(most) * shaded,
         };
-        let background = self.background.max_element();
-        // Half of the largest number leaves room for the rounding of cosines and sums.
-        let limit = f64::from(f32::MAX / 2.0);
-        if sent <= limit && background <= limit {
-            return Ok(());
-        }
-        let source = match &self.transfer_function.appearance {
-            Appearance::Formula { .. } => {
-                format!("densities up to {most:e}, which send out the square of that,")
-            }
-            Appearance::Points(_) => format!("colours up to {colour:e}"),
-        };
-        let brightest = sent.max(background);
-        Err(format!(
-            "{source} make pixels of up to {brightest:e} with this shading and background; an \
-             image holds at most {limit:e}"
-        ))
+        sent.max(self.background.max_element())
     }
 
     /// Replaces the distance between samples; fails where rays would get too many of them.
     pub fn set_step(&mut self, step: Length) -> Result<(), String> {
+        let before = self.step;
         self.step = checked_step(step, self.grid.lattice())?;
-        Ok(())
+        self.check_eye()
+            .and_then(|()| self.check_shadow_samples())
+            .inspect_err(|_| self.step = before)
+    }
+
+    /// Where the eye is so far away that distances along a ray are rounded by more than a step, a
+    /// ray has no samples that could be told apart, and no number of them that has a bound: the
+    /// length of its way through the volume is all rounding.
+    fn check_eye(&self) -> Result<(), String> {
+        let bounds = self.grid.lattice().bounds();
+        let to_centre = length_of(self.camera.eye() - bounds.centre());
+        let farthest = to_centre + length_of(bounds.size());
+        // A distance beyond all numbers is no number times anything.
+        if farthest.is_finite() && farthest * f64::EPSILON <= self.step {
+            return Ok(());
+        }
+        Err(format!(
+            "the eye is {farthest:.3e} world units from the volume, where distances are rounded \
+             by more than a step of {:e}",
+            self.step
+        ))
+    }
+
+    /// Each of the steps is accepted by itself; both together may still ask for more than anyone
+    /// waits for.
+    fn check_shadow_samples(&self) -> Result<(), String> {
+        let Some(shadow) = self.shadow else {
+            return Ok(());
+        };
+        let diagonal = length_of(self.grid.lattice().bounds().size());
+        let samples = (diagonal / self.step).max(1.0) * (diagonal / shadow.step).max(1.0);
+        if samples <= MOST_SAMPLES_WITH_SHADOW {
+            return Ok(());
+        }
+        Err(format!(
+            "a step of {:e} world units, with shadow steps of {:e}, means up to {samples:.1e} \
+             samples for a ray through a volume {diagonal:.4} across; at most \
+             {MOST_SAMPLES_WITH_SHADOW:.0e} are accepted",
+            self.step, shadow.step
+        ))
     }
 }
 

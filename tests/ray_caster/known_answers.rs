@@ -9,7 +9,6 @@
 use super::{U, scenes};
 use glam::DVec3;
 use serde_json::Value;
-use std::marker::PhantomData;
 use volref::geometry::Ray;
 use volref::media::{TransferFunction, over_length};
 use volref::render::Counters;
@@ -131,7 +130,7 @@ fn sequences() {
     }
 }
 
-fn put_together<O: Order>(samples: &[(f64, f64)]) -> Layers {
+fn put_together<O: Order + Default>(samples: &[(f64, f64)]) -> Layers {
     (0..samples.len()).fold(Layers::default(), |layers, done| {
         let (opacity, colour) = samples[O::index(done, samples.len())];
         O::add(layers, DVec3::splat(colour * opacity), opacity)
@@ -166,7 +165,7 @@ impl<S: Fn(f64) -> f64 + Sync> Field for Extinction<S> {
 }
 
 /// A ray through a slab of the entry's `length`, in its number of `steps`.
-fn march<O: Order>(entry: &Value, sigma: impl Fn(f64) -> f64 + Sync) -> Layers {
+fn march<O: Order + Default>(entry: &Value, sigma: impl Fn(f64) -> f64 + Sync) -> Layers {
     let length = input(entry, "length");
     let lattice = Lattice::new([2, 2, 2], DVec3::new(1.0, 1.0, length), DVec3::ZERO).unwrap();
     let transfer_function = TransferFunction {
@@ -175,7 +174,7 @@ fn march<O: Order>(entry: &Value, sigma: impl Fn(f64) -> f64 + Sync) -> Layers {
     };
     let caster = RayCaster {
         field: Extinction { lattice, sigma },
-        order: PhantomData::<O>,
+        order: O::default(),
         shading: Unshaded,
         visibility: Unshadowed,
         space: Unexplored,

@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
-use std::marker::PhantomData;
 use std::sync::Arc;
 use volref::film::Film;
 use volref::geometry::{Camera, Ray};
@@ -282,10 +281,15 @@ fn with_order<F: Field>(scene: &Classified, rays: &[Ray], field: F) -> Vec<Layer
     match scene.compositing {
         Compositing::FrontToBack => with_shading::<F, FrontToBack>(scene, rays, field),
         Compositing::BackToFront => with_shading::<F, BackToFront>(scene, rays, field),
+        Compositing::EarlyTermination(_) => unreachable!("no scene here asks for it"),
     }
 }
 
-fn with_shading<F: Field, O: Order>(scene: &Classified, rays: &[Ray], field: F) -> Vec<Layers> {
+fn with_shading<F: Field, O: Order + Default>(
+    scene: &Classified,
+    rays: &[Ray],
+    field: F,
+) -> Vec<Layers> {
     match scene.phong {
         None => with_visibility::<F, O, _>(scene, rays, field, Unshaded),
         Some(phong) => {
@@ -299,7 +303,7 @@ fn with_shading<F: Field, O: Order>(scene: &Classified, rays: &[Ray], field: F) 
     }
 }
 
-fn with_visibility<F: Field, O: Order, S: Shading>(
+fn with_visibility<F: Field, O: Order + Default, S: Shading>(
     scene: &Classified,
     rays: &[Ray],
     field: F,
@@ -319,7 +323,7 @@ fn with_visibility<F: Field, O: Order, S: Shading>(
     }
 }
 
-fn with_all<F: Field, O: Order, S: Shading, V: Visibility>(
+fn with_all<F: Field, O: Order + Default, S: Shading, V: Visibility>(
     scene: &Classified,
     rays: &[Ray],
     field: F,
@@ -328,7 +332,7 @@ fn with_all<F: Field, O: Order, S: Shading, V: Visibility>(
 ) -> Vec<Layers> {
     let caster = RayCaster {
         field,
-        order: PhantomData::<O>,
+        order: O::default(),
         shading,
         visibility,
         space: Unexplored,

@@ -24,6 +24,8 @@ pub(super) struct Volume {
     light: Option<Light>,
     radiance: String,
     compositing: Method,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    early_termination: Option<String>,
     background: Vector,
 }
 
@@ -51,6 +53,7 @@ impl Volume {
             }),
             radiance: radiance(scene),
             compositing: compositing(scene.compositing),
+            early_termination: early_termination(scene.compositing),
             background: scene.background.to_array(),
         }
     }
@@ -300,9 +303,18 @@ fn radiance(scene: &Classified) -> String {
     format!("a sample of value d sends out L = {strength}{colour}{visibility}")
 }
 
+fn early_termination(order: Compositing) -> Option<String> {
+    match order {
+        Compositing::EarlyTermination(below) => Some(format!(
+            "after each sample: if 1 - A is below {below}, leave out the samples that follow"
+        )),
+        Compositing::FrontToBack | Compositing::BackToFront => None,
+    }
+}
+
 fn compositing(order: Compositing) -> Method {
     match order {
-        Compositing::FrontToBack => Method {
+        Compositing::FrontToBack | Compositing::EarlyTermination(_) => Method {
             method: "front-to-back",
             formula: "C = 0, A = 0; for each sample from the eye on, C = C + (1 - A)*a*L and \
                       A = A + (1 - A)*a; the pixel is C + (1 - A)*background",

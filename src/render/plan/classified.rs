@@ -1,8 +1,8 @@
 //! What a classified volume calls for.
 
-use super::{Decisions, Effect, FieldKind, Finding, Kernel, Plan};
+use super::{Approximation, Decisions, Effect, FieldKind, Finding, Kernel, Plan};
 use crate::media::{Appearance, Phong};
-use crate::scene::Classified;
+use crate::scene::{Classified, Compositing};
 use crate::volume::Interpolation;
 
 /// The plan for a classified volume.
@@ -97,7 +97,24 @@ pub(super) fn plan(scene: &Classified, forced: &[Effect]) -> Plan {
     };
     Plan {
         decisions: decisions.0,
+        approximations: match kernel {
+            Kernel::RayCaster { .. } => early_termination(scene).into_iter().collect(),
+            _ => vec![],
+        },
         kernel,
+    }
+}
+
+/// By what rays that are ended early may be off: less than the share that is still let through, of
+/// the brightest radiance there is.
+fn early_termination(scene: &Classified) -> Option<Approximation> {
+    match scene.compositing {
+        Compositing::EarlyTermination(below) => Some(Approximation {
+            without: format!("light behind what lets through less than {below}"),
+            field: "classified.early_termination",
+            bias: below * scene.brightest(),
+        }),
+        Compositing::FrontToBack | Compositing::BackToFront => None,
     }
 }
 
