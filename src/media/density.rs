@@ -57,6 +57,7 @@ pub struct Density {
     to_world: Option<Transform>,
     blocks: Blocks,
     typical: f64,
+    nothing: bool,
 }
 
 /// Blocks along the longest side of a field that is no grid.
@@ -82,11 +83,13 @@ impl Density {
             }
         };
         let typical = blocks.typical();
+        let nothing = blocks.range().high == 0.0;
         Density {
             field,
             to_world,
             blocks,
             typical,
+            nothing,
         }
     }
 
@@ -98,6 +101,11 @@ impl Density {
     /// The field itself.
     pub fn field(&self) -> &Field {
         &self.field
+    }
+
+    /// Whether it is 0 everywhere.
+    pub fn is_nothing(&self) -> bool {
+        self.nothing
     }
 
     /// Bounds on it, block by block.

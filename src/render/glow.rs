@@ -46,7 +46,9 @@ impl MediaPath {
                 continue;
             }
             let (strands, _, effort) = tracker.parts();
-            let least = GLOW_SAMPLES / stretch.span.length();
+            // Any rate is without bias, but an infinite one would never come to the end: a stretch
+            // shorter than 2.2e-308 has fewer collisions.
+            let least = (GLOW_SAMPLES / stretch.span.length()).min(f64::MAX);
             let rate = |bounds: &Bounds| {
                 let glows = bounds.glow != DVec3::ZERO;
                 bounds.high.max_element() + if glows { least } else { 0.0 }

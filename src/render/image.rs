@@ -8,7 +8,7 @@ use super::radiative_kernel::{ByLineOfSight, ByPathTracing, with_parts};
 use super::work::{Counters, Uncounted, Work};
 use crate::film::Film;
 use crate::math::Moments;
-use crate::scene::{Classified, Model, Panel, Scene};
+use crate::scene::{Classified, Model, Panel, Radiative, Scene};
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use thiserror::Error;
@@ -56,11 +56,23 @@ pub enum RenderError {
     },
     /// A light that a ray runs into, where radiance has no bound.
     #[error(
-        "pixel ({column}, {row}) is infinitely bright: a light without extent lies exactly on \
-         its line of sight, in matter that scatters. Move the light or the camera a little, or \
-         make it a small emitting sphere"
+        "pixel ({column}, {row}) is infinitely bright: a light without extent lies on its line \
+         of sight, in matter that scatters, or nearer to what it lights than numbers can tell. \
+         Move the light or the camera a little, or make it a small emitting sphere"
     )]
     Divergent {
+        /// Column, from the left.
+        column: usize,
+        /// Row, from the top.
+        row: usize,
+    },
+    /// Radiance, or the square of its noise, beyond the numbers of an image.
+    #[error(
+        "pixel ({column}, {row}) is brighter than an image of 32-bit numbers can hold: its \
+         radiance, or the square of its noise, is above 3.4e38. Choose another unit of radiance: \
+         divide every radiance, irradiance, intensity and emission by the same number"
+    )]
+    TooBright {
         /// Column, from the left.
         column: usize,
         /// Row, from the top.
@@ -117,19 +129,17 @@ fn render_with<W: Work>(
     let film = Film::side_by_side(&films);
     match film.first_without_radiance() {
         None => Ok((film, works)),
-        Some(([column, row], value)) if value.contains(&f32::INFINITY) && has_points(scene) => {
-            Err(RenderError::Divergent { column, row })
+        // Finite, or it had been refused before, but not as a number of 32 bits.
+        Some(([column, row], value)) if value.contains(&f32::INFINITY) => {
+            Err(RenderError::TooBright { column, row })
         }
         Some(([column, row], value)) => Err(RenderError::NoRadiance { column, row, value }),
     }
 }
 
 /// Whether a light stands anywhere in the scene whose radiance may have no bound.
-fn has_points(scene: &Scene) -> bool {
-    scene.panels.iter().any(|panel| match &panel.model {
-        Model::Radiative(scene) => scene.lights.iter().any(|light| light.position().is_some()),
-        Model::Classified(_) | Model::Curve(_) => false,
-    })
+fn has_points(scene: &Radiative) -> bool {
+    scene.lights.iter().any(|light| light.position().is_some())
 }
 
 fn render_panel<W: Work>(
@@ -176,6 +186,8 @@ fn render_panel<W: Work>(
                 work: PhantomData,
             };
             let (pixels, work) = with_parts(parts, task);
+            refuse_faults(scene, width, &pixels)?;
+            let pixels = pixels.into_iter().flatten().collect();
             return Ok((Film::new(width, height, pixels), work));
         }
         (Model::Radiative(scene), Kernel::PathTracer { parts, limit }) => {
@@ -187,7 +199,8 @@ fn render_panel<W: Work>(
                 work: PhantomData,
             };
             let (pixels, work) = with_parts(parts, task);
-            let film = mean_of_samples([width, height], scene.samples, pixels)?;
+            refuse_faults(scene, width, &pixels)?;
+            let film = mean_of_samples([width, height], scene.samples, pixels);
             return Ok((film, work));
         }
         _ => unreachable!("the plan was made for another scene"),
@@ -195,32 +208,47 @@ fn render_panel<W: Work>(
     Ok((Film::with_opacity(width, height, pixels), work))
 }
 
+/// Refuses an image, `width` pixels wide, of which any pixel came to nothing, for the first of
+/// them.
+fn refuse_faults<P>(
+    scene: &Radiative,
+    width: usize,
+    pixels: &[Result<P, Fault>],
+) -> Result<(), RenderError> {
+    let faults = || {
+        let faults = pixels.iter().enumerate();
+        faults.filter_map(|(index, pixel)| Some((index, *pixel.as_ref().err()?)))
+    };
+    let Some((index, fault)) = faults().next() else {
+        return Ok(());
+    };
+    let (column, row) = (index % width, index / width);
+    Err(match fault {
+        Fault::Endless => RenderError::Endless { column, row },
+        Fault::Infinite if has_points(scene) => RenderError::Divergent { column, row },
+        Fault::Infinite => RenderError::TooBright { column, row },
+        Fault::Majorant(_) => RenderError::Majorant {
+            violations: faults()
+                .map(|(_, fault)| fault)
+                // Of the pixels behind one without an end, chance decides which are traced.
+                .take_while(|fault| *fault != Fault::Endless)
+                .map(|fault| match fault {
+                    Fault::Majorant(violations) => violations,
+                    Fault::Infinite | Fault::Endless => 0,
+                })
+                .sum(),
+            column,
+            row,
+        },
+    })
+}
+
 /// The film of the means, and of how sure they are.
 fn mean_of_samples(
     [width, height]: [usize; 2],
     samples: u32,
     pixels: Vec<Result<[Moments; 3], Fault>>,
-) -> Result<Film, RenderError> {
-    let faults = || {
-        let faults = pixels.iter().enumerate();
-        faults.filter_map(|(index, pixel)| Some((index, *pixel.as_ref().err()?)))
-    };
-    if let Some((index, fault)) = faults().next() {
-        let (column, row) = (index % width, index / width);
-        return Err(match fault {
-            Fault::Endless => RenderError::Endless { column, row },
-            Fault::Majorant(_) => RenderError::Majorant {
-                violations: faults()
-                    .map(|(_, fault)| match fault {
-                        Fault::Majorant(violations) => violations,
-                        Fault::Endless => 0,
-                    })
-                    .sum(),
-                column,
-                row,
-            },
-        });
-    }
+) -> Film {
     let moments: Vec<_> = pixels.into_iter().flatten().collect();
     let mean = |pixel: &[Moments; 3]| pixel.map(|channel| channel.mean() as f32);
     let variance = |pixel: &[Moments; 3]| {
@@ -232,10 +260,10 @@ fn mean_of_samples(
     };
     let means = moments.iter().map(mean).collect();
     if samples < 2 {
-        return Ok(Film::new(width, height, means));
+        return Film::new(width, height, means);
     }
     let variances = moments.iter().map(variance).collect();
-    Ok(Film::with_noise(width, height, means, variances, samples))
+    Film::with_noise(width, height, means, variances, samples)
 }
 
 fn background<W: Work>(scene: &Classified, pixels: &Pixels<'_>) -> (Vec<[f32; 4]>, W) {
@@ -288,18 +316,57 @@ pub(super) fn rows<P: Send, S, W: Work>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Camera;
+    use crate::optics::{Light, Point};
+    use crate::scene::Scattering;
+    use glam::DVec3;
+
+    fn scene(lights: Vec<Light>) -> Radiative {
+        Radiative {
+            scattering: Scattering::Single,
+            objects: vec![],
+            area_lights: vec![],
+            media: vec![],
+            lights,
+            environment: DVec3::ZERO,
+            camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0).unwrap(),
+            samples: 2,
+            seed: 0,
+        }
+    }
 
     #[test]
     fn violated_bounds_are_counted_over_all_pixels_and_refused() {
-        let mut pixels = vec![Ok([Moments::default(); 3]); 6];
+        let mut pixels = vec![Ok(()); 8];
         pixels[4] = Err(Fault::Majorant(2));
         pixels[5] = Err(Fault::Majorant(40));
-        let error = mean_of_samples([3, 2], 2, pixels).unwrap_err();
-        let expected = RenderError::Majorant {
+        let expected = Err(RenderError::Majorant {
             violations: 42,
             column: 1,
             row: 1,
-        };
-        assert_eq!(error, expected);
+        });
+        assert_eq!(refuse_faults(&scene(vec![]), 3, &pixels), expected);
+        // Whether what comes after a path without an end is traced is left to chance.
+        pixels[6] = Err(Fault::Endless);
+        pixels[7] = Err(Fault::Majorant(1));
+        assert_eq!(refuse_faults(&scene(vec![]), 3, &pixels), expected);
+    }
+
+    #[test]
+    fn only_a_light_without_extent_is_blamed_for_light_without_bound() {
+        let pixels = [Ok(()), Err(Fault::Infinite)];
+        let (column, row) = (1, 0);
+        assert_eq!(
+            refuse_faults(&scene(vec![]), 2, &pixels),
+            Err(RenderError::TooBright { column, row })
+        );
+        let lamp = Light::Point(Point {
+            position: DVec3::ZERO,
+            intensity: DVec3::ONE,
+        });
+        assert_eq!(
+            refuse_faults(&scene(vec![lamp]), 2, &pixels),
+            Err(RenderError::Divergent { column, row })
+        );
     }
 }

@@ -217,7 +217,11 @@ impl<'s> Media<'s> {
         point: DVec3,
         lookups: &Cell<u64>,
     ) -> impl Iterator<Item = (DVec3, HenyeyGreenstein)> {
-        let scatters = |&index: &usize| self.bodies[index].matter.scatters();
+        // Not by what stands in for its scattering, which may vanish where that does not.
+        let scatters = |&index: &usize| {
+            let Medium { unit, density, .. } = &self.bodies[index];
+            unit.scatters() && density.is_none_or(|density| !density.is_nothing())
+        };
         let alone = !E::HETEROGENEOUS || members(set).filter(scatters).nth(1).is_none();
         members(set).filter(scatters).map(move |index| {
             let medium = &self.bodies[index];

@@ -54,6 +54,8 @@ pub struct Scratch {
 pub enum Fault {
     /// It was turned more often than there are random numbers for.
     Endless,
+    /// It brought back more light than a number can be.
+    Infinite,
     /// So many extinctions were above what was to be their bound.
     Majorant(u64),
 }

@@ -13,6 +13,7 @@ use crate::math::rng::{Purpose, Stream};
 use crate::scene::Radiative;
 use glam::DVec3;
 use std::marker::PhantomData;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Something to be run by code compiled for certain effects.
 pub(super) trait Run {
@@ -82,7 +83,7 @@ pub(super) struct ByLineOfSight<'p, W> {
 }
 
 impl<W: Work> Run for ByLineOfSight<'_, W> {
-    type Output = (Vec<[f32; 3]>, W);
+    type Output = (Vec<Result<[f32; 3], Fault>>, W);
 
     fn run<E: Effects>(self) -> Self::Output {
         let renderer = LineOfSight::<E> {
@@ -96,10 +97,8 @@ impl<W: Work> Run for ByLineOfSight<'_, W> {
             Default::default,
             |pixel, (path, tracker), work: &mut W| {
                 let ray = self.scene.camera.ray(pixel, size);
-                renderer
-                    .radiance(&ray, path, tracker, work)
-                    .as_vec3()
-                    .to_array()
+                let radiance = renderer.radiance(&ray, path, tracker, work);
+                finite(radiance).map(|radiance| radiance.as_vec3().to_array())
             },
         )
     }
@@ -122,11 +121,15 @@ impl<W: Work> Run for ByPathTracing<'_, W> {
         let scene = self.scene;
         let tracer = PathTracer::<E>::new(scene, self.limit, self.parts.null_media);
         let size = [self.pixels.width, self.pixels.height];
+        let given_up = GivenUp::default();
         rows(
             self.pixels,
             Scratch::default,
             |[column, row], scratch, work: &mut W| {
                 let index = (row * size[0] + column) as u32;
+                if given_up.is_before(index) {
+                    return Err(Fault::Endless);
+                }
                 let mut moments = [Moments::default(); 3];
                 for sample in 0..scene.samples {
                     let random = Stream::new(scene.seed, index, sample);
@@ -134,7 +137,11 @@ impl<W: Work> Run for ByPathTracing<'_, W> {
                     let [x, y] = random.pair(0, Purpose::Camera, 0);
                     let place = [column as f64 + x, row as f64 + y];
                     let ray = scene.camera.ray_through(place, size);
-                    let radiance: DVec3 = tracer.radiance(ray, &random, scratch, work)?;
+                    let radiance = tracer.radiance(ray, &random, scratch, work);
+                    if radiance == Err(Fault::Endless) {
+                        given_up.at(index);
+                    }
+                    let radiance = finite(radiance?)?;
                     for (moments, channel) in moments.iter_mut().zip(radiance.to_array()) {
                         moments.add(channel);
                     }
@@ -142,5 +149,59 @@ impl<W: Work> Run for ByPathTracing<'_, W> {
                 Ok(moments)
             },
         )
+    }
+}
+
+/// Light that is brighter than any number could be made no mean of: with what is darker it would
+/// be no number at all.
+fn finite(radiance: DVec3) -> Result<DVec3, Fault> {
+    match radiance.to_array().contains(&f64::INFINITY) {
+        true => Err(Fault::Infinite),
+        false => Ok(radiance),
+    }
+}
+
+/// The first pixel, in the order of the image, that has a path without an end. Each such path
+/// takes seconds, and one of them makes the image worthless: those after it need not be traced.
+/// All before it are, so on any number of threads the same one is found.
+#[derive(Debug)]
+struct GivenUp(AtomicU32);
+
+impl Default for GivenUp {
+    fn default() -> GivenUp {
+        GivenUp(AtomicU32::new(u32::MAX))
+    }
+}
+
+impl GivenUp {
+    fn at(&self, index: u32) {
+        self.0.fetch_min(index, Ordering::Relaxed);
+    }
+
+    fn is_before(&self, index: u32) -> bool {
+        self.0.load(Ordering::Relaxed) < index
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_pixel_without_an_end_is_found_in_any_order() {
+        let given_up = GivenUp::default();
+        assert!(!given_up.is_before(u32::MAX));
+        given_up.at(7);
+        given_up.at(9);
+        assert!(given_up.is_before(8) && !given_up.is_before(7));
+        given_up.at(3);
+        assert!(given_up.is_before(4) && !given_up.is_before(3));
+    }
+
+    #[test]
+    fn light_without_bound_is_no_radiance() {
+        let red = DVec3::new(f64::INFINITY, 0.0, 1.0);
+        assert_eq!(finite(red), Err(Fault::Infinite));
+        assert_eq!(finite(DVec3::MAX), Ok(DVec3::MAX));
     }
 }

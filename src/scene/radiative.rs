@@ -19,6 +19,7 @@ use crate::media::{Density, Homogeneous};
 use crate::optics::{Light, Material, Sides};
 use contradictions::Parts;
 use glam::DVec3;
+use shapes::FARTHEST;
 use surfaces::SurfaceKind;
 
 /// The declaration of `[radiative]`.
@@ -145,7 +146,18 @@ impl Radiative {
         sampling: Sampling,
         files: &mut Files<'_>,
     ) -> Result<Radiative, Box<SceneError>> {
-        let View { camera, .. } = View::given(camera)?;
+        let View {
+            camera: eye_and_image,
+            eye,
+            ..
+        } = View::given(camera)?;
+        if eye.abs().max_element() > FARTHEST {
+            let message = format!(
+                "the camera stands too far away for light to be followed: coordinates up to \
+                 {FARTHEST:e} are accepted"
+            );
+            return Err(camera.mistake("eye", message, "choose another unit of length"));
+        }
         let scattering = read_scattering(reader)?;
         let environment = radiance(reader, "environment")?;
         let (mut objects, mut area_lights) = (Vec::new(), Vec::new());
@@ -187,7 +199,7 @@ impl Radiative {
             media: media.into_iter().map(|(_, body)| body).collect(),
             lights: lights.into_iter().map(|(_, light)| light).collect(),
             environment,
-            camera,
+            camera: eye_and_image,
             samples: sampling.samples,
             seed: sampling.seed,
         })

@@ -36,8 +36,8 @@ pub enum LayerError {
     /// The density is negative, infinite or not a number.
     #[error("density must be finite and not negative, got {0}")]
     Density(f64),
-    /// The scale height is no length to divide by.
-    #[error("scale height must be positive and finite, got {0}")]
+    /// The scale height is no length to divide by, or so small that its inverse is no number.
+    #[error("scale height must be positive and finite, and not below 2.3e-308, got {0:?}")]
     ScaleHeight(f64),
     /// The vector that says which way is up says nothing.
     #[error("up must be finite and not zero, got {0}")]
@@ -75,7 +75,7 @@ impl ExponentialLayer {
         up: DVec3,
         scale_height: f64,
     ) -> Result<ExponentialLayer, LayerError> {
-        if !(scale_height.is_finite() && scale_height > 0.0) {
+        if !(scale_height.is_normal() && scale_height > 0.0) {
             return Err(LayerError::ScaleHeight(scale_height));
         }
         Ok(ExponentialLayer {

@@ -1,7 +1,8 @@
 //! What is valid part by part and makes no picture together.
 
+use super::media::DEEPEST_TRACKED;
 use super::{AreaLight, Body, Object, Scattering};
-use crate::geometry::{Emitter, Luminous, Shape};
+use crate::geometry::{Aabb, Emitter, Luminous, Shape, Surface, length_of};
 use crate::optics::{Light, Material};
 use crate::scene::SceneError;
 use crate::scene::reader::Reader;
@@ -26,6 +27,7 @@ impl Parts<'_, '_, '_> {
     pub(super) fn check(&self) -> Result<(), Box<SceneError>> {
         self.check_light_that_diverges()?;
         self.check_light_that_never_arrives()?;
+        self.check_collisions_without_end()?;
         self.check_lights_in_surfaces()?;
         self.check_light_that_no_path_meets()
     }
@@ -93,6 +95,44 @@ impl Parts<'_, '_, '_> {
                 let message = "a directional light shines from infinitely far away, and a medium \
                                fills all space: none of that light arrives";
                 return Err(reader.mistake("directional", message, help));
+            }
+        }
+        Ok(())
+    }
+
+    /// Where a density varies, light is followed from one tentative collision to the next, and
+    /// they come as often as the densest channel of all that lies there together says. Those of
+    /// an even medium are never null in a channel as dense as that; in others they are, as often
+    /// as its channels differ.
+    fn check_collisions_without_end(&self) -> Result<(), Box<SceneError>> {
+        let bounds = |body: &Body| body.boundary.as_ref().map(Surface::bounds);
+        for (_, varying) in self.media.iter().filter(|(_, body)| body.density.is_some()) {
+            let Some(space) = bounds(varying) else {
+                continue;
+            };
+            for (reader, even) in self.media.iter().filter(|(_, body)| body.density.is_none()) {
+                let shared = bounds(even).map_or(space, |other| Aabb {
+                    min: space.min.max(other.min),
+                    max: space.max.min(other.max),
+                });
+                if shared.min.cmpgt(shared.max).any() {
+                    continue;
+                }
+                let sigma_t = even.medium.coefficients.sigma_t();
+                let spread = sigma_t.max_element() - sigma_t.min_element();
+                let depth = spread * length_of(shared.size());
+                if depth > DEEPEST_TRACKED {
+                    let keys = ["sigma_t", "sigma_a", "sigma_s"];
+                    let key = keys.into_iter().find(|key| reader.has(key));
+                    let message = format!(
+                        "channels of this medium differ by up to {depth:.4e} optical depths \
+                         within another whose density varies: light is followed through at most \
+                         {DEEPEST_TRACKED:.4e}"
+                    );
+                    let help = "give coefficients that differ less between the channels, or \
+                                move the media apart";
+                    return Err(reader.mistake(key.unwrap_or("sigma_a"), message, help));
+                }
             }
         }
         Ok(())

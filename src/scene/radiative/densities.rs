@@ -1,5 +1,6 @@
 //! How the density of a medium differs from place to place, as scenes give it.
 
+use super::shapes::FARTHEST;
 use crate::media::Field;
 use crate::scene::SceneError;
 use crate::scene::files::Files;
@@ -283,13 +284,33 @@ pub(super) fn field(
         return Ok(Some(Field::Linear(ramp)));
     }
     if let Some(blob) = reader.table("blob")? {
-        return Ok(Some(Field::Blob(Blob {
-            centre: blob.vector("centre")?,
-            peak: blob.number("peak")?,
-            width: blob.number("width")?,
-        })));
+        return read_blob(&blob).map(|blob| Some(Field::Blob(blob)));
     }
     Ok(None)
+}
+
+/// A ball, no farther away and no wider than shapes may be: its distance along a line is a
+/// quotient of squares.
+fn read_blob(reader: &Reader<'_, '_>) -> Result<Blob, Box<SceneError>> {
+    let blob = Blob {
+        centre: reader.vector("centre")?,
+        peak: reader.number("peak")?,
+        width: reader.number("width")?,
+    };
+    let beyond = [
+        ("centre", blob.centre.abs().max_element()),
+        ("width", blob.width),
+    ];
+    match beyond.into_iter().find(|(_, length)| *length > FARTHEST) {
+        None => Ok(blob),
+        Some((key, length)) => {
+            let message = format!(
+                "the ball's {key} of {length:.3e} is too large: lengths and coordinates up to \
+                 {FARTHEST:e} are accepted"
+            );
+            Err(reader.mistake(key, message, "choose another unit of length"))
+        }
+    }
 }
 
 fn read_noise(reader: &Reader<'_, '_>) -> Result<FractalDensity, Box<SceneError>> {

@@ -1,11 +1,13 @@
 //! Lights without extent.
 
 use super::radiance;
+use super::shapes::FARTHEST;
 use crate::geometry::direction_of;
 use crate::optics::{Directional, Light, Point, Spot, SpotError};
 use crate::scene::SceneError;
 use crate::scene::format::{Absent, Key, Kind, Range, Rule, Table};
 use crate::scene::reader::Reader;
+use glam::DVec3;
 
 /// The declaration of `[[radiative.light]]`.
 pub(super) const LIGHT: Table = Table {
@@ -100,7 +102,7 @@ const INTENSITY: Key = Key {
 pub(super) fn read(reader: &Reader<'_, '_>) -> Result<Light, Box<SceneError>> {
     if let Some(point) = reader.table("point")? {
         return Ok(Light::Point(Point {
-            position: point.vector("position")?,
+            position: position(&point)?,
             intensity: radiance(&point, "intensity")?,
         }));
     }
@@ -118,8 +120,23 @@ pub(super) fn read(reader: &Reader<'_, '_>) -> Result<Light, Box<SceneError>> {
     }))
 }
 
+fn position(reader: &Reader<'_, '_>) -> Result<DVec3, Box<SceneError>> {
+    let position = reader.vector("position")?;
+    if position.abs().max_element() <= FARTHEST {
+        return Ok(position);
+    }
+    let message = format!(
+        "the light stands at {:?}, too far away for its light to be followed: coordinates up \
+         to {FARTHEST:e} are accepted",
+        position.to_array()
+    );
+    let help = "choose another unit of length; what shines from infinitely far away is a \
+                `directional` light";
+    Err(reader.mistake("position", message, help))
+}
+
 fn read_spot(reader: &Reader<'_, '_>) -> Result<Spot, Box<SceneError>> {
-    let (position, target) = (reader.vector("position")?, reader.vector("target")?);
+    let (position, target) = (position(reader)?, reader.vector("target")?);
     let intensity = radiance(reader, "intensity")?;
     let angles = [reader.number("inner_angle")?, reader.number("outer_angle")?];
     Spot::new(position, target - position, intensity, angles).map_err(|error| {

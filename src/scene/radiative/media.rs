@@ -197,7 +197,7 @@ fn most(body: &Body) -> f64 {
 
 /// Optical depth up to which a medium of varying density is tracked. More tentative collisions
 /// than this are not to be waited for, and not to be told apart by their distances.
-const DEEPEST_TRACKED: f64 = (1 << 24) as f64;
+pub(super) const DEEPEST_TRACKED: f64 = (1 << 24) as f64;
 
 /// Refuses a medium whose density makes numbers leave their range, or collisions come closer than
 /// they can be followed.

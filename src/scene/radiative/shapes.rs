@@ -3,7 +3,7 @@
 use super::place::Place;
 use crate::geometry::{
     Aabb, Boundary, ClosedMesh, Emitter, Luminous, Mesh, MeshError, Placed, Rectangle, Shape,
-    ShapeError, Sphere, Surface, Transform,
+    ShapeError, Sphere, Surface, Transform, length_of,
 };
 use crate::scene::SceneError;
 use crate::scene::files::Files;
@@ -187,20 +187,27 @@ pub(super) fn shape(
             return Err(flat_box(reader, "glass"));
         }
     }
-    let Some(to_world) = place.transform else {
-        return Ok(match form {
-            Form::Sphere(sphere) => Shape::Sphere(sphere),
-            Form::Box(cuboid) => Shape::Box(cuboid),
-            Form::Rectangle(rectangle) => Shape::Rectangle(rectangle),
-            Form::Mesh(mesh) => Shape::Mesh(mesh),
-        });
+    let key = form.key();
+    let shape = match (form, place.transform) {
+        (Form::Sphere(sphere), None) => Shape::Sphere(sphere),
+        (Form::Box(cuboid), None) => Shape::Box(cuboid),
+        (Form::Rectangle(rectangle), None) => Shape::Rectangle(rectangle),
+        (Form::Mesh(mesh), None) => Shape::Mesh(mesh),
+        (Form::Sphere(sphere), Some(to_world)) => {
+            Shape::PlacedSphere(placed(reader, key, sphere, to_world)?)
+        }
+        (Form::Box(cuboid), Some(to_world)) => {
+            Shape::PlacedBox(placed(reader, key, cuboid, to_world)?)
+        }
+        (Form::Rectangle(rectangle), Some(to_world)) => {
+            Shape::Rectangle(moved(reader, &rectangle, &to_world)?)
+        }
+        (Form::Mesh(mesh), Some(to_world)) => {
+            Shape::PlacedMesh(placed(reader, key, mesh, to_world)?)
+        }
     };
-    Ok(match form {
-        Form::Sphere(sphere) => Shape::PlacedSphere(placed(reader, "sphere", sphere, to_world)?),
-        Form::Box(cuboid) => Shape::PlacedBox(placed(reader, "box", cuboid, to_world)?),
-        Form::Rectangle(rectangle) => Shape::Rectangle(moved(reader, &rectangle, &to_world)?),
-        Form::Mesh(mesh) => Shape::PlacedMesh(placed(reader, "mesh", mesh, to_world)?),
-    })
+    check_size(reader, key, &shape.bounds())?;
+    Ok(shape)
 }
 
 /// The shape of a surface that sends out light.
@@ -248,6 +255,7 @@ pub(super) fn luminous(
     };
     let area = shape.area();
     if area > 0.0 && area.is_finite() {
+        check_size(reader, key, &shape.bounds())?;
         return Ok(shape);
     }
     let message = format!("the area of this light is {area}, beyond the range of numbers");
@@ -318,11 +326,38 @@ pub(super) fn space(
             Boundary::PlacedMesh(placed(reader, "mesh", mesh, to_world)?)
         }
     };
+    let key = ["sphere", "box", "mesh", "grid"]
+        .into_iter()
+        .find(|key| reader.has(key));
+    check_size(
+        reader,
+        key.expect("its shape, or its grid"),
+        &boundary.bounds(),
+    )?;
     Ok(Some(Space {
         boundary,
         bounds,
         to_world,
     }))
+}
+
+/// Lengths in a scene: from the diameter of the smallest shape to the distance from the origin to
+/// the farthest place. The cubes of such lengths are numbers still; probabilities of choosing a
+/// place on a ray, or a surface from another, are made of them.
+const SMALLEST: f64 = 1e-100;
+pub(super) const FARTHEST: f64 = 1e100;
+
+fn check_size(reader: &Reader<'_, '_>, key: &str, bounds: &Aabb) -> Result<(), Box<SceneError>> {
+    let across = length_of(bounds.size());
+    let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
+    if across >= SMALLEST && farthest <= FARTHEST {
+        return Ok(());
+    }
+    let message = format!(
+        "the {key} is {across:.3e} across and reaches to coordinates of {farthest:.3e}: light is \
+         followed between shapes at least {SMALLEST:e} across, in coordinates up to {FARTHEST:e}"
+    );
+    Err(reader.mistake(key, message, "choose another unit of length"))
 }
 
 fn flat_box(reader: &Reader<'_, '_>, what: &str) -> Box<SceneError> {
