@@ -3,7 +3,7 @@
 use super::{Decisions, Effect, Finding, Kernel, Parts, Plan};
 use crate::media::Density;
 use crate::optics::{Light, Material};
-use crate::scene::{Radiative, Scattering};
+use crate::scene::{Body, Radiative, Scattering};
 use glam::DVec3;
 
 /// The plan for a scene of surfaces, media and lights: the cheapest kernel that is exact for it.
@@ -50,6 +50,7 @@ pub(super) fn plan(scene: &Radiative, forced: &[Effect]) -> Plan {
         Scattering::Multiple(limit) => Kernel::PathTracer { parts, limit },
     };
     Plan {
+        approximations: vec![],
         decisions: decisions.0,
         kernel,
     }
@@ -57,6 +58,8 @@ pub(super) fn plan(scene: &Radiative, forced: &[Effect]) -> Plan {
 
 /// What there is in a scene.
 struct Contents {
+    /// Media that have any density.
+    media: usize,
     surfaces: usize,
     absorption: bool,
     extinction: bool,
@@ -77,16 +80,20 @@ struct Contents {
 
 impl Contents {
     fn of(scene: &Radiative) -> Contents {
-        let media = || scene.media.iter().map(|body| &body.medium);
+        // A medium whose density is 0 everywhere is as good as none.
+        let is_there = |body: &&Body| {
+            let density = body.density.as_ref();
+            density.is_none_or(|density| !density.is_nothing())
+        };
+        let there = || scene.media.iter().filter(is_there);
+        let media = || there().map(|body| &body.medium);
         let any = |value: DVec3| value != DVec3::ZERO;
         // Of a medium that is nothing, its density says nothing.
         let varying = || {
-            let bodies = scene.media.iter();
-            bodies.filter_map(|body| {
+            there().filter_map(|body| {
                 let medium = &body.medium;
                 let matters = any(medium.coefficients.sigma_t()) || any(medium.emission);
-                let density = body.density.as_ref().filter(|_| matters);
-                density.filter(|density| density.typical() > 0.0)
+                body.density.as_ref().filter(|_| matters)
             })
         };
         let differs = |value: DVec3| value.x != value.y || value.y != value.z;
@@ -98,6 +105,7 @@ impl Contents {
             })
         };
         Contents {
+            media: there().count(),
             surfaces: scene.objects.len() + scene.area_lights.len(),
             absorption: media().any(|medium| any(medium.coefficients.sigma_a())),
             extinction: media().any(|medium| any(medium.coefficients.sigma_t())),
@@ -147,7 +155,15 @@ impl Contents {
         const SCATTERING: &str = "radiative.scattering";
         let null = |field, reason: &str| Null(field, reason.to_owned());
         let matters = |field, reason: &str| Matters(field, reason.to_owned());
-        let no_media = || null(MEDIUM, "the scene has no media");
+        let no_media = || {
+            null(
+                MEDIUM,
+                match scene.media.is_empty() {
+                    true => "the scene has no media",
+                    false => "the density is 0 everywhere in every medium",
+                },
+            )
+        };
         let nothing_turns = || {
             null(
                 SCATTERING,
@@ -168,7 +184,7 @@ impl Contents {
                     many => format!("{many} surfaces"),
                 },
             ),
-            Effect::Absorption | Effect::Emission if scene.media.is_empty() => no_media(),
+            Effect::Absorption | Effect::Emission if self.media == 0 => no_media(),
             Effect::Absorption if !self.absorption => null(MEDIUM, "sigma_a is 0 in every medium"),
             Effect::Absorption => matters(MEDIUM, "a medium has sigma_a above 0"),
             Effect::Emission if !self.emission => null(MEDIUM, "no medium has emission"),
@@ -217,7 +233,7 @@ impl Contents {
             }
             Effect::SurfaceShadow => matters(SURFACE, "surfaces stand in the way of lights"),
             Effect::GradientShading => Absent("media are not shaded"),
-            Effect::Heterogeneity if scene.media.is_empty() => no_media(),
+            Effect::Heterogeneity if self.media == 0 => no_media(),
             Effect::Heterogeneity => match self.heterogeneous {
                 0 => null(
                     MEDIUM,
@@ -232,7 +248,7 @@ impl Contents {
                     format!("the densities of {many} media differ from place to place"),
                 ),
             },
-            Effect::ChromaticCoefficients | Effect::AnisotropicPhase if scene.media.is_empty() => {
+            Effect::ChromaticCoefficients | Effect::AnisotropicPhase if self.media == 0 => {
                 no_media()
             }
             Effect::ChromaticCoefficients if !self.chromatic => {
