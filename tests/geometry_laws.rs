@@ -198,16 +198,6 @@ proptest! {
         }
     }
 
-    #[test]
-    fn g6_two_touching_halves_are_the_whole(ray in aimed_ray(), at in -0.9..0.9_f64) {
-        let whole = unit_box();
-        let (mut left, mut right) = (whole, whole);
-        (left.max.x, right.min.x) = (at, at);
-        let length = |shape: &Aabb| shape.spans(&ray).iter().map(Span::length).sum::<f64>();
-        let exit = whole.spans(&ray).last().map_or(0.0, |span| span.far);
-        prop_assert!((length(&left) + length(&right) - length(&whole)).abs() <= 8.0 * U * exit);
-    }
-
     /// On a lattice that the far place can represent, moving is exact and so is everything else.
     #[test]
     fn g9_far_from_the_origin(

@@ -87,7 +87,8 @@ pub struct HenyeyGreenstein(pub Asymmetry);
 
 impl HenyeyGreenstein {
     /// The phase function at a turn, per steradian; also the density with which
-    /// [`HenyeyGreenstein::deflection`] chooses that direction. Measured: at most 4 ulp.
+    /// [`HenyeyGreenstein::deflection`] chooses that direction. Relative error at most 14 · 2^-53;
+    /// measured on 100 000 pairs of `g` and a cosine: at most 4.6 ulp.
     pub fn per_steradian(&self, turn: &Deflection) -> f64 {
         let g = self.0.g();
         let squared = self.squared_distance(turn);
@@ -103,7 +104,8 @@ impl HenyeyGreenstein {
     /// `(1 − g)(1 + cos θ) / (r (1 + g + r))`, `r² = 1 + g² − 2g cos θ`.
     ///
     /// The textbook's difference of reciprocals, `(1 − g²)/2g · (1/r − 1/(1 + g))`, brought to
-    /// one fraction: nothing cancels, and nothing is divided by `g`. Measured: at most 4.5 ulp.
+    /// one fraction: nothing cancels, and nothing is divided by `g`. Relative error at most
+    /// 12 · 2^-53; measured on 100 000 pairs of `g` and a cosine: at most 5.6 ulp.
     pub fn cdf(&self, turn: &Deflection) -> f64 {
         let g = self.0.g();
         let r = self.squared_distance(turn).sqrt();
@@ -113,9 +115,10 @@ impl HenyeyGreenstein {
     /// The turn that a share `u` of all scattered light stays below in its cosine: the inverse
     /// of [`HenyeyGreenstein::cdf`]. Rises with `u`, from straight back at 0 to straight on at 1.
     ///
-    /// Measured on 20 000 pairs of `g` and `u`, either of them close to its ends in half: the
-    /// distances from ±1 to at most 6.5 ulp each, 6.8 · 2^-53 relatively. The cosine itself, apart
-    /// from a rounding of it and one of `2u − 1`, to 4.3 · 2^-53 of the difference of these two.
+    /// In units of 2^-53 the distances from ±1 are off by at most 13, relatively; the cosine itself,
+    /// apart from a rounding of it and one of `2u − 1`, by 13 of the difference of these two. Measured
+    /// on 100 000 pairs of `g` and `u`, either of them close to its ends in half: 7.1 (and 7.1 ulp)
+    /// and 4.2.
     pub fn deflection(&self, u: f64) -> Deflection {
         let g = self.0.g();
         let (below, above, balance) = (u, 1.0 - u, 2.0 * u - 1.0);
