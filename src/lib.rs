@@ -59,10 +59,11 @@
 //!
 //! [`render::ray_caster`] and [`render::path_tracer`] are the renderers, [`scene`] what it is given, [`render::plan`] how the
 //! code that runs follows from the scene. [`compare`] judges two images, [`suite`] keeps the
-//! goldens and knows the [mistakes](suite::mistakes) people make, [`exchange`] says a scene in other
-//! renderers' words. Other renderers' tests begin at [`suite::check`]. Arrows between modules only point down this list: `cli`, [`report`], [`cost`], [`suite`],
-//! [`compare`], [`exchange`] and [`render`], [`scene`], [`media`], [`optics`],
-//! [`volume`], [`geometry`], [`film`], [`math`].
+//! goldens and knows the [mistakes](suite::mistakes) people make, [`hard_cases`] is the catalogue of
+//! inputs that make renderers wrong, [`exchange`] says a scene in other renderers' words. Other
+//! renderers' tests begin at [`suite::check`]. Arrows between modules only point down this list:
+//! `cli`, [`report`], [`suite`], [`hard_cases`], [`cost`], [`compare`], [`exchange`] and [`render`],
+//! [`scene`], [`media`], [`optics`], [`volume`], [`geometry`], [`film`], [`math`].
 //!
 //! ```no_run
 //! use volref::{render, render::Plan, scene::Scene};
@@ -81,6 +82,7 @@ pub mod cost;
 pub mod exchange;
 pub mod film;
 pub mod geometry;
+pub mod hard_cases;
 pub mod math;
 pub mod media;
 pub mod optics;

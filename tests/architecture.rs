@@ -11,6 +11,7 @@ const ROOMS: &[(&str, &[&str])] = &[
         &[
             "report",
             "suite",
+            "hard_cases",
             "cost",
             "exchange",
             "compare",
@@ -27,15 +28,10 @@ const ROOMS: &[(&str, &[&str])] = &[
     ),
     ("report", &["suite", "cost", "compare", "film", "math"]),
     (
-        "cost",
-        &[
-            "compare", "render", "scene", "media", "optics", "volume", "geometry", "film", "math",
-        ],
-    ),
-    (
         "suite",
         // Mistakes are edits of a scene, down to the nodes of its grids.
         &[
+            "hard_cases",
             "compare",
             "render",
             "scene",
@@ -45,6 +41,18 @@ const ROOMS: &[(&str, &[&str])] = &[
             "film",
             "math",
             "atomic_file",
+        ],
+    ),
+    (
+        "hard_cases",
+        &[
+            "cost", "render", "scene", "media", "optics", "volume", "geometry", "film", "math",
+        ],
+    ),
+    (
+        "cost",
+        &[
+            "compare", "render", "scene", "media", "optics", "volume", "geometry", "film", "math",
         ],
     ),
     ("compare", &["film", "math", "regular_file"]),

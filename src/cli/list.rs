@@ -3,7 +3,8 @@
 use super::Outcome;
 use super::failure::Failure;
 use super::output::Json;
-use super::suite::{Selection, select};
+use super::suite::{Selection, suite_failure};
+use crate::suite::{ANALYTIC, row_name};
 use serde_json::json;
 
 /// List the cases of the suite
@@ -21,8 +22,12 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
-    let cases = select(&suite, &arguments.filters)?;
-    let widest = cases.iter().map(|case| case.name.len()).max().unwrap_or(0);
+    let (cases, rows) = suite
+        .select_with_rows(&arguments.filters)
+        .map_err(suite_failure)?;
+    let row_names: Vec<String> = rows.iter().map(|row| row_name(row)).collect();
+    let names = cases.iter().map(|case| &case.name).chain(&row_names);
+    let widest = names.map(String::len).max().unwrap_or(0);
     let mut text = String::new();
     let mut entries = Vec::new();
     for case in cases {
@@ -42,6 +47,25 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             "exposure": case.exposure,
         }));
     }
-    let value = json!({ "schema": "volref/list/1", "cases": entries });
+    for (row, name) in rows.iter().zip(&row_names) {
+        text.push_str(&format!("{name:<widest$}  {ANALYTIC:<13}  {}\n", row.what));
+    }
+    let rows: Vec<_> = rows
+        .iter()
+        .zip(row_names)
+        .map(|(row, name)| {
+            json!({
+                "name": name,
+                "what": row.what,
+                "tolerance": row.tolerance,
+                "remedy": row.remedy,
+                "place": row.place,
+            })
+        })
+        .collect();
+    let mut value = json!({ "schema": "volref/list/1", "cases": entries });
+    if !rows.is_empty() {
+        value["rows"] = json!(rows);
+    }
     arguments.json.instead_of(text, &value).map(Outcome::from)
 }

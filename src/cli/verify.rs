@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::results::{Findings, ResultFiles};
-use super::suite::{Selection, exit, select, store, suite_failure};
+use super::suite::{Selection, exit, store, suite_failure};
 use super::{Outcome, progress, render};
 use crate::report;
 use crate::suite::{self, Case, CaseResult, Evidence, Suite, Verdict};
@@ -10,7 +10,8 @@ use crate::suite::{self, Case, CaseResult, Evidence, Suite, Verdict};
 /// Render the suite with the reference and compare every bit with the goldens
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Families, cases, or patterns over them such as 'figures/*' [default: all cases]
+    /// Families, cases, rows of hard cases such as G6, or patterns over them such as 'figures/*'
+    /// [default: all]
     #[arg(value_name = "FILTER")]
     filters: Vec<String>,
     #[command(flatten)]
@@ -26,11 +27,13 @@ pub struct Arguments {
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
     arguments.files.check(&suite)?;
-    let cases = select(&suite, &arguments.filters)?;
+    let (cases, rows) = suite
+        .select_with_rows(&arguments.filters)
+        .map_err(suite_failure)?;
     let store = store(&suite);
-    let mut judged: Vec<_> = render::with_threads(arguments.threads, || {
-        let bar = progress::cases(cases.len());
-        let judged = cases
+    let mut judged = render::with_threads(arguments.threads, || {
+        let bar = progress::cases(cases.len() + rows.len());
+        let mut judged: Vec<_> = cases
             .iter()
             .map(|case| {
                 bar.set_message(case.name.clone());
@@ -42,6 +45,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
                 judged
             })
             .collect();
+        judged.extend(rows.iter().map(|row| {
+            bar.set_message(suite::row_name(row));
+            let judged = suite::verify_row(row);
+            bar.inc(1);
+            judged
+        }));
         bar.finish_and_clear();
         judged
     })?;

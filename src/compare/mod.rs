@@ -31,10 +31,12 @@ pub enum Gate {
     Perceptual,
     /// Means of random samples, by the noise they state.
     Stochastic,
+    /// A known answer and a bound. Not for pairs of images.
+    Analytic,
 }
 
 impl Gate {
-    /// All gates.
+    /// The gates that a pair of images can be judged by.
     pub const ALL: [Gate; 4] = [
         Gate::Exact,
         Gate::Deterministic,
@@ -50,6 +52,7 @@ impl fmt::Display for Gate {
             Gate::Deterministic => "deterministic",
             Gate::Perceptual => "perceptual",
             Gate::Stochastic => "stochastic",
+            Gate::Analytic => "analytic",
         })
     }
 }

@@ -1,6 +1,7 @@
 //! Results for people.
 
-use crate::suite::{CaseResult, Likeness, Summary, Verdict};
+use crate::compare::Gate;
+use crate::suite::{CaseResult, ERROR_OF_TOLERANCE, Likeness, Summary, Verdict};
 
 /// A line for each case, the reason below each that did not pass, and a summary.
 pub fn results_text(results: &[CaseResult]) -> String {
@@ -13,14 +14,32 @@ pub fn results_text(results: &[CaseResult]) -> String {
     for result in results {
         let verdict = result.verdict.name();
         text.push_str(&format!(
-            "{verdict:<12}  {:<widest$}  {:>6.2} s\n",
+            "{verdict:<12}  {:<widest$}  {:>6.2} s",
             result.name, result.seconds
         ));
+        if let (Verdict::Pass, Some(&share)) =
+            (result.verdict, result.metrics.get(ERROR_OF_TOLERANCE))
+        {
+            text.push_str(&format!("  {:>6}", closeness(share)));
+            if result.gate == Gate::Analytic {
+                text.push_str(&format!("  {}", result.reason));
+            }
+        }
+        text.push('\n');
         if result.verdict != Verdict::Pass {
             for line in result.reason.lines() {
                 text.push_str(&format!("              {line}\n"));
             }
         }
+    }
+    if results
+        .iter()
+        .any(|result| result.metrics.contains_key(ERROR_OF_TOLERANCE))
+    {
+        text.push_str(
+            "\nThe number is the error of what is known beforehand, as a share of what it may be: \
+             0 is exact, 1 the edge.\n",
+        );
     }
     let summary = Summary::of(results);
     let counts = [
@@ -42,6 +61,15 @@ pub fn results_text(results: &[CaseResult]) -> String {
         said.join(", ")
     ));
     text
+}
+
+/// An error as a share of what it may be, in few characters.
+fn closeness(share: f64) -> String {
+    match share {
+        0.0 => "0".to_owned(),
+        share if share < 5e-4 => "<0.001".to_owned(),
+        share => format!("{share:.3}"),
+    }
 }
 
 /// What failing images look like, most likely first.

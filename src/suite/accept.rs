@@ -89,6 +89,18 @@ pub enum AcceptError {
         /// How they differ.
         reason: String,
     },
+    /// A picture that is not what is known beforehand.
+    #[error("{case}: the picture is not the answer that is known beforehand: {reason}")]
+    #[diagnostic(help(
+        "either `answer` or `answer_within` of the manifest is wrong, or the scene, or the \
+         renderer. Nothing was accepted"
+    ))]
+    WrongAnswer {
+        /// `family/name`.
+        case: String,
+        /// Where it is farthest off.
+        reason: String,
+    },
     /// The files could not be written.
     #[error(transparent)]
     Store(#[from] StoreError),
@@ -263,6 +275,15 @@ impl<'c> Task<'c> {
         }
         let golden = films.pop().expect("a case has a picture");
         let quick = films.pop();
+        if let Some(answer) = &self.case.answer {
+            let margin = answer.margin(&golden);
+            if !margin.passed() {
+                return Err(AcceptError::WrongAnswer {
+                    case: self.case.name.clone(),
+                    reason: margin.worst().to_owned(),
+                });
+            }
+        }
         if let (Some(sampling), Some(quick)) = (self.case.sampling, &quick) {
             check_converged(self.case, sampling, &golden)?;
             let judgement = judge_quick(&golden, quick);

@@ -1,7 +1,8 @@
 //! The folder is the suite: every manifest in it is a case.
 
-use super::mistakes;
+use super::{Answer, mistakes, row_name};
 use crate::compare::Gate;
+use crate::hard_cases::rows;
 use crate::scene::format::{Absent, Key, Kind, Literal, Range, Table};
 use crate::scene::reader::{Document, Reader};
 use crate::scene::{Scene, SceneError};
@@ -79,6 +80,18 @@ pub const MANIFEST: Table = Table {
             doc: "Stochastic cases: bias of the mean of the whole image that the gate promises to see, relative to that mean plus 0.001. Images too noisy for that are neither passed nor failed.",
         },
         Key {
+            name: "answer",
+            kind: Kind::Colour(Range::at_least(0.0)),
+            absent: Absent::Nothing,
+            doc: "Radiance that every pixel has, where it is known beforehand. `volref verify` holds the image to it, beside the golden; of a stochastic case the golden itself, in the mean of the whole image, to four standard errors.",
+        },
+        Key {
+            name: "answer_within",
+            kind: Kind::Number(Range::open(0.0, 1.0)),
+            absent: Absent::Nothing,
+            doc: "Deterministic cases with an `answer`, and required there: how far from it a pixel may be, relative to it.",
+        },
+        Key {
             name: "mistakes",
             kind: Kind::Words,
             absent: Absent::Nothing,
@@ -111,6 +124,8 @@ pub struct Case {
     pub computes: String,
     /// How it is rendered.
     pub class: String,
+    /// Radiance that every pixel has, where it is known beforehand.
+    pub answer: Option<Answer>,
     /// Mistakes that it must catch, by name.
     pub mistakes: Vec<String>,
     /// Stops at which 8-bit images are made.
@@ -271,6 +286,22 @@ impl Suite {
     /// family, a case (`family/name` or just `name`), or a glob over either. One that matches
     /// nothing is an error: a check that silently checks nothing is worse than none.
     pub fn select(&self, filters: &[String]) -> Result<Vec<&Case>, SuiteError> {
+        let selected = self.matching(filters, &[])?;
+        let cases = self.cases.iter().zip(selected);
+        Ok(cases
+            .filter(|(_, selected)| *selected)
+            .map(|(case, _)| case)
+            .collect())
+    }
+
+    /// Whether any of the filters matches, for each case and then for each of the names `others`.
+    pub(super) fn matching(
+        &self,
+        filters: &[String],
+        others: &[String],
+    ) -> Result<Vec<bool>, SuiteError> {
+        let cases = self.cases.iter().map(|case| &case.name);
+        let names: Vec<&String> = cases.chain(others).collect();
         if filters.is_empty() {
             if self.cases.is_empty() {
                 let help = format!("{CASES} is empty");
@@ -279,9 +310,9 @@ impl Suite {
                     help,
                 });
             }
-            return Ok(self.cases.iter().collect());
+            return Ok(vec![true; names.len()]);
         }
-        let mut selected = vec![false; self.cases.len()];
+        let mut selected = vec![false; names.len()];
         for filter in filters {
             let glob = Glob::new(filter).map_err(|error| SuiteError::Pattern {
                 filter: filter.clone(),
@@ -289,9 +320,9 @@ impl Suite {
             })?;
             let matcher = glob.compile_matcher();
             let mut matched = false;
-            for (case, selected) in self.cases.iter().zip(&mut selected) {
-                let name = case.name.rsplit('/').next().unwrap_or(&case.name);
-                if [case.name.as_str(), &case.family, name]
+            for (name, selected) in names.iter().zip(&mut selected) {
+                let (family, own) = name.split_once('/').unwrap_or((name, name));
+                if [name, family, own]
                     .iter()
                     .any(|text| matcher.is_match(text))
                 {
@@ -300,29 +331,35 @@ impl Suite {
                 }
             }
             if !matched {
-                let help = self.nearest(filter);
+                let help = self.nearest(filter, others);
                 return Err(SuiteError::NoMatch {
                     filter: filter.clone(),
                     help,
                 });
             }
         }
-        Ok(self
-            .cases
-            .iter()
-            .zip(selected)
-            .filter(|(_, s)| *s)
-            .map(|(case, _)| case)
-            .collect())
+        Ok(selected)
     }
 
-    fn nearest(&self, filter: &str) -> String {
-        let names = self
-            .cases
-            .iter()
-            .flat_map(|case| [&case.name, &case.family]);
-        let nearest = names.min_by_key(|name| strsim::damerau_levenshtein(name, filter));
-        match nearest {
+    fn nearest(&self, filter: &str, others: &[String]) -> String {
+        let is_row = rows().any(|row| filter == row.id || filter == row_name(row));
+        if is_row && others.is_empty() && !self.rows().is_empty() {
+            let images = filter.trim_start_matches("hard/").to_lowercase();
+            return format!(
+                "{filter} is a row of the catalogue of hard cases, which `volref verify` runs; the \
+                 images of the family are cases, such as '{images}-*'"
+            );
+        }
+        let all = self.cases.iter().map(|case| &case.name).chain(others);
+        let names = all.flat_map(|name| {
+            let (family, own) = name.split_once('/').unwrap_or((name, name));
+            [name, family, own]
+        });
+        let distance = |name: &&str| {
+            let (name, filter) = (name.to_lowercase(), filter.to_lowercase());
+            strsim::damerau_levenshtein(&name, &filter)
+        };
+        match names.min_by_key(distance) {
             Some(name) => format!("did you mean {name:?}? `volref list` shows all cases"),
             None => format!("{CASES} is empty"),
         }
@@ -385,6 +422,7 @@ fn read_manifest(path: &Path) -> Result<Case, Box<SceneError>> {
     };
     let class = reader.text("class")?;
     let sampling = read_sampling(&reader, class == "stochastic")?;
+    let answer = read_answer(&reader, class == "stochastic")?;
     Ok(Case {
         name: format!("{family}/{name}"),
         scene,
@@ -392,6 +430,7 @@ fn read_manifest(path: &Path) -> Result<Case, Box<SceneError>> {
         shows: reader.text("shows")?,
         computes: reader.text("computes")?,
         class,
+        answer,
         mistakes: read_mistakes(&reader)?,
         exposure: reader.number("exposure")?,
         sampling,
@@ -412,6 +451,32 @@ fn read_mistakes(reader: &Reader<'_, '_>) -> Result<Vec<String>, Box<SceneError>
         }
     }
     Ok(names)
+}
+
+fn read_answer(
+    reader: &Reader<'_, '_>,
+    is_stochastic: bool,
+) -> Result<Option<Answer>, Box<SceneError>> {
+    let radiance = reader.optional_vector("answer")?;
+    let within = reader.optional_number("answer_within")?;
+    match (radiance, within) {
+        (None, None) => Ok(None),
+        (None, Some(_)) => {
+            let message = "`answer_within` without an `answer`";
+            Err(reader.error("answer_within", message))
+        }
+        (Some(_), Some(_)) if is_stochastic => {
+            let message = "the answer of a stochastic case is held to four standard errors: leave \
+                           `answer_within` out";
+            Err(reader.error("answer_within", message))
+        }
+        (Some(radiance), None) if is_stochastic => Ok(Some(Answer::InTheMean(radiance))),
+        (Some(_), None) => {
+            let message = "a deterministic case with an `answer` needs `answer_within`";
+            Err(reader.error("answer", message))
+        }
+        (Some(radiance), Some(within)) => Ok(Some(Answer::EveryPixel { radiance, within })),
+    }
 }
 
 fn read_sampling(

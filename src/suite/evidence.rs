@@ -11,6 +11,8 @@ pub struct Evidence {
     pub golden: Option<Film>,
     /// The image that was judged; none where there is none, or none that can be read.
     pub test: Option<Picture>,
+    /// Whether there is an image at all: a row of the catalogue of hard cases has none.
+    pub without_image: bool,
     /// Stops at which the images are shown first.
     pub exposure: f64,
     /// Document and figure that the case reproduces.

@@ -1,6 +1,7 @@
 //! Cases, their goldens, and what `verify` and `accept` do with them.
 
 mod accept;
+mod answer;
 mod cache;
 mod case;
 mod check;
@@ -14,6 +15,7 @@ mod other_renderer;
 mod outputs;
 mod rendering;
 mod results;
+mod rows;
 #[cfg(test)]
 mod sampled_tests;
 mod self_test;
@@ -22,6 +24,7 @@ mod validate;
 mod verify;
 
 pub use accept::{AcceptError, Accepted, Change, Watch, accept};
+pub use answer::Answer;
 pub use cache::Cache;
 pub use case::{Case, MANIFEST, Sampling, Suite, SuiteError};
 pub use check::{SUITE_VARIABLE, check};
@@ -33,6 +36,7 @@ pub use naming::{Naming, naming};
 pub use other_renderer::{CommandTemplate, Ran, TemplateError, run, stop_all};
 pub use outputs::{Found, OutputError, Outputs, Stranger};
 pub use results::{CaseResult, Cause, Summary, Verdict};
+pub use rows::{ANALYTIC, ERROR_OF_TOLERANCE, HARD, row_name, verify_row};
 pub use self_test::{BenignTrials, Extent, MistakeTrials, Rejection, SelfTest, Trial, self_test};
 pub use store::{Disk, Failure, RealDisk, Store, StoreError};
 pub use validate::{Output, validate};

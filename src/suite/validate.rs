@@ -63,8 +63,10 @@ pub(super) fn validate_with(case: &Case, trusted: &Trusted, picture: Picture) ->
 }
 
 fn evidence(case: &Case, trusted: &Trusted) -> Evidence {
+    let answer = case.answer.as_ref();
+    let answer = answer.map(|answer| ("known answer".to_owned(), answer.to_string()));
     Evidence {
-        provenance: trusted.provenance(),
+        provenance: trusted.provenance().into_iter().chain(answer).collect(),
         golden: Some(trusted.golden.film.clone()),
         ..Evidence::of(case)
     }

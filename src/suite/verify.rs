@@ -3,7 +3,10 @@
 use super::finding::{Finding, Trusted};
 use super::golden::{input_hashes, short};
 use super::rendering::{Reference, Renderer, Shot, render_case};
-use super::{Case, CaseResult, Cause, Evidence, Judged, Quick, Store, Suite, SuiteError, Verdict};
+use super::rows::ERROR_OF_TOLERANCE;
+use super::{
+    Answer, Case, CaseResult, Cause, Evidence, Judged, Quick, Store, Suite, SuiteError, Verdict,
+};
 use crate::compare::{Gate, Judgement, Picture, judge, stochastic};
 use crate::film::Film;
 use crate::render;
@@ -38,10 +41,21 @@ pub(super) fn verify_with(
         let shot = quick.map_or(Shot::Only, |quick| Shot::Quick(quick.samples));
         let film = render_case(renderer, &trusted.scene, &trusted.plans, shot, progress)
             .map_err(|reason| Finding::new(Verdict::Fail, Cause::Mismatch, reason))?;
-        let finding = match quick {
+        let mut finding = match quick {
             None => compare(&trusted, &film),
             Some(quick) => compare_sampled(&trusted, quick, &film),
         };
+        if let Some(answer) = &case.answer {
+            // Of random samples the many say more.
+            let known = ("known answer".to_owned(), answer.to_string());
+            evidence.provenance.push(known);
+            let sure = if quick.is_some() {
+                &trusted.golden.film
+            } else {
+                &film
+            };
+            hold_to(answer, sure, &mut finding);
+        }
         evidence.test = Some(Picture::Radiance(film));
         Ok(finding)
     });
@@ -51,6 +65,29 @@ pub(super) fn verify_with(
         result: finding.result(case, gate, start),
         evidence,
     }
+}
+
+/// What is known beforehand outranks the golden.
+fn hold_to(answer: &Answer, film: &Film, finding: &mut Finding) {
+    let margin = answer.margin(film);
+    let share = margin.share();
+    if share.is_finite() {
+        finding.metrics.insert(ERROR_OF_TOLERANCE.to_owned(), share);
+    }
+    if margin.passed() {
+        finding.reason.push_str(&format!(
+            "; {share:.4} of the tolerance of its known answer"
+        ));
+        return;
+    }
+    finding.reason = format!(
+        "not the answer that is known beforehand: {}\neither `answer` or `answer_within` of the \
+         manifest is wrong, or the scene, or the renderer\n{}",
+        margin.worst(),
+        finding.reason
+    );
+    finding.verdict = Verdict::Fail;
+    finding.cause = finding.cause.max(Cause::Mismatch);
 }
 
 /// A result for each golden that belongs to no case: a case that disappears must not go

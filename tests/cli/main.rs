@@ -9,6 +9,7 @@ mod compare;
 mod cost;
 mod export;
 mod folder;
+mod hard;
 mod info;
 mod list;
 mod outputs;

@@ -277,6 +277,7 @@ pub fn hostile() -> Sample {
         test: Some(Picture::Radiance(edited(&film, |_, _, pixel| {
             pixel.map(|v| 2.0 * v)
         }))),
+        without_image: false,
         exposure: 0.0,
         source: text(),
         shows: text(),

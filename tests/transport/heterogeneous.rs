@@ -459,23 +459,6 @@ fn anisotropic_spacing_and_cells() {
     }
 }
 
-/// Hard case D2: the field xyz along the diagonal of one cell.
-#[test]
-fn a_cubic_along_the_diagonal() {
-    let lattice = Lattice::new([2; 3], DVec3::ONE, DVec3::ZERO).unwrap();
-    let mut corners = vec![0.0_f32; 8];
-    corners[7] = 1.0;
-    let density = GridDensity::new(
-        Arc::new(Grid::new(lattice, corners).unwrap()),
-        Interpolation::Trilinear,
-    );
-    let view = ray(DVec3::NEG_ONE, DVec3::ONE);
-    let span = density.bounds().span(&view).unwrap();
-    let found = density.integral(view.origin, view.direction, span, &mut 0);
-    let expected = 3.0_f64.sqrt() / 4.0;
-    assert!((found - expected).abs() <= 16.0 * U * expected, "{found:e}");
-}
-
 /// Hard case G8: with all lengths 2^k times as long, and all coefficients as much smaller, every
 /// path is the same to the bit.
 #[test]

@@ -2,8 +2,8 @@
 //! the digits they are known to, sampled paths within four standard errors.
 //!
 //! All entries of six files are asked: `single_scatter`, `slab_total`, `slab_radiance`,
-//! `semi_infinite`, `volume_radiance` and `furnace`; hard cases S4 to S8 and S10; and what follows
-//! from the equation alone: media add up where they overlap, and what is null changes no bit.
+//! `semi_infinite`, `volume_radiance` and `furnace`; hard cases S4, S8 and S10 at greater length than
+//! in the catalogue; and what follows from the equation alone: media add up where they overlap, and what is null changes no bit.
 //!
 //! Every seed is fixed, so nothing fails by chance. Each comparison prints how many standard
 //! errors it was off: `cargo test --test transport -- --nocapture | grep '^z'`.

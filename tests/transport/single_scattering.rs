@@ -160,39 +160,6 @@ fn by_tracing_paths() {
     }
 }
 
-/// Hard case S7: one turn is one turn, and crossing the boundary of a medium is none.
-#[test]
-fn s7_a_limit_of_one_turn() {
-    let exact = 0.017_201_957_973_755_8;
-    let scene = Radiative {
-        lights: vec![shining(1.0, 0.0, DVec3::ONE)],
-        ..slab(1.0, 0.5, 0.0)
-    };
-    let ray = leaving(Face::Upper, 1.0);
-    let found = by_quadrature(&scene, &ray).x;
-    assert!((found - exact).abs() <= 1e-10 * exact, "{found:e}");
-    let [found, ..] = sampled(&scene, Some(1), (7, 100_000), |_| ray);
-    agrees("S7", &found, exact, 0.0);
-    // The same layer cut into ten has twenty boundaries more.
-    let medium = scene.media[0].medium;
-    let layer = |index: u32| {
-        let reach = DVec3::new(REACH, REACH, 0.0);
-        let height = |index: u32| DVec3::Z * (f64::from(index) / 10.0);
-        within(
-            cuboid(height(index) - reach, height(index + 1) + reach),
-            medium,
-        )
-    };
-    let layers = Radiative {
-        media: (0..10).map(layer).collect(),
-        ..scene
-    };
-    let found = by_quadrature(&layers, &ray).x;
-    assert!((found - exact).abs() <= 1e-10 * exact, "{found:e}");
-    let [found, ..] = sampled(&layers, Some(1), (7, 100_000), |_| ray);
-    agrees("S7 in layers", &found, exact, 0.0);
-}
-
 /// Hard case S8: a light beside the line of sight, however near.
 #[test]
 fn s8_a_light_near_the_line_of_sight() {

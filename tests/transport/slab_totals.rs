@@ -205,17 +205,6 @@ fn under_an_emitting_plane() {
     }
 }
 
-/// Hard case S6: a thick slab that absorbs nothing. No path is cut short or weighted: each comes
-/// back with all it has from one side or the other, after a thousand turns and more.
-#[test]
-fn s6_a_thick_slab_keeps_nothing() {
-    let found = totals(&slab(50.0, 1.0, 0.0), (6, 5_000), |_| incoming(1.0));
-    // The asymptotic law, exact but for e^(−50), with H(1) and the extrapolation length of
-    // `semi_infinite` p008.
-    let transmitted = 2.907_810_529_078_606 / (3.0_f64.sqrt() * (50.0 + 2.0 * 0.710_446_089_6));
-    share_agrees("S6", &found.transmitted, transmitted);
-}
-
 /// The comparison can fail: what each likely mistake would make of p001 is more than ten standard
 /// errors away from it.
 #[test]

@@ -34,10 +34,12 @@ impl<'a> Views<'a> {
         let test = evidence.test.as_ref();
         let test =
             test.and_then(|image| shown(image, image.size().into(), "test image", &mut notes));
-        if evidence.golden.is_none() {
+        if evidence.without_image {
+            notes.push("This is no image: numbers are compared.".to_owned());
+        } else if evidence.golden.is_none() {
             notes.push("There is no golden that can be trusted to compare with.".to_owned());
         }
-        if evidence.test.is_none() {
+        if evidence.test.is_none() && !evidence.without_image {
             notes.push("There is no test image, or none that can be read.".to_owned());
         }
         let exposure = match evidence.exposure {

@@ -89,6 +89,10 @@ pub(super) fn gate(name: &str) -> &'static str {
              always; the limits are set so that an honest renderer meets a false alarm once in a \
              million suites."
         }
+        "analytic" => {
+            "The answer is known beforehand, and how far from it a number may be follows from how \
+             many roundings or samples it takes."
+        }
         _ => "",
     }
 }
@@ -96,6 +100,10 @@ pub(super) fn gate(name: &str) -> &'static str {
 /// What a number of a gate says. By name, as in JSON.
 pub(super) fn number(name: &str) -> &'static str {
     match name {
+        "error_of_tolerance" => {
+            "Error against the answer that is known beforehand, as a share of what it may be: 0 is \
+             exact, 1 the edge."
+        }
         "outlier_pixels" => "Pixels that are off by more than the tolerance.",
         "outlier_share" => "The same as a share of all pixels; at most 0.0002 may be.",
         "max_abs_error" => "Largest difference of any channel, in radiance.",

@@ -1,0 +1,713 @@
+//! D: data and grids.
+
+use super::Row;
+use super::margin::{Margin, U};
+use super::scenes::*;
+use super::test_ray::{LENGTH, SQUARED, TRANSMITTANCE, by_delta, by_last_number, by_ratio, smooth};
+use crate::cost::preintegration::Preintegrated;
+use crate::geometry::{Ray, Span};
+use crate::math::quadrature::integrate;
+use crate::math::rng::Stream;
+use crate::math::{Moments, Sum, exp, ln_1p, log2};
+use crate::media::estimators::ratio_tracking_variance;
+use crate::media::{
+    Appearance, Field, Phong, TransferFunction, TransferPoint, TransferPoints, optical_depth,
+    transmittance,
+};
+use crate::render::compositing::{FrontToBack, Layers, Order};
+use crate::render::effects::Everything;
+use crate::render::empty_space::Unexplored;
+use crate::render::field::Sampled;
+use crate::render::ray_caster::{RayCaster, Unshaded};
+use crate::render::steps::Steps;
+use crate::render::surroundings::Surroundings;
+use crate::render::tracker::Tracker;
+use crate::render::volume_shadow::Unshadowed;
+use crate::render::work::Uncounted;
+use crate::render::{Effect, Plan, render_counted};
+use crate::scene::{Classified, Model};
+use crate::volume::{
+    Centring, DensityField, Grid, GridDensity, GridError, Interpolation, Lattice, LoadOptions,
+    NonFinite, Trilinear, read_nrrd,
+};
+use glam::DVec3;
+use std::sync::Arc;
+
+pub const ROWS: &[Row] = &[
+    Row {
+        id: "D1",
+        what: "a constant grid is a homogeneous medium",
+        tolerance: "1e-14",
+        remedy: "interpolation as a + (b - a) t, exact where a = b",
+        place: "src/volume/interpolation.rs",
+        check: d1_constant_grid,
+    },
+    Row {
+        id: "D2",
+        what: "a trilinear field is a cubic along a ray",
+        tolerance: "8 u",
+        remedy: "cut at the faces of cells, and Gauss's rule of two points in each",
+        place: "src/volume/grid_density.rs",
+        check: d2_trilinear_cell,
+    },
+    Row {
+        id: "D3",
+        what: "one voxel, and one voxel thick, in both centrings",
+        tolerance: "1e-14",
+        remedy: "an axis of one node is a slab one spacing thick: nothing is divided by n - 1",
+        place: "src/volume/lattice.rs",
+        check: d3_one_voxel,
+    },
+    Row {
+        id: "D4",
+        what: "at the upper bound of a grid, an ulp below and above",
+        tolerance: "exact",
+        remedy: "the index is clamped, not the coordinate",
+        place: "src/volume/interpolation.rs",
+        check: d4_upper_bound,
+    },
+    Row {
+        id: "D5",
+        what: "spacing that differs from axis to axis",
+        tolerance: "1e-14",
+        remedy: "steps, walks and integrals run over world lengths",
+        place: "src/volume/grid_density.rs",
+        check: d5_anisotropic_spacing,
+    },
+    Row {
+        id: "D6",
+        what: "empty space: the background, and not one look-up",
+        tolerance: "exact",
+        remedy: "a bound of 0 is tested first: nothing is looked up there",
+        place: "src/render/tracking.rs",
+        check: d6_empty_space,
+    },
+    Row {
+        id: "D7",
+        what: "one bright voxel on the border of two blocks",
+        tolerance: "4 standard errors; 64 u by integrals; exact bound",
+        remedy: "bounds of a block cover every node that a look-up in it may read",
+        place: "src/volume/grid_density.rs",
+        check: d7_bright_voxel_on_a_border,
+    },
+    Row {
+        id: "D8",
+        what: "a density with a jump: marching has order 1, tracking no bias",
+        tolerance: "order within 0.15; 4 standard errors; 8 u by cells",
+        remedy: "cells are cut at their faces, tracking is held to bounds; steps are left to their order 1",
+        place: "src/volume/grid_density.rs",
+        check: d8_discontinuous_density,
+    },
+    Row {
+        id: "D9",
+        what: "voxels that are no densities: refused by name, or replaced",
+        tolerance: "exact",
+        remedy: "samples are checked as they are read, and a grid before it is a density",
+        place: "src/volume/samples.rs",
+        check: d9_voxels_that_are_no_densities,
+    },
+    Row {
+        id: "D10",
+        what: "subnormal voxels and huge ones",
+        tolerance: "exact",
+        remedy: "no number is flushed to zero; an infinite depth is a depth",
+        place: "src/media/optical_depth.rs",
+        check: d10_subnormal_and_huge_voxels,
+    },
+    Row {
+        id: "D11",
+        what: "a bound that is too small: counted; by ratio tracking without bias",
+        tolerance: "4 standard errors; 4 % of the variance; exact count above 0",
+        remedy: "every look-up is held against its bound, and violations end the rendering",
+        place: "src/render/tracking.rs",
+        check: d11_bound_too_small,
+    },
+    Row {
+        id: "D12",
+        what: "an extinction that is its bound, to one ulp",
+        tolerance: "4 standard errors",
+        remedy: "real or null is decided by one comparison: no null collision has probability 0",
+        place: "src/render/tracking.rs",
+        check: d12_extinction_at_its_bound,
+    },
+    Row {
+        id: "D13",
+        what: "a narrow peak in the transfer function",
+        tolerance: "1e-10",
+        remedy: "segments are classified, not points",
+        place: "src/cost/preintegration.rs",
+        check: d13_narrow_peak,
+    },
+    Row {
+        id: "D14",
+        what: "no gradient, and surfaces that are just touched",
+        tolerance: "exact",
+        remedy: "a zero gradient has no normal, and the colour stays as it is",
+        place: "src/media/phong.rs",
+        check: d14_zero_gradient_and_touched_surfaces,
+    },
+];
+
+const BOTH: [Interpolation; 2] = [Interpolation::Nearest, Interpolation::Trilinear];
+
+/// `∫ density dt` along `ray`, and how long the ray is in the box.
+fn depth(density: &GridDensity, ray: &Ray) -> (f64, f64) {
+    let nowhere = Span {
+        near: 0.0,
+        far: 0.0,
+    };
+    let inside = density.bounds().span(ray).unwrap_or(nowhere);
+    let depth = density.integral(ray.origin, ray.direction, inside, &mut 0);
+    (depth, inside.length())
+}
+
+fn d1_constant_grid(margin: &mut Margin) {
+    let constant = grid([5, 4, 3], DVec3::splat(0.3), |_| 0.7);
+    for interpolation in BOTH {
+        let density = GridDensity::new(constant.clone(), interpolation);
+        for [u, v, w] in numbers(41, 500) {
+            // From around the box to a point in it.
+            let origin = DVec3::new(3.0 * u, 3.0 * v, 3.0 * w) - 1.0;
+            let target = DVec3::new(1.2 * v, 0.9 * w, 0.6 * u);
+            let Some(ray) = Ray::new(origin, target - origin) else {
+                continue;
+            };
+            let (depth, length) = depth(&density, &ray);
+            let right = f64::from(0.7_f32) * length;
+            margin.within(
+                format_args!("{origin} to {target}"),
+                depth,
+                right,
+                1e-14 * right,
+            );
+        }
+    }
+}
+
+fn d2_trilinear_cell(margin: &mut Margin) {
+    let product = grid([2; 3], DVec3::ONE, |[i, j, k]| (i * j * k) as f32);
+    let density = GridDensity::new(product, Interpolation::Trilinear);
+    // ∫ (t/√3)³ dt from 0 to √3; one sample in the middle would find half of it.
+    let (depth, _) = depth(&density, &ray([0.0; 3], [1.0; 3]));
+    margin.roundings("xyz along the diagonal", depth, 3.0_f64.sqrt() / 4.0, 8.0);
+}
+
+fn d3_one_voxel(margin: &mut Margin) {
+    for (nodes, axis) in [
+        ([1, 1, 1], 0),
+        ([1, 16, 16], 0),
+        ([16, 1, 16], 1),
+        ([4, 4, 1], 2),
+    ] {
+        for centring in [Centring::Nodes, Centring::Cells] {
+            let lattice = Lattice::new(nodes, DVec3::splat(0.5), DVec3::ZERO)
+                .and_then(|lattice| lattice.with_centring(centring))
+                .expect("a lattice");
+            let values = vec![2.0; lattice.node_count()];
+            let grid = Arc::new(Grid::new(lattice, values).expect("a value for each node"));
+            for interpolation in BOTH {
+                let density = GridDensity::new(grid.clone(), interpolation);
+                let mut origin = density.bounds().centre();
+                origin[axis] = -10.0;
+                let (depth, length) = depth(&density, &ray(origin, DVec3::AXES[axis]));
+                let what = format!("{nodes:?}, {centring:?}, {interpolation:?}");
+                margin.within(format_args!("{what}: length"), length, 0.5, 0.5e-14);
+                margin.within(format_args!("{what}: depth"), depth, 1.0, 1e-14);
+            }
+        }
+    }
+}
+
+fn d4_upper_bound(margin: &mut Margin) {
+    let ramp = grid([4; 3], DVec3::ONE, |[i, _, _]| i as f32);
+    for interpolation in BOTH {
+        let density = GridDensity::new(ramp.clone(), interpolation);
+        let at = |x: f64| density.density(DVec3::new(x, 1.5, 1.5));
+        let below = 3.0_f64.next_down();
+        margin.exact(format_args!("{interpolation:?}: at it"), at(3.0), 3.0);
+        // The ramp itself is that much lower there; a nearest voxel is the last one.
+        let right = if interpolation == Interpolation::Nearest {
+            3.0
+        } else {
+            below
+        };
+        margin.exact(format_args!("{interpolation:?}: below"), at(below), right);
+        let beyond = ray([3.0_f64.next_up(), 1.5, -1.0], DVec3::Z);
+        margin.exact("beyond", density.bounds().span(&beyond), None);
+    }
+}
+
+fn d5_anisotropic_spacing(margin: &mut Margin) {
+    let sigma = 0.5;
+    let constant = grid([5, 4, 3], [1.0, 2.0, 4.0], |_| 1.0);
+    for interpolation in BOTH {
+        let density = GridDensity::new(constant.clone(), interpolation);
+        let (bounds, field) = (density.bounds(), Field::Grid(density.clone()));
+        let scene = before_sky(vec![varying(bounds, field, grey(sigma, 0.0, 0.0))]);
+        for towards in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE] {
+            let ray = ray(bounds.centre() - 20.0 * towards, towards);
+            let (depth, length) = depth(&density, &ray);
+            let what = format_args!("{interpolation:?}, along {towards}");
+            margin.within(what, sigma * depth, sigma * length, 1e-14 * sigma * length);
+            let seen = straight(&scene, &ray).x;
+            let right = transmittance(optical_depth(sigma, length));
+            // An error of the depth is one of the transmittance, τ times as large.
+            margin.within(
+                format_args!("seen along {towards}"),
+                seen,
+                right,
+                1e-14 * sigma * length * right,
+            );
+        }
+    }
+}
+
+fn d6_empty_space(margin: &mut Margin) {
+    let seen = |model: Model| {
+        rendered(&scene_of(model, [8, 8])).map(|rendering| {
+            let sky = rendering
+                .film
+                .radiance()
+                .iter()
+                .all(|&pixel| pixel == [1.0; 3]);
+            (sky, rendering.work[0].density_lookups)
+        })
+    };
+    let empty = grid([33, 9, 9], DVec3::splat(1.0 / 16.0), |_| 0.0);
+    // Something in the first blocks along x only, out of sight.
+    let one_side = grid([65, 9, 9], DVec3::splat(1.0 / 16.0), |[i, _, _]| {
+        if i < 5 { 1.0 } else { 0.0 }
+    });
+    for (name, grid, beside) in [("empty", empty, 0.0), ("beside some", one_side, 3.0)] {
+        let density = GridDensity::new(grid.clone(), Interpolation::Trilinear);
+        let fog = varying(density.bounds(), Field::Grid(density), grey(5.0, 0.8, 0.0));
+        let mut scene = before_sky(vec![fog]);
+        let middle = DVec3::new(beside, 0.25, 0.25);
+        scene.camera = crate::geometry::Camera::new(middle - DVec3::Z * 3.0, middle, DVec3::Y, 0.1)
+            .expect("a view");
+        margin.exact(
+            format_args!("{name}: fog"),
+            seen(Model::Radiative(Box::new(scene.clone()))),
+            Ok((true, 0)),
+        );
+        let volume = Classified {
+            background: DVec3::ONE,
+            camera: scene.camera,
+            ..classified(grid, by_formula(0.1))
+        };
+        margin.exact(
+            format_args!("{name}: volume"),
+            seen(Model::Classified(Box::new(volume))),
+            Ok((true, 0)),
+        );
+    }
+}
+
+fn d7_bright_voxel_on_a_border(margin: &mut Margin) {
+    const SAMPLES: u32 = 40_000;
+    let spacing = DVec3::new(2.0 / 32.0, 0.25, 0.25);
+    let spike = grid([33, 9, 9], spacing, |node| {
+        if node == [8, 4, 4] { 50.0 } else { 0.0 }
+    });
+    let density = GridDensity::new(spike, Interpolation::Trilinear);
+    let blocks = density.blocks();
+    for block in [[0, 0, 0], [1, 0, 0]] {
+        margin.holds(
+            format_args!("the bound of block {block:?} covers the spike"),
+            blocks.range_in(block).high >= 50.0,
+        );
+    }
+    margin.exact(
+        "bound of a block beyond",
+        blocks.range_in([2, 0, 0]).high,
+        0.0,
+    );
+    // Past the spike, by a third of a cell in x and a quarter of one in y: a triangle of that share
+    // of its height over two cells of 0.25.
+    let view = ray([spacing.x * (8.0 + 1.0 / 3.0), 0.25 * 4.25, -1.0], DVec3::Z);
+    let right = exp(-(0.2 * 50.0 * (2.0 / 3.0) * 0.75 * 0.25));
+    let body = |albedo| {
+        let field = Field::Grid(density.clone());
+        before_sky(vec![varying(
+            density.bounds(),
+            field,
+            grey(0.2, albedo, 0.0),
+        )])
+    };
+    // The place on the ray is rounded in units of a cell of 1/16.
+    let seen = straight(&body(0.0), &view).x;
+    margin.within("by integrals", seen, right, 64.0 * U * right);
+    let scene = body(1.0);
+    let around = Surroundings::<Everything>::new(&scene, false);
+    let mut tracker = Tracker::default();
+    let by_ratio = (0..SAMPLES).map(|sample| {
+        tracker.at_turn(&Stream::new(3, 0, sample), 0);
+        around
+            .visibility(&view, f64::INFINITY, &mut tracker, &mut Uncounted)
+            .x
+    });
+    margin.sampled(
+        "by ratio tracking",
+        &Moments::from_iter(by_ratio),
+        right,
+        0.0,
+    );
+    let [by_delta, ..] = sampled(&scene, Some(0), SAMPLES, view);
+    margin.sampled("by delta tracking", &by_delta, right, 0.0);
+    margin.exact("violations of the bound", tracker.take_violations(), 0);
+}
+
+fn d8_discontinuous_density(margin: &mut Margin) {
+    // Depth by steps, against what follows from the place of the edge.
+    let span = Span {
+        near: 0.0,
+        far: LENGTH,
+    };
+    let error = |count: u32, edge: f64| {
+        let steps = Steps::over(span, LENGTH / f64::from(count));
+        let of_step = |index| {
+            let (middle, length) = steps.sample(index);
+            optical_depth(if middle > edge { 2.0 } else { 0.2 }, length)
+        };
+        let depth = Sum::from_iter((0..steps.count()).map(of_step)).value();
+        depth - (0.2 * edge + 2.0 * (LENGTH - edge))
+    };
+    // Over many places of the edge, for at one of them the error is as it falls out. Along a
+    // refinement by 64 the spread of the mean of 2000 is below 0.02 of an order.
+    let mean_error = |count: u32| {
+        let errors = numbers(48, 2000).map(|[u, ..]| error(count, LENGTH * u).abs());
+        Sum::from_iter(errors).value() / 2000.0
+    };
+    let order = log2(mean_error(16) / mean_error(1024)) / 6.0;
+    margin.within("order of marching", order, 1.0, 0.15);
+
+    let edge = 0.731_415;
+    let sigma = |t: f64| if t > edge { 2.0 } else { 0.2 };
+    let right = exp(-(0.2 * edge + 2.0 * (LENGTH - edge)));
+    for (name, found) in [
+        ("delta tracking", by_delta(&sigma, 2.0, 100_000)),
+        ("ratio tracking", by_ratio(&sigma, 2.0, 100_000)),
+    ] {
+        margin.sampled(name, &found.moments, right, 0.0);
+        margin.exact(format_args!("{name}: violations"), found.violations, 0);
+    }
+    // A grid of nearest voxels, cut at its faces: no steps, and no order.
+    let voxels = grid([8, 1, 1], DVec3::splat(0.25), |[i, _, _]| {
+        if i > 2 { 2.0 } else { 0.25 }
+    });
+    let density = GridDensity::new(voxels, Interpolation::Nearest);
+    let (found, _) = depth(&density, &ray([-1.0, 0.0, 0.0], DVec3::X));
+    // From the first node to the last, the face between nodes 2 and 3 lies at 0.625.
+    margin.roundings("voxels", found, 0.25 * 0.625 + 2.0 * (1.75 - 0.625), 8.0);
+}
+
+/// Four voxels a side as text in the NRRD format, one of which is `odd`.
+fn nrrd_with(odd: &str) -> String {
+    let values: Vec<_> = (0..64)
+        .map(|index| if index == 57 { odd } else { "1" })
+        .collect();
+    format!(
+        "NRRD0004\ntype: float\ndimension: 3\nsizes: 4 4 4\nencoding: ascii\n\n{}\n",
+        values.join(" ")
+    )
+}
+
+fn d9_voxels_that_are_no_densities(margin: &mut Margin) {
+    // Node 57 of 4 × 4 × 4.
+    let place = [1, 2, 3];
+    for text in ["nan", "inf", "-inf"] {
+        let file = nrrd_with(text);
+        let refused = read_nrrd(file.as_bytes(), &LoadOptions::default());
+        let named = refused.err().map(|error| error.to_string());
+        let is_named = named.as_ref().is_some_and(|named| {
+            named.contains("(1, 2, 3)") && named.to_lowercase().contains(text)
+        });
+        margin.holds(
+            format_args!("{text} is refused by place and value: {named:?}"),
+            is_named,
+        );
+        let options = LoadOptions {
+            non_finite: NonFinite::Replaced(0.0),
+            ..LoadOptions::default()
+        };
+        match read_nrrd(file.as_bytes(), &options) {
+            Ok(grid) => {
+                margin.exact(format_args!("{text}, replaced"), grid.values()[57], 0.0);
+                let volume = classified(Arc::new(grid), by_formula(1.0));
+                let film = rendered(&scene_of(Model::Classified(Box::new(volume)), [8, 8]));
+                let bad = film.map(|rendering| rendering.film.first_without_radiance());
+                margin.exact(format_args!("picture, {text} replaced"), bad, Ok(None));
+            }
+            Err(error) => margin.holds(format_args!("{text} can be replaced: {error}"), false),
+        }
+    }
+    for wrong in [-1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        let grid = grid(
+            [4; 3],
+            DVec3::ONE,
+            |node| if node == place { wrong } else { 1.0 },
+        );
+        let named = match grid.check_densities() {
+            Err(GridError::Density { node, value }) => Some((node, value.to_bits())),
+            _ => None,
+        };
+        let right = Some((place, f64::from(wrong).to_bits()));
+        margin.exact(format_args!("a density of {wrong}"), named, right);
+    }
+}
+
+fn d10_subnormal_and_huge_voxels(margin: &mut Margin) {
+    for (value, right) in [(1e-45_f32, 1.0), (f32::MAX, 0.0)] {
+        let density = GridDensity::new(
+            grid([3; 3], DVec3::ONE, |_| value),
+            Interpolation::Trilinear,
+        );
+        let view = ray([-1.0, 0.7, 0.7], [1.0, 0.1, 0.1]);
+        let (depth, _) = depth(&density, &view);
+        margin.exact(
+            format_args!("voxels of {value:e}"),
+            transmittance(depth),
+            right,
+        );
+        // Voxels of 1e-310 and 1e300 are these with a coefficient: what overflows lets nothing
+        // through, what underflows all.
+        for sigma in [1e-272, 1e262] {
+            let field = Field::Grid(density.clone());
+            let body = varying(density.bounds(), field, grey(sigma, 0.0, 0.0));
+            let seen = straight(&before_sky(vec![body]), &view).x;
+            let right = if f64::from(value) * sigma > 1.0 {
+                0.0
+            } else {
+                1.0
+            };
+            margin.exact(
+                format_args!("voxels of {value:e}, sigma {sigma:e}"),
+                seen,
+                right,
+            );
+        }
+    }
+}
+
+fn d11_bound_too_small(margin: &mut Margin) {
+    let bound = 2.0;
+    let ratio = by_ratio(&smooth, bound, 400_000);
+    margin.holds("violations are counted", ratio.violations > 0);
+    margin.sampled("ratio tracking, forced", &ratio.moments, TRANSMITTANCE, 0.0);
+    // Of 400 000 samples whose fourth moment is that of these, the variance is known to 1 %.
+    let depth = -crate::math::ln(TRANSMITTANCE);
+    let right = ratio_tracking_variance(depth, SQUARED / bound);
+    let found = ratio.moments.variance().unwrap_or(f64::NAN);
+    margin.within("its variance", found, right, 0.04 * right);
+    // Delta tracking never sees more than the bound: almost three times the answer.
+    let delta = by_delta(&smooth, bound, 100_000);
+    margin.holds(
+        "violations of delta tracking are counted",
+        delta.violations > 0,
+    );
+    let seen = integrate(|t| DVec3::splat(smooth(t).min(bound)), 0.0, LENGTH, 1e-12);
+    margin.sampled(
+        "delta tracking, forced",
+        &delta.moments,
+        exp(-seen.value.x),
+        0.0,
+    );
+    margin.within(
+        "what it was known to find",
+        exp(-seen.value.x),
+        0.0245,
+        5e-4,
+    );
+    let honest = by_delta(&smooth, smooth(LENGTH), 100_000);
+    margin.exact("violations of the right bound", honest.violations, 0);
+    margin.sampled("delta tracking", &honest.moments, TRANSMITTANCE, 0.0);
+}
+
+fn d12_extinction_at_its_bound(margin: &mut Margin) {
+    // With the last of all random numbers a collision is real where the extinction is the bound, and
+    // leaves numbers where it is not, in every channel.
+    for bound in [1.5_f64, 2.0_f64.next_down(), 1.0] {
+        let (collided, survived) = by_last_number(DVec3::splat(bound), bound);
+        margin.holds(format_args!("the last number is real at {bound}"), collided);
+        margin.exact(format_args!("weight at {bound}"), survived, DVec3::ONE);
+        let odd = DVec3::new(bound.next_down(), bound, 0.0);
+        let (_, survived) = by_last_number(odd, bound);
+        let numbers = survived.is_finite() && survived.min_element() >= 0.0;
+        margin.holds(
+            format_args!("weights {survived} at an ulp below {bound}"),
+            numbers,
+        );
+        for sigma in [bound, bound.next_down()] {
+            let right = exp(-sigma * LENGTH);
+            for (name, found) in [
+                ("delta", by_delta(&|_| sigma, bound, 40_000)),
+                ("ratio", by_ratio(&|_| sigma, bound, 40_000)),
+            ] {
+                margin.sampled(
+                    format_args!("{name}, {sigma} of {bound}"),
+                    &found.moments,
+                    right,
+                    0.0,
+                );
+            }
+        }
+    }
+    // A grid of two values that differ by an ulp, tracked by the renderer; nothing scatters in what
+    // it is held against, an integral.
+    let below = 1.0_f32.next_down();
+    let nearly = grid([5; 3], DVec3::splat(0.5), |[i, j, k]| {
+        if (i + j + k) % 2 == 0 { 1.0 } else { below }
+    });
+    let nearly = GridDensity::new(nearly, Interpolation::Trilinear);
+    let seen = |albedo| {
+        let field = Field::Grid(nearly.clone());
+        before_sky(vec![varying(
+            nearly.bounds(),
+            field,
+            grey(0.8, albedo, 0.0),
+        )])
+    };
+    let view = ray([0.7, 0.9, -3.0], DVec3::Z);
+    let right = straight(&seen(0.0), &view).x;
+    let [found, ..] = sampled(&seen(0.875), Some(0), 40_000, view);
+    margin.sampled("a grid an ulp below its bound", &found, right, 0.0);
+}
+
+fn point(value: f64, opacity: f64, colour: DVec3) -> TransferPoint {
+    TransferPoint {
+        value,
+        colour,
+        opacity,
+    }
+}
+
+fn table(points: Vec<TransferPoint>, reference_length: f64) -> TransferFunction {
+    TransferFunction {
+        appearance: Appearance::Points(TransferPoints::new(points).expect("a table")),
+        reference_length,
+    }
+}
+
+fn d13_narrow_peak(margin: &mut Margin) {
+    const STEPS: u32 = 10;
+    let peak = |opacity| {
+        table(
+            vec![
+                point(0.49, 0.0, DVec3::X),
+                point(0.49, opacity, DVec3::X),
+                point(0.51, opacity, DVec3::X),
+                point(0.51, 0.0, DVec3::X),
+            ],
+            0.01,
+        )
+    };
+    // A field that rises from 0 to 1 over a length of 1, in steps of 0.1.
+    let crossed = |transfer: &TransferFunction| {
+        let segments = Preintegrated::new(transfer);
+        let (mut points, mut whole) = (Layers::default(), Layers::default());
+        for index in 0..STEPS {
+            let value = |index: f64| index / f64::from(STEPS);
+            let (index, step) = (f64::from(index), 1.0 / f64::from(STEPS));
+            let own = transfer.opacity(value(index + 0.5), step);
+            points = FrontToBack::add(points, DVec3::X * own, own);
+            let segment = segments.segment(value(index), value(index + 1.0), step);
+            whole = FrontToBack::add(whole, segment.colour, segment.opacity);
+        }
+        (points, whole)
+    };
+    // What points see of it: nothing, all of it missed.
+    let (points, whole) = crossed(&peak(1.0));
+    margin.exact("points", points, Layers::default());
+    margin.exact("segments, opaque", whole, Layers::single(DVec3::X, 1.0));
+    // Two reference lengths at opacity 3/4.
+    let (points, whole) = crossed(&peak(0.75));
+    margin.exact("points, nearly opaque", points, Layers::default());
+    margin.within(
+        "segments, nearly opaque",
+        whole.opacity,
+        0.9375,
+        1e-10 * 0.9375,
+    );
+    margin.within("their radiance", whole.colour.x, 0.9375, 1e-10 * 0.9375);
+    let faint = -crate::math::exp_m1(2.0 * ln_1p(-1e-9));
+    let (_, whole) = crossed(&peak(1e-9));
+    margin.within("segments, faint", whole.opacity, faint, 1e-10 * faint);
+}
+
+fn d14_zero_gradient_and_touched_surfaces(margin: &mut Margin) {
+    let phong = Phong {
+        ambient: 0.1,
+        diffuse: 1.0,
+        specular: 1.0,
+        shininess: 32,
+    };
+    let colour = DVec3::new(0.2, 0.5, 0.9);
+    let shaded = phong.shade(colour, DVec3::ZERO, DVec3::Y, DVec3::Z);
+    margin.exact("no gradient: the colour as it is", shaded, colour);
+    // A constant volume, shaded, is the same volume unshaded; what is null is forced, so that
+    // gradients are asked for.
+    let constant = classified(grid([4; 3], DVec3::splat(0.25), |_| 0.5), by_formula(0.5));
+    let picture = |phong, forced: &[Effect]| {
+        let volume = Classified {
+            phong,
+            ..constant.clone()
+        };
+        let scene = scene_of(Model::Classified(Box::new(volume)), [8, 8]);
+        let plan = Plan::forcing(&scene.panels[0], forced).ok()?;
+        let rendering = render_counted(&scene, &[plan], &|| ()).ok()?;
+        let asked = rendering.work[0].gradient_lookups > 0;
+        Some((rendering.film.pixel_hash(), asked))
+    };
+    let forced = [Effect::GradientShading, Effect::Heterogeneity];
+    let (shaded, plain) = (picture(Some(phong), &forced), picture(None, &[]));
+    margin.exact(
+        "gradients are asked for",
+        shaded.as_ref().map(|shaded| shaded.1),
+        Some(true),
+    );
+    let bits = |picture: Option<(String, bool)>| picture.map(|(bits, _)| bits);
+    margin.same_picture("a constant volume, shaded", bits(shaded), bits(plain));
+
+    // A surface: opaque from 1 on, and nothing below. The field is 1 at one node only, so that the
+    // surface is a point of it, and a ray through that node touches it without crossing.
+    let surface = table(
+        vec![point(1.0, 0.0, DVec3::Y), point(1.0, 1.0, DVec3::Y)],
+        1.0,
+    );
+    let touched = grid([5, 5, 5], DVec3::ONE, |node| {
+        if node == [2, 2, 2] { 1.0 } else { 0.25 }
+    });
+    // On a plane of nodes, two layers thick, the value is exactly that of the surface.
+    let exact = grid(
+        [5, 5, 5],
+        DVec3::ONE,
+        |[.., k]| if k >= 2 { 1.0 } else { 0.0 },
+    );
+    for (name, grid, x, hit) in [
+        ("touched", touched.clone(), 2.0, true),
+        ("beside", touched, 2.0_f64.next_up(), false),
+        ("equal to a voxel", exact, 1.3, true),
+    ] {
+        let caster = RayCaster {
+            field: Sampled::new(&grid, Trilinear),
+            order: FrontToBack,
+            shading: Unshaded,
+            visibility: Unshadowed,
+            space: Unexplored,
+            transfer_function: &surface,
+            // From z = 0 on: the third sample lies at 2 exactly.
+            step: 0.8,
+            bounds: grid.lattice().bounds(),
+        };
+        let layers = caster.layers(&ray([x, 2.0, -1.0], DVec3::Z), &mut Uncounted);
+        let right = if hit { DVec3::Y } else { DVec3::ZERO };
+        // A second hit would add to it, none would leave it black.
+        margin.exact(format_args!("{name}: colour"), layers.colour, right);
+        let transparency = if hit { 0.0 } else { 1.0 };
+        margin.exact(
+            format_args!("{name}: let through"),
+            layers.transparency,
+            transparency,
+        );
+    }
+}

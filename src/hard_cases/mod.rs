@@ -1,0 +1,98 @@
+//! The catalogue of hard cases: inputs that make volume renderers wrong without making them crash.
+//!
+//! Each row has a small set-up, an answer that is known beforehand, and a tolerance that is derived
+//! from the number of roundings or from the number of samples. It is run on the code that renders,
+//! never on a copy of a formula. `volref verify hard` prints every row with its error as a share of
+//! its tolerance, so that one sees how close to the edge it is; `cargo test --test hard_cases` has
+//! a test for each.
+//!
+//! Rows that are images stand a second time in the suite, as cases of the family `hard`, so that
+//! other renderers can be run on them.
+//!
+//! # Policies that the rows rely on
+//!
+//! 1. A ray that lies *in* a face of a box belongs to the box whose minimum face it is, never to
+//!    the one whose maximum face it is, so that touching boxes neither count twice nor leave a gap.
+//!    `−0` is 0.
+//! 2. An effect is skipped only if its coefficient is exactly zero.
+//! 3. Rays are not ended early, and paths are not cut, unless the scene asks for it.
+//! 4. A density that is not finite or is negative is refused, and the voxel named, unless the scene
+//!    says what to use instead.
+//! 5. All transcendental functions are those of one pinned implementation ([`crate::math`]), and a
+//!    fused multiply-add is used nowhere.
+//! 6. An axis of one node is a slab one spacing thick, in either centring. (Elsewhere it may be taken
+//!    for a mistake, where values stand at nodes.)
+//!
+//! What a row says of images may also stand in a case of the suite: moved pictures of G9, goldens of
+//! A7, both of which are verified there.
+
+mod accumulation;
+mod data;
+mod exponentials;
+mod geometry;
+mod margin;
+mod scattering;
+mod scenes;
+mod test_ray;
+
+pub use margin::{Margin, STANDARD_ERRORS, U};
+
+/// A row of the catalogue.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Letter and number: `G1`.
+    pub id: &'static str,
+    /// The case in words.
+    pub what: &'static str,
+    /// What it is allowed to be off, in words.
+    pub tolerance: &'static str,
+    /// What keeps the renderer right.
+    pub remedy: &'static str,
+    /// The source file in which the remedy stands, with its reason.
+    pub place: &'static str,
+    check: fn(&mut Margin),
+}
+
+impl Row {
+    /// Runs the row. Same result on every run and machine.
+    pub fn run(&self) -> Margin {
+        let mut margin = Margin::default();
+        (self.check)(&mut margin);
+        margin
+    }
+}
+
+/// All rows, in the order of the catalogue: geometry, exponentials, data, scattering, accumulation.
+pub fn rows() -> impl Iterator<Item = &'static Row> {
+    [
+        geometry::ROWS,
+        exponentials::ROWS,
+        data::ROWS,
+        scattering::ROWS,
+        accumulation::ROWS,
+    ]
+    .into_iter()
+    .flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn remedies_stand_where_they_are_said_to() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+        for row in rows() {
+            assert!(root.join(row.place).is_file(), "{}: {}", row.id, row.place);
+        }
+    }
+
+    #[test]
+    fn no_row_is_missing() {
+        let ids: Vec<_> = rows().map(|row| row.id.to_owned()).collect();
+        let all = [("G", 12), ("E", 9), ("D", 14), ("S", 10), ("A", 7)];
+        let all = all.into_iter();
+        let all = all.flat_map(|(group, last)| (1..=last).map(move |row| format!("{group}{row}")));
+        assert_eq!(ids, all.collect::<Vec<_>>());
+    }
+}

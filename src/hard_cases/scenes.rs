@@ -1,0 +1,261 @@
+//! Set-ups in code, and what is seen in them by the code that renders.
+
+use crate::geometry::{Aabb, Boundary, Camera, Ray, Sphere};
+use crate::math::Moments;
+use crate::math::rng::{Purpose, Stream};
+use crate::media::{
+    Appearance, Asymmetry, Coefficients, Colormap, Density, Field, HenyeyGreenstein, Homogeneous,
+    Phong, TransferFunction, TransferOpacity,
+};
+use crate::render::effects::Everything;
+use crate::render::line_of_sight::{LineOfSight, TOLERANCE};
+use crate::render::path_tracer::{PathTracer, Scratch};
+use crate::render::surroundings::Surroundings;
+use crate::render::work::Uncounted;
+use crate::render::{Plan, RenderError, Rendering, render_counted};
+use crate::scene::{
+    Body, Classified, Compositing, Model, Panel, Radiative, Scattering, Scene, Shadow,
+};
+use crate::volume::{Grid, Interpolation, Lattice};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// The largest random number there is.
+pub const LAST: f64 = 1.0 - f64::EPSILON / 2.0;
+
+pub fn ray(origin: impl Into<DVec3>, towards: impl Into<DVec3>) -> Ray {
+    Ray::new(origin.into(), towards.into()).expect("a direction")
+}
+
+pub fn cuboid(min: impl Into<DVec3>, max: impl Into<DVec3>) -> Aabb {
+    Aabb::new(min.into(), max.into()).expect("corners in order")
+}
+
+/// The cube from 0 to 1.
+pub fn unit_box() -> Aabb {
+    cuboid(DVec3::ZERO, DVec3::ONE)
+}
+
+pub fn ball(centre: DVec3, radius: f64) -> Sphere {
+    Sphere::new(centre, radius).expect("a radius above 0")
+}
+
+/// Numbers in [0, 1), the same in every run: `count` sets of three.
+pub fn numbers(seed: u64, count: u32) -> impl Iterator<Item = [f64; 3]> {
+    (0..count).map(move |sample| {
+        let stream = Stream::new(seed, 0, sample);
+        let [u, v] = stream.pair(0, Purpose::Camera, 0);
+        [u, v, stream.uniform(0, Purpose::Camera, 2)]
+    })
+}
+
+pub fn grid(
+    nodes: [usize; 3],
+    spacing: impl Into<DVec3>,
+    value: impl Fn([usize; 3]) -> f32,
+) -> Arc<Grid<f32>> {
+    let lattice = Lattice::new(nodes, spacing.into(), DVec3::ZERO).expect("a lattice");
+    let values = (0..lattice.node_count()).map(|index| value(lattice.node(index)));
+    Arc::new(Grid::new(lattice, values.collect()).expect("a value for each node"))
+}
+
+/// A medium that is the same in all channels.
+pub fn grey(sigma_t: f64, albedo: f64, g: f64) -> Homogeneous {
+    let sigma_s = sigma_t * albedo;
+    coloured(
+        DVec3::splat(sigma_t - sigma_s),
+        DVec3::splat(sigma_s),
+        Asymmetry::new(g).expect("within ±1"),
+    )
+}
+
+pub fn coloured(sigma_a: DVec3, sigma_s: DVec3, g: Asymmetry) -> Homogeneous {
+    Homogeneous {
+        coefficients: Coefficients::new(sigma_a, sigma_s).expect("coefficients"),
+        emission: DVec3::ZERO,
+        phase: HenyeyGreenstein(g),
+    }
+}
+
+/// `medium` with the emission of a body in thermal equilibrium with radiance `source`.
+pub fn glowing(medium: Homogeneous, source: f64) -> Homogeneous {
+    Homogeneous {
+        emission: medium.coefficients.sigma_a() * source,
+        ..medium
+    }
+}
+
+pub fn in_box(bounds: Aabb, medium: Homogeneous) -> Body {
+    Body {
+        boundary: Some(Boundary::Box(bounds)),
+        medium,
+        density: None,
+    }
+}
+
+pub fn in_ball(sphere: Sphere, medium: Homogeneous) -> Body {
+    Body {
+        boundary: Some(Boundary::Sphere(sphere)),
+        medium,
+        density: None,
+    }
+}
+
+/// A medium in a box, with a density of its own.
+pub fn varying(bounds: Aabb, field: Field, medium: Homogeneous) -> Body {
+    Body {
+        density: Some(Density::new(field, bounds, None)),
+        ..in_box(bounds, medium)
+    }
+}
+
+/// Media before an environment of radiance 1, seen along +z from z = −3.
+pub fn before_sky(media: Vec<Body>) -> Radiative {
+    let eye = DVec3::new(0.0, 0.0, -3.0);
+    Radiative {
+        scattering: Scattering::Multiple(None),
+        objects: vec![],
+        area_lights: vec![],
+        media,
+        lights: vec![],
+        environment: DVec3::ONE,
+        camera: Camera::new(eye, DVec3::ZERO, DVec3::Y, 0.7).expect("a view"),
+        samples: 4,
+        seed: 0,
+    }
+}
+
+/// Light along the line of sight that is not turned.
+pub fn straight(scene: &Radiative, ray: &Ray) -> DVec3 {
+    line_of_sight(scene, ray, false, TOLERANCE)
+}
+
+/// Light along the line of sight, turned once at most, by the tolerance of images.
+pub fn turned_once(scene: &Radiative, ray: &Ray) -> DVec3 {
+    turned_once_within(TOLERANCE, scene, ray)
+}
+
+/// The same by integrals to another tolerance.
+pub fn turned_once_within(tolerance: f64, scene: &Radiative, ray: &Ray) -> DVec3 {
+    line_of_sight(scene, ray, true, tolerance)
+}
+
+fn line_of_sight(scene: &Radiative, ray: &Ray, turned: bool, tolerance: f64) -> DVec3 {
+    let renderer = LineOfSight::<Everything> {
+        around: Surroundings::new(scene, false),
+        turned,
+        tolerance,
+    };
+    let (mut lit, mut tracker) = Default::default();
+    renderer.radiance(ray, &mut lit, &mut tracker, &mut Uncounted)
+}
+
+/// What path number `sample` brings back along `ray`, turned `limit` times at most.
+pub fn paths<'s>(
+    scene: &'s Radiative,
+    limit: Option<u32>,
+    ray: Ray,
+) -> impl FnMut(u32) -> DVec3 + use<'s> {
+    let tracer = PathTracer::<Everything>::new(scene, limit, false);
+    let mut scratch = Scratch::default();
+    move |sample| {
+        let random = Stream::new(scene.seed, 0, sample);
+        let radiance = tracer.radiance(ray, &random, &mut scratch, &mut Uncounted);
+        // A path without an end brings back nothing that could be compared.
+        radiance.unwrap_or(DVec3::NAN)
+    }
+}
+
+/// By channel, the moments of what `samples` paths bring back along `ray`.
+pub fn sampled(scene: &Radiative, limit: Option<u32>, samples: u32, ray: Ray) -> [Moments; 3] {
+    let mut path = paths(scene, limit, ray);
+    let mut moments = [Moments::default(); 3];
+    for sample in 0..samples {
+        let channels = path(sample).to_array();
+        moments
+            .iter_mut()
+            .zip(channels)
+            .for_each(|(moments, channel)| moments.add(channel));
+    }
+    moments
+}
+
+/// A picture of `model` in a scene of its own, by the code of `volref render`.
+pub fn scene_of(model: Model, [width, height]: [usize; 2]) -> Scene {
+    Scene {
+        path: "scene.toml".into(),
+        panels: vec![Panel {
+            title: None,
+            width,
+            height,
+            model,
+            inputs: vec![],
+            readings: vec![],
+        }],
+    }
+}
+
+/// A hash of the bits of the picture of `scene`; none where it has none.
+pub fn bits(scene: &Scene) -> Option<String> {
+    rendered(scene)
+        .ok()
+        .map(|rendering| rendering.film.pixel_hash())
+}
+
+pub fn rendered(scene: &Scene) -> Result<Rendering, RenderError> {
+    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
+    render_counted(scene, &plans, &|| ())
+}
+
+/// A classified volume, bumpy, lit and shadowed, seen by a camera in front of it.
+pub fn plume(scale: f64) -> Classified {
+    let bump = |[i, j, k]: [usize; 3]| ((i * 7 + j * 3 + k * 5) % 11) as f32 / 11.0;
+    Classified {
+        phong: Some(Phong {
+            ambient: 0.1,
+            diffuse: 1.0,
+            specular: 0.5,
+            shininess: 8,
+        }),
+        shadow: Some(Shadow {
+            step: 0.25 * scale,
+            reference_step: 0.125 * scale,
+        }),
+        ..classified(
+            grid([6, 5, 4], DVec3::splat(0.25 * scale), bump),
+            by_formula(0.5 * scale),
+        )
+    }
+}
+
+/// The opacity curve of the ray-casting assignment, grey.
+pub fn by_formula(reference_length: f64) -> TransferFunction {
+    let colormap = Colormap::named("grey").expect("a map of that name");
+    TransferFunction {
+        appearance: Appearance::Formula {
+            opacity: TransferOpacity { floor: 0.36 },
+            colormap,
+        },
+        reference_length,
+    }
+}
+
+/// `grid` as `transfer_function` has it, neither shaded nor shadowed, seen along +z from twice its
+/// size away, in steps of half a voxel.
+pub fn classified(grid: Arc<Grid<f32>>, transfer_function: TransferFunction) -> Classified {
+    let bounds = grid.lattice().bounds();
+    let (centre, size) = (bounds.centre(), bounds.size().max_element());
+    let eye = centre - DVec3::Z * (2.0 * size);
+    Classified {
+        step: 0.5 * grid.lattice().voxel(),
+        grid,
+        interpolation: Interpolation::Trilinear,
+        compositing: Compositing::FrontToBack,
+        transfer_function,
+        phong: None,
+        shadow: None,
+        light: eye + DVec3::Y * size,
+        background: DVec3::ZERO,
+        camera: Camera::new(eye, centre, DVec3::Y, 0.7).expect("a view"),
+    }
+}

@@ -1,0 +1,128 @@
+//! Answers that are known beforehand: the first rank of truth, above any golden.
+
+use crate::film::Film;
+use crate::hard_cases::{Margin, STANDARD_ERRORS};
+use crate::math::Sum;
+use glam::DVec3;
+use std::fmt;
+
+/// Radiance that every pixel of a case has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Answer {
+    /// Of an image without noise.
+    EveryPixel {
+        /// What each pixel is.
+        radiance: DVec3,
+        /// How far from it a pixel may be, relative to it.
+        within: f64,
+    },
+    /// Of an image of random samples: what the mean of all pixels is, but for noise.
+    InTheMean(DVec3),
+}
+
+impl fmt::Display for Answer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Answer::EveryPixel { radiance, within } => {
+                write!(f, "{radiance} in every pixel, within {within:e} of it")
+            }
+            Answer::InTheMean(radiance) => {
+                write!(
+                    f,
+                    "{radiance} in the mean of all pixels, within four standard errors"
+                )
+            }
+        }
+    }
+}
+
+/// Red, green and blue, as messages name them.
+const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+
+/// Pixels are stored with 24 binary digits: half of the last one, relative.
+const STORED: f64 = 1.0 / (1 << 24) as f64;
+
+impl Answer {
+    /// How far `film` is from the answer.
+    pub fn margin(&self, film: &Film) -> Margin {
+        let mut margin = Margin::default();
+        match *self {
+            Answer::EveryPixel { radiance, within } => {
+                for (index, pixel) in film.radiance().iter().enumerate() {
+                    let (column, row) = (index % film.width(), index / film.width());
+                    for ((found, right), channel) in
+                        pixel.iter().zip(radiance.to_array()).zip(CHANNELS)
+                    {
+                        let what = format_args!("{channel} of pixel ({column}, {row})");
+                        margin.within(what, f64::from(*found), right, within * right);
+                    }
+                }
+            }
+            Answer::InTheMean(radiance) => {
+                let count = film.radiance().len() as f64;
+                for channel in 0..3 {
+                    let mean = |pixels: &[[f32; 3]]| {
+                        Sum::from_iter(pixels.iter().map(|pixel| pixel[channel].into())).value()
+                            / count
+                    };
+                    let variance = film
+                        .noise()
+                        .map_or(f64::NAN, |noise| mean(noise.variance()) / count);
+                    let right = radiance[channel];
+                    let allowed = STANDARD_ERRORS * variance.sqrt() + STORED * right;
+                    margin.within(
+                        format_args!("mean of {}", CHANNELS[channel]),
+                        mean(film.radiance()),
+                        right,
+                        allowed,
+                    );
+                }
+            }
+        }
+        margin
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_pixel_counts() {
+        let answer = Answer::EveryPixel {
+            radiance: DVec3::new(1.0, 2.0, 0.0),
+            within: 0.5,
+        };
+        let right = [1.0, 2.0, 0.0];
+        let film = |odd| Film::new(2, 1, vec![right, odd]);
+        assert_eq!(answer.margin(&film(right)).share(), 0.0);
+        assert_eq!(answer.margin(&film([1.0, 2.25, 0.0])).share(), 0.25);
+        assert_eq!(answer.margin(&film([1.75, 2.0, 0.0])).share(), 1.5);
+        // What is to be black has to be black.
+        assert_eq!(
+            answer.margin(&film([1.0, 2.0, 1e-30])).share(),
+            f64::INFINITY
+        );
+        assert_eq!(
+            answer.margin(&film([1.0, f32::NAN, 0.0])).share(),
+            f64::INFINITY
+        );
+    }
+
+    #[test]
+    fn the_mean_counts_as_far_as_noise_lets_it() {
+        let answer = Answer::InTheMean(DVec3::ONE);
+        let film =
+            |mean, variance| Film::with_noise(2, 2, vec![[mean; 3]; 4], vec![[variance; 3]; 4], 16);
+        // A variance of 1/16 in each of four pixels: a standard error of 1/8.
+        assert!((answer.margin(&film(1.25, 0.0625)).share() - 0.5).abs() < 1e-6);
+        assert!((answer.margin(&film(0.25, 0.0625)).share() - 1.5).abs() < 1e-6);
+        assert_eq!(answer.margin(&film(1.0, 0.0)).share(), 0.0);
+        assert!(answer.margin(&film(1.0 + f32::EPSILON, 0.0)).share() > 1.0);
+        // Without any statement of noise nothing can be said.
+        assert_eq!(
+            answer.margin(&Film::new(1, 1, vec![[1.5; 3]])).share(),
+            f64::INFINITY
+        );
+    }
+}

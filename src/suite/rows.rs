@@ -1,0 +1,107 @@
+//! The rows of the catalogue of hard cases, as results of the suite.
+
+use super::{Case, CaseResult, Cause, Evidence, Judged, Suite, SuiteError, Verdict};
+use crate::compare::Gate;
+use crate::hard_cases::{Row, rows};
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// The family of the catalogue. A suite with cases of it has the rows, too.
+pub const HARD: &str = "hard";
+
+/// The class of rows in results.
+pub const ANALYTIC: &str = "analytic";
+
+/// The number by which results say how far from a known answer they are, as a share of what they
+/// may be.
+pub const ERROR_OF_TOLERANCE: &str = "error_of_tolerance";
+
+/// `hard/G1`.
+pub fn row_name(row: &Row) -> String {
+    format!("{HARD}/{}", row.id)
+}
+
+impl Suite {
+    /// The rows that go with this suite.
+    pub fn rows(&self) -> Vec<&'static Row> {
+        match self.cases().iter().any(|case| case.family == HARD) {
+            true => rows().collect(),
+            false => vec![],
+        }
+    }
+
+    /// The cases and rows that any of the filters matches, as [`Suite::select`] has it.
+    pub fn select_with_rows(
+        &self,
+        filters: &[String],
+    ) -> Result<(Vec<&Case>, Vec<&'static Row>), SuiteError> {
+        let rows = self.rows();
+        let names: Vec<String> = rows.iter().map(|row| row_name(row)).collect();
+        let selected = self.matching(filters, &names)?;
+        let (of_cases, of_rows) = selected.split_at(self.cases().len());
+        let cases = self
+            .cases()
+            .iter()
+            .zip(of_cases)
+            .filter(|(_, selected)| **selected);
+        let rows = rows
+            .into_iter()
+            .zip(of_rows)
+            .filter(|(_, selected)| **selected);
+        Ok((
+            cases.map(|(case, _)| case).collect(),
+            rows.map(|(row, _)| row).collect(),
+        ))
+    }
+}
+
+/// Runs a row.
+pub fn verify_row(row: &Row) -> Judged {
+    let start = Instant::now();
+    let margin = row.run();
+    let share = margin.share();
+    let (verdict, cause, reason) = match margin.passed() {
+        true => {
+            let reason = format!("{} [{}]", row.what, row.tolerance);
+            (Verdict::Pass, Cause::None, reason)
+        }
+        false => {
+            let reason = format!(
+                "{}: {share:.3} times the tolerance, which is: {}\n{}",
+                row.what,
+                row.tolerance,
+                margin.worst()
+            );
+            (Verdict::Fail, Cause::Mismatch, reason)
+        }
+    };
+    let mut metrics = BTreeMap::new();
+    // What is to be exact and is not has no number.
+    if share.is_finite() {
+        metrics.insert(ERROR_OF_TOLERANCE.to_owned(), share);
+    }
+    let result = CaseResult {
+        name: row_name(row),
+        family: HARD.to_owned(),
+        class: ANALYTIC.to_owned(),
+        verdict,
+        metrics,
+        gate: Gate::Analytic,
+        reason,
+        looks_like: Vec::new(),
+        seconds: start.elapsed().as_secs_f64(),
+        work: BTreeMap::new(),
+        cause,
+    };
+    Judged {
+        result,
+        evidence: Evidence {
+            source: format!("Catalogue of hard cases, {}", row.id),
+            shows: format!("{}. It may be off by: {}.", row.what, row.tolerance),
+            computes: format!("Remedy: {}; see {}.", row.remedy, row.place),
+            reproduce: vec![format!("volref verify {}", row_name(row))],
+            without_image: true,
+            ..Evidence::default()
+        },
+    }
+}
