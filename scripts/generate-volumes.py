@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Writes the small volumes of fixtures/volumes/formats: one grid in every format that is read.
+"""Writes the small volumes of fixtures/volumes/formats, one grid in every format that is read, and
+of fixtures/volumes/hard, the grids of the hard cases.
 
-The grid has 4 × 3 × 2 nodes, spacing (0.5, 1, 2), its first node at (-1, 2, 3), and the value
+The grid of the formats has 4 × 3 × 2 nodes, spacing (0.5, 1, 2), its first node at (-1, 2, 3), and the value
 i + 10·j + 100·k at node (i, j, k): values that every type of 8 bits or more can hold. Formats that
 cannot say all of this (the course's grid) leave out what they cannot. Needs Python 3 alone.
 """
@@ -13,7 +14,8 @@ import struct
 NODES = (4, 3, 2)
 SPACING = (0.5, 1.0, 2.0)
 FIRST = (-1.0, 2.0, 3.0)
-FOLDER = pathlib.Path(__file__).parent.parent / "fixtures" / "volumes" / "formats"
+VOLUMES = pathlib.Path(__file__).parent.parent / "fixtures" / "volumes"
+FOLDER = VOLUMES / "formats"
 
 
 def value(i, j, k):
@@ -110,4 +112,73 @@ header_bytes = 2
     )
 
 
+def hard(name, nodes, spacing, value, first=(0, 0, 0), centre="node", comment=""):
+    """A text NRRD of `value(i, j, k)`; `first` is where the first value lies."""
+    rows = [
+        " ".join(str(value(i, j, k)) for i in range(nodes[0]))
+        for k in range(nodes[2])
+        for j in range(nodes[1])
+    ]
+    axes = ((spacing[0], 0, 0), (0, spacing[1], 0), (0, 0, spacing[2]))
+    header = [
+        "NRRD0004",
+        f"# {comment}",
+        "type: double",
+        "dimension: 3",
+        "space dimension: 3",
+        "sizes: " + " ".join(map(str, nodes)),
+        "space directions: " + " ".join(f"({x},{y},{z})" for x, y, z in axes),
+        "space origin: ({},{},{})".format(*first),
+        f"centers: {centre} {centre} {centre}",
+        "encoding: text",
+        "",
+    ]
+    (VOLUMES / "hard").mkdir(parents=True, exist_ok=True)
+    (VOLUMES / "hard" / name).write_text("\n".join(header + rows) + "\n")
+
+
+def hill(i, j, k):
+    """Highest at node (2, 3, 2), lopsided; in sixty-fourths, so exact in single precision."""
+    def part(n, top):
+        return max(0, 4 - abs(n - top) * (2 if n > top else 1) - (n == 0))
+
+    return part(i, 2) * part(j, 3) * part(k, 2) / 64
+
+
+def hard_cases():
+    hard("constant.nrrd", (5, 4, 3), (0.25, 0.25, 0.25), lambda *_: 0.7, comment="0.7 everywhere")
+    hard("half.nrrd", (2, 2, 2), (1, 1, 1), lambda *_: 0.5, comment="0.5 everywhere, edge 1")
+    hard("half-3.3.nrrd", (2, 2, 2), (3.3, 3.3, 3.3), lambda *_: 0.5, comment="0.5, edge 3.3")
+    hard("ones.nrrd", (5, 4, 3), (1, 2, 4), lambda *_: 1, comment="1, three spacings")
+    hard("empty.nrrd", (4, 4, 4), (0.25, 0.25, 0.25), lambda *_: 0, comment="nothing")
+    hard("tenth.nrrd", (3, 3, 3), (1000, 1000, 200), lambda *n: (0.1, 0.10000001)[sum(n) % 2],
+         (-1000, -1000, -400), comment="0.1 to an ulp of single precision, 2000 wide, 400 deep")
+    hard("cell.nrrd", (2, 2, 2), (1, 1, 1), lambda i, j, k: i * j * k, comment="xyz in one cell")
+    hard("ramp.nrrd", (2, 2, 2), (1, 1, 1), lambda i, j, k: k, comment="z")
+    hard("linear.nrrd", (9, 9, 9), (0.125,) * 3, lambda i, j, k: (i + j + k) / 32,
+         comment="(x + y + z)/4 in 8 x 8 x 8 cells")
+    hard("thin.nrrd", (1, 16, 16), (1, 1, 1), lambda i, j, k: (j * k % 7) / 4, (0.5, 0.5, 0.5),
+         "cell", "one voxel thick along x")
+    hard("one.nrrd", (1, 1, 1), (1, 1, 1), lambda *_: 0.7, (0.5, 0.5, 0.5), "cell", "one voxel")
+    hard("spacings.nrrd", (5, 4, 3), (1, 2, 4), lambda i, j, k: (i + 2 * j * j + 3 * k * i) % 5,
+         comment="three spacings")
+    sixteenth = (0.0625, 0.0625, 0.0625)
+    hard("spike.nrrd", (17, 17, 17), sixteenth, lambda *n: int(n == (8, 8, 8)),
+         comment="1 at node (8, 8, 8), else 0")
+    hard("steps.nrrd", (2, 2, 5), (1, 1, 0.37), lambda i, j, k: (0.2, 0.2, 2, 0.2, 2)[k],
+         comment="jumps between nodes along z, if the nearest node holds")
+    hard("tiny-and-huge.nrrd", (2, 2, 2), (1, 1, 1), lambda i, j, k: ("1e-40", "3e38")[i],
+         comment="a subnormal and a huge number of single precision")
+    odd = {(0, 0, 0): "nan", (1, 2, 1): "inf", (2, 1, 3): "-inf", (3, 3, 3): "nan"}
+    hard("not-finite.nrrd", (4, 4, 4), (0.25, 0.25, 0.25), lambda *n: odd.get(n, 0.7),
+         comment="0.7, but for four values")
+    for name, unit in (("", 1), ("-up", 2.0**40), ("-down", 2.0**-40)):
+        hard(f"hill{name}.nrrd", (6, 6, 6), (0.25 * unit,) * 3, hill, (-0.5 * unit,) * 3,
+             comment=f"a hill, nodes {0.25 * unit!r} apart")
+    far = 2**20
+    hard("hill-far.nrrd", (6, 6, 6), (0.25,) * 3, hill, (far - 0.5,) * 3,
+         comment="the hill, moved by 2^20 along each axis")
+
+
 main()
+hard_cases()

@@ -3,6 +3,7 @@
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use std::path::Path;
+use volref::film::Film;
 use volref::suite::{Case, Store, Suite, Verdict, verify};
 
 fn main() {
@@ -23,6 +24,9 @@ fn main() {
             _ => Err("a run without cases passes".into()),
         }
     }));
+    trials.push(Trial::test("scaled-scenes-have-the-same-bits", || {
+        SAME_BITS.iter().try_for_each(|names| same_bits(names))
+    }));
     if let Ok(suite) = suite {
         let goldens = suite.golden_folder();
         trials.extend(suite.cases().iter().map(|case| {
@@ -31,6 +35,33 @@ fn main() {
         }));
     }
     libtest_mimic::run(&arguments, trials).exit();
+}
+
+/// Cases of one picture: effects that are null, and all lengths times a power of two.
+const SAME_BITS: [&[&str]; 4] = [
+    &["s7-one-scattering", "a6-null-effects"],
+    &["d13-narrow-peak", "a6-null-shading"],
+    &["g8-two-bodies", "g8-scaled-up", "g8-scaled-down"],
+    &["g8-shaded-hill", "g8-shaded-hill-up", "g8-shaded-hill-down"],
+];
+
+/// Whether the goldens of these cases of the family `hard`, each of which is verified by a trial of
+/// its own, have the same pixels.
+fn same_bits(names: &[&str]) -> Result<(), Failed> {
+    let pixels = |name: &str| -> Result<String, Failed> {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("golden/hard/{name}.exr"));
+        let bytes = std::fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok(Film::from_exr(&bytes)
+            .map_err(|error| error.to_string())?
+            .pixel_hash())
+    };
+    let first = pixels(names[0])?;
+    for name in &names[1..] {
+        if pixels(name)? != first {
+            return Err(format!("hard/{name} has other pixels than hard/{}", names[0]).into());
+        }
+    }
+    Ok(())
 }
 
 /// An empty run of trials would pass, and nobody would notice.
