@@ -34,6 +34,9 @@ RUSTDOCFLAGS="-D warnings" cargo doc --no-deps
 step "the suite, as in the README"
 cargo run --release -- verify
 
+step "the same bits from every build, on some cases"
+scripts/same-bits.sh figures smoke fog/heterogeneous procedural/coloured 'g8-*' 'A[45]'
+
 step "the smoke cloud is what its generator makes"
 scripts/generate-smoke.sh --check
 
