@@ -9,6 +9,10 @@
 //! however little is let through: a million samples of a depth of 10 in all were 1.3e-10 off.
 //! Where less than half is let through, the opacity is what is missing, so that it is never above 1.
 //!
+//! Measured on a million random layers, of a depth of 0.001, 1 and 30 in all: opacity to at most
+//! 310 ulp in either order, colour to 160 ulp, at a depth of 30 to 11 000; the derived bounds are
+//! some thousand times as large.
+//!
 //! Source: Porter & Duff 1984, "Compositing digital images" (the operator *over*); Levoy 1988.
 
 use glam::DVec3;
@@ -86,9 +90,10 @@ impl Order for FrontToBack {
 /// [`FrontToBack`] until less than a share of the light from behind is let through.
 ///
 /// Let `T` be what is let through, `C` what the samples left out would send and `T'` what they would
-/// let through: the pixel is off by `T (C − (1 − T') background)`, either way by less than `T` times the
-/// brightest radiance there is, for both terms are at most that. That bound is part of the [plan](super::plan::Approximation): it is an approximation that a scene asks for,
-/// never one that is made for it.
+/// let through: the pixel is off by `T (C − (1 − T') background)`, either way by less than `T` times
+/// the brightest radiance there is, for both terms are at most that. That bound is part of the
+/// [plan](super::plan::Approximation): it is an approximation that a scene asks for, never one that
+/// is made for it.
 #[derive(Clone, Copy, Debug)]
 pub struct EarlyTermination {
     /// The share, in (0, 1).
