@@ -345,33 +345,6 @@ fn g10_far_and_grazed_sphere(margin: &mut Margin) {
     margin.exact("beside", unit.spans(&beside).len(), 0);
 }
 
-/// A box, closed, of two triangles a side.
-fn box_of_triangles(min: DVec3, max: DVec3) -> ClosedMesh {
-    let corner = |index: usize| {
-        let pick = |axis: usize| {
-            if index >> axis & 1 == 0 {
-                min[axis]
-            } else {
-                max[axis]
-            }
-        };
-        DVec3::new(pick(0), pick(1), pick(2))
-    };
-    let sides = [
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-    ];
-    let triangles = sides
-        .into_iter()
-        .flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
-    let mesh = Mesh::new((0..8).map(corner).collect(), triangles.collect());
-    ClosedMesh::new(mesh.expect("triangles")).expect("closed, and not inside out")
-}
-
 fn g11_leaving_a_surface(margin: &mut Margin) {
     let turn = Transform::rotation(DVec3::new(1.0, 2.0, 3.0), 37.0).expect("an axis");
     for scale in [1e-6, 1.0, 1e6] {
@@ -380,6 +353,9 @@ fn g11_leaving_a_surface(margin: &mut Margin) {
         let shift = Transform::translation(centre).expect("finite");
         let unequal = Transform::scale(DVec3::new(scale, 3.0 * scale, 0.2 * scale)).expect("not 0");
         let ellipsoid = unequal.then(&turn).then(&shift);
+        let triangles = Mesh::cuboid(&cube)
+            .and_then(ClosedMesh::new)
+            .expect("closed");
         let shapes: [(&str, Box<dyn Solid>); 5] = [
             ("sphere", Box::new(ball(centre, scale))),
             ("box", Box::new(cube)),
@@ -388,10 +364,7 @@ fn g11_leaving_a_surface(margin: &mut Margin) {
                 "ellipsoid",
                 Box::new(Placed::new(ball(DVec3::X, 1.0), ellipsoid)),
             ),
-            (
-                "box of triangles",
-                Box::new(box_of_triangles(cube.min, cube.max)),
-            ),
+            ("box of triangles", Box::new(triangles)),
         ];
         for (name, shape) in &shapes {
             let what = |which: &str| format!("{which}, {name} of size {scale:e}");
