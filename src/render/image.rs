@@ -284,10 +284,30 @@ pub(super) struct Pixels<'p> {
 /// Evaluates `pixel` for every pixel [column, row], rows in parallel. Pixels depend on nothing
 /// but their place, and are put together in order, so threads leave no trace; `scratch` makes
 /// memory that the pixels of a row may use one after the other.
+///
+/// This is compiled for every kernel, so it is the loop along a row and no more.
 pub(super) fn rows<P: Send, S, W: Work>(
     pixels: &Pixels<'_>,
     scratch: impl Fn() -> S + Sync,
     pixel: impl Fn([usize; 2], &mut S, &mut W) -> P + Sync,
+) -> (Vec<P>, W) {
+    in_parallel(pixels, &|row| {
+        let mut work = W::default();
+        let mut scratch = scratch();
+        let mut values = Vec::with_capacity(pixels.width);
+        for column in 0..pixels.width {
+            values.push(pixel([column, row], &mut scratch, &mut work));
+        }
+        (values, work)
+    })
+}
+
+/// Evaluates all rows in parallel and puts them together. What runs in parallel is a good part of
+/// a kernel's code and the same for all: behind `dyn`, at one call a row, it is compiled once for
+/// each kind of pixel.
+fn in_parallel<P: Send, W: Work>(
+    pixels: &Pixels<'_>,
+    evaluate: &(dyn Fn(usize) -> (Vec<P>, W) + Sync),
 ) -> (Vec<P>, W) {
     let rows: Vec<(Vec<P>, W)> = (0..pixels.height)
         .into_par_iter()
@@ -295,13 +315,9 @@ pub(super) fn rows<P: Send, S, W: Work>(
         // cannot help with a batch that another has begun.
         .with_max_len(1)
         .map(|row| {
-            let mut work = W::default();
-            let mut scratch = scratch();
-            let values = (0..pixels.width)
-                .map(|column| pixel([column, row], &mut scratch, &mut work))
-                .collect();
+            let row = evaluate(row);
             (pixels.progress)();
-            (values, work)
+            row
         })
         .collect();
     let mut all = Vec::with_capacity(pixels.width * pixels.height);
