@@ -6,12 +6,19 @@
 #
 #   scripts/same-bits.sh              the whole suite
 #   scripts/same-bits.sh FILTER…      these cases (see volref verify --help)
+#   scripts/same-bits.sh --built …    debug and release as they were built last, and no third build:
+#                                     of check.sh, whose debug build is for this very processor
 #
 # Builds what is missing: debug and release in target/, the third in target/native/. With
 # VOLREF_CROSS_TARGET another architecture than the two below is tried. Needs the Rust toolchain.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
+built=no
+if [ "${1-}" = --built ]; then
+    built=yes
+    shift
+fi
 filters=("$@")
 hashes=$(mktemp -d)
 trap 'rm -rf "$hashes"' EXIT
@@ -49,13 +56,15 @@ try() {
 
 odd=0
 builds=()
-cargo build --quiet
-cargo build --quiet --release
-CARGO_TARGET_DIR=target/native RUSTFLAGS="${RUSTFLAGS:-} -C target-cpu=native" cargo build --quiet --release
+if [ $built = no ]; then
+    cargo build --quiet
+    cargo build --quiet --release
+    CARGO_TARGET_DIR=target/native RUSTFLAGS="${RUSTFLAGS:-} -C target-cpu=native" cargo build --quiet --release
+fi
 
 try debug target/debug/volref
 try release target/release/volref
-try native target/native/release/volref
+[ $built = yes ] || try native target/native/release/volref
 try one-thread target/release/volref --threads 1
 try five-threads target/release/volref --threads 5
 
