@@ -11,6 +11,7 @@ use super::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
 use super::work::{Event, Work};
 use crate::scene::{Classified, Compositing};
 use crate::volume::{Nearest, Node, Trilinear, relative_gradients};
+use std::marker::PhantomData;
 
 /// The parts of a ray caster, as a plan names them.
 #[derive(Clone, Copy)]
@@ -22,47 +23,97 @@ pub(super) struct Parts {
     pub skip_empty: bool,
 }
 
+/// Something to be done with a ray caster.
+trait Use {
+    /// What comes of it.
+    type Output;
+
+    /// Does it with a `caster` made of these types.
+    fn with<F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space>(
+        self,
+        caster: RayCaster<'_, F, O, S, V, E>,
+    ) -> Self::Output;
+}
+
 /// Renders `scene` with the ray caster made of `parts`.
 pub(super) fn cast<W: Work>(
     scene: &Classified,
     parts: Parts,
     pixels: &Pixels<'_>,
 ) -> (Vec<[f32; 4]>, W) {
+    let task = Image {
+        scene,
+        pixels,
+        work: PhantomData,
+    };
+    let (image, mut work): (_, W) = with_parts(scene, parts, task);
+    if parts.shading && scene.phong.is_some() {
+        let nodes = scene.grid.lattice().node_count() as u64;
+        work.count_times(Event::GradientComputed, nodes);
+    }
+    (image, work)
+}
+
+/// An image of a scene, to be rendered by the ray caster compiled for it.
+struct Image<'p, W> {
+    scene: &'p Classified,
+    pixels: &'p Pixels<'p>,
+    work: PhantomData<W>,
+}
+
+impl<W: Work> Use for Image<'_, W> {
+    type Output = (Vec<[f32; 4]>, W);
+
+    fn with<F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space>(
+        self,
+        caster: RayCaster<'_, F, O, S, V, E>,
+    ) -> Self::Output {
+        let Image { scene, pixels, .. } = self;
+        let size = [pixels.width, pixels.height];
+        rows(
+            pixels,
+            || (),
+            |pixel, (), work: &mut W| {
+                let layers = caster.layers(&scene.camera.ray(pixel, size), work);
+                let radiance = layers.before(scene.background);
+                [radiance.x, radiance.y, radiance.z, layers.opacity].map(|value| value as f32)
+            },
+        )
+    }
+}
+
+/// Does `task` with the ray caster of `scene` made of `parts`.
+fn with_parts<T: Use>(scene: &Classified, parts: Parts, task: T) -> T::Output {
     let grid = &*scene.grid;
     match parts.field {
-        FieldKind::Trilinear => with_order(scene, parts, pixels, Sampled::new(grid, Trilinear)),
-        FieldKind::Nearest => with_order(scene, parts, pixels, Sampled::new(grid, Nearest)),
+        FieldKind::Trilinear => with_order(scene, parts, task, Sampled::new(grid, Trilinear)),
+        FieldKind::Nearest => with_order(scene, parts, task, Sampled::new(grid, Nearest)),
         FieldKind::Constant => with_order(
             scene,
             parts,
-            pixels,
+            task,
             Constant(grid.lattice(), grid.values()[0].value()),
         ),
     }
 }
 
-fn with_order<F: Field, W: Work>(
-    scene: &Classified,
-    parts: Parts,
-    pixels: &Pixels<'_>,
-    field: F,
-) -> (Vec<[f32; 4]>, W) {
+fn with_order<T: Use, F: Field>(scene: &Classified, parts: Parts, task: T, field: F) -> T::Output {
     match parts.compositing {
-        Compositing::FrontToBack => with_shading(scene, parts, pixels, field, FrontToBack),
-        Compositing::BackToFront => with_shading(scene, parts, pixels, field, BackToFront),
+        Compositing::FrontToBack => with_shading(scene, parts, task, field, FrontToBack),
+        Compositing::BackToFront => with_shading(scene, parts, task, field, BackToFront),
         Compositing::EarlyTermination(below) => {
-            with_shading(scene, parts, pixels, field, EarlyTermination { below })
+            with_shading(scene, parts, task, field, EarlyTermination { below })
         }
     }
 }
 
-fn with_shading<F: Field, O: Order + Sync, W: Work>(
+fn with_shading<T: Use, F: Field, O: Order + Sync>(
     scene: &Classified,
     parts: Parts,
-    pixels: &Pixels<'_>,
+    task: T,
     field: F,
     order: O,
-) -> (Vec<[f32; 4]>, W) {
+) -> T::Output {
     match scene.phong.filter(|_| parts.shading) {
         Some(phong) => {
             let gradients = relative_gradients(&*scene.grid);
@@ -71,24 +122,20 @@ fn with_shading<F: Field, O: Order + Sync, W: Work>(
                 gradients,
                 light: scene.light,
             };
-            let nodes = scene.grid.lattice().node_count() as u64;
-            let (image, mut work): (_, W) =
-                with_visibility(scene, parts, pixels, field, order, shading);
-            work.count_times(Event::GradientComputed, nodes);
-            (image, work)
+            with_visibility(scene, parts, task, field, order, shading)
         }
-        None => with_visibility(scene, parts, pixels, field, order, Unshaded),
+        None => with_visibility(scene, parts, task, field, order, Unshaded),
     }
 }
 
-fn with_visibility<F: Field, O: Order + Sync, S: Shading, W: Work>(
+fn with_visibility<T: Use, F: Field, O: Order + Sync, S: Shading>(
     scene: &Classified,
     parts: Parts,
-    pixels: &Pixels<'_>,
+    task: T,
     field: F,
     order: O,
     shading: S,
-) -> (Vec<[f32; 4]>, W) {
+) -> T::Output {
     match scene.shadow.filter(|_| parts.shadow) {
         Some(shadow) => {
             let bounds = scene.grid.lattice().bounds();
@@ -98,39 +145,39 @@ fn with_visibility<F: Field, O: Order + Sync, S: Shading, W: Work>(
                 bounds,
                 transfer_function: &scene.transfer_function,
             };
-            with_space(scene, parts, pixels, field, order, shading, visibility)
+            with_space(scene, parts, task, field, order, shading, visibility)
         }
-        None => with_space(scene, parts, pixels, field, order, shading, Unshadowed),
+        None => with_space(scene, parts, task, field, order, shading, Unshadowed),
     }
 }
 
-fn with_space<F: Field, O: Order + Sync, S: Shading, V: Visibility, W: Work>(
+fn with_space<T: Use, F: Field, O: Order + Sync, S: Shading, V: Visibility>(
     scene: &Classified,
     parts: Parts,
-    pixels: &Pixels<'_>,
+    task: T,
     field: F,
     order: O,
     shading: S,
     visibility: V,
-) -> (Vec<[f32; 4]>, W) {
+) -> T::Output {
     if parts.skip_empty {
         let space = EmptySpace::of(&*scene.grid, &scene.transfer_function);
-        with_all(scene, pixels, field, order, shading, visibility, space)
+        with_all(scene, task, field, order, shading, visibility, space)
     } else {
-        with_all(scene, pixels, field, order, shading, visibility, Unexplored)
+        with_all(scene, task, field, order, shading, visibility, Unexplored)
     }
 }
 
-fn with_all<F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space, W: Work>(
+fn with_all<T: Use, F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space>(
     scene: &Classified,
-    pixels: &Pixels<'_>,
+    task: T,
     field: F,
     order: O,
     shading: S,
     visibility: V,
     space: E,
-) -> (Vec<[f32; 4]>, W) {
-    let caster = RayCaster {
+) -> T::Output {
+    task.with(RayCaster {
         field,
         order,
         shading,
@@ -139,15 +186,65 @@ fn with_all<F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space, W: W
         transfer_function: &scene.transfer_function,
         step: scene.step,
         bounds: scene.grid.lattice().bounds(),
-    };
-    let size = [pixels.width, pixels.height];
-    rows(
-        pixels,
-        || (),
-        |pixel, (), work: &mut W| {
-            let layers = caster.layers(&scene.camera.ray(pixel, size), work);
-            let radiance = layers.before(scene.background);
-            [radiance.x, radiance.y, radiance.z, layers.opacity].map(|value| value as f32)
-        },
-    )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::documented_kernels;
+    use super::*;
+    use crate::scene::{Model, Scene};
+    use std::any::type_name_of_val;
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    /// The name of the type that is picked.
+    struct Name;
+
+    impl Use for Name {
+        type Output = String;
+
+        fn with<F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space>(
+            self,
+            caster: RayCaster<'_, F, O, S, V, E>,
+        ) -> String {
+            type_name_of_val(&caster).to_owned()
+        }
+    }
+
+    #[test]
+    fn as_many_ray_casters_as_the_documentation_says() {
+        let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes/figures");
+        let scene = Scene::load(&scene.join("figure-5.toml")).unwrap();
+        let Model::Classified(classified) = &scene.panels.last().unwrap().model else {
+            panic!("a classified volume");
+        };
+        assert!(classified.phong.is_some() && classified.shadow.is_some());
+        let fields = [
+            FieldKind::Trilinear,
+            FieldKind::Nearest,
+            FieldKind::Constant,
+        ];
+        let orders = [
+            Compositing::FrontToBack,
+            Compositing::BackToFront,
+            Compositing::EarlyTermination(0.01),
+        ];
+        let mut kernels = BTreeSet::new();
+        for field in fields {
+            for compositing in orders {
+                for switches in 0..8 {
+                    let parts = Parts {
+                        field,
+                        compositing,
+                        shading: switches & 1 != 0,
+                        shadow: switches & 2 != 0,
+                        skip_empty: switches & 4 != 0,
+                    };
+                    kernels.insert(with_parts(classified, parts, Name));
+                }
+            }
+        }
+        assert_eq!(documented_kernels("ray caster"), kernels.len());
+    }
 }

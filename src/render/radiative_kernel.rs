@@ -31,6 +31,10 @@ pub(super) fn with_parts<R: Run>(parts: Parts, task: R) -> R::Output {
     if cfg!(test) {
         return task.run::<Everything>();
     }
+    with_special_parts(parts, task)
+}
+
+fn with_special_parts<R: Run>(parts: Parts, task: R) -> R::Output {
     if parts.heterogeneous {
         return with_varying_media(parts, task);
     }
@@ -185,7 +189,41 @@ impl GivenUp {
 
 #[cfg(test)]
 mod tests {
+    use super::super::documented_kernels;
     use super::*;
+    use std::any::type_name;
+    use std::collections::BTreeSet;
+
+    /// The name of the effects that are picked.
+    struct Name;
+
+    impl Run for Name {
+        type Output = &'static str;
+
+        fn run<E: Effects>(self) -> &'static str {
+            type_name::<E>()
+        }
+    }
+
+    #[test]
+    fn as_many_kernels_as_the_documentation_says() {
+        let choices = (0..64).map(|switches| Parts {
+            media: switches & 1 != 0,
+            null_media: false,
+            surfaces: switches & 2 != 0,
+            emission: switches & 4 != 0,
+            chromatic: switches & 8 != 0,
+            anisotropic: switches & 16 != 0,
+            heterogeneous: switches & 32 != 0,
+        });
+        let kernels: BTreeSet<_> = choices
+            .map(|parts| with_special_parts(parts, Name))
+            .collect();
+        assert!(kernels.contains(type_name::<Everything>()));
+        for family in ["path tracer", "line of sight"] {
+            assert_eq!(documented_kernels(family), kernels.len(), "{family}");
+        }
+    }
 
     #[test]
     fn the_first_pixel_without_an_end_is_found_in_any_order() {
