@@ -4,8 +4,8 @@ use super::results::{EffectPrice, Work};
 use super::thumbnail;
 use super::timing::Clock;
 use crate::media::{Asymmetry, Coefficients, Density, HenyeyGreenstein};
-use crate::render::{RenderError, render, render_counted};
-use crate::scene::{Classified, Model, Panel, Radiative, Scattering};
+use crate::render::{Plan, RenderError, render, render_counted};
+use crate::scene::{Classified, Model, Panel, Radiative, Scattering, Scene};
 use glam::DVec3;
 
 /// Pixels of the larger side of the image.
@@ -13,31 +13,49 @@ const SIDE: usize = 32;
 /// Samples per pixel, where an image is sampled.
 const SAMPLES: u32 = 4;
 
+/// A scene with some of its effects.
+#[derive(Clone, Debug)]
+pub struct Variant {
+    /// Which effects, in words.
+    pub name: String,
+    /// A small image of it.
+    pub scene: Scene,
+    /// The plan of its only panel.
+    pub plans: Vec<Plan>,
+}
+
 /// The effects of `panel`, each on alone upon what is there without any; the last is all of them.
-pub fn prices(panel: &Panel, clock: &Clock) -> Result<Vec<EffectPrice>, RenderError> {
+pub fn variants(panel: &Panel) -> Vec<Variant> {
     let variants = match &panel.model {
         Model::Classified(scene) => of_classified(scene),
         Model::Radiative(scene) => of_radiative(scene),
         Model::Curve(_) => vec![],
     };
+    let small = |(name, model)| {
+        let (scene, plans) = thumbnail::scene(panel, model, SIDE, SAMPLES);
+        Variant { name, scene, plans }
+    };
+    variants.into_iter().map(small).collect()
+}
+
+/// What the [`variants`] of `panel` cost.
+pub fn prices(panel: &Panel, clock: &Clock) -> Result<Vec<EffectPrice>, RenderError> {
     let [width, height] = thumbnail::thumbnail([panel.width, panel.height], SIDE);
     let pixels = width * height;
+    let variants = variants(panel);
     let mut prices = Vec::new();
-    let mut scenes = Vec::new();
-    for (name, model) in variants {
-        let (scene, plans) = thumbnail::scene(panel, model, SIDE, SAMPLES);
-        let made = render_counted(&scene, &plans, &|| ())?;
+    for variant in &variants {
+        let made = render_counted(&variant.scene, &variant.plans, &|| ())?;
         prices.push(EffectPrice {
-            effect: name,
+            effect: variant.name.clone(),
             work: Work::per_ray(&made.work[0], pixels),
             time: None,
             times_lookups: None,
         });
-        scenes.push((scene, plans));
     }
-    let renders: Vec<Box<dyn Fn() + Sync + '_>> = scenes
+    let renders: Vec<Box<dyn Fn() + Sync + '_>> = variants
         .iter()
-        .map(|(scene, plans)| -> Box<dyn Fn() + Sync> {
+        .map(|Variant { scene, plans, .. }| -> Box<dyn Fn() + Sync> {
             Box::new(move || {
                 // It was rendered above, and refuses nothing that it did not then.
                 let _ = std::hint::black_box(render(scene, plans, &|| ()));
