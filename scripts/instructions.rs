@@ -1,0 +1,579 @@
+//! Counts the instructions of kernels, under callgrind. `instructions.sh` runs this.
+//!
+//! The program does two things. Started without arguments it renders everything once, checks that
+//! what must have the same bits has them, and prints the tables. For the counts it starts itself
+//! again under valgrind, with the argument `--tasks`: then it runs the same tasks in the same
+//! order, and callgrind writes down what each of them took. To look into one of them, say the second:
+//!
+//! ```sh
+//! valgrind --tool=callgrind --toggle-collect=instructions::counted \
+//!     target/release/examples/instructions --tasks 2
+//! callgrind_annotate callgrind.out.*
+//! ```
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode, Stdio};
+use std::{env, fs};
+
+use glam::DVec3;
+use volref::cost::effects::{Variant, variants};
+use volref::cost::{by_hand, thumbnail};
+use volref::film::Film;
+use volref::media::{Appearance, TransferPoint, TransferPoints};
+use volref::render::plan::Effect;
+use volref::render::{Counters, Plan, State, render, render_counted};
+use volref::scene::{Classified, Model, Panel, Radiative, Scene};
+
+type Failure = Box<dyn std::error::Error>;
+
+/// One scene per family, or several where what is null differs: its name and the panel that is
+/// looked at.
+const SCENES: [(&str, usize); 10] = [
+    ("figures/figure-3", 0),
+    ("figures/figure-5", 1),
+    ("fog/isotropic", 0),
+    ("fog/absorption", 0),
+    ("smoke/cornell", 0),
+    ("procedural/absorbing-grid", 0),
+    ("procedural/coloured", 0),
+    ("hard/a6-null-effects", 0),
+    ("hard/a6-null-shading", 0),
+    ("hard/d1-constant-grid", 0),
+];
+/// Larger side of an image, and samples per pixel where it is sampled.
+const SIDE: usize = 32;
+const SAMPLES: u32 = 4;
+
+/// A box of the same matter everywhere, which glows.
+const GLOWING_BOX: &str = "
+[camera]
+eye = [0.3, 0.4, -4]
+target = [0, 0, 0]
+[radiative]
+environment = [0.2, 0.3, 0.5]
+[[radiative.medium]]
+box = { min = [-1, -1, -1], max = [1, 1, 1] }
+sigma_a = 0.8
+emission = [0.9, 0.5, 0.1]
+";
+
+/// A box of the same matter everywhere, which scatters light of the sun and the sky.
+const SCATTERING_BOX: &str = "
+[camera]
+eye = [0.3, 0.4, -4]
+target = [0, 0, 0]
+[radiative]
+max_bounces = 8
+environment = [0.2, 0.3, 0.5]
+[[radiative.light]]
+directional = { direction = [0.5, -1, 0.3], irradiance = [7, 6.3, 5.4] }
+[[radiative.medium]]
+box = { min = [-1, -1, -1], max = [1, 1, 1] }
+sigma_t = 2
+albedo = 0.9
+";
+
+// ---- What is counted ---------------------------------------------------------------------
+
+/// Work to be counted.
+type Task<'t> = Box<dyn Fn() + 't>;
+
+/// Callgrind counts what happens in here, and writes the count down at the end of each call.
+#[inline(never)]
+fn counted(task: &dyn Fn()) {
+    task();
+    // The call above must not be the last thing done here, or it would be a jump out of here.
+    std::hint::black_box(());
+}
+
+/// A number of the list of tasks.
+type Index = usize;
+
+/// The instructions of each task, by callgrind.
+fn instructions(tasks: usize) -> Result<Vec<u64>, Failure> {
+    let folder = env::temp_dir().join(format!("volref-instructions-{}", std::process::id()));
+    fs::create_dir_all(&folder)?;
+    let out = folder.join("out");
+    let status = Command::new("valgrind")
+        .args(["--quiet", "--tool=callgrind"])
+        .arg("--toggle-collect=instructions::counted")
+        .arg("--dump-after=instructions::counted")
+        .arg(format!("--callgrind-out-file={}", out.display()))
+        .arg(env::current_exe()?)
+        .arg("--tasks")
+        .stdout(Stdio::null())
+        .status()?;
+    if !status.success() {
+        return Err(format!("valgrind: {status}").into());
+    }
+    let counts = (1..=tasks).map(|number| total(&folder.join(format!("out.{number}"))));
+    let counts = counts.collect::<Result<Vec<_>, Failure>>()?;
+    fs::remove_dir_all(&folder)?;
+    Ok(counts)
+}
+
+/// The instructions in a file of callgrind.
+fn total(path: &Path) -> Result<u64, Failure> {
+    let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let mut totals = text.lines().filter_map(|line| line.strip_prefix("totals:"));
+    let total = totals.next().ok_or("callgrind wrote no total")?;
+    Ok(total.trim().parse()?)
+}
+
+/// A scene of one panel with a plan for it.
+struct Picture {
+    scene: Scene,
+    plans: Vec<Plan>,
+}
+
+impl Picture {
+    fn panel(&self) -> &Panel {
+        &self.scene.panels[0]
+    }
+
+    fn pixels(&self) -> usize {
+        self.panel().width * self.panel().height
+    }
+
+    fn film(&self) -> Film {
+        // What is refused is refused natively first, before anything is counted.
+        let made = render(&self.scene, &self.plans, &|| ());
+        made.expect("a scene of the suite renders").film
+    }
+
+    fn counters(&self) -> Result<Counters, Failure> {
+        Ok(render_counted(&self.scene, &self.plans, &|| ())?.work[0])
+    }
+
+    /// One pixel of it: what is done once for an image, and hardly anything else.
+    fn pixel(&self) -> Picture {
+        let mut scene = self.scene.clone();
+        (scene.panels[0].width, scene.panels[0].height) = (1, 1);
+        Picture {
+            scene,
+            plans: self.plans.clone(),
+        }
+    }
+}
+
+/// The picture of a small image of `panel` by its own plan.
+fn picture(panel: &Panel, side: usize, samples: u32) -> Picture {
+    let (scene, plans) = thumbnail::scene(panel, panel.model.clone(), side, samples);
+    Picture { scene, plans }
+}
+
+/// All tasks, in order.
+#[derive(Default)]
+struct Tasks<'t>(Vec<Task<'t>>);
+
+impl<'t> Tasks<'t> {
+    fn add(&mut self, task: impl Fn() + 't) -> Index {
+        self.0.push(Box::new(task));
+        self.0.len() - 1
+    }
+
+    /// An image of many pixels, and one of a single pixel.
+    fn add_picture(&mut self, picture: &'t Picture) -> Each {
+        let image = self.add(|| drop(picture.film()));
+        let single = picture.pixel();
+        let pixel = self.add(move || drop(single.film()));
+        Each {
+            image,
+            pixel,
+            pixels: picture.pixels(),
+        }
+    }
+}
+
+/// Instructions for each pixel: those of an image less those of one pixel, so that what is done
+/// once for an image, such as gradients of a grid, is not laid upon few pixels.
+struct Each {
+    image: Index,
+    pixel: Index,
+    pixels: usize,
+}
+
+impl Each {
+    fn of(&self, counts: &[u64]) -> f64 {
+        (counts[self.image] - counts[self.pixel]) as f64 / (self.pixels - 1) as f64
+    }
+}
+
+// ---- Kernels against loops written by hand --------------------------------------------------
+
+/// A picture, and a loop that makes the same one.
+struct Contest {
+    name: &'static str,
+    picture: Picture,
+    by_hand: fn(&Panel) -> Film,
+}
+
+fn classified(panel: &Panel) -> &Classified {
+    match &panel.model {
+        Model::Classified(scene) => scene,
+        _ => panic!("no classified volume"),
+    }
+}
+
+fn radiative(panel: &Panel) -> &Radiative {
+    match &panel.model {
+        Model::Radiative(scene) => scene,
+        _ => panic!("no radiative scene"),
+    }
+}
+
+fn size(panel: &Panel) -> by_hand::Size {
+    [panel.width, panel.height]
+}
+
+fn contests() -> Result<Vec<Contest>, Failure> {
+    let file = |name: &str, panel: usize, side: usize| -> Result<Picture, Failure> {
+        Ok(picture(&load(name)?.panels[panel], side, 1))
+    };
+    let text = |text: &str, side: usize| -> Result<Picture, Failure> {
+        let scene = Scene::parse(text, Path::new("text.toml"))?;
+        Ok(picture(&scene.panels[0], side, 16))
+    };
+    Ok(vec![
+        Contest {
+            name: "smoke in haze: trilinear, every sample",
+            picture: haze(&load("figures/figure-3")?.panels[0])?,
+            by_hand: |panel| by_hand::unshaded(classified(panel), size(panel)),
+        },
+        Contest {
+            name: "figure 5: Phong, volume shadow, leaps",
+            picture: file("figures/figure-5", 1, 64)?,
+            by_hand: |panel| by_hand::shaded_with_shadow(classified(panel), size(panel)),
+        },
+        Contest {
+            name: "grid that absorbs, cell by cell",
+            picture: file("procedural/absorbing-grid", 0, 64)?,
+            by_hand: |panel| by_hand::absorbing_grid(radiative(panel), size(panel)),
+        },
+        Contest {
+            name: "glowing box, closed form",
+            picture: text(GLOWING_BOX, 128)?,
+            by_hand: |panel| by_hand::glowing_box(radiative(panel), size(panel)),
+        },
+        Contest {
+            name: "scattering box, paths of up to 8 turns",
+            picture: text(SCATTERING_BOX, 32)?,
+            by_hand: |panel| by_hand::scattering_box(radiative(panel), size(panel)),
+        },
+    ])
+}
+
+/// The smoke of figure 3, unshaded, in a haze: no density is transparent, so nothing is leapt over.
+fn haze(panel: &Panel) -> Result<Picture, Failure> {
+    let point = |value, colour: [f64; 3], opacity| TransferPoint {
+        value,
+        colour: colour.into(),
+        opacity,
+    };
+    let points = vec![
+        point(0.0, [0.2, 0.3, 0.5], 0.01),
+        point(1.0, [0.9, 0.8, 0.7], 0.6),
+    ];
+    let mut model = classified(panel).clone();
+    model.phong = None;
+    model.transfer_function.appearance = Appearance::Points(TransferPoints::new(points)?);
+    model.background = DVec3::splat(0.5);
+    let (scene, plans) = thumbnail::scene(panel, Model::Classified(Box::new(model)), 64, 1);
+    Ok(Picture { scene, plans })
+}
+
+// ---- What is null, and what that saves -------------------------------------------------------
+
+/// A scene by its own plan, and with effects forced that are null.
+struct Study {
+    name: String,
+    own: Picture,
+    /// Everything null forced, then each null effect alone.
+    forced: Vec<(Vec<Effect>, Picture)>,
+    variants: Vec<(String, Picture)>,
+}
+
+fn study(name: &str, panel: &Panel) -> Study {
+    let own = picture(panel, SIDE, SAMPLES);
+    let forcing = |effects: &[Effect]| Plan::forcing(own.panel(), effects).ok();
+    let is_null = |effect: &Effect| {
+        own.plans[0].state(*effect) == State::Elided && forcing(&[*effect]).is_some()
+    };
+    let null: Vec<Effect> = Effect::ALL.into_iter().filter(is_null).collect();
+    let alone = null.iter().map(|effect| vec![*effect]);
+    let sets: Vec<Vec<Effect>> = match null.len() {
+        0 => vec![],
+        1 => vec![null.clone()],
+        _ => std::iter::once(null.clone()).chain(alone).collect(),
+    };
+    let forced = sets.into_iter().map(|effects| {
+        let plans = vec![forcing(&effects).expect("null effects can be forced")];
+        let scene = own.scene.clone();
+        (effects, Picture { scene, plans })
+    });
+    Study {
+        name: name.to_owned(),
+        forced: forced.collect(),
+        variants: variants(panel)
+            .into_iter()
+            .map(|Variant { name, scene, plans }| (name, Picture { scene, plans }))
+            .collect(),
+        own,
+    }
+}
+
+// ---- Tables --------------------------------------------------------------------------------
+
+/// Three digits, in groups: 12 300, 4.56.
+fn three_digits(number: f64) -> String {
+    if number == 0.0 {
+        return "0".to_owned();
+    }
+    // By way of text, so that 9.996 is 10.0 and not 10.00.
+    let number: f64 = format!("{number:.2e}").parse().expect("a number");
+    let decimals = 2 - number.abs().log10().floor() as i32;
+    let digits = format!("{number:.*}", decimals.max(0) as usize);
+    if decimals >= 0 {
+        return digits;
+    }
+    let mut grouped = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            grouped.push(' ');
+        }
+        grouped.push(digit);
+    }
+    grouped
+}
+
+fn row(cells: &[String]) {
+    println!("| {} |", cells.join(" | "));
+}
+
+fn head(title: &str, columns: &[&str]) {
+    println!("\n{title}\n");
+    row(&columns.iter().map(|&c| c.to_owned()).collect::<Vec<_>>());
+    row(&vec!["---".to_owned(); columns.len()]);
+}
+
+fn names(effects: &[Effect]) -> String {
+    match effects {
+        [] => "nothing".to_owned(),
+        _ => effects
+            .iter()
+            .map(|e| e.name())
+            .collect::<Vec<_>>()
+            .join(", "),
+    }
+}
+
+fn or_nothing(words: Vec<String>) -> String {
+    match words.is_empty() {
+        true => "nothing".to_owned(),
+        false => words.join(", "),
+    }
+}
+
+/// Counters that are not 0, for each pixel.
+fn work(picture: &Picture) -> Result<String, Failure> {
+    let counters = picture.counters()?;
+    let each = [
+        ("densities", counters.density_lookups),
+        ("gradients", counters.gradient_lookups),
+        ("blocks", counters.cells_walked),
+        ("shadow rays", counters.shadow_rays),
+        ("phases", counters.phase_evaluations),
+        ("null collisions", counters.null_collisions),
+        ("surface tests", counters.surface_tests),
+        ("random numbers", counters.random_draws),
+    ];
+    let some = each.into_iter().filter(|(_, count)| *count > 0);
+    let words = some.map(|(name, count)| {
+        let each = count as f64 / picture.pixels() as f64;
+        format!("{} {name}", three_digits(each))
+    });
+    Ok(or_nothing(words.collect()))
+}
+
+fn saved(own: f64, forced: f64) -> String {
+    // No zero of the other sign.
+    let tenths = (1000.0 * (1.0 - own / forced)).round() + 0.0;
+    format!("{:.1} %", tenths / 10.0)
+}
+
+// ---- The program -----------------------------------------------------------------------------
+
+fn load(name: &str) -> Result<Scene, Failure> {
+    let path = PathBuf::from(format!("fixtures/scenes/{name}.toml"));
+    Ok(Scene::load(&path)?)
+}
+
+fn main() -> ExitCode {
+    // On the thread that callgrind watches, and on no other.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
+    if let Err(error) = pool.use_current_thread().build_global() {
+        eprintln!("{error}");
+        return ExitCode::FAILURE;
+    }
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Failure> {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    let contests = contests()?;
+    let studies = SCENES
+        .iter()
+        .map(|&(name, panel)| Ok(study(name, &load(name)?.panels[panel])))
+        .collect::<Result<Vec<_>, Failure>>()?;
+
+    let mut tasks = Tasks::default();
+    let contest_tasks: Vec<[Index; 2]> = contests
+        .iter()
+        .map(|contest| {
+            let by_hand = tasks.add(|| drop((contest.by_hand)(contest.picture.panel())));
+            [by_hand, tasks.add(|| drop(contest.picture.film()))]
+        })
+        .collect();
+    let study_tasks: Vec<_> = studies
+        .iter()
+        .map(|study| {
+            let own = tasks.add_picture(&study.own);
+            let forced = study.forced.iter().map(|(_, it)| tasks.add_picture(it));
+            let forced: Vec<Each> = forced.collect();
+            let variants = study.variants.iter().map(|(_, it)| tasks.add_picture(it));
+            (own, forced, variants.collect::<Vec<Each>>())
+        })
+        .collect();
+    if arguments.first().is_some_and(|first| first == "--tasks") {
+        let wanted =
+            |number: usize| arguments.len() == 1 || arguments[1..].contains(&number.to_string());
+        let tasks = tasks.0.iter().enumerate();
+        let tasks = tasks.filter(|(index, _)| wanted(index + 1));
+        tasks.for_each(|(_, task)| counted(&**task));
+        return Ok(());
+    }
+
+    for contest in &contests {
+        let by_hand = (contest.by_hand)(contest.picture.panel());
+        if by_hand.pixel_hash() != contest.picture.film().pixel_hash() {
+            return Err(format!("{}: other bits by hand", contest.name).into());
+        }
+    }
+    for study in &studies {
+        let own = study.own.film().pixel_hash();
+        for (effects, forced) in &study.forced {
+            if forced.film().pixel_hash() != own {
+                return Err(format!("{}: other bits with {}", study.name, names(effects)).into());
+            }
+        }
+    }
+    let counts = instructions(tasks.0.len())?;
+
+    head(
+        "**The kernel that the plan picks against a loop written by hand**, whole images, same bits",
+        &["scene", "kernel", "by hand", "kernel", "kernel / by hand"],
+    );
+    for (contest, [by_hand, kernel]) in contests.iter().zip(contest_tasks) {
+        let [by_hand, kernel] = [counts[by_hand], counts[kernel]].map(|count| count as f64);
+        row(&[
+            contest.name.to_owned(),
+            contest.picture.plans[0].kernel.to_string(),
+            three_digits(by_hand),
+            three_digits(kernel),
+            format!("{:.4}", kernel / by_hand),
+        ]);
+    }
+
+    head(
+        "**What was not simulated, and what that saved**, instructions a pixel",
+        &[
+            "scene",
+            "simulated by",
+            "null",
+            "not asked for",
+            "instructions",
+            "with what is null",
+            "saved",
+        ],
+    );
+    for (study, (own, forced, _)) in studies.iter().zip(&study_tasks) {
+        let all = forced.first().map(|forced| forced.of(&counts));
+        let own = own.of(&counts);
+        let null = study.forced.first().map_or(&[][..], |(effects, _)| effects);
+        row(&[
+            study.name.clone(),
+            study.own.plans[0].kernel.to_string(),
+            names(null),
+            or_nothing(study.own.plans[0].omitted()),
+            three_digits(own),
+            all.map_or("the same".to_owned(), three_digits),
+            all.map_or("nothing to save".to_owned(), |all| saved(own, all)),
+        ]);
+    }
+
+    head(
+        "**Each null effect forced alone**, instructions and work a pixel",
+        &["scene", "forced", "kernel", "instructions", "saved", "work"],
+    );
+    for (study, (own, forced, _)) in studies.iter().zip(&study_tasks) {
+        let own = own.of(&counts);
+        row(&[
+            study.name.clone(),
+            "nothing".to_owned(),
+            study.own.plans[0].kernel.to_string(),
+            three_digits(own),
+            String::new(),
+            work(&study.own)?,
+        ]);
+        for ((effects, picture), each) in study.forced.iter().zip(forced) {
+            let each = each.of(&counts);
+            row(&[
+                String::new(),
+                names(effects),
+                picture.plans[0].kernel.to_string(),
+                three_digits(each),
+                saved(own, each),
+                work(picture)?,
+            ]);
+        }
+    }
+
+    head(
+        "**What each effect costs**, a pixel",
+        &[
+            "scene",
+            "effects",
+            "look-ups",
+            "random numbers",
+            "instructions",
+            "times the first",
+        ],
+    );
+    for (study, (_, _, each)) in studies.iter().zip(&study_tasks) {
+        let mut first = None;
+        for ((name, picture), each) in study.variants.iter().zip(each) {
+            let counters = picture.counters()?;
+            let lookups = counters.density_lookups + counters.gradient_lookups;
+            let per_pixel = |count: u64| three_digits(count as f64 / picture.pixels() as f64);
+            let each = each.of(&counts);
+            row(&[
+                match first {
+                    None => study.name.clone(),
+                    Some(_) => String::new(),
+                },
+                name.clone(),
+                per_pixel(lookups),
+                per_pixel(counters.random_draws),
+                three_digits(each),
+                three_digits(each / *first.get_or_insert(each)),
+            ]);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# How many instructions the kernels take, counted by callgrind: the kernel that a plan picks against
+# a loop written by hand, what it saves to leave out what is null, and the price of each effect.
+# Prints tables in Markdown; the README shows two of them.
+#
+# Counts repeat from run to run. They differ a little between versions of the compiler, which is
+# named below the tables, and not between machines of one architecture. Takes some minutes.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+command -v valgrind >/dev/null || {
+    echo "valgrind is missing: in Debian and Ubuntu it is in the package valgrind" >&2
+    exit 2
+}
+cargo build --quiet --release --example instructions
+"${CARGO_TARGET_DIR:-target}/release/examples/instructions"
+printf '\n%s, %s, profile release\n' "$(rustc --version)" "$(valgrind --version)"
