@@ -28,6 +28,8 @@ pub enum Appearance {
 
 impl TransferFunction {
     /// Opacity over a step of `length` world units at `value`: `1 − (1 − a)^(length/h0)`.
+    // Always: asked once a sample, as is the colour, a call would be no small part of its cost.
+    #[inline(always)]
     pub fn opacity(&self, value: f64, length: f64) -> f64 {
         over_length(
             self.reference_opacity(value),
@@ -36,6 +38,7 @@ impl TransferFunction {
     }
 
     /// Opacity `a` over the reference length at `value`.
+    #[inline(always)]
     pub fn reference_opacity(&self, value: f64) -> f64 {
         match &self.appearance {
             Appearance::Formula { opacity, .. } => opacity.at(value),
@@ -44,6 +47,7 @@ impl TransferFunction {
     }
 
     /// Colour of the material.
+    #[inline(always)]
     pub fn colour(&self, value: f64) -> DVec3 {
         match &self.appearance {
             Appearance::Formula { colormap, .. } => colormap.at(value),

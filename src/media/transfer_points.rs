@@ -101,12 +101,14 @@ impl TransferPoints {
     /// Rounding does not lead out of that: of `a + (b − a)·t` with `a`, `b` in [0, 1], the
     /// rounded difference is at least `−a`, and at most `1 − a` and half an ulp of 1, which the
     /// sum rounds away.
+    #[inline]
     pub fn opacity(&self, value: f64) -> f64 {
         let (a, b, t) = self.around(value);
         f64::lerp_between(a.opacity, b.opacity, t)
     }
 
     /// Colour at a finite `value`, linear RGB.
+    #[inline]
     pub fn colour(&self, value: f64) -> DVec3 {
         let (a, b, t) = self.around(value);
         DVec3::lerp_between(a.colour, b.colour, t)

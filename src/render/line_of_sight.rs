@@ -57,9 +57,13 @@ impl<E: Effects> LineOfSight<'_, E> {
         let mut radiance = DVec3::ZERO;
         let mut through = DVec3::ONE;
         if E::MEDIA {
-            path.lay(&self.around.media, ray, end);
             let media = &self.around.media;
-            if E::HETEROGENEOUS && media.vary() {
+            let varies = E::HETEROGENEOUS && media.vary();
+            // Their depth alone is known without the stretches that they lie on.
+            if E::EMISSION || self.turned || !varies {
+                path.lay(media, ray, end);
+            }
+            if varies {
                 through = transmittance::<E>(media.depth(ray, end, &mut tracker.spans, work));
                 if E::EMISSION {
                     radiance +=

@@ -86,8 +86,11 @@ impl MediaPath {
                 }
             }
         }
-        self.edges
-            .sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.medium.cmp(&b.medium)));
+        // Two are the beginning and the end of one stretch, in this order.
+        if self.edges.len() > 2 {
+            self.edges
+                .sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.medium.cmp(&b.medium)));
+        }
         let (mut set, mut near) = (0, 0.0);
         for &Edge { t, medium } in &self.edges {
             if set != 0 && near < t {

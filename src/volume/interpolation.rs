@@ -92,7 +92,8 @@ pub struct Cell {
 
 impl Cell {
     /// The cell of `lattice` around `point`, a position in node units: any finite point.
-    #[inline]
+    // Always: a call hands the cell over in memory.
+    #[inline(always)]
     pub fn around(lattice: &Lattice, point: DVec3) -> Cell {
         let nodes = lattice.nodes();
         let strides = [1, nodes[0], nodes[0] * nodes[1]];
@@ -159,6 +160,7 @@ impl Reconstruction for Interpolation {
 pub struct Trilinear;
 
 impl Reconstruction for Trilinear {
+    #[inline]
     fn read<T: Node>(self, grid: &Grid<T>, cell: &Cell) -> T::Value {
         cell.trilinear(grid)
     }
@@ -169,6 +171,7 @@ impl Reconstruction for Trilinear {
 pub struct Nearest;
 
 impl Reconstruction for Nearest {
+    #[inline]
     fn read<T: Node>(self, grid: &Grid<T>, cell: &Cell) -> T::Value {
         cell.nearest(grid)
     }
