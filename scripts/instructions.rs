@@ -331,7 +331,7 @@ fn three_digits(number: f64) -> String {
     }
     // By way of text, so that 9.996 is 10.0 and not 10.00.
     let number: f64 = format!("{number:.2e}").parse().expect("a number");
-    let decimals = 2 - number.abs().log10().floor() as i32;
+    let decimals = 2 - volref::math::log10(number.abs()).floor() as i32;
     let digits = format!("{number:.*}", decimals.max(0) as usize);
     if decimals >= 0 {
         return digits;
