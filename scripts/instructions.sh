@@ -3,8 +3,9 @@
 # a loop written by hand, what it saves to leave out what is null, and the price of each effect.
 # Prints tables in Markdown; the README shows two of them.
 #
-# Counts repeat from run to run. They differ a little between versions of the compiler, which is
-# named below the tables, and not between machines of one architecture. Takes some minutes.
+# Counts repeat from run to run, but for a few hundred instructions of the allocator: the last of
+# the three digits may move by one. Versions of the compiler differ by more; it is named below the
+# tables. Takes some minutes.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
