@@ -3,7 +3,6 @@
 use crate::geometry::{Camera, Ray};
 use crate::render::Plan;
 use crate::scene::{Model, Panel, Scene};
-use std::path::PathBuf;
 
 /// The size of a smaller image of the same shape, its larger side `most` pixels.
 pub fn thumbnail([width, height]: [usize; 2], most: usize) -> [usize; 2] {
@@ -25,18 +24,8 @@ pub fn rays(camera: &Camera, size: [usize; 2]) -> Vec<Ray> {
 /// `panel` with another `model` as a scene of its own, of at most `most` pixels a side, and its
 /// plan; with this many samples per pixel, where it is sampled.
 pub fn scene(panel: &Panel, model: Model, most: usize, samples: u32) -> (Scene, Vec<Plan>) {
-    let [width, height] = thumbnail([panel.width, panel.height], most);
-    let mut scene = Scene {
-        path: PathBuf::new(),
-        panels: vec![Panel {
-            title: None,
-            width,
-            height,
-            model,
-            inputs: vec![],
-            readings: vec![],
-        }],
-    };
+    let size = thumbnail([panel.width, panel.height], most);
+    let mut scene = Scene::of(Panel::of(model, size));
     scene.set_samples(samples);
     let plans = scene.panels.iter().map(Plan::new).collect();
     (scene, plans)

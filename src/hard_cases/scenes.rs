@@ -181,18 +181,8 @@ pub fn sampled(scene: &Radiative, limit: Option<u32>, samples: u32, ray: Ray) ->
 }
 
 /// A picture of `model` in a scene of its own, by the code of `volref render`.
-pub fn scene_of(model: Model, [width, height]: [usize; 2]) -> Scene {
-    Scene {
-        path: "scene.toml".into(),
-        panels: vec![Panel {
-            title: None,
-            width,
-            height,
-            model,
-            inputs: vec![],
-            readings: vec![],
-        }],
-    }
+pub fn scene_of(model: Model, size: [usize; 2]) -> Scene {
+    Scene::of(Panel::of(model, size))
 }
 
 /// A hash of the bits of the picture of `scene`; none where it has none.

@@ -5,6 +5,7 @@ use super::classified::CLASSIFIED;
 use super::curve::CURVE;
 use super::files::{Files, InputFile};
 use super::format::{Absent, Key, Kind, Literal, Rule, Table};
+use super::places::Places;
 use super::radiative::RADIATIVE;
 use super::reader::{Document, Origin, Reader, Reading, overridden};
 use super::sampling::{SAMPLING, Sampling};
@@ -127,6 +128,8 @@ pub struct Panel {
     pub inputs: Vec<InputFile>,
     /// Every key as read, defaults included, in a fixed order.
     pub readings: Vec<Reading>,
+    /// Where the file gives what it gives.
+    pub places: Places,
 }
 
 /// What is rendered, and by which equation.
@@ -141,6 +144,14 @@ pub enum Model {
 }
 
 impl Scene {
+    /// A scene of one picture that was read from no file.
+    pub fn of(panel: Panel) -> Scene {
+        Scene {
+            path: PathBuf::new(),
+            panels: vec![panel],
+        }
+    }
+
     /// Reads the scene file at `path` and the files it names.
     pub fn load(path: &Path) -> Result<Scene, Box<SceneError>> {
         let name = path.display().to_string();
@@ -308,6 +319,19 @@ fn panel_tables<'s>(
 }
 
 impl Panel {
+    /// A picture of `model`, read from no file, `width` columns by `height` rows.
+    pub fn of(model: Model, [width, height]: [usize; 2]) -> Panel {
+        Panel {
+            title: None,
+            width,
+            height,
+            model,
+            inputs: vec![],
+            readings: vec![],
+            places: Places::default(),
+        }
+    }
+
     fn read<'s>(
         document: &Document<'s>,
         table: &Spanned<DeTable<'s>>,
@@ -337,6 +361,7 @@ impl Panel {
             model,
             inputs: files.take_used(),
             readings: log.into_inner(),
+            places: Places::of(document, table.get_ref()),
         })
     }
 }

@@ -63,7 +63,7 @@ proptest! {
         }
         let panel = scenes::panel(&scene, 4);
         let plan = Plan::new(&panel);
-        let result = render(&Scene { path: "none".into(), panels: vec![panel] }, &[plan], &|| ());
+        let result = render(&Scene::of(panel), &[plan], &|| ());
         // A scene too bright for f32 is refused when it is read; the renderer must not panic.
         if let Err(reason) = scene.check_brightness() {
             prop_assert!(largest > 1e15, "{reason}");

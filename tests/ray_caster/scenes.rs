@@ -222,22 +222,12 @@ pub fn any_scene(most_nodes: usize) -> impl Strategy<Value = Classified> {
 }
 
 pub fn panel(scene: &Classified, size: usize) -> Panel {
-    Panel {
-        title: None,
-        width: size,
-        height: size,
-        model: Model::Classified(Box::new(scene.clone())),
-        inputs: Vec::new(),
-        readings: Vec::new(),
-    }
+    Panel::of(Model::Classified(Box::new(scene.clone())), [size; 2])
 }
 
 /// The image of `scene` by `plan`, `size` pixels wide and high, and the work done.
 pub fn render_by(scene: &Classified, plan: Plan, size: usize) -> (Film, Counters) {
-    let scene = Scene {
-        path: "none".into(),
-        panels: vec![panel(scene, size)],
-    };
+    let scene = Scene::of(panel(scene, size));
     let rendering = render_counted(&scene, &[plan], &|| ()).unwrap();
     (rendering.film, rendering.work[0])
 }
