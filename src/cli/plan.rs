@@ -3,10 +3,15 @@
 use super::failure::{Exit, Failure};
 use super::output::Json;
 use super::{Outcome, progress};
-use crate::render::{self, Counters, Effect, Plan, State};
+use crate::render::plan::{Approximation, Decision, Estimator, PlanError, Reason};
+use crate::render::work::Event;
+use crate::render::{self, Amount, Bound, Counters, Effect, Expected, Memory, Plan};
 use crate::scene::{Model, Origin, Panel, Scene};
+use indicatif::HumanBytes;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 /// Show what a scene calls for: effects with reasons, the kernel, filled-in defaults
 #[derive(Debug, clap::Args)]
@@ -16,11 +21,45 @@ pub struct Arguments {
     /// Render, and show how much work of each kind was done
     #[arg(long)]
     counters: bool,
-    /// Simulate an effect although it is provably null here: same bits, more work
+    /// Simulate an effect although it is provably null here: same bits, more work. May be given
+    /// several times; `all` stands for every one that is null
     #[arg(long, value_name = "EFFECT")]
-    force: Vec<Effect>,
+    force: Vec<Forced>,
     #[command(flatten)]
     json: Json,
+}
+
+/// What is simulated although it is null.
+#[derive(Clone, Copy, Debug)]
+enum Forced {
+    All,
+    One(Effect),
+}
+
+impl FromStr for Forced {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Forced, String> {
+        match name {
+            "all" => Ok(Forced::All),
+            _ => name
+                .parse()
+                .map(Forced::One)
+                .map_err(|error: String| format!("{error}; or all, for every one that is null")),
+        }
+    }
+}
+
+/// The plan for `panel` with what is `forced`.
+fn plan_for(panel: &Panel, forced: &[Forced]) -> Result<Plan, PlanError> {
+    let effects: Vec<Effect> = forced
+        .iter()
+        .flat_map(|forced| match forced {
+            Forced::All => Plan::null_effects(panel),
+            Forced::One(effect) => vec![*effect],
+        })
+        .collect();
+    Plan::forcing(panel, &effects)
 }
 
 #[derive(Serialize)]
@@ -34,14 +73,40 @@ struct PlanJson<'s> {
 struct PanelJson<'s> {
     title: Option<&'s str>,
     kernel: String,
-    effects: &'s [render::plan::Decision],
+    estimator: &'s Estimator,
+    effects: &'s [Decision],
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
-    approximations: &'s [render::plan::Approximation],
+    approximations: &'s [Approximation],
+    warnings: &'s [Reason],
     #[serde(skip_serializing_if = "Option::is_none")]
     volume: Option<VolumeJson>,
     defaults: Vec<DefaultJson<'s>>,
+    /// Rays from the eye, of which the expected work is that of all together.
+    rays: u64,
+    /// By the names of the counters.
+    expected: BTreeMap<&'static str, AmountJson>,
+    memory: &'s [Memory],
     #[serde(skip_serializing_if = "Option::is_none")]
     counters: Option<Counters>,
+}
+
+#[derive(Serialize)]
+struct AmountJson {
+    /// exactly, at-most, at-least, about, about-at-most or unknown.
+    bound: String,
+    /// Of all rays together; null where nothing is known beforehand.
+    count: Option<u64>,
+}
+
+impl AmountJson {
+    fn of(amount: Option<Amount>) -> AmountJson {
+        AmountJson {
+            bound: amount.map_or("unknown".to_owned(), |amount| {
+                amount.bound.to_string().replace(' ', "-")
+            }),
+            count: amount.map(|amount| amount.count),
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -82,10 +147,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let plans = scene
         .panels
         .iter()
-        .map(|panel| Plan::forcing(panel, &arguments.force))
+        .map(|panel| plan_for(panel, &arguments.force))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| Failure::new(Exit::BadInput, error.to_string(), None))?;
-    let work = if arguments.counters {
+    let work: Vec<Option<Counters>> = if arguments.counters {
         let bar = progress::rows(
             "counting",
             scene.panels.iter().map(|panel| panel.height).sum(),
@@ -99,22 +164,33 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         vec![None; plans.len()]
     };
 
+    let expected = scene.panels.iter().zip(&plans);
+    let expected: Vec<_> = expected.map(|(panel, plan)| plan.expected(panel)).collect();
     let mut text = String::new();
     let mut panels = Vec::new();
-    for (index, ((panel, plan), work)) in scene.panels.iter().zip(&plans).zip(work).enumerate() {
+    for (index, (panel, plan)) in scene.panels.iter().zip(&plans).enumerate() {
+        let (expected, work) = (&expected[index], &work[index]);
         if scene.panels.len() > 1 {
             let title = panel.title.as_deref().unwrap_or("untitled");
             text.push_str(&format!("panel {}: {title}\n", index + 1));
         }
-        text.push_str(&describe(panel, plan, work.as_ref()));
+        text.push_str(&describe(panel, plan, expected, work.as_ref()));
         panels.push(PanelJson {
             title: panel.title.as_deref(),
             kernel: plan.kernel.to_string(),
+            estimator: &plan.estimator,
             effects: &plan.decisions,
             approximations: &plan.approximations,
+            warnings: &plan.warnings,
             volume: volume(panel),
             defaults: defaults(panel).collect(),
-            counters: work,
+            rays: expected.rays,
+            expected: Event::ALL
+                .into_iter()
+                .map(|event| (event.name(), AmountJson::of(expected.of(event))))
+                .collect(),
+            memory: &expected.memory,
+            counters: *work,
         });
     }
     let value = PlanJson {
@@ -140,35 +216,42 @@ fn defaults(panel: &Panel) -> impl Iterator<Item = DefaultJson<'_>> {
     })
 }
 
-fn describe(panel: &Panel, plan: &Plan, work: Option<&Counters>) -> String {
-    let mut text = format!("kernel  {}\n", plan.kernel);
+fn describe(panel: &Panel, plan: &Plan, expected: &Expected, work: Option<&Counters>) -> String {
+    let mut text = format!("kernel     {}\n", plan.kernel);
+    let Estimator { method, why } = &plan.estimator;
+    text.push_str(&format!("estimator  {method}: {why}\n"));
     if let Some(volume) = volume(panel) {
         let ([nx, ny, nz], [x, y, z], [u, v, w]) = (volume.nodes, volume.min, volume.max);
         text.push_str(&format!(
-            "volume  {nx} × {ny} × {nz} nodes, voxel {}, from ({x}, {y}, {z}) to ({u}, {v}, {w})\n",
+            "volume     {nx} × {ny} × {nz} nodes, voxel {}, from ({x}, {y}, {z}) to ({u}, {v}, {w})\n",
             volume.voxel
         ));
+    }
+    if !plan.warnings.is_empty() {
+        text.push_str("\nwarnings\n");
+        for warning in &plan.warnings {
+            text.push_str(&format!("  {}\n", warning));
+        }
     }
     text.push_str("\neffects\n");
     for decision in &plan.decisions {
         text.push_str(&format!(
-            "  {:<7}  {:<22}  {}",
-            decision.state, decision.effect, decision.reason
+            "  {:<7}  {:<22}  {}\n",
+            decision.state, decision.effect, decision.why
         ));
-        match decision.field {
-            Some(field) if decision.state != State::Omitted => {
-                text.push_str(&format!("  ({field})\n"));
-            }
-            _ => text.push('\n'),
-        }
     }
     if !plan.approximations.is_empty() {
         text.push_str("\napproximations asked for\n");
     }
     for approximation in &plan.approximations {
         text.push_str(&format!(
-            "  without {}: pixels are off by less than {:.3e}  ({})\n",
-            approximation.without, approximation.bias, approximation.field
+            "  without {}: pixels are off by less than {:.3e}  ({}{})\n",
+            approximation.without,
+            approximation.bias,
+            approximation.field,
+            approximation
+                .line
+                .map_or(String::new(), |line| format!(", line {line}"))
         ));
     }
     text.push_str("\ndefaults filled in\n");
@@ -181,13 +264,83 @@ fn describe(panel: &Panel, plan: &Plan, work: Option<&Counters>) -> String {
         let rule = rule.map_or(String::new(), |rule| format!("  ({rule})"));
         text.push_str(&format!("  {key:<widest$}  {value}{rule}\n"));
     }
-    if let Some(work) = work {
-        text.push_str("\nwork\n");
-        let work = serde_json::to_value(work).expect("plain data becomes JSON");
-        for (name, count) in work.as_object().expect("counters are a map") {
-            text.push_str(&format!("  {count:>12}  {}\n", name.replace('_', " ")));
-        }
+    text.push('\n');
+    text.push_str(&describe_work(expected, work));
+    text.push_str("\nmemory beside the scene and the image\n");
+    if expected.memory.is_empty() {
+        text.push_str("  none\n");
+    }
+    for Memory { what, bytes } in &expected.memory {
+        text.push_str(&format!(
+            "  {:>10}  {what}\n",
+            HumanBytes(*bytes as u64).to_string()
+        ));
     }
     text.push('\n');
     text
+}
+
+/// The work that is expected, and beside it what was counted.
+fn describe_work(expected: &Expected, work: Option<&Counters>) -> String {
+    let rays = expected.rays;
+    let a_ray = |count: u64| short(count as f64 / rays.max(1) as f64);
+    let told = |event: Event| match expected.of(event) {
+        None => "unknown".to_owned(),
+        Some(Amount { count: 0, bound }) => match bound {
+            Bound::AtLeast => "unknown".to_owned(),
+            Bound::Exactly | Bound::AtMost => "none".to_owned(),
+            Bound::About | Bound::AboutAtMost => format!("{bound} 0"),
+        },
+        Some(Amount { bound, count }) => format!("{bound} {}", a_ray(count)),
+    };
+    let name = |event: Event| event.name().replace('_', " ");
+    let Some(work) = work else {
+        // What is not done at all, and what nobody can tell, take a line each.
+        let named = |what: &str| -> Vec<String> {
+            let those = Event::ALL.into_iter().filter(|&event| told(event) == what);
+            those.map(name).collect()
+        };
+        let mut text = format!("work expected, each of {rays} rays\n");
+        let known = |event: &Event| !["none", "unknown"].contains(&told(*event).as_str());
+        for event in Event::ALL.into_iter().filter(known) {
+            text.push_str(&format!("  {:<16}  {}\n", told(event), name(event)));
+        }
+        for what in ["unknown", "none"] {
+            let those = named(what);
+            if !those.is_empty() {
+                text.push_str(&format!("  {what:<16}  {}\n", those.join(", ")));
+            }
+        }
+        return text;
+    };
+    let mut text = format!(
+        "work, each of {:<14}  {:<16}  {:>12}  {:>14}\n",
+        format!("{rays} rays"),
+        "expected",
+        "measured",
+        "in all"
+    );
+    for event in Event::ALL {
+        let count = work.of(event);
+        text.push_str(&format!(
+            "  {:<26}  {:<16}  {:>12}  {count:>14}\n",
+            name(event),
+            told(event),
+            a_ray(count)
+        ));
+    }
+    text
+}
+
+/// Four digits, without an exponent.
+fn short(number: f64) -> String {
+    let decimals = match number {
+        _ if number == number.trunc() => 0,
+        _ if number >= 1000.0 => 0,
+        _ if number >= 100.0 => 1,
+        _ if number >= 10.0 => 2,
+        _ if number >= 1.0 => 3,
+        _ => 4,
+    };
+    format!("{number:.decimals$}")
 }

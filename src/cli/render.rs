@@ -90,6 +90,15 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if let Some(note) = brightness_note(&film, format, arguments.exposure) {
         text.push_str(&note);
     }
+    // What matters to one of several panels matters to the picture.
+    let warnings: Vec<_> = plans[0]
+        .warnings
+        .iter()
+        .filter(|warning| plans.iter().all(|plan| plan.warnings.contains(warning)))
+        .collect();
+    for warning in &warnings {
+        text.push_str(&format!("note: {warning}\n"));
+    }
     if !is_sampled && (arguments.spp.is_some() || arguments.seed.is_some()) {
         text.push_str(
             "note: this scene is rendered without random numbers; --spp and --seed change nothing\n",
@@ -103,6 +112,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         "height": film.height(),
         "hash": film.pixel_hash(),
         "seconds": seconds,
+        "warnings": warnings,
     });
     arguments.json.instead_of(text, &value).map(Outcome::from)
 }

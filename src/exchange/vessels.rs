@@ -141,7 +141,7 @@ fn vessel<'s>(
             Field::Linear(_) => return Err("a linear ramp of densities".to_owned()),
             Field::Blob(_) => return Err("a Gaussian ball".to_owned()),
         }
-        if density.blocks().range().high == 0.0 {
+        if density.is_nothing() {
             return Ok(None);
         }
     }

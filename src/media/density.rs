@@ -7,6 +7,7 @@ use crate::volume::{
     GridDensity, LinearRamp, Walk,
 };
 use glam::DVec3;
+use std::sync::OnceLock;
 
 /// A density, as a factor on the coefficients and the emission of a medium.
 #[derive(Clone, Debug)]
@@ -49,15 +50,20 @@ impl DensityField for Field {
     }
 }
 
-/// A field in the place where a medium has it, with bounds on it block by block.
+/// A field in the place where a medium has it.
 #[derive(Clone, Debug)]
 pub struct Density {
     field: Field,
+    /// Where it is, in its own coordinates: the box of a grid, or that of its medium.
+    bounds: Aabb,
+    /// The box of its medium, in the coordinates of the field.
+    medium: Aabb,
     /// From the coordinates of the field to the world; none if they are the same.
     to_world: Option<Transform>,
-    blocks: Blocks,
-    typical: f64,
-    nothing: bool,
+    range: DensityRange,
+    constant: Option<f64>,
+    /// Bounds block by block, made when they are first asked for: only tracking needs them.
+    blocks: OnceLock<Blocks>,
 }
 
 /// Blocks along the longest side of a field that is no grid.
@@ -67,35 +73,35 @@ impl Density {
     /// `field` in the box `bounds`, in the coordinates of the field, moved by `to_world`. The box
     /// is finite and has an inside. A grid reaches no farther than its own box.
     pub fn new(field: Field, bounds: Aabb, to_world: Option<Transform>) -> Density {
-        let blocks = match &field {
-            Field::Grid(grid) => grid.blocks(),
-            _ => {
-                let size = bounds.size();
-                let edge = size.max_element() / BLOCKS;
-                // One more than wanted at most, by rounding.
-                let counts = (size / edge)
-                    .ceil()
-                    .clamp(DVec3::ONE, DVec3::splat(BLOCKS + 1.0));
-                let counts = counts.to_array().map(|count| count as usize);
-                let size =
-                    DVec3::from_array(std::array::from_fn(|axis| size[axis] / counts[axis] as f64));
-                Blocks::of(&field, bounds, counts, size)
-            }
+        let medium = bounds;
+        let bounds = match &field {
+            Field::Grid(grid) => grid.bounds(),
+            _ => medium,
         };
-        let typical = blocks.typical();
-        let nothing = blocks.range().high == 0.0;
-        Density {
+        let mut density = Density {
+            range: DensityRange::of(0.0),
             field,
+            bounds,
+            medium,
             to_world,
-            blocks,
-            typical,
-            nothing,
-        }
+            constant: None,
+            blocks: OnceLock::new(),
+        };
+        density.range = match &density.field {
+            // Over all of its box its bounds are wide; it is tracked wherever it is.
+            Field::Noise(_) => density.blocks().range(),
+            field => field.range_over(&bounds),
+        };
+        // Beyond the box of a grid there is nothing.
+        let fills = bounds.min.cmple(medium.min).all() && bounds.max.cmpge(medium.max).all();
+        let DensityRange { low, high } = density.range;
+        density.constant = (low == high && (fills || high == 0.0)).then_some(high);
+        density
     }
 
     /// Another field in the place of this one.
     pub fn with_field(&self, field: Field) -> Density {
-        Density::new(field, *self.blocks.bounds(), self.to_world)
+        Density::new(field, self.medium, self.to_world)
     }
 
     /// The field itself.
@@ -103,38 +109,99 @@ impl Density {
         &self.field
     }
 
-    /// Whether it is 0 everywhere.
-    pub fn is_nothing(&self) -> bool {
-        self.nothing
+    /// Bounds on it, over all of its box.
+    pub fn range(&self) -> DensityRange {
+        self.range
     }
 
-    /// Bounds on it, block by block.
+    /// The one density of the whole medium, if it is provably the same everywhere.
+    pub fn constant(&self) -> Option<f64> {
+        self.constant
+    }
+
+    /// Whether it is 0 everywhere.
+    pub fn is_nothing(&self) -> bool {
+        self.range.high == 0.0
+    }
+
+    /// Bounds on it, block by block: what tracking needs.
     pub fn blocks(&self) -> &Blocks {
-        &self.blocks
+        if let Some(blocks) = self.blocks.get() {
+            return blocks;
+        }
+        // Not by `get_or_init`: blocks are made by all threads together, and one that waits for
+        // the others may be given work that waits for these blocks.
+        let blocks = self.made_blocks();
+        self.blocks.get_or_init(|| blocks)
+    }
+
+    /// Bytes of the bounds, if they have been made.
+    pub fn bytes_of_blocks(&self) -> usize {
+        self.blocks.get().map_or(0, Blocks::bytes)
+    }
+
+    /// Bytes that the bounds take, once they are made.
+    pub fn bytes_for_blocks(&self) -> usize {
+        let (counts, _) = self.division();
+        counts.iter().product::<usize>() * size_of::<DensityRange>()
+    }
+
+    fn made_blocks(&self) -> Blocks {
+        let (counts, size) = self.division();
+        Blocks::of(&self.field, self.bounds, counts, size)
+    }
+
+    /// How many blocks there are along each axis, and their edges.
+    fn division(&self) -> ([usize; 3], DVec3) {
+        if let Field::Grid(grid) = &self.field {
+            return grid.division();
+        }
+        let size = self.bounds.size();
+        let edge = size.max_element() / BLOCKS;
+        // One more than wanted at most, by rounding.
+        let counts = (size / edge)
+            .ceil()
+            .clamp(DVec3::ONE, DVec3::splat(BLOCKS + 1.0));
+        let counts = counts.to_array().map(|count| count as usize);
+        let size = DVec3::from_array(std::array::from_fn(|axis| size[axis] / counts[axis] as f64));
+        (counts, size)
     }
 
     /// A number that stands in for the density where one has to: above 0 if any density is.
     pub fn typical(&self) -> f64 {
-        self.typical
+        self.blocks().typical()
     }
 
     /// Density at a world point; a grid has none outside its box, of other fields the point is
     /// taken to lie in theirs. Adds 1 to `lookups`, unless there is known to be nothing.
     pub fn at(&self, point: DVec3, lookups: &mut u64) -> f64 {
+        match self.inside(point) {
+            Some(point) if self.blocks().range_at(point).high > 0.0 => {
+                *lookups += 1;
+                self.field.density(point)
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// The same without a look at the blocks, which need not have been made.
+    pub fn looked_up_at(&self, point: DVec3, lookups: &mut u64) -> f64 {
+        let Some(point) = self.inside(point) else {
+            return 0.0;
+        };
+        *lookups += 1;
+        self.field.density(point)
+    }
+
+    /// A world point in the coordinates of the field; none beyond the box of a grid.
+    fn inside(&self, point: DVec3) -> Option<DVec3> {
         let point = match &self.to_world {
             Some(to_world) => to_world.inverse().point(point),
             None => point,
         };
-        let bounds = self.blocks.bounds();
-        let outside = point.cmplt(bounds.min) | point.cmpgt(bounds.max);
-        if matches!(self.field, Field::Grid(_)) && outside.any() {
-            return 0.0;
-        }
-        if self.blocks.range_at(point).high == 0.0 {
-            return 0.0;
-        }
-        *lookups += 1;
-        self.field.density(point)
+        let outside = point.cmplt(self.bounds.min) | point.cmpgt(self.bounds.max);
+        let beyond = matches!(self.field, Field::Grid(_)) && outside.any();
+        (!beyond).then_some(point)
     }
 
     /// A world ray in the coordinates of the field, and the part of `span`, a stretch of the ray,
@@ -144,7 +211,7 @@ impl Density {
             Some(to_world) => to_world.ray_to_object(ray)?,
             None => (*ray, 1.0),
         };
-        let inside = self.blocks.bounds().span(&ray)?;
+        let inside = self.bounds.span(&ray)?;
         let line = Line {
             origin: ray.origin,
             direction: ray.direction * scale,
@@ -158,7 +225,7 @@ impl Density {
 
     /// The blocks that `line` passes on the stretch `span`, which is in the box.
     pub fn walk(&self, line: &Line, span: Span) -> Walk {
-        self.blocks.walk(line.origin, line.direction, span)
+        self.blocks().walk(line.origin, line.direction, span)
     }
 
     /// Whether [`Density::integral`] knows.

@@ -26,6 +26,15 @@ impl Light {
         }
     }
 
+    /// Intensity or irradiance, by channel, where the light is brightest.
+    pub fn strength(&self) -> DVec3 {
+        match self {
+            Light::Point(light) => light.intensity,
+            Light::Spot(light) => light.intensity,
+            Light::Directional(light) => light.irradiance,
+        }
+    }
+
     /// What the light sends towards `point`, by channel: intensity, per steradian, or, of one
     /// that is infinitely far away, irradiance.
     pub fn strength_towards(&self, point: DVec3) -> DVec3 {

@@ -58,6 +58,9 @@ impl<E: Effects> Surroundings<'_, E> {
         work: &mut W,
     ) -> DVec3 {
         let light = &self.scene.area_lights[index];
+        if light.radiance == DVec3::ZERO {
+            return DVec3::ZERO;
+        }
         let point = light
             .shape
             .sample(draws.pair(Purpose::LightPoint, index, work));

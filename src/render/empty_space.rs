@@ -41,10 +41,7 @@ pub struct EmptySpace {
 impl EmptySpace {
     /// Explores `grid` as `transfer_function` sees it.
     pub fn of<T: Scalar>(grid: &Grid<T>, transfer_function: &TransferFunction) -> EmptySpace {
-        let blocks = grid
-            .lattice()
-            .nodes()
-            .map(|nodes| (nodes - 1).div_ceil(BLOCK).max(1));
+        let blocks = blocks(grid.lattice());
         let mut space = EmptySpace {
             blocks,
             distance: Vec::new(),
@@ -103,6 +100,18 @@ impl EmptySpace {
         .filter(move |&other| other != block)
         .map(|other| self.index(other))
     }
+}
+
+/// How many blocks there are along each axis.
+fn blocks(lattice: &Lattice) -> [usize; 3] {
+    lattice
+        .nodes()
+        .map(|nodes| (nodes - 1).div_ceil(BLOCK).max(1))
+}
+
+/// Bytes that the [`EmptySpace`] of a grid takes.
+pub(super) fn bytes(lattice: &Lattice) -> usize {
+    blocks(lattice).iter().product()
 }
 
 /// Smallest and largest value among the nodes of a block, those on its faces included:

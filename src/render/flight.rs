@@ -150,7 +150,7 @@ impl MediaPath {
         tracker: &mut Tracker,
         work: &mut W,
     ) -> DVec3 {
-        let mut share = transmittance::<E>(depth);
+        let mut share = transmittance::<E, W>(depth, work);
         if !E::HETEROGENEOUS || !media.vary() {
             return share;
         }
@@ -161,7 +161,7 @@ impl MediaPath {
                 far: stretch.span.far.min(t),
             };
             if absorbing != 0 && span.near < span.far {
-                share *= media.through(absorbing, ray, span, tracker, work);
+                share *= media.through::<E, W>(absorbing, ray, span, tracker, work);
             }
         }
         share

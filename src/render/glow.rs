@@ -6,7 +6,7 @@ use super::media_path::{MediaPath, Stretch};
 use super::passage::Passage;
 use super::tracker::{Numbers, Tracker};
 use super::tracking::{Bounded, Bounds, Chance, tentative_collisions, thin};
-use super::work::Work;
+use super::work::{Event, Work};
 use crate::geometry::{Ray, Span};
 use crate::math::quadrature::integrate;
 use crate::media::{emission, source_factor};
@@ -18,10 +18,11 @@ const GLOW_SAMPLES: f64 = 4.0;
 
 impl MediaPath {
     /// Radiance that media which are the same everywhere send back along the ray.
-    pub fn emitted<E: Effects>(&self) -> DVec3 {
+    pub fn emitted<E: Effects, W: Work>(&self, work: &mut W) -> DVec3 {
         let (mut radiance, mut depth) = (DVec3::ZERO, DVec3::ZERO);
         for stretch in self.stretches() {
-            radiance += transmittance::<E>(depth) * stretch.emitted();
+            let through = transmittance::<E, W>(depth, work);
+            radiance += through * stretch.emitted(work);
             depth += stretch.depth();
         }
         radiance
@@ -41,8 +42,8 @@ impl MediaPath {
         let mut through = DVec3::ONE;
         for stretch in self.stretches() {
             if !media.varies(stretch.set) {
-                radiance += through * stretch.emitted();
-                through *= transmittance::<E>(stretch.depth());
+                radiance += through * stretch.emitted(work);
+                through *= transmittance::<E, W>(stretch.depth(), work);
                 continue;
             }
             let (strands, _, effort) = tracker.parts();
@@ -59,6 +60,7 @@ impl MediaPath {
                 let extinction = passage.extinction(t);
                 effort.note(bounds, extinction);
                 let rate = rate(bounds);
+                work.count(Event::EmissionTerm);
                 radiance += through * passage.emission() / rate;
                 through *= DVec3::ONE - extinction / rate;
                 thin(&mut through, u)
@@ -87,19 +89,20 @@ impl MediaPath {
             let sent;
             let whole;
             if !media.varies(stretch.set) {
-                (sent, whole) = (stretch.emitted(), stretch.depth());
+                (sent, whole) = (stretch.emitted(work), stretch.depth());
             } else if stretch.set.count_ones() == 1 {
                 let medium = media.medium(stretch.set.trailing_zeros() as usize);
                 let density = medium.density.expect("it varies");
                 let column = density_integral(density, ray, stretch.span, work);
                 whole = over(medium.sigma_t(), column);
+                work.count(Event::EmissionTerm);
                 let seen = DVec3::from_array(whole.to_array().map(source_factor));
                 sent = medium.unit.emission * column * seen;
             } else {
                 whole = depth_over(media, stretch.set, ray, stretch.span, work);
                 sent = integral_over::<E, W>(media, stretch, ray, tolerance, work);
             }
-            radiance += transmittance::<E>(depth) * sent;
+            radiance += transmittance::<E, W>(depth, work) * sent;
             depth += whole;
         }
         radiance
@@ -108,7 +111,8 @@ impl MediaPath {
 
 impl Stretch {
     /// Radiance that a stretch of even matter sends back along the ray.
-    fn emitted(&self) -> DVec3 {
+    fn emitted<W: Work>(&self, work: &mut W) -> DVec3 {
+        work.count(Event::EmissionTerm);
         let extinction = self.matter.sigma_t + self.matter.dimming;
         DVec3::from_array(std::array::from_fn(|c| {
             emission::constant_emission(self.matter.emission[c], extinction[c], self.span.length())
@@ -153,7 +157,8 @@ fn integral_over<E: Effects, W: Work>(
         let piece = depth_over(media, stretch.set, ray, Span { near, far }, work);
         let mut sent = |t: f64| {
             let way = depth_over(media, stretch.set, ray, Span { near, far: t }, work);
-            media.emission(stretch.set, ray.at(t), work) * transmittance::<E>(way)
+            work.count(Event::EmissionTerm);
+            media.emission(stretch.set, ray.at(t), work) * transmittance::<E, W>(way, work)
         };
         // In a deep piece only its beginning is seen: halves of halves of it, down to where
         // light gets through.
@@ -169,7 +174,7 @@ fn integral_over<E: Effects, W: Work>(
             own += integrate(&mut sent, from, to, tolerance).value;
             from = to;
         }
-        radiance += transmittance::<E>(depth) * own;
+        radiance += transmittance::<E, W>(depth, work) * own;
         depth += piece;
         near = far;
     }

@@ -311,7 +311,8 @@ impl<E: Effects> Surroundings<'_, E> {
         };
         if !E::HETEROGENEOUS || !self.media.vary() {
             let sent = self.by_light(&vertex, light, tracker, work);
-            return sent * place.stretch.matter.sigma_s * transmittance::<E>(place.depths.all());
+            let through = transmittance::<E, W>(place.depths.all(), work);
+            return sent * place.stretch.matter.sigma_s * through;
         }
         let sigma_s = self.media.sigma_s(place.stretch.set, vertex.point(), work);
         if sigma_s == DVec3::ZERO {

@@ -12,7 +12,7 @@ use super::smooth::facing;
 use super::surroundings::{Met, Surroundings};
 use super::tracker::Tracker;
 use super::vertex::Vertex;
-use super::work::Work;
+use super::work::{Event, Work};
 use crate::geometry::{Ray, Span};
 use crate::math::quadrature::integrate;
 use crate::math::sampling::Equiangular;
@@ -64,19 +64,21 @@ impl<E: Effects> LineOfSight<'_, E> {
                 path.lay(media, ray, end);
             }
             if varies {
-                through = transmittance::<E>(media.depth(ray, end, &mut tracker.spans, work));
+                let depth = media.depth(ray, end, &mut tracker.spans, work);
+                through = transmittance::<E, W>(depth, work);
                 if E::EMISSION {
                     radiance +=
                         path.emitted_by_quadrature::<E, W>(media, ray, self.tolerance, work);
                 }
             } else {
-                through = transmittance::<E>(path.depth());
+                through = transmittance::<E, W>(path.depth(), work);
                 if E::EMISSION {
-                    radiance += path.emitted::<E>();
+                    radiance += path.emitted::<E, W>(work);
                 }
             }
             if self.turned {
-                for light in &scene.lights {
+                let lights = scene.lights.iter();
+                for light in lights.filter(|light| light.strength() != DVec3::ZERO) {
                     radiance += self.turned_by_media(light, path, ray, tracker, work);
                 }
             }
@@ -101,6 +103,7 @@ impl<E: Effects> LineOfSight<'_, E> {
 
     /// Radiance that a surface makes of what the lights send there.
     fn turned_at<W: Work>(&self, vertex: &Vertex, tracker: &mut Tracker, work: &mut W) -> DVec3 {
+        work.count(Event::FirstTurn);
         let lights = self.around.scene.lights.iter();
         lights.fold(DVec3::ZERO, |sum, light| {
             sum + self.around.by_light(vertex, light, tracker, work)
@@ -138,6 +141,7 @@ impl<E: Effects> LineOfSight<'_, E> {
                     depths,
                     stretch,
                 };
+                work.count(Event::FirstTurn);
                 self.around.scattered_at(ray, &place, light, tracker, work)
             };
             for [near, far] in pieces(stretch, span, &edges) {

@@ -7,7 +7,7 @@ use super::tracking::{Control, Small, ratio_tracking};
 use super::work::{Event, Work};
 use crate::geometry::{Aabb, Boundary, Ray, Solid, Span, Surface};
 use crate::math::exp;
-use crate::media::{Density, HenyeyGreenstein, optical_depth};
+use crate::media::{Density, HenyeyGreenstein, Homogeneous, optical_depth};
 use crate::scene::Body;
 use glam::DVec3;
 use std::cell::Cell;
@@ -29,16 +29,16 @@ pub struct Matter {
 }
 
 impl Matter {
-    /// The matter of `body` where its density is 1.
-    fn of(body: &Body) -> Matter {
-        let coefficients = body.medium.coefficients;
+    /// The matter of `medium`.
+    fn of(medium: &Homogeneous) -> Matter {
+        let coefficients = medium.coefficients;
         let (sigma_t, sigma_s) = (coefficients.sigma_t(), coefficients.sigma_s());
         let scatters = sigma_s != DVec3::ZERO;
         Matter {
             sigma_t: if scatters { sigma_t } else { DVec3::ZERO },
             sigma_s,
             dimming: if scatters { DVec3::ZERO } else { sigma_t },
-            emission: body.medium.emission,
+            emission: medium.emission,
         }
     }
 
@@ -89,8 +89,7 @@ impl Medium<'_> {
 
     /// Whether it changes nothing.
     pub fn is_nothing(&self) -> bool {
-        let density = self.density.map_or(1.0, Density::typical);
-        self.unit == Matter::default() || density == 0.0
+        self.unit == Matter::default() || self.density.is_some_and(Density::is_nothing)
     }
 }
 
@@ -106,18 +105,46 @@ enum Reach {
 pub type Set = u64;
 
 impl<'s> Media<'s> {
-    /// The media of `bodies`. With `all`, also those of no matter, which change nothing.
+    /// The media of `bodies`, through which light is followed by tracking where their density
+    /// varies. With `all`, also those of no matter, which change nothing.
     pub fn new(bodies: &'s [Body], all: bool) -> Media<'s> {
+        // Made here and not by the threads that first ask for them.
+        for density in tracked(bodies) {
+            density.blocks();
+        }
+        Media::with(bodies, all, |unit, density| {
+            if !unit.scatters() {
+                return Matter::default();
+            }
+            let typical = density.typical();
+            Matter {
+                sigma_t: unit.sigma_t * typical,
+                sigma_s: unit.sigma_s * typical,
+                ..Matter::default()
+            }
+        })
+    }
+
+    /// The same for integrals along lines, which ask for no place by chance: nothing stands in for
+    /// what varies, and no bounds on it are made.
+    pub fn for_integrals(bodies: &'s [Body], all: bool) -> Media<'s> {
+        Media::with(bodies, all, |_, _| Matter::default())
+    }
+
+    /// The media of `bodies`; `stand_in` makes what stands in for one of varying density, from
+    /// what it is made of where its density is 1.
+    fn with(
+        bodies: &'s [Body],
+        all: bool,
+        stand_in: impl Fn(&Matter, &Density) -> Matter,
+    ) -> Media<'s> {
         let medium = |body: &'s Body| {
-            let (unit, density) = (Matter::of(body), body.density.as_ref());
-            let matter = match density {
-                None => unit,
-                Some(density) => Matter {
-                    sigma_t: unit.sigma_t * density.typical(),
-                    sigma_s: unit.sigma_s * density.typical(),
-                    ..Matter::default()
-                },
+            // One of a constant density is as good as one without.
+            let (unit, density) = match body.even() {
+                Some(medium) => (Matter::of(&medium), None),
+                None => (Matter::of(&body.medium), body.density.as_ref()),
             };
+            let matter = density.map_or(unit, |density| stand_in(&unit, density));
             Medium {
                 boundary: body.boundary.as_ref(),
                 unit,
@@ -241,22 +268,28 @@ impl<'s> Media<'s> {
     /// Scattering coefficient, by channel, of the media in `set` at the world point `point`,
     /// which lies in the boundaries of all of them.
     pub fn sigma_s<W: Work>(&self, set: Set, point: DVec3, work: &mut W) -> DVec3 {
-        self.sum_at(set, point, |unit| unit.sigma_s, work)
+        self.sum_at(
+            set,
+            |unit| unit.sigma_s,
+            |density, lookups| density.at(point, lookups),
+            work,
+        )
     }
 
     /// Radiance sent out per length, by channel, by the media in `set` at the world point
-    /// `point`, which lies in the boundaries of all of them.
+    /// `point`, which lies in the boundaries of all of them. No bounds are looked at.
     pub fn emission<W: Work>(&self, set: Set, point: DVec3, work: &mut W) -> DVec3 {
-        self.sum_at(set, point, |unit| unit.emission, work)
+        let at = |density: &Density, lookups: &mut u64| density.looked_up_at(point, lookups);
+        self.sum_at(set, |unit| unit.emission, at, work)
     }
 
-    /// The sum of a property of the media in `set`, each times its density at `point`; a density
+    /// The sum of a property of the media in `set`, each times its density `at` a place; a density
     /// is not looked up for a property of 0.
     fn sum_at<W: Work>(
         &self,
         set: Set,
-        point: DVec3,
         property: impl Fn(&Matter) -> DVec3,
+        at: impl Fn(&Density, &mut u64) -> f64,
         work: &mut W,
     ) -> DVec3 {
         members(set).fold(DVec3::ZERO, |sum, index| {
@@ -265,7 +298,7 @@ impl<'s> Media<'s> {
             let density = match medium.density {
                 Some(density) if unit != DVec3::ZERO => {
                     let mut lookups = 0;
-                    let density = density.at(point, &mut lookups);
+                    let density = at(density, &mut lookups);
                     work.count_times(Event::DensityLookup, lookups);
                     density
                 }
@@ -326,7 +359,8 @@ impl<'s> Media<'s> {
         work: &mut W,
     ) -> DVec3 {
         if !E::HETEROGENEOUS || !self.vary() {
-            return transmittance::<E>(self.depth(ray, end, &mut tracker.spans, work));
+            let depth = self.depth(ray, end, &mut tracker.spans, work);
+            return transmittance::<E, W>(depth, work);
         }
         let mut depth = DVec3::ZERO;
         let mut estimate = DVec3::ONE;
@@ -350,18 +384,20 @@ impl<'s> Media<'s> {
                 };
                 match body.density {
                     None => depth += over(body.sigma_t(), span.length()),
-                    Some(_) => estimate *= self.through(1 << index, ray, span, tracker, work),
+                    Some(_) => {
+                        estimate *= self.through::<E, W>(1 << index, ray, span, tracker, work);
+                    }
                 }
             }
             tracker.spans = spans;
         }
-        estimate * transmittance::<E>(depth)
+        estimate * transmittance::<E, W>(depth, work)
     }
 
     /// The share of light, by channel, that crosses the media of varying density in `set` along
     /// `ray` over `span`, which lies in all of them. Exact through one that does not scatter, if
     /// its density has an integral; else an estimate.
-    pub fn through<W: Work>(
+    pub fn through<E: Effects, W: Work>(
         &self,
         set: Set,
         ray: &Ray,
@@ -381,17 +417,43 @@ impl<'s> Media<'s> {
                 _ => unknown |= 1 << index,
             }
         }
-        let known = DVec3::from_array(depth.to_array().map(|depth| exp(-depth)));
-        if unknown == 0 {
-            return known;
+        let known = transmittance::<E, W>(depth, work);
+        match unknown {
+            0 => known,
+            _ => known * self.tracked(unknown, ray, span, tracker, work),
         }
+    }
+
+    /// An estimate of the share of light, by channel, that crosses the media in `set`.
+    fn tracked<W: Work>(
+        &self,
+        set: Set,
+        ray: &Ray,
+        span: Span,
+        tracker: &mut Tracker,
+        work: &mut W,
+    ) -> DVec3 {
         let (strands, chance, effort) = tracker.parts();
-        let mut passage = Passage::new(self, unknown, ray, span, strands);
+        let mut passage = Passage::new(self, set, ray, span, strands);
         let (control, small) = (Control::LowerBound, Small::Thinned);
         let share = ratio_tracking(&mut passage, control, small, chance, effort);
         passage.count(work);
-        known * share
+        share
     }
+}
+
+/// The densities in `bodies` through which light may be followed by tracking: of what scatters, of
+/// what has no integral, and, where anything glows, of all.
+pub(super) fn tracked(bodies: &[Body]) -> impl Iterator<Item = &Density> {
+    let glows = bodies
+        .iter()
+        .any(|body| body.medium.emission != DVec3::ZERO);
+    let varying = bodies.iter().filter(|body| body.even().is_none());
+    varying.filter_map(move |body| {
+        let density = body.density.as_ref()?;
+        let scatters = body.medium.coefficients.sigma_s() != DVec3::ZERO;
+        (glows || scatters || !density.is_integrable()).then_some(density)
+    })
 }
 
 /// `∫ density dt` along `ray` over `span`.
@@ -426,8 +488,10 @@ pub fn members(set: Set) -> impl Iterator<Item = usize> {
 }
 
 /// `e^(−τ)` by channel; one exponential where all channels are the same.
-pub fn transmittance<E: Effects>(depth: DVec3) -> DVec3 {
+pub fn transmittance<E: Effects, W: Work>(depth: DVec3, work: &mut W) -> DVec3 {
+    work.count(Event::Attenuation);
     if E::CHROMATIC {
+        work.count_times(Event::ChannelAttenuation, 2);
         DVec3::from_array(depth.to_array().map(|depth| exp(-depth)))
     } else {
         DVec3::splat(exp(-depth.x))

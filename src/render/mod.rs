@@ -10,6 +10,8 @@
 //! light in [`direct_light`], [`in_scattering`] and [`lit_places`]. [`line_of_sight`] does without
 //! random numbers what can be done so.
 //!
+//! [`expected`] tells the work of an image beforehand, [`work`] counts it.
+//!
 //! [`matter`] holds the media, [`flight`] how far light flies through them, [`glow`] what they send
 //! out. Where their density differs from place to place, [`tracking`] is the method, [`passage`]
 //! the stretch of a ray that it works on, and [`tracker`] what it needs besides.
@@ -25,12 +27,13 @@
 //! | family | kernels | compiled for | uncounted, KiB | counted | either | of all code |
 //! |---|---|---|---|---|---|---|
 //! | ray caster | 72 | field (3), order (3), shading, shadow, empty space | 299 | 315 | 0 | 6.2 % |
-//! | path tracer | 22 | media, surfaces, emission, colour, direction, varying density | 142 | 146 | 0 | 2.9 % |
+//! | path tracer | 26 | media, surfaces, emission, colour, direction, varying density | 142 | 146 | 0 | 2.9 % |
 //! | line of sight | 22 | media, surfaces, emission, colour, direction, varying density | 199 | 193 | 0 | 4.0 % |
 //! | shared by the latter two | – | the same | 342 | 347 | 102 | 8.0 % |
 //!
-//! Where density varies, there are no kernels without surfaces or for scattering in all directions
-//! alike; without media, none that tell those apart by what media do. The member for everything is
+//! Where density varies, there are no kernels without surfaces, and on the line of sight, where
+//! nothing is turned then, none that tell directions apart; without media, none that tell those apart
+//! by what media do. The member for everything is
 //! the general kernel. Made by `scripts/kernel-sizes.sh` for x86-64; a test holds the numbers of
 //! kernels.
 
@@ -40,6 +43,7 @@ pub mod direct_light;
 pub mod draws;
 pub mod effects;
 pub mod empty_space;
+pub mod expected;
 pub mod field;
 pub mod flight;
 pub mod glow;
@@ -64,6 +68,7 @@ pub mod vertex;
 pub mod volume_shadow;
 pub mod work;
 
+pub use expected::{Amount, Bound, Expected, Memory};
 pub use image::{Progress, RenderError, Rendering, render, render_counted};
 pub use plan::{Effect, Plan, State};
 pub use work::Counters;

@@ -153,6 +153,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
             if turns_left == 0 || throughput == DVec3::ZERO {
                 break;
             }
+            work.count(turn_after(bounce));
             if bounce == 0 {
                 first = throughput;
             }
@@ -211,6 +212,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                 Err(_) => return DVec3::INFINITY,
                 Ok(None) => {}
                 Ok(Some((sent, place))) => {
+                    work.count(turn_after(draws.bounce));
                     let weight = match came {
                         Came::Alone => 1.0,
                         Came::Turned(pdf) => {
@@ -246,7 +248,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
             let media = &self.around.media;
             media.transmittance::<E, W>(ray, hit.t, &mut scratch.tracker, work)
         } else {
-            transmittance::<E>(scratch.path.depth())
+            transmittance::<E, W>(scratch.path.depth(), work)
         };
         radiance_of(light, hit) * through * weight
     }
@@ -265,7 +267,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
             let mut chance = Numbers::new(draws.random, draws.bounce, Purpose::Emission);
             path.emitted_by_tracking::<E, W>(media, ray, &mut chance, tracker, work)
         } else {
-            path.emitted::<E>()
+            path.emitted::<E, W>(work)
         }
     }
 
@@ -329,6 +331,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         }
         if turns_left >= 2 {
             for source in self.positioned() {
+                work.count(Event::FurtherTurn);
                 radiance += around.by_lit_places(vertex, source, draws, connection, tracker, work);
             }
         }
@@ -338,10 +341,11 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         radiance
     }
 
-    /// The lights that stand somewhere, with their places and numbers.
+    /// The lights that shine from somewhere, with their places and numbers.
     fn positioned(&self) -> impl Iterator<Item = (&'s Light, DVec3, usize)> {
         let lights = self.around.scene.lights.iter().enumerate();
-        lights.filter_map(|(index, light)| Some((light, light.position()?, index)))
+        let shining = lights.filter(|(_, light)| light.strength() != DVec3::ZERO);
+        shining.filter_map(|(index, light)| Some((light, light.position()?, index)))
     }
 
     fn surface(&self, index: usize, hit: Hit) -> TurnedBy {
@@ -354,6 +358,14 @@ impl<'s, E: Effects> PathTracer<'s, E> {
             Material::Mirror(reflectance) => TurnedBy::Mirror(hit, reflectance),
             Material::Glass(index) => TurnedBy::Glass(hit, index),
         }
+    }
+}
+
+/// The turn of a path that has been turned `bounce` times.
+fn turn_after(bounce: u32) -> Event {
+    match bounce {
+        0 => Event::FirstTurn,
+        _ => Event::FurtherTurn,
     }
 }
 

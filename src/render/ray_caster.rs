@@ -8,7 +8,7 @@ use super::empty_space::Space;
 use super::field::{Field, NodePath};
 use super::steps::Steps;
 use super::volume_shadow::{Sample, Visibility};
-use super::work::Work;
+use super::work::{Event, Work};
 use crate::geometry::{Aabb, Ray, direction_of};
 use crate::media::{Phong, TransferFunction};
 use crate::volume::Grid;
@@ -124,6 +124,7 @@ impl<F: Field, O: Order, S: Shading, V: Visibility, E: Space> RayCaster<'_, F, O
 
             let place = self.field.locate(nodes);
             let density = self.field.density(&place, work);
+            work.count(Event::Attenuation);
             let opacity = self.transfer_function.opacity(density, length);
             if opacity == 0.0 {
                 continue; // adds exactly nothing, whatever its colour
@@ -150,6 +151,7 @@ impl<F: Field, O: Order, S: Shading, V: Visibility, E: Space> RayCaster<'_, F, O
         density: f64,
         work: &mut W,
     ) -> DVec3 {
+        work.count(Event::EmissionTerm);
         let colour = self.transfer_function.colour(density);
         let shaded = self
             .shading

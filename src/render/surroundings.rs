@@ -29,12 +29,21 @@ pub enum Met {
 }
 
 impl<'s, E: Effects> Surroundings<'s, E> {
-    /// The surroundings in `scene`. With `null_media`, media of no matter are asked where they
-    /// are like others.
+    /// The surroundings in `scene`, for random paths. With `null_media`, media of no matter are
+    /// asked where they are like others.
     pub fn new(scene: &'s Radiative, null_media: bool) -> Self {
+        Surroundings::with(scene, Media::new(&scene.media, null_media))
+    }
+
+    /// The same for integrals along the line of sight.
+    pub fn for_integrals(scene: &'s Radiative, null_media: bool) -> Self {
+        Surroundings::with(scene, Media::for_integrals(&scene.media, null_media))
+    }
+
+    fn with(scene: &'s Radiative, media: Media<'s>) -> Self {
         Surroundings {
             scene,
-            media: Media::new(&scene.media, null_media),
+            media,
             effects: PhantomData,
         }
     }

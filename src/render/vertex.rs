@@ -200,12 +200,12 @@ fn scattered<E: Effects, W: Work>(
             pdf: 0.0,
         };
     };
-    work.count(Event::PhaseEvaluation);
+    count_value::<E, W>(work);
     let only = value(phase);
     let (mut all, mut weighted) = (first, first * only);
     let mut alone = true;
     for (sigma_s, phase) in scatterers {
-        work.count(Event::PhaseEvaluation);
+        count_value::<E, W>(work);
         all += sigma_s;
         weighted += sigma_s * value(phase);
         alone = false;
@@ -221,6 +221,13 @@ fn scattered<E: Effects, W: Work>(
     Response {
         value: share(weighted, all),
         pdf: (weighted.x + weighted.y + weighted.z) / (all.x + all.y + all.z),
+    }
+}
+
+/// Counts a value of a phase function; where every direction is alike there is none to compute.
+fn count_value<E: Effects, W: Work>(work: &mut W) {
+    if E::ANISOTROPIC {
+        work.count(Event::PhaseEvaluation);
     }
 }
 

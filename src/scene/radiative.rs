@@ -15,7 +15,7 @@ use super::format::{Absent, Key, Kind, Literal, Range, Table};
 use super::reader::Reader;
 use super::sampling::Sampling;
 use crate::geometry::{Boundary, Camera, Luminous, Shape};
-use crate::media::{Density, Homogeneous};
+use crate::media::{Coefficients, Density, Homogeneous};
 use crate::optics::{Light, Material, Sides};
 use contradictions::Parts;
 use glam::DVec3;
@@ -135,9 +135,44 @@ pub struct Radiative {
     pub seed: u64,
 }
 
+impl Body {
+    /// The medium, if it is provably the same everywhere in the body: it has no density, or one
+    /// that is constant and leaves its coefficients in the range of numbers.
+    pub fn even(&self) -> Option<Homogeneous> {
+        let Some(density) = &self.density else {
+            return Some(self.medium);
+        };
+        let density = density.constant()?;
+        let Homogeneous {
+            coefficients,
+            emission,
+            phase,
+        } = self.medium;
+        let (sigma_a, sigma_s) = (coefficients.sigma_a(), coefficients.sigma_s());
+        let survives = |value: DVec3| {
+            let values = value.to_array().into_iter();
+            values.filter(|&value| value != 0.0).all(|value| {
+                let scaled = value * density;
+                density == 0.0 || scaled.is_normal()
+            })
+        };
+        if ![sigma_a, sigma_s, emission].into_iter().all(survives) {
+            return None;
+        }
+        Some(Homogeneous {
+            coefficients: Coefficients::new(sigma_a * density, sigma_s * density).ok()?,
+            emission: emission * density,
+            phase,
+        })
+    }
+}
+
 impl Radiative {
     /// Media in a scene, at most: a set of them is a word of 64 bits.
     pub const MOST_MEDIA: usize = 64;
+
+    /// The keys of a medium that give it a density.
+    pub const DENSITY_KEYS: [&str; 6] = densities::KEYS;
 
     /// Reads `[radiative]` and `[camera]`.
     pub(super) fn read(

@@ -51,6 +51,11 @@ impl Blocks {
             .expect("at least one block")
     }
 
+    /// Bytes that the bounds take.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.ranges)
+    }
+
     /// The mean of what lies halfway between the bounds of each block.
     pub fn typical(&self) -> f64 {
         let middles = self

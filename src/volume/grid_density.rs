@@ -60,11 +60,15 @@ impl GridDensity {
 
     /// Bounds in blocks of cells.
     pub fn blocks(&self) -> Blocks {
+        let (counts, size) = self.division();
+        Blocks::of(self, self.bounds(), counts, size)
+    }
+
+    /// How many blocks there are along each axis, and their edges.
+    pub fn division(&self) -> ([usize; 3], DVec3) {
         let lattice = self.grid.lattice();
-        let bounds = self.bounds();
-        let size = lattice.spacing() * BLOCK as f64;
         let counts = lattice.nodes().map(|nodes| nodes.div_ceil(BLOCK));
-        Blocks::of(self, bounds, counts, size)
+        (counts, lattice.spacing() * BLOCK as f64)
     }
 
     /// `∫ density dt` over the stretch `span` of the line `origin + t·direction`, exactly, up to

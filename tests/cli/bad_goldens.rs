@@ -210,6 +210,33 @@ fn stale() {
     ");
 }
 
+/// The scene says the same as before, and its file other values: so constant that less is simulated.
+/// The golden is not one of that, whatever its pixels.
+#[test]
+fn a_changed_plan() {
+    let suite = Folder::with_suite();
+    let volume = |last: f32| {
+        let mut values = [0.5; 27];
+        values[26] = last;
+        let grid = crate::bad_files::grid([3, 3, 3], [1.0; 3], &values);
+        suite.write("fixtures/volumes/grid.bin", grid);
+    };
+    let scene = "[film]\nwidth = 6\nheight = 6\n[classified]\n\
+                 [classified.volume]\nfile = \"../../volumes/grid.bin\"\n";
+    suite.write("fixtures/scenes/smoke/grid.toml", scene);
+    suite.write("fixtures/cases/smoke/grid.toml", crate::folder::MANIFEST);
+    volume(0.6);
+    suite.accept_all();
+    volume(0.5);
+    let run = suite.volref(&["verify", "smoke/grid"]);
+    assert_eq!(run.code, 3, "{}", run.stdout);
+    assert!(
+        run.stdout.contains("stale: the plan has changed"),
+        "{}",
+        run.stdout
+    );
+}
+
 #[test]
 fn goldens_of_another_case() {
     let suite = Folder::with_goldens();

@@ -1,255 +1,66 @@
 //! `volref plan`
 
-use crate::folder::{Folder, assert_shown};
-use std::path::Path;
+use crate::folder::{Folder, Run};
+use std::path::{Path, PathBuf};
 
-/// The plans of the figures, as anybody can ask for them from the root of the repository.
+/// The plan of every scene of the suite, as anybody can ask for it from the root of the repository:
+/// a file for each family. After a change on purpose, read the difference and take it over with
+/// `INSTA_UPDATE=always cargo test --test cli plans_of_the_suite`.
 #[test]
-fn figures() {
+fn plans_of_the_suite() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let plan = |figure: &str| {
-        let scene = format!("fixtures/scenes/figures/{figure}.toml");
+    let entries = |folder: &Path| {
+        let entries = std::fs::read_dir(folder).unwrap();
+        let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
+        paths.sort();
+        paths
+    };
+    let plan = |scene: &Path| {
+        let scene = scene
+            .strip_prefix(root)
+            .unwrap()
+            .to_str()
+            .unwrap()
+            .to_owned();
         let folder = Folder::new();
         let mut command = folder.command(&["plan", &scene]);
-        crate::folder::Run::of(command.current_dir(root).output().unwrap()).shown()
+        let run = Run::of(command.current_dir(root).output().unwrap());
+        run.expect(0, &[]);
+        format!("$ volref plan {scene}\n{}", run.stdout)
     };
-    insta::assert_snapshot!(plan("figure-1"), @r#"
-    exit code 0
-    --- stdout
-    kernel  ray caster: nearest, front to back, Phong, no shadow, leaps over empty space
-    volume  70 × 106 × 67 nodes, voxel 0.01, from (-0.02, -0.02, -0.02) to (0.67, 1.03, 0.64)
-
-    effects
-      elided   surfaces                the classified model has no surfaces
-      on       absorption              densities up to 1  (transfer_function)
-      on       emission                the colormap sends out light  (transfer_function)
-      elided   single-scattering       the classified model scatters no light; shading stands in for it
-      elided   multiple-scattering     the classified model scatters no light; shading stands in for it
-      omitted  medium-shadow           not asked for: the scene has no [classified.shadow]
-      elided   surface-shadow          the classified model has no surfaces
-      on       gradient-shading        the density has a gradient  (classified.phong)
-      on       heterogeneity           densities from 0 to 1  (classified.volume)
-      elided   chromatic-coefficients  opacity is the same for all colours
-      elided   anisotropic-phase       the classified model has no phase function
-
-    defaults filled in
-      transfer_function.floor     0.36
-      transfer_function.colormap  "heat"
-      classified.background       [0, 0, 0]
-    "#);
-    insta::assert_snapshot!(plan("figure-2"), @r"
-    exit code 0
-    --- stdout
-    kernel  plot of the transfer function
-
-    effects
-      elided   surfaces                a plot of the transfer function has no light
-      elided   absorption              a plot of the transfer function has no light
-      elided   emission                a plot of the transfer function has no light
-      elided   single-scattering       a plot of the transfer function has no light
-      elided   multiple-scattering     a plot of the transfer function has no light
-      elided   medium-shadow           a plot of the transfer function has no light
-      elided   surface-shadow          a plot of the transfer function has no light
-      elided   gradient-shading        a plot of the transfer function has no light
-      elided   heterogeneity           a plot of the transfer function has no light
-      elided   chromatic-coefficients  a plot of the transfer function has no light
-      elided   anisotropic-phase       a plot of the transfer function has no light
-
-    defaults filled in
-      none
-    ");
-    insta::assert_snapshot!(plan("figure-3"), @r#"
-    exit code 0
-    --- stdout
-    kernel  ray caster: trilinear, front to back, Phong, no shadow, leaps over empty space
-    volume  70 × 106 × 67 nodes, voxel 0.01, from (-0.02, -0.02, -0.02) to (0.67, 1.03, 0.64)
-
-    effects
-      elided   surfaces                the classified model has no surfaces
-      on       absorption              densities up to 1  (transfer_function)
-      on       emission                the colormap sends out light  (transfer_function)
-      elided   single-scattering       the classified model scatters no light; shading stands in for it
-      elided   multiple-scattering     the classified model scatters no light; shading stands in for it
-      omitted  medium-shadow           not asked for: the scene has no [classified.shadow]
-      elided   surface-shadow          the classified model has no surfaces
-      on       gradient-shading        the density has a gradient  (classified.phong)
-      on       heterogeneity           densities from 0 to 1  (classified.volume)
-      elided   chromatic-coefficients  opacity is the same for all colours
-      elided   anisotropic-phase       the classified model has no phase function
-
-    defaults filled in
-      transfer_function.floor     0.36
-      transfer_function.colormap  "heat"
-      classified.background       [0, 0, 0]
-    "#);
-    insta::assert_snapshot!(plan("figure-4"), @r#"
-    exit code 0
-    --- stdout
-    kernel  ray caster: trilinear, back to front, Phong, no shadow, leaps over empty space
-    volume  70 × 106 × 67 nodes, voxel 0.01, from (-0.02, -0.02, -0.02) to (0.67, 1.03, 0.64)
-
-    effects
-      elided   surfaces                the classified model has no surfaces
-      on       absorption              densities up to 1  (transfer_function)
-      on       emission                the colormap sends out light  (transfer_function)
-      elided   single-scattering       the classified model scatters no light; shading stands in for it
-      elided   multiple-scattering     the classified model scatters no light; shading stands in for it
-      omitted  medium-shadow           not asked for: the scene has no [classified.shadow]
-      elided   surface-shadow          the classified model has no surfaces
-      on       gradient-shading        the density has a gradient  (classified.phong)
-      on       heterogeneity           densities from 0 to 1  (classified.volume)
-      elided   chromatic-coefficients  opacity is the same for all colours
-      elided   anisotropic-phase       the classified model has no phase function
-
-    defaults filled in
-      transfer_function.floor     0.36
-      transfer_function.colormap  "heat"
-      classified.background       [0, 0, 0]
-    "#);
-    insta::assert_snapshot!(plan("figure-5"), @r#"
-    exit code 0
-    --- stdout
-    panel 1: without shadow
-    kernel  ray caster: trilinear, front to back, Phong, no shadow, leaps over empty space
-    volume  70 × 106 × 67 nodes, voxel 0.01, from (-0.02, -0.02, -0.02) to (0.67, 1.03, 0.64)
-
-    effects
-      elided   surfaces                the classified model has no surfaces
-      on       absorption              densities up to 1  (transfer_function)
-      on       emission                the colormap sends out light  (transfer_function)
-      elided   single-scattering       the classified model scatters no light; shading stands in for it
-      elided   multiple-scattering     the classified model scatters no light; shading stands in for it
-      omitted  medium-shadow           not asked for: the scene has no [classified.shadow]
-      elided   surface-shadow          the classified model has no surfaces
-      on       gradient-shading        the density has a gradient  (classified.phong)
-      on       heterogeneity           densities from 0 to 1  (classified.volume)
-      elided   chromatic-coefficients  opacity is the same for all colours
-      elided   anisotropic-phase       the classified model has no phase function
-
-    defaults filled in
-      transfer_function.floor     0.36
-      transfer_function.colormap  "heat"
-      classified.background       [0, 0, 0]
-
-    panel 2: with shadow
-    kernel  ray caster: trilinear, front to back, Phong, volume shadow, leaps over empty space
-    volume  70 × 106 × 67 nodes, voxel 0.01, from (-0.02, -0.02, -0.02) to (0.67, 1.03, 0.64)
-
-    effects
-      elided   surfaces                the classified model has no surfaces
-      on       absorption              densities up to 1  (transfer_function)
-      on       emission                the colormap sends out light  (transfer_function)
-      elided   single-scattering       the classified model scatters no light; shading stands in for it
-      elided   multiple-scattering     the classified model scatters no light; shading stands in for it
-      on       medium-shadow           densities darken what lies behind  (classified.shadow)
-      elided   surface-shadow          the classified model has no surfaces
-      on       gradient-shading        the density has a gradient  (classified.phong)
-      on       heterogeneity           densities from 0 to 1  (classified.volume)
-      elided   chromatic-coefficients  opacity is the same for all colours
-      elided   anisotropic-phase       the classified model has no phase function
-
-    defaults filled in
-      transfer_function.floor     0.36
-      transfer_function.colormap  "heat"
-      classified.background       [0, 0, 0]
-    "#);
+    let families = entries(&root.join("fixtures/scenes"));
+    assert!(families.len() >= 5);
+    for family in families {
+        let mut scenes = entries(&family);
+        scenes.retain(|scene| {
+            scene
+                .extension()
+                .is_some_and(|extension| extension == "toml")
+        });
+        let plans: Vec<String> = std::thread::scope(|threads| {
+            let half = scenes.len().div_ceil(2);
+            let halves = scenes.chunks(half.max(1));
+            let run = |scenes: &[PathBuf]| scenes.iter().map(|scene| plan(scene)).collect();
+            let running: Vec<_> = halves
+                .map(|scenes| threads.spawn(move || -> Vec<String> { run(scenes) }))
+                .collect();
+            running
+                .into_iter()
+                .flat_map(|half| half.join().unwrap())
+                .collect()
+        });
+        let name = family.file_name().unwrap().to_str().unwrap();
+        insta::assert_snapshot!(format!("suite_{name}"), plans.concat());
+    }
 }
 
+/// Everything that stands in the text stands in the JSON.
 #[test]
 fn json() {
     let folder = Folder::with_scenes();
     let run = folder.volref(&["plan", "curve.toml", "--json"]);
     assert_eq!(run.code, 0);
-    assert_shown!(run.stdout, @r#"
-    {
-      "schema": "volref/plan/1",
-      "scene": "curve.toml",
-      "panels": [
-        {
-          "title": null,
-          "kernel": "plot of the transfer function",
-          "effects": [
-            {
-              "effect": "surfaces",
-              "state": "elided",
-              "reason": "a plot of the transfer function has no light",
-              "field": null
-            },
-            {
-              "effect": "absorption",
-              "state": "elided",
-              "reason": "a plot of the transfer function has no light",
-              "field": null
-            },
-            {
-              "effect": "emission",
-              "state": "elided",
-              "reason": "a plot of the transfer function has no light",
-              "field": null
-            },
-            {
-              "effect": "single-scattering",
-              "state": "elided",
-              "reason": "a plot of the transfer function has no light",
-              "field": null
-            },
-            {
-              "effect": "multiple-scattering",
-              "state": "elided",
-              "reason": "a plot of the transfer function has no light",
-              "field": null
-            },
-            {
-              "effect": "medium-shadow",
-              "state": "elided",
-              "reason": "a plot of the transfer function has no light",
-              "field": null
-            },
-            {
-              "effect": "surface-shadow",
-              "state": "elided",
-              "reason": "a plot of the transfer function has no light",
-              "field": null
-            },
-            {
-              "effect": "gradient-shading",
-              "state": "elided",
-              "reason": "a plot of the transfer function has no light",
-              "field": null
-            },
-            {
-              "effect": "heterogeneity",
-              "state": "elided",
-              "reason": "a plot of the transfer function has no light",
-              "field": null
-            },
-            {
-              "effect": "chromatic-coefficients",
-              "state": "elided",
-              "reason": "a plot of the transfer function has no light",
-              "field": null
-            },
-            {
-              "effect": "anisotropic-phase",
-              "state": "elided",
-              "reason": "a plot of the transfer function has no light",
-              "field": null
-            }
-          ],
-          "defaults": [
-            {
-              "key": "transfer_function.floor",
-              "value": "0.36"
-            },
-            {
-              "key": "curve.densities",
-              "value": "1.2"
-            }
-          ]
-        }
-      ]
-    }
-    "#);
+    insta::assert_snapshot!(run.stdout);
 }
 
 #[test]
@@ -268,30 +79,37 @@ fn json_of_a_volume() {
         .unwrap();
     assert_eq!(shadow["state"], "omitted");
     assert_eq!(shadow["field"], "classified.shadow");
+    assert_eq!(shadow["line"], serde_json::Value::Null);
+    let volume = effects
+        .iter()
+        .find(|effect| effect["effect"] == "heterogeneity")
+        .unwrap();
+    assert_eq!(volume["line"], 10);
+    assert_eq!(panel["estimator"]["method"], "ray-casting");
+    assert_eq!(panel["estimator"]["field"], "classified.step");
+    assert_eq!(panel["rays"], 120);
+    assert_eq!(panel["expected"]["shadow_rays"]["bound"], "exactly");
+    assert_eq!(panel["expected"]["shadow_rays"]["count"], 0);
+    assert_eq!(panel["expected"]["density_lookups"]["bound"], "at-most");
+    assert!(
+        panel["expected"]["density_lookups"]["count"]
+            .as_f64()
+            .unwrap()
+            >= 520.0
+    );
     let counters = panel["counters"].as_object().unwrap();
     assert!(counters["density_lookups"].as_u64().unwrap() > 0);
     assert_eq!(counters["shadow_rays"], 0);
     assert_eq!(counters["gradient_lookups"], 0);
 }
 
+/// What was counted stands beside what was told.
 #[test]
 fn counters() {
     let folder = Folder::with_scenes();
     let run = folder.volref(&["plan", "scene.toml", "--counters"]);
-    let work = &run.stdout[run.stdout.find("\nwork\n").unwrap()..];
-    insta::assert_snapshot!(work, @"
-
-    work
-      520  cells walked
-      520  density lookups
-      0  gradient lookups
-      0  gradients computed
-      0  null collisions
-      0  phase evaluations
-      0  random draws
-      0  shadow rays
-      0  surface tests
-    ");
+    let work = &run.stdout[run.stdout.find("\nwork, each").unwrap()..];
+    insta::assert_snapshot!(work);
 }
 
 /// A grid of one density: shading and heterogeneity are provably null, and can be forced.
@@ -307,111 +125,79 @@ fn force_on_a_constant_grid() {
         "[film]\nwidth = 6\nheight = 6\n[classified]\n[classified.phong]\n\
          [classified.volume]\nfile = \"flat.bin\"\n",
     );
-    insta::assert_snapshot!(folder.volref(&["plan", "flat.toml", "--counters"]).shown(), @r#"
-    exit code 0
-    --- stdout
-    kernel  ray caster: constant density, front to back, unshaded, no shadow, every sample
-    volume  3 × 3 × 3 nodes, voxel 0.5, from (0, 0, 0) to (1, 1, 1)
+    insta::assert_snapshot!(folder.volref(&["plan", "flat.toml", "--counters"]).shown());
+    let alone = ["--force", "heterogeneity", "--force", "gradient-shading"];
+    let forced = |how: &[&str]| {
+        let command = [&["plan", "flat.toml", "--counters"], how].concat();
+        folder.volref(&command).shown()
+    };
+    insta::assert_snapshot!(forced(&alone));
+    assert_eq!(forced(&["--force", "all"]), forced(&alone));
+}
 
-    effects
-      elided   surfaces                the classified model has no surfaces
-      on       absorption              densities up to 0.5  (transfer_function)
-      on       emission                the colormap sends out light  (transfer_function)
-      elided   single-scattering       the classified model scatters no light; shading stands in for it
-      elided   multiple-scattering     the classified model scatters no light; shading stands in for it
-      omitted  medium-shadow           not asked for: the scene has no [classified.shadow]
-      elided   surface-shadow          the classified model has no surfaces
-      elided   gradient-shading        the density is constant: its gradient is 0  (classified.phong)
-      elided   heterogeneity           every voxel holds 0.5  (classified.volume)
-      elided   chromatic-coefficients  opacity is the same for all colours
-      elided   anisotropic-phase       the classified model has no phase function
-
-    defaults filled in
-      transfer_function.floor             0.36
-      transfer_function.reference_length  "1 voxel"
-      transfer_function.colormap          "heat"
-      classified.interpolation            "trilinear"
-      classified.compositing              "front-to-back"
-      classified.step                     "0.5 voxels"
-      classified.background               [0, 0, 0]
-      camera.vertical_fov                 45
-      camera.eye                          [0.5, 0.5, -1.2706387170384712]  (before the volume on the −z side, as near as shows all of it)
-      camera.target                       [0.5, 0.5, 0.5]  (volume centre)
-      camera.up                           [0, 1, 0]
-      classified.light.position           [0.5, 2.270638717038471, -1.2706387170384712]  (above the eye, as high as the target is far)
-      classified.phong.ambient            0.1
-      classified.phong.diffuse            1
-      classified.phong.specular           1
-      classified.phong.shininess          32
-
-    work
-      0  cells walked
-      0  density lookups
-      0  gradient lookups
-      0  gradients computed
-      0  null collisions
-      0  phase evaluations
-      0  random draws
-      0  shadow rays
-      0  surface tests
-    "#);
-    let forced = [
-        "plan",
-        "flat.toml",
-        "--counters",
-        "--force",
-        "heterogeneity",
-        "--force",
-        "gradient-shading",
-    ];
-    insta::assert_snapshot!(folder.volref(&forced).shown(), @r#"
-    exit code 0
-    --- stdout
-    kernel  ray caster: trilinear, front to back, Phong, no shadow, every sample
-    volume  3 × 3 × 3 nodes, voxel 0.5, from (0, 0, 0) to (1, 1, 1)
-
-    effects
-      elided   surfaces                the classified model has no surfaces
-      on       absorption              densities up to 0.5  (transfer_function)
-      on       emission                the colormap sends out light  (transfer_function)
-      elided   single-scattering       the classified model scatters no light; shading stands in for it
-      elided   multiple-scattering     the classified model scatters no light; shading stands in for it
-      omitted  medium-shadow           not asked for: the scene has no [classified.shadow]
-      elided   surface-shadow          the classified model has no surfaces
-      on       gradient-shading        forced, although null: the density is constant: its gradient is 0  (classified.phong)
-      on       heterogeneity           forced, although null: every voxel holds 0.5  (classified.volume)
-      elided   chromatic-coefficients  opacity is the same for all colours
-      elided   anisotropic-phase       the classified model has no phase function
-
-    defaults filled in
-      transfer_function.floor             0.36
-      transfer_function.reference_length  "1 voxel"
-      transfer_function.colormap          "heat"
-      classified.interpolation            "trilinear"
-      classified.compositing              "front-to-back"
-      classified.step                     "0.5 voxels"
-      classified.background               [0, 0, 0]
-      camera.vertical_fov                 45
-      camera.eye                          [0.5, 0.5, -1.2706387170384712]  (before the volume on the −z side, as near as shows all of it)
-      camera.target                       [0.5, 0.5, 0.5]  (volume centre)
-      camera.up                           [0, 1, 0]
-      classified.light.position           [0.5, 2.270638717038471, -1.2706387170384712]  (above the eye, as high as the target is far)
-      classified.phong.ambient            0.1
-      classified.phong.diffuse            1
-      classified.phong.specular           1
-      classified.phong.shininess          32
-
-    work
-      0  cells walked
-      100  density lookups
-      100  gradient lookups
-      27  gradients computed
-      0  null collisions
-      0  phase evaluations
-      0  random draws
-      0  shadow rays
-      0  surface tests
-    "#);
+/// A request that cannot matter is told, by `plan` and when the image is made.
+#[test]
+fn warnings() {
+    let folder = Folder::new();
+    let scene = "\
+[film]
+width = 4
+height = 4
+[camera]
+eye = [0, 0, -3]
+target = [0, 0, 0]
+[radiative]
+environment = 1
+scattering = \"multiple\"
+max_bounces = 5
+[[radiative.medium]]
+sphere = { centre = [0, 0, 0], radius = 1 }
+sigma_t = 1
+albedo = 0
+g = 0.5
+[[radiative.medium]]
+sphere = { centre = [0, 0, 0], radius = 2 }
+[[radiative.light]]
+point = { position = [3, 3, 3], intensity = 1 }
+";
+    folder.write("idle.toml", scene);
+    let run = folder.volref(&["plan", "idle.toml"]);
+    run.expect(0, &[]);
+    let section = run
+        .stdout
+        .split("\n\n")
+        .find(|part| part.starts_with("warnings"));
+    insta::assert_snapshot!(section.unwrap());
+    let json = folder.volref(&["plan", "idle.toml", "--json"]).json();
+    let warnings = json["panels"][0]["warnings"].as_array().unwrap();
+    assert_eq!(warnings.len(), 5);
+    assert_eq!(warnings[0]["field"], "radiative.scattering");
+    assert_eq!(warnings[0]["line"], 9);
+    let made = folder.volref(&["render", "idle.toml", "-o", "idle.exr"]);
+    let notes: Vec<_> = made
+        .stdout
+        .lines()
+        .filter(|line| line.starts_with("note: "))
+        .collect();
+    assert_eq!(notes.len(), 5);
+    assert!(
+        notes[0].contains("scattering asked, but sigma_s is 0"),
+        "{}",
+        notes[0]
+    );
+    let json = folder
+        .volref(&["render", "idle.toml", "-o", "idle.exr", "--json"])
+        .json();
+    assert_eq!(json["warnings"].as_array().unwrap(), warnings);
+    // Left out, all is as before, and nobody is told anything.
+    let quiet = scene
+        .replace("scattering = \"multiple\"\nmax_bounces = 5\n", "")
+        .replace("g = 0.5\n", "");
+    let quiet = quiet.split("[[radiative.medium]]\nsphere = { centre = [0, 0, 0], radius = 2 }");
+    folder.write("quiet.toml", quiet.clone().next().unwrap());
+    let run = folder.volref(&["plan", "quiet.toml"]);
+    run.expect(0, &[]);
+    assert!(!run.stdout.contains("warnings"), "{}", run.stdout);
 }
 
 /// What is not there cannot be forced: that would be another picture.

@@ -116,6 +116,7 @@ fn json() {
       "scene": "curve.toml",
       "schema": "volref/render/1",
       "seconds": "[seconds]",
+      "warnings": [],
       "width": 16
     }
     "#);

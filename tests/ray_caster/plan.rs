@@ -4,7 +4,8 @@ use super::{config, scenes};
 use glam::DVec3;
 use proptest::prelude::*;
 use volref::geometry::Camera;
-use volref::render::{Counters, Effect, Plan, State};
+use volref::render::work::Event;
+use volref::render::{Counters, Effect, Plan};
 use volref::scene::{Classified, Shadow};
 use volref::volume::Lattice;
 
@@ -32,28 +33,13 @@ fn scene() -> impl Strategy<Value = Classified> {
 /// Every set of effects that can be forced though a plan leaves them out.
 fn forcible(scene: &Classified) -> Vec<Vec<Effect>> {
     let panel = scenes::panel(scene, 1);
-    let plan = Plan::new(&panel);
-    let elided: Vec<Effect> = Effect::ALL
-        .into_iter()
-        .filter(|&effect| plan.state(effect) == State::Elided)
-        .filter(|&effect| Plan::forcing(&panel, &[effect]).is_ok())
-        .collect();
+    let elided = Plan::null_effects(&panel);
     let chosen = |set: u32| {
         let members = elided.iter().enumerate();
         let members = members.filter(move |(n, _)| set & (1 << n) != 0);
         members.map(|(_, &effect)| effect).collect()
     };
     (0..1 << elided.len()).map(chosen).collect()
-}
-
-fn numbers(work: Counters) -> [u64; 5] {
-    [
-        work.density_lookups,
-        work.gradient_lookups,
-        work.gradients_computed,
-        work.cells_walked,
-        work.shadow_rays,
-    ]
 }
 
 proptest! {
@@ -67,8 +53,9 @@ proptest! {
             prop_assert!(effects.iter().all(|&effect| plan.is_on(effect)));
             let (film, work) = scenes::render_by(&scene, plan, 4);
             prop_assert_eq!(scenes::bits(&film), scenes::bits(&least), "{:?}", effects);
-            for (more, less) in numbers(work).into_iter().zip(numbers(leanest)) {
-                prop_assert!(more >= less, "{effects:?}: {work:?} {leanest:?}");
+            for event in Event::ALL {
+                let more = work.of(event) >= leanest.of(event);
+                prop_assert!(more, "{effects:?}: {work:?} {leanest:?}");
             }
         }
     }
@@ -77,16 +64,8 @@ proptest! {
     fn what_is_off_does_no_work(scene in scene()) {
         let plan = Plan::new(&scenes::panel(&scene, 4));
         let (_, work) = scenes::rendered(&scene, 4);
-        if !plan.is_on(Effect::GradientShading) {
-            prop_assert_eq!(work.gradient_lookups, 0);
-            prop_assert_eq!(work.gradients_computed, 0);
-        }
-        if !plan.is_on(Effect::MediumShadow) {
-            prop_assert_eq!(work.shadow_rays, 0);
-        }
-        if !plan.is_on(Effect::Heterogeneity) {
-            prop_assert_eq!(work.density_lookups, 0);
-            prop_assert_eq!(work.cells_walked, 0);
+        for event in Event::ALL.into_iter().filter(|&event| !plan.may_do(event)) {
+            prop_assert_eq!(work.of(event), 0, "{}", event.name());
         }
         if !plan.is_on(Effect::Absorption) {
             prop_assert_eq!(work, Counters::default());
@@ -128,6 +107,8 @@ proptest! {
             gradient_lookups: if shading { samples } else { 0 },
             gradients_computed: if shading { 9 * nodes as u64 } else { 0 },
             shadow_rays: if shadow { samples } else { 0 },
+            attenuations: samples,
+            emission_terms: samples,
             ..Counters::default()
         });
     }

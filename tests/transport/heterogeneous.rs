@@ -91,8 +91,13 @@ fn a_constant_grid() {
         grey(1.0, 0.8, 0.4),
     )]);
     same("constant", &mean(&varying, 1)[0], &mean(&even, 2)[0]);
+    // A unit in the last place in a corner: no longer constant, and light is tracked.
+    let all_but = |node: [usize; 3]| match node {
+        [0, 0, 0] => f64::from(1.25_f32.next_up()),
+        _ => 1.25,
+    };
     let gridded = lit(vec![in_cube(
-        field(grid([9, 12, 20], |_| 1.25)),
+        field(grid([9, 12, 20], all_but)),
         grey(1.0, 0.8, 0.4),
     )]);
     same("constant grid", &mean(&gridded, 3)[0], &mean(&even, 2)[0]);

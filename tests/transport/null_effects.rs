@@ -9,7 +9,7 @@ use volref::optics::{Material, Sides};
 use volref::render::effects::{Effects, Everything, Only};
 use volref::render::path_tracer::{PathTracer, Scratch};
 use volref::render::work::Uncounted;
-use volref::render::{Effect, Plan, State, render};
+use volref::render::{Effect, Plan, render};
 use volref::scene::{AreaLight, Body, Model, Panel, Radiative, Scattering, Scene};
 
 const SIZE: usize = 16;
@@ -173,21 +173,11 @@ fn media_of_nothing() {
 }
 
 fn panel(radiative: Radiative) -> Panel {
-    Panel {
-        title: None,
-        width: SIZE,
-        height: SIZE,
-        model: Model::Radiative(Box::new(radiative)),
-        inputs: vec![],
-        readings: vec![],
-    }
+    Panel::of(Model::Radiative(Box::new(radiative)), [SIZE; 2])
 }
 
 fn film(panel: &Panel, plan: Plan) -> Vec<u8> {
-    let scene = Scene {
-        path: "scene.toml".into(),
-        panels: vec![panel.clone()],
-    };
+    let scene = Scene::of(panel.clone());
     let rendering = render(&scene, &[plan], &|| {}).unwrap();
     rendering.film.to_exr().unwrap()
 }
@@ -198,10 +188,7 @@ fn force_all(radiative: Radiative) -> Vec<Effect> {
     let panel = panel(radiative);
     let plan = Plan::new(&panel);
     let bare = film(&panel, plan.clone());
-    let null = Effect::ALL.into_iter().filter(|&effect| {
-        plan.state(effect) == State::Elided && Plan::forcing(&panel, &[effect]).is_ok()
-    });
-    let null: Vec<_> = null.collect();
+    let null = Plan::null_effects(&panel);
     for &effect in &null {
         let forced = Plan::forcing(&panel, &[effect]).unwrap();
         assert!(

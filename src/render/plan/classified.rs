@@ -1,29 +1,43 @@
 //! What a classified volume calls for.
 
-use super::{Approximation, Decisions, Effect, FieldKind, Finding, Kernel, Plan};
+use super::{
+    Approximation, Decisions, Effect, Estimator, FieldKind, Finding, Kernel, Method, Plan, Reason,
+    State,
+};
 use crate::media::{Appearance, Phong};
-use crate::scene::{Classified, Compositing};
+use crate::scene::{Classified, Compositing, Places};
 use crate::volume::Interpolation;
 
+const TRANSFER_FUNCTION: &str = "transfer_function";
+const VOLUME: &str = "classified.volume";
+const PHONG: &str = "classified.phong";
+const SHADOW: &str = "classified.shadow";
+const LIGHT: &str = "classified.light";
+const EARLY_TERMINATION: &str = "classified.early_termination";
+
 /// The plan for a classified volume.
-pub(super) fn plan(scene: &Classified, forced: &[Effect]) -> Plan {
-    use Finding::{Absent, Matters, NotAsked, Null};
+pub(super) fn plan(scene: &Classified, forced: &[Effect], places: &Places) -> Plan {
+    use Finding::{Absent, NotAsked};
+    let null = |field: &str, reason: String| Finding::Null(field.to_owned(), reason);
+    let matters = |field: &str, reason: String| Finding::Matters(field.to_owned(), reason);
     let (least, most) = scene.grid.range();
     let constant = least == most;
+    // Grids hold `f32`, whose digits are the shorter ones.
+    let (shortest_least, shortest_most) = (least as f32, most as f32);
     let transfer_function = &scene.transfer_function;
     let transparent = transfer_function.is_transparent_between(least, most);
     let (numbers, nothing, extent, light, darkness) = match transfer_function.appearance {
         Appearance::Formula { .. } => (
             "densities",
-            format!("every density, up to {most}, has opacity 0"),
-            format!("densities up to {most}"),
+            format!("every density, up to {shortest_most}, has opacity 0"),
+            format!("densities up to {shortest_most}"),
             "the colormap sends out light",
             "densities darken what lies behind",
         ),
         Appearance::Points(_) => (
             "values",
-            format!("every value, from {least} to {most}, has opacity 0"),
-            format!("values from {least} to {most}"),
+            format!("every value, from {shortest_least} to {shortest_most}, has opacity 0"),
+            format!("values from {shortest_least} to {shortest_most}"),
             "the colours of the points send out light",
             "opacities darken what lies behind",
         ),
@@ -32,86 +46,121 @@ pub(super) fn plan(scene: &Classified, forced: &[Effect]) -> Plan {
 
     let finding = |effect| match effect {
         Effect::Surfaces => Absent("the classified model has no surfaces"),
-        Effect::Absorption | Effect::Emission if transparent => {
-            Null("transfer_function", nothing())
-        }
-        Effect::Absorption => Matters("transfer_function", extent.clone()),
-        Effect::Emission => Matters("transfer_function", light.to_owned()),
+        Effect::Absorption | Effect::Emission if transparent => null(TRANSFER_FUNCTION, nothing()),
+        Effect::Absorption => matters(TRANSFER_FUNCTION, extent.clone()),
+        Effect::Emission => matters(TRANSFER_FUNCTION, light.to_owned()),
         Effect::SingleScattering | Effect::MultipleScattering => {
             Absent("the classified model scatters no light; shading stands in for it")
         }
         Effect::MediumShadow => match scene.shadow {
-            None => NotAsked("classified.shadow"),
-            Some(_) if transparent => Null("classified.shadow", nothing()),
-            Some(_) => Matters("classified.shadow", darkness.to_owned()),
+            None => NotAsked(SHADOW),
+            Some(_) if transparent => null(SHADOW, nothing()),
+            Some(_) => matters(SHADOW, darkness.to_owned()),
         },
         Effect::SurfaceShadow => Absent("the classified model has no surfaces"),
         Effect::GradientShading => match &scene.phong {
-            None => NotAsked("classified.phong"),
-            Some(_) if transparent => Null("classified.phong", nothing()),
-            Some(_) if constant => Null(
-                "classified.phong",
+            None => NotAsked(PHONG),
+            Some(_) if transparent => null(PHONG, nothing()),
+            Some(_) if constant => null(
+                PHONG,
                 "the density is constant: its gradient is 0".to_owned(),
             ),
-            Some(_) if scene.grid.lattice().nodes().iter().all(|&nodes| nodes < 3) => Null(
-                "classified.phong",
+            Some(_) if scene.grid.lattice().nodes().iter().all(|&nodes| nodes < 3) => null(
+                PHONG,
                 "no axis has three nodes: the stored gradient is 0".to_owned(),
             ),
-            Some(phong) if is_identity(phong) => Null(
-                "classified.phong",
+            Some(phong) if is_identity(phong) => null(
+                PHONG,
                 "ambient 1, diffuse 0 and specular 0 leave colours as they are".to_owned(),
             ),
-            Some(_) => Matters("classified.phong", "the density has a gradient".to_owned()),
+            Some(_) => matters(PHONG, "the density has a gradient".to_owned()),
         },
-        Effect::Heterogeneity if transparent => Null("classified.volume", nothing()),
+        Effect::Heterogeneity if transparent => null(VOLUME, nothing()),
         Effect::Heterogeneity if constant => {
-            Null("classified.volume", format!("every voxel holds {most}"))
+            null(VOLUME, format!("every voxel holds {shortest_most}"))
         }
-        Effect::Heterogeneity => Matters(
-            "classified.volume",
-            format!("{numbers} from {least} to {most}"),
+        Effect::Heterogeneity => matters(
+            VOLUME,
+            format!("{numbers} from {shortest_least} to {shortest_most}"),
         ),
         Effect::ChromaticCoefficients => Absent("opacity is the same for all colours"),
         Effect::AnisotropicPhase => Absent("the classified model has no phase function"),
     };
-    let decisions = Decisions::new(finding, forced);
+    let decisions = Decisions::new(finding, forced, places);
     let on = |effect| decisions.is_on(effect);
 
-    let kernel = if !Effect::ALL.into_iter().any(on) {
-        Kernel::Background
+    let (kernel, method, why) = if !Effect::ALL.into_iter().any(on) {
+        let why = Reason::of(TRANSFER_FUNCTION, nothing(), places);
+        (Kernel::Background, Method::Background, why)
     } else {
         let field = match scene.interpolation {
             _ if constant && !on(Effect::Heterogeneity) => FieldKind::Constant,
             Interpolation::Nearest => FieldKind::Nearest,
             Interpolation::Trilinear => FieldKind::Trilinear,
         };
-        Kernel::RayCaster {
+        let kernel = Kernel::RayCaster {
             field,
             compositing: scene.compositing,
             shading: on(Effect::GradientShading),
             shadow: on(Effect::MediumShadow),
             // Where the volume is transparent everywhere, an effect was forced: its work is
             // wanted, so nothing is skipped.
-            skip_empty: !transparent && transfer_function.may_be_transparent_between(least, most),
-        }
+            skip_empty: !transparent
+                && !constant
+                && transfer_function.may_be_transparent_between(least, most),
+        };
+        let reason = "a classified volume is what its samples, a step apart, put together";
+        let why = Reason::of("classified.step", reason, places);
+        (kernel, Method::RayCasting, why)
     };
     Plan {
-        decisions: decisions.0,
         approximations: match kernel {
-            Kernel::RayCaster { .. } => early_termination(scene).into_iter().collect(),
+            Kernel::RayCaster { .. } => early_termination(scene, places).into_iter().collect(),
             _ => vec![],
         },
+        warnings: warnings(scene, &decisions, places),
+        estimator: Estimator { method, why },
+        decisions: decisions.0,
         kernel,
     }
 }
 
+/// What the file asks for and cannot matter.
+fn warnings(scene: &Classified, decisions: &Decisions, places: &Places) -> Vec<Reason> {
+    let mut warnings = Vec::new();
+    let mut warn = |key: &str, message: String| {
+        if places.has(key) {
+            warnings.push(Reason::of(key, message, places));
+        }
+    };
+    for (effect, key, what) in [
+        (Effect::GradientShading, PHONG, "shading"),
+        (Effect::MediumShadow, SHADOW, "a shadow"),
+        (Effect::Absorption, EARLY_TERMINATION, "early termination"),
+    ] {
+        let decision = decisions.of(effect);
+        if decision.state == State::Elided {
+            warn(key, format!("{what} asked, but {}", decision.why.reason));
+        }
+    }
+    let on = |effect| decisions.is_on(effect);
+    let lights = |phong: Phong| phong.diffuse != 0.0 || phong.specular != 0.0;
+    let lit = on(Effect::GradientShading) && scene.phong.is_some_and(lights);
+    if !lit && !on(Effect::MediumShadow) {
+        let message = "a light asked, but nothing is shaded by it and nothing throws a shadow";
+        warn(LIGHT, message.to_owned());
+    }
+    warnings
+}
+
 /// By what rays that are ended early may be off: less than the share that is still let through, of
 /// the brightest radiance there is.
-fn early_termination(scene: &Classified) -> Option<Approximation> {
+fn early_termination(scene: &Classified, places: &Places) -> Option<Approximation> {
     match scene.compositing {
         Compositing::EarlyTermination(below) => Some(Approximation {
             without: format!("light behind what lets through less than {below}"),
-            field: "classified.early_termination",
+            field: EARLY_TERMINATION,
+            line: places.line(EARLY_TERMINATION),
             bias: below * scene.brightest(),
         }),
         Compositing::FrontToBack | Compositing::BackToFront => None,

@@ -106,11 +106,14 @@ impl Parts<'_, '_, '_> {
     /// as its channels differ.
     fn check_collisions_without_end(&self) -> Result<(), Box<SceneError>> {
         let bounds = |body: &Body| body.boundary.as_ref().map(Surface::bounds);
-        for (_, varying) in self.media.iter().filter(|(_, body)| body.density.is_some()) {
+        for (_, varying) in self.media.iter().filter(|(_, body)| body.even().is_none()) {
             let Some(space) = bounds(varying) else {
                 continue;
             };
-            for (reader, even) in self.media.iter().filter(|(_, body)| body.density.is_none()) {
+            for (reader, even) in self.media {
+                let Some(medium) = even.even() else {
+                    continue;
+                };
                 let shared = bounds(even).map_or(space, |other| Aabb {
                     min: space.min.max(other.min),
                     max: space.max.min(other.max),
@@ -118,7 +121,7 @@ impl Parts<'_, '_, '_> {
                 if shared.min.cmpgt(shared.max).any() {
                     continue;
                 }
-                let sigma_t = even.medium.coefficients.sigma_t();
+                let sigma_t = medium.coefficients.sigma_t();
                 let spread = sigma_t.max_element() - sigma_t.min_element();
                 let depth = spread * length_of(shared.size());
                 if depth > DEEPEST_TRACKED {

@@ -192,7 +192,7 @@ impl Stuff {
 /// The largest density of a medium.
 fn most(body: &Body) -> f64 {
     let density = body.density.as_ref();
-    density.map_or(1.0, |density| density.blocks().range().high)
+    density.map_or(1.0, |density| density.range().high)
 }
 
 /// Optical depth up to which a medium of varying density is tracked. More tentative collisions
@@ -205,7 +205,7 @@ fn check_depth(body: &Body) -> Result<(), (String, String)> {
     let (Some(density), Some(boundary)) = (&body.density, &body.boundary) else {
         return Ok(());
     };
-    let range = density.blocks().range();
+    let range = density.range();
     let across = length_of(boundary.bounds().size());
     let sigma_t = body.medium.coefficients.sigma_t().max_element();
     let column = range.high * across;

@@ -1,0 +1,434 @@
+//! Work that can be told before it is done: from the geometry of rays, steps and cells, without a
+//! look at any density.
+
+use super::matter::tracked;
+use super::plan::{FieldKind, Kernel, Plan};
+use super::steps::Steps;
+use super::surroundings::Surroundings;
+use super::work::{Event, Uncounted};
+use super::{effects::Everything, media_path::MediaPath};
+use crate::geometry::{Camera, Ray, Solid, Span, length_of};
+use crate::math::Moments;
+use crate::media::{Density, Field};
+use crate::scene::{Classified, Compositing, Model, Panel, Radiative};
+use crate::volume::Interpolation;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::fmt;
+
+/// What an image will take.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expected {
+    /// Rays from the eye.
+    pub rays: u64,
+    /// Units of work of the whole image; of what is not in the list, nothing is known beforehand.
+    pub work: Vec<(Event, Amount)>,
+    /// Memory beside the scene and the image.
+    pub memory: Vec<Memory>,
+}
+
+impl Expected {
+    /// How often `event` will be counted; none where nothing is known beforehand.
+    pub fn of(&self, event: Event) -> Option<Amount> {
+        let mut known = self.work.iter().filter(|(known, _)| *known == event);
+        known.next().map(|(_, amount)| *amount)
+    }
+}
+
+/// A number of units of work.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Amount {
+    /// How it stands to what will be counted.
+    pub bound: Bound,
+    /// The number.
+    pub count: u64,
+}
+
+/// How a number that is told stands to the one that will be counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Bound {
+    /// It is the same.
+    Exactly,
+    /// It is no less.
+    AtMost,
+    /// It is no more.
+    AtLeast,
+    /// It is near: told by some of the rays of a large image.
+    About,
+    /// It is no less, or next to it: told by some of the rays of a large image.
+    AboutAtMost,
+}
+
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Bound::Exactly => "exactly",
+            Bound::AtMost => "at most",
+            Bound::AtLeast => "at least",
+            Bound::About => "about",
+            Bound::AboutAtMost => "about at most",
+        })
+    }
+}
+
+/// Something that is made for an image and kept while it is rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Memory {
+    /// What it is.
+    pub what: &'static str,
+    /// Its size.
+    pub bytes: usize,
+}
+
+/// Rays that are looked at: those of an image of 256 × 256 pixels.
+const MOST_RAYS: usize = 1 << 16;
+
+/// Samples of all of them whose way to the light is looked at; beyond, it is taken to be the longest.
+const MOST_SAMPLES: u64 = 1 << 26;
+
+impl Plan {
+    /// The work and memory that the image of `panel` takes by this plan, as far as they follow
+    /// from closed forms.
+    pub fn expected(&self, panel: &Panel) -> Expected {
+        let pixels = (panel.width * panel.height) as u64;
+        let rays = match &panel.model {
+            Model::Radiative(scene) if self.is_sampled() => {
+                pixels.saturating_mul(scene.samples.into())
+            }
+            _ => pixels,
+        };
+        let nothing = |event: &Event| !self.may_do(*event);
+        let nothing = Event::ALL.into_iter().filter(nothing);
+        let mut work: Vec<_> = nothing.map(|event| (event, exactly(0))).collect();
+        let known = match (&panel.model, self.kernel) {
+            (Model::Classified(scene), Kernel::RayCaster { .. }) => self.of_casting(panel, scene),
+            (Model::Radiative(scene), Kernel::LineOfSight { .. }) => self.of_lines(panel, scene),
+            (Model::Radiative(scene), _) => of_paths(scene, rays),
+            _ => vec![],
+        };
+        work.extend(known.into_iter().filter(|(event, _)| self.may_do(*event)));
+        work.sort_by_key(|(event, _)| *event as usize);
+        Expected {
+            rays,
+            work,
+            memory: self.memory(panel),
+        }
+    }
+
+    /// Whether any work of this kind is done: some effect that does it is simulated, or is omitted
+    /// in part only. Up to a limit, light is turned more than once; and what scatters dims what lies
+    /// behind it, though what it would turn towards the eye is left out or nothing.
+    pub fn may_do(&self, event: Event) -> bool {
+        let in_part = match (event, self.kernel) {
+            (Event::FurtherTurn, Kernel::PathTracer { limit, .. }) => limit >= Some(2),
+            (
+                Event::Attenuation,
+                Kernel::LineOfSight { parts, .. } | Kernel::PathTracer { parts, .. },
+            ) => parts.media,
+            // Where heterogeneity was forced: code for varying densities, along the line of sight,
+            // knows every phase function.
+            (Event::PhaseEvaluation, Kernel::LineOfSight { parts, turned }) => {
+                turned && parts.heterogeneous
+            }
+            // Where nothing turns light, and turning it more than once was forced.
+            (Event::FirstTurn, Kernel::LineOfSight { turned, .. }) => turned,
+            // Where the volume is transparent, and an effect was forced.
+            (Event::DensityLookup, Kernel::RayCaster { field, .. }) => field != FieldKind::Constant,
+            (Event::Attenuation | Event::EmissionTerm, Kernel::RayCaster { .. }) => true,
+            _ => false,
+        };
+        in_part || event.effects().iter().any(|&effect| self.is_on(effect))
+    }
+
+    fn of_casting(&self, panel: &Panel, scene: &Classified) -> Vec<(Event, Amount)> {
+        let Kernel::RayCaster {
+            field,
+            compositing,
+            shadow,
+            skip_empty,
+            ..
+        } = self.kernel
+        else {
+            return vec![];
+        };
+        let early = matches!(compositing, Compositing::EarlyTermination(_));
+        let of_ray = |ray: &Ray| {
+            let samples = samples(scene, ray);
+            let towards_light = if shadow { shadow_steps(scene, ray) } else { 0 };
+            [samples, towards_light]
+        };
+        let (part, [samples, towards_light]) = over_rays(panel, scene.camera, of_ray);
+        let taken = match (skip_empty || early, part) {
+            (false, false) => Bound::Exactly,
+            (false, true) => Bound::About,
+            (true, false) => Bound::AtMost,
+            (true, true) => Bound::AboutAtMost,
+        };
+        // A sample without opacity asks for no light, and one in the light itself sends no ray.
+        let at_most = if part {
+            Bound::AboutAtMost
+        } else {
+            Bound::AtMost
+        };
+        let lookups = match field {
+            FieldKind::Constant => exactly(0),
+            _ if towards_light == 0 => amount(taken, samples),
+            _ => amount(at_most, samples.saturating_add(towards_light)),
+        };
+        let cells = match skip_empty {
+            true => amount(at_most, samples.saturating_add(towards_light)),
+            false => exactly(0),
+        };
+        vec![
+            (Event::DensityLookup, lookups),
+            (Event::NullCollision, exactly(0)),
+            (Event::CellWalked, cells),
+            (Event::RandomDraw, exactly(0)),
+            (Event::Attenuation, amount(taken, samples)),
+            (Event::EmissionTerm, amount(at_most, samples)),
+            (Event::GradientLookup, amount(at_most, samples)),
+            (
+                Event::GradientComputed,
+                exactly(scene.grid.lattice().node_count() as u64),
+            ),
+            (Event::ShadowRay, amount(at_most, samples)),
+        ]
+    }
+
+    fn of_lines(&self, panel: &Panel, scene: &Radiative) -> Vec<(Event, Amount)> {
+        let Kernel::LineOfSight { parts, turned } = self.kernel else {
+            return vec![];
+        };
+        let around = Surroundings::<Everything>::for_integrals(scene, false);
+        let surfaces = surfaces(scene) * (panel.width * panel.height) as u64;
+        let tests = if turned {
+            Bound::AtLeast
+        } else {
+            Bound::Exactly
+        };
+        let mut work = vec![
+            (Event::CellWalked, exactly(0)),
+            (Event::NullCollision, exactly(0)),
+            (Event::RandomDraw, exactly(0)),
+            (Event::SurfaceTest, amount(tests, surfaces)),
+        ];
+        if !turned && parts.media && !parts.emission {
+            let rays = (panel.width * panel.height) as u64;
+            work.push((Event::Attenuation, exactly(rays)));
+            work.push((Event::ChannelAttenuation, exactly(2 * rays)));
+        }
+        if !turned && parts.heterogeneous {
+            let of_ray = |ray: &Ray| line_lookups(&around, ray, parts.emission);
+            let (part, [lookups, unknown]) = over_rays(panel, scene.camera, of_ray);
+            if unknown > 0 {
+                return work;
+            }
+            let bound = if part { Bound::About } else { Bound::Exactly };
+            work.push((Event::DensityLookup, amount(bound, lookups)));
+        }
+        work
+    }
+
+    /// What is made for the image: nothing that only an effect needs which is off.
+    fn memory(&self, panel: &Panel) -> Vec<Memory> {
+        let mut memory = Vec::new();
+        let mut add = |what, bytes| memory.push(Memory { what, bytes });
+        let pixels = panel.width * panel.height;
+        match (&panel.model, self.kernel) {
+            (
+                Model::Classified(scene),
+                Kernel::RayCaster {
+                    shading,
+                    skip_empty,
+                    ..
+                },
+            ) => {
+                let lattice = scene.grid.lattice();
+                if shading {
+                    add(
+                        "gradients of the nodes",
+                        lattice.node_count() * size_of::<[f32; 3]>(),
+                    );
+                }
+                if skip_empty {
+                    add(
+                        "distances to what is not empty",
+                        super::empty_space::bytes(lattice),
+                    );
+                }
+            }
+            (Model::Radiative(scene), Kernel::PathTracer { .. }) => {
+                let bytes = tracked(&scene.media).map(Density::bytes_for_blocks).sum();
+                if bytes > 0 {
+                    add("bounds on densities", bytes);
+                }
+                add("moments of the samples", pixels * size_of::<[Moments; 3]>());
+            }
+            _ => {}
+        }
+        memory
+    }
+}
+
+/// Samples of the eye's ray.
+fn samples(scene: &Classified, ray: &Ray) -> u64 {
+    let span = scene.grid.lattice().bounds().span(ray);
+    span.map_or(0, |span| Steps::over(span, scene.step).count() as u64)
+}
+
+/// Samples of the shadow rays of all samples of the eye's ray.
+fn shadow_steps(scene: &Classified, ray: &Ray) -> u64 {
+    let Some(shadow) = scene.shadow else {
+        return 0;
+    };
+    let bounds = scene.grid.lattice().bounds();
+    let Some(span) = bounds.span(ray) else {
+        return 0;
+    };
+    let steps = Steps::over(span, scene.step);
+    if steps.count() as u64 > MOST_SAMPLES / MOST_RAYS as u64 {
+        let longest = Steps::over(
+            Span {
+                near: 0.0,
+                far: length_of(bounds.size()),
+            },
+            shadow.step,
+        );
+        return (steps.count() as u64).saturating_mul(longest.count() as u64);
+    }
+    let of_sample = |index| {
+        let sample = ray.at(steps.sample(index).0);
+        let to_light = scene.light - sample;
+        let inside = Ray::new(sample, to_light).and_then(|ray| bounds.span(&ray));
+        inside.map_or(0, |inside| {
+            let span = Span {
+                near: 0.0,
+                far: inside.far.min(length_of(to_light)),
+            };
+            Steps::over(span, shadow.step).count() as u64
+        })
+    };
+    (0..steps.count()).map(of_sample).sum()
+}
+
+/// Look-ups for the optical depth along `ray` up to the nearest surface and, with `emission`, for
+/// what media send out on it; and how many stretches there are whose look-ups are not known.
+fn line_lookups(around: &Surroundings<'_, Everything>, ray: &Ray, emission: bool) -> [u64; 2] {
+    let end = around.nearest(ray, &mut Uncounted);
+    let end = end.map_or(f64::INFINITY, |(_, hit)| hit.t);
+    let mut lookups = 0;
+    let mut spans = Vec::new();
+    for medium in around
+        .media
+        .all()
+        .iter()
+        .filter(|medium| !medium.is_nothing())
+    {
+        let (Some(density), Some(boundary)) = (medium.density, medium.boundary) else {
+            continue;
+        };
+        spans.clear();
+        boundary.append_spans(ray, &mut spans);
+        for &Span { near, far } in spans.iter().filter(|span| span.near < end) {
+            let span = Span {
+                near,
+                far: far.min(end),
+            };
+            lookups += cell_lookups(density, ray, span);
+        }
+    }
+    let mut unknown = 0;
+    if emission {
+        let mut path = MediaPath::default();
+        path.lay(&around.media, ray, end);
+        for stretch in path.stretches() {
+            if !around.media.varies(stretch.set) {
+                continue;
+            }
+            let medium = around.media.medium(stretch.set.trailing_zeros() as usize);
+            match (stretch.set.count_ones(), medium.density) {
+                (1, Some(density)) => lookups += cell_lookups(density, ray, stretch.span),
+                _ => unknown += 1,
+            }
+        }
+    }
+    [lookups, unknown]
+}
+
+/// Look-ups for the integral of `density` along `ray` over `span`: two in each cell crossed of a
+/// trilinear grid, one of a grid of nearest nodes, none of what has a closed form.
+fn cell_lookups(density: &Density, ray: &Ray, span: Span) -> u64 {
+    let Field::Grid(grid) = density.field() else {
+        return 0;
+    };
+    let Some((line, span)) = density.along(ray, span) else {
+        return 0;
+    };
+    let cells = grid
+        .smooth_stretches(line.origin, line.direction, span)
+        .count() as u64;
+    match grid.interpolation() {
+        Interpolation::Trilinear => 2 * cells,
+        Interpolation::Nearest => cells,
+    }
+}
+
+fn of_paths(scene: &Radiative, rays: u64) -> Vec<(Event, Amount)> {
+    vec![
+        // The place in the pixel.
+        (
+            Event::RandomDraw,
+            amount(Bound::AtLeast, rays.saturating_mul(2)),
+        ),
+        (
+            Event::SurfaceTest,
+            amount(Bound::AtLeast, rays.saturating_mul(surfaces(scene))),
+        ),
+    ]
+}
+
+fn surfaces(scene: &Radiative) -> u64 {
+    (scene.objects.len() + scene.area_lights.len()) as u64
+}
+
+/// Sums `of_ray` over the rays through the pixels; of a large image over some of them, for all.
+/// Tells whether it did.
+fn over_rays(
+    panel: &Panel,
+    camera: Camera,
+    of_ray: impl Fn(&Ray) -> [u64; 2] + Sync,
+) -> (bool, [u64; 2]) {
+    let size = [panel.width, panel.height];
+    let mut stride = 1;
+    while size
+        .map(|side| side.div_ceil(stride))
+        .iter()
+        .product::<usize>()
+        > MOST_RAYS
+    {
+        stride += 1;
+    }
+    let rows: Vec<usize> = (0..panel.height).skip(stride / 2).step_by(stride).collect();
+    let columns = || (0..panel.width).skip(stride / 2).step_by(stride);
+    let looked_at = rows.len() * columns().count();
+    let add = |[a, b]: [u64; 2], [c, d]: [u64; 2]| [a.saturating_add(c), b.saturating_add(d)];
+    let row = |&row: &usize| {
+        let pixels = columns().map(|column| of_ray(&camera.ray([column, row], size)));
+        pixels.fold([0, 0], add)
+    };
+    let sums = rows.par_iter().map(row).reduce(|| [0, 0], add);
+    if stride == 1 {
+        return (false, sums);
+    }
+    let share = (panel.width * panel.height) as f64 / looked_at.max(1) as f64;
+    (true, sums.map(|sum| (sum as f64 * share) as u64))
+}
+
+fn exactly(count: u64) -> Amount {
+    amount(Bound::Exactly, count)
+}
+
+fn amount(bound: Bound, count: u64) -> Amount {
+    Amount { bound, count }
+}

@@ -1,0 +1,46 @@
+//! How the radiance of a pixel is found.
+
+use super::Reason;
+use serde::Serialize;
+use std::fmt;
+
+/// The estimator of a plan: the cheapest that is exact for what the scene asks, and why.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Estimator {
+    /// What it does.
+    pub method: Method,
+    /// Why nothing simpler would do, or why nothing more is needed.
+    #[serde(flatten)]
+    pub why: Reason,
+}
+
+/// A way to find the radiance of a pixel, from the cheapest on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// A drawing of the transfer function.
+    Plot,
+    /// The background, everywhere.
+    Background,
+    /// Samples along the ray through the middle of the pixel, put together in their order.
+    RayCasting,
+    /// A closed form along each stretch of that ray; through a grid, cell by cell.
+    ClosedForm,
+    /// An integral along that ray, to a tolerance.
+    Quadrature,
+    /// The mean of random paths through the pixel.
+    PathTracing,
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Method::Plot => "plot",
+            Method::Background => "background",
+            Method::RayCasting => "ray casting",
+            Method::ClosedForm => "closed form",
+            Method::Quadrature => "quadrature",
+            Method::PathTracing => "path tracing",
+        })
+    }
+}

@@ -1,0 +1,164 @@
+//! What there is in a scene of surfaces, media and lights, by its exact values.
+
+use crate::media::Density;
+use crate::optics::{Light, Material};
+use crate::scene::{Body, Places, Radiative, Scattering};
+use glam::DVec3;
+
+pub(super) const SURFACE: &str = "radiative.surface";
+pub(super) const MEDIUM: &str = "radiative.medium";
+pub(super) const SCATTERING: &str = "radiative.scattering";
+pub(super) const LIGHT: &str = "radiative.light";
+pub(super) const MAX_BOUNCES: &str = "radiative.max_bounces";
+
+/// The keys of a medium that give a property of it, those first that give nothing else.
+/// Any of the coefficients.
+pub(super) const COEFFICIENTS: &[&str] = &["sigma_a", "sigma_s", "sigma_t", "albedo", "procedural"];
+pub(super) const ABSORPTION: &[&str] = &["sigma_a", "sigma_t", "procedural"];
+pub(super) const BY_ALBEDO: &[&str] = &["sigma_a", "albedo", "procedural"];
+pub(super) const SCATTERS: &[&str] = &["sigma_s", "albedo", "procedural"];
+pub(super) const EMISSION: &[&str] = &["emission"];
+pub(super) const PHASE: &[&str] = &["g", "procedural"];
+pub(super) const DENSITY: &[&str] = &Radiative::DENSITY_KEYS;
+
+/// What there is in a scene. Media are those that have any density.
+pub(super) struct Contents<'s> {
+    pub scene: &'s Radiative,
+    pub places: &'s Places,
+    /// How many media there are.
+    pub media: usize,
+    pub surfaces: usize,
+    /// The first medium that absorbs.
+    pub absorption: Option<usize>,
+    /// Whether any medium takes light away.
+    pub extinction: bool,
+    /// The first medium that scatters.
+    pub scattering: Option<usize>,
+    /// The first medium that sends out light.
+    pub emission: Option<usize>,
+    /// The first medium whose coefficients differ between channels, and the keys of those.
+    pub chromatic: Option<(usize, &'static [&'static str])>,
+    /// The first medium that scatters and prefers a direction.
+    pub anisotropic: Option<usize>,
+    /// Media whose density differs from place to place.
+    pub heterogeneous: Vec<usize>,
+    /// Whether each of those densities has an integral along lines.
+    pub integrable: bool,
+    /// Surfaces that reflect or refract anything at all.
+    pub reflection: bool,
+    /// Lights, with or without extent, other than the environment.
+    pub lights: bool,
+    pub environment: bool,
+}
+
+impl<'s> Contents<'s> {
+    pub fn of(scene: &'s Radiative, places: &'s Places) -> Contents<'s> {
+        // A medium whose density is 0 everywhere is as good as none.
+        let is_there = |(_, body): &(usize, &Body)| {
+            let density = body.density.as_ref();
+            density.is_none_or(|density| !density.is_nothing())
+        };
+        let there = || scene.media.iter().enumerate().filter(is_there);
+        let first = |is: &dyn Fn(&Body) -> bool| {
+            let mut those = there().filter(|(_, body)| is(body));
+            those.next().map(|(index, _)| index)
+        };
+        let any = |value: DVec3| value != DVec3::ZERO;
+        let differs = |value: DVec3| value.x != value.y || value.y != value.z;
+        let takes = |body: &Body| any(body.medium.coefficients.sigma_t());
+        let scatters = |body: &Body| any(body.medium.coefficients.sigma_s());
+        let emits = |body: &Body| any(body.medium.emission);
+        let chromatic = there().find_map(|(index, body)| {
+            let coefficients = body.medium.coefficients;
+            let keys = match coefficients {
+                // An albedo that differs makes the absorption differ, too.
+                _ if differs(coefficients.sigma_t()) && differs(coefficients.sigma_a()) => {
+                    ABSORPTION
+                }
+                _ if differs(coefficients.sigma_a()) => BY_ALBEDO,
+                _ if differs(coefficients.sigma_s()) => SCATTERS,
+                _ => return None,
+            };
+            Some((index, keys))
+        });
+        // Of a medium that is nothing, its density says nothing.
+        let varies = |body: &Body| body.even().is_none() && (takes(body) || emits(body));
+        let heterogeneous: Vec<usize> = there()
+            .filter(|(_, body)| varies(body))
+            .map(|(index, _)| index)
+            .collect();
+        let densities = heterogeneous
+            .iter()
+            .filter_map(|&index| scene.media[index].density.as_ref());
+        let shines = |light: &Light| any(light.strength());
+        Contents {
+            media: there().count(),
+            surfaces: scene.objects.len() + scene.area_lights.len(),
+            absorption: first(&|body| any(body.medium.coefficients.sigma_a())),
+            extinction: first(&takes).is_some(),
+            scattering: first(&scatters),
+            emission: first(&emits),
+            chromatic,
+            anisotropic: first(&|body| scatters(body) && body.medium.phase.0.g() != 0.0),
+            integrable: densities.into_iter().all(Density::is_integrable),
+            heterogeneous,
+            reflection: scene.objects.iter().any(|object| match object.material {
+                Material::Diffuse(reflectance) | Material::Mirror(reflectance) => any(reflectance),
+                Material::Glass(_) => true,
+            }),
+            lights: scene.lights.iter().any(shines)
+                || scene.area_lights.iter().any(|light| any(light.radiance)),
+            environment: any(scene.environment),
+            scene,
+            places,
+        }
+    }
+
+    /// Whether anything turns light that is there.
+    pub fn turns(&self) -> bool {
+        let light = self.lights || self.environment || self.emission.is_some();
+        (self.scattering.is_some() || self.reflection) && light
+    }
+
+    /// Whether what media send out is more than a closed form: several lie in one place, perhaps,
+    /// and the density of one varies.
+    pub fn glow_is_integrated(&self) -> bool {
+        self.emission.is_some() && !self.heterogeneous.is_empty() && self.media > 1
+    }
+
+    /// Whether light is turned in this picture.
+    pub fn light_is_turned(&self) -> bool {
+        self.scene.scattering != Scattering::None && self.turns()
+    }
+
+    /// Whether what light does by one turn is an integral along the line of sight that finds all
+    /// of it: lights have no extent, and there is either matter that scatters, all of it in the
+    /// open, or diffuse surfaces. (The shadow that a surface throws into a medium may be too
+    /// narrow for an integral to meet it.)
+    pub fn is_one_integral(&self) -> bool {
+        let objects = &self.scene.objects;
+        let diffuse = |material| matches!(material, Material::Diffuse(_));
+        self.scene.area_lights.is_empty()
+            && !self.environment
+            && self.emission.is_none()
+            && self.heterogeneous.is_empty()
+            && (objects.is_empty() || self.scattering.is_none())
+            && objects.iter().all(|object| diffuse(object.material))
+    }
+
+    /// The first of `keys` that the file gives for medium `index`; of a scene without a file, the
+    /// first of all.
+    pub fn key_of(&self, index: usize, keys: &[&str]) -> String {
+        let full = |key: &str| format!("{MEDIUM}[{index}].{key}");
+        let given = keys.iter().find(|key| self.places.has(&full(key)));
+        full(given.unwrap_or(&keys[0]))
+    }
+
+    /// The key that shows that no medium has a property: that of the only medium, or all media.
+    pub fn none_has(&self, keys: &[&str]) -> String {
+        match self.scene.media.len() {
+            1 => self.key_of(0, keys),
+            _ => MEDIUM.to_owned(),
+        }
+    }
+}
