@@ -36,7 +36,7 @@ impl Expected {
 }
 
 /// A number of units of work.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Amount {
     /// How it stands to what will be counted.
     pub bound: Bound,
@@ -45,8 +45,7 @@ pub struct Amount {
 }
 
 /// How a number that is told stands to the one that will be counted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bound {
     /// It is the same.
     Exactly,
@@ -103,7 +102,9 @@ impl Plan {
         let mut work: Vec<_> = nothing.map(|event| (event, exactly(0))).collect();
         let known = match (&panel.model, self.kernel) {
             (Model::Classified(scene), Kernel::RayCaster { .. }) => self.of_casting(panel, scene),
-            (Model::Radiative(scene), Kernel::LineOfSight { .. }) => self.of_lines(panel, scene),
+            (Model::Radiative(scene), Kernel::LineOfSight { .. }) => {
+                self.of_lines(panel, scene, rays)
+            }
             (Model::Radiative(scene), _) => of_paths(scene, rays),
             _ => vec![],
         };
@@ -196,12 +197,12 @@ impl Plan {
         ]
     }
 
-    fn of_lines(&self, panel: &Panel, scene: &Radiative) -> Vec<(Event, Amount)> {
+    fn of_lines(&self, panel: &Panel, scene: &Radiative, rays: u64) -> Vec<(Event, Amount)> {
         let Kernel::LineOfSight { parts, turned } = self.kernel else {
             return vec![];
         };
         let around = Surroundings::<Everything>::for_integrals(scene, false);
-        let surfaces = surfaces(scene) * (panel.width * panel.height) as u64;
+        let surfaces = surfaces(scene) * rays;
         let tests = if turned {
             Bound::AtLeast
         } else {
@@ -214,7 +215,6 @@ impl Plan {
             (Event::SurfaceTest, amount(tests, surfaces)),
         ];
         if !turned && parts.media && !parts.emission {
-            let rays = (panel.width * panel.height) as u64;
             work.push((Event::Attenuation, exactly(rays)));
             work.push((Event::ChannelAttenuation, exactly(2 * rays)));
         }

@@ -420,12 +420,12 @@ impl<'s> Media<'s> {
         let known = transmittance::<E, W>(depth, work);
         match unknown {
             0 => known,
-            _ => known * self.tracked(unknown, ray, span, tracker, work),
+            _ => known * self.estimated(unknown, ray, span, tracker, work),
         }
     }
 
     /// An estimate of the share of light, by channel, that crosses the media in `set`.
-    fn tracked<W: Work>(
+    fn estimated<W: Work>(
         &self,
         set: Set,
         ray: &Ray,

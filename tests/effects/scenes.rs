@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use volref::film::Film;
-use volref::render::{Counters, Plan, render_counted};
+use volref::render::{Bound, Counters, Plan, render_counted};
 use volref::scene::Scene;
 
 /// A scene by the text of its file, which stands in a folder of the fixtures.
@@ -26,6 +26,21 @@ pub fn rendered(scene: &Scene, plan: &Plan) -> (Film, Counters) {
     let rendering = render_counted(scene, std::slice::from_ref(plan), &|| ());
     let rendering = rendering.unwrap_or_else(|error| panic!("{error}"));
     (rendering.film, rendering.work[0])
+}
+
+/// What is told beforehand holds.
+#[track_caller]
+pub fn as_told(what: &str, scene: &Scene, plan: &Plan, work: &Counters) {
+    for (event, amount) in plan.expected(&scene.panels[0]).work {
+        let (counted, told) = (work.of(event), amount.count);
+        let holds = match amount.bound {
+            Bound::Exactly => counted == told,
+            Bound::AtMost => counted <= told,
+            Bound::AtLeast => counted >= told,
+            Bound::About | Bound::AboutAtMost => false,
+        };
+        assert!(holds, "{what}: {counted} {}, told {amount:?}", event.name());
+    }
 }
 
 /// What a scene of surfaces, media and lights is made of.

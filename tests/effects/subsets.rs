@@ -2,13 +2,13 @@
 //! everything.
 
 use crate::scenes::{
-    Classified, Density, Light, Radiative, Shading, Turns, parsed, plan, rendered,
+    Classified, Density, Light, Radiative, Shading, Turns, as_told, parsed, plan, rendered,
 };
 use std::collections::BTreeSet;
 use volref::film::Film;
 use volref::render::plan::{FieldKind, Kernel, Parts};
 use volref::render::work::Event;
-use volref::render::{Bound, Counters, Effect, Plan, State};
+use volref::render::{Counters, Effect, Plan, State};
 use volref::scene::Scene;
 
 /// Everything on.
@@ -68,21 +68,6 @@ fn bits(film: &Film) -> Vec<u32> {
 fn off_is_off(what: &str, plan: &Plan, work: &Counters) {
     for event in Event::ALL.into_iter().filter(|&event| !plan.may_do(event)) {
         assert_eq!(work.of(event), 0, "{what}: {}, though off", event.name());
-    }
-}
-
-/// What is told beforehand holds.
-#[track_caller]
-fn as_told(what: &str, scene: &Scene, plan: &Plan, work: &Counters) {
-    for (event, amount) in plan.expected(&scene.panels[0]).work {
-        let (counted, told) = (work.of(event), amount.count);
-        let holds = match amount.bound {
-            Bound::Exactly => counted == told,
-            Bound::AtMost => counted <= told,
-            Bound::AtLeast => counted >= told,
-            Bound::About | Bound::AboutAtMost => false,
-        };
-        assert!(holds, "{what}: {counted} {}, told {amount:?}", event.name());
     }
 }
 

@@ -1,10 +1,10 @@
 //! Every scene of the suite, small.
 
+use crate::scenes::{as_told, rendered};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use volref::film::Film;
 use volref::render::work::Event;
-use volref::render::{Bound, Counters, Effect, Plan, State, render_counted};
+use volref::render::{Effect, Plan, State};
 use volref::scene::{Panel, Scene};
 
 /// Pixels of the larger side: what is asked of an image is asked of each of its rays.
@@ -46,12 +46,6 @@ fn pictures() -> impl Iterator<Item = (String, Scene)> {
     })
 }
 
-fn rendered(name: &str, scene: &Scene, plan: &Plan) -> (Film, Counters) {
-    let rendering = render_counted(scene, std::slice::from_ref(plan), &|| ());
-    let rendering = rendering.unwrap_or_else(|error| panic!("{name}: {error}"));
-    (rendering.film, rendering.work[0])
-}
-
 /// Also: what is told beforehand holds.
 #[test]
 fn what_is_off_does_no_work() {
@@ -59,7 +53,7 @@ fn what_is_off_does_no_work() {
     let mut pictures_with_something_off = 0;
     for (name, scene) in pictures() {
         let plan = Plan::new(&scene.panels[0]);
-        let (_, work) = rendered(&name, &scene, &plan);
+        let (_, work) = rendered(&scene, &plan);
         pictures_with_something_off +=
             usize::from(Effect::ALL.iter().any(|&effect| !plan.is_on(effect)));
         for event in Event::ALL {
@@ -73,20 +67,7 @@ fn what_is_off_does_no_work() {
                 assert_eq!(counted, 0, "{name}: {}, though null", event.name());
             }
         }
-        let expected = plan.expected(&scene.panels[0]);
-        for (event, amount) in &expected.work {
-            let (counted, told) = (work.of(*event), amount.count);
-            let holds = match amount.bound {
-                Bound::Exactly => counted == told,
-                Bound::AtMost => counted <= told,
-                Bound::AtLeast => counted >= told,
-                Bound::About | Bound::AboutAtMost => {
-                    panic!("{name}: a small picture is told of exactly")
-                }
-            };
-            let what = event.name();
-            assert!(holds, "{name}: {counted} {what}, told {amount:?}");
-        }
+        as_told(&name, &scene, &plan, &work);
     }
     assert!(pictures_with_something_off > 100);
     for event in Event::ALL {
@@ -106,11 +87,11 @@ fn forced_effects_change_no_bit() {
     for (name, scene) in pictures() {
         let panel = &scene.panels[0];
         let null = Plan::null_effects(panel);
-        let (film, work) = rendered(&name, &scene, &Plan::new(panel));
+        let (film, work) = rendered(&scene, &Plan::new(panel));
         let alone = null.iter().map(|&effect| vec![effect]);
         for effects in alone.chain([null.clone()]) {
             let plan = Plan::forcing(panel, &effects).unwrap();
-            let (forced, more) = rendered(&name, &scene, &plan);
+            let (forced, more) = rendered(&scene, &plan);
             let same = film.pixel_hash() == forced.pixel_hash();
             assert!(same, "{name}: {effects:?} forced change the picture");
             for event in Event::ALL {
