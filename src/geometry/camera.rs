@@ -14,6 +14,7 @@ use thiserror::Error;
 pub struct Camera {
     eye: DVec3,
     forward: DVec3,
+    upright: DVec3,
     /// Half the height of the image plane at distance 1, along the image's two axes.
     half_right: DVec3,
     half_up: DVec3,
@@ -43,12 +44,13 @@ impl Camera {
         let up = direction_of(up).ok_or(CameraError::NoUpright)?;
         let right = direction_of(forward.cross(up)).ok_or(CameraError::NoUpright)?;
         let half = math::tan(0.5 * vertical_fov);
-        let half_up = right.cross(forward) * half;
+        let upright = right.cross(forward);
         Ok(Camera {
             eye,
             forward,
+            upright,
             half_right: right * half,
-            half_up,
+            half_up: upright * half,
         })
     }
 
@@ -70,6 +72,11 @@ impl Camera {
             half_up: self.half_up * factor,
             ..*self
         }
+    }
+
+    /// Upwards in the image, of length 1 and at a right angle to [`Camera::forward`].
+    pub fn upright(&self) -> DVec3 {
+        self.upright
     }
 
     /// Direction of the middle of the image, of length 1.

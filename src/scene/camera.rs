@@ -14,7 +14,9 @@ pub(super) const CAMERA: Table = Table {
         Key {
             name: "eye",
             kind: Kind::Vector,
-            absent: Absent::Derived("before the volume on the −z side, as near as shows all of it"),
+            absent: Absent::Derived(
+                "before the volume on the −z side, or the −y side where `up` is along z, as near as shows all of it",
+            ),
             doc: "Where the camera stands, world units; required in a radiative scene.",
         },
         Key {
@@ -39,10 +41,9 @@ pub(super) const CAMERA: Table = Table {
     rules: &[],
 };
 
-/// The camera, and where it stands and looks.
+/// The camera, and what it looks at.
 pub(super) struct View {
     pub camera: Camera,
-    pub eye: DVec3,
     pub target: DVec3,
 }
 
@@ -55,9 +56,17 @@ impl View {
         aspect: f64,
     ) -> Result<View, Box<SceneError>> {
         let vertical_fov = reader.number("vertical_fov")?.to_radians();
-        let eye = reader.vector_or("eye", || eye_that_sees_all(bounds, vertical_fov, aspect))?;
+        let eye = reader.optional_vector("eye")?;
         let target = reader.vector_or("target", || bounds.centre())?;
-        View::new(reader, eye, target, vertical_fov)
+        // Last, though the eye may follow from it: the hash of a scene holds its keys in the order
+        // in which they are read.
+        let up = reader.vector("up")?;
+        let eye = eye.unwrap_or_else(|| {
+            let eye = eye_that_sees_all(bounds, up, vertical_fov, aspect);
+            reader.resolved("eye", Literal::Vector(eye.to_array()));
+            eye
+        });
+        View::new(reader, eye, target, up, vertical_fov)
     }
 
     /// Reads `[camera]` of a scene in which nothing says what is looked at: eye and target must
@@ -75,16 +84,16 @@ impl View {
             })
         };
         let (eye, target) = (place("eye")?, place("target")?);
-        View::new(reader, eye, target, vertical_fov)
+        View::new(reader, eye, target, reader.vector("up")?, vertical_fov)
     }
 
     fn new(
         reader: &Reader<'_, '_>,
         eye: DVec3,
         target: DVec3,
+        up: DVec3,
         vertical_fov: f64,
     ) -> Result<View, Box<SceneError>> {
-        let up = reader.vector("up")?;
         let camera = Camera::new(eye, target, up, vertical_fov).map_err(|error| {
             let key = match error {
                 CameraError::NoDirection => "eye",
@@ -92,21 +101,22 @@ impl View {
             };
             reader.error(key, error.to_string())
         })?;
-        Ok(View {
-            camera,
-            eye,
-            target,
-        })
+        Ok(View { camera, target })
     }
 }
 
 /// Before the middle of the box on its −z side, where its front face fills the image but for a
-/// margin of 5 %.
-fn eye_that_sees_all(bounds: &Aabb, vertical_fov: f64, aspect: f64) -> DVec3 {
+/// margin of 5 %. Where `up` is along z, as in most scans, that is above or below: the −y side
+/// then.
+fn eye_that_sees_all(bounds: &Aabb, up: DVec3, vertical_fov: f64, aspect: f64) -> DVec3 {
     let half = bounds.size() * 0.5;
-    let half_height = half.y.max(half.x / aspect);
+    let (forward, half_depth, half_of_up) = match up.x == 0.0 && up.y == 0.0 {
+        true => (DVec3::Y, half.y, half.z),
+        false => (DVec3::Z, half.z, half.y),
+    };
+    let half_height = half_of_up.max(half.x / aspect);
     let to_front = half_height / (0.95 * math::tan(0.5 * vertical_fov));
-    bounds.centre() - DVec3::new(0.0, 0.0, half.z + to_front)
+    bounds.centre() - forward * (half_depth + to_front)
 }
 
 #[cfg(test)]
@@ -125,34 +135,40 @@ mod tests {
         ] {
             for aspect in [0.25, 1.0, 16.0 / 9.0] {
                 for degrees in [10.0_f64, 45.0, 120.0] {
-                    let fov = degrees.to_radians();
-                    let min = DVec3::new(-3.0, 5.0, 7.0);
-                    let bounds = Aabb {
-                        min,
-                        max: min + DVec3::from_array(size),
-                    };
-                    let eye = eye_that_sees_all(&bounds, fov, aspect);
-                    let edge = math::tan(0.5 * fov);
-                    let mut widest = 0.0_f64;
-                    for corner in 0..8 {
-                        let pick = |axis: usize| {
-                            if corner >> axis & 1 == 1 {
-                                bounds.max[axis]
-                            } else {
-                                bounds.min[axis]
-                            }
+                    for up in [DVec3::Y, DVec3::Z, DVec3::new(0.0, 0.0, -3.0)] {
+                        let fov = degrees.to_radians();
+                        let min = DVec3::new(-3.0, 5.0, 7.0);
+                        let bounds = Aabb {
+                            min,
+                            max: min + DVec3::from_array(size),
                         };
-                        let seen = DVec3::new(pick(0), pick(1), pick(2)) - eye;
-                        assert!(seen.z > 0.0);
-                        let across = seen.x.abs() / (seen.z * edge * aspect);
-                        let up = seen.y.abs() / (seen.z * edge);
-                        widest = widest.max(across).max(up);
+                        let eye = eye_that_sees_all(&bounds, up, fov, aspect);
+                        let camera = Camera::new(eye, bounds.centre(), up, fov).unwrap();
+                        let (up, forward) = (camera.upright(), camera.forward());
+                        let right = forward.cross(up);
+                        let edge = math::tan(0.5 * fov);
+                        let mut widest = 0.0_f64;
+                        for corner in 0..8 {
+                            let pick = |axis: usize| {
+                                if corner >> axis & 1 == 1 {
+                                    bounds.max[axis]
+                                } else {
+                                    bounds.min[axis]
+                                }
+                            };
+                            let seen = DVec3::new(pick(0), pick(1), pick(2)) - eye;
+                            let depth = seen.dot(forward);
+                            assert!(depth > 0.0);
+                            let across = seen.dot(right).abs() / (depth * edge * aspect);
+                            let up = seen.dot(up).abs() / (depth * edge);
+                            widest = widest.max(across).max(up);
+                        }
+                        // 1 is the edge of the image; a margin of 5 % is kept.
+                        assert!(
+                            (widest - 0.95).abs() < 1e-9,
+                            "{size:?} {aspect} {degrees} {up}: {widest}"
+                        );
                     }
-                    // 1 is the edge of the image; a margin of 5 % is kept.
-                    assert!(
-                        (widest - 0.95).abs() < 1e-9,
-                        "{size:?} {aspect} {degrees}: {widest}"
-                    );
                 }
             }
         }

@@ -79,7 +79,9 @@ const LIGHT: Table = Table {
     keys: &[Key {
         name: "position",
         kind: Kind::Vector,
-        absent: Absent::Derived("above the eye, as high as the target is far"),
+        absent: Absent::Derived(
+            "above the eye, upwards in the image, as high as the target is far",
+        ),
         doc: "Where the light stands, world units.",
     }],
     rules: &[],
@@ -220,15 +222,16 @@ impl Classified {
         let step = step_length(reader, "step", &lattice)?;
         let background = reader.vector("background")?;
 
-        let View {
-            camera,
-            eye,
-            target,
-        } = View::framing(camera_reader, &lattice.bounds(), aspect)?;
+        let View { camera, target } = View::framing(camera_reader, &lattice.bounds(), aspect)?;
         let light = reader.table_or_default("light", &empty)?;
-        let light = light.vector_or("position", || {
-            eye + DVec3::new(0.0, length_of(target - eye), 0.0)
-        })?;
+        let light = light.vector_or("position", || above(&camera, target))?;
+        if !light.is_finite() {
+            let message = "the target is so far away that the light, as high above the eye, \
+                           would be beyond all numbers";
+            let help = "move `target` nearer, along the same direction, or give \
+                        `classified.light.position`";
+            return Err(camera_reader.mistake("target", message, help));
+        }
 
         let phong = reader
             .table("phong")?
@@ -356,6 +359,14 @@ impl Classified {
             self.step, shadow.step
         ))
     }
+}
+
+/// Above the eye, upwards in the image, as high as `target` is far: half a right angle beside the
+/// line of sight, and √2 times as far from the target as the eye, so outside of every ball about
+/// the target that the eye is outside of. `up` itself, which may lean along the line of sight,
+/// would lead into what is looked at.
+fn above(camera: &Camera, target: DVec3) -> DVec3 {
+    camera.eye() + camera.upright() * length_of(target - camera.eye())
 }
 
 fn checked_step(step: Length, lattice: &Lattice) -> Result<f64, String> {

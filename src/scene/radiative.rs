@@ -183,10 +183,9 @@ impl Radiative {
     ) -> Result<Radiative, Box<SceneError>> {
         let View {
             camera: eye_and_image,
-            eye,
             ..
         } = View::given(camera)?;
-        if eye.abs().max_element() > FARTHEST {
+        if eye_and_image.eye().abs().max_element() > FARTHEST {
             let message = format!(
                 "the camera stands too far away for light to be followed: coordinates up to \
                  {FARTHEST:e} are accepted"

@@ -9,6 +9,7 @@ mod convergence;
 mod empty_space;
 mod extremes;
 mod known_answers;
+mod light;
 mod opacity;
 mod order;
 mod plan;
