@@ -32,7 +32,7 @@ pub struct Arguments {
     /// Take the stored axes for x, y and z, wherever they point
     #[arg(long)]
     as_stored: bool,
-    /// Follow a header to data outside its own folder
+    /// Follow a header, or a link, to data outside its own folder
     #[arg(long)]
     detached_anywhere: bool,
     #[command(flatten)]

@@ -50,7 +50,7 @@ pub(super) const VOLUME: Table = Table {
             name: "detached_anywhere",
             kind: Kind::Flag,
             absent: Absent::Nothing,
-            doc: "Grids only: whether a header may name a file of data outside its own folder. Left out: it may not.",
+            doc: "Grids only: whether a header may name a file of data outside its own folder, or a link that leads there. Left out: it may not.",
         },
     ],
     rules: &[],

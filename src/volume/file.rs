@@ -222,7 +222,7 @@ pub enum VolumeError {
     Outside {
         /// Where the header is.
         path: PathBuf,
-        /// The file it names.
+        /// The file it names, or to which a link of that name leads.
         name: String,
     },
     /// The file that a header names cannot be read.
@@ -356,6 +356,24 @@ impl Read for Hashed {
     }
 }
 
+/// Where `data` really lie, if a symbolic link leads out of the folder of the `header`: neither
+/// into the one in which it is named nor into the one in which it lies itself. Data that are not
+/// there lie nowhere.
+fn away(header: &Path, data: &Path) -> Option<PathBuf> {
+    let data = data.canonicalize().ok()?;
+    let named = match header.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    let (named, real) = (named.canonicalize().ok()?, header.canonicalize().ok()?);
+    let folders = [Some(named.as_path()), real.parent()];
+    let inside = folders
+        .into_iter()
+        .flatten()
+        .any(|folder| data.starts_with(folder));
+    (!inside).then_some(data)
+}
+
 impl Source {
     fn open(path: &Path) -> Result<Source, VolumeError> {
         let (file, length) = open(path)?;
@@ -384,6 +402,12 @@ impl Source {
                 .filter(|part| *part != Component::CurDir)
                 .collect::<PathBuf>(),
         );
+        if let Some(elsewhere) = away(path, &other).filter(|_| !options.detached_anywhere) {
+            return Err(VolumeError::Outside {
+                path: path.to_owned(),
+                name: elsewhere.display().to_string(),
+            });
+        }
         Source::open(&other).map_err(|error| VolumeError::Data {
             path: path.to_owned(),
             error: Box::new(error),

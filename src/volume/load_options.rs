@@ -14,8 +14,8 @@ pub struct LoadOptions {
     pub non_finite: NonFinite,
     /// Of grids: what becomes of axes that point elsewhere than x, y and z.
     pub orientation: Orientation,
-    /// Whether a header may name a file of data outside its own folder: by an absolute path or
-    /// by `..`. Symbolic links are the reader's own and are followed.
+    /// Whether a header may name a file of data outside its own folder: by an absolute path, by
+    /// `..`, or by a symbolic link that leads there.
     pub detached_anywhere: bool,
 }
 
