@@ -1,6 +1,6 @@
 //! Errors with exit codes.
 
-use crate::scene::SceneError;
+use crate::scene::{SceneError, shortened};
 use miette::{MietteHandlerOpts, Report};
 use std::io::IsTerminal;
 use std::process::ExitCode;
@@ -42,9 +42,9 @@ pub struct Failure {
 impl Failure {
     /// Any failure, in words.
     pub fn new(exit: Exit, message: impl Into<String>, help: Option<&str>) -> Failure {
-        let diagnostic = miette::MietteDiagnostic::new(message);
+        let diagnostic = miette::MietteDiagnostic::new(shortened(message.into()));
         let diagnostic = match help {
-            Some(help) => diagnostic.with_help(help),
+            Some(help) => diagnostic.with_help(shortened(help.to_owned())),
             None => diagnostic,
         };
         Failure {

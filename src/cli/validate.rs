@@ -53,7 +53,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     jobs: u16,
     /// With --run: samples per pixel to ask for, {spp}
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = crate::scene::samples)]
     spp: u32,
     /// With --run: seed to ask for, {seed}
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -100,7 +100,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         }
     }
     let bar = progress::mistakes();
-    let likely = likeness(&cases, &mut judged, &|| bar.tick());
+    let likely = likeness(&cases, &mut judged, &|| ());
     bar.finish_and_clear();
     if !arguments.files.wants_evidence() {
         for judged in &mut judged {

@@ -1,6 +1,7 @@
 //! What is wrong with a scene, where, and how to mend it.
 
-use miette::{Diagnostic, NamedSource, SourceSpan};
+use super::excerpt::{Excerpt, shortened};
+use miette::{Diagnostic, SourceSpan};
 use std::ops::Range;
 use thiserror::Error;
 
@@ -15,7 +16,7 @@ pub struct SceneError {
     #[help]
     help: Option<String>,
     #[source_code]
-    source_code: NamedSource<String>,
+    source_code: Excerpt,
     #[label]
     span: Option<SourceSpan>,
 }
@@ -30,11 +31,15 @@ impl SceneError {
         message: impl Into<String>,
         help: Option<String>,
     ) -> Box<SceneError> {
+        let source_code = Excerpt {
+            name: path.to_owned(),
+            text: text.to_owned(),
+        };
         Box::new(SceneError {
-            message: message.into(),
-            help,
-            source_code: NamedSource::new(path, text.to_owned()),
-            span: span.map(|span| (span.start.min(text.len())..span.end.min(text.len())).into()),
+            message: shortened(message.into()),
+            help: help.map(shortened),
+            span: span.map(|span| source_code.underlined(span).into()),
+            source_code,
         })
     }
 
@@ -50,7 +55,7 @@ impl SceneError {
 
     /// Line and column of the mistake, from 1; columns count characters.
     pub fn position(&self) -> Option<(usize, usize)> {
-        let before = &self.source_code.inner()[..self.span?.offset()];
+        let before = &self.source_code.text[..self.span?.offset()];
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
         Some((
             before.matches('\n').count() + 1,
@@ -59,7 +64,7 @@ impl SceneError {
     }
 
     fn place(&self) -> String {
-        let path = self.source_code.name();
+        let path = &self.source_code.name;
         match self.position() {
             Some((line, column)) => format!("{path}:{line}:{column}: "),
             None => format!("{path}: "),

@@ -82,6 +82,20 @@ pub enum Kind {
     Overrides,
 }
 
+/// The whole number `text`, in base `radix`, as the value of `name`; fails outside of
+/// `[low, high]`.
+pub fn whole_number(
+    name: &str,
+    text: &str,
+    radix: u32,
+    [low, high]: [u64; 2],
+) -> Result<u64, String> {
+    let count = u64::from_str_radix(text, radix).ok();
+    count
+        .filter(|count| (low..=high).contains(count))
+        .ok_or_else(|| format!("`{name}` must lie in [{low}, {high}], got {text}"))
+}
+
 /// What the absence of a key means.
 #[derive(Clone, Copy, Debug)]
 pub enum Absent {

@@ -5,7 +5,7 @@ use super::classified::CLASSIFIED;
 use super::curve::CURVE;
 use super::files::{Files, InputFile};
 use super::format::{Absent, Key, Kind, Literal, Rule, Table};
-use super::places::Places;
+use super::places::{Lines, Places};
 use super::radiative::RADIATIVE;
 use super::reader::{Document, Origin, Reader, Reading, overridden};
 use super::sampling::{SAMPLING, Sampling};
@@ -198,9 +198,10 @@ impl Scene {
         let root = document.parse()?;
         let mut files = Files::new(path.parent().unwrap_or(Path::new("")));
         let tables = panel_tables(&document, &root)?;
+        let lines = Lines::of(text);
         let panels = tables
             .iter()
-            .map(|table| Panel::read(&document, table, &mut files))
+            .map(|table| Panel::read(&document, &lines, table, &mut files))
             .collect::<Result<Vec<_>, _>>()?;
         if let Some(odd) = panels
             .iter()
@@ -334,6 +335,7 @@ impl Panel {
 
     fn read<'s>(
         document: &Document<'s>,
+        lines: &Lines,
         table: &Spanned<DeTable<'s>>,
         files: &mut Files<'_>,
     ) -> Result<Panel, Box<SceneError>> {
@@ -361,7 +363,7 @@ impl Panel {
             model,
             inputs: files.take_used(),
             readings: log.into_inner(),
-            places: Places::of(document, table.get_ref()),
+            places: Places::of(lines, table.get_ref()),
         })
     }
 }

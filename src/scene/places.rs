@@ -1,6 +1,5 @@
 //! Where the keys of a scene stand in its file.
 
-use super::reader::Document;
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
@@ -11,10 +10,10 @@ use toml::de::{DeTable, DeValue};
 pub struct Places(BTreeMap<String, usize>);
 
 impl Places {
-    /// The places of the keys in `table`, the root of `document`.
-    pub(super) fn of(document: &Document<'_>, table: &DeTable<'_>) -> Places {
+    /// The places of the keys in `table`, which stands in the text of these `lines`.
+    pub(super) fn of(lines: &Lines, table: &DeTable<'_>) -> Places {
         let mut places = Places::default();
-        places.note_table(&Lines::of(document.text), "", table);
+        places.note_table(lines, "", table);
         places
     }
 
@@ -55,10 +54,10 @@ impl Places {
 }
 
 /// The offsets at which the lines of a text end.
-struct Lines(Vec<usize>);
+pub(super) struct Lines(Vec<usize>);
 
 impl Lines {
-    fn of(text: &str) -> Lines {
+    pub(super) fn of(text: &str) -> Lines {
         Lines(text.match_indices('\n').map(|(offset, _)| offset).collect())
     }
 
@@ -70,6 +69,7 @@ impl Lines {
 
 #[cfg(test)]
 mod tests {
+    use super::super::reader::Document;
     use super::*;
 
     #[test]
@@ -93,7 +93,7 @@ octaves = 2
             text,
         };
         let root = document.parse().unwrap();
-        let places = Places::of(&document, root.get_ref());
+        let places = Places::of(&Lines::of(text), root.get_ref());
         for (key, line) in [
             ("title", 1),
             ("radiative", 2),

@@ -1,7 +1,7 @@
 //! Reads a TOML table by its [declaration](super::format), with the place of every mistake.
 
 use super::SceneError;
-use super::format::{Absent, Key, Kind, Literal, Rule, Table};
+use super::format::{Absent, Key, Kind, Literal, Rule, Table, whole_number};
 use glam::DVec3;
 use std::cell::RefCell;
 use std::fmt::Display;
@@ -478,16 +478,8 @@ impl<'d, 's> Reader<'d, 's> {
             let DeValue::Integer(integer) = value.get_ref() else {
                 return Err(self.wrong_type(name, value));
             };
-            u64::from_str_radix(integer.as_str(), integer.radix())
-                .ok()
-                .filter(|count| (low..=high).contains(count))
-                .ok_or_else(|| {
-                    let message = format!(
-                        "`{name}` must lie in [{low}, {high}], got {}",
-                        integer.as_str()
-                    );
-                    self.error(name, message)
-                })
+            whole_number(name, integer.as_str(), integer.radix(), [low, high])
+                .map_err(|message| self.error(name, message))
         };
         let literal = |literal| match literal {
             Literal::Count(count) => Some(count),

@@ -1,8 +1,18 @@
 //! How much chance a picture takes.
 
 use super::SceneError;
-use super::format::{Absent, Key, Kind, Literal, Table};
+use super::format::{Absent, Key, Kind, Literal, Table, whole_number};
 use super::reader::Reader;
+
+/// Samples per pixel, at most.
+const MOST_SAMPLES: u32 = 1 << 31;
+
+/// Samples per pixel, given in words other than a scene's: as many as `sampling.samples` may be,
+/// and refused in the same words.
+pub fn samples(text: &str) -> Result<u32, String> {
+    let count = whole_number("samples", text, 10, [1, MOST_SAMPLES.into()])?;
+    Ok(u32::try_from(count).expect("at most MOST_SAMPLES"))
+}
 
 /// The declaration of `[sampling]`.
 pub(super) const SAMPLING: Table = Table {
@@ -10,7 +20,7 @@ pub(super) const SAMPLING: Table = Table {
     keys: &[
         Key {
             name: "samples",
-            kind: Kind::Count(1, 1 << 31),
+            kind: Kind::Count(1, MOST_SAMPLES as u64),
             absent: Absent::Default(Literal::Count(64)),
             doc: "Samples per pixel; four times as many halve the noise.",
         },
@@ -36,7 +46,7 @@ impl Sampling {
     pub(super) fn read(reader: &Reader<'_, '_>) -> Result<Sampling, Box<SceneError>> {
         let samples = reader.count("samples")?;
         Ok(Sampling {
-            samples: u32::try_from(samples).expect("at most 2^31 by declaration"),
+            samples: u32::try_from(samples).expect("at most MOST_SAMPLES"),
             seed: reader.count("seed")?,
         })
     }

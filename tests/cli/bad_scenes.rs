@@ -476,3 +476,69 @@ fn steps_on_the_command_line() {
     --step: a step of 2e-13 world units means up to 1.0e13 samples on a ray through a volume 2.0688 across; at most 1e8 are accepted
     "#);
 }
+
+/// Of a mistake in a long line, a long value or a long list the message shows what can be read.
+#[test]
+fn messages_are_short() {
+    let folder = Folder::with_scenes();
+    let long = "ä".repeat(200_000);
+    for (scene, place, parts) in [
+        (
+            format!("[curve]\n[film]\nwidth = \"{long}\"\n"),
+            "3:9",
+            ["`width` takes", "got string"],
+        ),
+        (
+            format!("[classified]\nvolume = {{ file = \"cloud.obj\" }}\nstep = \"{long}\"\n"),
+            "3:8",
+            ["expected a length such as", "characters left out"],
+        ),
+        (
+            format!("title = \"{long}\"\nfilm = 1\n[curve]\n"),
+            "2:8",
+            ["`film` takes", "got integer"],
+        ),
+        (
+            format!(
+                "curve = {{ {} }}\n",
+                "a = 1, ".repeat(50_000).trim_end_matches(", ")
+            ),
+            "1:",
+            ["duplicate key", "long.toml"],
+        ),
+        (
+            format!("{long} = 1\n[curve]\n"),
+            "1:1",
+            ["long.toml", "TOML"],
+        ),
+    ] {
+        folder.write("long.toml", scene);
+        let run = folder.volref(&["plan", "long.toml"]);
+        run.expect(2, &parts);
+        let place = format!("long.toml:{place}");
+        assert!(run.stderr.contains(&place), "{place}: {}", run.stderr);
+        assert!(
+            run.stderr.len() < 8_000,
+            "{} bytes: {}",
+            run.stderr.len(),
+            run.stderr
+        );
+    }
+}
+
+/// Panels are read in a time that grows with their number, not with its square: that took minutes.
+#[test]
+fn many_panels() {
+    let panels = 60_000;
+    let text = format!(
+        "[film]\nwidth = 1\nheight = 1\n[curve]\n{}",
+        "[[panel]]\n".repeat(panels)
+    );
+    let (done, waited) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        let scene = volref::scene::Scene::parse(&text, std::path::Path::new("panels.toml"));
+        done.send(scene.unwrap().panels.len())
+    });
+    let patience = std::time::Duration::from_secs(20);
+    assert_eq!(waited.recv_timeout(patience), Ok(panels));
+}
