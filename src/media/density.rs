@@ -109,6 +109,11 @@ impl Density {
         &self.field
     }
 
+    /// Where it is, in its own coordinates: the box of a grid, or that of its medium.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
     /// Bounds on it, over all of its box.
     pub fn range(&self) -> DensityRange {
         self.range

@@ -63,7 +63,7 @@ pub struct Plan {
     pub decisions: Vec<Decision>,
     /// What is left out of effects that are simulated, because the scene asks for it.
     pub approximations: Vec<Approximation>,
-    /// What the scene file asks for and cannot matter.
+    /// What the scene file asks for and cannot matter, or takes longer than it may seem.
     pub warnings: Vec<Reason>,
     /// How the radiance of a pixel is found.
     pub estimator: Estimator,

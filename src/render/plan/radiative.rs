@@ -2,6 +2,7 @@
 
 mod contents;
 mod findings;
+mod walks;
 
 use super::{Decisions, Effect, Estimator, Finding, Kernel, Method, Parts, Plan, Reason};
 use crate::scene::{Places, Radiative, Scattering};

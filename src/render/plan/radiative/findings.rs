@@ -2,6 +2,8 @@
 
 use super::super::{Decisions, Effect, Finding, Reason, State};
 use super::contents::*;
+use super::walks;
+use crate::math::rng::Stream;
 use crate::media::Density;
 use crate::scene::{Body, Scattering};
 use glam::DVec3;
@@ -226,7 +228,25 @@ impl Contents<'_> {
         }
     }
 
-    /// What the file asks for and cannot matter.
+    /// The media in which paths take more turns than anyone waits for, and that many.
+    fn long_walks(&self) -> Vec<(usize, f64, &Body)> {
+        let is_bounded = match self.scene.scattering {
+            Scattering::Multiple(limit) => {
+                limit.is_some_and(|limit| f64::from(limit) <= walks::MANY_TURNS)
+            }
+            _ => true,
+        };
+        if is_bounded || !self.light_is_turned() {
+            return Vec::new();
+        }
+        let bodies = self.scene.media.iter().enumerate();
+        bodies
+            .map(|(index, body)| (index, walks::turns_from_the_middle(self.scene, body), body))
+            .filter(|(_, turns, _)| *turns > walks::MANY_TURNS)
+            .collect()
+    }
+
+    /// What the file asks for and cannot matter, or takes longer than it may seem.
     pub fn warnings(&self, decisions: &Decisions) -> Vec<Reason> {
         let mut warnings = Vec::new();
         let mut warn = |key: String, message: String| {
@@ -267,6 +287,31 @@ impl Contents<'_> {
                 };
                 warn(format!("{at}.g"), format!("g asked, but {why_not}"));
             }
+        }
+        for (index, turns, body) in self.long_walks() {
+            let key = self.key_of(index, SCATTERS);
+            let depth = walks::depth_of_the_middle(self.scene, body);
+            let far = match depth.is_finite() {
+                true => format!("its middle is {depth:.3e} mean free paths deep"),
+                false => "it has no end".to_owned(),
+            };
+            let often = match turns.is_finite() {
+                true => format!("about {turns:.1e} times"),
+                false => "without end".to_owned(),
+            };
+            let gives_up = match turns > f64::from(Stream::BOUNCES) {
+                true => "; rendering may fail, at a path of 2^26 turns",
+                false => "",
+            };
+            warn(
+                key,
+                format!(
+                    "light that gets deep into this medium is turned {often}, as {far} and little \
+                     is absorbed{gives_up}; `max_bounces = {}` bounds the work, and leaves out what \
+                     is turned more often",
+                    walks::MANY_TURNS
+                ),
+            );
         }
         for (index, light) in self.scene.lights.iter().enumerate() {
             let at = format!("radiative.light[{index}]");
