@@ -1,8 +1,9 @@
 //! The suite catches every mistake of the catalogue, and accepts what is right: the quick form of
 //! `volref selftest`, on cases that catch them all together.
 
+use std::cell::Cell;
 use std::path::Path;
-use volref::suite::{Extent, Store, Suite, self_test};
+use volref::suite::{Extent, Step, Store, Suite, self_test, self_test_steps};
 
 #[test]
 fn the_suite_catches_every_mistake() {
@@ -22,7 +23,10 @@ fn the_suite_catches_every_mistake() {
     ];
     let cases = suite.select(&names.map(str::to_owned)).unwrap();
     let store = Store::open(suite.golden_folder());
-    let test = self_test(&cases, true, &store, Extent::Quick, &|_| ());
+    let done = Cell::new(0);
+    let told = |step: Step<'_>| done.set(done.get() + usize::from(step == Step::Done));
+    let test = self_test(&cases, true, &store, Extent::Quick, &told);
+    assert_eq!(done.get(), self_test_steps(cases.len()));
     assert!(test.mistakes.len() >= 40);
     assert_eq!(test.uncaught, Vec::<&str>::new(), "caught by no case");
     assert_eq!(test.broken_promises, Vec::<String>::new());

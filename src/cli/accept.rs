@@ -5,7 +5,6 @@ use super::output::Json;
 use super::suite::{Selection, select, store};
 use super::{Outcome, progress};
 use crate::suite::{self, AcceptError, Cache, Change, StoreError, Watch};
-use indicatif::ProgressBar;
 use serde_json::json;
 
 /// Render cases and make the results their goldens; look at the pictures before and after
@@ -85,12 +84,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 }
 
 /// Shows how far the work has come.
-struct Bar(ProgressBar);
+struct Bar(progress::Bar);
 
 impl Watch for Bar {
     fn begin(&self, work: u64) {
         self.0.set_length(work);
-        self.0.reset_eta();
     }
 
     fn case(&self, name: &str) {

@@ -63,13 +63,16 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         },
         seed: arguments.seed,
     };
-    let bar = progress::steps();
-    bar.enable_steady_tick(Duration::from_millis(200));
+    let bar = progress::counted("scenes", scenes.len());
+    if let Some(budget) = arguments.budget {
+        bar.expect(budget);
+    }
     let mut costs: Vec<Cost> = Vec::new();
     for scene in &scenes {
         let name = scene.path.display().to_string();
         let told = |what: &str| bar.set_message(format!("{name}: {what}"));
         costs.extend(cost(scene, &options, &told).map_err(|error| failure(&name, &error))?);
+        bar.inc(1);
     }
     bar.finish_and_clear();
     let machine = (arguments.runs > 0).then(|| Machine::here(1));

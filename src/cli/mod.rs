@@ -92,14 +92,14 @@ pub fn main() -> ExitCode {
     let result = match arguments.command {
         Command::Verify(arguments) => verify::run(arguments),
         Command::Validate(arguments) => validate::run(arguments),
-        Command::Compare(arguments) => compare::run(arguments),
+        Command::Compare(arguments) => progress::during("comparing", || compare::run(arguments)),
         Command::Render(arguments) => render::run(arguments),
         Command::Plan(arguments) => plan::run(arguments),
         Command::Cost(arguments) => cost::run(arguments),
-        Command::Export(arguments) => export::run(arguments),
+        Command::Export(arguments) => progress::during("exporting", || export::run(arguments)),
         Command::Accept(arguments) => accept::run(arguments),
         Command::Selftest(arguments) => selftest::run(arguments),
-        Command::Info(arguments) => info::run(arguments),
+        Command::Info(arguments) => progress::during("reading", || info::run(arguments)),
         Command::List(arguments) => list::run(arguments),
         Command::Schema(arguments) => Ok(schema::run(arguments)),
     };

@@ -2,10 +2,11 @@
 
 use super::failure::{Exit, Failure};
 use super::output::Json;
+use super::render::warnings_of_all;
 use super::{Outcome, progress};
 use crate::render::plan::{Approximation, Decision, Estimator, PlanError, Reason};
 use crate::render::work::Event;
-use crate::render::{self, Amount, Bound, Counters, Effect, Expected, Memory, Plan};
+use crate::render::{self, Amount, Bound, Counters, Effect, Expected, Footprint, Memory, Plan};
 use crate::scene::{Model, Origin, Panel, Scene};
 use indicatif::HumanBytes;
 use serde::Serialize;
@@ -66,7 +67,41 @@ fn plan_for(panel: &Panel, forced: &[Forced]) -> Result<Plan, PlanError> {
 struct PlanJson<'s> {
     schema: &'static str,
     scene: &'s PathBuf,
+    image: ImageJson,
     panels: Vec<PanelJson<'s>>,
+}
+
+/// The whole picture, all panels together.
+#[derive(Serialize)]
+struct ImageJson {
+    width: usize,
+    height: usize,
+    /// Of the finished image.
+    bytes: u64,
+    /// Held at most while it is rendered and written.
+    most_bytes: u64,
+}
+
+impl ImageJson {
+    fn of(scene: &Scene, plans: &[Plan]) -> ImageJson {
+        let Footprint { image, most } = render::footprint(scene, plans);
+        ImageJson {
+            width: scene.width(),
+            height: scene.height(),
+            bytes: image,
+            most_bytes: most,
+        }
+    }
+
+    fn text(&self) -> String {
+        format!(
+            "image      {} × {} pixels, {}; at most {} while it is rendered and written\n",
+            self.width,
+            self.height,
+            HumanBytes(self.bytes),
+            HumanBytes(self.most_bytes)
+        )
+    }
 }
 
 #[derive(Serialize)]
@@ -143,7 +178,8 @@ fn volume(panel: &Panel) -> Option<VolumeJson> {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     arguments.json.check()?;
-    let scene = Scene::load(&arguments.scene)?;
+    let read = || Scene::load(&arguments.scene);
+    let scene = progress::during("reading the scene", read)?;
     let plans = scene
         .panels
         .iter()
@@ -151,11 +187,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| Failure::new(Exit::BadInput, error.to_string(), None))?;
     let work: Vec<Option<Counters>> = if arguments.counters {
-        let bar = progress::rows(
-            "counting",
-            scene.panels.iter().map(|panel| panel.height).sum(),
-        );
-        let rendering = render::render_counted(&scene, &plans, &|| bar.inc(1));
+        let advice = "a copy of the scene with fewer pixels or samples takes less";
+        let bar = progress::image("counting", advice, &warnings_of_all(&plans));
+        let rendering = render::render_counted(&scene, &plans, &bar);
         bar.finish_and_clear();
         let rendering =
             rendering.map_err(|error| Failure::new(Exit::BadInput, error.to_string(), None))?;
@@ -166,7 +200,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 
     let expected = scene.panels.iter().zip(&plans);
     let expected: Vec<_> = expected.map(|(panel, plan)| plan.expected(panel)).collect();
-    let mut text = String::new();
+    let image = ImageJson::of(&scene, &plans);
+    let mut text = image.text();
     let mut panels = Vec::new();
     for (index, (panel, plan)) in scene.panels.iter().zip(&plans).enumerate() {
         let (expected, work) = (&expected[index], &work[index]);
@@ -196,6 +231,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let value = PlanJson {
         schema: "volref/plan/1",
         scene: &arguments.scene,
+        image,
         panels,
     };
     arguments.json.instead_of(text, &value).map(Outcome::from)

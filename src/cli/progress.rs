@@ -1,39 +1,484 @@
-//! A progress bar on a terminal, nothing in a pipe.
+//! Signs of life: what is being done, how far it is and how long it will take. On a terminal a bar,
+//! from the first moment on; in a pipe a line now and then, so that a log shows that work goes on.
+//! All on stderr.
 
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::render::plan::Reason;
+use crate::render::{Forecast, Watch};
+use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressStyle};
+use std::io::{IsTerminal, Write};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
-/// A bar over `rows` rows of pixels on stderr. In a pipe it draws nothing.
-pub fn rows(label: &str, rows: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{msg:24} {bar:40} {percent:>3}% {eta:>5} left")
-        .expect("a valid template");
-    ProgressBar::new(rows as u64)
-        .with_style(style)
-        .with_message(label.to_owned())
+/// A terminal is drawn anew after this time.
+const FRAME: Duration = Duration::from_millis(100);
+
+/// In a pipe the first line comes after this time: what takes less needs none.
+const FIRST_LINE: Duration = Duration::from_secs(2);
+
+/// The longest silence in a pipe. Services that run tests end what says nothing for ten minutes.
+const LONGEST_SILENCE: Duration = Duration::from_secs(300);
+
+/// A panel that takes longer is told of before it is rendered.
+const WORTH_A_WARNING: f64 = 10.0;
+
+/// Measuring how long a panel will take takes no longer, but for the ray under way.
+const MEASURING: Duration = Duration::from_millis(250);
+
+/// A sign of life, until it is dropped or [finished](Bar::finish_and_clear).
+pub struct Bar {
+    shared: Arc<Shared>,
+    ticker: Option<JoinHandle<()>>,
 }
 
-/// A bar over `cases` cases.
-pub fn cases(cases: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{spinner} {msg:32} {bar:40} {pos}/{len}")
-        .expect("a valid template");
-    ProgressBar::new(cases as u64).with_style(style)
+struct Shared {
+    start: Instant,
+    /// On a terminal.
+    bar: Option<ProgressBar>,
+    said: Mutex<Said>,
+    changed: Condvar,
+    /// The parts of the work, such as cases.
+    parts: Counter,
+    /// The steps of the part under way, or of the one there is.
+    steps: Counter,
 }
 
-/// A bar over work whose amount is said later, with the time that is left.
-pub fn work() -> ProgressBar {
-    let style = ProgressStyle::with_template("{msg:32} {bar:40} {percent:>3}% {eta:>5} left")
-        .expect("a valid template");
-    ProgressBar::new(0).with_style(style)
+/// What is said beside how far the work is.
+#[derive(Default)]
+struct Said {
+    /// What is being done.
+    message: String,
+    /// What the parts are called, if they are counted aloud.
+    parts: Option<&'static str>,
+    /// Said once, as soon as it lasts.
+    notes: Vec<String>,
+    /// How long all was expected to take, in seconds.
+    expected: Option<f64>,
+    /// How to make it shorter, where it may be measured how long it takes.
+    advice: Option<&'static str>,
+    ended: bool,
 }
 
-/// What is being done, step by step; how many there are is not known.
-pub fn steps() -> ProgressBar {
-    let style = ProgressStyle::with_template("{spinner} {msg}").expect("a valid template");
-    ProgressBar::new_spinner().with_style(style)
+/// Steps done, of all; of 0 nothing is known.
+#[derive(Default)]
+struct Counter {
+    done: AtomicU64,
+    all: AtomicU64,
+}
+
+impl Counter {
+    fn begin(&self, all: u64) {
+        self.done.store(0, Ordering::Relaxed);
+        self.all.store(all, Ordering::Relaxed);
+    }
+
+    fn get(&self) -> [u64; 2] {
+        let all = self.all.load(Ordering::Relaxed);
+        [self.done.load(Ordering::Relaxed).min(all), all]
+    }
+}
+
+/// One image; `label` says what is done to it. Before a panel that takes long, that is said, and
+/// how to make it shorter: `advice`. What is to be noted is noted as soon as it lasts.
+pub fn image(label: &str, advice: &'static str, notes: &[&Reason]) -> Bar {
+    Bar::begin(
+        0,
+        Said {
+            message: label.to_owned(),
+            advice: Some(advice),
+            notes: notes.iter().map(ToString::to_string).collect(),
+            ..Said::default()
+        },
+    )
+}
+
+/// A number of `cases`.
+pub fn cases(cases: usize) -> Bar {
+    counted("cases", cases)
+}
+
+/// A number of `parts`, which are called so.
+pub fn counted(name: &'static str, parts: usize) -> Bar {
+    Bar::begin(
+        parts as u64,
+        Said {
+            parts: Some(name),
+            ..Said::default()
+        },
+    )
+}
+
+/// Work whose amount is said later.
+pub fn work() -> Bar {
+    Bar::begin(0, Said::default())
+}
+
+/// Does `work` of which no part is known to be done before all is, such as reading files.
+pub fn during<T>(label: &str, work: impl FnOnce() -> T) -> T {
+    let said = Said {
+        message: label.to_owned(),
+        ..Said::default()
+    };
+    let bar = Bar::begin(0, said);
+    let result = work();
+    bar.finish_and_clear();
+    result
 }
 
 /// A sign of life while images are held against the catalogue of mistakes.
-pub fn mistakes() -> ProgressBar {
-    let style = ProgressStyle::with_template("{spinner} looking for the mistake")
-        .expect("a valid template");
-    ProgressBar::new_spinner().with_style(style)
+pub fn mistakes() -> Bar {
+    let said = Said {
+        message: "looking for the mistake".to_owned(),
+        ..Said::default()
+    };
+    Bar::begin(0, said)
+}
+
+impl Bar {
+    fn begin(parts: u64, said: Said) -> Bar {
+        let bar = std::io::stderr().is_terminal().then(ProgressBar::no_length);
+        let shared = Arc::new(Shared {
+            start: Instant::now(),
+            bar,
+            said: Mutex::new(said),
+            changed: Condvar::new(),
+            parts: Counter::default(),
+            steps: Counter::default(),
+        });
+        shared.parts.begin(parts);
+        let ticking = shared.clone();
+        Bar {
+            ticker: Some(std::thread::spawn(move || ticking.tick())),
+            shared,
+        }
+    }
+
+    /// What is being done now, such as the name of a case.
+    pub fn set_message(&self, message: impl Into<String>) {
+        self.shared.said().message = message.into();
+        self.shared.steps.begin(0);
+    }
+
+    /// Some parts more are done.
+    pub fn inc(&self, parts: u64) {
+        self.shared.steps.begin(0);
+        self.shared.parts.done.fetch_add(parts, Ordering::Relaxed);
+    }
+
+    /// The parts there are.
+    pub fn set_length(&self, parts: u64) {
+        self.shared.parts.begin(parts);
+    }
+
+    /// Takes this to be the time that all will take, in seconds.
+    pub fn expect(&self, seconds: f64) {
+        self.shared.said().expected = Some(seconds);
+    }
+
+    /// Writes beside the bar.
+    #[expect(dead_code, reason = "for verdicts that are shown as they are known")]
+    pub fn suspend<T>(&self, write: impl FnOnce() -> T) -> T {
+        match &self.shared.bar {
+            Some(bar) => bar.suspend(write),
+            None => write(),
+        }
+    }
+
+    /// Ends it, and leaves nothing on a terminal.
+    pub fn finish_and_clear(mut self) {
+        self.end();
+    }
+
+    fn end(&mut self) {
+        let Some(ticker) = self.ticker.take() else {
+            return;
+        };
+        self.shared.said().ended = true;
+        self.shared.changed.notify_all();
+        let _ = ticker.join();
+        if let Some(bar) = &self.shared.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+impl Watch for Bar {
+    fn begin(&self, steps: u64) {
+        self.shared.steps.begin(steps);
+    }
+
+    fn step(&self) {
+        self.shared.steps.done.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn may_measure(&self) -> Option<Duration> {
+        self.shared.said().advice.map(|_| MEASURING)
+    }
+
+    fn measured(&self, forecast: &Forecast) {
+        let mut said = self.shared.said();
+        let [_, all] = self.shared.steps.get();
+        // Of several panels, the others are taken to be like this one.
+        said.expected = Some(forecast.seconds * all as f64 / forecast.steps() as f64);
+        if let (true, Some(advice)) = (forecast.seconds >= WORTH_A_WARNING, said.advice) {
+            let line = takes(&said.message, forecast, advice);
+            drop(said);
+            self.shared.notes();
+            self.shared.line(&line);
+        }
+    }
+}
+
+impl Shared {
+    fn said(&self) -> MutexGuard<'_, Said> {
+        self.said.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Shows how far the work is, until it has ended.
+    fn tick(&self) {
+        let mut next = FIRST_LINE;
+        if let Some(bar) = &self.bar {
+            bar.set_style(style());
+        }
+        loop {
+            let wait = match self.bar {
+                Some(_) => FRAME,
+                None => next.saturating_sub(self.start.elapsed()),
+            };
+            let said = self.said();
+            let ended = |said: &mut Said| !said.ended;
+            let (said, _) = self
+                .changed
+                .wait_timeout_while(said, wait, ended)
+                .unwrap_or_else(PoisonError::into_inner);
+            if said.ended {
+                return;
+            }
+            drop(said);
+            let elapsed = self.start.elapsed();
+            if elapsed >= FIRST_LINE {
+                self.notes();
+            }
+            let state = self.state(elapsed.as_secs_f64());
+            match &self.bar {
+                Some(bar) => {
+                    bar.set_message(state);
+                    bar.tick();
+                }
+                None if elapsed < next => continue,
+                None => {
+                    self.line(&state);
+                    next = next_line(elapsed);
+                }
+            }
+        }
+    }
+
+    fn state(&self, elapsed: f64) -> String {
+        let said = self.said();
+        let parts = said.parts.map(|name| (name, self.parts.get()));
+        let done = share_done(self.parts.get(), self.steps.get());
+        state(&said.message, parts, done, elapsed, said.expected)
+    }
+
+    fn notes(&self) {
+        let notes = std::mem::take(&mut self.said().notes);
+        notes
+            .iter()
+            .for_each(|note| self.line(&format!("note: {note}")));
+    }
+
+    fn line(&self, text: &str) {
+        let line = || {
+            let _ = writeln!(std::io::stderr(), "volref: {text}");
+        };
+        match &self.bar {
+            Some(bar) => bar.suspend(line),
+            None => line(),
+        }
+    }
+}
+
+fn style() -> ProgressStyle {
+    ProgressStyle::with_template("{spinner} {wide_msg}").expect("a valid template")
+}
+
+/// When the next line follows one at `elapsed`: at three times the time, so that there are few of
+/// them, and never after too long a silence.
+fn next_line(elapsed: Duration) -> Duration {
+    (elapsed * 3).min(elapsed + LONGEST_SILENCE)
+}
+
+/// How much of the work is done, from 0 to 1: that of the parts, of which one is done in part. None
+/// where nothing is known.
+fn share_done([parts, all_parts]: [u64; 2], [steps, all_steps]: [u64; 2]) -> Option<f64> {
+    let within = (all_steps > 0).then(|| steps as f64 / all_steps as f64);
+    match all_parts {
+        0 => within,
+        _ => Some(((parts as f64 + within.unwrap_or(0.0)) / all_parts as f64).min(1.0)),
+    }
+}
+
+/// Seconds that are left. What is done says it by its time, but the first rows may be empty where
+/// the middle is not; so what was expected counts for the share that is still to be done.
+fn left(done: Option<f64>, elapsed: f64, expected: Option<f64>) -> Option<f64> {
+    let share = done.unwrap_or(0.0);
+    let by_time = (share > 0.0).then(|| elapsed * (1.0 - share) / share);
+    let by_expectation = expected.map(|seconds| seconds * (1.0 - share));
+    match (by_time, by_expectation) {
+        (Some(by_time), Some(expected)) => Some(expected * (1.0 - share) + by_time * share),
+        (by_time, by_expectation) => by_time.or(by_expectation),
+    }
+}
+
+/// One line: what is being done, how far it is, how long it has taken and will take.
+fn state(
+    message: &str,
+    parts: Option<(&str, [u64; 2])>,
+    done: Option<f64>,
+    elapsed: f64,
+    expected: Option<f64>,
+) -> String {
+    let mut text = message.to_owned();
+    match (parts, done) {
+        (Some((name, [done, all])), _) => text.push_str(&format!(", {done} of {all} {name} done")),
+        (None, Some(done)) => text.push_str(&format!(", {} done", percent(done))),
+        (None, None) => {}
+    }
+    text.push_str(&format!(", {} so far", duration(elapsed)));
+    if let Some(left) = left(done, elapsed, expected) {
+        text.push_str(&format!(", about {} left", duration(left)));
+    }
+    text.trim_start_matches([',', ' ']).to_owned()
+}
+
+/// That `what` takes long.
+fn takes(what: &str, forecast: &Forecast, advice: &str) -> String {
+    let Forecast {
+        seconds,
+        threads,
+        pixels,
+        samples,
+    } = *forecast;
+    let threads = match threads {
+        1 => "1 thread".to_owned(),
+        _ => format!("{threads} threads"),
+    };
+    let samples = match samples {
+        1 => String::new(),
+        _ => format!(" of {} samples", HumanCount(samples.into())),
+    };
+    format!(
+        "{what} takes about {} on {threads}: {} pixels{samples}; {advice}",
+        duration(seconds),
+        HumanCount(pixels)
+    )
+}
+
+fn duration(seconds: f64) -> HumanDuration {
+    let duration = Duration::try_from_secs_f64(seconds.max(0.0));
+    HumanDuration(duration.unwrap_or(Duration::MAX))
+}
+
+/// Whole percents, or two digits of less than one.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    match percent {
+        _ if percent >= 1.0 || percent == 0.0 => format!("{} %", percent.floor()),
+        _ if percent >= 0.01 => format!("{percent:.2} %"),
+        _ => "less than 0.01 %".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_follows_from_what_is_done() {
+        // A quarter in 30 seconds leaves 90.
+        assert_eq!(left(Some(0.25), 30.0, None), Some(90.0));
+        // All of 120 seconds were expected, which is as much.
+        assert_eq!(left(Some(0.25), 30.0, Some(120.0)), Some(90.0));
+        // At half time both count alike: 500 left of what was expected, 100 by what was done.
+        assert_eq!(left(Some(0.5), 100.0, Some(1000.0)), Some(300.0));
+        // Of the first pixels nobody can tell.
+        assert_eq!(left(Some(0.0), 5.0, Some(1000.0)), Some(1000.0));
+        assert_eq!(left(Some(0.0), 5.0, None), None);
+        assert_eq!(left(None, 5.0, None), None);
+        assert_eq!(left(Some(1.0), 5.0, Some(1000.0)), Some(0.0));
+    }
+
+    #[test]
+    fn a_part_under_way_counts_in_part() {
+        assert_eq!(share_done([3, 8], [10, 20]), Some(0.4375));
+        assert_eq!(share_done([3, 8], [0, 0]), Some(0.375));
+        assert_eq!(share_done([0, 0], [10, 20]), Some(0.5));
+        assert_eq!(share_done([0, 0], [0, 0]), None);
+        assert_eq!(share_done([8, 8], [20, 20]), Some(1.0));
+    }
+
+    #[test]
+    fn lines_say_what_how_far_and_how_long() {
+        assert_eq!(
+            state("rendering", None, Some(0.125), 30.0, None),
+            "rendering, 12 % done, 30 seconds so far, about 4 minutes left"
+        );
+        assert_eq!(
+            state("rendering", None, Some(0.0002), 30.0, Some(1e4)),
+            "rendering, 0.02 % done, 30 seconds so far, about 3 hours left"
+        );
+        assert_eq!(
+            state(
+                "fog/forward",
+                Some(("cases", [49, 194])),
+                Some(0.25),
+                20.0,
+                None
+            ),
+            "fog/forward, 49 of 194 cases done, 20 seconds so far, about 60 seconds left"
+        );
+        assert_eq!(
+            state("fog/forward: ladder", None, None, 2.0, None),
+            "fog/forward: ladder, 2 seconds so far"
+        );
+        assert_eq!(state("", None, None, 2.0, None), "2 seconds so far");
+    }
+
+    #[test]
+    fn a_long_image_is_told_with_its_reason_and_how_to_shorten_it() {
+        let mut forecast = Forecast {
+            seconds: 65_536.0e3,
+            threads: 2,
+            pixels: 65_536,
+            samples: 1_000_000_000,
+        };
+        assert_eq!(
+            takes("rendering", &forecast, "--spp N takes less"),
+            "rendering takes about 2 years on 2 threads: 65,536 pixels of 1,000,000,000 samples; \
+             --spp N takes less"
+        );
+        (forecast.seconds, forecast.threads, forecast.samples) = (f64::INFINITY, 1, 1);
+        assert!(takes("rendering", &forecast, "").contains(" on 1 thread: 65,536 pixels; "));
+    }
+
+    #[test]
+    fn lines_become_rare_but_never_stop() {
+        let mut at = FIRST_LINE;
+        let mut lines = vec![];
+        while at < Duration::from_secs(3600) {
+            lines.push(at.as_secs());
+            at = next_line(at);
+        }
+        assert_eq!(lines[..6], [2, 6, 18, 54, 162, 462]);
+        assert!(lines.windows(2).all(|pair| pair[1] - pair[0] <= 300));
+        assert_eq!(lines.len(), 16);
+    }
 }

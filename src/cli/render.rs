@@ -5,8 +5,9 @@ use super::output::{self, Json};
 use super::{Outcome, progress};
 use crate::film::Film;
 use crate::math;
+use crate::render::plan::Reason;
 use crate::render::{self, Plan};
-use crate::scene::{Length, Model, Scene};
+use crate::scene::{Length, Model, Scene, samples};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -20,7 +21,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Samples per pixel, for sampled scenes; from 2 on, an .exr holds their variance as well
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = samples)]
     spp: Option<u32>,
     /// Seed of the random numbers, for sampled scenes
     #[arg(long, value_name = "N")]
@@ -49,7 +50,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let format = Format::of(&arguments.output)?;
     arguments.json.check()?;
     output::check_place(&arguments.output)?;
-    let mut scene = Scene::load(&arguments.scene)?;
+    let read = || Scene::load(&arguments.scene);
+    let mut scene = progress::during("reading the scene", read)?;
     if let Some(step) = arguments.step {
         set_step(&mut scene, step)?;
     }
@@ -63,9 +65,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
     let is_sampled = plans.iter().any(Plan::is_sampled);
     let rendering = with_threads(arguments.threads, || {
-        let rows = scene.panels.iter().map(|panel| panel.height).sum();
-        let bar = progress::rows("rendering", rows);
-        let rendering = render::render(&scene, &plans, &|| bar.inc(1));
+        let advice = match is_sampled {
+            true => "--spp N takes less, with more noise",
+            false => "fewer pixels in [film] take less",
+        };
+        let bar = progress::image("rendering", advice, &warnings_of_all(&plans));
+        let rendering = render::render(&scene, &plans, &bar);
         bar.finish_and_clear();
         rendering
     })?
@@ -90,12 +95,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if let Some(note) = brightness_note(&film, format, arguments.exposure) {
         text.push_str(&note);
     }
-    // What matters to one of several panels matters to the picture.
-    let warnings: Vec<_> = plans[0]
-        .warnings
-        .iter()
-        .filter(|warning| plans.iter().all(|plan| plan.warnings.contains(warning)))
-        .collect();
+    let warnings = warnings_of_all(&plans);
     for warning in &warnings {
         text.push_str(&format!("note: {warning}\n"));
     }
@@ -115,6 +115,15 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         "warnings": warnings,
     });
     arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+/// What the plans of all panels warn of: what matters to one of several panels matters to the
+/// picture.
+pub fn warnings_of_all(plans: &[Plan]) -> Vec<&Reason> {
+    let warnings = plans[0].warnings.iter();
+    warnings
+        .filter(|warning| plans.iter().all(|plan| plan.warnings.contains(warning)))
+        .collect()
 }
 
 /// What to say of an image that is empty, or too dark to see as a preview.

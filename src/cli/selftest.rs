@@ -6,7 +6,7 @@ use super::suite::{Selection, select, store};
 use super::{Outcome, progress};
 use crate::report;
 use crate::suite::mistakes::{self, Mistake};
-use crate::suite::{Case, Extent, Naming, Store, naming, self_test};
+use crate::suite::{Case, Extent, Naming, Step, Store, naming, self_test, self_test_steps};
 use serde_json::json;
 
 /// Make every known mistake and see that the suite catches it, and nothing that is right
@@ -44,11 +44,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         true => Extent::Quick,
         false => Extent::Full,
     };
-    let bar = progress::steps();
+    let bar = progress::counted("steps", self_test_steps(cases.len()));
     let is_whole = arguments.filters.is_empty();
-    let test = self_test(&cases, is_whole, &store, extent, &|next| {
-        bar.set_message(next.to_owned());
-        bar.tick();
+    let test = self_test(&cases, is_whole, &store, extent, &|step| match step {
+        Step::Begins(what) => bar.set_message(what),
+        Step::Done => bar.inc(1),
     });
     bar.finish_and_clear();
     let value = report::self_test_json(&test);

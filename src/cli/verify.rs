@@ -37,7 +37,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             .iter()
             .map(|case| {
                 bar.set_message(case.name.clone());
-                let mut judged = suite::verify(case, &store, &|| bar.tick());
+                let mut judged = suite::verify(case, &store, &bar);
                 if !arguments.files.wants_evidence() {
                     judged.evidence = Evidence::default();
                 }

@@ -2,6 +2,7 @@
 //!
 //! Drawn by arithmetic alone, without fonts of the system: the same bits everywhere.
 
+use super::image::Pixels;
 use crate::math;
 use crate::media::TransferPoints;
 use crate::scene::Curve;
@@ -10,6 +11,7 @@ use embedded_graphics::pixelcolor::BinaryColor;
 use embedded_graphics::prelude::*;
 use embedded_graphics::text::{Alignment, Baseline, Text, TextStyleBuilder};
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 use std::convert::Infallible;
 
 /// sRGB colours of the plot.
@@ -25,12 +27,17 @@ const TICK: f64 = 0.2;
 const HALF_WIDTH: f64 = 1.1;
 
 /// Draws `curve` into an image of `width` × `height` pixels, opacity 1.
-pub(super) fn draw(curve: &Curve, width: usize, height: usize) -> Vec<[f32; 4]> {
+pub(super) fn draw(curve: &Curve, image: &Pixels<'_>) -> Vec<[f32; 4]> {
+    let (width, height) = (image.width, image.height);
     let plot = Plot::new(curve, width, height);
     let mut pixels = plot.backdrop(width, height);
-    for (index, pixel) in pixels.iter_mut().enumerate() {
-        *pixel = plot.with_curves(*pixel, centre(index, width));
-    }
+    pixels
+        .par_iter_mut()
+        .enumerate()
+        .for_each(|(index, pixel)| {
+            *pixel = plot.with_curves(*pixel, centre(index, width));
+            image.progress.step();
+        });
     pixels
         .iter()
         .map(|&[r, g, b]| [r as f32, g as f32, b as f32, 1.0])

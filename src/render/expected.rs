@@ -80,6 +80,9 @@ pub struct Memory {
     pub bytes: usize,
 }
 
+/// The one of them that is made of pixels.
+const MOMENTS: &str = "moments of the samples";
+
 /// Rays that are looked at: those of an image of 256 × 256 pixels.
 const MOST_RAYS: usize = 1 << 16;
 
@@ -230,6 +233,14 @@ impl Plan {
         work
     }
 
+    /// What is made for the image and kept beside its pixels: nothing that only an effect needs
+    /// which is off.
+    pub(super) fn made_beside(&self, panel: &Panel) -> Vec<Memory> {
+        let mut memory = self.memory(panel);
+        memory.retain(|memory| memory.what != MOMENTS);
+        memory
+    }
+
     /// What is made for the image: nothing that only an effect needs which is off.
     fn memory(&self, panel: &Panel) -> Vec<Memory> {
         let mut memory = Vec::new();
@@ -263,7 +274,7 @@ impl Plan {
                 if bytes > 0 {
                     add("bounds on densities", bytes);
                 }
-                add("moments of the samples", pixels * size_of::<[Moments; 3]>());
+                add(MOMENTS, pixels * size_of::<[Moments; 3]>());
             }
             _ => {}
         }

@@ -1,6 +1,8 @@
 //! The pixel loop, and panels side by side.
 
 use super::curve;
+use super::footprint::{Footprint, footprint};
+use super::forecast::{Forecast, forecast};
 use super::kernel::{self, Parts};
 use super::path_tracer::Fault;
 use super::plan::{Kernel, Plan};
@@ -11,10 +13,39 @@ use crate::math::Moments;
 use crate::scene::{Classified, Model, Panel, Radiative, Scene};
 use rayon::prelude::*;
 use std::marker::PhantomData;
+use std::ops::Range;
+use std::time::Duration;
 use thiserror::Error;
 
-/// Told of every finished row of pixels, from any thread.
-pub type Progress<'p> = &'p (dyn Fn() + Sync);
+/// Told how far an image is, from any thread. A closure is told of every step.
+pub trait Watch: Sync {
+    /// An image begins that takes this many steps: one for each pixel, and one for every
+    /// [`SAMPLES_A_STEP`] samples within it. Where it ends early, fewer are taken.
+    fn begin(&self, _steps: u64) {}
+
+    /// A step is done.
+    fn step(&self);
+
+    /// How long may be measured, at each panel, how long it will take; without, nothing is.
+    fn may_measure(&self) -> Option<Duration> {
+        None
+    }
+
+    /// How long a panel will take.
+    fn measured(&self, _forecast: &Forecast) {}
+}
+
+impl<F: Fn() + Sync> Watch for F {
+    fn step(&self) {
+        self();
+    }
+}
+
+/// Who watches an image being made.
+pub type Progress<'p> = &'p dyn Watch;
+
+/// Samples of a pixel that count as a step: a millisecond where a path takes a microsecond.
+pub(super) const SAMPLES_A_STEP: u32 = 1024;
 
 /// A finished image.
 #[derive(Clone, Debug)]
@@ -78,6 +109,20 @@ pub enum RenderError {
         /// Row, from the top.
         row: usize,
     },
+    /// An image that there is no memory for.
+    #[error(
+        "no memory for an image of {width} × {height} pixels: {:.2} GiB are held while it is \
+         rendered and written; make film.width and film.height smaller",
+        *bytes as f64 / f64::from(1 << 30)
+    )]
+    Memory {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// Most that is held at a time.
+        bytes: u64,
+    },
     /// A pixel that is no radiance.
     #[error(
         "pixel ({column}, {row}) is {value:?}: radiance must be finite and not negative. \
@@ -119,6 +164,17 @@ fn render_with<W: Work>(
     progress: Progress<'_>,
 ) -> Result<(Film, Vec<W>), RenderError> {
     assert_eq!(scene.panels.len(), plans.len(), "a plan for each panel");
+    let Footprint { most: bytes, .. } = footprint(scene, plans);
+    if !has_memory(bytes) {
+        let (width, height) = (scene.width(), scene.height());
+        return Err(RenderError::Memory {
+            width,
+            height,
+            bytes,
+        });
+    }
+    let panels = scene.panels.iter().zip(plans);
+    progress.begin(panels.map(|(panel, plan)| steps(panel, plan)).sum());
     let mut films = Vec::new();
     let mut works = Vec::new();
     for (panel, plan) in scene.panels.iter().zip(plans) {
@@ -137,6 +193,28 @@ fn render_with<W: Work>(
     }
 }
 
+/// Whether this many bytes can be had at once. They are given back untouched: it costs nothing, and
+/// is found out before the work and not after it.
+fn has_memory(bytes: u64) -> bool {
+    let mut memory: Vec<u8> = Vec::new();
+    usize::try_from(bytes).is_ok_and(|bytes| memory.try_reserve_exact(bytes).is_ok())
+}
+
+/// The steps that a watcher is told of.
+fn steps(panel: &Panel, plan: &Plan) -> u64 {
+    let pixels = (panel.width * panel.height) as u64;
+    match (&panel.model, plan.kernel) {
+        (_, Kernel::Background) => 0,
+        (Model::Radiative(scene), Kernel::PathTracer { .. }) => steps_of(pixels, scene.samples),
+        _ => steps_of(pixels, 1),
+    }
+}
+
+/// The steps of `pixels` with `samples` each.
+pub(super) fn steps_of(pixels: u64, samples: u32) -> u64 {
+    pixels * u64::from(1 + samples / SAMPLES_A_STEP)
+}
+
 /// Whether a light stands anywhere in the scene whose radiance may have no bound.
 fn has_points(scene: &Radiative) -> bool {
     scene.lights.iter().any(|light| light.position().is_some())
@@ -148,15 +226,18 @@ fn render_panel<W: Work>(
     progress: Progress<'_>,
 ) -> Result<(Film, W), RenderError> {
     let (width, height) = (panel.width, panel.height);
+    let samples = match (&panel.model, plan.kernel) {
+        (Model::Radiative(scene), Kernel::PathTracer { .. }) => scene.samples,
+        _ => 1,
+    };
     let pixels = Pixels {
         width,
         height,
+        samples,
         progress,
     };
     let (pixels, work) = match (&panel.model, plan.kernel) {
-        (Model::Curve(plot), Kernel::Curve) => {
-            (curve::draw(plot, panel.width, panel.height), W::default())
-        }
+        (Model::Curve(plot), Kernel::Curve) => (curve::draw(plot, &pixels), W::default()),
         (Model::Classified(scene), Kernel::Background) => background(scene, &pixels),
         (
             Model::Classified(scene),
@@ -278,25 +359,41 @@ fn background<W: Work>(scene: &Classified, pixels: &Pixels<'_>) -> (Vec<[f32; 4]
 pub(super) struct Pixels<'p> {
     pub width: usize,
     pub height: usize,
+    /// Samples of each; 1 where it is not sampled.
+    pub samples: u32,
     pub progress: Progress<'p>,
 }
 
-/// Evaluates `pixel` for every pixel [column, row], rows in parallel. Pixels depend on nothing
-/// but their place, and are put together in order, so threads leave no trace; `scratch` makes
-/// memory that the pixels of a row may use one after the other.
+/// Pixels of a row that are evaluated one after the other.
+struct Stretch {
+    row: usize,
+    columns: Range<usize>,
+    /// Samples of a pixel, at most.
+    most_samples: u32,
+    /// Whether it is part of the image, or tells how long that will take.
+    counts: bool,
+}
+
+/// Evaluates `pixel` for every pixel [column, row], of at most so many samples, rows in parallel.
+/// Pixels depend on nothing but their place, and are put together in order, so threads leave no
+/// trace; `scratch` makes memory that the pixels of a row may use one after the other.
 ///
 /// This is compiled for every kernel, so it is the loop along a row and no more.
 pub(super) fn rows<P: Send, S, W: Work>(
     pixels: &Pixels<'_>,
     scratch: impl Fn() -> S + Sync,
-    pixel: impl Fn([usize; 2], &mut S, &mut W) -> P + Sync,
+    pixel: impl Fn([usize; 2], u32, &mut S, &mut W) -> P + Sync,
 ) -> (Vec<P>, W) {
-    in_parallel(pixels, &|row| {
+    in_parallel(pixels, &|stretch| {
         let mut work = W::default();
         let mut scratch = scratch();
-        let mut values = Vec::with_capacity(pixels.width);
-        for column in 0..pixels.width {
-            values.push(pixel([column, row], &mut scratch, &mut work));
+        let mut values = Vec::with_capacity(stretch.columns.len());
+        for column in stretch.columns {
+            let place = [column, stretch.row];
+            values.push(pixel(place, stretch.most_samples, &mut scratch, &mut work));
+            if stretch.counts {
+                pixels.progress.step();
+            }
         }
         (values, work)
     })
@@ -307,17 +404,35 @@ pub(super) fn rows<P: Send, S, W: Work>(
 /// each kind of pixel.
 fn in_parallel<P: Send, W: Work>(
     pixels: &Pixels<'_>,
-    evaluate: &(dyn Fn(usize) -> (Vec<P>, W) + Sync),
+    evaluate: &(dyn Fn(Stretch) -> (Vec<P>, W) + Sync),
 ) -> (Vec<P>, W) {
+    if let Some(most) = pixels.progress.may_measure() {
+        let probe = |[column, row]: [usize; 2]| {
+            let of_one_sample = Stretch {
+                row,
+                columns: column..column + 1,
+                most_samples: 1,
+                counts: false,
+            };
+            drop(evaluate(of_one_sample));
+        };
+        let size = [pixels.width, pixels.height];
+        if let Some(forecast) = forecast(size, pixels.samples, most, &probe) {
+            pixels.progress.measured(&forecast);
+        }
+    }
     let rows: Vec<(Vec<P>, W)> = (0..pixels.height)
         .into_par_iter()
         // Row by row: rows through the volume cost far more than rows beside it, and a thread
         // cannot help with a batch that another has begun.
         .with_max_len(1)
         .map(|row| {
-            let row = evaluate(row);
-            (pixels.progress)();
-            row
+            evaluate(Stretch {
+                row,
+                columns: 0..pixels.width,
+                most_samples: pixels.samples,
+                counts: true,
+            })
         })
         .collect();
     let mut all = Vec::with_capacity(pixels.width * pixels.height);
@@ -336,6 +451,8 @@ mod tests {
     use crate::optics::{Light, Point};
     use crate::scene::Scattering;
     use glam::DVec3;
+    use std::sync::Mutex;
+    use std::sync::atomic::{AtomicU64, Ordering};
 
     fn scene(lights: Vec<Light>) -> Radiative {
         Radiative {
@@ -348,6 +465,67 @@ mod tests {
             camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0).unwrap(),
             samples: 2,
             seed: 0,
+        }
+    }
+
+    /// Counts what it is told, and lets itself be told how long it takes.
+    #[derive(Default)]
+    struct Told {
+        begun: AtomicU64,
+        steps: AtomicU64,
+        forecasts: Mutex<Vec<Forecast>>,
+    }
+
+    impl Watch for Told {
+        fn begin(&self, steps: u64) {
+            self.begun.fetch_add(steps, Ordering::Relaxed);
+        }
+
+        fn step(&self) {
+            self.steps.fetch_add(1, Ordering::Relaxed);
+        }
+
+        fn may_measure(&self) -> Option<Duration> {
+            Some(Duration::from_secs(600))
+        }
+
+        fn measured(&self, forecast: &Forecast) {
+            self.forecasts.lock().unwrap().push(*forecast);
+        }
+    }
+
+    /// As many steps are told as were announced, within pixels of many samples too; and to measure
+    /// beforehand how long it takes changes neither a bit of the image nor what is counted.
+    #[test]
+    fn steps_are_those_announced_and_measuring_leaves_no_trace() {
+        let fog = |samples: u32, scattering: &str| {
+            format!(
+                "[film]\nwidth = 6\nheight = 5\n[sampling]\nsamples = {samples}\n\
+                 [camera]\neye = [0, 0, -3]\ntarget = [0, 0, 0]\n\
+                 [radiative]\nenvironment = 1\nscattering = '{scattering}'\n\
+                 [[radiative.medium]]\nsphere = {{ centre = [0, 0, 0], radius = 1 }}\n\
+                 sigma_s = 1\nsigma_a = 0.5\n"
+            )
+        };
+        for (text, steps, samples) in [
+            (fog(1023, "multiple"), 30, 1023),
+            (fog(2048, "multiple"), 90, 2048),
+            (fog(4, "none"), 30, 1),
+        ] {
+            let scene = Scene::parse(&text, std::path::Path::new("scene.toml")).unwrap();
+            let plans = [Plan::new(&scene.panels[0])];
+            let told = Told::default();
+            let watched = render_counted(&scene, &plans, &told).unwrap();
+            assert_eq!(told.begun.into_inner(), steps);
+            assert_eq!(told.steps.into_inner(), steps);
+            let forecasts = told.forecasts.into_inner().unwrap();
+            assert_eq!(forecasts.len(), 1);
+            assert_eq!((forecasts[0].pixels, forecasts[0].samples), (30, samples));
+            assert_eq!(forecasts[0].steps(), steps);
+            assert!(forecasts[0].seconds > 0.0);
+            let alone = render_counted(&scene, &plans, &|| ()).unwrap();
+            assert_eq!(watched.film.pixel_hash(), alone.film.pixel_hash());
+            assert_eq!(watched.work, alone.work);
         }
     }
 

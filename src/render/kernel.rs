@@ -73,7 +73,7 @@ impl<W: Work> Use for Image<'_, W> {
         rows(
             pixels,
             || (),
-            |pixel, (), work: &mut W| {
+            |pixel, _, (), work: &mut W| {
                 let layers = caster.layers(&scene.camera.ray(pixel, size), work);
                 let radiance = layers.before(scene.background);
                 [radiance.x, radiance.y, radiance.z, layers.opacity].map(|value| value as f32)

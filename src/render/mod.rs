@@ -45,6 +45,8 @@ pub mod empty_space;
 pub mod expected;
 pub mod field;
 pub mod flight;
+mod footprint;
+mod forecast;
 pub mod glow;
 mod image;
 pub mod in_scattering;
@@ -68,7 +70,9 @@ pub mod volume_shadow;
 pub mod work;
 
 pub use expected::{Amount, Bound, Expected, Memory};
-pub use image::{Progress, RenderError, Rendering, render, render_counted};
+pub use footprint::{Footprint, footprint};
+pub use forecast::Forecast;
+pub use image::{Progress, RenderError, Rendering, Watch, render, render_counted};
 pub use plan::{Effect, Plan, State};
 pub use work::Counters;
 

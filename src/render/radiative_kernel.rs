@@ -2,7 +2,7 @@
 //! constant, and the last call compiles the renderer for the constants picked.
 
 use super::effects::{Effects, Everything, Only};
-use super::image::{Pixels, rows};
+use super::image::{Pixels, SAMPLES_A_STEP, rows};
 use super::line_of_sight::{LineOfSight, TOLERANCE};
 use super::path_tracer::{Fault, PathTracer, Scratch};
 use super::plan::Parts;
@@ -114,7 +114,7 @@ impl<W: Work> Run for ByLineOfSight<'_, W> {
         rows(
             self.pixels,
             Default::default,
-            |pixel, (path, tracker), work: &mut W| {
+            |pixel, _, (path, tracker), work: &mut W| {
                 let ray = self.scene.camera.ray(pixel, size);
                 let radiance = renderer.radiance(&ray, path, tracker, work);
                 finite(radiance).map(|radiance| radiance.as_vec3().to_array())
@@ -146,13 +146,13 @@ impl<W: Work> Run for ByPathTracing<'_, W> {
         rows(
             self.pixels,
             Scratch::default,
-            |[column, row], scratch, work: &mut W| {
+            |[column, row], samples, scratch, work: &mut W| {
                 let index = (row * size[0] + column) as u32;
                 if given_up.is_before(index) {
                     return Err(Fault::Endless);
                 }
                 let mut moments = [Moments::default(); 3];
-                for sample in 0..scene.samples {
+                for sample in 0..samples {
                     let random = Stream::new(scene.seed, index, sample);
                     work.count_times(Event::RandomDraw, 2);
                     let [x, y] = random.pair(0, Purpose::Camera, 0);
@@ -165,6 +165,9 @@ impl<W: Work> Run for ByPathTracing<'_, W> {
                     let radiance = finite(radiance?)?;
                     for (moments, channel) in moments.iter_mut().zip(radiance.to_array()) {
                         moments.add(channel);
+                    }
+                    if (sample + 1) % SAMPLES_A_STEP == 0 {
+                        self.pixels.progress.step();
                     }
                 }
                 Ok(moments)

@@ -7,9 +7,10 @@ use super::verify::judge_quick;
 use super::{Cache, Case, GoldenError, Quick, Sampling, Store, StoreError};
 use crate::compare::{Gate, Picture, judge, stochastic};
 use crate::film::Film;
-use crate::render::Plan;
+use crate::render::{self, Plan};
 use crate::scene::Scene;
 use miette::Diagnostic;
+use std::sync::atomic::{AtomicU64, Ordering};
 use thiserror::Error;
 
 /// What became of the golden of one case.
@@ -118,6 +119,29 @@ pub trait Watch: Sync {
 
 /// Nobody watches.
 impl Watch for () {}
+
+/// Tells of the steps of a picture as of their share of its work.
+struct Progress<'w> {
+    watch: &'w dyn Watch,
+    work: u64,
+    steps: AtomicU64,
+    done: AtomicU64,
+}
+
+impl render::Watch for Progress<'_> {
+    fn begin(&self, steps: u64) {
+        self.steps.store(steps, Ordering::Relaxed);
+    }
+
+    fn step(&self) {
+        let steps = u128::from(self.steps.load(Ordering::Relaxed).max(1));
+        let done = u128::from(self.done.fetch_add(1, Ordering::Relaxed));
+        // Rounded down before and after it, the shares of all steps add up to the work.
+        let before_step = |step: u128| u128::from(self.work) * step / steps;
+        let share = before_step(done + 1) - before_step(done);
+        self.watch.did(u64::try_from(share).unwrap_or(u64::MAX));
+    }
+}
 
 /// Renders `cases` and makes the results their goldens, all at once or none. Finished renderings
 /// of stochastic cases are kept in `cache` until then: a run that was interrupted goes on after
@@ -240,17 +264,14 @@ impl<'c> Task<'c> {
         })
     }
 
-    /// Work of a row of one panel, as if all panels were of one width.
-    fn work_of_row(&self, shot: Shot) -> u64 {
-        let width = self.scene.width().div_ceil(self.scene.panels.len());
-        width as u64 * u64::from(shot.samples())
+    fn work_of(&self, shot: Shot) -> u64 {
+        let pixels = (self.scene.width() * self.scene.height()) as u64;
+        pixels * u64::from(shot.samples())
     }
 
     fn work(&self) -> u64 {
-        let rows: usize = self.scene.panels.iter().map(|panel| panel.height).sum();
         let left = self.shots.iter().filter(|shot| shot.kept.is_none());
-        left.map(|shot| rows as u64 * self.work_of_row(shot.shot))
-            .sum()
+        left.map(|shot| self.work_of(shot.shot)).sum()
     }
 
     fn pictures(
@@ -265,7 +286,12 @@ impl<'c> Task<'c> {
                 films.push(film.clone());
                 continue;
             }
-            let progress = || watch.did(self.work_of_row(*shot));
+            let progress = Progress {
+                watch,
+                work: self.work_of(*shot),
+                steps: AtomicU64::new(0),
+                done: AtomicU64::new(0),
+            };
             let film = render_case(renderer, &self.scene, &self.plans, *shot, &progress)
                 .map_err(|reason| incomplete(self.case, reason))?;
             if let Some(key) = key {
@@ -373,4 +399,32 @@ fn prepare(
     let files = Golden::encode(case, scene, plans, &golden, quick, reason, replaces)
         .map_err(|error| incomplete(case, error))?;
     Ok((change, files))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Watch as _;
+
+    #[test]
+    fn the_shares_of_all_steps_are_the_work() {
+        struct Sum(AtomicU64);
+        impl Watch for Sum {
+            fn did(&self, work: u64) {
+                self.0.fetch_add(work, Ordering::Relaxed);
+            }
+        }
+        for (work, steps) in [(100, 7), (7, 100), (1 << 60, 3)] {
+            let watch = Sum(AtomicU64::new(0));
+            let progress = Progress {
+                watch: &watch,
+                work,
+                steps: AtomicU64::new(0),
+                done: AtomicU64::new(0),
+            };
+            progress.begin(steps);
+            (0..steps).for_each(|_| progress.step());
+            assert_eq!(watch.0.into_inner(), work);
+        }
+    }
 }

@@ -37,7 +37,10 @@ pub use other_renderer::{CommandTemplate, Ran, TemplateError, run, stop_all};
 pub use outputs::{Found, OutputError, Outputs, Stranger};
 pub use results::{CaseResult, Cause, Summary, Verdict};
 pub use rows::{ANALYTIC, ERROR_OF_TOLERANCE, HARD, row_name, verify_row};
-pub use self_test::{BenignTrials, Extent, MistakeTrials, Rejection, SelfTest, Trial, self_test};
+pub use self_test::{
+    BenignTrials, Extent, MistakeTrials, Rejection, SelfTest, Step, Trial, self_test,
+    self_test_steps,
+};
 pub use store::{Disk, Failure, RealDisk, Store, StoreError};
 pub use validate::{Output, validate};
 pub use verify::{verify, without_case};

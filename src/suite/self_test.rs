@@ -102,19 +102,33 @@ pub enum Extent {
 /// goldens.
 const SEED: u64 = 0x7365_6c66_0000_0000;
 
-/// Runs the self-test on `cases`, which are all of the suite if `is_whole`. `told` is told what
-/// comes next.
+/// How a self-test goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step<'n> {
+    /// A picture of this case is made, or what this variant or mistake makes of cases is judged.
+    Begins(&'n str),
+    /// What has begun is done.
+    Done,
+}
+
+/// The steps of a self-test on that many cases.
+pub fn self_test_steps(cases: usize) -> usize {
+    cases + BENIGN.len() + mistakes::catalogue().count()
+}
+
+/// Runs the self-test on `cases`, which are all of the suite if `is_whole`. `told` is told of each
+/// of its [steps](self_test_steps).
 pub fn self_test(
     cases: &[&Case],
     is_whole: bool,
     store: &Store,
     extent: Extent,
-    told: &dyn Fn(&str),
+    told: &dyn Fn(Step<'_>),
 ) -> SelfTest {
     let mut unusable = Vec::new();
     let mut subjects = Vec::new();
     for case in cases {
-        told(&case.name);
+        told(Step::Begins(&case.name));
         match Subject::new(case, store) {
             Ok(subject) => subjects.push(subject),
             Err(reason) => unusable.push(Rejection {
@@ -122,6 +136,7 @@ pub fn self_test(
                 reason,
             }),
         }
+        told(Step::Done);
     }
     let benign = match extent {
         Extent::Full => benign_trials(&subjects.iter().collect::<Vec<_>>(), told),
@@ -129,10 +144,12 @@ pub fn self_test(
     };
     let mistakes: Vec<MistakeTrials> = mistakes::catalogue()
         .map(|mistake| {
-            told(mistake.name);
+            told(Step::Begins(mistake.name));
+            let trials = trials(mistake, &subjects, extent);
+            told(Step::Done);
             MistakeTrials {
                 mistake: mistake.name,
-                trials: trials(mistake, &subjects, extent),
+                trials,
             }
         })
         .collect();
@@ -336,9 +353,9 @@ fn mapped(film: &Film, map: impl Fn(usize, f32) -> f32) -> Film {
     }
 }
 
-fn benign_trials(subjects: &[&Subject<'_>], told: &dyn Fn(&str)) -> Vec<BenignTrials> {
+fn benign_trials(subjects: &[&Subject<'_>], told: &dyn Fn(Step<'_>)) -> Vec<BenignTrials> {
     let trial = |&(variant, make): &(&'static str, Benign)| {
-        told(variant);
+        told(Step::Begins(variant));
         let mut row = BenignTrials {
             variant,
             accepted: 0,
@@ -357,6 +374,7 @@ fn benign_trials(subjects: &[&Subject<'_>], told: &dyn Fn(&str)) -> Vec<BenignTr
                 }),
             }
         }
+        told(Step::Done);
         row
     };
     BENIGN.iter().map(trial).collect()

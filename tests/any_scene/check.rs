@@ -95,7 +95,9 @@ fn is_the_scenes_fault(error: &RenderError) -> Result<(), String> {
         RenderError::Endless { .. }
         | RenderError::Divergent { .. }
         | RenderError::TooBright { .. } => Ok(()),
-        RenderError::Majorant { .. } | RenderError::NoRadiance { .. } => Err(error.to_string()),
+        RenderError::Majorant { .. }
+        | RenderError::Memory { .. }
+        | RenderError::NoRadiance { .. } => Err(error.to_string()),
     }
 }
 

@@ -14,6 +14,7 @@ mod info;
 mod list;
 mod outputs;
 mod plan;
+mod progress;
 mod render;
 mod schema;
 mod selftest;

@@ -154,3 +154,67 @@ fn panels_side_by_side() {
         );
     }
 }
+
+/// A scene and the command line take the same numbers of samples, and refuse others alike.
+#[test]
+fn as_many_samples_as_a_scene_may_have() {
+    let folder = Folder::with_scenes();
+    for samples in ["0", "2147483649", "3000000000", "18446744073709551616"] {
+        let message = format!("`samples` must lie in [1, 2147483648], got {samples}");
+        let render = ["render", "curve.toml", "-o", "curve.png", "--spp", samples];
+        folder.volref(&render).expect(2, &[&message]);
+        let scene = format!(
+            "[sampling]\nsamples = {samples}\n[radiative]\n\
+             [camera]\neye = [0, 0, -3]\ntarget = [0, 0, 0]\n"
+        );
+        folder.write("samples.toml", scene);
+        let render = ["render", "samples.toml", "-o", "samples.png"];
+        folder.volref(&render).expect(2, &[&message]);
+    }
+    let most = [
+        "render",
+        "curve.toml",
+        "-o",
+        "curve.png",
+        "--spp",
+        "2147483648",
+    ];
+    folder.volref(&most).expect(0, &[]);
+}
+
+/// Found out before the work and not after it, and no other than `plan` has said.
+#[cfg(unix)]
+#[test]
+fn an_image_that_there_is_no_memory_for() {
+    let folder = Folder::new();
+    folder.write(
+        "large.toml",
+        "[film]\nwidth = 16384\nheight = 16384\n[curve]\n",
+    );
+    let plan = folder.volref(&["plan", "large.toml", "--json"]).json();
+    // Radiance and opacity.
+    assert_eq!(plan["image"]["bytes"], 16_u64 << 28);
+    let most = plan["image"]["most_bytes"].as_u64().unwrap();
+    assert!(most > 48 << 28, "{most}");
+    let plan = folder.volref(&["plan", "large.toml"]).stdout;
+    assert!(
+        plan.starts_with("image      16384 × 16384 pixels, 4.00 GiB; at most "),
+        "{plan}"
+    );
+    let mut limited = std::process::Command::new("sh");
+    limited
+        .args([
+            "-c",
+            "ulimit -v 4000000 && exec \"$0\" render large.toml -o large.exr --threads 2",
+        ])
+        .arg(env!("CARGO_BIN_EXE_volref"))
+        .current_dir(folder.path(""));
+    let run = crate::folder::Run::of(limited.output().unwrap());
+    let message = format!(
+        "no memory for an image of 16384 × 16384 pixels: {:.2} GiB are held while it is rendered \
+         and written; make film.width and film.height smaller",
+        most as f64 / f64::from(1 << 30)
+    );
+    run.expect(2, &[&message]);
+    assert!(!folder.path("large.exr").exists());
+}

@@ -1,0 +1,137 @@
+//! How long an image will take, measured by a few of its pixels.
+
+use super::image::steps_of;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+/// How long a panel will take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forecast {
+    /// Seconds, on all threads together.
+    pub seconds: f64,
+    /// Threads.
+    pub threads: usize,
+    /// Pixels of the panel.
+    pub pixels: u64,
+    /// Samples of each; 1 where it is not sampled.
+    pub samples: u32,
+}
+
+/// Pixels that are measured, at most. Of rays whose costs spread as widely as they are long, the
+/// mean of so many is known to 1/√256 = 6 %.
+const MOST_PROBES: usize = 256;
+
+/// Of the rays of an image this share, at most, is cast twice.
+const SHARE: u64 = 16;
+
+impl Forecast {
+    /// The steps of the panel that a [`Watch`](super::Watch) is told of.
+    pub fn steps(&self) -> u64 {
+        steps_of(self.pixels, self.samples)
+    }
+
+    /// Of a panel of `pixels` with `samples` each, where `probes` of its rays took `seconds` of
+    /// one thread.
+    fn new(pixels: u64, samples: u32, threads: usize, (seconds, probes): (f64, usize)) -> Forecast {
+        let rays = pixels as f64 * f64::from(samples);
+        Forecast {
+            seconds: seconds / probes.max(1) as f64 * rays / threads.max(1) as f64,
+            threads,
+            pixels,
+            samples,
+        }
+    }
+}
+
+/// Measures `probe`, which casts one ray through a pixel, all over an image of `size`, for `most`
+/// at most and the ray that is under way then; nothing of an image of a few rays.
+pub(super) fn forecast(
+    size: [usize; 2],
+    samples: u32,
+    most: Duration,
+    probe: &(dyn Fn([usize; 2]) + Sync),
+) -> Option<Forecast> {
+    let pixels = size.iter().product::<usize>() as u64;
+    let rays = pixels.saturating_mul(samples.into());
+    let probes = usize::try_from(rays / SHARE).map_or(MOST_PROBES, |share| share.min(MOST_PROBES));
+    if probes == 0 {
+        return None;
+    }
+    let (start, next) = (Instant::now(), AtomicUsize::new(0));
+    let measured = rayon::broadcast(|_| {
+        let (mut seconds, mut done) = (0.0, 0);
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            if index >= probes || start.elapsed() >= most && index > 0 {
+                return (seconds, done);
+            }
+            let begun = Instant::now();
+            probe(place(index, size));
+            seconds += begun.elapsed().as_secs_f64();
+            done += 1;
+        }
+    });
+    let threads = measured.len();
+    let sum = |(a, b): (f64, usize), (c, d): (f64, usize)| (a + c, b + d);
+    let measured = measured.into_iter().fold((0.0, 0), sum);
+    Some(Forecast::new(pixels, samples, threads, measured))
+}
+
+/// The pixel that is measured as `index`: any number of the first are spread evenly over the image.
+///
+/// Source: the R2 sequence of Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences",
+/// 2018: multiples of the powers of 1/ρ, ρ³ = ρ + 1.
+fn place(index: usize, size: [usize; 2]) -> [usize; 2] {
+    const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
+    std::array::from_fn(|axis| {
+        let share = (0.5 + STEPS[axis] * index as f64).fract();
+        ((share * size[axis] as f64) as usize).min(size[axis] - 1)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Mutex;
+
+    #[test]
+    fn seconds_are_those_of_a_ray_times_rays_over_threads() {
+        // 10⁹ samples of 256² pixels, 2 µs each, on two threads.
+        let forecast = Forecast::new(1 << 16, 1_000_000_000, 2, (512e-6, 256));
+        assert!((forecast.seconds - 65_536.0e3).abs() < 1.0, "{forecast:?}");
+        assert_eq!(
+            (forecast.pixels, forecast.samples),
+            (1 << 16, 1_000_000_000)
+        );
+    }
+
+    #[test]
+    fn probes_are_spread_over_the_image_and_few() {
+        let seen = Mutex::new(Vec::new());
+        let probe = |pixel: [usize; 2]| seen.lock().unwrap().push(pixel);
+        let most = Duration::from_secs(600);
+        let forecast = forecast([64, 48], 4, most, &probe).unwrap();
+        assert_eq!((forecast.pixels, forecast.samples), (64 * 48, 4));
+        let seen = seen.into_inner().unwrap();
+        assert_eq!(seen.len(), MOST_PROBES);
+        // In each of 4 × 4 parts there are 16 on average.
+        for part in 0..16 {
+            let inside = |[x, y]: &&[usize; 2]| x / 16 == part % 4 && y / 12 == part / 4;
+            let count = seen.iter().filter(inside).count();
+            assert!((10..=22).contains(&count), "{part}: {count}");
+        }
+    }
+
+    #[test]
+    fn of_a_few_rays_nothing_is_measured_and_time_is_kept() {
+        let never = |_: [usize; 2]| panic!("a probe");
+        assert_eq!(forecast([3, 5], 1, Duration::MAX, &never), None);
+        // Without time, one ray.
+        let count = AtomicUsize::new(0);
+        let probe = |_: [usize; 2]| {
+            count.fetch_add(1, Ordering::Relaxed);
+        };
+        assert!(forecast([300, 500], 1, Duration::ZERO, &probe).is_some());
+        assert_eq!(count.into_inner(), 1);
+    }
+}
