@@ -52,8 +52,8 @@
 //! # What is said first
 //!
 //! A mean that is off, of the image or of blocks, before what follows from it. That neighbours are
-//! off together is said of what looks like a filter, and of a bias only if that is found in no other
-//! way.
+//! off together is not said where the image is off on the whole. Else it is said of what looks like
+//! a filter, and of a bias only where no block alone shows it.
 //!
 //! # Limits
 //!
@@ -157,8 +157,9 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
     metrics.push(("smallest_visible_block_bias", resolution));
 
     // What is off on the whole comes first: much of the rest follows from it.
-    let mut faults = Vec::new();
-    faults.extend(judge_whole(comparison, level, &mut metrics));
+    let whole = judge_whole(comparison, level, &mut metrics);
+    let is_off = whole.is_some();
+    let mut faults = Vec::from_iter(whole);
     let worst = Worst::new(comparison);
     faults.extend(worst.judge(level, &mut metrics));
     let is_biased = !faults.is_empty();
@@ -172,12 +173,13 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
     let amount = judge_amount(comparison, level, &mut metrics).filter(|_| copied.is_none());
     faults.extend(copied);
     faults.extend(amount);
-    if let Some(together) = judge_neighbours(comparison, level, &mut metrics) {
+    let together = judge_neighbours(comparison, level, &mut metrics);
+    // That neighbours are off together where whole regions are goes without saying, too.
+    if let Some(together) = together.filter(|_| !is_off) {
         let rejected = worst.probabilities.chunks(3).map(|of_block| {
             let smallest = of_block.iter().copied().fold(1.0, f64::min);
             smallest * comparison.asked() as f64 <= level
         });
-        // That neighbours are off together where whole regions are goes without saying, too.
         faults.extend(together.reason(comparison, &rejected.collect::<Vec<_>>(), is_biased));
     }
 

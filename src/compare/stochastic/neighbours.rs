@@ -207,7 +207,10 @@ impl Together {
             ));
         }
         (!is_biased).then(|| {
-            format!("{found}, over whole regions: these are too bright or too dark, each by less than the noise of a block")
+            format!(
+                "{found}, over more than a filter reaches: whole regions are too bright or too \
+                 dark, or edges lie elsewhere, each by less than the noise of a block"
+            )
         })
     }
 }

@@ -218,3 +218,22 @@ impl<'c> Limits<'c> {
         }))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn advice_has_two_digits_and_is_never_less() {
+        for (value, shown) in [
+            (1.0, "1"),
+            (1.01, "1.1"),
+            (9.95, "10"),
+            (16.04, "17"),
+            (6144.0, "6200"),
+            (99_999.0, "100000"),
+        ] {
+            assert_eq!(two_digits(value).to_string(), shown);
+        }
+    }
+}
