@@ -221,3 +221,37 @@ fn speckled(side: usize) -> Film {
         pixels(&|i, c| 1e-4 * shade(i, c) * shade(i, c) * (1.0 + 0.1 * random(i, c, 1)));
     Film::with_noise(side, side, means, variances, 2048)
 }
+
+/// How many samples an image has is known without their variance, too: by its own word, else by
+/// that of who asked for it.
+#[test]
+fn samples_without_a_variance() {
+    let silent = Film::new(WIDTH, HEIGHT, noisy(16).radiance().to_vec());
+    let colours = ["R", "G", "B"].map(|name| {
+        let values = vec![0.5; WIDTH * HEIGHT];
+        AnyChannel::new(name, FlatSamples::F32(values))
+    });
+    let samples = |count: u32| {
+        let counts = FlatSamples::U32(vec![count; WIDTH * HEIGHT]);
+        let channels = colours.iter().cloned();
+        let channels = channels.chain([AnyChannel::new("samples.Y", counts)]);
+        let channels = AnyChannels::sort(channels.collect());
+        let mut bytes = Cursor::new(Vec::new());
+        Image::from_channels((WIDTH, HEIGHT), channels)
+            .write()
+            .to_buffered(&mut bytes)
+            .unwrap();
+        Film::from_exr(bytes.get_ref()).unwrap()
+    };
+    assert_eq!(samples(48).samples(), Some(48));
+    assert!(samples(48).noise().is_none());
+    assert_eq!(noisy(16).samples(), Some(16));
+    assert_eq!(silent.samples(), None);
+    assert_eq!(silent.clone().with_samples(8).samples(), Some(8));
+    assert_eq!(samples(48).with_samples(8).samples(), Some(48));
+
+    let other = Film::new(WIDTH, HEIGHT, vec![[0.25; 3]; WIDTH * HEIGHT]);
+    let both = Film::from_replicates(&[silent, other]).unwrap();
+    assert_eq!((both.samples(), both.renderings()), (None, Some(2)));
+    assert_eq!(both.with_samples(8).samples(), Some(16));
+}

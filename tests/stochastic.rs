@@ -1,6 +1,6 @@
 //! The stochastic gate against the pairs it must reject and the noise it must accept.
 
-use volref::compare::stochastic::{FALSE_ALARM, Undecided, judge, judge_at, judge_case};
+use volref::compare::stochastic::{Advice, FALSE_ALARM, Undecided, judge, judge_at, judge_case};
 use volref::compare::{Gate, Judgement, Picture, PictureError};
 use volref::film::Film;
 use volref::math::rng::{Purpose, Stream};
@@ -343,6 +343,167 @@ fn copies_are_of_noise() {
     );
 }
 
+fn advised(judgement: &Judgement) -> Advice {
+    match judgement.undecided {
+        Some(Undecided::Samples(advice)) => advice,
+        other => panic!("{other:?}: {}", judgement.reason),
+    }
+}
+
+/// The samples that are advised decide, and a quarter of them do not, in whatever form the noise
+/// is given: in samples of all renderings together where their number is known, else in times of
+/// them.
+#[test]
+fn advice_decides_in_every_form() {
+    /// An image of so many samples, stated or not, whose renderings tell its noise.
+    type Form = fn(u64, u32, Shape) -> Film;
+    fn renderings(seed: u64, samples: u32, shape: Shape) -> Film {
+        let one = |i: u64| silent(&sampled(4 * seed + i, samples / 4, shape, truth));
+        Film::from_replicates(&[one(0), one(1), one(2), one(3)]).unwrap()
+    }
+    let forms: [(Form, Option<u64>, &str); 5] = [
+        (
+            |seed, n, shape| sampled(seed, n, shape, truth),
+            Some(32),
+            "this image has 32",
+        ),
+        (
+            |seed, n, shape| silent(&sampled(seed, n, shape, truth)),
+            None,
+            "as this image has",
+        ),
+        (
+            // As of a renderer that was asked for them.
+            |seed, n, shape| silent(&sampled(seed, n, shape, truth)).with_samples(n),
+            Some(32),
+            "this image has 32",
+        ),
+        (renderings, None, "as these 4 renderings have together"),
+        (
+            |seed, n, shape| renderings(seed, n, shape).with_samples(n / 4),
+            Some(32),
+            "these 4 renderings have 32 together",
+        ),
+    ];
+    for (name, shape) in [
+        ("even", even as Shape),
+        ("exponential", exponential),
+        ("rare", rare),
+    ] {
+        let reference = sampled(1, 2048, shape, truth);
+        let stated = judged(&reference, &sampled(2, 32, shape, truth));
+        let promise = 0.5 * stated.mean_resolution.unwrap();
+        for (form, has, words) in forms {
+            let with = |seed, samples| {
+                let film = form(seed, samples, shape);
+                judge_case(&reference, &film, 1, promise).unwrap()
+            };
+            let few = with(3, 32);
+            let advice = advised(&few);
+            assert_eq!(advice.has, has, "{name}");
+            assert!(few.reason.contains(words), "{name}: {}", few.reason);
+            let samples = advice.samples().unwrap_or(32.0 * advice.times).ceil() as u32;
+            for seed in 6..8 {
+                let enough = with(seed, samples.next_multiple_of(4));
+                assert!(
+                    enough.passed && enough.undecided.is_none(),
+                    "{name}, {samples} samples: {}",
+                    enough.reason
+                );
+                let quarter = with(seed, samples / 16 * 4);
+                assert!(
+                    quarter.undecided.is_some(),
+                    "{name}, {words}: {samples} is too much"
+                );
+            }
+        }
+    }
+}
+
+/// Four renderings of 64 samples are known as well as one image of 256, but for how few they are:
+/// nobody takes them for four samples.
+#[test]
+fn renderings_are_no_samples() {
+    let reference = sampled(1, 2048, exponential, truth);
+    let one = |seed: u64| silent(&sampled(seed, 64, exponential, truth));
+    let four = Film::from_replicates(&[one(2), one(3), one(4), one(5)]).unwrap();
+    let [four, all] = [four, sampled(6, 256, exponential, truth)]
+        .map(|film| judged(&reference, &film).mean_resolution.unwrap());
+    assert!((1.0..2.0).contains(&(four / all)), "{four} {all}");
+}
+
+/// An image whose samples cannot help is told so: a reference of few samples, and one that is
+/// silent and noisy; of a silent one without noise, they can.
+#[test]
+fn the_reference_may_be_in_the_way() {
+    let test = sampled(2, 64, even, truth);
+    let with = |reference: &Film, promise| judge_case(reference, &test, 1, promise).unwrap();
+    let noisy = silent(&sampled(1, 64, even, truth));
+    let promise = 0.3 * judged(&noisy, &test).mean_resolution.unwrap();
+    let hopeless = with(&noisy, promise);
+    assert!(
+        matches!(hopeless.undecided, Some(Undecided::Reference(_))),
+        "{}",
+        hopeless.reason
+    );
+    assert!(
+        hopeless
+            .reason
+            .contains("no number of samples would decide")
+    );
+    let exact = (0..SIDE * SIDE).map(|i| truth(i).map(|value| value as f32));
+    let exact = Film::new(SIDE, SIDE, exact.collect());
+    let promise = 0.3 * judged(&exact, &test).mean_resolution.unwrap();
+    let times = advised(&with(&exact, promise)).times;
+    // About 1/0.3², a little more for rounding, and up to twice that for safety.
+    assert!((11.0..30.0).contains(&times), "{times}");
+}
+
+/// A bias is said first, with its size, and that neighbours agree in it is not taken for a filter.
+#[test]
+fn a_bias_is_not_called_a_filter() {
+    let reference = sampled(1, 1024, exponential, truth);
+    // Darker by up to a half towards the right, smoothly: as of another phase function.
+    let wrong = |i: usize| {
+        let part = 1.0 - 0.5 * (i % SIDE) as f64 / SIDE as f64;
+        truth(i).map(|value| part * value)
+    };
+    for samples in [8, 64, 512] {
+        let test = sampled(2, samples, exponential, wrong);
+        for test in [&test, &silent(&test)] {
+            let reason = judged(&reference, test).reason;
+            assert!(
+                reason.starts_with("the image is too dark on the whole: the mean of "),
+                "{samples}: {reason}"
+            );
+            assert!(reason.contains("where the reference has"), "{reason}");
+            for word in ["smooth", "denoised", "filter"] {
+                assert!(!reason.contains(word), "{samples}: {reason}");
+            }
+        }
+    }
+}
+
+/// A pass says how far off the worst block may be, so that its number does not look like a fault.
+#[test]
+fn the_worst_block_has_a_limit_beside_it() {
+    let reference = sampled(1, 256, exponential, truth);
+    let reason = judged(&reference, &sampled(2, 16, exponential, truth)).reason;
+    let number = |before: &str| -> f64 {
+        let rest = reason.split(before).nth(1).expect(before);
+        rest.trim_start()
+            .split(' ')
+            .next()
+            .unwrap()
+            .parse()
+            .unwrap()
+    };
+    let (worst, limit) = (number("the worst is off by"), number("up to"));
+    // Holm's first level for 108 blocks and channels, a millionth by eight, is 6.5 standard errors
+    // of a normal number, and Student's t of 960 degrees not much more.
+    assert!(worst < limit && (6.0..7.5).contains(&limit), "{reason}");
+}
+
 /// What is promised and would not have been seen is not passed over in silence, and the samples
 /// that are asked for do decide.
 #[test]
@@ -359,35 +520,36 @@ fn a_promise_that_was_not_kept() {
     let blind = with_promise(&test(16), promise);
     assert!(blind.passed, "it is still no mismatch");
     assert!(blind.reason.contains("would decide"), "{}", blind.reason);
-    let Some(Undecided::Samples(needed)) = blind.undecided else {
-        panic!("{:?}", blind.undecided);
-    };
+    let advice = advised(&blind);
+    assert_eq!((advice.has, advice.renderings), (Some(16), 1));
     // Rounding is no matter of samples. Beyond it, half the bias takes four times the samples, and
     // a little more for the noise of the reference, which is a 256th of the other.
     let rounding = 1.0 / 2048.0;
     let ratio = (resolution - rounding) / (promise - rounding);
-    let expected = 16.0 * ratio * ratio;
-    assert!(
-        (0.99..1.05).contains(&(needed as f64 / expected)),
-        "{needed} {expected}"
-    );
-    // The variances are estimates: of 16 samples each and 64 pixels, to √(2/1024).
-    let enough = (1.1 * needed as f64) as u32;
-    assert_eq!(with_promise(&test(enough), promise).undecided, None);
-    let wanting = (0.8 * needed as f64) as u32;
+    // The variances are estimates: of 16 samples each and 64 pixels to √(2/1024), of all 36 blocks
+    // to a sixth of that and what they differ in brightness. Advice is safe by 3√2 of it.
+    let factor = advice.times / (ratio * ratio);
+    assert!((0.99..1.2).contains(&factor), "{factor}");
+    let samples = advice.samples().unwrap();
+    assert!((1.0..=1.1).contains(&(samples / (16.0 * advice.times))));
+    let said =
+        format!("about {samples} samples per pixel in all would decide, and this image has 16");
+    assert!(blind.reason.contains(&said), "{}", blind.reason);
+    assert_eq!(blind.metrics["samples_that_would_decide"], samples);
+    assert_eq!(with_promise(&test(samples as u32), promise).undecided, None);
+    let wanting = (0.8 * 16.0 * ratio * ratio) as u32;
     assert!(with_promise(&test(wanting), promise).undecided.is_some());
 
+    // Of an image that does not state its noise, which is the larger as it is less sure.
     let silent = with_promise(&silent(&test(16)), promise);
-    let Some(Undecided::Times(times)) = silent.undecided else {
-        panic!("{:?}", silent.undecided);
-    };
-    // The reference has a 256th of the noise: next to nothing of the bias that is seen is its.
+    let advice = advised(&silent);
+    assert_eq!((advice.has, advice.samples()), (None, None));
     let ratio = (silent.mean_resolution.unwrap() - rounding) / (promise - rounding);
-    let expected = ratio * ratio;
-    assert!(
-        (0.9..1.2).contains(&(times as f64 / expected)),
-        "{times} {expected}"
-    );
+    let factor = advice.times / (ratio * ratio);
+    // Safety is twice the samples at most.
+    assert!((0.9..2.2).contains(&factor), "{factor}");
+    let said = "times as many samples per pixel as this image has would decide";
+    assert!(silent.reason.contains(said), "{}", silent.reason);
 
     // As small as the reference's own noise: no samples help.
     let hopeless = with_promise(&test(16), 1e-5);

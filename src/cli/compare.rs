@@ -4,10 +4,10 @@ use super::Outcome;
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use crate::compare::flip::{DEFAULT_PIXELS_PER_DEGREE, flip, magma};
-use crate::compare::{Gate, Judgement, Picture, PictureError, judge};
+use crate::compare::{Gate, Judgement, Picture, PictureError, judge, stochastic};
 use crate::film::Film;
 use crate::report;
-use crate::suite::{CaseResult, Cause, Verdict};
+use crate::suite::{CaseResult, Cause, MEAN_RESOLUTION, Verdict};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -19,10 +19,22 @@ pub struct Arguments {
     reference: PathBuf,
     /// The image to judge
     test: PathBuf,
-    /// exact, deterministic, perceptual or stochastic (for noise) [default: deterministic for two
-    /// images of radiance, else perceptual]
+    /// exact, deterministic, perceptual or stochastic (for noise) [default: for two images of
+    /// radiance stochastic where one of them states its noise, else deterministic; perceptual where
+    /// one is a .png]
     #[arg(long, value_name = "GATE")]
     gate: Option<Gate>,
+    /// Bias of the mean of the image that a pass of the stochastic gate must have been able to see,
+    /// in percent of that mean plus 0.001; where the images are too noisy for that, the verdict is
+    /// inconclusive (exit code 5)
+    #[arg(
+        long,
+        value_name = "PERCENT",
+        default_value_t = 100.0 * MEAN_RESOLUTION,
+        allow_negative_numbers = true,
+        value_parser = percent
+    )]
+    resolution: f64,
     /// Exposure at which radiance is seen, in stops, for the perceptual gate and the heat map
     #[arg(
         long,
@@ -39,6 +51,27 @@ pub struct Arguments {
     json: Json,
 }
 
+/// A share of something: above 0 and below 100.
+fn percent(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(percent) if percent > 0.0 && percent < 100.0 => Ok(percent),
+        _ => Err("a resolution is a number of percent above 0 and below 100".to_owned()),
+    }
+}
+
+/// The gate for these images where none is named, and why, where that is not plain.
+fn default_gate(reference: &Picture, test: &Picture) -> (Gate, &'static str) {
+    let (Picture::Radiance(reference), Picture::Radiance(test)) = (reference, test) else {
+        return (Gate::Perceptual, "");
+    };
+    match [reference, test].map(|film| film.noise().is_some()) {
+        [true, true] => (Gate::Stochastic, ", since both images state their noise"),
+        [true, false] => (Gate::Stochastic, ", since the reference states its noise"),
+        [false, true] => (Gate::Stochastic, ", since the test image states its noise"),
+        [false, false] => (Gate::Deterministic, ""),
+    }
+}
+
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     arguments.json.check()?;
@@ -51,17 +84,17 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         Picture::read(&arguments.test).map_err(|error| unreadable(error, Exit::OtherRenderer))?;
     let reference =
         Picture::read(&arguments.reference).map_err(|error| unreadable(error, Exit::BadInput))?;
-    let both_radiance = matches!(
-        (&reference, &test),
-        (Picture::Radiance(_), Picture::Radiance(_))
-    );
-    let gate = arguments.gate.unwrap_or(if both_radiance {
-        Gate::Deterministic
-    } else {
-        Gate::Perceptual
-    });
-    let judgement = judge(gate, &reference, &test, arguments.exposure)
-        .map_err(|error| unreadable(error, Exit::BadInput))?;
+    let (gate, why) = match arguments.gate {
+        Some(gate) => (gate, ""),
+        None => default_gate(&reference, &test),
+    };
+    let judgement = match (gate, &reference, &test) {
+        (Gate::Stochastic, Picture::Radiance(reference), Picture::Radiance(test)) => {
+            stochastic::judge_case(reference, test, 1, arguments.resolution / 100.0)
+        }
+        _ => judge(gate, &reference, &test, arguments.exposure),
+    };
+    let judgement = judgement.map_err(|error| unreadable(error, Exit::BadInput))?;
     let mut note = "";
     let codes = |picture: &Picture| matches!(picture, Picture::Codes(_));
     if gate == Gate::Perceptual && codes(&reference) != codes(&test) {
@@ -77,7 +110,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let result = result(&arguments.test, judgement, start.elapsed().as_secs_f64());
 
     let verdict = result.verdict.name();
-    let mut text = format!("{verdict}  ({gate} gate)\n{}\n", result.reason);
+    let mut text = format!("{verdict}  ({gate} gate{why})\n{}\n", result.reason);
     if !result.metrics.is_empty() {
         text.push('\n');
     }
@@ -86,10 +119,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         text.push_str(&format!("  {name:<widest$}  {value}\n"));
     }
     text.push_str(note);
-    let exit = if result.cause == Cause::None {
-        Exit::Passed
-    } else {
-        Exit::Mismatch
+    let exit = match result.verdict {
+        Verdict::Pass => Exit::Passed,
+        Verdict::Inconclusive => Exit::Undecided,
+        _ => Exit::Mismatch,
     };
     let json = report::results_json("compare", &[result]);
     let text = arguments.json.instead_of(text, &json)?;
@@ -101,10 +134,10 @@ fn unreadable(error: PictureError, exit: Exit) -> Failure {
 }
 
 fn result(test: &Path, judgement: Judgement, seconds: f64) -> CaseResult {
-    let (verdict, cause) = if judgement.passed {
-        (Verdict::Pass, Cause::None)
-    } else {
-        (Verdict::Fail, Cause::Mismatch)
+    let (verdict, cause) = match (judgement.passed, judgement.undecided) {
+        (true, None) => (Verdict::Pass, Cause::None),
+        (true, Some(_)) => (Verdict::Inconclusive, Cause::Undecided),
+        (false, _) => (Verdict::Fail, Cause::Mismatch),
     };
     CaseResult {
         name: test.display().to_string(),

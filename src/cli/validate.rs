@@ -298,9 +298,21 @@ impl Renderer {
             Output::Missing(_) => Output::Missing(
                 "the renderer ended well, but wrote no image to {output}".to_owned(),
             ),
+            // As far as is known, it did what it was asked for.
+            Output::Picture(picture) if self.asks_for_samples() => {
+                Output::Picture(Box::new(picture.with_samples(self.spp)))
+            }
             output => output,
         };
         (output, printed, command)
+    }
+
+    /// Whether the renderer is told how many samples it is to take.
+    fn asks_for_samples(&self) -> bool {
+        self.template
+            .placeholders()
+            .iter()
+            .any(|name| name == "spp")
     }
 
     /// The command for `case`, its folder and exports made.

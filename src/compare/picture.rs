@@ -128,6 +128,14 @@ impl Picture {
         }
     }
 
+    /// [`Film::with_samples`] of radiance; 8-bit codes are judged without regard to it.
+    pub fn with_samples(self, samples: u32) -> Picture {
+        match self {
+            Picture::Radiance(film) => Picture::Radiance(film.with_samples(samples)),
+            codes => codes,
+        }
+    }
+
     /// Columns and rows.
     pub fn size(&self) -> (usize, usize) {
         match self {

@@ -91,6 +91,11 @@ fn picture(file: &File, colours: &Colours) -> Result<Film, FilmError> {
     let [r, g, b] = colours.rgb.map(floats);
     let radiance = (0..r.len()).map(|i| [r[i], g[i], b[i]]).collect();
     let noise = noise(colours, file)?;
+    let samples = match &noise {
+        Some(noise) => Some(noise.samples),
+        // Without variances nothing depends on it but advice: what is no number is none.
+        None => beside(colours, file, SAMPLES).and_then(|samples| count(samples).ok()),
+    };
     Ok(Film {
         width: frame.width,
         height: frame.height,
@@ -98,8 +103,9 @@ fn picture(file: &File, colours: &Colours) -> Result<Film, FilmError> {
         opacity: colours.opacity.map(|opacity| frame.cut(floats(opacity))),
         noise: noise.map(|noise| Noise {
             variance: frame.cut(noise.variance),
-            samples: noise.samples,
+            ..noise
         }),
+        samples: samples.map(u64::from),
     })
 }
 
@@ -203,10 +209,8 @@ fn noise(colours: &Colours, file: &File) -> Result<Option<Noise>, FilmError> {
     let Some(samples) = beside(colours, file, SAMPLES) else {
         return Err(FilmError::Noise(NO_COUNT));
     };
-    Ok(Some(Noise {
-        variance: (0..r.len()).map(|i| [r[i], g[i], b[i]]).collect(),
-        samples: count(samples)?,
-    }))
+    let variance = (0..r.len()).map(|i| [r[i], g[i], b[i]]).collect();
+    Ok(Some(Noise::of_samples(variance, count(samples)?)))
 }
 
 /// Where the pixels of a picture are among those of a part of its file.

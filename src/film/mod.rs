@@ -23,6 +23,7 @@ pub struct Film {
     radiance: Vec<[f32; 3]>,
     opacity: Option<Vec<f32>>,
     noise: Option<Noise>,
+    samples: Option<u64>,
 }
 
 impl Film {
@@ -41,6 +42,7 @@ impl Film {
             radiance,
             opacity: None,
             noise: None,
+            samples: None,
         }
     }
 
@@ -78,7 +80,8 @@ impl Film {
             .map(|pixel| pixel.map(noise::rounded))
             .collect();
         Film {
-            noise: Some(Noise { variance, samples }),
+            noise: Some(Noise::of_samples(variance, samples)),
+            samples: Some(samples.into()),
             ..Film::new(width, height, radiance)
         }
     }
@@ -89,11 +92,12 @@ impl Film {
     /// image of all those samples would state: it has the spread within the renderings and
     /// between them, and its samples are the sum of theirs.
     ///
-    /// Otherwise each rendering counts as one sample: the variance of the mean is their spread
-    /// over their number, and [`Noise::samples`] is that number. Of few this is very rough: its
+    /// Otherwise each rendering counts as one number: the variance of the mean is their spread
+    /// over how many there are, which [`Noise::samples`] is then
+    /// ([`Noise::is_of_renderings`]). Of few this is very rough: its
     /// own relative standard error is √(2/(n − 1)), all of it for three and a half of it for
     /// nine, and by chance it may be next to nothing. No variance stated by the renderings is
-    /// used then.
+    /// used then. [`Film::samples`] is the sum of theirs where all have one.
     ///
     /// Fails for sizes that differ, opacity in some only, and two renderings that are equal in
     /// every bit, which are not independent: their spread would say that there is no noise.
@@ -119,9 +123,21 @@ impl Film {
         }
         let variance = variance.radiance.clone();
         Ok(Film {
-            noise: Some(Noise { variance, samples }),
+            noise: Some(Noise::of_samples(variance, samples)),
+            samples: Some(samples.into()),
             ..self
         })
+    }
+
+    /// This image with [`samples`](Film::samples) of `samples` per pixel in each of its
+    /// renderings: what a renderer was asked for. What the image states itself is kept.
+    pub fn with_samples(self, samples: u32) -> Film {
+        let renderings = self.renderings().unwrap_or(1);
+        let asked = u64::from(samples) * u64::from(renderings);
+        Film {
+            samples: self.samples.or(Some(asked)),
+            ..self
+        }
     }
 
     /// The films next to each other, from left to right. All of one height, and all with
@@ -146,7 +162,8 @@ impl Film {
         let mut film = Film::new(width, height, radiance);
         film.opacity = (opacity.len() == width * height).then_some(opacity);
         film.noise = (samples > 0 && variance.len() == width * height)
-            .then_some(Noise { variance, samples });
+            .then(|| Noise::of_samples(variance, samples));
+        film.samples = film.noise.as_ref().map(|noise| noise.samples.into());
         film
     }
 
@@ -176,6 +193,19 @@ impl Film {
     /// Opacity of every pixel, in [0, 1], where the image has it.
     pub fn opacity(&self) -> Option<&[f32]> {
         self.opacity.as_deref()
+    }
+
+    /// Samples per pixel, of all renderings together where there are several; nothing where
+    /// neither the image nor who asked for it says how many there are.
+    pub fn samples(&self) -> Option<u64> {
+        self.samples
+    }
+
+    /// Independent renderings that were put together without knowing their samples
+    /// ([`Film::from_replicates`]).
+    pub fn renderings(&self) -> Option<u32> {
+        let noise = self.noise.as_ref()?;
+        noise.is_of_renderings.then_some(noise.samples)
     }
 
     /// How far the radiance may be off, where it is a mean of random samples.

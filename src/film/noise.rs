@@ -1,15 +1,25 @@
 //! How far the radiance of a sampled image may be off.
 
 /// Of an image whose pixels are means of random samples: the variance of those means, and how
-/// many samples each is the mean of. There is none for fewer than two samples, which say
-/// nothing about their spread.
+/// many numbers each is the mean of. There is none for fewer than two, which say nothing about
+/// their spread.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noise {
     pub(super) variance: Vec<[f32; 3]>,
     pub(super) samples: u32,
+    pub(super) is_of_renderings: bool,
 }
 
 impl Noise {
+    /// Variances of the means of `samples` samples each.
+    pub(super) fn of_samples(variance: Vec<[f32; 3]>, samples: u32) -> Noise {
+        Noise {
+            variance,
+            samples,
+            is_of_renderings: false,
+        }
+    }
+
     /// Estimated variance of the mean, the square of its standard error, in the square of the
     /// unit of radiance: red, green and blue of every pixel, row by row from the top. Not the
     /// variance of one sample, which is `samples` times as large.
@@ -17,9 +27,16 @@ impl Noise {
         &self.variance
     }
 
-    /// Samples per pixel, at least 2.
+    /// Independent numbers that each pixel is the mean of, and whose spread the variance is, at
+    /// least 2: its samples, or the renderings of replicates that do not state theirs.
     pub fn samples(&self) -> u32 {
         self.samples
+    }
+
+    /// Whether those numbers are whole renderings, each the mean of samples that it does not
+    /// count.
+    pub fn is_of_renderings(&self) -> bool {
+        self.is_of_renderings
     }
 
     /// The first pixel whose variance is negative or not finite.

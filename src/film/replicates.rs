@@ -35,7 +35,8 @@ pub(super) fn pooled(films: &[Film]) -> Result<Film, FilmError> {
         .iter()
         .map(|film| Some(film.noise()?.samples))
         .collect();
-    let (samples, parts) = match counts {
+    let is_of_renderings = counts.is_none();
+    let (numbers, parts) = match counts {
         Some(counts) => {
             let total = counts.iter().map(|&count| u64::from(count)).sum::<u64>();
             (u32::try_from(total).unwrap_or(u32::MAX), counts)
@@ -70,10 +71,13 @@ pub(super) fn pooled(films: &[Film]) -> Result<Film, FilmError> {
         };
         (0..first.radiance.len()).map(mean).collect()
     });
-    Ok(Film {
-        opacity,
-        ..Film::with_noise(first.width, first.height, radiance, variance, samples)
-    })
+    let mut film = Film::with_noise(first.width, first.height, radiance, variance, numbers);
+    film.opacity = opacity;
+    film.samples = films.iter().map(Film::samples).sum();
+    if let Some(noise) = &mut film.noise {
+        noise.is_of_renderings = is_of_renderings;
+    }
+    Ok(film)
 }
 
 /// The bits of every colour of an image: NaN is like itself.

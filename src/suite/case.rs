@@ -21,6 +21,10 @@ const PEERS: &str = "peers";
 /// Where renderings of an interrupted accept are.
 const CACHE: &str = ".volref";
 
+/// Bias of the mean of an image that is promised to be seen where nothing else is said, relative to
+/// that mean plus [`DARK`](crate::compare::stochastic::DARK): a slip in a factor is larger.
+pub const MEAN_RESOLUTION: f64 = 0.02;
+
 /// The declaration of a manifest, `fixtures/cases/<family>/<name>.toml`.
 pub const MANIFEST: Table = Table {
     doc: "A case: a scene, where it comes from, and how images of it are judged.",
@@ -76,7 +80,7 @@ pub const MANIFEST: Table = Table {
         Key {
             name: "mean_resolution",
             kind: Kind::Number(Range::open(0.0, 1.0)),
-            absent: Absent::Default(Literal::Number(0.02)),
+            absent: Absent::Default(Literal::Number(MEAN_RESOLUTION)),
             doc: "Stochastic cases: bias of the mean of the whole image that the gate promises to see, relative to that mean plus 0.001. Images too noisy for that are neither passed nor failed.",
         },
         Key {

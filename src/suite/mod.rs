@@ -26,7 +26,7 @@ mod verify;
 pub use accept::{AcceptError, Accepted, Change, Watch, accept};
 pub use answer::Answer;
 pub use cache::Cache;
-pub use case::{Case, MANIFEST, Sampling, Suite, SuiteError};
+pub use case::{Case, MANIFEST, MEAN_RESOLUTION, Sampling, Suite, SuiteError};
 pub use check::{SUITE_VARIABLE, check};
 pub use evidence::{Evidence, Likeness};
 pub use finding::Judged;

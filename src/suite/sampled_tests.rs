@@ -168,9 +168,9 @@ fn other_bits_fail_and_say_whether_the_picture_is_the_same() {
     for (renderer, words) in [
         (
             rewritten,
-            "but against 400 samples: the differences are noise",
+            "but against 400 samples: nothing is off beyond noise",
         ),
-        (wrong, "and against 400 samples: red is too bright"),
+        (wrong, "and against 400 samples: the image is too bright"),
     ] {
         let result = folder.verify(&renderer);
         assert_eq!(result.verdict, Verdict::Fail);

@@ -2,7 +2,7 @@
 //! gate must accept, and what it must not.
 
 use volref::film::Film;
-use volref::math::{Moments, exp, ln};
+use volref::math::{exp, ln};
 
 /// Entries of a table of samples: events of one in a thousand and rarer have some.
 const ENTRIES: usize = 1 << 16;
@@ -154,23 +154,11 @@ pub fn silent(film: &Film) -> Film {
     Film::new(film.width(), film.height(), film.radiance().to_vec())
 }
 
-/// The mean of images of one size, and the variance of that from how they differ, as of so many
-/// samples: what several runs of a renderer that knows no variance come to.
+/// Images of one size as replicates: what several runs of a renderer that knows no variance come
+/// to.
 pub fn replicates(films: &[Film]) -> Film {
-    let (width, height) = (films[0].width(), films[0].height());
-    let moments = |index: usize, c: usize| -> Moments {
-        let values = films
-            .iter()
-            .map(|film| f64::from(film.radiance()[index][c]));
-        values.collect()
-    };
-    let pixel =
-        |index: usize, of: fn(&Moments) -> f64| [0, 1, 2].map(|c| of(&moments(index, c)) as f32);
-    let all = 0..width * height;
-    let means = all.clone().map(|i| pixel(i, Moments::mean)).collect();
-    let variance = |m: &Moments| m.variance_of_mean().expect("two images or more");
-    let variances = all.map(|i| pixel(i, variance)).collect();
-    Film::with_noise(width, height, means, variances, films.len() as u32)
+    let films: Vec<Film> = films.iter().map(silent).collect();
+    Film::from_replicates(&films).expect("two images or more, of seeds of their own")
 }
 
 /// The image with other means and the variances it states, if it does.

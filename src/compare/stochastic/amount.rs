@@ -43,13 +43,13 @@ pub(super) fn judge_amount(
     metrics: &mut Metrics,
 ) -> Option<String> {
     let blocks = &comparison.blocks;
-    let of_stated = |channel: &Channel| match unstated(comparison.films) {
+    let of_stated = |channel: &Channel| match unstated(comparison.stated) {
         None => (channel.squares, channel.stated[0] + channel.stated[1]),
         // Of one image alone: there must be at least its own noise.
         Some(silent) => (channel.spread, channel.stated[1 - silent]),
     };
     let (amount, count) = mean_ratio(blocks, of_stated)?;
-    match unstated(comparison.films) {
+    match unstated(comparison.stated) {
         None => {
             metrics.push(("amount_of_noise", amount));
             metrics.push(("chi_square_probability", probability(amount, count)));
@@ -57,7 +57,7 @@ pub(super) fn judge_amount(
         Some(_) => metrics.push(("noise_over_that_stated", amount)),
     }
     if amount < 1.0 / AMOUNT && probability(amount, count) <= level {
-        let stated = match unstated(comparison.films) {
+        let stated = match unstated(comparison.stated) {
             None => "that the images state",
             Some(_) => "that one image alone states",
         };
@@ -67,7 +67,7 @@ pub(super) fn judge_amount(
              that it overstates its variance?"
         ));
     }
-    let [Some(a), Some(b)] = comparison.samples() else {
+    let [Some(a), Some(b)] = comparison.numbers() else {
         return None;
     };
     let guarded = |channel: &Channel| (channel.squares, channel.variance.largest());

@@ -1,7 +1,7 @@
 //! Two images, put together block by block.
 
 use super::super::significance::deviation;
-use super::variance::{Shape, unstated};
+use super::variance::{Shape, Stated, unstated};
 use crate::film::Film;
 use crate::math::Moments;
 use std::ops::Range;
@@ -100,6 +100,7 @@ pub(super) struct Channel {
 }
 
 /// A block of pixels.
+#[derive(Clone)]
 pub(super) struct Block {
     pub columns: Range<usize>,
     pub rows: Range<usize>,
@@ -175,8 +176,12 @@ pub(super) struct Comparison<'f> {
     pub films: [&'f Film; 2],
     /// Row by row from the top.
     pub blocks: Vec<Block>,
+    /// What they say of their noise.
+    pub stated: [Stated; 2],
     /// How the variances were completed.
     pub shape: Shape,
+    /// Probability with which noise that is not stated may be underestimated.
+    level: f64,
 }
 
 impl<'f> Comparison<'f> {
@@ -190,11 +195,23 @@ impl<'f> Comparison<'f> {
                 blocks.push(Block::new(films, columns, rows.clone()));
             }
         }
-        let shape = Shape::new(films, &blocks, level);
+        Comparison::completed(films, films.map(Stated::by), blocks, level, 1.0)
+    }
+
+    /// With the variances of `blocks` from what is stated and from how differences spread, of a test
+    /// image with `times` the samples that it was looked at with.
+    fn completed(
+        films: [&'f Film; 2],
+        stated: [Stated; 2],
+        mut blocks: Vec<Block>,
+        level: f64,
+        times: f64,
+    ) -> Comparison<'f> {
+        let shape = Shape::new(stated, &blocks, level, times);
         for block in &mut blocks {
             for channel in &mut block.channels {
                 channel.variance = Variance {
-                    own: match unstated(films) {
+                    own: match unstated(stated) {
                         None => channel.stated,
                         Some(silent) => {
                             let mut own = channel.stated;
@@ -209,8 +226,24 @@ impl<'f> Comparison<'f> {
         Comparison {
             films,
             blocks,
+            stated,
             shape,
+            level,
         }
+    }
+
+    /// As far as variances go, what this would be with `times` the samples in the test image: its
+    /// noise is that much smaller, and that of the reference stays.
+    pub fn with_samples(&self, times: f64) -> Comparison<'f> {
+        let reference = self.shape.share_of_reference;
+        let mut blocks = self.blocks.clone();
+        for channel in blocks.iter_mut().flat_map(|block| &mut block.channels) {
+            channel.stated[1] /= times;
+            channel.spread *= reference + (1.0 - reference) / times;
+        }
+        let [of_reference, of_test] = self.stated;
+        let stated = [of_reference, of_test.times(times)];
+        Comparison::completed(self.films, stated, blocks, self.level, times)
     }
 
     /// Blocks and channels, of which each is asked for a bias.
@@ -223,14 +256,15 @@ impl<'f> Comparison<'f> {
     /// Of two images' the smaller number, which Welch's exceeds.
     pub fn degrees(&self, block: &Block) -> f64 {
         let pixels = block.pixels() as f64;
-        match self.samples() {
+        match self.numbers() {
             [Some(a), Some(b)] => pixels * f64::from(a.min(b) - 1),
             _ => (pixels - 1.0).max(1.0),
         }
     }
 
-    /// Samples per pixel of reference and test image, where they state their noise.
-    pub fn samples(&self) -> [Option<u32>; 2] {
+    /// Numbers that the variances of reference and test image are the spread of, where they state
+    /// their noise.
+    pub fn numbers(&self) -> [Option<u32>; 2] {
         self.films
             .map(|film| film.noise().map(|noise| noise.samples()))
     }
@@ -255,7 +289,7 @@ impl<'f> Comparison<'f> {
     /// √k of the standard errors that they cause themselves, at most.
     pub fn deviation(&self, total: &Total) -> f64 {
         let beyond = total.difference.beyond_rounding();
-        let is_brighter = match unstated(self.films) {
+        let is_brighter = match unstated(self.stated) {
             Some(0) => beyond < 0.0,
             Some(_) => beyond > 0.0,
             None => false,

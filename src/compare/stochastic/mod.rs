@@ -39,6 +39,22 @@
 //! cover has its own share of the false alarms. A difference that varies within a block then
 //! counts as noise, and the questions about single pixels are not asked, except for copies.
 //!
+//! Renderings that do not count their samples ([`Film::from_replicates`]) are in between: the own
+//! variance is how they differ, with a degree of freedom less than renderings for each pixel, and the
+//! ratio for the guard is estimated, for four renderings of 64 samples are not four samples.
+//!
+//! # What would decide
+//!
+//! A pass that could not have seen what is to be seen says how many samples could. It asks the gate
+//! itself, with the variances that the test image would have: where the noise of the reference, or
+//! what is not known of that of the test image, stays in the way, it says that instead.
+//!
+//! # What is said first
+//!
+//! A mean that is off, of the image or of blocks, before what follows from it. That neighbours are
+//! off together is not said where the image is off on the whole. Else it is said of what looks like
+//! a filter, and of a bias only where no block alone shows it.
+//!
 //! # Limits
 //!
 //! The sums over a block are taken for normal, at least in the lower tail, and what the finer
@@ -63,11 +79,12 @@ mod variance;
 
 pub use blocks::{BLOCK, DARK};
 pub use map::{BlockMap, block_error, block_map};
-pub use resolution::Undecided;
+pub use resolution::{Advice, Undecided};
 
 use super::significance::{deviation, holm, two_sided, two_sided_estimated};
 use super::{Gate, Judgement, PictureError};
 use crate::film::Film;
+use crate::math;
 use amount::judge_amount;
 use blocks::{Block, Channel, Comparison};
 use neighbours::judge_neighbours;
@@ -90,8 +107,8 @@ pub fn judge(reference: &Film, test: &Film, cases: usize) -> Result<Judgement, P
     judge_at(reference, test, FALSE_ALARM / cases.max(1) as f64)
 }
 
-/// [`judge`] for a case that promises to see a bias of `promise` of the mean of the image plus
-/// [`DARK`]. A pass that could not have seen it says so in [`Judgement::undecided`].
+/// [`judge`], where a bias of `promise` of the mean of the image plus [`DARK`] is to be seen. A pass
+/// that could not have seen it says so in [`Judgement::undecided`].
 pub fn judge_case(
     reference: &Film,
     test: &Film,
@@ -134,17 +151,20 @@ type Metrics = Vec<(&'static str, f64)>;
 fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> Judgement {
     let mut metrics = Metrics::new();
     let limits = Limits::new(comparison, level);
-    let resolution = limits.resolution(1.0);
-    let mean_resolution = limits.mean_resolution(1.0);
+    let resolution = limits.resolution();
+    let mean_resolution = limits.mean_resolution();
     metrics.push(("smallest_visible_bias", mean_resolution));
     metrics.push(("smallest_visible_block_bias", resolution));
 
-    let mut faults = Vec::new();
-    faults.extend(judge_whole(comparison, level, &mut metrics));
+    // What is off on the whole comes first: much of the rest follows from it.
+    let whole = judge_whole(comparison, level, &mut metrics);
+    let is_off = whole.is_some();
+    let mut faults = Vec::from_iter(whole);
     let worst = Worst::new(comparison);
     faults.extend(worst.judge(level, &mut metrics));
+    let is_biased = !faults.is_empty();
     let pixels = Pixels::new(comparison);
-    if let [Some(a), Some(b)] = comparison.samples() {
+    if let [Some(a), Some(b)] = comparison.numbers() {
         faults.extend(pixels.judge_far(level, &mut metrics));
         faults.extend(pixels.judge_contrary([a, b], level, &mut metrics));
     }
@@ -153,30 +173,50 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
     let amount = judge_amount(comparison, level, &mut metrics).filter(|_| copied.is_none());
     faults.extend(copied);
     faults.extend(amount);
-    faults.extend(judge_neighbours(comparison, level, &mut metrics));
+    let together = judge_neighbours(comparison, level, &mut metrics);
+    // That neighbours are off together where whole regions are goes without saying, too.
+    if let Some(together) = together.filter(|_| !is_off) {
+        let rejected = worst.probabilities.chunks(3).map(|of_block| {
+            let smallest = of_block.iter().copied().fold(1.0, f64::min);
+            smallest * comparison.asked() as f64 <= level
+        });
+        faults.extend(together.reason(comparison, &rejected.collect::<Vec<_>>(), is_biased));
+    }
 
     let passed = faults.is_empty();
-    let mut reason = if passed {
-        format!(
-            "the differences are noise; the worst of {} blocks and channels is off by {:.1} \
-             standard errors; a bias of {:.2} % of the mean, or of {:.2} % of a block, would have \
-             been seen",
-            comparison.asked(),
-            finite(worst.deviation().abs()),
-            100.0 * mean_resolution,
-            100.0 * resolution
-        )
-    } else {
-        faults.join("; ")
-    };
     let undecided = promise
         .filter(|_| passed)
         .and_then(|promise| limits.undecided(promise));
-    if let (Some(undecided), Some(promise)) = (undecided, promise) {
-        reason.push_str(&format!(
-            ", not the {:.2} % of the mean that the case promises; {undecided}",
-            100.0 * promise
-        ));
+    let noise = || {
+        format!(
+            "of {} blocks and channels the worst is off by {:.1} standard errors, and among so \
+             many up to {:.1} may be chance",
+            comparison.asked(),
+            finite(worst.deviation().abs()),
+            limits.of_block(worst.block, worst.channel),
+        )
+    };
+    let reason = match (undecided, promise) {
+        (Some(undecided), Some(promise)) => format!(
+            "too noisy to decide: of the mean, no bias below {} would have been seen, and {} is \
+             to be; {undecided}; nothing is off beyond noise: {}",
+            percent(mean_resolution),
+            percent(promise),
+            noise()
+        ),
+        _ if passed => format!(
+            "nothing is off beyond noise; a bias of {} of the mean, or of {} of a block, would \
+             have been seen; {}",
+            percent(mean_resolution),
+            percent(resolution),
+            noise()
+        ),
+        _ => faults.join("; "),
+    };
+    if let Some(Undecided::Samples(advice)) = undecided {
+        metrics.push(("times_the_samples_that_would_decide", advice.times));
+        let samples = advice.samples();
+        metrics.extend(samples.map(|samples| ("samples_that_would_decide", samples)));
     }
     Judgement {
         resolution: Some(resolution),
@@ -186,12 +226,42 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
     }
 }
 
+fn percent(share: f64) -> String {
+    format!("{:.2} %", 100.0 * share)
+}
+
 fn colour(channel: usize) -> &'static str {
     ["red", "green", "blue"][channel]
 }
 
 fn side(difference: f64) -> &'static str {
     if difference > 0.0 { "bright" } else { "dark" }
+}
+
+/// A mean of the test image beside that of the reference, and how unlikely that is.
+fn means(reference: f64, difference: f64, deviation: f64) -> String {
+    let relative = match reference {
+        0.0 => String::new(),
+        _ => format!(" ({:+.1} %)", 100.0 * difference / reference.abs()),
+    };
+    format!(
+        "{} where the reference has {}{relative}, {}",
+        radiance(reference + difference),
+        radiance(reference),
+        standard_errors(deviation)
+    )
+}
+
+/// In four digits.
+fn radiance(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        size if (1e-3..1e4).contains(&size) => {
+            let before = math::log10(size).floor() as i32;
+            format!("{value:.*}", (3 - before).max(0) as usize)
+        }
+        _ => format!("{value:.3e}"),
+    }
 }
 
 fn judge_whole(comparison: &Comparison<'_>, level: f64, metrics: &mut Metrics) -> Option<String> {
@@ -212,13 +282,19 @@ fn judge_whole(comparison: &Comparison<'_>, level: f64, metrics: &mut Metrics) -
     let c = (0..3)
         .min_by(|&a, &b| probabilities[a].total_cmp(&probabilities[b]))
         .expect("three channels");
-    (holm(&probabilities, level) > 0).then(|| {
+    let rejected = holm(&probabilities, level);
+    let what = match rejected {
+        3 if (0..3).all(|other| side(mean(other)) == side(mean(c))) => "the image",
+        _ => colour(c),
+    };
+    let blocks = comparison.blocks.iter();
+    let reference: f64 = blocks.map(|block| block.channels[c].radiance).sum();
+    (rejected > 0).then(|| {
         format!(
-            "{} is too {} on the whole: its mean is off by {:.3e}, {}",
-            colour(c),
+            "{what} is too {} on the whole: the mean of {} is {}",
             side(mean(c)),
-            mean(c),
-            standard_errors(deviations[c]),
+            colour(c),
+            means(reference / pixels as f64, mean(c), deviations[c]),
         )
     })
 }
@@ -262,18 +338,21 @@ impl<'c> Worst<'c> {
             ("worst_block_column", place[0] as f64),
             ("worst_block_row", place[1] as f64),
         ]);
-        let off = self.block.channels[self.channel].difference.value;
+        let channel = &self.block.channels[self.channel];
+        let (off, pixels) = (channel.difference.value, self.block.pixels() as f64);
         (rejected > 0).then(|| {
             format!(
-                "{rejected} of {} blocks and channels are off by more than noise; the worst begins \
-                 at ({}, {}): its {} is too {} by {:.3e}, {}",
+                "{rejected} of {} blocks and channels are off by more than noise; the worst block, \
+                 of {} × {} pixels, begins at ({}, {}), column and row from the top left: its {} \
+                 is too {}, {}",
                 self.probabilities.len(),
+                self.block.columns.len(),
+                self.block.rows.len(),
                 place[0],
                 place[1],
                 colour(self.channel),
                 side(off),
-                off.abs() / self.block.pixels() as f64,
-                standard_errors(self.deviation()),
+                means(channel.radiance / pixels, off / pixels, self.deviation()),
             )
         })
     }

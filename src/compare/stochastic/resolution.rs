@@ -3,41 +3,99 @@
 use super::super::significance::{critical, critical_estimated};
 use super::blocks::{Block, Comparison};
 use super::finite;
+use super::variance::Stated;
+use crate::math;
+use std::f64::consts::SQRT_2;
 use std::fmt;
 
-/// A pass that says too little: the bias of the mean of the image that a case promises to see
-/// would not have been seen. What would decide.
+/// A pass that says too little: the bias of the mean of the image that is to be seen would not have
+/// been seen. What would decide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Undecided {
-    /// That many samples per pixel of the test image.
-    Samples(u64),
-    /// That many times the samples of the test image, which does not say how many it has.
-    Times(u64),
-    /// Nothing the test image could do: the noise of the reference alone hides any bias up to
-    /// this, relative to the mean of the image.
+    /// More samples in the test image.
+    Samples(Advice),
+    /// Nothing the test image could do: even one without noise would not show a bias below this,
+    /// relative to the mean of the image.
     Reference(f64),
+}
+
+/// Samples of a test image that would decide.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Advice {
+    /// That many times those it has.
+    pub times: f64,
+    /// Those it has per pixel, of all its renderings together; nothing where it does not say.
+    pub has: Option<u64>,
+    /// Its renderings: 1 of a single image.
+    pub renderings: u32,
+    /// Whether it states the variance of its samples: noise that is estimated is less sure.
+    pub is_stated: bool,
+}
+
+impl Advice {
+    /// Samples per pixel that would decide, of all renderings together, where those of the image
+    /// are known.
+    pub fn samples(&self) -> Option<f64> {
+        let has = self.has? as f64;
+        Some(two_digits(self.times * has).ceil())
+    }
+}
+
+/// The next number of two decimal digits from a `value` of at least 1 up: more would claim what an
+/// estimate does not know.
+fn two_digits(value: f64) -> f64 {
+    let scale = math::powu(10.0, math::log10(value) as u32);
+    (10.0 * value / scale).ceil() * scale / 10.0
 }
 
 impl fmt::Display for Undecided {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Undecided::Samples(samples) => write!(
-                f,
-                "a test image of {samples} samples per pixel would decide"
-            ),
-            Undecided::Times(times) => write!(
-                f,
-                "a test image of {times} times the samples per pixel would decide"
-            ),
+            Undecided::Samples(advice) => advice.fmt(f),
             Undecided::Reference(bias) => write!(
                 f,
-                "no test image would decide: the noise of the reference alone hides a bias of \
-                 {:.2} %",
+                "no number of samples would decide: beside the noise of the reference, not even a \
+                 test image without noise would show a bias below {:.2} %",
                 100.0 * bias
             ),
         }
     }
 }
+
+impl fmt::Display for Advice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (image, together) = match self.renderings {
+            1 => ("this image has".to_owned(), ""),
+            several => (format!("these {several} renderings have"), " together"),
+        };
+        match (self.samples(), self.has) {
+            (Some(samples), Some(has)) => write!(
+                f,
+                "about {samples} samples per pixel in all would decide, and {image} {has}{together}"
+            )?,
+            _ => write!(
+                f,
+                "about {} times as many samples per pixel as {image}{together} would decide",
+                two_digits(self.times)
+            )?,
+        }
+        match self.is_stated {
+            true => Ok(()),
+            false => f.write_str(" (fewer, if the image states its variance)"),
+        }
+    }
+}
+
+/// More samples than any renderer takes: it is the reference that is in the way.
+const MOST_TIMES: f64 = 1e6;
+
+/// Standard errors by which the noise may be larger than it seems, when samples are advised: √2
+/// for the estimate that the advice is made from and that of the image that follows it, three times
+/// that for what one in seven hundred exceeds.
+const SAFETY: f64 = 3.0 * SQRT_2;
+
+/// A very rough estimate of the noise does not multiply the advice by more.
+const MOST_SAFETY: f64 = 2.0;
 
 /// Deviations at which blocks are rejected, by how their variance is known, and at which the whole
 /// image is.
@@ -70,15 +128,15 @@ impl<'c> Limits<'c> {
         }
     }
 
-    /// Variances of a sum over the block, reference and test image, each times the square of the
-    /// deviation at which it is rejected. The bias must exceed the roots of both sums.
-    fn terms(&self, block: &Block, channel: usize) -> [[f64; 2]; 2] {
+    /// Variance of the difference of a sum over the block, by both answers, times the square of the
+    /// deviation at which it is rejected. The bias must exceed the roots of both.
+    fn terms(&self, block: &Block, channel: usize) -> [f64; 2] {
         let known = self.own.iter().find(|&&(n, _)| n == block.pixels());
         let own = known.map_or(f64::INFINITY, |&(_, limit)| limit);
         let variance = block.channels[channel].variance;
         [
-            variance.own.map(|v| own * own * v),
-            variance.guard.map(|v| self.guard * self.guard * v),
+            own * own * variance.own(),
+            self.guard * self.guard * variance.guard(),
         ]
     }
 
@@ -93,83 +151,89 @@ impl<'c> Limits<'c> {
     }
 
     /// The bias that nine tenths of the blocks would show with probability one half at least,
-    /// relative to the mean of the block plus [`DARK`](super::DARK), were the test image's noise
-    /// `scale` times what it is.
-    pub fn resolution(&self, scale: f64) -> f64 {
+    /// relative to the mean of the block plus [`DARK`](super::DARK).
+    pub fn resolution(&self) -> f64 {
         let visible = |block: &Block, channel: usize| {
-            let terms = self.terms(block, channel);
-            let squared = terms.map(|[reference, test]| reference + scale * test);
+            let [own, guard] = self.terms(block, channel);
             let rounding = block.channels[channel].difference.rounding;
-            (squared[0].max(squared[1]).sqrt() + rounding) / block.floor(channel)
+            (own.max(guard).sqrt() + rounding) / block.floor(channel)
         };
         finite(self.of_nine_tenths(visible))
     }
 
+    /// The standard errors, in the larger of both answers, up to which a channel of a block may be
+    /// off among so many.
+    pub fn of_block(&self, block: &Block, channel: usize) -> f64 {
+        let [own, guard] = self.terms(block, channel);
+        let variance = block.channels[channel].variance.largest();
+        match variance > 0.0 {
+            true => (own.max(guard) / variance).sqrt(),
+            false => self.guard,
+        }
+    }
+
     /// The bias of the mean of the image that each channel would show with probability one half at
-    /// least, relative to that mean plus [`DARK`](super::DARK), were the variance of the test image `scale` times
-    /// what it is.
-    pub fn mean_resolution(&self, scale: f64) -> f64 {
-        let visible = self.channels().map(|channel| {
-            let variance = channel.reference + scale * channel.test;
-            (self.whole * variance.sqrt() + channel.rounding) / channel.floor
+    /// least, relative to that mean plus [`DARK`](super::DARK).
+    pub fn mean_resolution(&self) -> f64 {
+        self.mean_resolution_of(self.comparison)
+    }
+
+    /// The same in a comparison with other variances.
+    fn mean_resolution_of(&self, comparison: &Comparison<'_>) -> f64 {
+        let totals = comparison.totals();
+        let visible = [0, 1, 2].map(|c| {
+            let variance = comparison.variance_of_whole(&totals[c]);
+            let floor: f64 = comparison.blocks.iter().map(|block| block.floor(c)).sum();
+            (self.whole * variance.sqrt() + totals[c].difference.rounding) / floor
         });
         finite(visible.into_iter().fold(0.0, f64::max))
     }
 
-    /// What it takes to see a bias of `promise` of the mean, if the images do not show it.
+    /// What it takes to see a bias of `promise` of the mean, if the images do not show it: the
+    /// samples with which this gate would, asked as it judges.
     pub fn undecided(&self, promise: f64) -> Option<Undecided> {
-        if self.mean_resolution(1.0) <= promise {
+        if self.mean_resolution() <= promise {
             return None;
         }
-        // How much more of its samples each channel needs: the variance of the test image falls as
-        // they grow, that of the reference and the rounding stay.
-        let times = self.channels().map(|channel| {
-            let room = (promise * channel.floor - channel.rounding).max(0.0) / self.whole;
-            match room * room - channel.reference {
-                left if left > 0.0 => channel.test / left,
-                _ => f64::INFINITY,
-            }
-        });
-        let times = times.into_iter().fold(0.0, f64::max);
-        // More than any renderer takes: the reference is what is in the way.
-        const MOST: f64 = 1e6;
-        if times > MOST {
-            return Some(Undecided::Reference(self.mean_resolution(0.0)));
+        let with = |times: f64| self.mean_resolution_of(&self.comparison.with_samples(times));
+        if with(MOST_TIMES) > promise {
+            return Some(Undecided::Reference(with(MOST_TIMES)));
         }
-        let samples = self.comparison.samples()[1];
-        Some(match samples {
-            Some(samples) => Undecided::Samples((times * f64::from(samples)).ceil() as u64),
-            None => Undecided::Times(times.ceil() as u64),
-        })
-    }
-
-    /// The channels of the whole image.
-    fn channels(&self) -> [Whole; 3] {
-        let totals = self.comparison.totals();
-        let blocks = &self.comparison.blocks;
-        [0, 1, 2].map(|c| {
-            let variance = self.comparison.variance_of_whole(&totals[c]);
-            let reference = blocks
-                .iter()
-                .map(|block| block.channels[c].variance.own[0])
-                .sum();
-            Whole {
-                reference,
-                test: (variance - reference).max(0.0),
-                rounding: totals[c].difference.rounding,
-                floor: blocks.iter().map(|block| block.floor(c)).sum(),
+        let (mut few, mut enough) = (1.0, MOST_TIMES);
+        // To a thousandth, of an estimate that is known to a tenth at best.
+        while enough > 1.001 * few {
+            let middle = f64::sqrt(few * enough);
+            match with(middle) > promise {
+                true => few = middle,
+                false => enough = middle,
             }
-        })
+        }
+        let safety = (1.0 + SAFETY * self.comparison.shape.error).min(MOST_SAFETY);
+        let [_, test] = self.comparison.films;
+        Some(Undecided::Samples(Advice {
+            times: enough * safety,
+            has: test.samples(),
+            renderings: test.renderings().unwrap_or(1),
+            is_stated: matches!(self.comparison.stated[1], Stated::Samples(_)),
+        }))
     }
 }
 
-/// Sums over a channel of the image.
-struct Whole {
-    /// Variance of the reference.
-    reference: f64,
-    /// Variance of the test image.
-    test: f64,
-    rounding: f64,
-    /// What a bias is relative to.
-    floor: f64,
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn advice_has_two_digits_and_is_never_less() {
+        for (value, shown) in [
+            (1.0, "1"),
+            (1.01, "1.1"),
+            (9.95, "10"),
+            (16.04, "17"),
+            (6144.0, "6200"),
+            (99_999.0, "100000"),
+        ] {
+            assert_eq!(two_digits(value).to_string(), shown);
+        }
+    }
 }

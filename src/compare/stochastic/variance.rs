@@ -1,8 +1,39 @@
 //! What the variance is where an image cannot know it, or does not say.
 
 use super::super::significance::critical;
-use super::blocks::Block;
+use super::blocks::{BLOCK, Block, Channel};
 use crate::film::Film;
+use crate::math;
+
+/// What an image says of its noise, and how many numbers each of its variances is the spread of.
+/// In the order of how much is known: the finer of two images is the larger.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub(super) enum Stated {
+    /// Nothing.
+    Nothing,
+    /// How renderings differ, each the mean of samples that it does not count.
+    Renderings(f64),
+    /// How samples differ.
+    Samples(f64),
+}
+
+impl Stated {
+    pub fn by(film: &Film) -> Stated {
+        match film.noise() {
+            None => Stated::Nothing,
+            Some(noise) if noise.is_of_renderings() => Stated::Renderings(noise.samples().into()),
+            Some(noise) => Stated::Samples(noise.samples().into()),
+        }
+    }
+
+    /// The same of `times` as many samples.
+    pub fn times(self, times: f64) -> Stated {
+        match self {
+            Stated::Samples(samples) => Stated::Samples(samples * times),
+            uncounted => uncounted,
+        }
+    }
+}
 
 /// The noise of both images by that of the finer one: what the variances of the finer image are
 /// to be multiplied by to give those of the other.
@@ -14,44 +45,75 @@ pub(super) struct Shape {
     pub coarse: f64,
     /// The same of the whole image, where the brightest parts count most.
     pub whole: f64,
+    /// Share of the noise of the reference in how the differences spread over the whole image;
+    /// without meaning where both images state theirs.
+    pub share_of_reference: f64,
+    /// Relative standard error of `whole`, by how the ratio varies from block to block. A bound,
+    /// which hangs on the few blocks that are largest, has about three times that of the ratio.
+    pub error: f64,
 }
 
+/// Standard errors from which the noise of a silent reference is taken to be there: as a
+/// deterministic one has none, and one in a thousand may be told otherwise.
+const THERE: f64 = 3.0;
+
 /// The image that does not state its noise, if there is one.
-pub(super) fn unstated(films: [&Film; 2]) -> Option<usize> {
-    films.iter().position(|film| film.noise().is_none())
+pub(super) fn unstated(stated: [Stated; 2]) -> Option<usize> {
+    stated.iter().position(|stated| *stated == Stated::Nothing)
 }
 
 impl Shape {
-    pub fn new(films: [&Film; 2], blocks: &[Block], level: f64) -> Shape {
-        let samples = films.map(|film| film.noise().map(|noise| f64::from(noise.samples())));
+    /// `level` is the probability with which a ratio that is estimated may be larger than its bound.
+    /// The test image is taken to have `times` the samples that it was looked at with.
+    pub fn new(stated: [Stated; 2], blocks: &[Block], level: f64, times: f64) -> Shape {
+        let fine = usize::from(stated[1] > stated[0]);
+        let silent = unstated(stated);
+        let pair = |channel: &Channel| match silent {
+            None => [channel.stated[1 - fine], channel.stated[fine]],
+            Some(_) => [channel.spread, channel.stated[fine]],
+        };
+        let bound = |ratio: &Ratio| match (stated, silent) {
+            ([Stated::Samples(a), Stated::Samples(b)], _) => ratio.value().max(a.max(b) / a.min(b)),
+            // Renderings do not say how many samples their spread is the noise of: the ratio is
+            // estimated, as it is for an image that states nothing, whose spread is the noise of
+            // both.
+            (_, silent) => {
+                let pixels = (BLOCK * BLOCK) as f64;
+                let degrees = match stated[1 - fine] {
+                    Stated::Renderings(count) => pixels * (count - 1.0),
+                    _ => pixels - 1.0,
+                };
+                let bound = ratio.upper_of_more(critical(level), degrees, times);
+                let own = if silent.is_some() { 1.0 } else { 0.0 };
+                (bound - own).max(0.0)
+            }
+        };
         // Relative to the brightness of each block, so that no lamp outweighs the room.
         let of_block = |block: &Block| [0, 1, 2].map(|c| block.floor(c));
         let floors = blocks.iter().map(of_block);
         let image = floors.fold([0.0; 3], |a, b| [0, 1, 2].map(|c| a[c] + b[c]));
-        let of_image = |_: &Block| image;
-        match samples {
-            [Some(a), Some(b)] => {
-                let fine = if a >= b { 0 } else { 1 };
-                let pair = |stated: [f64; 2], _| [stated[1 - fine], stated[fine]];
-                let least = a.max(b) / a.min(b);
-                Shape {
-                    fine,
-                    coarse: Ratio::new(blocks, of_block, pair).value().max(least),
-                    whole: Ratio::new(blocks, of_image, pair).value().max(least),
-                }
-            }
-            _ => {
-                let fine = if samples[0].is_some() { 0 } else { 1 };
-                let pair = |stated: [f64; 2], spread| [spread, stated[fine]];
-                let z = critical(level);
-                // The spread is the noise of both.
-                let without = |both: f64| (both - 1.0).max(0.0);
-                Shape {
-                    fine,
-                    coarse: without(Ratio::new(blocks, of_block, pair).upper(z)),
-                    whole: without(Ratio::new(blocks, of_image, pair).upper(z)),
-                }
-            }
+        let of_blocks = Ratio::new(blocks, of_block, pair);
+        let of_whole = Ratio::new(blocks, |_| image, pair);
+        let error = of_whole.error();
+        // Of the finer image, which is the one that is not silent.
+        let share = match of_whole.value() {
+            ratio if ratio > 0.0 => (1.0 / ratio).min(1.0),
+            _ => 0.0,
+        };
+        let share_of_reference = match 1.0 - share {
+            _ if fine == 0 => share,
+            left if left > THERE * error => left,
+            _ => 0.0,
+        };
+        Shape {
+            fine,
+            coarse: bound(&of_blocks),
+            whole: bound(&of_whole),
+            share_of_reference,
+            error: match stated {
+                [Stated::Samples(_), Stated::Samples(_)] => error,
+                _ => 3.0 * error,
+            },
         }
     }
 
@@ -78,12 +140,12 @@ impl Ratio {
     fn new(
         blocks: &[Block],
         radiance: impl Fn(&Block) -> [f64; 3],
-        pair: impl Fn([f64; 2], f64) -> [f64; 2],
+        pair: impl Fn(&Channel) -> [f64; 2],
     ) -> Ratio {
         let of_block = |block: &Block| {
             let mut sums = [0.0; 2];
             for (channel, radiance) in block.channels.iter().zip(radiance(block)) {
-                let [above, below] = pair(channel.stated, channel.spread);
+                let [above, below] = pair(channel);
                 sums[0] += above / (radiance * radiance);
                 sums[1] += below / (radiance * radiance);
             }
@@ -110,16 +172,57 @@ impl Ratio {
         if below <= 0.0 {
             return 0.0;
         }
-        let ratio = above / below;
-        let (mut squares, mut largest) = (0.0, 0.0_f64);
-        for [above, below] in &self.0 {
-            let excess = above - ratio * below;
-            squares += excess * excess;
-            largest = largest.max(excess);
-        }
-        let more = 0.5 * z * largest;
-        (above + z * more + z * (squares + more * more).sqrt()) / below
+        let excesses = self.excesses();
+        let squares = excesses.clone().map(|excess| excess * excess).sum();
+        let largest = excesses.fold(0.0, f64::max);
+        (above + excess(z, squares, largest)) / below
     }
+
+    /// What [`upper`](Ratio::upper) would be of an image with `times` the samples, whose variances
+    /// above are already that much smaller. What it has above the ratio stays where it comes from
+    /// blocks that are normal, of so many `degrees` of freedom, and where the noise of the images
+    /// lies in other places; it falls as the root of the samples where it comes from rare events. It
+    /// is taken to fall as the root of that root, and not below what it has of normal blocks.
+    fn upper_of_more(&self, z: f64, degrees: f64, times: f64) -> f64 {
+        let (value, upper) = (self.value(), self.upper(z));
+        let [_, below] = self.sums();
+        if upper <= value {
+            return upper;
+        }
+        let variance = |above: f64| 2.0 / degrees * above * above;
+        let squares = self.0.iter().map(|[above, _]| variance(*above)).sum();
+        let widest = self.0.iter().map(|[above, _]| *above).fold(0.0, f64::max);
+        // What the largest of as many normal numbers is about.
+        let most = (2.0 * math::ln(self.0.len() as f64)).sqrt();
+        let normal = excess(z, squares, most * variance(widest).sqrt()) / below;
+        let least = 1.0 / times.sqrt().sqrt();
+        value + (upper - value) * (normal / (upper - value)).clamp(least, 1.0)
+    }
+
+    /// Relative standard error of [`value`](Ratio::value), from how far single blocks are from it.
+    fn error(&self) -> f64 {
+        let [above, _] = self.sums();
+        let squares: f64 = self.excesses().map(|excess| excess * excess).sum();
+        if above > 0.0 {
+            squares.sqrt() / above
+        } else {
+            0.0
+        }
+    }
+
+    /// What each block has above what the ratio of all would give it.
+    fn excesses(&self) -> impl Iterator<Item = f64> + Clone {
+        let ratio = self.value();
+        let excess = move |[above, below]: &[f64; 2]| above - ratio * below;
+        self.0.iter().map(excess)
+    }
+}
+
+/// How far `z` standard errors up a sum may be, of parts whose squared excesses have this sum and
+/// whose largest is an event that may be rare.
+fn excess(z: f64, squares: f64, largest: f64) -> f64 {
+    let more = 0.5 * z * largest;
+    z * more + z * (squares + more * more).sqrt()
 }
 
 #[cfg(test)]

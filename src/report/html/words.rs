@@ -142,6 +142,13 @@ pub(super) fn number(name: &str) -> &'static str {
             "A block that is wrong by this share of its brightness would have been seen; smaller \
              mistakes would not."
         }
+        "times_the_samples_that_would_decide" => {
+            "With this many times the samples per pixel the image would show the bias that is to be \
+             seen."
+        }
+        "samples_that_would_decide" => {
+            "Samples per pixel, of all renderings together, that would show it."
+        }
         "far_pixels" => {
             "Single pixels off by more than 5 standard errors, in the channel with most; many mean \
              fireflies, or differences that cancel within blocks."
@@ -161,8 +168,9 @@ pub(super) fn number(name: &str) -> &'static str {
             "Pixels with noise that are exactly the golden's; two honest renderings share none."
         }
         "correlation_across" => {
-            "How alike the differences of neighbours in a row are: 0 is honest, above 0.05 the \
-             image was filtered or denoised, or its pixels share random numbers."
+            "How alike the differences of neighbours in a row are: 0 is honest; above 0.05 whole \
+             regions are off, or the image was filtered or denoised, or its pixels share random \
+             numbers."
         }
         "correlation_down" => "The same of neighbours in a column.",
         "non_finite_pixels" => "Pixels that hold NaN or infinity; none may.",
