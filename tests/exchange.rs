@@ -155,6 +155,11 @@ fn tokens(text: &str) -> Vec<Token> {
             }
             let end = rest.find(char::is_whitespace).unwrap_or(rest.len());
             let word = &rest[..end];
+            // At 63 characters pbrt's parser ends the program; whole numbers have 63 bits.
+            assert!(word.len() < 63, "{word}");
+            if word.bytes().all(|byte| byte.is_ascii_digit()) {
+                assert!(word.parse::<i64>().is_ok(), "{word}");
+            }
             tokens.push(match word {
                 "[" => Token::Open,
                 "]" => Token::Close,
@@ -395,7 +400,7 @@ fn the_suite() {
     procedural/coloured mitsuba: coloured.xml, coloured.medium0.vol, coloured.red.xml, coloured.green.xml, coloured.blue.xml
     procedural/coloured pbrt: coloured.red.pbrt, coloured.green.pbrt, coloured.blue.pbrt
     procedural/emissive-grid mitsuba: mitsuba cannot say radiative.medium[0]: a medium that sends out light
-    procedural/emissive-grid pbrt: pbrt cannot say radiative.medium[0]: a medium that sends out light
+    procedural/emissive-grid pbrt: emissive-grid.red.pbrt, emissive-grid.green.pbrt, emissive-grid.blue.pbrt
     procedural/gain-0.1 mitsuba: mitsuba cannot say radiative.medium[0]: fractal noise
     procedural/gain-0.1 pbrt: pbrt cannot say radiative.medium[0]: fractal noise
     procedural/gain-0.5 mitsuba: mitsuba cannot say radiative.medium[0]: fractal noise
@@ -558,7 +563,7 @@ fn a_room_for_mitsuba() {
 #[test]
 fn a_room_for_pbrt() {
     insta::assert_snapshot!(pbrt(ROOM), @r##"
-    # A scene. Written by volref, and not tried with pbrt-v4.
+    # A scene. Written by volref for pbrt-v4.
     # The picture is grey, and is the channel red of the scene's; the other two have files of their own.
     # Faces of radiative.medium[0] that lie in surfaces stand 3.500e-3 behind them, where no ray sees it.
 
@@ -567,7 +572,7 @@ fn a_room_for_pbrt() {
     Camera "perspective" "float fov" [ 40 ]
     Film "rgb" "integer xresolution" [ 4 ] "integer yresolution" [ 3 ] "string filename" [ "scene.red.exr" ] "bool savefp16" [ false ]
     PixelFilter "box" "float xradius" [ 0.5 ] "float yradius" [ 0.5 ]
-    Sampler "independent" "integer pixelsamples" [ 64 ] "integer seed" [ 0 ]
+    Sampler "independent" "integer pixelsamples" [ 64 ]
     Integrator "volpath" "integer maxdepth" [ 5 ]
 
     Identity
@@ -719,8 +724,8 @@ fn one_phase_function_needs_no_blend() {
     Camera "perspective" "float fov" [ 40 ]
     Film "rgb" "integer xresolution" [ 4 ] "integer yresolution" [ 3 ] "string filename" [ "scene.exr" ] "bool savefp16" [ false ]
     PixelFilter "box" "float xradius" [ 0.5 ] "float yradius" [ 0.5 ]
-    Sampler "independent" "integer pixelsamples" [ 64 ] "integer seed" [ 0 ]
-    Integrator "volpath" "integer maxdepth" [ 1000000000 ]
+    Sampler "independent" "integer pixelsamples" [ 64 ]
+    Integrator "volpath" "integer maxdepth" [ 1000000 ]
 
     Identity
     MakeNamedMedium "medium0" "string type" [ "homogeneous" ]
@@ -759,6 +764,10 @@ fn fog_on_floor(floor: &str, bottom: f64) -> String {
          [[radiative.medium]]\nbox = {{ min = [-2, {bottom}, -2], max = [2, 2, 2] }}\nsigma_s = 1\n"
     )
 }
+
+const FLOOR_TABLE: &str = "[[radiative.surface]]\nrectangle = { corner = [-5, -1, -5], \
+                           edge_u = [10, 0, 0], edge_v = [0, 0, 10] }\n\
+                           diffuse = { reflectance = 0.5 }";
 
 const FLOOR: &str = "rectangle = { corner = [-5, 0, -5], edge_u = [10, 0, 0], edge_v = [0, 0, 10] }\n\
                      diffuse = { reflectance = 0.5 }";
@@ -813,6 +822,48 @@ fn a_medium_of_the_shape_of_a_surface_is_its_inside() {
     let text = pbrt(body);
     assert_eq!(text.matches("Shape").count(), 1);
     assert!(text.contains("MediumInterface \"medium0\" \"\""), "{text}");
+}
+
+/// An eye in the face of a box is inside if it looks in: the direction decides, not the face.
+#[test]
+fn an_eye_in_a_face_is_where_it_looks() {
+    let boxed = |low: f64, high: f64| {
+        format!(
+            "[[radiative.medium]]\nbox = {{ min = [-2, -1, {low}], max = [2, 3, {high}] }}\n\
+             sigma_a = 1\n"
+        )
+    };
+    // The eye stands at z = -6 and looks along +z.
+    for (body, inside) in [
+        (boxed(-6.0, -2.0), true),
+        (boxed(-9.0, -6.0), false),
+        (boxed(-9.0, -2.0), true),
+    ] {
+        let text = mitsuba(&body);
+        let sensor = part(&text, "<sensor", "</sensor>");
+        assert_eq!(sensor.contains("id=\"medium0\""), inside, "{sensor}");
+        let text = pbrt(&body);
+        let before_camera = part(&text, "LookAt", "Camera");
+        assert_eq!(before_camera.contains("medium0"), inside, "{text}");
+    }
+    // A ball that the eye touches, before and behind it.
+    for (z, inside) in [(-5.0, true), (-7.0, false)] {
+        let ball = format!(
+            "[[radiative.medium]]\nsphere = {{ centre = [0, 1, {z}], radius = 1 }}\nsigma_a = 1\n"
+        );
+        let text = mitsuba(&ball);
+        let sensor = part(&text, "<sensor", "</sensor>");
+        assert_eq!(sensor.contains("id=\"medium0\""), inside, "{sensor}");
+    }
+    // Along a face some rays go in.
+    let along = "[[radiative.medium]]\nbox = { min = [-2, 1, -9], max = [2, 3, 0] }\nsigma_a = 1\n";
+    for format in [Format::Mitsuba, Format::Pbrt] {
+        let faults = faults(along, format);
+        assert!(
+            faults.starts_with("radiative.medium[0]: the eye lies in its boundary"),
+            "{faults}"
+        );
+    }
 }
 
 // --- Grids --------------------------------------------------------------------------------------
@@ -931,6 +982,155 @@ fn a_grid_is_cut_off_by_its_box_and_not_by_a_ball() {
     assert!(refusal.to_string().contains("nearest node"));
 }
 
+// --- Light, turns and numbers of pbrt ------------------------------------------------------------
+
+/// pbrt's default sampler of lights never chooses a spotlight with a hard edge.
+#[test]
+fn spotlights_of_pbrt_are_chosen_by_their_power() {
+    let spot = "[[radiative.light]]\nspot = { position = [0, 3, 0], target = [0, 0, 0], \
+                intensity = 1, inner_angle = 20, outer_angle = 20 }\n";
+    let text = pbrt(spot);
+    insta::assert_snapshot!(part(&text, "Integrator", "\nWorldBegin"), @r##"Integrator "volpath" "integer maxdepth" [ 1000000 ] "string lightsampler" [ "power" ]"##);
+    insta::assert_snapshot!(part(&text, "LightSource", "\"float coneangle"), @r##"LightSource "spot" "point3 from" [ 0 3 0 ] "point3 to" [ 0 2 0 ] "rgb I" [ 1 1 1 ] "##);
+    assert!(text.contains("# Light turned more than 1000000 times is left out."));
+    let point = "[[radiative.light]]\npoint = { position = [0, 3, 0], intensity = 1 }\n";
+    assert!(!pbrt(point).contains("lightsampler"));
+}
+
+/// A seed in the file would win over `--seed`, and all replicates be one picture.
+#[test]
+fn no_file_of_pbrt_has_a_seed() {
+    assert!(!pbrt(ROOM).contains("seed"));
+}
+
+#[test]
+fn numbers_of_pbrt_are_short() {
+    let body = format!(
+        "environment = [1e34, 1e34, 1e34]\n{}",
+        medium("sigma_a = 1e-300")
+    );
+    let text = pbrt(&body);
+    assert!(text.contains("\"rgb L\" [ 1e34 1e34 1e34 ]"), "{text}");
+    assert!(
+        text.contains("\"rgb sigma_a\" [ 1e-300 1e-300 1e-300 ]"),
+        "{text}"
+    );
+}
+
+/// pbrt multiplies `Le` by `sigma_a`.
+#[test]
+fn media_of_pbrt_shine_by_what_they_absorb() {
+    let text = pbrt(&medium("sigma_a = 4\nsigma_s = 1\nemission = 2"));
+    insta::assert_snapshot!(part(&text, "MakeNamedMedium", "\nWorldBegin"), @r##"
+    MakeNamedMedium "medium0" "string type" [ "homogeneous" ]
+        "rgb sigma_a" [ 4 4 4 ] "rgb sigma_s" [ 1 1 1 ] "float g" [ 0 ]
+        "rgb Le" [ 0.5 0.5 0.5 ]
+    "##);
+    // Of media in one another both sums count: 2 + 1 of 4 + 2.
+    let nested = medium("sigma_a = 4\nemission = 2")
+        + "[[radiative.medium]]\nbox = { min = [-2, -1, -2], max = [2, 3, 2] }\n\
+           sigma_a = 2\nemission = 1\n";
+    assert!(pbrt(&nested).contains("[ 6 6 6 ]"));
+    assert_eq!(
+        pbrt(&nested).matches("\"rgb Le\" [ 0.5 0.5 0.5 ]").count(),
+        2
+    );
+    // A channel without emission says none.
+    let export = write(&medium("sigma_a = 4\nemission = [2, 0, 4]"), Format::Pbrt).unwrap();
+    let le = ["red", "green", "blue"]
+        .map(|channel| text_of(&export, &format!("scene.{channel}.pbrt")))
+        .map(|text| text.contains("\"rgb Le\""));
+    assert_eq!(le, [true, false, true]);
+    for body in [
+        "emission = 1",
+        "sigma_a = [1, 0, 1]\nemission = 1",
+        "sigma_a = 1e-39\nemission = 1",
+    ] {
+        let faults = faults(&medium(body), Format::Pbrt);
+        assert!(
+            faults.starts_with("radiative.medium[0]: emission where nothing, or next to nothing"),
+            "{faults}"
+        );
+    }
+}
+
+/// pbrt adds what media send out only before the last turn.
+#[test]
+fn turns_of_emission_are_counted_as_pbrt_counts_them() {
+    let glow = medium("sigma_a = 4\nsigma_s = 1\nemission = 2");
+    let depth = |text: &str| {
+        let text = part(text, "Integrator", "\n").to_owned();
+        text.replace("Integrator \"volpath\" \"integer maxdepth\"", "")
+    };
+    let lit = |head: &str| format!("{head}\nenvironment = 1\n{FLOOR_TABLE}\n{glow}");
+    // Nothing is turned: whatever would turn light only takes it away.
+    let text = pbrt(&lit("scattering = \"none\""));
+    assert_eq!(depth(&text), " [ 1 ]");
+    assert!(
+        text.contains("\"rgb sigma_a\" [ 5 5 5 ] \"rgb sigma_s\" [ 0 0 0 ]"),
+        "{text}"
+    );
+    assert!(text.contains("\"rgb Le\" [ 0.4 0.4 0.4 ]"), "{text}");
+    assert!(text.contains("\"rgb reflectance\" [ 0 0 0 ]"), "{text}");
+    // Without emission it is as it was.
+    let dark = lit("scattering = \"none\"").replace("emission = 2", "");
+    assert_eq!(depth(&pbrt(&dark)), " [ 0 ]");
+    assert!(pbrt(&dark).contains("\"rgb reflectance\" [ 0.5 0.5 0.5 ]"));
+    // No other light, or nothing that turns it.
+    let alone = format!("max_bounces = 5\n{FLOOR_TABLE}\n{glow}");
+    assert_eq!(depth(&pbrt(&alone)), " [ 6 ]");
+    let absorbing = glow.replace("sigma_s = 1", "");
+    let text = pbrt(&format!("max_bounces = 5\nenvironment = 1\n{absorbing}"));
+    assert_eq!(depth(&text), " [ 6 ]");
+    assert_eq!(depth(&pbrt(&lit(""))), " [ 1000000 ]");
+    for (head, key) in [
+        ("max_bounces = 5", "radiative.max_bounces"),
+        ("scattering = \"single\"", "radiative.scattering"),
+    ] {
+        let faults = faults(&lit(head), Format::Pbrt);
+        assert!(
+            faults.starts_with(&format!(
+                "{key}: light that media send out beside other light"
+            )),
+            "{faults}"
+        );
+    }
+}
+
+/// Positions are rounded, g is clamped, and free paths are shorter than the rounding.
+#[test]
+fn what_pbrts_numbers_lose_is_refused() {
+    let far = "[[radiative.surface]]\nsphere = { centre = [0, 1, 1000000], radius = 1 }\n\
+               diffuse = { reflectance = 0.5 }\n";
+    let sharp = medium("sigma_s = 1\ng = 0.999");
+    let thick = medium("sigma_s = 5000");
+    for (body, expected) in [
+        (
+            far,
+            "radiative.surface[0]: an extent of 2.000e0 at coordinates up to 1.000e6, of which \
+             pbrt's 32-bit numbers leave 6e-2 uncertain; move the scene to the origin",
+        ),
+        (
+            &sharp,
+            "radiative.medium[0]: g = 0.999: pbrt takes any beyond 0.99 as 0.99",
+        ),
+        (
+            &thick,
+            "radiative.medium[0]: 1.7e4 mean free paths across it, where pbrt's 32-bit numbers \
+             tell places apart for 1e4; lower sigma_a and sigma_s, or make it smaller",
+        ),
+    ] {
+        assert_eq!(faults(body, Format::Pbrt), expected);
+        mitsuba(body);
+    }
+    // Nearer, rounder and thinner they are said.
+    pbrt(&far.replace("1000000", "100000"));
+    pbrt(&sharp.replace("0.999", "0.99"));
+    // What does not scatter has no phase function to clamp.
+    pbrt(&sharp.replace("sigma_s", "sigma_a"));
+    pbrt(&thick.replace("5000", "2500"));
+}
+
 // --- Refusals -----------------------------------------------------------------------------------
 
 fn medium(more: &str) -> String {
@@ -948,10 +1148,6 @@ fn what_neither_can_say_is_refused_by_name() {
     let around = "[[radiative.surface]]\nsphere = { centre = [0, 1, -6], radius = 1 }\n\
                   glass = { index = 1.5 }\n";
     let cases = [
-        (
-            medium("sigma_a = 1\nemission = 1"),
-            "medium[0]: a medium that sends out light",
-        ),
         (
             medium("sigma_a = 1\nnoise = {}"),
             "medium[0]: fractal noise",
@@ -994,7 +1190,12 @@ fn what_one_of_them_can_say_is_refused_by_the_other() {
                      scale = [1, 2, 1]\ndiffuse = { reflectance = 0.5 }\n";
     let box_lamp = "[[radiative.surface]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n\
                     emitter = { radiance = 1, sides = \"both\" }\n";
+    let glow = medium("sigma_a = 1\nemission = 1");
     for (body, expected) in [
+        (
+            glow.as_str(),
+            "radiative.medium[0]: a medium that sends out light",
+        ),
         (ellipsoid, "radiative.surface[0]: an ellipsoid"),
         (
             box_lamp,

@@ -54,6 +54,11 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
         );
         faults.add("radiative", what);
     }
+    for vessel in &stage.vessels.list {
+        if vessel.medium.emission != DVec3::ZERO {
+            faults.add(place_of(vessel.index), "a medium that sends out light");
+        }
+    }
     let mut writer = Writer {
         name,
         body: String::new(),

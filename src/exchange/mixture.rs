@@ -9,6 +9,8 @@ pub(super) struct Mixture {
     pub sigma_a: DVec3,
     /// Scattering by channel.
     pub sigma_s: DVec3,
+    /// Radiance sent out per length, by channel.
+    pub emission: DVec3,
     /// What of it is scattered by which phase function: g, and scattering by channel.
     pub parts: Vec<(f64, DVec3)>,
 }
@@ -19,6 +21,7 @@ impl Mixture {
         let mut mixture = Mixture {
             sigma_a: DVec3::ZERO,
             sigma_s: DVec3::ZERO,
+            emission: DVec3::ZERO,
             parts: Vec::new(),
         };
         for layer in layers {
@@ -26,6 +29,7 @@ impl Mixture {
             let scattering = coefficients.sigma_s();
             mixture.sigma_a += coefficients.sigma_a();
             mixture.sigma_s += scattering;
+            mixture.emission += layer.medium.emission;
             if scattering == DVec3::ZERO {
                 continue;
             }

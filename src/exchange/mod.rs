@@ -6,8 +6,8 @@
 //! a little, since other renderers move rays off surfaces by more than rounding, the file says
 //! so in a comment.
 //!
-//! `forms` are shapes by their coordinates, `vessels` which media lie in which; `mitsuba` and
-//! `pbrt` write.
+//! `forms` are shapes by their coordinates, `vessels` which media lie in which, `limits` what
+//! 32-bit numbers lose; `mitsuba` and `pbrt` write.
 //!
 //! [Mitsuba 3]: https://www.mitsuba-renderer.org
 //! [pbrt-v4]: https://pbrt.org
@@ -15,6 +15,7 @@
 mod bundle;
 mod files;
 mod forms;
+mod limits;
 mod mitsuba;
 mod mixture;
 mod pbrt;

@@ -1,4 +1,5 @@
-//! Scenes of pbrt-v4, written after its documentation and sources: **none was rendered with it.**
+//! Scenes of pbrt-v4, held against its sources at commit 5f7a606 and rendered with it:
+//! scripts/peers/README.md. Files and functions below are those under its `src/pbrt/`.
 //!
 //! - pbrt multiplies spectra, not channels. Only grey values mean the same to both: `rgb` of
 //!   three equal numbers is a constant spectrum for reflectances and coefficients, and the white
@@ -6,7 +7,17 @@
 //!   picture of each is grey, and is that channel.
 //! - `LookAt` is left-handed: `Scale -1 1 1` before it puts +x to the left for who looks along +z.
 //! - `fov` goes across the shorter side of the image.
-//! - Light turned n times is `maxdepth` n; interfaces do not count.
+//! - Light turned n times is `maxdepth` n; interfaces do not count. What media send out is added
+//!   only before the last turn (`cpu/integrators.cpp`, `VolPathIntegrator::Li`), so that for
+//!   emission turned n times it is n + 1.
+//! - `Le` times `sigma_a` is the emission (there): `Le` is `emission / sigma_a`.
+//! - A spotlight with a hard edge is never chosen by the default light sampler, for its
+//!   `LightBounds` hold no direction (`lights.cpp`, `SpotLight::Bounds`, `LightBounds::Importance`
+//!   with `cosTheta_e` 1): the sampler `power` chooses by power alone.
+//! - A `seed` in the file wins over `--seed` (`samplers.cpp`, `IndependentSampler::Create`), and
+//!   replicates would all be the same picture: none is written.
+//! - The parser ends the program at a number of 63 characters or more, and cuts whole numbers off
+//!   at 2⁶³ (`parser.cpp`, `parseFloat`): the very large and small have exponents.
 //! - Media are named before `WorldBegin`, for the eye may be in one, and after `Camera`, for the
 //!   coordinates of a grid.
 //! - A `uniformgrid` has its values in the middles of voxels and fades to 0 beyond them: around
@@ -16,10 +27,13 @@
 //!   takes away 4·10⁻¹²/c, no more than is lost by 32-bit numbers.
 //!
 //! Refused, beside what both formats lack words for: spotlights with a soft edge, whose falloff
-//! is another one; nearest-neighbour grids; media with different phase functions in one place.
+//! is another one (`lights.cpp`, `SpotLight::I`); nearest-neighbour grids; media with different
+//! phase functions in one place; emission where nothing absorbs; and what 32-bit numbers lose,
+//! which is in `limits`.
 
 use super::files::ply;
 use super::forms::Form;
+use super::limits;
 use super::mixture::Mixture;
 use super::refusal::Faults;
 use super::stage::{Stage, turns};
@@ -28,16 +42,19 @@ use super::view::degrees;
 use super::{Export, Format, Refusal};
 use crate::geometry::Transform;
 use crate::optics::{Light, Material, Sides};
-use crate::scene::{Panel, Radiative};
+use crate::scene::{Panel, Radiative, Scattering};
 use crate::volume::Interpolation;
 use glam::DVec3;
-use std::fmt::Display;
+use std::fmt::{Display, LowerExp};
 
 /// The names of the channels in files.
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
-/// So many turns are as good as any number.
-const ENDLESS: u32 = 1_000_000_000;
+/// So many turns are as good as any number: of the light that a white half-space returns, of the
+/// order of n^-1/2 is turned more than n times, here a thousandth; of light that is absorbed or
+/// leaves by another side, less. And a path that has lost a boundary to rounding, which one in
+/// about 1e5 does, ends within seconds.
+const ENDLESS: u32 = 1_000_000;
 
 /// The two materials that a mirror is mixed of: a name is given once in a file.
 const MIRROR: &str = "\
@@ -51,6 +68,9 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
     let mut faults = Faults::default();
     let stage = Stage::of(panel, scene, &mut faults);
     check(scene, &stage, &mut faults);
+    limits::check(&stage, &mut faults);
+    let turning = Turning::of(scene, &stage, &mut faults);
+    turning.check_glow(&stage, &mut faults);
     let is_grey = colours(scene, &stage).all(|colour| colour == DVec3::splat(colour.x));
     let texts: Vec<(Option<usize>, String)> = if is_grey {
         vec![(None, format!("{name}.pbrt"))]
@@ -69,6 +89,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
         let mut writer = Writer {
             text: String::new(),
             channel: channel.unwrap_or(0),
+            turning: &turning,
             meshes: &mut meshes,
         };
         writer.opening(panel, &stage, channel);
@@ -122,6 +143,77 @@ fn check(scene: &Radiative, stage: &Stage, faults: &mut Faults) {
     }
 }
 
+/// How often light is turned, and how media may shine.
+struct Turning {
+    /// `maxdepth`.
+    depth: u32,
+    /// Whether nothing turns light, so that what would only takes it away.
+    never: bool,
+}
+
+impl Turning {
+    fn of(scene: &Radiative, stage: &Stage, faults: &mut Faults) -> Turning {
+        let list = &stage.vessels.list;
+        let limit = turns(scene.scattering).unwrap_or(ENDLESS).min(ENDLESS);
+        let glows = |vessel: &Vessel| vessel.medium.emission != DVec3::ZERO;
+        if limit == ENDLESS || !list.iter().any(glows) {
+            let (depth, never) = (limit, false);
+            return Turning { depth, never };
+        }
+        let turning = Turning {
+            depth: limit + 1,
+            never: limit == 0,
+        };
+        let scatters = |vessel: &Vessel| vessel.medium.coefficients.sigma_s() != DVec3::ZERO;
+        let turned = !scene.objects.is_empty() || list.iter().any(scatters);
+        let others = !scene.lights.is_empty()
+            || !scene.area_lights.is_empty()
+            || scene.environment != DVec3::ZERO;
+        if turned && others && !turning.never {
+            let key = match scene.scattering {
+                Scattering::Multiple(_) => "radiative.max_bounces",
+                _ => "radiative.scattering",
+            };
+            let what = "light that media send out beside other light, turned so often at most: \
+                        pbrt counts the turns of the two differently; remove the limit, the \
+                        emission or the other lights";
+            faults.add(key, what);
+        }
+        turning
+    }
+
+    /// Absorption and scattering of a mixture.
+    fn coefficients(&self, mixture: &Mixture) -> [DVec3; 2] {
+        match self.never {
+            true => [mixture.sigma_t(), DVec3::ZERO],
+            false => [mixture.sigma_a, mixture.sigma_s],
+        }
+    }
+
+    /// `Le` of a mixture, infinite where there is emission without absorption.
+    fn glow(&self, mixture: &Mixture) -> DVec3 {
+        let [sigma_a, _] = self.coefficients(mixture);
+        let glow = |channel: usize| match mixture.emission[channel] {
+            0.0 => 0.0,
+            emission => emission / sigma_a[channel],
+        };
+        DVec3::new(glow(0), glow(1), glow(2))
+    }
+
+    /// Names the media that cannot shine as they should.
+    fn check_glow(&self, stage: &Stage, faults: &mut Faults) {
+        for (at, vessel) in stage.vessels.list.iter().enumerate() {
+            let layers: Vec<&Vessel> = stage.vessels.layers(at).collect();
+            let most = self.glow(&Mixture::of(&layers)).max_element();
+            if most > f64::from(f32::MAX) {
+                let what = "emission where nothing, or next to nothing, is absorbed: pbrt says it \
+                            as a factor of sigma_a; give sigma_a in every channel of emission";
+                faults.add(place_of(vessel.index), what);
+            }
+        }
+    }
+}
+
 /// Every colour of a scene.
 fn colours<'s>(scene: &'s Radiative, stage: &'s Stage) -> impl Iterator<Item = DVec3> + 's {
     let materials = stage
@@ -133,7 +225,8 @@ fn colours<'s>(scene: &'s Radiative, stage: &'s Stage) -> impl Iterator<Item = D
         });
     let media = stage.vessels.list.iter().flat_map(|vessel| {
         let coefficients = &vessel.medium.coefficients;
-        [coefficients.sigma_a(), coefficients.sigma_s()]
+        let emission = vessel.medium.emission;
+        [coefficients.sigma_a(), coefficients.sigma_s(), emission]
     });
     let lights = scene.lights.iter().map(|light| match light {
         Light::Point(light) => light.intensity,
@@ -170,6 +263,7 @@ impl Meshes<'_> {
 struct Writer<'m, 'n> {
     text: String,
     channel: usize,
+    turning: &'m Turning,
     meshes: &'m mut Meshes<'n>,
 }
 
@@ -181,16 +275,14 @@ impl Writer<'_, '_> {
 
     /// A colour: three times the value of the channel.
     fn rgb(&self, name: &str, value: DVec3) -> String {
-        let grey = value[self.channel];
+        let grey = number(value[self.channel]);
         format!("\"rgb {name}\" [ {grey} {grey} {grey} ]")
     }
 
     fn opening(&mut self, panel: &Panel, stage: &Stage, channel: Option<usize>) {
         let title = panel.title.as_deref().unwrap_or("A scene");
         let title = title.replace(char::is_control, " ");
-        self.line(&format!(
-            "# {title}. Written by volref, and not tried with pbrt-v4."
-        ));
+        self.line(&format!("# {title}. Written by volref for pbrt-v4."));
         if let Some(channel) = channel {
             let channel = CHANNELS[channel];
             self.line(&format!(
@@ -206,6 +298,11 @@ impl Writer<'_, '_> {
                 "# Faces of {} that lie in surfaces stand {way:.3e} behind them, where no ray sees \
                  it.",
                 moved.join(", ")
+            ));
+        }
+        if self.turning.depth == ENDLESS {
+            self.line(&format!(
+                "# Light turned more than {ENDLESS} times is left out."
             ));
         }
         self.line("");
@@ -233,10 +330,14 @@ impl Writer<'_, '_> {
         self.line(&format!("PixelFilter \"box\" {x} {y}"));
         // pbrt's whole numbers have 31 bits and a sign.
         let samples = integer("pixelsamples", scene.samples.min(i32::MAX as u32));
-        let seed = integer("seed", scene.seed & 0x7fff_ffff);
-        self.line(&format!("Sampler \"independent\" {samples} {seed}"));
-        let depth = integer("maxdepth", turns(scene.scattering).unwrap_or(ENDLESS));
-        self.line(&format!("Integrator \"volpath\" {depth}"));
+        self.line(&format!("Sampler \"independent\" {samples}"));
+        let depth = integer("maxdepth", self.turning.depth);
+        let mut lights = scene.lights.iter();
+        let chosen = match lights.any(|light| matches!(light, Light::Spot(_))) {
+            true => " \"string lightsampler\" [ \"power\" ]",
+            false => "",
+        };
+        self.line(&format!("Integrator \"volpath\" {depth}{chosen}"));
     }
 
     fn media(&mut self, stage: &Stage) {
@@ -244,7 +345,8 @@ impl Writer<'_, '_> {
             let name = medium_name(vessel);
             let layers: Vec<&Vessel> = stage.vessels.layers(at).collect();
             let mixture = Mixture::of(&layers);
-            let (sigma_a, sigma_s) = (mixture.sigma_a, mixture.sigma_s);
+            let [sigma_a, sigma_s] = self.turning.coefficients(&mixture);
+            let glow = self.turning.glow(&mixture);
             let g = mixture.parts.first().map_or(0.0, |(g, _)| *g);
             let coefficients = format!(
                 "{} {} {}",
@@ -263,6 +365,10 @@ impl Writer<'_, '_> {
             self.line(&format!(
                 "MakeNamedMedium \"{name}\" \"string type\" [ \"{kind}\" ]\n    {coefficients}"
             ));
+            if glow[self.channel] > 0.0 {
+                let radiance = self.rgb("Le", glow);
+                self.line(&format!("    {radiance}"));
+            }
             if let Some(grid) = &vessel.grid {
                 self.grid(grid);
             }
@@ -292,7 +398,7 @@ impl Writer<'_, '_> {
             for j in 0..ny {
                 let values = (0..nx).map(|i| {
                     let node = [nearest(i, 0), nearest(j, 1), nearest(k, 2)];
-                    density.values()[lattice.index(node)].to_string()
+                    number(density.values()[lattice.index(node)])
                 });
                 let row: Vec<String> = values.collect();
                 self.text.push_str(&row.join(" "));
@@ -369,7 +475,8 @@ impl Writer<'_, '_> {
     }
 
     fn material(&mut self, material: &Material) {
-        match material {
+        let black = Material::Diffuse(DVec3::ZERO);
+        match if self.turning.never { &black } else { material } {
             Material::Diffuse(reflectance) => {
                 let reflectance = self.rgb("reflectance", *reflectance);
                 self.line(&format!("    Material \"diffuse\" {reflectance}"));
@@ -438,7 +545,16 @@ fn medium_name(vessel: &Vessel) -> String {
 }
 
 fn float(name: &str, value: f64) -> String {
-    format!("\"float {name}\" [ {value} ]")
+    format!("\"float {name}\" [ {} ]", number(value))
+}
+
+/// A number in at most 25 characters: with an exponent where it would be long without.
+fn number<T: Copy + Display + LowerExp + Into<f64>>(value: T) -> String {
+    let magnitude = value.into().abs();
+    if magnitude == 0.0 || (1e-5..1e15).contains(&magnitude) {
+        return value.to_string();
+    }
+    format!("{value:e}")
 }
 
 fn integer(name: &str, value: impl Display) -> String {
@@ -450,7 +566,7 @@ fn point(name: &str, value: DVec3) -> String {
 }
 
 fn listed(v: DVec3) -> String {
-    format!("{} {} {}", v.x, v.y, v.z)
+    v.to_array().map(number).join(" ")
 }
 
 /// The sixteen numbers of a map, column by column, as pbrt takes them.

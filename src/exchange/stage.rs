@@ -74,7 +74,18 @@ impl<'s> Stage<'s> {
             object: None,
         });
         let walls: Vec<Wall> = walls.chain(lamps).collect();
-        let vessels = Vessels::of(scene, &walls, view.eye, reach, faults);
+        let size = [panel.width, panel.height];
+        let [width, height] = size.map(|pixels| pixels as f64);
+        // Between its corners a picture holds no other directions than theirs, mixed.
+        let sight = [
+            [0.0, 0.0],
+            [width, 0.0],
+            [0.0, height],
+            [width, height],
+            [0.5 * width, 0.5 * height],
+        ]
+        .map(|place| scene.camera.ray_through(place, size));
+        let vessels = Vessels::of(scene, &walls, &sight, reach, faults);
         Stage {
             objects,
             area_lights,

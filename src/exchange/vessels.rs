@@ -7,7 +7,7 @@
 
 use super::forms::{Form, normal_of};
 use super::refusal::Faults;
-use crate::geometry::{Aabb, Boundary, Ray, Solid, Surface, Transform};
+use crate::geometry::{Aabb, Boundary, Ray, Solid, Span, Surface, Transform};
 use crate::media::{Coefficients, Field, Homogeneous};
 use crate::scene::{Body, Radiative};
 use crate::volume::{DensityField, GridDensity};
@@ -70,12 +70,13 @@ pub(super) struct Vessels<'s> {
 }
 
 impl<'s> Vessels<'s> {
-    /// The media of `scene`, whose surfaces are `walls`; `reach` is the largest coordinate of
-    /// anything. What cannot be said goes to `faults`.
+    /// The media of `scene`, whose surfaces are `walls`; `sight` are the rays through the corners
+    /// and the middle of the image, `reach` is the largest coordinate of anything. What cannot be
+    /// said goes to `faults`.
     pub(super) fn of(
         scene: &'s Radiative,
         walls: &[Wall],
-        eye: DVec3,
+        sight: &[Ray],
         reach: f64,
         faults: &mut Faults,
     ) -> Vessels<'s> {
@@ -92,13 +93,23 @@ impl<'s> Vessels<'s> {
             }
         }
         nest(&mut list, contacts.gap, faults);
-        let holds_eye = |vessel: &Vessel| match &scene.media[vessel.index].boundary {
-            Some(boundary) => holds(&vessel.form, boundary, eye),
-            None => false,
-        };
+        let mut around_eye = Vec::new();
+        for (at, vessel) in list.iter().enumerate() {
+            let Some(boundary) = &scene.media[vessel.index].boundary else {
+                continue;
+            };
+            let starts_in = |ray: &&Ray| starts_in(&vessel.form, boundary, ray, contacts.same);
+            let inside = sight.iter().filter(starts_in).count();
+            if inside == sight.len() {
+                around_eye.push(at);
+            } else if inside > 0 {
+                let what = "the eye lies in its boundary, and some rays of the image go into it, \
+                            others do not; move the eye or the boundary";
+                faults.add(place_of(vessel.index), what);
+            }
+        }
         let depth = |at: usize| ancestors(&list, at).count();
-        let around_eye = (0..list.len()).filter(|&at| holds_eye(&list[at]));
-        let eye = around_eye.max_by_key(|&at| depth(at));
+        let eye = around_eye.into_iter().max_by_key(|&at| depth(at));
         Vessels { list, eye }
     }
 
@@ -125,9 +136,6 @@ fn vessel<'s>(
     body: &'s Body,
     contacts: &Contacts,
 ) -> Result<Option<Vessel<'s>>, String> {
-    if body.medium.emission != DVec3::ZERO {
-        return Err("a medium that sends out light".to_owned());
-    }
     let mut medium = body.medium;
     let mut grid = None;
     if let Some(density) = &body.density {
@@ -145,7 +153,7 @@ fn vessel<'s>(
             return Ok(None);
         }
     }
-    if medium.coefficients.sigma_t() == DVec3::ZERO {
+    if medium.coefficients.sigma_t() == DVec3::ZERO && medium.emission == DVec3::ZERO {
         return Ok(None);
     }
     let most = medium.coefficients.sigma_t().max_element();
@@ -201,6 +209,7 @@ fn thinned(medium: Homogeneous, density: f64) -> Result<Homogeneous, String> {
     let thinned = Coefficients::new(whole.sigma_a() * density, whole.sigma_s() * density);
     Ok(Homogeneous {
         coefficients: thinned.map_err(|error| error.to_string())?,
+        emission: medium.emission * density,
         ..medium
     })
 }
@@ -472,17 +481,32 @@ fn extent_of(form: &Form, axis: DVec3) -> [f64; 2] {
     }
 }
 
-/// Whether a vessel holds a point. A box may have been cut off or moved: its form is asked.
-fn holds(form: &Form, boundary: &Boundary, point: DVec3) -> bool {
-    if let Form::Box { corner, edges } = form {
-        return edges.iter().all(|edge| {
-            let part = (point - corner).dot(*edge) / edge.length_squared();
-            (0.0..1.0).contains(&part)
-        });
-    }
-    let Some(ray) = Ray::new(point, DVec3::Z) else {
-        return false;
+/// Whether a ray starts in a vessel, or within `same` before it: from a face, by the side to
+/// which it leaves. A box may have been cut off or moved: its form is asked.
+fn starts_in(form: &Form, boundary: &Boundary, ray: &Ray, same: f64) -> bool {
+    let span = match form {
+        Form::Box { corner, edges } => span_in_box(*corner, edges, ray),
+        _ => boundary.spans(ray).first().copied(),
     };
-    let spans = boundary.spans(&ray);
-    spans.first().is_some_and(|span| span.near == 0.0)
+    span.is_some_and(|span| span.near <= same && span.far > same)
+}
+
+/// The stretch of a ray within a box, if there is one. What runs in a face is outside.
+fn span_in_box(corner: DVec3, edges: &[DVec3; 3], ray: &Ray) -> Option<Span> {
+    let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
+    for edge in edges {
+        let along = (ray.origin - corner).dot(*edge);
+        let pace = ray.direction.dot(*edge);
+        let all = edge.length_squared();
+        if pace == 0.0 {
+            if along <= 0.0 || along >= all {
+                return None;
+            }
+            continue;
+        }
+        let (one, other) = (-along / pace, (all - along) / pace);
+        near = near.max(one.min(other));
+        far = far.min(one.max(other));
+    }
+    (near < far).then_some(Span { near, far })
 }

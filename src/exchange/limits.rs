@@ -1,0 +1,82 @@
+//! What of a scene is lost in pbrt's numbers of 32 bits, and where it clamps.
+
+use super::forms::Form;
+use super::refusal::Faults;
+use super::stage::Stage;
+use super::vessels::{Vessel, place_of};
+use glam::DVec3;
+
+/// The smallest extent of a shape, times the largest coordinate of it or of the eye.
+///
+/// Coordinates are rounded to 2⁻²⁴ of themselves when they are read (`parser.cpp`, `parseFloat`)
+/// and once more when the scene is moved to the eye (`cameras.cpp`, `CameraTransform`). Both faces
+/// of a body together are off by 2⁻²² of the coordinates: 1/64 of the smallest extent.
+const SMALLEST: f64 = 1.0 / (1 << 16) as f64;
+
+/// The largest |g|: beyond, pbrt takes this one (`util/scattering.h`, `HenyeyGreenstein`;
+/// `util/sampling.cpp`, `SampleHenyeyGreenstein`).
+const SHARPEST: f64 = 0.99;
+
+/// The most mean free paths across a body.
+///
+/// A path is continued from a place rounded to 2⁻²⁴ of the coordinates (`media.h`, `SampleT_maj`):
+/// in bodies as large as their coordinates, up to 6e-4 of a free path at each turn.
+const THICKEST: f64 = 1e4;
+
+/// Names what of a scene pbrt's numbers cannot hold.
+pub(super) fn check(stage: &Stage, faults: &mut Faults) {
+    let eye = stage.view.eye.abs().max_element();
+    let mut extent = |place: &str, form: &Form| {
+        let (extent, reach) = (form.extent(), form.reach().max(eye));
+        if extent < SMALLEST * reach {
+            let what = format!(
+                "an extent of {extent:.3e} at coordinates up to {reach:.3e}, of which pbrt's \
+                 32-bit numbers leave {:.0e} uncertain; move the scene to the origin",
+                reach * 2.0_f64.powi(-24)
+            );
+            faults.add(place, what);
+        }
+    };
+    for (place, form, _) in &stage.objects {
+        extent(place, form);
+    }
+    for (place, form, _) in &stage.area_lights {
+        extent(place, form);
+    }
+    for vessel in stage
+        .vessels
+        .list
+        .iter()
+        .filter(|vessel| vessel.skin.is_none())
+    {
+        extent(&place_of(vessel.index), &vessel.form);
+    }
+    for vessel in &stage.vessels.list {
+        let place = place_of(vessel.index);
+        let g = vessel.medium.phase.0.g();
+        let scatters = vessel.medium.coefficients.sigma_s() != DVec3::ZERO;
+        if scatters && g.abs() > SHARPEST {
+            let what = format!("g = {g}: pbrt takes any beyond {SHARPEST} as {SHARPEST}");
+            faults.add(&place, what);
+        }
+        let paths = free_paths(vessel);
+        if paths > THICKEST {
+            let what = format!(
+                "{paths:.1e} mean free paths across it, where pbrt's 32-bit numbers tell places \
+                 apart for {THICKEST:e}; lower sigma_a and sigma_s, or make it smaller"
+            );
+            faults.add(place, what);
+        }
+    }
+}
+
+/// Mean free paths across a medium at most, as though it were everywhere as dense as where it is
+/// densest.
+fn free_paths(vessel: &Vessel) -> f64 {
+    let densest = vessel.grid.as_ref().map_or(1.0, |grid| {
+        let values = grid.density.grid().values().iter();
+        f64::from(values.copied().fold(0.0, f32::max))
+    });
+    let sigma_t = vessel.medium.coefficients.sigma_t().max_element();
+    sigma_t * densest * vessel.form.across()
+}
