@@ -47,7 +47,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let bar = progress::steps();
     let is_whole = arguments.filters.is_empty();
     let test = self_test(&cases, is_whole, &store, extent, &|next| {
-        bar.set_message(next.to_owned());
+        bar.set_message(report::visible(next));
         bar.tick();
     });
     bar.finish_and_clear();
