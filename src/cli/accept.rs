@@ -4,6 +4,7 @@ use super::failure::{Exit, Failure};
 use super::output::Json;
 use super::suite::{Selection, select, store};
 use super::{Outcome, progress};
+use crate::report::visible;
 use crate::suite::{self, AcceptError, Cache, Change, StoreError, Watch};
 use serde_json::json;
 
@@ -92,7 +93,7 @@ impl Watch for Bar {
     }
 
     fn case(&self, name: &str) {
-        self.0.set_message(name.to_owned());
+        self.0.set_message(visible(name));
     }
 
     fn did(&self, work: u64) {
