@@ -20,7 +20,7 @@ pub(super) const MOST_CASES: usize = 1000;
 
 /// Renders `case` and compares every bit with its golden; of a stochastic case the quick
 /// rendering, which must also agree with the converged image. Reads goldens, never writes them.
-/// `progress` is told of each finished row of pixels.
+/// `progress` is told of each step of the image.
 pub fn verify(case: &Case, store: &Store, progress: render::Progress<'_>) -> Judged {
     verify_with(&Reference, case, store, progress)
 }
