@@ -299,7 +299,8 @@ impl Contents<'_> {
                 true => format!("about {turns:.1e} times"),
                 false => "without end".to_owned(),
             };
-            let gives_up = match turns > f64::from(Stream::BOUNCES) {
+            let endless = self.scene.scattering == Scattering::Multiple(None);
+            let gives_up = match endless && turns > f64::from(Stream::BOUNCES) {
                 true => "; rendering may fail, at a path of 2^26 turns",
                 false => "",
             };
