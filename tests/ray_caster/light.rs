@@ -17,8 +17,12 @@ const STANDING: [usize; 3] = [0, 1, 2];
 fn scene(folder: &std::path::Path, axes: [usize; 3], [eye, target, up]: [DVec3; 3]) -> Scene {
     let nodes = axes.map(|axis| NODES[axis]);
     let mut bytes = Vec::new();
-    nodes.map(|n| bytes.extend((n as i32).to_le_bytes()));
-    nodes.map(|n| bytes.extend(((n - 1) as f32).to_le_bytes()));
+    for n in nodes {
+        bytes.extend((n as i32).to_le_bytes());
+    }
+    for n in nodes {
+        bytes.extend(((n - 1) as f32).to_le_bytes());
+    }
     for index in 0..nodes.iter().product() {
         let node = [
             index % nodes[0],
