@@ -312,11 +312,7 @@ fn compare_promises_what_the_suite_does() {
         first,
         "inconclusive  (stochastic gate, since both images state their noise)"
     );
-    for part in [
-        "no bias below",
-        "and 2.00 % is to be",
-        "would decide",
-    ] {
+    for part in ["no bias below", "and 2.00 % is to be", "would decide"] {
         assert!(run.stdout.contains(part), "{}", run.stdout);
     }
     assert_eq!(
