@@ -198,7 +198,7 @@ fn give(folder: &Folder, form: &str, samples: u64, seed: u64) {
 /// the noise is given, one number is meant: samples per pixel in all.
 #[test]
 fn the_samples_advised_decide() {
-    let folder = promising(24, 2048, 0.02);
+    let folder = promising(24, 2048, 0.04);
     for (form, says_how_many) in [
         ("stated", true),
         ("file", true),
