@@ -198,7 +198,7 @@ fn give(folder: &Folder, form: &str, samples: u64, seed: u64) {
 /// the noise is given, one number is meant: samples per pixel in all.
 #[test]
 fn the_samples_advised_decide() {
-    let folder = promising(24, 1024, 0.05);
+    let folder = promising(24, 2048, 0.04);
     for (form, says_how_many) in [
         ("stated", true),
         ("file", true),
@@ -211,7 +211,7 @@ fn the_samples_advised_decide() {
             let result = run.json()["cases"][0].clone();
             (run.code, result)
         };
-        let few = 8;
+        let few = 16;
         let (code, result) = judged(few, 11);
         let reason = result["reason"].as_str().unwrap();
         assert_eq!(
@@ -224,7 +224,7 @@ fn the_samples_advised_decide() {
             true => {
                 let samples = metric("samples_that_would_decide").unwrap();
                 let said = format!(
-                    "about {samples} samples per pixel in all would decide, and this image has 8"
+                    "about {samples} samples per pixel in all would decide, and this image has 16"
                 );
                 assert!(reason.contains(&said), "{form}: {reason}");
                 samples

@@ -205,8 +205,8 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
             noise()
         ),
         _ if passed => format!(
-            "nothing is off beyond noise; a bias of {} of the mean, or of {} of a block, would \
-             have been seen; {}",
+            "nothing is off beyond noise; a bias of {} of the mean, or of {} of nine blocks in ten, \
+             would have been seen; {}",
             percent(mean_resolution),
             percent(resolution),
             noise()

@@ -208,8 +208,9 @@ impl Together {
         }
         (!is_biased).then(|| {
             format!(
-                "{found}, over more than a filter reaches: whole regions are too bright or too \
-                 dark, or edges lie elsewhere, each by less than the noise of a block"
+                "{found}, though no block alone is off by more than noise: whole regions are too \
+                 bright or too dark, edges lie elsewhere, or a denoiser left the noise of regions \
+                 in common"
             )
         })
     }
@@ -223,21 +224,23 @@ const SMOOTH: f64 = 0.25;
 /// Whether neighbours are off together in detail, in most blocks that have no bias of their own.
 fn is_smooth(comparison: &Comparison<'_>, rejected: &[bool]) -> bool {
     let [reference, test] = comparison.films.map(|film| film.radiance());
-    let mut found = Vec::new();
+    let (mut found, mut asked) = (Vec::new(), 0);
     for (block, is_rejected) in comparison.blocks.iter().zip(rejected) {
         let (width, height) = (block.columns.len(), block.rows.len());
-        if *is_rejected || width < BLOCK || height < BLOCK {
+        if width < BLOCK || height < BLOCK {
             continue;
         }
         for c in 0..3 {
             let indices = block.indices(comparison.films[0].width());
             let difference = |i: usize| f64::from(test[i][c]) - f64::from(reference[i][c]);
             let pixels: Vec<f64> = indices.map(difference).collect();
-            found.extend(correlation_beside_plane(&pixels, width));
+            let correlation = correlation_beside_plane(&pixels, width);
+            asked += usize::from(correlation.is_some());
+            found.extend(correlation.filter(|_| !is_rejected));
         }
     }
-    // Too few blocks without a bias say nothing of noise.
-    found.len() * 8 >= rejected.len() && median(found) > SMOOTH
+    // Where nearly all have a bias, the few others say nothing of noise.
+    found.len() * 8 >= asked && median(found) > SMOOTH
 }
 
 /// Correlation of the neighbours across and down, of what a plane through the rows of `width`
