@@ -1035,6 +1035,15 @@ fn media_of_pbrt_shine_by_what_they_absorb() {
         pbrt(&nested).matches("\"rgb Le\" [ 0.5 0.5 0.5 ]").count(),
         2
     );
+    // A grid says that its emission fades nowhere: pbrt's default does.
+    let grid = "grid = { file = \"grid.bin\" }\nsigma_a = 4\nemission = 2\n";
+    let export = with_grid(grid, Format::Pbrt).unwrap();
+    check_pbrt(&export);
+    let text = text_of(&export, &export.main);
+    assert!(text.contains("\"rgb Le\" [ 0.5 0.5 0.5 ]"), "{text}");
+    let ones = part(&text, "\"float Lescale\"", "\nWorldBegin");
+    let row = "1 1 1 1\n".repeat(16);
+    assert_eq!(ones, format!("    \"float Lescale\" [\n{row}    ]\n"));
     // A channel without emission says none.
     let export = write(&medium("sigma_a = 4\nemission = [2, 0, 4]"), Format::Pbrt).unwrap();
     let le = ["red", "green", "blue"]

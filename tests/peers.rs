@@ -1,4 +1,5 @@
-//! Bundles, and the renderer in `scripts/peers` that knows nothing else of a scene.
+//! Bundles, and the renderer in `scripts/peers` that knows nothing else of a scene; the other
+//! scripts there, and the tables of what other renderers came to.
 //!
 //! The student's renderer needs `python3` with NumPy. Where there is none, its tests say so and
 //! test nothing.
@@ -8,7 +9,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use volref::compare::{Gate, Judgement, Picture, judge};
-use volref::exchange::{Export, bundle};
+use volref::exchange::{Export, Format, bundle, export};
 use volref::film::Film;
 use volref::render::{Plan, render};
 use volref::scene::{Model, Scene};
@@ -478,4 +479,162 @@ fn the_student_writes_three_formats() {
     let rows = floats(&pfm[header.len()..]);
     let from_top: Vec<f32> = rows.chunks(row).rev().flatten().copied().collect();
     assert_eq!(from_top, radiance);
+}
+
+// --- Tables and scripts of other renderers ------------------------------------------------------
+
+/// The tables in `golden/peers` have all radiative cases of their families, and what they call
+/// refused is what the exporter refuses today, in its words.
+#[test]
+fn tables_of_other_renderers_say_what_exports_say() {
+    let files = std::fs::read_dir(root().join("golden/peers")).unwrap();
+    let files: Vec<PathBuf> = files.map(|file| file.unwrap().path()).collect();
+    assert!(!files.is_empty());
+    for file in files {
+        let text = std::fs::read_to_string(&file).unwrap();
+        let table: toml::Table = text.parse().unwrap();
+        let format: Format = table["renderer"].as_str().unwrap().parse().unwrap();
+        let is_in = |family: &str| table.keys().any(|name| name.starts_with(family));
+        for family in ["fog/", "smoke/", "procedural/", "hard/"] {
+            if family != "hard/" || is_in(family) {
+                check_family(&table, format, family);
+            }
+        }
+    }
+}
+
+fn check_family(table: &toml::Table, format: Format, family: &str) {
+    let files = std::fs::read_dir(root().join("fixtures/scenes").join(family)).unwrap();
+    let files = files.map(|file| file.unwrap().path());
+    let mut said = 0;
+    for path in files.filter(|path| path.extension().unwrap() == "toml") {
+        let scene = Scene::load(&path).unwrap();
+        if !matches!(&scene.panels[0].model, Model::Radiative(_)) {
+            continue;
+        }
+        let stem = path.file_stem().unwrap().to_str().unwrap();
+        let name = format!("{family}{stem}");
+        let row = table.get(&name);
+        let row = row.unwrap_or_else(|| panic!("{format}: no {name}"));
+        let text = |key: &str| row.get(key).map_or("", |value| value.as_str().unwrap());
+        match export(&scene, format, stem) {
+            Ok(_) => {
+                let verdicts = ["pass", "fail", "inconclusive", "error"];
+                assert!(verdicts.contains(&text("verdict")), "{format} {name}");
+                said += 1;
+            }
+            Err(refusal) => {
+                assert_eq!(text("verdict"), "missing", "{format} {name}");
+                let reason = format!("not rendered: {refusal}");
+                assert_eq!(text("reason"), reason, "{format} {name}");
+            }
+        }
+    }
+    assert!(said > 0, "{format}: nothing of {family}");
+}
+
+/// Runs a script of `scripts/peers` in `folder`, with what stands for a program of the renderer.
+fn script(name: &str, arguments: &[&str], folder: &Path, program: Option<&Path>) -> (bool, String) {
+    let mut run = Command::new("python3");
+    run.arg(root().join("scripts/peers").join(name));
+    run.args(arguments).current_dir(folder);
+    match program {
+        Some(program) => run.env("PBRT", program),
+        None => run.env("PBRT", folder.join("none")),
+    };
+    let output = run.output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.success(), said)
+}
+
+/// A program with the flags of pbrt: green is the seed's, of a white scene 0.5.
+#[cfg(unix)]
+fn stand_in(folder: &Path, spread: &str) -> PathBuf {
+    use std::os::unix::fs::PermissionsExt;
+    let program = folder.join("pbrt-of-the-test");
+    let text = format!(
+        r#"#!/usr/bin/env python3
+import struct, sys
+arguments = sys.argv[1:]
+value = lambda flag: arguments[arguments.index(flag) + 1]
+assert "--disable-wavelength-jitter" in arguments and "--quiet" in arguments
+white = "[ 1 1 1 ]" in open(arguments[-1]).read() and arguments[-1].endswith("white.pbrt")
+width, height, green = 1, 1, 0.5
+if not white:
+    width, height = 4, 3
+    channel = 1 + ["red", "green", "blue"].index(arguments[-1].split(".")[-2])
+    green = 0.5 * (channel + {spread} * (int(value("--seed")) % 1000) / 1000)
+with open(value("--outfile"), "wb") as file:
+    file.write(f"PF\n{{width}} {{height}}\n-1.0\n".encode())
+    file.write(struct.pack("<3f", 0.9, green, 0.1) * (width * height))
+"#
+    );
+    std::fs::write(&program, text).unwrap();
+    let mode = std::fs::Permissions::from_mode(0o755);
+    std::fs::set_permissions(&program, mode).unwrap();
+    program
+}
+
+/// Pictures of three channels are put together, divided by white; noise is that of the replicates,
+/// and none is stated where they agree.
+#[cfg(unix)]
+#[test]
+fn the_script_for_pbrt_divides_by_white_and_states_noise() {
+    if !python() {
+        return;
+    }
+    let scene = "[film]\nwidth = 4\nheight = 3\n[camera]\neye = [0, 0, -1]\n\
+                 target = [0, 0, 0]\n[radiative]\nenvironment = [1, 2, 3]\n";
+    let scene = Scene::parse(scene, Path::new("scene.toml")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let export = export(&scene, Format::Pbrt, "scene").unwrap();
+    for (file, bytes) in &export.files {
+        std::fs::write(folder.path().join(file), bytes).unwrap();
+    }
+    let render = |spread: &str| {
+        let program = stand_in(folder.path(), spread);
+        let arguments = [&export.main, "image.exr", "--spp", "32", "--seed", "3"];
+        let (done, said) = script("run_pbrt.py", &arguments, folder.path(), Some(&program));
+        assert!(done, "{said}");
+        Film::from_exr(&std::fs::read(folder.path().join("image.exr")).unwrap()).unwrap()
+    };
+    let exact = render("0");
+    assert!(
+        exact
+            .radiance()
+            .iter()
+            .all(|pixel| *pixel == [1.0, 2.0, 3.0])
+    );
+    assert!(exact.noise().is_none());
+    let noisy = render("1");
+    let noise = noisy.noise().expect("replicates differ");
+    assert_eq!(noise.samples(), 32);
+    // Sixteen numbers spread over an interval of 1: a variance of 1/12 over 16, three times more
+    // or less.
+    let expected = 1.0 / 12.0 / 16.0;
+    let variance = f64::from(noise.variance()[0][0]);
+    assert!(
+        (expected / 3.0..3.0 * expected).contains(&variance),
+        "{variance}"
+    );
+    assert!(noisy.radiance()[0][0] > 1.0 && noisy.radiance()[0][2] > 3.0);
+}
+
+/// Without pbrt, or without one of its files, the script says what to do.
+#[cfg(unix)]
+#[test]
+fn the_script_for_pbrt_says_what_it_lacks() {
+    if !python() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.red.pbrt"), "").unwrap();
+    std::fs::write(folder.path().join("b.pbrt"), "").unwrap();
+    let (done, said) = script("run_pbrt.py", &["a.red.pbrt", "a.exr"], folder.path(), None);
+    assert!(!done && said.contains("a.green.pbrt"), "{said}");
+    let (done, said) = script("run_pbrt.py", &["b.pbrt", "b.exr"], folder.path(), None);
+    assert!(
+        !done && said.contains("put it on $PATH or name it in $PBRT"),
+        "{said}"
+    );
 }

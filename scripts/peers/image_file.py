@@ -30,10 +30,16 @@ def write_pfm(path, image):
 
 
 def write_exr(path, image):
+    write_channels(path, dict(zip("RGB", image.transpose(2, 0, 1))))
+
+
+def write_channels(path, planes):
     """The simplest EXR there is: scan lines, not compressed, channels by name, 32-bit floats."""
-    height, width, _ = image.shape
+    names = sorted(planes)
+    planes = np.stack([planes[name] for name in names], axis=1).astype("<f4")
+    height, _, width = planes.shape
     corner = struct.pack("<4i", 0, 0, width - 1, height - 1)
-    channels = b"".join(name + struct.pack("<xiB3xii", 2, 0, 1, 1) for name in (b"B", b"G", b"R"))
+    channels = b"".join(name.encode() + struct.pack("<xiB3xii", 2, 0, 1, 1) for name in names)
     attributes = [
         (b"channels", b"chlist", channels + b"\0"),
         (b"compression", b"compression", b"\0"),
@@ -49,11 +55,11 @@ def write_exr(path, image):
         header += name + b"\0" + kind + b"\0" + struct.pack("<i", len(value)) + value
     header += b"\0"
     # Where each row begins; then for each row its number, its size, and all of a channel at once.
-    line = 8 + 12 * width
+    size = 4 * len(names) * width
+    line = 8 + size
     begin = len(header) + 8 * height
     table = struct.pack(f"<{height}Q", *(begin + line * row for row in range(height)))
-    planes = image[:, :, ::-1].transpose(0, 2, 1).astype("<f4")
-    rows = (struct.pack("<2i", row, 12 * width) + planes[row].tobytes() for row in range(height))
+    rows = (struct.pack("<2i", row, size) + planes[row].tobytes() for row in range(height))
     path.write_bytes(header + table + b"".join(rows))
 
 

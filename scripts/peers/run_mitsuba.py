@@ -3,17 +3,17 @@
 
     run_mitsuba.py SCENE.xml OUTPUT.exr [--spp N] [--seed S] [--replicates R]
 
-SCENE.xml is what `volref export --to mitsuba` writes. OUTPUT.exr holds R, G and B, the variance of
-their means (`variance.R`, `.G`, `.B`) and the samples per pixel (`samples.Y`). Made for
+SCENE.xml is what `volref export --to mitsuba` writes. OUTPUT.exr holds R, G and B and, where the
+picture has noise, the variance of their means (`variance.R`, `.G`, `.B`) and the samples per pixel
+(`samples.Y`). Made for
 
     volref validate --run 'python3 scripts/peers/run_mitsuba.py {export:mitsuba} {output} \\
         --spp {spp} --seed {seed}'
 
 Mitsuba tells the noise of a picture in no channel of its own, so the samples are divided among R
 pictures with seeds of their own (64, or one for each sample if there are fewer), and the variance
-of the mean is that of the pictures over R. N is rounded up to a multiple of their samples. To it is added
-the square of 1e-5 of the mean: Mitsuba calculates with 32 bits, and of a hundred roundings on a path
-(2^-24 each, 6e-6 together) those that are the same in every sample show in no spread.
+of the mean is that of the pictures over R. N is rounded up to a multiple of their samples. What is
+added for rounding, and when no noise is stated, is in `replicates.py`.
 
 A scene that is said channel by channel (it has a parameter `channel`) is rendered three times,
 N samples each, and of every picture that channel is taken.
@@ -22,12 +22,12 @@ Needs Python 3.9 with `mitsuba` and `numpy`.
 """
 
 import argparse
-import math
 import sys
 import xml.etree.ElementTree
 from pathlib import Path
 
 import numpy as np
+from replicates import seeds, shares, summary, write
 
 # The neighbour `mitsuba.py` has the name of the module that is needed here.
 HERE = Path(__file__).resolve().parent
@@ -37,7 +37,6 @@ import mitsuba as mi  # noqa: E402
 mi.set_variant("scalar_rgb")
 
 CHANNELS = ["red", "green", "blue"]
-ROUNDING = 1e-5
 
 
 def parameters(scene):
@@ -64,30 +63,9 @@ def picture(scenes, spp, seed):
 
 def render(scenes, spp, seed, count):
     """Mean, variance of the mean, and samples per pixel, from at most `count` pictures."""
-    samples = math.ceil(spp / count)
-    count = max(2, math.ceil(spp / samples))
-    # A seed of its own for every picture, none of them near another.
-    seeds = np.random.SeedSequence(seed).generate_state(count)
-    pictures = np.stack([picture(scenes, samples, int(seed)) for seed in seeds])
-    mean = pictures.mean(0)
-    variance = pictures.var(0, ddof=1) / count + (ROUNDING * mean) ** 2
-    return mean, variance, count * samples
-
-
-def write(file, mean, variance, samples):
-    """An EXR with the noise in layers of its own."""
-    height, width, _ = mean.shape
-    layers = [mean, variance, np.full((height, width, 1), samples)]
-    names = ["R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.Y"]
-    bitmap = mi.Bitmap(
-        np.concatenate(layers, axis=2).astype(np.float32),
-        pixel_format=mi.Bitmap.PixelFormat.MultiChannel,
-        channel_names=names,
-    )
-    # By its last name only when it is whole.
-    aside = file.with_name(f".{file.stem}.partial.exr")
-    bitmap.write(str(aside))
-    aside.replace(file)
+    samples, count = shares(spp, count)
+    pictures = [picture(scenes, samples, one) for one in seeds(seed, count)]
+    return *summary(pictures), count * samples
 
 
 def main():

@@ -22,6 +22,9 @@
 //!   coordinates of a grid.
 //! - A `uniformgrid` has its values in the middles of voxels and fades to 0 beyond them: around
 //!   the grid another layer of its outermost values is laid.
+//! - `Lescale` of such a grid, left out, is one voxel of 1 (`media.cpp`, `GridMedium::Create`), which
+//!   fades likewise (`util/containers.h`, `SampledGrid::Lookup`), and emission with it to an eighth in
+//!   the corners: it is written as a grid of ones.
 //! - A conductor reflects the less the flatter it is met, unless it is infinitely conductive: a
 //!   mirror is one with k = 10⁶, mixed with black. Where it is met at an angle of cosine c it
 //!   takes away 4·10⁻¹²/c, no more than is lost by 32-bit numbers.
@@ -365,18 +368,19 @@ impl Writer<'_, '_> {
             self.line(&format!(
                 "MakeNamedMedium \"{name}\" \"string type\" [ \"{kind}\" ]\n    {coefficients}"
             ));
-            if glow[self.channel] > 0.0 {
+            let glows = glow[self.channel] > 0.0;
+            if glows {
                 let radiance = self.rgb("Le", glow);
                 self.line(&format!("    {radiance}"));
             }
             if let Some(grid) = &vessel.grid {
-                self.grid(grid);
+                self.grid(grid, glows);
             }
         }
     }
 
     /// A grid, and a layer of its outermost values around it.
-    fn grid(&mut self, grid: &Placed) {
+    fn grid(&mut self, grid: &Placed, glows: bool) {
         let density = grid.density.grid();
         let lattice = density.lattice();
         let low = lattice.first() - 1.5 * lattice.spacing();
@@ -406,6 +410,14 @@ impl Writer<'_, '_> {
             }
         }
         self.line("    ]");
+        if glows {
+            self.line("    \"float Lescale\" [");
+            let row = vec!["1"; nx].join(" ");
+            for _ in 0..ny * nz {
+                self.line(&row);
+            }
+            self.line("    ]");
+        }
     }
 
     fn light(&mut self, light: &Light) {
