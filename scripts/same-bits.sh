@@ -2,23 +2,27 @@
 # The same bits from every build: debug, release, release for this very processor, and one or many
 # threads. Renders cases of the suite by each, compares every bit with the goldens, runs the rows of
 # the catalogue of hard cases (of which A5 holds functions and pictures to hashes written down in
-# it), and compares the images themselves. Another architecture is tried where its toolchain is.
+# it), and compares the images themselves, as files.
 #
 #   scripts/same-bits.sh              the whole suite
 #   scripts/same-bits.sh FILTER…      these cases (see volref verify --help)
 #   scripts/same-bits.sh --built …    debug and release as they were built last, and no third build:
 #                                     of check.sh, whose debug build is for this very processor
+#   scripts/same-bits.sh --architecture NAME …
+#                                     release here against release on another architecture, where
+#                                     tests are run as well (scripts/other-architecture.sh)
 #
-# Builds what is missing: debug and release in target/, the third in target/native/. With
-# VOLREF_CROSS_TARGET another architecture than the two below is tried. Needs the Rust toolchain.
+# Builds what is missing: debug and release in target/, the third in target/native/. Needs the Rust
+# toolchain.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 built=no
-if [ "${1-}" = --built ]; then
-    built=yes
-    shift
-fi
+architecture=
+case ${1-} in
+    --built) built=yes && shift ;;
+    --architecture) architecture=${2:?--architecture NAME: aarch64, s390x, …} && shift 2 ;;
+esac
 filters=("$@")
 hashes=$(mktemp -d)
 trap 'rm -rf "$hashes"' EXIT
@@ -56,37 +60,34 @@ try() {
 
 odd=0
 builds=()
-if [ $built = no ]; then
-    cargo build --quiet
+if [ -n "$architecture" ]; then
     cargo build --quiet --release
-    CARGO_TARGET_DIR=target/native RUSTFLAGS="${RUSTFLAGS:-} -C target-cpu=native" cargo build --quiet --release
+    elsewhere=$(scripts/other-architecture.sh build "$architecture")
+    try release target/release/volref
+    try "$architecture" "$elsewhere"
+    say "tests on $architecture"
+    scripts/other-architecture.sh test "$architecture" || odd=1
+else
+    if [ $built = no ]; then
+        cargo build --quiet
+        cargo build --quiet --release
+        CARGO_TARGET_DIR=target/native RUSTFLAGS="${RUSTFLAGS:-} -C target-cpu=native" cargo build --quiet --release
+    fi
+    try debug target/debug/volref
+    try release target/release/volref
+    [ $built = yes ] || try native target/native/release/volref
+    try one-thread target/release/volref --threads 1
+    try five-threads target/release/volref --threads 5
 fi
 
-try debug target/debug/volref
-try release target/release/volref
-[ $built = yes ] || try native target/native/release/volref
-try one-thread target/release/volref --threads 1
-try five-threads target/release/volref --threads 5
-
-say "another architecture"
-for target in ${VOLREF_CROSS_TARGET:-aarch64-unknown-linux-gnu wasm32-unknown-unknown}; do
-    if [ ! -d "$(rustc --print sysroot)/lib/rustlib/$target/lib" ]; then
-        echo "$target: its standard library is not installed (rustup target add $target): not tried"
-    elif cargo build --quiet --release --lib --target "$target"; then
-        echo "$target: builds; its bits are compared where it runs, by this script"
-    else
-        echo "$target: does not build"
-        odd=1
-    fi
-done
-
 say "compared"
+first=${builds[0]}
 for name in "${builds[@]}"; do
-    if ! diff "$hashes/debug.hashes" "$hashes/$name.hashes"; then
-        echo "$name: other bits than debug"
+    if ! diff "$hashes/$first.hashes" "$hashes/$name.hashes"; then
+        echo "$name: other bits than $first"
         odd=1
     fi
 done
 [ $odd = 0 ] || exit 1
-grep -E '^[0-9a-f]{16}  ' "$hashes/debug.hashes"
+grep -E '^[0-9a-f]{16}  ' "$hashes/$first.hashes"
 echo "the same bits: ${builds[*]}"

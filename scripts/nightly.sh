@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# What takes too long for every change: hours in all. Goes on after a failure, and sums up at the end.
+#
+#   scripts/nightly.sh              every campaign
+#   scripts/nightly.sh WORD…        those with one of the words in their title
+#
+# Needs what scripts/check.sh needs; for other architectures Debian or its kin on x86-64
+# (scripts/other-architecture.sh).
+set -uo pipefail
+cd "$(dirname "$0")/.."
+
+words=("$@")
+summary=()
+failed=0
+
+# campaign TITLE COMMAND…
+campaign() {
+    local title=$1 outcome=passed word wanted=no
+    shift
+    for word in "${words[@]-}"; do
+        [[ $title == *"$word"* ]] && wanted=yes
+    done
+    [ $wanted = yes ] || return 0
+    printf '\n== %s\n' "$title"
+    local start=$SECONDS
+    if ! "$@"; then
+        outcome=FAILED
+        failed=1
+    fi
+    summary+=("$(printf '%-6s %5d s  %s' "$outcome" $((SECONDS - start)) "$title")")
+}
+
+# One line each; a campaign of your own is one more.
+campaign "the same bits from every build" scripts/same-bits.sh
+campaign "the same bits on aarch64" scripts/same-bits.sh --architecture aarch64
+campaign "the same bits on s390x, most significant byte first" scripts/same-bits.sh --architecture s390x
+campaign "the same bits on i686, words of 32 bits" scripts/same-bits.sh --architecture i686
+campaign "the gate: false alarms of 1000 suites, power" cargo test --release --test gate -- --ignored --nocapture
+campaign "200,000 scenes, others every day" env VOLREF_SCENES=200000 "VOLREF_SCENES_SEED=$(date +%Y%m%d)" \
+    cargo test --release --test any_scene
+campaign "every mistake of the catalogue in every case" cargo run --release --quiet -- selftest
+
+if [ ${#summary[@]} = 0 ]; then
+    echo "no campaign has such a word in its title: ${words[*]}" >&2
+    exit 2
+fi
+printf '\n'
+printf '%s\n' "${summary[@]}"
+exit $failed
