@@ -6,6 +6,9 @@ use super::stage::Stage;
 use super::vessels::{Vessel, place_of};
 use glam::DVec3;
 
+/// The rounding of a number of 32 bits, relative to it.
+const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
+
 /// The smallest extent of a shape, times the largest coordinate of it or of the eye.
 ///
 /// Coordinates are rounded to 2⁻²⁴ of themselves when they are read (`parser.cpp`, `parseFloat`)
@@ -32,7 +35,7 @@ pub(super) fn check(stage: &Stage, faults: &mut Faults) {
             let what = format!(
                 "an extent of {extent:.3e} at coordinates up to {reach:.3e}, of which pbrt's \
                  32-bit numbers leave {:.0e} uncertain; move the scene to the origin",
-                reach * 2.0_f64.powi(-24)
+                reach * ROUNDING
             );
             faults.add(place, what);
         }
