@@ -13,6 +13,7 @@ mod hard;
 #[cfg(unix)]
 mod hostile;
 mod info;
+mod inputs;
 mod list;
 mod outputs;
 mod plan;
