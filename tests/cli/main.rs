@@ -15,6 +15,7 @@ mod hostile;
 mod info;
 mod inputs;
 mod list;
+mod mutated_inputs;
 mod outputs;
 mod plan;
 mod progress;
