@@ -195,7 +195,7 @@ impl Source {
             }
             let outputs =
                 Outputs::list(folder, names).map_err(|error| bad(error.to_string(), None))?;
-            outputs.files().for_each(|file| note_input(file));
+            outputs.files().for_each(note_input);
             return Ok(Source::Finished(folder.clone(), outputs));
         }
         let command = arguments.run.as_deref().unwrap_or_default();
