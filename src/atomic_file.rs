@@ -84,6 +84,15 @@ enum Destination {
     Stream,
 }
 
+/// The regular file, existing or not, that [`write_atomically`] would write for `path`; nothing
+/// for a stream.
+pub(crate) fn file_behind(path: &Path) -> Option<PathBuf> {
+    match destination(path) {
+        Ok(Destination::File(target)) => Some(target),
+        _ => None,
+    }
+}
+
 /// Follows symbolic links by hand: `canonicalize` would refuse a link to a file that does not
 /// exist yet, and would lead from `/dev/stdout` to the file the shell redirected it to.
 fn destination(path: &Path) -> io::Result<Destination> {

@@ -79,6 +79,7 @@ pub mod atomic_file;
 pub mod cli;
 pub mod compare;
 pub mod cost;
+mod decoder;
 pub mod exchange;
 pub mod film;
 pub mod geometry;

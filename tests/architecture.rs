@@ -24,6 +24,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "film",
             "math",
             "atomic_file",
+            "regular_file",
         ],
     ),
     ("report", &["suite", "cost", "compare", "film", "math"]),
@@ -41,6 +42,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "film",
             "math",
             "atomic_file",
+            "regular_file",
         ],
     ),
     (
@@ -52,7 +54,16 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "cost",
         &[
-            "compare", "render", "scene", "media", "optics", "volume", "geometry", "film", "math",
+            "compare",
+            "render",
+            "scene",
+            "media",
+            "optics",
+            "volume",
+            "geometry",
+            "film",
+            "math",
+            "regular_file",
         ],
     ),
     ("compare", &["film", "math", "regular_file"]),
@@ -68,13 +79,24 @@ const ROOMS: &[(&str, &[&str])] = &[
             "scene", "media", "optics", "volume", "geometry", "film", "math",
         ],
     ),
-    ("scene", &["media", "optics", "volume", "geometry", "math"]),
+    (
+        "scene",
+        &[
+            "media",
+            "optics",
+            "volume",
+            "geometry",
+            "math",
+            "regular_file",
+        ],
+    ),
     ("media", &["volume", "geometry", "math"]),
     ("optics", &["geometry", "math"]),
-    ("volume", &["geometry", "math", "regular_file"]),
-    ("geometry", &["math"]),
-    ("film", &["math"]),
+    ("volume", &["geometry", "math", "decoder", "regular_file"]),
+    ("geometry", &["math", "decoder", "regular_file"]),
+    ("film", &["math", "decoder"]),
     ("math", &[]),
+    ("decoder", &[]),
     ("atomic_file", &[]),
     ("regular_file", &[]),
 ];
@@ -197,6 +219,72 @@ fn arrows_only_point_down() {
     for room in ["cli", "suite", "render", "scene", "film", "math"] {
         assert!(seen.contains(room), "no file of {room} was read");
     }
+}
+
+/// Ways to open a file that ask neither what it is nor how long.
+const UNASKED: [&str; 6] = [
+    "File::open(",
+    "File::options(",
+    "OpenOptions",
+    "fs::read(",
+    "fs::read)",
+    "fs::read_to_string",
+];
+
+/// Lines that open what is no input: a folder to be synced, a stream or a lock to be written, the
+/// system's words on a process.
+const ASKED: [(&str, &str); 4] = [
+    (
+        "atomic_file.rs",
+        "let mut stream = File::options().append(true).open(path)?;",
+    ),
+    (
+        "atomic_file.rs",
+        "match File::open(directory)?.sync_all() {",
+    ),
+    (
+        "suite/other_renderer/keeper.rs",
+        "&& let Ok(bytes) = std::fs::read(entry.path().join(\"stat\"))",
+    ),
+    ("suite/store.rs", "let opened = File::options()"),
+];
+
+/// The lines of `text` that open a file unasked, up to its tests.
+fn unasked_lines(text: &str) -> Vec<&str> {
+    let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or("");
+    let lines = code.lines().map(str::trim);
+    let lines = lines.filter(|line| !line.starts_with("//"));
+    lines
+        .filter(|line| UNASKED.iter().any(|way| line.contains(way)))
+        .collect()
+}
+
+/// Whoever opens a file by himself waits for ever at a pipe, reads a device until memory is gone,
+/// and lets an output be written over it.
+#[test]
+fn files_are_read_through_one_door() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut found = Vec::new();
+    for path in rust_files(&source) {
+        let relative = path.strip_prefix(&source).unwrap();
+        let relative = relative.display().to_string().replace('\\', "/");
+        let only_tests = relative.ends_with("tests.rs");
+        if relative == "regular_file.rs" || only_tests {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        for line in unasked_lines(&text) {
+            found.push((relative.clone(), line.to_owned()));
+        }
+    }
+    let asked: Vec<_> = ASKED
+        .iter()
+        .map(|(file, line)| ((*file).to_owned(), (*line).to_owned()))
+        .collect();
+    assert_eq!(found, asked, "open files by crate::regular_file");
+    let text =
+        "// File::open(path)\nlet a = std::fs::read(path);\n#[cfg(test)]\nmod tests {\nfs::read(x)";
+    assert_eq!(unasked_lines(text), ["let a = std::fs::read(path);"]);
 }
 
 #[test]

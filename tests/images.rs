@@ -168,6 +168,16 @@ fn what_cannot_be_used_is_refused_in_words() {
         "bad-palette-alpha.png",
         "bad-animated.png",
         "bad-crc.png",
+        "bad-palette-length.png",
+        "bad-palette-index.png",
+        "bad-palette-index-2.png",
+        "bad-display-empty.exr",
+        "bad-display-inverted.exr",
+        "bad-data-inverted.exr",
+        "bad-tile-missing.exr",
+        "bad-lines-missing.exr",
+        "bad-levels-swapped.exr",
+        "bad-huge.exr",
     ]
     .map(|name| format!("{name}: {}\n", refusal(name)))
     .concat();
@@ -196,7 +206,53 @@ fn what_cannot_be_used_is_refused_in_words() {
     bad-palette-alpha.png: the pixel (1, 0) is transparent; composite the image over the background of the scene first, or write linear radiance as .exr
     bad-animated.png: this PNG is animated; write the one image that is meant
     bad-crc.png: not a readable PNG image: Format error decoding Png: CRC error: expected 0x9724fbc9 have 0xcf6a00d4 while decoding ChunkType { type: IDAT, critical: true, private: false, reserved: false, safecopy: false } chunk.
+    bad-palette-length.png: not a readable PNG image: its palette has 44 bytes, and colours have three each
+    bad-palette-index.png: not a readable PNG image: the pixel (4, 2) has the colour 14 of a palette of 14
+    bad-palette-index-2.png: not a readable PNG image: the pixel (1, 2) has the colour 3 of a palette of 3
+    bad-display-empty.exr: not a readable EXR image: its displayWindow is empty: from (0, 0) to (-1, -1)
+    bad-display-inverted.exr: not a readable EXR image: its displayWindow is empty: from (4, 2) to (0, 0)
+    bad-data-inverted.exr: not a readable EXR image: its dataWindow is empty: from (4, 2) to (0, 0)
+    bad-tile-missing.exr: not a readable EXR image: of its 6 blocks of pixels, 1 are missing
+    bad-lines-missing.exr: not a readable EXR image: of its 3 blocks of pixels, 1 are missing
+    bad-levels-swapped.exr: not a readable EXR image: of its 6 blocks of pixels, 1 are missing
+    bad-huge.exr: the image claims 1000000000 × 1000000000 pixels; at most 268435456 are read
     "#);
+}
+
+/// The corpus that fuzzing begins with: kinds that renderers seldom write, each of which is read.
+/// See `scripts/generate-corpus.py`.
+#[test]
+fn images_that_are_seldom_written_are_read() {
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus");
+    let radiance: Vec<[f32; 3]> = (0..3)
+        .flat_map(|y| (0..5).map(move |x| [0, 1, 2].map(|c| (x + 8 * y + 64 * c) as f32)))
+        .collect();
+    for name in ["lines.exr", "zips.exr", "tiles.exr", "mips.exr", "rips.exr"] {
+        let bytes = std::fs::read(corpus.join("exr").join(name)).unwrap();
+        let film = Film::from_exr(&bytes).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(film.radiance(), radiance, "{name}");
+        for length in 0..bytes.len() {
+            let error = Film::from_exr(&bytes[..length]).unwrap_err().to_string();
+            assert!(error.contains("the file ends too early"), "{name}: {error}");
+        }
+    }
+    let bytes = std::fs::read(corpus.join("exr/parts-and-tiles.exr")).unwrap();
+    assert_eq!(Film::from_exr(&bytes).unwrap().radiance(), radiance);
+    for bits in [1, 2, 4, 8] {
+        for ending in ["", "-interlaced"] {
+            let name = format!("png/palette-{bits}{ending}.png");
+            let bytes = std::fs::read(corpus.join(&name)).unwrap();
+            let (width, height, codes) = Film::codes_from_png(&bytes).unwrap();
+            assert_eq!((width, height), (5, 3), "{name}");
+            let most = (1 << bits).min(16);
+            let colour = |index: usize| {
+                let index = index % most;
+                [10 * index, 200 - index, 7 * index % 256].map(|value| value as u8)
+            };
+            let expected: Vec<_> = (0..15).map(colour).collect();
+            assert_eq!(codes, expected, "{name}");
+        }
+    }
 }
 
 /// Nothing but the whole file is the image.
@@ -208,6 +264,8 @@ fn files_that_are_cut_off_are_refused() {
         "piz.exr",
         "b44.exr",
         "tiled.exr",
+        "mips.exr",
+        "rips.exr",
         "parts.exr",
         "shifted.exr",
         "little-f2.npy",

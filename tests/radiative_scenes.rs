@@ -712,7 +712,7 @@ fn shapes() {
         give `max` larger coordinates than `min` on two axes or all three
     8:17: there is no file none.obj
         `radiative.surface[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
-    8:17: cannot read the mesh folder.obj: this is a folder, device or pipe, not a file
+    8:17: cannot read the mesh folder.obj: this is a directory, not a file
         `radiative.surface[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
     8:17: points.obj: the mesh has no faces; a file of bare points is a point cloud, not a mesh
         `radiative.surface[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.

@@ -1,7 +1,7 @@
 //! `volref accept CASE… --reason TEXT`
 
 use super::failure::{Exit, Failure};
-use super::output::Json;
+use super::output::{self, Json};
 use super::suite::{Selection, select, store};
 use super::{Outcome, progress};
 use crate::report::visible;
@@ -28,8 +28,8 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
-    arguments.json.check()?;
     let suite = arguments.selection.open()?;
+    output::check(&[arguments.json.file()], &[])?;
     let cases = select(&suite, &arguments.cases)?;
     let in_ci = std::env::var_os("CI").is_some_and(|value| !value.is_empty());
     let bar = Bar(progress::work());

@@ -74,11 +74,14 @@ fn default_gate(reference: &Picture, test: &Picture) -> (Gate, &'static str) {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
-    arguments.json.check()?;
     let start = Instant::now();
     if let Some(path) = &arguments.heatmap {
         check_heatmap(path)?;
     }
+    output::check(
+        &[arguments.json.file(), arguments.heatmap.as_deref()],
+        &[&arguments.reference, &arguments.test],
+    )?;
     // The test image first: where both are unreadable, its exit code is the higher one.
     let test =
         Picture::read(&arguments.test).map_err(|error| unreadable(error, Exit::OtherRenderer))?;
@@ -161,7 +164,7 @@ fn check_heatmap(path: &Path) -> Result<(), Failure> {
         let message = format!("--heatmap writes a .png, not {}", path.display());
         return Err(Failure::new(Exit::BadInput, message, None));
     }
-    output::check_place(path)
+    Ok(())
 }
 
 fn write_heatmap(

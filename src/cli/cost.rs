@@ -41,19 +41,17 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
-    arguments.json.check()?;
+    let inputs: Vec<&Path> = arguments.scenes.iter().map(PathBuf::as_path).collect();
+    output::check(&[arguments.json.file()], &inputs)?;
     let mut scenes = Vec::new();
-    for path in &arguments.scenes {
-        if arguments.json.writes(path) {
-            let message = format!("--json would overwrite the scene {}", path.display());
-            let help = "give another file, or --json alone to print";
-            return Err(Failure::new(Exit::BadInput, message, Some(help)));
-        }
+    for path in inputs {
         scenes.push(Scene::load(path)?);
     }
     if let Some(folder) = &arguments.report {
         make_folder(folder)?;
     }
+    let page_path = (arguments.report.as_ref()).map(|folder| folder.join("index.html"));
+    output::check(&[arguments.json.file(), page_path.as_deref()], &[])?;
     let options = Options {
         clock: Clock {
             runs: arguments.runs,
@@ -78,16 +76,21 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let machine = (arguments.runs > 0).then(|| Machine::here(1));
     let mut text = report::cost_text(&costs, machine.as_ref());
     if let Some(folder) = &arguments.report {
-        let page = page(&costs, machine.as_ref());
-        let path = folder.join("index.html");
-        output::write(&path, page.as_bytes())?;
-        for (name, table) in report::cost_csv(&costs) {
-            output::write(&folder.join(name), table.as_bytes())?;
+        let page = ("index.html".to_owned(), page(&costs, machine.as_ref()));
+        let mut files = vec![page];
+        files.extend(report::cost_csv(&costs));
+        files.extend(pictures(&costs));
+        let files: Vec<_> = files
+            .into_iter()
+            .map(|(name, text)| (folder.join(name), text))
+            .collect();
+        let mut outputs = vec![arguments.json.file()];
+        outputs.extend(files.iter().map(|(path, _)| Some(path.as_path())));
+        output::check(&outputs, &[])?;
+        for (path, text) in &files {
+            output::write(path, text.as_bytes())?;
         }
-        for (name, picture) in pictures(&costs) {
-            output::write(&folder.join(name), picture.as_bytes())?;
-        }
-        text.push_str(&format!("\nreport: {}\n", path.display()));
+        text.push_str(&format!("\nreport: {}\n", files[0].0.display()));
     }
     let value = report::cost_json(&costs, machine.as_ref());
     arguments.json.instead_of(text, &value).map(Outcome::from)
@@ -138,8 +141,7 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|error| {
         let message = format!("cannot make the folder {}: {error}", folder.display());
         Failure::new(Exit::BadInput, message, None)
-    })?;
-    output::check_place(&folder.join("index.html"))
+    })
 }
 
 /// Seconds on the command line: up to a year, which no clock overflows by.

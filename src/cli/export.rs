@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::failure::{Exit, Failure};
-use super::output::Json;
+use super::output::{self, Json};
 use crate::exchange::{self, Export, Format, Refusal};
 use crate::scene::Scene;
 use serde_json::json;
@@ -27,12 +27,21 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
-    arguments.json.check()?;
+    output::check(&[arguments.json.file()], &[&arguments.scene])?;
     let scene = Scene::load(&arguments.scene)?;
+    output::check(&[arguments.json.file()], &[])?;
     let stem = arguments.scene.file_stem().unwrap_or_default();
     let format = arguments.to;
     let export = exchange::export(&scene, format, &stem.to_string_lossy())?;
     let folder = &arguments.output;
+    // Where it is yet to be made, none of its files is another.
+    if folder.is_dir() {
+        let files = export.files.iter().map(|(name, _)| folder.join(name));
+        let files: Vec<PathBuf> = files.collect();
+        let mut outputs = vec![arguments.json.file()];
+        outputs.extend(files.iter().map(|file| Some(file.as_path())));
+        output::check(&outputs, &[])?;
+    }
     write_all(folder, &export).map_err(|error| {
         let message = format!("cannot write into {}: {error}", folder.display());
         let help = "nothing was written; give a folder that can be made or written to";

@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::failure::{Exit, Failure};
-use super::output::Json;
+use super::output::{self, Json};
 use crate::math::{Sum, ln};
 use crate::volume::{
     Centring, Encoding, Endian, Grid, Layout, LoadOptions, Loaded, NonFinite, Orientation, Stored,
@@ -135,7 +135,7 @@ struct Bin {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
-    arguments.json.check()?;
+    output::check(&[arguments.json.file()], &[&arguments.file])?;
     let mut options = LoadOptions {
         centring: arguments.centring.map(|name| match name {
             CentringName::Nodes => Centring::Nodes,

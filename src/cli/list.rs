@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::failure::Failure;
-use super::output::Json;
+use super::output::{self, Json};
 use super::suite::{Selection, suite_failure};
 use crate::suite::{ANALYTIC, row_name};
 use serde_json::json;
@@ -22,6 +22,7 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
+    output::check(&[arguments.json.file()], &[])?;
     let (cases, rows) = suite
         .select_with_rows(&arguments.filters)
         .map_err(suite_failure)?;

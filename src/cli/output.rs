@@ -3,10 +3,12 @@
 
 use super::failure::{Exit, Failure};
 use super::visible_report::VisibleReport;
-use crate::atomic_file::{directory_of, remedy, write_atomically};
+use crate::atomic_file::{directory_of, file_behind, remedy, write_atomically};
+use crate::regular_file::{Identity, is_input, note_input};
 use crate::report::{visible, visible_json};
 use clap::Args;
 use serde::Serialize;
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -47,18 +49,9 @@ pub struct Json {
 }
 
 impl Json {
-    /// Fails where the file cannot be written: asked before long work, not after it.
-    pub fn check(&self) -> Result<(), Failure> {
-        match &self.json {
-            Some(path) if path.as_os_str() != "-" => check_place(path),
-            _ => Ok(()),
-        }
-    }
-
-    /// Whether the result is to be written over the file at `path`.
-    pub fn writes(&self, path: &Path) -> bool {
-        let json = self.json.as_ref().map(|json| json.canonicalize());
-        matches!((json, path.canonicalize()), (Some(Ok(json)), Ok(path)) if json == path)
+    /// The file to write, if there is to be one.
+    pub fn file(&self) -> Option<&Path> {
+        named_file(self.json.as_deref())
     }
 
     /// The text to print: `text`, or `value` as JSON if asked for on stdout.
@@ -78,8 +71,14 @@ pub fn pretty(value: &impl Serialize) -> String {
     visible_json(&text)
 }
 
-/// Writes a whole file or nothing.
+/// The file that an option names, where `-` stands for standard output.
+pub fn named_file(path: Option<&Path>) -> Option<&Path> {
+    path.filter(|path| path.as_os_str() != "-")
+}
+
+/// Writes a whole file or nothing; over no input.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    check_no_input(path)?;
     write_atomically(path, bytes).map_err(|error| {
         let cause = &error.cause;
         let message = format!("cannot write {}: {cause}", path.display());
@@ -87,14 +86,63 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     })
 }
 
-/// Fails where [`write`] is bound to: asked before long work, not after it.
-pub fn check_place(path: &Path) -> Result<(), Failure> {
+/// Fails where [`write`] is bound to for one of the outputs, or would write one over another:
+/// asked before long work, not after it, and again once all inputs were read, for they may name
+/// further ones.
+pub fn check(outputs: &[Option<&Path>], inputs: &[&Path]) -> Result<(), Failure> {
+    inputs.iter().for_each(|input| note_input(input));
+    let outputs: Vec<&Path> = outputs.iter().copied().flatten().collect();
+    for (index, path) in outputs.iter().enumerate() {
+        check_place(path)?;
+        let place = place(path);
+        let mut before = outputs[..index].iter();
+        if let Some(other) = before.find(|other| place.is_some() && self::place(other) == place) {
+            let message = format!(
+                "cannot write {}: it is the same file as another output, {}",
+                path.display(),
+                other.display()
+            );
+            let help = "nothing was done; give each output a file of its own";
+            return Err(Failure::new(Exit::BadInput, message, Some(help)));
+        }
+    }
+    Ok(())
+}
+
+/// What an output is known by: its identity, or before there is a file, that of its folder and
+/// its name. A stream is nothing that could be overwritten.
+fn place(path: &Path) -> Option<(Identity, Option<OsString>)> {
+    let file = file_behind(path)?;
+    match Identity::of(&file) {
+        Some(identity) => Some((identity, None)),
+        None => {
+            let folder = Identity::of(directory_of(&file))?;
+            Some((folder, file.file_name().map(OsString::from)))
+        }
+    }
+}
+
+/// Fails where the file at `path` is an input of this command, under whatever name.
+pub fn check_no_input(path: &Path) -> Result<(), Failure> {
+    if !is_input(path) {
+        return Ok(());
+    }
+    let message = format!(
+        "cannot write {}: it is an input of this command",
+        path.display()
+    );
+    let help = "it is as it was; give another file";
+    Err(Failure::new(Exit::BadInput, message, Some(help)))
+}
+
+/// Fails where [`write`] is bound to.
+fn check_place(path: &Path) -> Result<(), Failure> {
     let what = if path.is_dir() {
         "it is a folder"
     } else if !directory_of(path).is_dir() {
         "its folder does not exist"
     } else {
-        return Ok(());
+        return check_no_input(path);
     };
     let message = format!("cannot write {}: {what}", path.display());
     let help = "nothing was rendered; give a file in a folder that exists";

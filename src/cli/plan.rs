@@ -1,7 +1,7 @@
 //! `volref plan SCENE`
 
 use super::failure::{Exit, Failure};
-use super::output::Json;
+use super::output::{self, Json};
 use super::render::warnings_of_all;
 use super::{Outcome, progress};
 use crate::render::plan::{Approximation, Decision, Estimator, PlanError, Reason};
@@ -177,9 +177,11 @@ fn volume(panel: &Panel) -> Option<VolumeJson> {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
-    arguments.json.check()?;
+    let outputs = [arguments.json.file()];
+    output::check(&outputs, &[&arguments.scene])?;
     let read = || Scene::load(&arguments.scene);
     let scene = progress::during("reading the scene", read)?;
+    output::check(&outputs, &[])?;
     let plans = scene
         .panels
         .iter()

@@ -48,10 +48,11 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let format = Format::of(&arguments.output)?;
-    arguments.json.check()?;
-    output::check_place(&arguments.output)?;
+    let outputs = [Some(arguments.output.as_path()), arguments.json.file()];
+    output::check(&outputs, &[&arguments.scene])?;
     let read = || Scene::load(&arguments.scene);
     let mut scene = progress::during("reading the scene", read)?;
+    output::check(&outputs, &[])?;
     if let Some(step) = arguments.step {
         set_step(&mut scene, step)?;
     }

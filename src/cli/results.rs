@@ -2,7 +2,6 @@
 
 use super::failure::{Exit, Failure};
 use super::output;
-use crate::atomic_file::directory_of;
 use crate::report;
 use crate::suite::{CaseResult, Evidence, Judged, Likeness, Suite};
 use std::path::{Path, PathBuf};
@@ -63,19 +62,18 @@ impl ResultFiles {
             return Err(Failure::new(Exit::BadInput, message, Some(help)));
         }
         let page = self.report.as_deref().map(page_in);
-        for path in [&self.json, &self.junit].into_iter().flatten() {
-            output::check_place(path)?;
-            check_not_golden(path, suite)?;
-        }
-        if let (Some(folder), Some(page)) = (&self.report, &page) {
+        if let Some(folder) = &self.report {
             std::fs::create_dir_all(folder).map_err(|error| {
                 let message = format!("cannot make the folder {}: {error}", folder.display());
                 Failure::new(Exit::BadInput, message, None)
             })?;
-            output::check_place(page)?;
-            check_not_golden(page, suite)?;
         }
-        Ok(())
+        let json = output::named_file(self.json.as_deref());
+        let outputs = [json, self.junit.as_deref(), page.as_deref()];
+        for path in outputs.into_iter().flatten() {
+            check_not_golden(path, suite)?;
+        }
+        output::check(&outputs, &[])
     }
 
     /// Writes what is wanted, and returns what to print: `text`, or JSON in its place.
@@ -118,7 +116,8 @@ fn page(findings: &Findings<'_>, results: &[CaseResult]) -> String {
     })
 }
 
-fn check_not_golden(path: &Path, suite: &Suite) -> Result<(), Failure> {
+/// Fails where an output would lie among the goldens.
+pub fn check_not_golden(path: &Path, suite: &Suite) -> Result<(), Failure> {
     if !is_below(path, &suite.golden_folder()) {
         return Ok(());
     }
@@ -129,6 +128,13 @@ fn check_not_golden(path: &Path, suite: &Suite) -> Result<(), Failure> {
 
 /// Whether `path` names something in `folder`, however either is spelt.
 fn is_below(path: &Path, folder: &Path) -> bool {
-    let place = directory_of(path).canonicalize();
-    matches!((place, folder.canonicalize()), (Ok(place), Ok(folder)) if place.starts_with(&folder))
+    // Of what is yet to be made, the folder that is there already.
+    let mut places = path
+        .ancestors()
+        .map(|place| match place.as_os_str().is_empty() {
+            true => Path::new("."),
+            false => place,
+        });
+    let place = places.find_map(|place| place.canonicalize().ok());
+    matches!((place, folder.canonicalize()), (Some(place), Ok(folder)) if place.starts_with(&folder))
 }

@@ -1,7 +1,7 @@
 //! `volref selftest [FILTER…]`
 
 use super::failure::{Exit, Failure};
-use super::output::Json;
+use super::output::{self, Json};
 use super::suite::{Selection, select, store};
 use super::{Outcome, progress};
 use crate::report;
@@ -32,8 +32,8 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
-    arguments.json.check()?;
     let suite = arguments.selection.open()?;
+    output::check(&[arguments.json.file()], &[])?;
     let cases = select(&suite, &arguments.filters)?;
     let store = store(&suite);
     if arguments.naming.is_some() || arguments.pairs.is_some() {

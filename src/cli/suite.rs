@@ -1,6 +1,7 @@
 //! What commands on the suite have in common.
 
 use super::failure::{Exit, Failure};
+use crate::regular_file::note_input;
 use crate::suite::{Case, CaseResult, Cause, Store, Suite, SuiteError};
 use std::path::{Path, PathBuf};
 
@@ -16,9 +17,11 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// The suite.
+    /// The suite. All its files count as inputs, whether they are read or not.
     pub fn open(&self) -> Result<Suite, Failure> {
-        Suite::open(&self.folder).map_err(suite_failure)
+        let suite = Suite::open(&self.folder).map_err(suite_failure)?;
+        suite.files().iter().for_each(|file| note_input(file));
+        Ok(suite)
     }
 
     /// The line for a shell that does `command` again for one case of this suite.

@@ -3,10 +3,12 @@
 use super::export::write_all;
 use super::failure::{Exit, Failure};
 use super::keep::keeper;
-use super::results::{Findings, ResultFiles};
+use super::output;
+use super::results::{Findings, ResultFiles, check_not_golden};
 use super::suite::{Selection, exit, select, store};
 use super::{Outcome, progress};
 use crate::exchange::{self, Format};
+use crate::regular_file::note_input;
 use crate::report;
 use crate::scene::Scene;
 use crate::suite::{
@@ -86,7 +88,6 @@ fn seconds(text: &str) -> Result<f64, String> {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
-    arguments.files.check(&suite)?;
     let cases = select(&suite, &arguments.filters)?;
     let store = store(&suite);
     let names: Vec<&str> = suite
@@ -94,7 +95,16 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .iter()
         .map(|case| case.name.as_str())
         .collect();
+    if let Some(folder) = &arguments.keep {
+        for case in &cases {
+            let path = image_of(folder, case, &arguments.format);
+            check_not_golden(&path, &suite)?;
+            output::check_no_input(&path)?;
+        }
+    }
     let source = Source::of(&arguments, &names)?;
+    // Now that the images to be judged are known as inputs.
+    arguments.files.check(&suite)?;
 
     let mut judged = judge_all(
         &cases,
@@ -185,6 +195,7 @@ impl Source {
             }
             let outputs =
                 Outputs::list(folder, names).map_err(|error| bad(error.to_string(), None))?;
+            outputs.files().for_each(note_input);
             return Ok(Source::Finished(folder.clone(), outputs));
         }
         let command = arguments.run.as_deref().unwrap_or_default();
@@ -277,6 +288,11 @@ impl Made {
             call: None,
         }
     }
+}
+
+/// Where a renderer is to write the image of `case`.
+fn image_of(folder: &Path, case: &Case, extension: &str) -> PathBuf {
+    folder.join(format!("{}.{extension}", case.name))
 }
 
 /// The image of `case` among `outputs`.
@@ -387,9 +403,7 @@ impl Renderer {
         let scene = case
             .load_scene()
             .map_err(|error| Output::Unusable(error.to_string()))?;
-        let output = self
-            .folder
-            .join(format!("{}.{}", case.name, self.extension));
+        let output = image_of(&self.folder, case, &self.extension);
         if let Some(folder) = output.parent() {
             std::fs::create_dir_all(folder).map_err(failed)?;
         }

@@ -3,8 +3,7 @@
 use super::Gate;
 use super::flip::SrgbImage;
 use crate::film::{Film, FilmError, FilmFormat};
-use crate::regular_file::{self, OpenError};
-use std::io::Read;
+use crate::regular_file::{self, OpenError, ReadError};
 use std::path::Path;
 use thiserror::Error;
 
@@ -95,21 +94,16 @@ impl Picture {
             path: name(),
             error,
         };
-        let (mut file, length) = regular_file::open(path).map_err(|error| match error {
-            OpenError::NotAFile(what) => PictureError::NotAFile { path: name(), what },
-            OpenError::Missing(error) | OpenError::Refused(error) => in_read(error),
-        })?;
-        if length > Picture::MOST_BYTES {
-            return Err(PictureError::TooLong {
+        regular_file::read(path, Picture::MOST_BYTES).map_err(|error| match error {
+            ReadError::Open(OpenError::NotAFile(what)) => {
+                PictureError::NotAFile { path: name(), what }
+            }
+            ReadError::TooLarge { bytes, .. } => PictureError::TooLong {
                 path: name(),
-                bytes: length,
-            });
-        }
-        let mut bytes = Vec::new();
-        // A file may grow while it is read.
-        let mut file = file.by_ref().take(Picture::MOST_BYTES);
-        file.read_to_end(&mut bytes).map_err(in_read)?;
-        Ok(bytes)
+                bytes,
+            },
+            ReadError::Open(error) => in_read(error.into()),
+        })
     }
 
     fn decode(format: FilmFormat, bytes: &[u8]) -> Result<Picture, FilmError> {

@@ -1,6 +1,7 @@
 //! Why something is no image, or not one that can be judged.
 
 use super::Film;
+use crate::decoder::Stopped;
 use thiserror::Error;
 
 /// Why bytes are no image.
@@ -87,6 +88,16 @@ pub enum FilmError {
          (8-bit sRGB)"
     )]
     Format,
+}
+
+impl FilmError {
+    /// A decoder panicked.
+    pub(super) fn stopped(format: &'static str, stopped: Stopped) -> FilmError {
+        FilmError::Unreadable {
+            format,
+            reason: stopped.to_string(),
+        }
+    }
 }
 
 /// No compression of PNG or EXR makes more of a byte: deflate, the strongest, reaches 1032.

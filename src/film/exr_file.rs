@@ -5,8 +5,10 @@
 //! layers offer the others; of several parts many programs read the first only.
 
 use super::error::{check_claim, check_size};
+use super::exr_completeness::{check_blocks, check_windows};
 use super::exr_layers::{Colours, File, Part, main_layer, name_of, samples_of};
 use super::{Film, FilmError, Noise};
+use crate::decoder;
 use exr::meta::MetaData;
 use exr::meta::header::Header;
 use exr::prelude::{
@@ -15,7 +17,6 @@ use exr::prelude::{
 };
 use std::io::Cursor;
 use std::ops::Range;
-use std::panic::catch_unwind;
 
 /// Channels with the variance of the mean of red, green and blue. Only in small letters:
 /// pbrt writes `Variance.R` for the variance of one sample, another quantity.
@@ -27,7 +28,7 @@ const NO_COUNT: &str = "there are variances, but no channel samples.Y: of how ma
                         pixel? Write that number into it, the same everywhere; or give several \
                         renderings of other seeds in place of variances";
 
-fn unreadable(error: exr::error::Error) -> FilmError {
+pub(super) fn unreadable(error: exr::error::Error) -> FilmError {
     let reason = match error.to_string().as_str() {
         // The words of the crate for the end of a file before the end of the image.
         "invalid: reference to missing bytes" => "the file ends too early".to_owned(),
@@ -112,9 +113,12 @@ fn picture(file: &File, colours: &Colours) -> Result<Film, FilmError> {
 /// All parts of a file that is neither too large nor of a kind that cannot be used.
 ///
 /// On some broken files the crate panics (chunks of another resolution than their table says, for
-/// one), which is caught here. In one of its own threads a panic would end the process, so it
-/// is to use none.
+/// one). In one of its own threads a panic would end the process, so it is to use none.
 fn read_file(bytes: &[u8]) -> Result<File, FilmError> {
+    decoder::run(|| read_parts(bytes)).map_err(|stopped| FilmError::stopped("EXR", stopped))?
+}
+
+fn read_parts(bytes: &[u8]) -> Result<File, FilmError> {
     // The size is checked in the header, before anything of that size is allocated.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
     let mut claimed = 0_u64;
@@ -129,21 +133,17 @@ fn read_file(bytes: &[u8]) -> Result<File, FilmError> {
     for header in &meta.headers {
         check_kind(header)?;
     }
-    let decoded = catch_unwind(|| {
-        read()
-            .no_deep_data()
-            .largest_resolution_level()
-            .all_channels()
-            .all_layers()
-            .all_attributes()
-            .non_parallel()
-            .from_buffered(Cursor::new(bytes))
-    });
-    let broken = |_| FilmError::Unreadable {
-        format: "EXR",
-        reason: "its data are broken".to_owned(),
-    };
-    decoded.map_err(broken)?.map_err(unreadable)
+    check_windows(bytes)?;
+    check_blocks(bytes)?;
+    read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(unreadable)
 }
 
 fn check_kind(header: &Header) -> Result<(), FilmError> {

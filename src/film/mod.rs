@@ -1,6 +1,7 @@
 //! Linear radiance on a grid of pixels; alone knows image files.
 
 mod error;
+mod exr_completeness;
 mod exr_file;
 mod exr_layers;
 mod format;
@@ -290,8 +291,9 @@ impl Film {
     /// `rgba`, `beauty` or `combined`. Everything else is left out, but noise: the layers
     /// `variance` (of the means; R, G, B) and `samples` (Y).
     ///
-    /// Refused are deep data, subsampled channels, luminance with chroma, and the compressions
-    /// DWAA and DWAB. Numbers that are not finite are kept.
+    /// Refused are deep data, subsampled channels, luminance with chroma, the compressions DWAA and
+    /// DWAB, windows that end before they begin, and files that lack a block of pixels of any part
+    /// and resolution. Numbers that are not finite are kept.
     pub fn from_exr(bytes: &[u8]) -> Result<Film, FilmError> {
         exr_file::decode(bytes)
     }
@@ -331,8 +333,8 @@ impl Film {
     /// Reads 8-bit sRGB codes from a PNG image: colour, grey or palette, of 16 bits the nearest
     /// codes (v/257). Returns width, height and the codes.
     ///
-    /// Refused are transparent pixels, animations, and codes that are not sRGB: of another gamma
-    /// or profile.
+    /// Refused are transparent pixels, animations, colours beyond the end of the palette, and codes
+    /// that are not sRGB: of another gamma or profile.
     pub fn codes_from_png(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
         png_file::decode(bytes)
     }

@@ -6,9 +6,9 @@
 
 use super::FilmError;
 use super::error::{check_claim, check_size};
-use crate::math;
+use crate::{decoder, math};
 use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
-use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
+use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Limits};
 use std::io::Cursor;
 
 pub(super) fn srgb_codes(radiance: &[[f32; 3]], exposure: f64) -> Vec<[u8; 3]> {
@@ -45,15 +45,28 @@ const SRGB_GAMMA: f64 = 0.45455;
 const GAMMA_ROUNDING: f64 = 0.0005;
 
 pub(super) fn decode(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
+    decoder::run(|| read(bytes)).map_err(|stopped| FilmError::stopped("PNG", stopped))?
+}
+
+fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
+    let limits = png::Limits {
+        bytes: MOST_MEMORY as usize,
+    };
+    let reader = png::Decoder::new_with_limits(Cursor::new(bytes), limits).read_info();
+    let mut reader = reader.map_err(broken)?;
+    let info = reader.info();
+    check_size(info.width as usize, info.height as usize)?;
+    check_claim(info.raw_bytes() as u64, bytes.len())?;
+    check_meaning(info)?;
+    check_palette(&mut reader)?;
+
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MOST_MEMORY);
-    let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(unreadable)?;
+    let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(broken)?;
     let (width, height) = decoder.dimensions();
     let (width, height) = (width as usize, height as usize);
-    check_size(width, height)?;
     check_claim(decoder.total_bytes(), bytes.len())?;
-    check_meaning(bytes)?;
-    let image = DynamicImage::from_decoder(decoder).map_err(unreadable)?;
+    let image = DynamicImage::from_decoder(decoder).map_err(broken)?;
     if let Some(index) = first_transparent(&image) {
         return Err(FilmError::Unsuited {
             what: format!(
@@ -68,24 +81,49 @@ pub(super) fn decode(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmE
     Ok((width, height, eight_bits(&image)))
 }
 
-fn unreadable(error: ImageError) -> FilmError {
+fn broken(reason: impl ToString) -> FilmError {
     FilmError::Unreadable {
         format: "PNG",
-        reason: error.to_string(),
+        reason: reason.to_string(),
     }
 }
 
-/// Fails where the file is no single image of sRGB codes.
-fn check_meaning(bytes: &[u8]) -> Result<(), FilmError> {
-    let limits = png::Limits {
-        bytes: MOST_MEMORY as usize,
-    };
-    let reader = png::Decoder::new_with_limits(Cursor::new(bytes), limits).read_info();
-    let reader = reader.map_err(|error| FilmError::Unreadable {
-        format: "PNG",
-        reason: error.to_string(),
-    })?;
+/// Fails where a palette is cut off, or a pixel has a colour beyond its end: the crates show what
+/// is not there as black.
+fn check_palette(reader: &mut png::Reader<Cursor<&[u8]>>) -> Result<(), FilmError> {
     let info = reader.info();
+    if info.color_type != png::ColorType::Indexed {
+        return Ok(());
+    }
+    let (width, bits) = (info.width as usize, usize::from(info.bit_depth as u8));
+    let palette = info.palette.as_deref().unwrap_or_default().len();
+    if palette == 0 || !palette.is_multiple_of(3) {
+        return Err(broken(format!(
+            "its palette has {palette} bytes, and colours have three each"
+        )));
+    }
+    let colours = palette / 3;
+    let size = reader.output_buffer_size();
+    let mut rows = vec![0; size.ok_or_else(|| broken("it is too large"))?];
+    let frame = reader.next_frame(&mut rows).map_err(broken)?;
+    // Indices of less than 8 bits are packed, the leftmost highest; each row begins anew.
+    let in_a_byte = 8 / bits;
+    for (y, row) in rows.chunks_exact(frame.line_size).enumerate() {
+        for x in 0..width {
+            let shift = 8 - bits * (x % in_a_byte + 1);
+            let index = usize::from(row[x / in_a_byte] >> shift) & ((1 << bits) - 1);
+            if index >= colours {
+                return Err(broken(format!(
+                    "the pixel ({x}, {y}) has the colour {index} of a palette of {colours}"
+                )));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Fails where the file is no single image of sRGB codes.
+fn check_meaning(info: &png::Info) -> Result<(), FilmError> {
     if info.animation_control.is_some() {
         return Err(FilmError::Unsuited {
             what: "this PNG is animated".to_owned(),

@@ -1,5 +1,6 @@
 //! What can be wrong with a mesh.
 
+use crate::decoder::Stopped;
 use glam::DVec3;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -21,6 +22,9 @@ pub enum MeshError {
         "not a mesh in Wavefront OBJ format: {0}; faces refer to vertices of the same file, counted from 1"
     )]
     Format(#[from] tobj::LoadError),
+    /// The reader panicked.
+    #[error("not a mesh in Wavefront OBJ format: {0}")]
+    Stopped(#[from] Stopped),
     /// There is no face.
     #[error("the mesh has no faces; a file of bare points is a point cloud, not a mesh")]
     Empty,

@@ -1,10 +1,15 @@
 //! Meshes from Wavefront OBJ files.
 
 use super::{Mesh, MeshError};
+use crate::decoder;
+use crate::regular_file;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::io::BufRead;
 use std::path::Path;
+
+/// Largest file read, in bytes: 4 GiB, some hundred million triangles.
+const MOST_BYTES: u64 = 1 << 32;
 
 impl Mesh {
     /// The mesh in an OBJ file: all its objects and groups together, polygons cut into
@@ -19,12 +24,8 @@ impl Mesh {
             path: path.to_owned(),
             source,
         };
-        // Before opening: to open a named pipe is to wait for a writer.
-        if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
-            let what = "this is a folder, device or pipe, not a file";
-            return Err(unreadable(std::io::Error::other(what)));
-        }
-        let bytes = std::fs::read(path).map_err(unreadable)?;
+        let bytes =
+            regular_file::read(path, MOST_BYTES).map_err(|error| unreadable(error.into()))?;
         let mesh = Mesh::from_obj(bytes.as_slice())?;
         Ok((mesh, blake3::hash(&bytes).to_hex().to_string()))
     }
@@ -39,7 +40,8 @@ impl Mesh {
         };
         // Whatever the materials are, they are not looked for.
         let no_materials = |_: &Path| Err(tobj::LoadError::GenericFailure);
-        let (models, _) = tobj::load_obj_buf(&mut text, &options, no_materials)?;
+        let read = || tobj::load_obj_buf(&mut text, &options, no_materials);
+        let (models, _) = decoder::run(read)??;
         let mut welded = Welded::default();
         for model in &models {
             welded.add(&model.mesh)?;

@@ -4,10 +4,10 @@ use super::SceneError;
 use super::reader::Reader;
 use super::volume::VolumeRequest;
 use crate::geometry::{ClosedMesh, Mesh, MeshError};
+use crate::regular_file::{self, OpenError, ReadError};
 use crate::volume::{self, Grid, SplatError, VolumeError};
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ pub struct InputFile {
 /// A grid, how it was asked for, and the files it came from.
 type LoadedGrid = (VolumeRequest, Arc<Grid<f32>>, Vec<InputFile>);
 
-/// Texts of this length and longer are refused.
+/// Longest text read.
 const MOST_TEXT_BYTES: u64 = 1 << 20;
 
 /// The files of a scene; one asked for by several panels, or several times by one, is read once.
@@ -123,21 +123,13 @@ impl<'p> Files<'p> {
         name: &str,
     ) -> Result<(String, String), Box<SceneError>> {
         let path = self.folder.join(name);
-        let mut bytes = Vec::new();
-        let read =
-            File::open(&path).and_then(|file| file.take(MOST_TEXT_BYTES).read_to_end(&mut bytes));
-        read.map_err(|error| {
-            let message = match error.kind() {
-                ErrorKind::NotFound => format!("there is no file {name}"),
+        let bytes = regular_file::read(&path, MOST_TEXT_BYTES).map_err(|error| {
+            let message = match error {
+                ReadError::Open(OpenError::Missing(_)) => format!("there is no file {name}"),
                 _ => format!("{} cannot be read: {error}", path.display()),
             };
             reader.error("file", message)
         })?;
-        if bytes.len() as u64 == MOST_TEXT_BYTES {
-            let message =
-                format!("{name} has {MOST_TEXT_BYTES} bytes or more: no text for a scene");
-            return Err(reader.error("file", message));
-        }
         self.note(&InputFile {
             name: name.to_owned(),
             hash: blake3::hash(&bytes).to_hex().to_string(),

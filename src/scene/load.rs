@@ -11,6 +11,7 @@ use super::reader::{Document, Origin, Reader, Reading, overridden};
 use super::sampling::{SAMPLING, Sampling};
 use super::transfer_function::{OpacityByValue, TRANSFER_FUNCTION, read_transfer_function};
 use super::{Classified, Curve, Radiative, SceneError};
+use crate::regular_file;
 use crate::volume::VolumeFormat;
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -104,6 +105,9 @@ const FILM: Table = Table {
 /// Largest image rendered, all panels together: 16384², which is also the largest image read.
 const MOST_PIXELS: usize = 1 << 28;
 
+/// Longest scene file read: 16 MiB, some hundred thousand bodies.
+const MOST_BYTES: u64 = 1 << 24;
+
 /// A scene: one picture, or several side by side.
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -164,15 +168,6 @@ impl Scene {
                 Some("give the path of a scene file".into()),
             )
         };
-        if path.is_dir() {
-            return Err(unreadable("this is a folder, not a scene file".into()));
-        }
-        // To open a named pipe is to wait for a writer, and a device may never end.
-        if path.exists() && !path.is_file() {
-            return Err(unreadable(
-                "this is a device or pipe, not a scene file".into(),
-            ));
-        }
         // A description of bare samples ends in .toml, as scenes do.
         if VolumeFormat::of(path).is_some_and(|format| format != VolumeFormat::RawVolume) {
             let file = path.file_name().unwrap_or_default().display().to_string();
@@ -183,7 +178,7 @@ impl Scene {
             );
             return Err(SceneError::new(&name, "", None, message, Some(help)));
         }
-        let bytes = std::fs::read(path)
+        let bytes = regular_file::read(path, MOST_BYTES)
             .map_err(|error| unreadable(format!("cannot read the scene: {error}")))?;
         let text = String::from_utf8(bytes)
             .map_err(|_| unreadable("the scene is not UTF-8 text".into()))?;

@@ -12,10 +12,15 @@
 use super::golden::{LIBM_VERSION, input_hashes};
 use super::rendering::Shot;
 use crate::atomic_file::write_atomically;
+use crate::compare::Picture;
 use crate::film::Film;
+use crate::regular_file;
 use crate::render::Plan;
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
+
+/// Largest rendering and executable read, in bytes: 4 GiB, as of other images.
+const MOST_BYTES: u64 = Picture::MOST_BYTES;
 
 /// A folder of finished renderings, hidden from version control.
 #[derive(Clone, Debug)]
@@ -28,7 +33,8 @@ pub struct Cache {
 impl Cache {
     /// The cache in `folder`, which need not exist. Touches no file but the executable.
     pub fn open(folder: impl Into<PathBuf>) -> Cache {
-        let bytes = std::env::current_exe().and_then(std::fs::read);
+        let bytes =
+            std::env::current_exe().and_then(|path| Ok(regular_file::read(&path, MOST_BYTES)?));
         Cache {
             folder: folder.into(),
             executable: bytes.ok().map(|bytes| hash(&[&bytes])),
@@ -60,7 +66,8 @@ impl Cache {
         entries.flatten().find_map(|entry| {
             let name = entry.file_name().into_string().ok()?;
             let pixels = name.strip_prefix(&prefix)?.strip_suffix(".exr")?;
-            let film = Film::from_exr(&std::fs::read(entry.path()).ok()?).ok()?;
+            let bytes = regular_file::read(&entry.path(), MOST_BYTES).ok()?;
+            let film = Film::from_exr(&bytes).ok()?;
             (film.pixel_hash() == pixels).then_some(film)
         })
     }

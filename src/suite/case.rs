@@ -3,15 +3,19 @@
 use super::{Answer, mistakes, row_name};
 use crate::compare::Gate;
 use crate::hard_cases::rows;
+use crate::regular_file::{self, Identity};
 use crate::scene::format::{Absent, Key, Kind, Literal, Range, Table};
 use crate::scene::reader::{Document, Reader};
 use crate::scene::{Scene, SceneError};
 use globset::Glob;
 use miette::Diagnostic;
 use std::cell::RefCell;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
+/// Where scenes, manifests and what they name are, from the root of the suite.
+const FIXTURES: &str = "fixtures";
 /// Where the manifests are, from the root of the suite.
 const CASES: &str = "fixtures/cases";
 /// Where the goldens are.
@@ -20,6 +24,8 @@ const GOLDEN: &str = "golden";
 const PEERS: &str = "peers";
 /// Where renderings of an interrupted accept are.
 const CACHE: &str = ".volref";
+/// Longest manifest read: 1 MiB, where a page is meant.
+const MOST_MANIFEST_BYTES: u64 = 1 << 20;
 
 /// Bias of the mean of an image that is promised to be seen where nothing else is said, relative to
 /// that mean plus [`DARK`](crate::compare::stochastic::DARK): a slip in a factor is larger.
@@ -257,6 +263,29 @@ impl Suite {
         self.root.join(GOLDEN)
     }
 
+    /// Every file of the suite: whatever lies below its fixtures and goldens, and what links there
+    /// lead to.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let mut files = Vec::new();
+        let mut folders = vec![self.root.join(FIXTURES), self.golden_folder()];
+        let mut seen = HashSet::new();
+        while let Some(folder) = folders.pop() {
+            // By way of a link a folder may be within itself.
+            let is_new = Identity::of(&folder).is_some_and(|identity| seen.insert(identity));
+            let Ok(entries) = std::fs::read_dir(&folder) else {
+                continue;
+            };
+            for entry in entries.flatten().filter(|_| is_new) {
+                let path = entry.path();
+                match path.is_dir() {
+                    true => folders.push(path),
+                    false => files.push(path),
+                }
+            }
+        }
+        files
+    }
+
     /// Where renderings are kept until they are accepted.
     pub fn cache_folder(&self) -> PathBuf {
         self.root.join(CACHE)
@@ -386,17 +415,17 @@ fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, SuiteError> {
 
 fn read_manifest(path: &Path) -> Result<Case, Box<SceneError>> {
     let shown = path.display().to_string();
-    let text = std::fs::read_to_string(path);
+    let text = regular_file::read(path, MOST_MANIFEST_BYTES)
+        .map_err(|error| format!("cannot read the manifest: {error}"))
+        .and_then(|bytes| {
+            String::from_utf8(bytes).map_err(|_| "the manifest is not UTF-8 text".to_owned())
+        });
     let document = Document {
         path: &shown,
         text: text.as_deref().unwrap_or(""),
     };
-    if let Err(error) = &text {
-        let message = match error.kind() {
-            std::io::ErrorKind::InvalidData => "the manifest is not UTF-8 text".to_owned(),
-            _ => format!("cannot read the manifest: {error}"),
-        };
-        return Err(document.error(None, message, None));
+    if let Err(message) = &text {
+        return Err(document.error(None, message.clone(), None));
     }
     let root = document.parse()?;
     let log = RefCell::default();

@@ -183,6 +183,15 @@ impl Outputs {
         }))
     }
 
+    /// Every file that is read for some case.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let files = self.by_case.values().flat_map(|files| {
+            let replicates = files.replicates.values().flatten();
+            files.single.iter().chain(&files.variance).chain(replicates)
+        });
+        files.map(PathBuf::as_path)
+    }
+
     /// Files that look like images and belong to no case, by name.
     pub fn strangers(&self) -> &[Stranger] {
         &self.strangers

@@ -23,11 +23,12 @@ mod name;
 mod tests;
 
 use std::collections::BTreeSet;
-use std::fs::{self, File, TryLockError};
+use std::fs::{File, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use crate::atomic_file::directory_of;
+use crate::regular_file::{self, OpenError, ReadError};
 use journal::{Entry, Journal};
 use name::{DRAFT, JOURNAL, LOCK, Name};
 
@@ -195,6 +196,11 @@ impl<D: Disk> Store<D> {
         let lock = self.root.join(LOCK);
         self.create_directory(&self.root)
             .map_err(StoreError::Untouched)?;
+        // To open a named pipe for writing is to wait for its reader.
+        if let Err(error @ OpenError::NotAFile(_)) = regular_file::check_kind(&lock) {
+            let failure = failed("open the lock file", &lock)(error.into());
+            return Err(StoreError::Untouched(failure));
+        }
         let opened = File::options()
             .create(true)
             .truncate(false)
@@ -379,11 +385,14 @@ fn failed(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Failur
     }
 }
 
+/// Largest file read, in bytes: 1 GiB, eight channels of 32 bits of 5792² pixels.
+const MOST_BYTES: u64 = 1 << 30;
+
 fn read_if_present(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
-    match fs::read(path) {
+    match regular_file::read(path, MOST_BYTES) {
         Ok(bytes) => Ok(Some(bytes)),
-        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(StoreError::Read(failed("read", path)(error))),
+        Err(ReadError::Open(OpenError::Missing(_))) => Ok(None),
+        Err(error) => Err(StoreError::Read(failed("read", path)(error.into()))),
     }
 }
 

@@ -16,6 +16,7 @@ use super::samples::{check_sizes, fill, read_grid};
 use super::{
     Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions, SamplesError,
 };
+use crate::decoder::Guarded;
 use glam::DVec3;
 use std::io::{self, BufRead, BufReader, Read};
 use thiserror::Error;
@@ -141,7 +142,7 @@ pub(super) fn read(
     }
     // Header and data are one stream, so it is unpacked here and read as if it were raw; how long
     // it is nobody knows before its end.
-    let unpacked = flate2::bufread::MultiGzDecoder::new(source);
+    let unpacked = Guarded(flate2::bufread::MultiGzDecoder::new(source));
     let mut unpacked = BufReader::with_capacity(1 << 16, unpacked);
     let (layout, _) = layout(&mut unpacked, NiftiError::Gzip)?;
     let grid = super::samples::read_unpacked(&mut unpacked, length, &layout, options)?;

@@ -6,6 +6,7 @@
 
 use super::orientation::{Axes, OrientationError};
 use super::{Grid, Lattice, LatticeError, LoadOptions};
+use crate::decoder::Guarded;
 use std::io::{self, BufRead, Read};
 use thiserror::Error;
 
@@ -234,7 +235,7 @@ pub(super) fn read_grid(
             samples.read_binary(source, SamplesError::Read)
         }),
         Encoding::Gzip => {
-            let mut unpacked = flate2::bufread::MultiGzDecoder::new(source);
+            let mut unpacked = Guarded(flate2::bufread::MultiGzDecoder::new(source));
             read_unpacked(&mut unpacked, remaining, layout, options)
         }
         // A digit and a blank are the shortest sample; the last may go without the blank.

@@ -431,7 +431,10 @@ fn no_such_scene() {
         };
         let run = |scene| folder.volref(&[&[command, scene], output].concat());
         run("none.toml").expect(2, &["none.toml: cannot read the scene", "give the path"]);
-        run("folder").expect(2, &["folder: this is a folder, not a scene file"]);
+        run("folder").expect(
+            2,
+            &["folder: cannot read the scene: this is a directory, not a file"],
+        );
         run("cloud.obj/x").expect(2, &["cloud.obj/x: cannot read the scene"]);
         run("cloud.obj").expect(
             2,

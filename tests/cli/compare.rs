@@ -293,7 +293,7 @@ fn images_that_cannot_be_read() {
     cut.exr: not a readable EXR image: the file ends too early
     cut.png: not a readable PNG image: unexpected end of file
     text.exr: not a readable EXR image: it does not begin like one
-    text.png: not a readable PNG image: Format error decoding Png: Invalid PNG signature.
+    text.png: not a readable PNG image: Invalid PNG signature.
     image.jpg: not an image by its extension: known are .exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB)
     ");
 }

@@ -128,6 +128,6 @@ fn bad_arguments() {
     // A folder in the place of a file: nothing else is written either.
     folder.write("out/fog.xml/x", "");
     let before = folder.files();
-    export("fog.toml", "mitsuba", "out").expect(2, &["fog.xml is a folder"]);
+    export("fog.toml", "mitsuba", "out").expect(2, &["fog.xml: it is a folder"]);
     assert_eq!(folder.files(), before);
 }

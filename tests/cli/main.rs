@@ -13,7 +13,9 @@ mod hard;
 #[cfg(unix)]
 mod hostile;
 mod info;
+mod inputs;
 mod list;
+mod mutated_inputs;
 mod outputs;
 mod plan;
 mod progress;

@@ -3,6 +3,7 @@
 use super::*;
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, HashMap};
+use std::fs;
 use tempfile::TempDir;
 
 const ROOT: &str = "golden";

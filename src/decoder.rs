@@ -1,0 +1,99 @@
+//! Runs decoders of other crates on bytes of other programs: where one panics, the bytes are
+//! unreadable, and no more.
+
+use std::cell::Cell;
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::Once;
+use thiserror::Error;
+
+#[cfg(not(panic = "unwind"))]
+compile_error!("a decoder that panics must not end the process: build with panic = \"unwind\"");
+
+/// A decoder panicked. What it was told to read is broken, in a way it does not expect.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("the decoder stopped: {0}")]
+pub struct Stopped(String);
+
+/// Letters of a panic that are told: enough for any message of a slice or an arithmetic.
+const MOST_LETTERS: usize = 200;
+
+thread_local! {
+    /// Whether this thread runs a decoder.
+    static DECODING: Cell<bool> = const { Cell::new(false) };
+}
+
+/// What `decode` returns, or what it panicked with. Nothing of a panic is printed. What `decode`
+/// was changing then is half changed, and to be dropped.
+///
+/// For code that panics in the thread it is called in: a panic in a thread of its own ends the
+/// process, or is waited for without end.
+pub fn run<T>(decode: impl FnOnce() -> T) -> Result<T, Stopped> {
+    silence_decoders();
+    let outer = DECODING.replace(true);
+    let result = panic::catch_unwind(AssertUnwindSafe(decode));
+    DECODING.set(outer);
+    result.map_err(|payload| {
+        let text = payload
+            .downcast_ref::<&str>()
+            .map(|text| (*text).to_owned());
+        let text = text.or_else(|| payload.downcast_ref::<String>().cloned());
+        let text = text.unwrap_or_else(|| "it says nothing".to_owned());
+        // Of an assertion the further lines are its values.
+        let line = text.lines().next().unwrap_or_default();
+        Stopped(line.chars().take(MOST_LETTERS).collect())
+    })
+}
+
+/// The hook that prints panics is one for all threads, so it is replaced once, by one that asks
+/// which thread it is called in.
+fn silence_decoders() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let print = panic::take_hook();
+        panic::set_hook(Box::new(move |panic| {
+            // A thread that ends has no such value any more.
+            if !DECODING.try_with(Cell::get).unwrap_or(false) {
+                print(panic);
+            }
+        }));
+    });
+}
+
+/// A reader whose panics are errors of reading.
+pub struct Guarded<R>(pub R);
+
+impl<R: std::io::Read> std::io::Read for Guarded<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        run(|| self.0.read(bytes)).map_err(std::io::Error::other)?
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Read;
+
+    #[test]
+    fn a_panic_is_an_error_with_its_message() {
+        assert_eq!(run(|| 7), Ok(7));
+        let stopped = run(|| -> u8 { panic!("no {}", "palette") }).unwrap_err();
+        assert_eq!(stopped.to_string(), "the decoder stopped: no palette");
+        let stopped = run(|| assert_eq!(1, 2, "odd")).unwrap_err();
+        assert!(!stopped.to_string().contains('\n'), "{stopped}");
+        let stopped = run(|| -> u8 { panic::panic_any(7) }).unwrap_err();
+        assert_eq!(stopped.to_string(), "the decoder stopped: it says nothing");
+        assert!(!DECODING.get(), "later panics of this thread are printed");
+    }
+
+    #[test]
+    fn a_reader_that_panics_cannot_be_read() {
+        struct Broken;
+        impl Read for Broken {
+            fn read(&mut self, _: &mut [u8]) -> std::io::Result<usize> {
+                panic!("broken")
+            }
+        }
+        let error = Guarded(Broken).read(&mut [0; 4]).unwrap_err();
+        assert_eq!(error.to_string(), "the decoder stopped: broken");
+    }
+}

@@ -1,0 +1,432 @@
+//! The kinds of files that are read, and who reads them.
+
+use super::mutation::Mutator;
+use crate::folder::Folder;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use volref::compare::Picture;
+use volref::exchange::{Format, export};
+use volref::film::Film;
+use volref::geometry::{ClosedMesh, Mesh};
+use volref::render::Plan;
+use volref::scene::{Scene, read_procedural};
+use volref::suite::{Golden, Store, Suite};
+use volref::volume::{LoadOptions, load};
+
+/// A kind of file.
+pub struct Kind {
+    pub name: &'static str,
+    /// Files to begin with.
+    pub seeds: fn() -> Vec<Vec<u8>>,
+    /// Makes checksums right again, or not: most damage would end there.
+    pub repair: fn(Vec<u8>, &mut Mutator) -> Vec<u8>,
+    /// Reads it as the library does; what is said if it is refused.
+    pub read: fn(&Workshop, &[u8]) -> Result<(), String>,
+    /// Where the command finds it, in the folder of the workshop.
+    pub place: &'static str,
+    /// Commands that read it there.
+    pub commands: &'static [&'static str],
+}
+
+/// A suite with goldens, and files of all kinds.
+pub struct Workshop {
+    pub folder: Folder,
+    whole: Vec<(&'static str, Option<Vec<u8>>)>,
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The files with this ending in some folders of the repository, small ones only.
+fn files(folders: &[&str], ending: &str) -> Vec<Vec<u8>> {
+    let mut paths: Vec<PathBuf> = Vec::new();
+    for folder in folders {
+        let entries = std::fs::read_dir(root().join(folder)).unwrap();
+        let found = entries.map(|entry| entry.unwrap().path());
+        paths.extend(found.filter(|path| path.to_str().unwrap().ends_with(ending)));
+    }
+    paths.sort();
+    let contents = paths.iter().map(|path| std::fs::read(path).unwrap());
+    contents.filter(|bytes| bytes.len() <= 40_000).collect()
+}
+
+const IMAGES: [&str; 3] = ["fixtures/images", "fuzz/corpus/exr", "fuzz/corpus/png"];
+const VOLUMES: [&str; 2] = ["fixtures/volumes/formats", "fixtures/volumes/hard"];
+
+fn scenes() -> Vec<Vec<u8>> {
+    let folders = ["figures", "fog", "hard", "procedural", "smoke"];
+    let folders = folders.map(|family| format!("fixtures/scenes/{family}"));
+    let scenes = files(&folders.each_ref().map(String::as_str), ".toml");
+    // Small things in the place of large ones, which take most of the time.
+    let small = |scene: Vec<u8>| {
+        let text = String::from_utf8(scene).unwrap();
+        let text = text.replace("volumes/smoke.obj", "../fuzz/corpus/obj/cloud.obj");
+        text.replace("meshes/knot.obj", "meshes/gem.obj")
+            .into_bytes()
+    };
+    let mut scenes: Vec<Vec<u8>> = scenes.into_iter().map(small).collect();
+    let tiny = Folder::with_scenes();
+    scenes.push(tiny.read("scene.toml"));
+    scenes.push(tiny.read("curve.toml"));
+    scenes
+}
+
+fn manifests() -> Vec<Vec<u8>> {
+    let folders = ["figures", "fog", "hard", "procedural", "smoke"];
+    let folders = folders.map(|family| format!("fixtures/cases/{family}"));
+    files(&folders.each_ref().map(String::as_str), ".toml")
+}
+
+/// The golden of `smoke/plain`, by its ending.
+fn golden(ending: &str) -> Vec<Vec<u8>> {
+    let suite = Folder::with_suite();
+    let run = suite.volref(&["accept", "smoke/plain", "--reason", "first"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    vec![suite.read(&format!("golden/smoke/plain{ending}"))]
+}
+
+fn journals() -> Vec<Vec<u8>> {
+    let heading = "volref accept journal 1: completed by the next `volref accept`, do not edit";
+    let entries = "0123456789abcdef 12 smoke/plain.exr\n0123456789abcdef 7 smoke/plain.toml\n";
+    vec![
+        format!("{heading}\ntag 1-2\n{entries}end 2\n").into_bytes(),
+        format!("{heading}\ntag 1-2\nend 0\n").into_bytes(),
+    ]
+}
+
+fn as_it_is(bytes: Vec<u8>, _: &mut Mutator) -> Vec<u8> {
+    bytes
+}
+
+/// Lengths and checksums of the chunks of a PNG, in one of two.
+fn png(mut bytes: Vec<u8>, mutator: &mut Mutator) -> Vec<u8> {
+    if mutator.chance() {
+        return bytes;
+    }
+    let mut at = 8;
+    while let Some(length) = bytes.get(at..at + 4) {
+        let length = u32::from_be_bytes(length.try_into().unwrap()) as usize;
+        let Some(end) = at
+            .checked_add(8)
+            .and_then(|start| start.checked_add(length))
+        else {
+            break;
+        };
+        if bytes.len() < end + 4 {
+            break;
+        }
+        let mut sum = flate2::Crc::new();
+        sum.update(&bytes[at + 4..end]);
+        bytes[end..end + 4].copy_from_slice(&sum.sum().to_be_bytes());
+        at = end + 4;
+    }
+    bytes
+}
+
+/// What is compressed is broken before it is, in one of two.
+fn gzip(bytes: Vec<u8>, mutator: &mut Mutator) -> Vec<u8> {
+    if mutator.chance() {
+        return bytes;
+    }
+    let whole = &files(&VOLUMES, ".nii.gz")[0];
+    let mut unpacked = Vec::new();
+    flate2::read::GzDecoder::new(&whole[..])
+        .read_to_end(&mut unpacked)
+        .unwrap();
+    let broken = mutator.mutant(&[unpacked]);
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    packed.write_all(&broken).unwrap();
+    packed.finish().unwrap()
+}
+
+fn read_scene(workshop: &Workshop, bytes: &[u8]) -> Result<(), String> {
+    let text = String::from_utf8_lossy(bytes);
+    // Files are named as from `fixtures/scenes/family`.
+    let path = root().join("fixtures/scenes/smoke/mutant.toml");
+    let _ = workshop;
+    let scene = Scene::parse(&text, &path).map_err(|error| error.to_string())?;
+    for panel in &scene.panels {
+        let plan = Plan::new(panel);
+        let _ = plan.expected(panel);
+        let _ = plan.canonical_text();
+    }
+    for format in ["mitsuba", "pbrt"] {
+        let format: Format = format.parse().unwrap();
+        let _ = export(&scene, format, "mutant").map_err(|refusal| refusal.to_string());
+    }
+    Ok(())
+}
+
+fn read_procedural_text(_: &Workshop, bytes: &[u8]) -> Result<(), String> {
+    let text = String::from_utf8_lossy(bytes);
+    let read = read_procedural("block.xml", &text);
+    read.map(drop).map_err(|error| error.to_string())
+}
+
+fn read_manifest(workshop: &Workshop, bytes: &[u8]) -> Result<(), String> {
+    let name = "manifests/fixtures/cases/smoke/plain.toml";
+    workshop.folder.write(name, bytes);
+    let suite = Suite::open(&workshop.folder.path("manifests"));
+    workshop.folder.remove(name);
+    suite.map(drop).map_err(|error| error.to_string())
+}
+
+fn read_golden(workshop: &Workshop, place: &str, bytes: &[u8]) -> Result<(), String> {
+    let folder = &workshop.folder;
+    folder.write(place, bytes);
+    let suite = Suite::open(&folder.path("")).unwrap();
+    let filter = ["smoke/plain".to_owned()];
+    let case = suite.select(&filter).unwrap()[0];
+    let golden = Golden::read(&Store::open(suite.golden_folder()), case);
+    workshop.restore_place(place);
+    golden.map(drop).map_err(|error| error.to_string())
+}
+
+fn read_volume(workshop: &Workshop, name: &str, bytes: &[u8]) -> Result<(), String> {
+    workshop.folder.write(name, bytes);
+    let options = LoadOptions::default();
+    let loaded = load(&workshop.folder.path(name), &options);
+    workshop.folder.remove(name);
+    let grid = loaded.map_err(|error| error.to_string())?;
+    assert!(grid.values().iter().all(|value| value.is_finite()));
+    Ok(())
+}
+
+fn read_mesh(_: &Workshop, bytes: &[u8]) -> Result<(), String> {
+    let mesh = Mesh::from_obj(bytes).map_err(|error| error.to_string())?;
+    let _ = ClosedMesh::new(mesh).map_err(|error| error.to_string());
+    Ok(())
+}
+
+fn read_picture(workshop: &Workshop, name: &str, bytes: &[u8]) -> Result<(), String> {
+    workshop.folder.write(name, bytes);
+    let picture = Picture::read(&workshop.folder.path(name));
+    workshop.folder.remove(name);
+    picture.map(drop).map_err(|error| error.to_string())
+}
+
+fn read_exr(workshop: &Workshop, bytes: &[u8]) -> Result<(), String> {
+    let _ = Film::variance_from_exr(bytes).map_err(|error| error.to_string());
+    read_picture(workshop, "read.exr", bytes)
+}
+
+macro_rules! volume {
+    ($name:literal, $read:literal, $place:literal, $repair:expr) => {
+        Kind {
+            name: $name,
+            seeds: || files(&VOLUMES, concat!(".", $name)),
+            repair: $repair,
+            read: |workshop, bytes| read_volume(workshop, $read, bytes),
+            place: $place,
+            commands: &[
+                concat!("info ", $place, " --json"),
+                concat!("info ", $place, " --json=", $place),
+                concat!("info ", $place, " --as-stored --centring cells"),
+            ],
+        }
+    };
+}
+
+macro_rules! image {
+    ($name:literal, $seeds:expr, $repair:expr, $read:expr) => {
+        Kind {
+            name: $name,
+            seeds: || files(&$seeds, concat!(".", $name)),
+            repair: $repair,
+            read: $read,
+            place: concat!("images/smoke/plain.", $name),
+            commands: &[
+                concat!("compare good.", $name, " images/smoke/plain.", $name),
+                concat!("compare images/smoke/plain.", $name, " good.", $name),
+                concat!(
+                    "compare images/smoke/plain.",
+                    $name,
+                    " images/smoke/plain.",
+                    $name,
+                    " --json=images/smoke/plain.",
+                    $name
+                ),
+                "validate smoke/plain --outputs images --json",
+            ],
+        }
+    };
+}
+
+const OF_GOLDENS: &[&str] = &[
+    "verify smoke/plain",
+    "list --json",
+    "validate smoke/plain --outputs images --junit=golden/smoke/plain.toml",
+];
+
+/// All of them.
+pub const KINDS: &[Kind] = &[
+    Kind {
+        name: "scene",
+        seeds: scenes,
+        repair: as_it_is,
+        read: read_scene,
+        place: "fixtures/scenes/smoke/mutant.toml",
+        commands: &[
+            "plan fixtures/scenes/smoke/mutant.toml --json",
+            "plan fixtures/scenes/smoke/mutant.toml --json=fixtures/scenes/smoke/mutant.toml",
+        ],
+    },
+    Kind {
+        name: "manifest",
+        seeds: manifests,
+        repair: as_it_is,
+        read: read_manifest,
+        place: "fixtures/cases/smoke/plain.toml",
+        commands: &[
+            "list",
+            "verify smoke/plain",
+            "list --json=fixtures/cases/smoke/plain.toml",
+        ],
+    },
+    Kind {
+        name: "golden.exr",
+        seeds: || golden(".exr"),
+        repair: as_it_is,
+        read: |workshop, bytes| read_golden(workshop, "golden/smoke/plain.exr", bytes),
+        place: "golden/smoke/plain.exr",
+        commands: OF_GOLDENS,
+    },
+    Kind {
+        name: "golden.png",
+        seeds: || golden(".png"),
+        repair: png,
+        read: |workshop, bytes| read_golden(workshop, "golden/smoke/plain.png", bytes),
+        place: "golden/smoke/plain.png",
+        commands: OF_GOLDENS,
+    },
+    Kind {
+        name: "golden.toml",
+        seeds: || golden(".toml"),
+        repair: as_it_is,
+        read: |workshop, bytes| read_golden(workshop, "golden/smoke/plain.toml", bytes),
+        place: "golden/smoke/plain.toml",
+        commands: OF_GOLDENS,
+    },
+    Kind {
+        name: "journal",
+        seeds: journals,
+        repair: as_it_is,
+        read: |workshop, bytes| read_golden(workshop, "golden/accept.journal", bytes),
+        place: "golden/accept.journal",
+        commands: OF_GOLDENS,
+    },
+    Kind {
+        name: "procedural",
+        seeds: || files(&["fuzz/corpus/procedural_xml"], ".xml"),
+        repair: as_it_is,
+        read: read_procedural_text,
+        place: "mutant.xml",
+        commands: &[
+            "plan procedural.toml",
+            "plan procedural.toml --json=mutant.xml",
+        ],
+    },
+    Kind {
+        name: "mesh",
+        seeds: || files(&["fixtures/meshes"], ".obj"),
+        repair: as_it_is,
+        read: read_mesh,
+        place: "mesh.obj",
+        commands: &["plan mesh.toml", "plan mesh.toml --json=mesh.obj"],
+    },
+    Kind {
+        name: "obj",
+        seeds: || files(&["fuzz/corpus/obj"], ".obj"),
+        repair: as_it_is,
+        read: |workshop, bytes| read_volume(workshop, "read.obj", bytes),
+        place: "mutant.obj",
+        commands: &[
+            "info mutant.obj",
+            "info mutant.obj --resolution 8 --json=mutant.obj",
+        ],
+    },
+    volume!("bin", "read.bin", "mutant.bin", as_it_is),
+    volume!("vol", "read.vol", "mutant.vol", as_it_is),
+    volume!("nrrd", "read.nrrd", "mutant.nrrd", as_it_is),
+    volume!("nhdr", "read.nhdr", "mutant.nhdr", as_it_is),
+    volume!("nii", "read.nii", "mutant.nii", as_it_is),
+    volume!("nii.gz", "read.nii.gz", "mutant.nii.gz", gzip),
+    volume!("raw.toml", "read.raw.toml", "mutant.raw.toml", as_it_is),
+    image!("exr", IMAGES, as_it_is, read_exr),
+    image!("png", IMAGES, png, |workshop, bytes| read_picture(
+        workshop, "read.png", bytes
+    )),
+    image!("pfm", ["fixtures/images"], as_it_is, |workshop, bytes| {
+        read_picture(workshop, "read.pfm", bytes)
+    }),
+    image!("npy", ["fixtures/images"], as_it_is, |workshop, bytes| {
+        read_picture(workshop, "read.npy", bytes)
+    }),
+];
+
+impl Workshop {
+    pub fn new() -> Workshop {
+        let folder = Folder::with_suite();
+        let run = folder.volref(&["accept", "smoke/plain", "--reason", "first"]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        for folder_of_all in VOLUMES.iter().chain(&IMAGES[..1]) {
+            for entry in std::fs::read_dir(root().join(folder_of_all)).unwrap() {
+                let path = entry.unwrap().path();
+                let name = path.file_name().unwrap().to_str().unwrap();
+                // Beside a header, its data.
+                if name.ends_with(".raw") {
+                    folder.write(name, std::fs::read(&path).unwrap());
+                }
+            }
+        }
+        for extension in ["exr", "png", "pfm", "npy"] {
+            let seeds = match extension {
+                "exr" => "float.exr",
+                "png" => "rgb-8.png",
+                "pfm" => "little.pfm",
+                _ => "little-f4.npy",
+            };
+            let seed = root().join("fixtures/images").join(seeds);
+            folder.write(&format!("good.{extension}"), std::fs::read(seed).unwrap());
+        }
+        folder.write("images/smoke/other.txt", "nothing");
+        folder.write("manifests/fixtures/cases/smoke/none.txt", "nothing");
+        let radiative = "[film]\nwidth = 4\nheight = 4\n[camera]\neye = [0, 0, 9]\n\
+                         target = [0, 0, 0]\n[radiative]\nscattering = \"single\"\n\
+                         environment = [1, 1, 1]\n";
+        folder.write(
+            "procedural.toml",
+            format!(
+                "{radiative}[[radiative.medium]]\nbox = {{ min = [-1, -1, -1], max = [1, 1, 1] }}\n\
+                 procedural = {{ file = \"mutant.xml\" }}\n"
+            ),
+        );
+        folder.write(
+            "mesh.toml",
+            format!(
+                "{radiative}[[radiative.surface]]\nmesh = {{ file = \"mesh.obj\" }}\n\
+                 diffuse = {{ reflectance = 0.5 }}\n"
+            ),
+        );
+        let whole = KINDS.iter().map(|kind| {
+            let path = folder.path(kind.place);
+            (kind.place, std::fs::read(path).ok())
+        });
+        let whole = whole.collect();
+        Workshop { folder, whole }
+    }
+
+    /// Puts the file of a kind back, or takes it away where there was none.
+    pub fn restore(&self, kind: &Kind) {
+        self.restore_place(kind.place);
+    }
+
+    fn restore_place(&self, place: &str) {
+        let (_, bytes) = self.whole.iter().find(|(name, _)| *name == place).unwrap();
+        match bytes {
+            Some(bytes) => self.folder.write(place, bytes),
+            None => self.folder.remove(place),
+        }
+    }
+}
