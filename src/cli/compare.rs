@@ -147,6 +147,7 @@ fn result(test: &Path, judgement: Judgement, seconds: f64) -> CaseResult {
         metrics: judgement.metrics,
         gate: judgement.gate,
         reason: judgement.reason,
+        notes: Vec::new(),
         looks_like: Vec::new(),
         seconds,
         work: BTreeMap::new(),

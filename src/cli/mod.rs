@@ -8,6 +8,7 @@ mod cost;
 mod export;
 mod failure;
 mod info;
+mod keep;
 mod list;
 mod output;
 mod plan;
@@ -19,6 +20,7 @@ mod selftest;
 mod suite;
 mod validate;
 mod verify;
+mod visible_report;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -54,6 +56,8 @@ enum Command {
     Info(info::Arguments),
     List(list::Arguments),
     Schema(schema::Arguments),
+    #[command(name = keep::NAME, hide = true)]
+    Keep(keep::Arguments),
 }
 
 /// What a command that ran to its end says.
@@ -85,7 +89,7 @@ pub fn main() -> ExitCode {
             } else {
                 Exit::Passed
             };
-            let _ = error.print();
+            output::print_usage(&error);
             return exit.into();
         }
     };
@@ -102,6 +106,7 @@ pub fn main() -> ExitCode {
         Command::Info(arguments) => progress::during("reading", || info::run(arguments)),
         Command::List(arguments) => list::run(arguments),
         Command::Schema(arguments) => Ok(schema::run(arguments)),
+        Command::Keep(arguments) => Ok(keep::run(arguments)),
     };
     match result {
         Ok(outcome) => {

@@ -1,7 +1,10 @@
-//! Printing that survives a reader who leaves early.
+//! The door through which all is printed. It survives a reader who leaves early, and lets no control
+//! character through that stands in a name, a key or the output of another renderer.
 
 use super::failure::{Exit, Failure};
+use super::visible_report::VisibleReport;
 use crate::atomic_file::{directory_of, remedy, write_atomically};
+use crate::report::{visible, visible_json};
 use clap::Args;
 use serde::Serialize;
 use std::io::Write;
@@ -11,13 +14,28 @@ use std::path::{Path, PathBuf};
 pub fn print(text: &str) {
     let mut stdout = std::io::stdout().lock();
     let _ = stdout
-        .write_all(text.as_bytes())
+        .write_all(visible(text).as_bytes())
         .and_then(|()| stdout.flush());
 }
 
 /// Writes a failure to stderr.
 pub fn print_error(failure: &Failure) {
-    let _ = writeln!(std::io::stderr(), "{:?}", failure.report);
+    let shown = miette::Report::new(VisibleReport::of(failure.report.as_ref()));
+    let _ = writeln!(std::io::stderr(), "{shown:?}");
+}
+
+/// Writes what clap has to say of the command line, or its help. Where the arguments hold control
+/// characters, which it repeats, the message goes without colours.
+pub fn print_usage(error: &clap::Error) {
+    let mut arguments = std::env::args_os();
+    let is_plain = arguments.all(|argument| {
+        let argument = argument.to_string_lossy();
+        visible(&argument) == argument
+    });
+    let _ = match is_plain || !error.use_stderr() {
+        true => error.print(),
+        false => write!(std::io::stderr(), "{}", visible(&error.to_string())),
+    };
 }
 
 /// `--json`: the result as JSON instead of text.
@@ -57,7 +75,7 @@ impl Json {
 pub fn pretty(value: &impl Serialize) -> String {
     let mut text = serde_json::to_string_pretty(value).expect("plain data becomes JSON");
     text.push('\n');
-    text
+    visible_json(&text)
 }
 
 /// Writes a whole file or nothing.

@@ -2,13 +2,16 @@
 
 use super::failure::{Exit, Failure};
 use crate::suite::{Case, CaseResult, Cause, Store, Suite, SuiteError};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// The suite that is meant where none is given.
+const HERE: &str = ".";
 
 /// Which cases of which suite.
 #[derive(clap::Args, Debug)]
 pub struct Selection {
     /// Folder of the suite, the one with fixtures/ and golden/
-    #[arg(long = "suite", value_name = "DIR", default_value = ".")]
+    #[arg(long = "suite", value_name = "DIR", default_value = HERE)]
     folder: PathBuf,
 }
 
@@ -16,6 +19,15 @@ impl Selection {
     /// The suite.
     pub fn open(&self) -> Result<Suite, Failure> {
         Suite::open(&self.folder).map_err(suite_failure)
+    }
+
+    /// The line for a shell that does `command` again for one case of this suite.
+    pub fn again(&self, command: &str, case: &str, arguments: &[String]) -> String {
+        let mut words = vec!["volref".to_owned(), command.to_owned(), case.to_owned()];
+        if self.folder != Path::new(HERE) {
+            words.extend(["--suite".to_owned(), self.folder.display().to_string()]);
+        }
+        shell_words::join(words.iter().chain(arguments))
     }
 }
 

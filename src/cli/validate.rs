@@ -2,6 +2,7 @@
 
 use super::export::write_all;
 use super::failure::{Exit, Failure};
+use super::keep::keeper;
 use super::results::{Findings, ResultFiles};
 use super::suite::{Selection, exit, select, store};
 use super::{Outcome, progress};
@@ -18,6 +19,12 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
+
+/// Defaults of what a renderer is asked for, as one would write them.
+const TIMEOUT: &str = "600";
+const SPP: &str = "64";
+const SEED: &str = "1";
+const FORMAT: &str = "exr";
 
 /// Judge another renderer's images by the goldens, and name the mistake
 #[derive(Debug, clap::Args)]
@@ -47,19 +54,19 @@ pub struct Arguments {
     #[arg(long)]
     only_present: bool,
     /// With --run: seconds after which the renderer, and all that it started, is ended
-    #[arg(long, value_name = "SECONDS", default_value_t = 600.0, allow_negative_numbers = true, value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", default_value = TIMEOUT, allow_negative_numbers = true, value_parser = seconds)]
     timeout: f64,
     /// With --run: cases to render at the same time
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     jobs: u16,
     /// With --run: samples per pixel to ask for, {spp}
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = crate::scene::samples)]
+    #[arg(long, value_name = "N", default_value = SPP, value_parser = crate::scene::samples)]
     spp: u32,
     /// With --run: seed to ask for, {seed}
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value = SEED)]
     seed: u64,
     /// With --run: the kind of file that {output} names: exr, pfm, npy or png
-    #[arg(long, value_name = "EXT", default_value = "exr", value_parser = ["exr", "pfm", "npy", "png"])]
+    #[arg(long, value_name = "EXT", default_value = FORMAT, value_parser = ["exr", "pfm", "npy", "png"])]
     format: String,
     /// With --run: keep the images in DIR
     #[arg(long, value_name = "DIR", requires = "run")]
@@ -89,7 +96,13 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .collect();
     let source = Source::of(&arguments, &names)?;
 
-    let mut judged = judge_all(&cases, &store, &source, usize::from(arguments.jobs));
+    let mut judged = judge_all(
+        &cases,
+        &store,
+        &source,
+        &arguments.selection,
+        usize::from(arguments.jobs),
+    );
     if arguments.only_present {
         judged.retain(|judged| judged.result.verdict != Verdict::Missing);
         if judged.is_empty() {
@@ -144,6 +157,8 @@ enum Source {
 }
 
 struct Renderer {
+    /// As it was given.
+    command: String,
     template: CommandTemplate,
     timeout: Duration,
     spp: u32,
@@ -190,6 +205,7 @@ impl Source {
             .and_then(|()| absolute(&folder))
             .map(|folder| {
                 Source::Renderer(Box::new(Renderer {
+                    command: command.to_owned(),
                     template,
                     timeout: Duration::from_secs_f64(arguments.timeout),
                     spp: arguments.spp,
@@ -203,19 +219,21 @@ impl Source {
             .map_err(|error| bad(format!("cannot make the folder for images: {error}"), None))
     }
 
-    /// What there is of `case`, what was printed on the way, and how to do it again.
-    fn output(&self, case: &Case) -> (Output, Option<String>, Vec<String>) {
+    /// What there is of `case`, and how it came about.
+    fn output(&self, case: &Case) -> Made {
         match self {
-            Source::Finished(folder, outputs) => {
-                let name = shell_words::quote(&case.name);
-                let shown = folder.display().to_string();
-                let reproduce = format!(
-                    "volref validate {name} --outputs {}",
-                    shell_words::quote(&shown)
-                );
-                (read(outputs, folder, case), None, vec![reproduce])
-            }
+            Source::Finished(folder, outputs) => Made::of(read(outputs, folder, case)),
             Source::Renderer(renderer) => renderer.output(case),
+        }
+    }
+
+    /// The arguments that say where the images come from.
+    fn arguments(&self) -> Vec<String> {
+        match self {
+            Source::Finished(folder, _) => {
+                vec!["--outputs".to_owned(), folder.display().to_string()]
+            }
+            Source::Renderer(renderer) => renderer.arguments(),
         }
     }
 
@@ -236,6 +254,28 @@ impl Source {
             text.push('\n');
         }
         text
+    }
+}
+
+/// What there is of a case, and how it came about.
+struct Made {
+    output: Output,
+    /// What the renderer printed, if one was run.
+    printed: Option<String>,
+    /// What is to be said beside the verdict.
+    notes: Vec<String>,
+    /// How the renderer was called, if it was.
+    call: Option<String>,
+}
+
+impl Made {
+    fn of(output: Output) -> Made {
+        Made {
+            output,
+            printed: None,
+            notes: Vec::new(),
+            call: None,
+        }
     }
 }
 
@@ -278,23 +318,31 @@ fn last_words(printed: &str) -> String {
 }
 
 impl Renderer {
-    fn output(&self, case: &Case) -> (Output, Option<String>, Vec<String>) {
+    fn output(&self, case: &Case) -> Made {
         let words = match self.words(case) {
             Ok(words) => words,
-            Err(output) => return (output, None, Vec::new()),
+            Err(output) => return Made::of(output),
         };
-        let ran = run_process(&words, self.timeout);
-        let command = vec![shell_words::join(&words)];
-        let printed = Some(ran.printed);
-        if let Some(failure) = ran.failure {
-            let reason = failure + &last_words(printed.as_deref().unwrap_or_default());
-            return (Output::Unusable(reason), printed, command);
+        let ran = run_process(&words, self.timeout, keeper().as_ref());
+        let output = match ran.failure {
+            Some(failure) => Output::Unusable(failure + &last_words(&ran.printed)),
+            None => self.written(case),
+        };
+        Made {
+            output,
+            printed: Some(ran.printed),
+            notes: ran.notes,
+            call: Some(shell_words::join(&words)),
         }
+    }
+
+    /// The image that the renderer wrote.
+    fn written(&self, case: &Case) -> Output {
         let outputs = match Outputs::list(&self.folder, &[&case.name]) {
             Ok(outputs) => outputs,
-            Err(error) => return (Output::Unusable(error.to_string()), printed, command),
+            Err(error) => return Output::Unusable(error.to_string()),
         };
-        let output = match read(&outputs, &self.folder, case) {
+        match read(&outputs, &self.folder, case) {
             Output::Missing(_) => Output::Missing(
                 "the renderer ended well, but wrote no image to {output}".to_owned(),
             ),
@@ -303,8 +351,23 @@ impl Renderer {
                 Output::Picture(Box::new(picture.with_samples(self.spp)))
             }
             output => output,
+        }
+    }
+
+    /// The arguments with which it is run in the same way; as they are by default, they are left
+    /// out.
+    fn arguments(&self) -> Vec<String> {
+        let mut arguments = vec!["--run".to_owned(), self.command.clone()];
+        let mut say = |name: &str, value: String, default: &str| {
+            if value != default {
+                arguments.extend([name.to_owned(), value]);
+            }
         };
-        (output, printed, command)
+        say("--spp", self.spp.to_string(), SPP);
+        say("--seed", self.seed.to_string(), SEED);
+        say("--format", self.extension.clone(), FORMAT);
+        say("--timeout", self.timeout.as_secs_f64().to_string(), TIMEOUT);
+        arguments
     }
 
     /// Whether the renderer is told how many samples it is to take.
@@ -372,7 +435,13 @@ impl Renderer {
 }
 
 /// Judges all cases, `jobs` at a time; results are in the order of the cases.
-fn judge_all(cases: &[&Case], store: &Store, source: &Source, jobs: usize) -> Vec<Judged> {
+fn judge_all(
+    cases: &[&Case],
+    store: &Store,
+    source: &Source,
+    selection: &Selection,
+    jobs: usize,
+) -> Vec<Judged> {
     let bar = progress::cases(cases.len());
     let next = AtomicUsize::new(0);
     let done: Mutex<Vec<(usize, Judged)>> = Mutex::default();
@@ -386,11 +455,14 @@ fn judge_all(cases: &[&Case], store: &Store, source: &Source, jobs: usize) -> Ve
                     };
                     bar.set_message(case.name.clone());
                     let start = Instant::now();
-                    let (output, printed, reproduce) = source.output(case);
-                    let mut judged = validate(case, store, output);
+                    let made = source.output(case);
+                    let mut judged = validate(case, store, made.output);
                     judged.result.seconds = start.elapsed().as_secs_f64();
-                    judged.evidence.output = printed;
-                    judged.evidence.reproduce = reproduce;
+                    judged.result.notes = made.notes;
+                    judged.evidence.output = made.printed;
+                    judged.evidence.reproduce =
+                        vec![selection.again("validate", &case.name, &source.arguments())];
+                    judged.evidence.call = made.call;
                     bar.inc(1);
                     let mut done = done.lock().expect("no thread panicked");
                     done.push((index, judged));

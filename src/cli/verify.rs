@@ -58,6 +58,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if arguments.filters.is_empty() {
         judged.extend(suite::without_case(&suite).map_err(suite_failure)?);
     }
+    for judged in &mut judged {
+        let again = arguments
+            .selection
+            .again("verify", &judged.result.name, &[]);
+        judged.evidence.reproduce = vec![again];
+    }
     let findings = Findings {
         command: "verify",
         title: "volref verify",
@@ -72,7 +78,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     })
 }
 
-/// How to see what moved in the first case that failed.
+/// How to see what moved in the first case that failed: the image that was compared, rendered again.
 fn what_moved(results: &[CaseResult], cases: &[&Case], suite: &Suite) -> String {
     let failed = results
         .iter()
@@ -81,9 +87,19 @@ fn what_moved(results: &[CaseResult], cases: &[&Case], suite: &Suite) -> String 
     let Some(case) = case else {
         return String::new();
     };
+    let scene = case.scene.display().to_string();
+    let golden = format!("{}.exr", suite.golden_folder().join(&case.name).display());
+    let mut render = vec!["volref", "render", &scene, "-o", "now.exr"];
+    let mut compare = vec!["volref", "compare", &golden, "now.exr"];
+    let quick = case.sampling.map(|sampling| sampling.quick.to_string());
+    if let Some(samples) = &quick {
+        render.extend(["--spp", samples]);
+        compare.extend(["--gate", "stochastic"]);
+    }
+    compare.extend(["--heatmap", "moved.png"]);
     format!(
-        "\nTo see what moved:\n  volref render {} -o now.exr\n  volref compare {}.exr now.exr --heatmap moved.png\n",
-        case.scene.display(),
-        suite.golden_folder().join(&case.name).display()
+        "\nTo see what moved:\n  {}\n  {}\n",
+        shell_words::join(render),
+        shell_words::join(compare)
     )
 }

@@ -121,8 +121,10 @@ fn recommendation(error: f64, ladder: &Ladder, given: &Given, path: &Path) -> Re
             return Recommendation {
                 error,
                 text: format!(
-                    "{wanted} some {setting} would do, if noise falls as the root of \
-                     them{}",
+                    "{wanted} nothing that was measured is enough, which is up to {}; if noise \
+                     goes on to fall as the root of the samples, some {} of them will do{}",
+                    finest.setting,
+                    in_words(samples),
                     relative(times, &given.setting)
                 ),
                 // Nobody waits for more.
@@ -162,8 +164,27 @@ fn relative(times: Option<f64>, given: &str) -> String {
     match times {
         // The settings of a ladder are not the scene's own to the last digit.
         Some(times) if (times - 1.0).abs() < 0.02 => format!(", the scene's own {given}"),
-        Some(times) => format!(": {times:.2} times the work of the scene's own {given}"),
+        Some(times) => {
+            let times = in_words(times);
+            format!(": {times} times the work of the scene's own {given}")
+        }
         None => String::new(),
+    }
+}
+
+/// A count or a ratio with two or three digits that say something.
+fn in_words(number: f64) -> String {
+    match number {
+        _ if number < 0.01 => format!("{number:.0e}"),
+        _ if number < 9.995 => format!("{number:.2}")
+            .trim_end_matches('0')
+            .trim_end_matches('.')
+            .to_owned(),
+        _ if number < 99.95 => format!("{number:.1}").trim_end_matches(".0").to_owned(),
+        _ if number < 999_999.5 => format!("{number:.0}"),
+        _ if number < 999.5e6 => format!("{} million", in_words(number / 1e6)),
+        _ if number < 999.5e9 => format!("{} billion", in_words(number / 1e9)),
+        _ => format!("{number:.1e}"),
     }
 }
 
@@ -180,4 +201,96 @@ fn command(knob: Knob, setting: &str, path: &Path) -> String {
         "volref render {} -o image.exr {option}",
         shell_words::quote(&scene)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cost::results::{Norms, Order, OrderVerdict, Work};
+
+    /// Noise beyond what was measured is said to be so, next to a price list that reaches nothing.
+    #[test]
+    fn what_was_not_measured_is_no_promise() {
+        let rung = |samples: u32| Rung {
+            setting: format!("{samples} samples"),
+            value: f64::from(samples),
+            work: Work {
+                random_draws: 10.0 * f64::from(samples),
+                ..Work::default()
+            },
+            error: Norms {
+                l2: 0.8 / f64::from(samples).sqrt(),
+                ..Norms::default()
+            },
+            error_of_order: None,
+            single_precision: None,
+            time: None,
+        };
+        let ladder = Ladder {
+            estimator: "path tracing".to_owned(),
+            is_ours: true,
+            knob: Knob::Samples,
+            rungs: [1, 16, 64].map(rung).into(),
+            order: Order {
+                expected: Some(-0.5),
+                known: 0.0,
+                counted: vec![true; 3],
+                fitted: None,
+                fitted_max: None,
+                local: Vec::new(),
+                tolerance: 0.05,
+                uncertainty: 0.0,
+                verdict: OrderVerdict::Undecided,
+            },
+            cut: None,
+        };
+        let given = Given {
+            setting: "64 samples".to_owned(),
+            price: Some(640.0),
+        };
+        let advice = recommendation(1e-4, &ladder, &given, Path::new("fog.toml"));
+        assert_eq!(
+            advice.text,
+            "for an error of 1e-4 nothing that was measured is enough, which is up to 64 samples; \
+             if noise goes on to fall as the root of the samples, some 64 million of them will do: \
+             1 million times the work of the scene's own 64 samples"
+        );
+        assert_eq!(advice.command, None);
+        let advice = recommendation(0.1, &ladder, &given, Path::new("my fog.toml"));
+        assert_eq!(
+            advice.text,
+            "for an error of 1e-1 use 64 samples, the scene's own 64 samples"
+        );
+        let command = "volref render 'my fog.toml' -o image.exr --spp 64";
+        assert_eq!(advice.command.as_deref(), Some(command));
+    }
+
+    #[test]
+    fn large_numbers_are_words() {
+        let shown = [
+            0.0017,
+            0.5,
+            1.004,
+            2.656_25,
+            12.34,
+            17_000.0,
+            2_656_250.0,
+            2.1e9,
+            3e15,
+        ];
+        assert_eq!(
+            shown.map(in_words),
+            [
+                "2e-3",
+                "0.5",
+                "1",
+                "2.66",
+                "12.3",
+                "17000",
+                "2.66 million",
+                "2.1 billion",
+                "3.0e15"
+            ]
+        );
+    }
 }

@@ -158,6 +158,28 @@ impl Work {
             self.random_draws
         }
     }
+
+    /// What [`Work::price`] counts.
+    pub fn counted(&self) -> Counted {
+        if self.density_lookups + self.gradient_lookups > 0.0 {
+            Counted::Lookups
+        } else if self.random_draws > 0.0 {
+            Counted::RandomNumbers
+        } else {
+            Counted::Nothing
+        }
+    }
+}
+
+/// What the price of a setting counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Counted {
+    /// Look-ups of densities and gradients.
+    Lookups,
+    /// Random numbers, where nothing is looked up.
+    RandomNumbers,
+    /// Neither.
+    Nothing,
 }
 
 /// Sizes of an error over many rays and channels, relative to the root mean square of what is

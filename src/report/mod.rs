@@ -6,6 +6,7 @@ mod json;
 mod junit;
 mod self_test;
 mod terminal;
+mod visible;
 
 pub use cost::{CostPage, cost_csv, cost_html, cost_json, cost_text, work_precision_svg};
 pub use html::{Page, results_html};
@@ -13,3 +14,4 @@ pub use json::{results_json, validation_json};
 pub use junit::results_junit;
 pub use self_test::{naming_text, self_test_json, self_test_text};
 pub use terminal::{likely_text, results_text};
+pub use visible::{visible, visible_char, visible_json};

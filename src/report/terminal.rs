@@ -31,6 +31,9 @@ pub fn results_text(results: &[CaseResult]) -> String {
                 text.push_str(&format!("              {line}\n"));
             }
         }
+        for note in &result.notes {
+            text.push_str(&format!("              note: {note}\n"));
+        }
     }
     if results
         .iter()

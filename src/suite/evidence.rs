@@ -25,6 +25,8 @@ pub struct Evidence {
     pub provenance: Vec<(String, String)>,
     /// Commands that repeat the judgement, one to a line.
     pub reproduce: Vec<String>,
+    /// How the other renderer was called, if it was run.
+    pub call: Option<String>,
     /// What the other renderer wrote to its standard output and error, if it was run.
     pub output: Option<String>,
 }

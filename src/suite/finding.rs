@@ -49,6 +49,7 @@ impl Finding {
             metrics: self.metrics,
             gate,
             reason: self.reason,
+            notes: Vec::new(),
             looks_like: Vec::new(),
             seconds: start.elapsed().as_secs_f64(),
             work: BTreeMap::new(),

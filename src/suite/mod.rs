@@ -33,7 +33,7 @@ pub use finding::Judged;
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
 pub use likeness::likeness;
 pub use naming::{Naming, naming};
-pub use other_renderer::{CommandTemplate, Ran, TemplateError, run, stop_all};
+pub use other_renderer::{CommandTemplate, Keeper, Kept, Ran, TemplateError, keep, run, stop_all};
 pub use outputs::{Found, OutputError, Outputs, Stranger};
 pub use results::{CaseResult, Cause, Summary, Verdict};
 pub use rows::{ANALYTIC, ERROR_OF_TOLERANCE, HARD, row_name, verify_row};

@@ -67,6 +67,9 @@ pub struct CaseResult {
     pub gate: Gate,
     /// Why, in words.
     pub reason: String,
+    /// What is to be said beside the verdict, whatever it is.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// Mistakes that the image looks like, most likely first.
     pub looks_like: Vec<String>,
     /// Wall time, for information.

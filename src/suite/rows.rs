@@ -88,6 +88,7 @@ pub fn verify_row(row: &Row) -> Judged {
         metrics,
         gate: Gate::Analytic,
         reason,
+        notes: Vec::new(),
         looks_like: Vec::new(),
         seconds: start.elapsed().as_secs_f64(),
         work: BTreeMap::new(),
@@ -99,7 +100,6 @@ pub fn verify_row(row: &Row) -> Judged {
             source: format!("Catalogue of hard cases, {}", row.id),
             shows: format!("{}. It may be off by: {}.", row.what, row.tolerance),
             computes: format!("Remedy: {}; see {}.", row.remedy, row.place),
-            reproduce: vec![format!("volref verify {}", row_name(row))],
             without_image: true,
             ..Evidence::default()
         },

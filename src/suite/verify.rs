@@ -33,7 +33,6 @@ pub(super) fn verify_with(
 ) -> Judged {
     let start = Instant::now();
     let mut evidence = Evidence::of(case);
-    evidence.reproduce = vec![format!("volref verify {}", case.name)];
     let finding = Trusted::load_for(renderer, case, store).and_then(|trusted| {
         evidence.provenance = trusted.provenance();
         evidence.golden = Some(trusted.golden.film.clone());
@@ -106,6 +105,7 @@ pub fn without_case(suite: &Suite) -> Result<Vec<Judged>, SuiteError> {
         reason:
             "this golden belongs to no case: restore the manifest, or remove the golden with it"
                 .to_owned(),
+        notes: Vec::new(),
         looks_like: Vec::new(),
         seconds: 0.0,
         work: BTreeMap::new(),

@@ -10,12 +10,16 @@ mod cost;
 mod export;
 mod folder;
 mod hard;
+#[cfg(unix)]
+mod hostile;
 mod info;
 mod list;
 mod outputs;
 mod plan;
 mod progress;
 mod render;
+#[cfg(target_os = "linux")]
+mod renderers;
 mod schema;
 mod selftest;
 mod stochastic;

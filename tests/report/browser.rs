@@ -370,6 +370,29 @@ fn a_narrow_window_shows_the_list_or_the_case() {
     check_quiet(browser);
 }
 
+/// The values under the pointer and what stands beside them do not run into one another, nor out of
+/// the window.
+#[test]
+fn the_read_out_keeps_clear_of_the_histogram() {
+    for width in [1000, 1400, 1900] {
+        let Some(Opened { browser, .. }) = &open(samples::suite_html(), width, 1100) else {
+            return;
+        };
+        wait_for_pictures(browser);
+        let boxes = browser.run(
+            "const bounds = ['#read-out', '.histogram'].map(name =>
+                 document.querySelector(name).getBoundingClientRect());
+             return bounds.flatMap(box => [box.left, box.top, box.right, box.bottom])",
+        );
+        let [.., right, bottom, left, top, outer, _] = numbers(&boxes)[..] else {
+            panic!("{boxes}")
+        };
+        assert!(right <= left || bottom <= top, "{width}: {boxes}");
+        assert!(right.max(outer) <= f64::from(width), "{width}: {boxes}");
+        check_quiet(browser);
+    }
+}
+
 #[test]
 fn names_are_only_text() {
     let sample = samples::hostile();
@@ -458,6 +481,21 @@ fn the_cost_page_fits() {
              })",
         );
         assert_eq!(cut_off.as_array().unwrap(), &Vec::<Value>::new());
+        // Nor need anybody scroll to see an axis, or a glass to read it: letters of 10 units, and
+        // none smaller than 8 pixels.
+        let hard_to_see = browser.run(
+            "return [...document.querySelectorAll('.plot svg')]
+                 .filter(svg => svg.checkVisibility())
+                 .filter(svg => {
+                     const bounds = svg.getBoundingClientRect();
+                     const scale = bounds.width / (svg.viewBox.baseVal.width / 10);
+                     return bounds.right > innerWidth || 10.5 * scale < 8;
+                 }).length",
+        );
+        assert_eq!(hard_to_see, 0);
+        let shown = "return [...document.querySelectorAll('.plot')].every(plot =>
+            [...plot.children].filter(svg => svg.checkVisibility()).length === 1)";
+        assert_eq!(browser.run(shown), true);
         check_quiet(browser);
     }
 }

@@ -195,7 +195,8 @@ fn every_study_has_its_plots() {
     assert_eq!(html.matches("<figure class=\"jitter\">").count(), 1);
     // And the ray of one study.
     let drawings = drawings(&html);
-    assert_eq!(drawings.len(), studies + 2 + 1 + 1 + 1);
+    // Each is there broad and narrow.
+    assert_eq!(drawings.len(), 2 * (studies + 2 + 1 + 1 + 1));
     for drawing in &drawings {
         Document::parse(drawing).unwrap();
     }
@@ -203,7 +204,8 @@ fn every_study_has_its_plots() {
     for (study, drawing) in costs.iter().flat_map(|cost| &cost.studies).zip(
         drawings
             .iter()
-            .filter(|drawing| drawing.contains("Work and precision")),
+            .filter(|drawing| drawing.contains("Work and precision"))
+            .filter(|drawing| drawing.contains("class=\"broad\"")),
     ) {
         let document = Document::parse(drawing).unwrap();
         let texts = texts(&document);
@@ -230,10 +232,72 @@ fn failures_are_shown() {
         "plume, image, centre sample: order 0.46, expected 2",
         "plume, transmittance, midpoint, linear opacity: not a power yet",
         "✗ disagrees",
-        "reached by none, as far as tried: 1e-6",
+        "reached by no setting that was measured: 1e-6",
         "ratio tracking ended early: 65536 samples would take 3 minutes",
     ] {
         assert!(html.contains(words), "{words}");
+    }
+}
+
+/// Where nothing is looked up, random numbers are counted, and called so everywhere.
+#[test]
+fn what_is_counted_is_named() {
+    let mut cost = small();
+    let study = &mut cost.studies[0];
+    for rung in study
+        .ladders
+        .iter_mut()
+        .flat_map(|ladder| &mut ladder.rungs)
+    {
+        rung.work.random_draws = std::mem::take(&mut rung.work.density_lookups);
+    }
+    let svg = work_precision_svg(study);
+    assert!(svg.contains("random numbers a ray") && !svg.contains("look-ups"));
+    let text = cost_text(&[cost.clone()], None);
+    assert!(text.contains("setting       random numbers"), "{text}");
+    assert!(
+        text.contains("setting      random numbers  × cheapest"),
+        "{text}"
+    );
+    assert!(!text.contains("look-ups"), "{text}");
+    cost.studies[0].ladders[0].rungs[0].work.density_lookups = 1.0;
+    let svg = work_precision_svg(&cost.studies[0]);
+    assert!(svg.contains("look-ups or random numbers a ray"));
+}
+
+/// No text of a drawing begins or ends beyond its edges, whatever its letters: none is narrower than
+/// half of its size, on average.
+#[test]
+fn no_label_is_cut_off() {
+    let html = page(&[costs(), vec![extremes()]].concat());
+    for drawing in drawings(&html) {
+        let document = Document::parse(drawing).unwrap();
+        let svg = document.root_element();
+        let number = |node: &Node<'_, '_>, name: &str| -> f64 {
+            let value = node.attribute(name).unwrap();
+            value.trim_end_matches("px").parse().unwrap()
+        };
+        let view = svg.attribute("viewBox").unwrap();
+        let size: Vec<f64> = view.split(' ').map(|size| size.parse().unwrap()).collect();
+        for text in svg.children().filter(|node| node.has_tag_name("text")) {
+            let letters = text.text().unwrap_or_default().trim().chars().count() as f64;
+            let length = 0.5 * number(&text, "font-size") * letters;
+            let share = match text.attribute("text-anchor") {
+                Some("middle") => 0.5,
+                Some("end") => 1.0,
+                _ => 0.0,
+            };
+            let (at, room) = match text.attribute("transform") {
+                None => (number(&text, "x"), size[2]),
+                // Upwards, along the first axis.
+                Some(_) => (number(&text, "y"), size[3]),
+            };
+            let ends = [at - share * length, at + (1.0 - share) * length];
+            assert!(
+                ends[0] >= 0.0 && ends[1] <= room,
+                "{text:?}: {ends:?} of {room}"
+            );
+        }
     }
 }
 
@@ -243,7 +307,7 @@ fn what_cannot_be_drawn_is_told() {
     for words in [
         "whose error is no finite number",
         "Not drawn by work: closed form",
-        "random numbers are counted instead: blind guess",
+        "its work is the random numbers it draws: blind guess",
         "? nowhere, image, path tracer: undecided",
     ] {
         assert!(html.contains(words), "{words}");

@@ -60,6 +60,7 @@ pub fn result(name: &str, verdict: Verdict) -> CaseResult {
         metrics: Default::default(),
         gate: Gate::Deterministic,
         reason: "no reason".to_owned(),
+        notes: Vec::new(),
         looks_like: Vec::new(),
         seconds: 0.0,
         work: Default::default(),
@@ -284,6 +285,7 @@ pub fn hostile() -> Sample {
         computes: text(),
         provenance: vec![(text(), text())],
         reproduce: vec![text()],
+        call: Some(text()),
         output: Some(text()),
     };
     let result = sample.push(HOSTILE, Verdict::Fail, evidence);

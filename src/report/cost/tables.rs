@@ -3,8 +3,8 @@
 use super::table::{Cell, Column, Table, number, page_number, words as column_of_words};
 use super::words;
 use crate::cost::results::{
-    EffectPrice, EstimatorTable, JitterSplit, Ladder, Norms, Offer, Order, Study, ThicknessSweep,
-    Times,
+    Counted, EffectPrice, EstimatorTable, JitterSplit, Ladder, Norms, Offer, Order, Study,
+    ThicknessSweep, Times,
 };
 
 /// A number that there may not be.
@@ -25,9 +25,15 @@ fn time(times: Option<&Times>) -> Cell {
 
 /// The settings of a ladder.
 pub(super) fn ladder(study: &Study, ladder: &Ladder) -> Table {
+    let counts = |what| ladder.rungs.iter().any(|rung| rung.work.counted() == what);
+    let by_random = counts(Counted::RandomNumbers) && !counts(Counted::Lookups);
     let mut columns = vec![
         column_of_words("setting"),
-        number("look-ups"),
+        number(if by_random {
+            "random numbers"
+        } else {
+            "look-ups"
+        }),
         number("L1"),
         number("L2"),
         number("max"),
@@ -42,7 +48,7 @@ pub(super) fn ladder(study: &Study, ladder: &Ladder) -> Table {
         .any(|rung| rung.error_of_order.is_some());
     let has_doubt = ladder.rungs.iter().any(|rung| rung.error.uncertainty > 0.0);
     let has_time = ladder.rungs.iter().any(|rung| rung.time.is_some());
-    let has_random = ladder.rungs.iter().any(|rung| rung.work.random_draws > 0.0);
+    let has_random = !by_random && ladder.rungs.iter().any(|rung| rung.work.random_draws > 0.0);
     if has_doubt {
         columns.push(page_number("L2 ±"));
     }
@@ -73,7 +79,11 @@ pub(super) fn ladder(study: &Study, ladder: &Ladder) -> Table {
             .and_then(|before| ladder.order.local.get(before));
         let mut row: Vec<Cell> = vec![
             rung.setting.as_str().into(),
-            words::count(rung.work.density_lookups + rung.work.gradient_lookups).into(),
+            words::count(match by_random {
+                true => rung.work.random_draws,
+                false => rung.work.density_lookups + rung.work.gradient_lookups,
+            })
+            .into(),
             words::error(l1).into(),
             match is_known {
                 true => words::error(l2).into(),
@@ -189,7 +199,7 @@ pub(super) fn prices(study: &Study) -> Table {
         column_of_words("error"),
         column_of_words("estimator"),
         column_of_words("setting"),
-        number("look-ups"),
+        number(words::counted(study)),
         number("× cheapest"),
     ];
     let mut offers = study.prices.iter().flat_map(|price| &price.offers);
@@ -232,7 +242,7 @@ pub(super) fn prices(study: &Study) -> Table {
     }
     if !by_none.is_empty() {
         notes.push(format!(
-            "reached by none, as far as tried: {}",
+            "reached by no setting that was measured: {}",
             by_none.join(", ")
         ));
     }

@@ -1,7 +1,7 @@
 //! Numbers and verdicts, as text and page write them.
 
 use crate::cost::results::{
-    Cost, EstimatorRow, Knob, Ladder, Machine, Order, OrderVerdict, Rung, Study, Times,
+    Cost, Counted, EstimatorRow, Knob, Ladder, Machine, Order, OrderVerdict, Rung, Study, Times,
 };
 
 /// The scene, with its panel.
@@ -31,6 +31,26 @@ pub(super) fn ladder(study: &Study, estimator: &str, turned: Knob) -> String {
         Some(_) => format!("{estimator}, {}", knob(turned)),
         None => estimator.to_owned(),
     }
+}
+
+/// What the prices of a study count. Of a mixture it is what most have: look-ups.
+pub(super) fn counted(study: &Study) -> &'static str {
+    let rungs = || study.ladders.iter().flat_map(|ladder| &ladder.rungs);
+    let any = |what: Counted| rungs().any(|rung| rung.work.counted() == what);
+    match (any(Counted::Lookups), any(Counted::RandomNumbers)) {
+        (false, true) => "random numbers",
+        (true, true) => "look-ups or random numbers",
+        (_, false) => "look-ups",
+    }
+}
+
+/// The price of a setting, with what it counts.
+pub(super) fn price(rung: &Rung) -> String {
+    let noun = match rung.work.counted() {
+        Counted::RandomNumbers => "random numbers",
+        Counted::Lookups | Counted::Nothing => "look-ups",
+    };
+    format!("{} {noun}", count(rung.work.price()))
 }
 
 /// How a verdict is marked: never by colour alone.

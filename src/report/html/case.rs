@@ -23,13 +23,14 @@ pub(super) struct CaseView<'a> {
     means: Vec<Mean>,
     /// Where the difference is, in words.
     place_words: Option<String>,
-    /// What is odd about the images, in words.
+    /// What is to be said beside the verdict, and what is odd about the images.
     notes: Vec<String>,
     source: &'a str,
     shows: &'a str,
     computes: &'a str,
     provenance: &'a [(String, String)],
     reproduce: String,
+    call: Option<&'a str>,
     output: Option<String>,
     /// Thumbnails, of golden and test image.
     small_golden: Option<String>,
@@ -98,6 +99,7 @@ impl<'a> CaseView<'a> {
             computes: &evidence.computes,
             provenance: &evidence.provenance,
             reproduce: evidence.reproduce.join("\n"),
+            call: evidence.call.as_deref(),
             output: evidence.output.as_deref().map(words::shortened),
             small_golden: views
                 .golden
@@ -107,7 +109,7 @@ impl<'a> CaseView<'a> {
                 Some(pixels::thumbnail(srgb.pixels(), srgb.width()))
             }),
             pictures: views.packed(result.gate, blocks.as_ref()),
-            notes: views.notes,
+            notes: result.notes.iter().cloned().chain(views.notes).collect(),
             gate,
         }
     }

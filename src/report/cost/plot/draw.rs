@@ -16,8 +16,25 @@ use std::fmt::Write;
 /// `plotters` draws at whole numbers: a unit of its is a tenth of ours.
 const FINE: i32 = 10;
 
-/// Width of a picture.
-const WIDTH: i32 = 800;
+/// How the panels of a picture are put together.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Layout {
+    /// Side by side.
+    Broad,
+    /// One below the other, for narrow windows.
+    Narrow,
+}
+
+impl Layout {
+    /// Width of a picture.
+    fn width(self) -> i32 {
+        match self {
+            Layout::Broad => 800,
+            Layout::Narrow => 440,
+        }
+    }
+}
+
 /// Heights above the axes, and of what is below them.
 const ABOVE: i32 = 24;
 const TICKS_BELOW: i32 = 42;
@@ -39,23 +56,52 @@ const FONT: &str = "system-ui, Helvetica, Arial, sans-serif";
 
 type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// The picture as SVG.
+/// The picture as SVG; for a page, twice: broad and narrow, of which the page shows one.
 pub(super) fn drawn(picture: &Picture, dress: Dress) -> String {
-    let columns = legend_columns(&picture.legend);
+    match dress {
+        Dress::Standalone => drawn_as(picture, dress, Layout::Broad),
+        Dress::Page => [Layout::Broad, Layout::Narrow]
+            .map(|layout| drawn_as(picture, dress, layout))
+            .concat(),
+    }
+}
+
+fn drawn_as(picture: &Picture, dress: Dress, layout: Layout) -> String {
+    let all = layout.width();
+    let count = picture.panels.len().max(1) as i32;
+    let (across, down) = match layout {
+        Layout::Broad => (count, 1),
+        Layout::Narrow => (1, count),
+    };
+    let columns = legend_columns(&picture.legend, all);
     let lines = picture.legend.len().div_ceil(columns) as i32;
-    let axes = ABOVE + picture.height + TICKS_BELOW + GAP;
+    let panel_height = ABOVE + picture.height + TICKS_BELOW;
+    let axes = panel_height * down + GAP;
     let height = axes + LEGEND_LINE * lines + GAP;
     let mut svg = String::new();
     let mut over = String::new();
     {
-        let size = ((WIDTH * FINE) as u32, (height * FINE) as u32);
+        let size = ((all * FINE) as u32, (height * FINE) as u32);
         let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        let each = WIDTH / picture.panels.len().max(1) as i32;
         for (at, panel) in picture.panels.iter().enumerate() {
-            let left = at as i32 * each;
-            draw_panel(&root, panel, [left, each, picture.height], dress, &mut over);
+            let (column, row) = (at as i32 % across, at as i32 / across);
+            let corner = [column * (all / across), row * panel_height];
+            // Side by side the first has the title of all.
+            let titled = match layout {
+                Layout::Broad => panel,
+                Layout::Narrow => &picture.panels[0],
+            };
+            let size = [all / across, picture.height];
+            draw_panel(
+                &root,
+                panel,
+                &titled.y.title,
+                [corner, size],
+                dress,
+                &mut over,
+            );
         }
-        let each = (WIDTH - 20) / columns as i32;
+        let each = (all - 20) / columns as i32;
         for (at, entry) in picture.legend.iter().enumerate() {
             let x = 14 + each * (at % columns) as i32;
             let y = axes + LEGEND_LINE * (at / columns) as i32;
@@ -67,14 +113,16 @@ pub(super) fn drawn(picture: &Picture, dress: Dress) -> String {
     let body = body.replace("</svg>", "");
     let body = dressed(body, dress);
     let mut out = String::from("<svg xmlns=\"http://www.w3.org/2000/svg\"");
-    if dress == Dress::Standalone {
-        let _ = write!(out, " width=\"{WIDTH}\" height=\"{height}\"");
-    }
+    let _ = match (dress, layout) {
+        (Dress::Standalone, _) => write!(out, " width=\"{all}\" height=\"{height}\""),
+        (Dress::Page, Layout::Broad) => write!(out, " class=\"broad\""),
+        (Dress::Page, Layout::Narrow) => write!(out, " class=\"narrow\""),
+    };
     let _ = writeln!(
         out,
         " viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\" font-family=\"{FONT}\" \
          stroke-linejoin=\"round\" stroke-linecap=\"round\">",
-        WIDTH * FINE,
+        all * FINE,
         height * FINE,
         escaped(&picture.title)
     );
@@ -90,10 +138,10 @@ pub(super) fn drawn(picture: &Picture, dress: Dress) -> String {
 const STRING: &str = "a string takes every drawing";
 
 /// As many columns as have room for the longest entry.
-fn legend_columns(legend: &[Entry]) -> usize {
+fn legend_columns(legend: &[Entry], room: i32) -> usize {
     let widths = legend.iter().map(|entry| width(&entry.text, TEXT) + 52.0);
     let widest = widths.fold(1.0, f64::max);
-    ((f64::from(WIDTH) / widest) as usize).clamp(1, 4)
+    ((f64::from(room) / widest) as usize).clamp(1, 4)
 }
 
 fn fine(length: f64) -> i32 {
@@ -129,19 +177,16 @@ fn line(canvas: &Canvas<'_>, points: Vec<(i32, i32)>, style: ShapeStyle) {
 fn draw_panel(
     root: &Canvas<'_>,
     panel: &Panel,
-    [left, width_all, height]: [i32; 3],
+    y_title: &str,
+    [[left, top], [width_all, height]]: [[i32; 2]; 2],
     dress: Dress,
     over: &mut String,
 ) {
     let area = root.clone().shrink(
-        (left * FINE, 0),
+        (left * FINE, top * FINE),
         (width_all * FINE, (ABOVE + height + TICKS_BELOW) * FINE),
     );
-    let title_left = if panel.y.title.is_empty() {
-        0
-    } else {
-        TITLE_LEFT
-    };
+    let title_left = if y_title.is_empty() { 0 } else { TITLE_LEFT };
     let mut chart = ChartBuilder::on(&area)
         .margin_top(ABOVE * FINE)
         .margin_right(RIGHT * FINE)
@@ -167,12 +212,12 @@ fn draw_panel(
         .axis_desc_style(text_style(TEXT + 0.5, Ink::Text))
         .x_desc(panel.x.title.as_str())
         .set_all_tick_mark_size(4 * FINE);
-    if !panel.y.title.is_empty() {
-        mesh.y_desc(panel.y.title.as_str());
+    if !y_title.is_empty() {
+        mesh.y_desc(y_title);
     }
     mesh.draw().expect(STRING);
     let title = text_style(TEXT + 1.0, Ink::Text).pos(Pos::new(HPos::Left, VPos::Top));
-    root.draw_text(&panel.title, &title, (x0, 5 * FINE))
+    root.draw_text(&panel.title, &title, (x0, (top + 5) * FINE))
         .expect(STRING);
 
     let place = |at: [f64; 2]| {

@@ -4,7 +4,7 @@ use super::axis::{Axis, Measure};
 use super::draw::drawn;
 use super::picture::{Curve, Entry, Guide, Key, Level, Panel, Picture, Point};
 use super::{Dress, Plot};
-use crate::cost::results::{Ladder, Rung, Study};
+use crate::cost::results::{Counted, Ladder, Rung, Study};
 use crate::math::log10;
 use crate::report::cost::words;
 
@@ -48,7 +48,8 @@ pub(in super::super) fn work_precision(study: &Study, dress: Dress) -> Plot {
         None => (0.0, None),
     };
     let title = "error against work";
-    let work = panel(study, &y, title, "look-ups a ray", Measure::Number, of_work);
+    let counted = format!("{} a ray", words::counted(study));
+    let work = panel(study, &y, title, &counted, Measure::Number, of_work);
     let time = panel(
         study,
         &y,
@@ -74,30 +75,26 @@ pub(in super::super) fn work_precision(study: &Study, dress: Dress) -> Plot {
         let is_drawn = drawn_points
             .filter(|curve| curve.style == style)
             .any(|curve| !curve.points.is_empty());
-        if !is_drawn {
+        if !is_drawn && !ladder.rungs.is_empty() {
             let name = &ladder.estimator;
             notes.push(format!(
                 "Not drawn by work: {name}, whose work was not counted."
             ));
         }
     }
-    let counted_by_random = study
+    let by_random = study
         .ladders
         .iter()
         .filter(|ladder| {
             let mut rungs = ladder.rungs.iter();
-            rungs.any(|rung| rung.work.price() > 0.0)
-                && ladder
-                    .rungs
-                    .iter()
-                    .all(|rung| rung.work.density_lookups + rung.work.gradient_lookups == 0.0)
+            rungs.any(|rung| rung.work.counted() == Counted::RandomNumbers)
         })
         .map(|ladder| ladder.estimator.as_str())
         .collect::<Vec<_>>();
-    if !counted_by_random.is_empty() {
+    if !by_random.is_empty() {
         notes.push(format!(
-            "Looks nothing up, so random numbers are counted instead: {}.",
-            counted_by_random.join(", ")
+            "Looks nothing up, so its work is the random numbers it draws: {}.",
+            by_random.join(", ")
         ));
     }
     let mut panels: Vec<Panel> = work.into_iter().chain(time).collect();
@@ -132,6 +129,13 @@ pub(in super::super) fn work_precision(study: &Study, dress: Dress) -> Plot {
         text: "guide slopes".to_owned(),
     });
     let height = (PER_DECADE * (y.axis.high - y.axis.low)).clamp(320.0, 440.0);
+    if panels.is_empty() && dress == Dress::Page {
+        notes.push("Nothing to draw: no setting was measured.".to_owned());
+        return Plot {
+            svg: String::new(),
+            notes,
+        };
+    }
     let picture = Picture {
         title: format!("Work and precision of {}", study.quantity),
         panels,
@@ -356,11 +360,10 @@ fn told(study: &Study, ladder: &Ladder, rung: &Rung) -> String {
     if rung.error.uncertainty > 0.0 {
         told.push_str(&format!(" ± {:.1} %", 100.0 * rung.error.uncertainty));
     }
-    let work = &rung.work;
     told.push_str(&format!(
-        " (largest {}), {} look-ups",
+        " (largest {}), {}",
         words::error(rung.error.max),
-        words::count(work.density_lookups + work.gradient_lookups),
+        words::price(rung),
     ));
     if let Some(times) = &rung.time {
         told.push_str(&format!(", {}", words::times(times)));

@@ -1,0 +1,35 @@
+//! `volref __keep PROGRAM ARGUMENTS…`: how volref calls itself, once for each renderer it runs.
+
+use super::Outcome;
+use super::output::pretty;
+use crate::suite::{Keeper, keep};
+use std::ffi::OsString;
+
+/// Run a renderer, and end all that it started with it; says in JSON what came of it
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// The renderer and its arguments
+    #[arg(required = true, trailing_var_arg = true, allow_hyphen_values = true)]
+    words: Vec<OsString>,
+}
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> Outcome {
+    Outcome::from(pretty(&keep(&arguments.words)))
+}
+
+/// This program as the keeper of a renderer; none where there are no keepers.
+pub fn keeper() -> Option<Keeper> {
+    // What is running, even if another build has taken its place.
+    let program = match cfg!(target_os = "linux") {
+        true => "/proc/self/exe".into(),
+        false => std::env::current_exe().ok()?,
+    };
+    cfg!(unix).then(|| Keeper {
+        program,
+        arguments: vec![NAME.into(), "--".into()],
+    })
+}
+
+/// What the command is called.
+pub const NAME: &str = "__keep";

@@ -1,0 +1,165 @@
+//! Renderers that `validate --run` calls, and what they leave behind.
+
+use crate::folder::{Folder, Run};
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// Longer than anything here takes, on any machine.
+const LONG: Duration = Duration::from_secs(120);
+
+/// A suite with goldens, and the renderer `renderer.sh`, which is called with the name of a case
+/// and where its image goes. It can make a daemon: a process in a session of its own, without a
+/// parent, without an environment, whose number goes into a file.
+fn with_renderer(script: &str) -> Folder {
+    let folder = Folder::with_goldens();
+    let daemon = "daemon() { env -i setsid sh -c \"($1) & echo \\$! > $2.new; mv $2.new $2\"; }\n";
+    folder.write("renderer.sh", format!("{daemon}{script}"));
+    folder
+}
+
+fn validate(folder: &Folder, arguments: &[&str]) -> Command {
+    let command = ["validate", "--run", "sh renderer.sh {case} {output}"];
+    folder.command(&[&command[..], arguments].concat())
+}
+
+fn until(what: &str, mut is_so: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !is_so() {
+        assert!(start.elapsed() < LONG, "{what}");
+        sleep(Duration::from_millis(10));
+    }
+}
+
+/// What stands in `/proc` for the process whose number is in the file `name`.
+fn process(folder: &Folder, name: &str) -> PathBuf {
+    PathBuf::from(format!("/proc/{}/stat", folder.text(name).trim()))
+}
+
+/// Daemons run in a session of their own and belong to nobody; their time is over all the same.
+#[test]
+fn a_daemon_does_not_outlive_its_renderers_time() {
+    let folder = with_renderer("daemon 'exec sleep 1000' pid; sleep 1000");
+    let mut command = validate(&folder, &["smoke/plain", "--timeout", "1"]);
+    let run = Run::of(command.output().unwrap());
+    assert_eq!(run.code, 4, "{}", run.stderr);
+    assert!(
+        run.stdout
+            .contains("did not end within 1 s and was ended, with all that it had started"),
+        "{}",
+        run.stdout
+    );
+    assert!(!process(&folder, "pid").exists(), "the daemon is gone");
+}
+
+/// What a renderer leaves running is ended, and said; its image counts.
+#[test]
+fn what_a_renderer_leaves_running_is_said() {
+    let folder = with_renderer("cp golden/$1.exr $2; daemon 'exec sleep 1000' pid");
+    let mut command = validate(&folder, &["smoke/plain", "--report", "report"]);
+    let run = Run::of(command.output().unwrap());
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let number = folder.text("pid").trim().to_owned();
+    let note = format!(
+        "note: when the renderer had ended, what it left running was ended too: sleep (process \
+         {number})"
+    );
+    assert!(run.stdout.contains(&note), "{}", run.stdout);
+    let page = folder.text("report/index.html");
+    assert!(page.contains(&format!("sleep (process {number})")));
+    assert!(!process(&folder, "pid").exists(), "the daemon is gone");
+
+    let run = Run::of(
+        validate(&folder, &["smoke/plain", "--json"])
+            .output()
+            .unwrap(),
+    );
+    let notes = run.json()["cases"][0]["notes"].clone();
+    assert_eq!(notes.as_array().unwrap().len(), 1, "{notes}");
+}
+
+/// Of two renderers at work, one's end is not that of the other's daemon, which renders.
+#[test]
+fn each_renderer_has_its_own_daemons() {
+    let folder = with_renderer(
+        "case $1 in\n\
+         smoke/plain)\n\
+           daemon \"until [ -e over ]; do sleep 0.01; done; cp golden/$1.exr $2.new; \
+                    mv $2.new $2\" pid\n\
+           until [ -e $2 ]; do sleep 0.01; done;;\n\
+         smoke/nearest)\n\
+           until [ -e pid ]; do sleep 0.01; done\n\
+           daemon 'exec sleep 1000' other\n\
+           cp golden/$1.exr $2;;\n\
+         *)\n\
+           until ! [ -e /proc/$(cat other)/stat ]; do sleep 0.01; done\n\
+           cp golden/$1.exr $2; touch over;;\n\
+         esac\n",
+    );
+    let arguments = ["smoke/*", "--jobs", "3", "--timeout", "100", "--json"];
+    let run = Run::of(validate(&folder, &arguments).output().unwrap());
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    assert_eq!(run.json()["summary"]["pass"], 3);
+}
+
+/// However volref ends, its renderers end too.
+#[test]
+fn renderers_end_with_volref() {
+    for signal in ["KILL", "TERM", "INT"] {
+        let folder = with_renderer("daemon 'exec sleep 1000' daemon; echo $$ > pid; sleep 1000");
+        let mut command = validate(&folder, &["smoke/plain"]);
+        let mut child = command.stdout(Stdio::null()).spawn().unwrap();
+        until("the renderer starts", || folder.path("pid").exists());
+        until("its number is written", || {
+            folder.text("pid").ends_with('\n')
+        });
+        let kill = Command::new("kill")
+            .args(["-s", signal, &child.id().to_string()])
+            .status();
+        assert!(kill.unwrap().success());
+        child.wait().unwrap();
+        for name in ["pid", "daemon"] {
+            until(&format!("{name} ends after {signal}"), || {
+                !process(&folder, name).exists()
+            });
+        }
+    }
+}
+
+/// 200 MB of output neither fill the disk nor the memory, and stop nobody.
+#[test]
+fn of_what_a_renderer_prints_the_end_is_kept() {
+    let folder = with_renderer(
+        "head -c 200000000 /dev/zero | tr '\\0' x\n\
+         volref=$(sed -n 's/^PPid:\\t//p' /proc/$PPID/status)\n\
+         echo\n\
+         sed -n 's/^VmHWM:[^0-9]*/peak /p' /proc/$volref/status\n\
+         exit 3\n",
+    );
+    // No file may grow beyond 2 MB, or 4 by the units of some shells: whoever writes more is ended.
+    let limited = format!("ulimit -f 4096; exec \"$@\"");
+    let volref = validate(&folder, &["smoke/plain", "--json"]);
+    let mut command = Command::new("sh");
+    command
+        .args(["-c", &limited, "sh"])
+        .arg(volref.get_program())
+        .args(volref.get_args())
+        .current_dir(folder.path("."));
+    let run = Run::of(command.output().unwrap());
+    assert_eq!(run.code, 4, "{}{}", run.stdout, run.stderr);
+    let reason = run.json()["cases"][0]["reason"].clone();
+    let reason = reason.as_str().unwrap();
+    assert!(reason.contains("exit code 3"), "{reason}");
+    let (_, peak) = reason.split_once("peak ").expect("the last words are kept");
+    let peak: u64 = peak.split(' ').next().unwrap().parse().unwrap();
+    assert!(peak < 100_000, "{peak} kB");
+}
+
+/// A keeper is no command for people.
+#[test]
+fn keepers_are_not_shown() {
+    let folder = Folder::with_suite();
+    let help = folder.volref(&["--help"]);
+    assert!(!help.stdout.contains("__keep"), "{}", help.stdout);
+}
