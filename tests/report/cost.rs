@@ -256,7 +256,7 @@ fn what_is_counted_is_named() {
     let text = cost_text(&[cost.clone()], None);
     assert!(text.contains("setting       random numbers"), "{text}");
     assert!(
-        text.contains("setting      random numbers  × cheapest"),
+        text.contains("setting       random numbers  × cheapest"),
         "{text}"
     );
     assert!(!text.contains("look-ups"), "{text}");

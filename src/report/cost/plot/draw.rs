@@ -75,8 +75,9 @@ fn drawn_as(picture: &Picture, dress: Dress, layout: Layout) -> String {
     };
     let columns = legend_columns(&picture.legend, all);
     let lines = picture.legend.len().div_ceil(columns) as i32;
+    let between = 2 * GAP;
     let panel_height = ABOVE + picture.height + TICKS_BELOW;
-    let axes = panel_height * down + GAP;
+    let axes = panel_height * down + between * (down - 1) + GAP;
     let height = axes + LEGEND_LINE * lines + GAP;
     let mut svg = String::new();
     let mut over = String::new();
@@ -85,7 +86,7 @@ fn drawn_as(picture: &Picture, dress: Dress, layout: Layout) -> String {
         let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
         for (at, panel) in picture.panels.iter().enumerate() {
             let (column, row) = (at as i32 % across, at as i32 / across);
-            let corner = [column * (all / across), row * panel_height];
+            let corner = [column * (all / across), row * (panel_height + between)];
             // Side by side the first has the title of all.
             let titled = match layout {
                 Layout::Broad => panel,
