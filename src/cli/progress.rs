@@ -4,6 +4,7 @@
 
 use crate::render::plan::Reason;
 use crate::render::{Forecast, Watch};
+use crate::report::visible;
 use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -156,7 +157,7 @@ impl Bar {
 
     /// What is being done now, such as the name of a case.
     pub fn set_message(&self, message: impl Into<String>) {
-        self.shared.said().message = message.into();
+        self.shared.said().message = visible(&message.into());
         self.shared.steps.begin(0);
     }
 
@@ -297,7 +298,7 @@ impl Shared {
 
     fn line(&self, text: &str) {
         let line = || {
-            let _ = writeln!(std::io::stderr(), "volref: {text}");
+            let _ = writeln!(std::io::stderr(), "volref: {}", visible(text));
         };
         match &self.bar {
             Some(bar) => bar.suspend(line),

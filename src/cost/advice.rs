@@ -219,7 +219,7 @@ mod tests {
                 ..Work::default()
             },
             error: Norms {
-                l2: 0.8 / f64::from(samples).sqrt(),
+                l2: 0.79 / f64::from(samples).sqrt(),
                 ..Norms::default()
             },
             error_of_order: None,
@@ -252,8 +252,8 @@ mod tests {
         assert_eq!(
             advice.text,
             "for an error of 1e-4 nothing that was measured is enough, which is up to 64 samples; \
-             if noise goes on to fall as the root of the samples, some 64 million of them will do: \
-             1 million times the work of the scene's own 64 samples"
+             if noise goes on to fall as the root of the samples, some 63 million of them will do: \
+             984375 times the work of the scene's own 64 samples"
         );
         assert_eq!(advice.command, None);
         let advice = recommendation(0.1, &ladder, &given, Path::new("my fog.toml"));

@@ -28,10 +28,12 @@ pub fn visible_char(letter: char) -> char {
     }
 }
 
-/// [`visible`] text of characters that XML 1.0 may hold.
+/// [`visible`] text of characters that XML 1.0 may hold. Tabs are blanks: the writer of JUnit would
+/// leave them out.
 pub fn xml_text(text: &str) -> String {
     let in_xml = |letter: char| match letter {
         '\u{fffe}' | '\u{ffff}' => '�',
+        '\t' => ' ',
         _ => visible_char(letter),
     };
     text.chars().map(in_xml).collect()
