@@ -32,15 +32,6 @@ impl Selection {
         }
         shell_words::join(words.iter().chain(arguments))
     }
-
-    /// The line for a shell that does `command` again for one case of this suite.
-    pub fn again(&self, command: &str, case: &str, arguments: &[String]) -> String {
-        let mut words = vec!["volref".to_owned(), command.to_owned(), case.to_owned()];
-        if self.folder != Path::new(HERE) {
-            words.extend(["--suite".to_owned(), self.folder.display().to_string()]);
-        }
-        shell_words::join(words.iter().chain(arguments))
-    }
 }
 
 /// The cases that the filters name.
