@@ -138,7 +138,7 @@ fn of_what_a_renderer_prints_the_end_is_kept() {
          exit 3\n",
     );
     // No file may grow beyond 2 MB, or 4 by the units of some shells: whoever writes more is ended.
-    let limited = format!("ulimit -f 4096; exec \"$@\"");
+    let limited = "ulimit -f 4096; exec \"$@\"";
     let volref = validate(&folder, &["smoke/plain", "--json"]);
     let mut command = Command::new("sh");
     command
