@@ -232,7 +232,8 @@ pub fn render_counted(
     plans: &[Plan],
     progress: Progress<'_>,
 ) -> Result<Rendering, RenderError> {
-    render_with::<Counters>(scene, plans, &Extent::whole(progress)).map(|(film, work)| Rendering { film, work })
+    render_with::<Counters>(scene, plans, &Extent::whole(progress))
+        .map(|(film, work)| Rendering { film, work })
 }
 
 fn render_with<W: Work>(
@@ -251,7 +252,9 @@ fn render_with<W: Work>(
         });
     }
     let panels = scene.panels.iter().zip(plans);
-    extent.progress.begin(panels.map(|(panel, plan)| steps(panel, plan)).sum());
+    extent
+        .progress
+        .begin(panels.map(|(panel, plan)| steps(panel, plan)).sum());
     let mut films = Vec::new();
     let mut works = Vec::new();
     for (panel, plan) in scene.panels.iter().zip(plans) {
