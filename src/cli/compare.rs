@@ -82,11 +82,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         &[arguments.json.file(), arguments.heatmap.as_deref()],
         &[&arguments.reference, &arguments.test],
     )?;
-    // The test image first: where both are unreadable, its exit code is the higher one.
-    let test =
-        Picture::read(&arguments.test).map_err(|error| unreadable(error, Exit::OtherRenderer))?;
+    // The reference first: where both are unreadable, its exit code is the one that counts.
     let reference =
         Picture::read(&arguments.reference).map_err(|error| unreadable(error, Exit::BadInput))?;
+    let test =
+        Picture::read(&arguments.test).map_err(|error| unreadable(error, Exit::OtherRenderer))?;
     let (gate, why) = match arguments.gate {
         Some(gate) => (gate, ""),
         None => default_gate(&reference, &test),
@@ -122,11 +122,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         text.push_str(&format!("  {name:<widest$}  {value}\n"));
     }
     text.push_str(note);
-    let exit = match result.verdict {
-        Verdict::Pass => Exit::Passed,
-        Verdict::Inconclusive => Exit::Undecided,
-        _ => Exit::Mismatch,
-    };
+    let exit = result.cause.into();
     let json = report::results_json("compare", &[result]);
     let text = arguments.json.instead_of(text, &json)?;
     Ok(Outcome { text, exit })

@@ -1,12 +1,13 @@
 //! Errors with exit codes.
 
 use crate::scene::{SceneError, shortened};
+use crate::suite::Cause;
 use miette::{MietteHandlerOpts, Report};
 use std::io::IsTerminal;
 use std::process::ExitCode;
 
-/// Exit codes, as DESIGN states them. Where several causes meet, the highest wins.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+/// Exit codes. Where several causes meet, [`Exit::first_of`] them is the code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
     /// All compared and passed.
     Passed = 0,
@@ -23,6 +24,48 @@ pub enum Exit {
     /// The suite misses a mistake, or rejects what is right.
     SelfTest = 6,
 }
+
+impl Exit {
+    /// All, those first that say most about why a result cannot be relied on: what was asked cannot
+    /// be done; the goldens, or the suite, cannot be trusted; an image differs; there is none; the
+    /// comparison decides nothing.
+    const ORDER: [Exit; 7] = [
+        Exit::BadInput,
+        Exit::Golden,
+        Exit::SelfTest,
+        Exit::Mismatch,
+        Exit::OtherRenderer,
+        Exit::Undecided,
+        Exit::Passed,
+    ];
+
+    /// The exit code of a command that met all of these; where it met none, nothing was compared.
+    pub fn first_of(met: impl IntoIterator<Item = Exit>) -> Exit {
+        let met: Vec<Exit> = met.into_iter().collect();
+        let first = Exit::ORDER.into_iter().find(|exit| met.contains(exit));
+        first.unwrap_or(Exit::Undecided)
+    }
+}
+
+impl From<Cause> for Exit {
+    fn from(cause: Cause) -> Exit {
+        match cause {
+            Cause::None => Exit::Passed,
+            Cause::Undecided => Exit::Undecided,
+            Cause::OtherRenderer => Exit::OtherRenderer,
+            Cause::Mismatch => Exit::Mismatch,
+            Cause::Golden => Exit::Golden,
+            Cause::BadInput => Exit::BadInput,
+        }
+    }
+}
+
+/// Exit codes and their order, for `--help`.
+pub const EXIT_CODES: &str = "\
+Exit codes: 0 all compared and passed; 1 mismatch; 2 usage or bad input; 3 golden missing, stale or \
+tampered; 4 the other renderer's image missing, unreadable, crashed or timed out; 5 nothing \
+compared, or inconclusive; 6 self-test failed. Where several apply, the first in this order: \
+2, 3, 6, 1, 4, 5.";
 
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> ExitCode {
@@ -76,4 +119,52 @@ pub fn draw_errors_for_the_terminal() {
         };
         Box::new(options.build())
     }));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every pair of causes, and each by itself.
+    #[test]
+    fn of_two_exit_codes_the_one_wins_that_the_help_names_first() {
+        let (_, order) = EXIT_CODES.rsplit_once(": ").unwrap();
+        let order: Vec<u8> = order
+            .trim_end_matches('.')
+            .split(", ")
+            .map(|code| code.parse().unwrap())
+            .chain([0])
+            .collect();
+        assert_eq!(order, [2, 3, 6, 1, 4, 5, 0]);
+        for first in Exit::ORDER {
+            for second in Exit::ORDER {
+                let place = |exit: Exit| order.iter().position(|code| *code == exit as u8);
+                let expected = match place(first) <= place(second) {
+                    true => first,
+                    false => second,
+                };
+                assert_eq!(Exit::first_of([first, second]), expected);
+            }
+        }
+        assert_eq!(Exit::first_of([]), Exit::Undecided);
+    }
+
+    /// Causes of one case weigh as exit codes do.
+    #[test]
+    fn causes_have_the_order_of_exit_codes() {
+        let causes = [
+            Cause::None,
+            Cause::Undecided,
+            Cause::OtherRenderer,
+            Cause::Mismatch,
+            Cause::Golden,
+            Cause::BadInput,
+        ];
+        for first in causes {
+            for second in causes {
+                let exit = Exit::first_of([first, second].map(Exit::from));
+                assert_eq!(exit, Exit::from(first.max(second)));
+            }
+        }
+    }
 }

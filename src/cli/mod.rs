@@ -8,6 +8,7 @@ mod cost;
 mod export;
 mod failure;
 mod info;
+mod interrupt;
 mod keep;
 mod list;
 mod output;
@@ -31,12 +32,7 @@ pub use failure::Exit;
 /// renderers by it.
 #[derive(Debug, Parser)]
 #[command(name = "volref", version, max_term_width = 100)]
-#[command(
-    after_help = "Exit codes, the highest cause wins: 0 all compared and passed; 1 mismatch; \
-    2 usage or bad input; 3 golden missing, stale or tampered; 4 the other renderer's image \
-    missing, unreadable, crashed or timed out; 5 nothing compared, or inconclusive; \
-    6 self-test failed."
-)]
+#[command(after_help = failure::EXIT_CODES)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,

@@ -5,6 +5,7 @@
 use crate::render::plan::Reason;
 use crate::render::{Forecast, Watch};
 use crate::report::visible;
+use crate::suite::SearchStep;
 use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -127,13 +128,36 @@ pub fn during<T>(label: &str, work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// A sign of life while images are held against the catalogue of mistakes.
-pub fn mistakes() -> Bar {
+/// The search for the mistakes behind `failed` images, at most so many `seconds` each. In a pipe a
+/// line says so at once.
+pub fn mistakes(failed: usize, seconds: f64) -> Bar {
+    if !std::io::stderr().is_terminal() {
+        let cases = if failed == 1 { "case" } else { "cases" };
+        let _ = writeln!(
+            std::io::stderr(),
+            "volref: looking for the mistake in {failed} failing {cases}, at most {seconds} s for \
+             each (--explain SECONDS; 0 names none)"
+        );
+    }
     let said = Said {
         message: "looking for the mistake".to_owned(),
         ..Said::default()
     };
     Bar::begin(0, said)
+}
+
+/// Shows where that search is.
+pub fn mistake(bar: &Bar, step: &SearchStep<'_>) {
+    let left = step.left.map_or(String::new(), |left| {
+        format!(", {:.0} s left for this case", left.as_secs_f64())
+    });
+    bar.set_message(format!(
+        "looking for the mistake in {}: {} of {} {}{left}; Ctrl-C keeps the verdicts",
+        step.case,
+        step.done,
+        step.of,
+        step.stage.name()
+    ));
 }
 
 impl Bar {
@@ -178,7 +202,6 @@ impl Bar {
     }
 
     /// Writes beside the bar.
-    #[expect(dead_code, reason = "for verdicts that are shown as they are known")]
     pub fn suspend<T>(&self, write: impl FnOnce() -> T) -> T {
         match &self.shared.bar {
             Some(bar) => bar.suspend(write),

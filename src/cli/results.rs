@@ -43,6 +43,13 @@ impl Findings<'_> {
 }
 
 impl ResultFiles {
+    /// Whether standard output is for JSON alone.
+    pub fn prints_json(&self) -> bool {
+        self.json
+            .as_ref()
+            .is_some_and(|path| path.as_os_str() == "-")
+    }
+
     /// Whether the images behind the results are wanted.
     pub fn wants_evidence(&self) -> bool {
         self.report.is_some()
@@ -92,7 +99,7 @@ impl ResultFiles {
             command => report::results_json(command, &results),
         };
         match &self.json {
-            Some(path) if path.as_os_str() == "-" => text = output::pretty(&json),
+            Some(_) if self.prints_json() => text = output::pretty(&json),
             Some(path) => output::write(path, output::pretty(&json).as_bytes())?,
             None => {}
         }

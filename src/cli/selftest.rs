@@ -6,7 +6,9 @@ use super::suite::{Selection, select, store};
 use super::{Outcome, progress};
 use crate::report;
 use crate::suite::mistakes::{self, Mistake};
-use crate::suite::{Case, Extent, Naming, Step, Store, naming, self_test, self_test_steps};
+use crate::suite::{
+    Case, Extent, Naming, Predictions, Step, Store, naming, self_test, self_test_steps,
+};
 use serde_json::json;
 
 /// Make every known mistake and see that the suite catches it, and nothing that is right
@@ -52,10 +54,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     });
     bar.finish_and_clear();
     let value = report::self_test_json(&test);
-    let exit = match test.passed() {
+    let golden = (!test.unusable.is_empty()).then_some(Exit::Golden);
+    let of_the_suite = match test.judges_right() {
         true => Exit::Passed,
         false => Exit::SelfTest,
     };
+    let exit = Exit::first_of(golden.into_iter().chain([of_the_suite]));
     let text = arguments
         .json
         .instead_of(report::self_test_text(&test), &value)?;
@@ -89,7 +93,9 @@ fn measure_naming(
     json: &Json,
 ) -> Result<Outcome, Failure> {
     let bar = progress::cases(made.len());
-    let namings: Vec<Naming> = naming(cases, store, made, &|| bar.inc(1));
+    let namings: Vec<Naming> = naming(cases, store, made, &Predictions::of_the_user(), &|| {
+        bar.inc(1)
+    });
     bar.finish_and_clear();
     let rows: Vec<_> = namings
         .iter()

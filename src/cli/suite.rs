@@ -2,7 +2,7 @@
 
 use super::failure::{Exit, Failure};
 use crate::regular_file::note_input;
-use crate::suite::{Case, CaseResult, Cause, Store, Suite, SuiteError};
+use crate::suite::{Case, CaseResult, Store, Suite, SuiteError};
 use std::path::{Path, PathBuf};
 
 /// The suite that is meant where none is given.
@@ -56,16 +56,7 @@ pub fn suite_failure(error: SuiteError) -> Failure {
     }
 }
 
-/// The exit code of these results: the highest cause wins.
+/// The exit code of these results.
 pub fn exit(results: &[CaseResult]) -> Exit {
-    let worst = results.iter().map(|result| result.cause).max();
-    match worst {
-        Some(Cause::None) => Exit::Passed,
-        Some(Cause::Mismatch) => Exit::Mismatch,
-        Some(Cause::BadInput) => Exit::BadInput,
-        Some(Cause::Golden) => Exit::Golden,
-        Some(Cause::OtherRenderer) => Exit::OtherRenderer,
-        Some(Cause::Undecided) => Exit::Undecided,
-        None => Exit::Undecided,
-    }
+    Exit::first_of(results.iter().map(|result| result.cause.into()))
 }

@@ -1,24 +1,23 @@
 //! `volref validate (--outputs DIR | --run CMD) [FILTER…]`
 
 use super::export::write_all;
-use super::failure::{Exit, Failure};
+use super::failure::{EXIT_CODES, Exit, Failure};
 use super::keep::keeper;
-use super::output;
 use super::results::{Findings, ResultFiles, check_not_golden};
 use super::suite::{Selection, exit, select, store};
-use super::{Outcome, progress};
+use super::{Outcome, interrupt, output, progress};
 use crate::exchange::{self, Format};
 use crate::regular_file::note_input;
 use crate::report;
 use crate::scene::Scene;
 use crate::suite::{
-    Case, CommandTemplate, Evidence, Judged, Output, Outputs, Store, Verdict, likeness,
-    run as run_process, stop_all, validate,
+    Case, CaseResult, Cause, CommandTemplate, Evidence, Judged, Likenesses, Output, Outputs,
+    Predictions, Search, Store, Suite, Verdict, likeness, run as run_process, stop_all, validate,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf, absolute};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -28,17 +27,24 @@ const SPP: &str = "64";
 const SEED: &str = "1";
 const FORMAT: &str = "exr";
 
-/// Judge another renderer's images by the goldens, and name the mistake
-#[derive(Debug, clap::Args)]
-#[command(group = clap::ArgGroup::new("images").required(true))]
-#[command(
-    after_help = "Images are named after the cases, family/name or just name, and end in .exr, \
+/// Images and placeholders, for `--help`.
+const IMAGES: &str = "Images are named after the cases, family/name or just name, and end in .exr, \
     .pfm, .npy (linear radiance) or .png (8-bit sRGB). Several independent renderings, name.0.exr, \
     name.1.exr, ..., or a file name.variance.exr with the variances of the means tell the noise of \
     a sampled image; without, it is estimated.\n\n\
     In CMD, {scene} stands for the scene file, {output} for where the image goes, {width}, \
     {height}, {spp}, {seed} for numbers, {case} for the name of the case, and {export:mitsuba}, \
-    {export:pbrt}, {export:bundle} for a copy of the scene in that format (see volref export)."
+    {export:pbrt}, {export:bundle} for a copy of the scene in that format (see volref export).\n\n\
+    Verdicts are printed as they are known; then images that failed are held against a catalogue of \
+    mistakes. Ctrl-C ends that search and keeps the verdicts. What the search renders is kept for \
+    the next run in the folder that VOLREF_CACHE names (empty: none), else in the user's folder for \
+    caches, such as ~/.cache/volref; it holds 256 MB at most and can be removed at any time.";
+
+/// Judge another renderer's images by the goldens, and name the mistake
+#[derive(Debug, clap::Args)]
+#[command(group = clap::ArgGroup::new("images").required(true))]
+#[command(
+    after_help = format!("{IMAGES}\n\n{EXIT_CODES}"),
 )]
 pub struct Arguments {
     /// Families, cases, or patterns over them such as 'figures/*' [default: all cases]
@@ -55,6 +61,12 @@ pub struct Arguments {
     /// Leave out cases that have no image, or that the renderer's format cannot say
     #[arg(long)]
     only_present: bool,
+    /// List every case without an image
+    #[arg(long)]
+    verbose: bool,
+    /// Look for the mistake behind a failing image this long, for each; 0 to name none
+    #[arg(long, value_name = "SECONDS", default_value_t = Search::BUDGET.into(), allow_negative_numbers = true, value_parser = budget)]
+    explain: f64,
     /// With --run: seconds after which the renderer, and all that it started, is ended
     #[arg(long, value_name = "SECONDS", default_value = TIMEOUT, allow_negative_numbers = true, value_parser = seconds)]
     timeout: f64,
@@ -85,6 +97,14 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// The time for a search: not negative, and finite.
+fn budget(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if (0.0..=1e9).contains(&seconds) => Ok(seconds),
+        _ => Err("the time for a search is a number of seconds; 0 is for none".to_owned()),
+    }
+}
+
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
@@ -106,56 +126,109 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     // Now that the images to be judged are known as inputs.
     arguments.files.check(&suite)?;
 
-    let mut judged = judge_all(
-        &cases,
-        &store,
-        &source,
-        &arguments.selection,
-        usize::from(arguments.jobs),
-    );
-    if arguments.only_present {
-        judged.retain(|judged| judged.result.verdict != Verdict::Missing);
-        if judged.is_empty() {
-            let message = "there is no image of any of these cases: nothing was compared";
-            let help =
-                "images are named family/name.exr or name.exr; `volref list` shows the cases";
-            return Err(Failure::new(Exit::Undecided, message, Some(help)));
-        }
+    source.end_with_us();
+
+    let said = Said {
+        speaks: !arguments.files.prints_json(),
+        widest: cases.iter().map(|case| case.name.len()).max().unwrap_or(0),
+        folds_missing: !arguments.verbose && matches!(source, Source::Finished(..)),
+    };
+    let mut judged = judge_all(&cases, &store, &source, &arguments, &said);
+    if judged.is_empty() {
+        let message = "there is no image of any of these cases: nothing was compared";
+        let help = "images are named family/name.exr or name.exr; `volref list` shows the cases";
+        return Err(Failure::new(Exit::Undecided, message, Some(help)));
     }
-    let bar = progress::mistakes();
-    let likely = likeness(&cases, &mut judged, &|| ());
-    bar.finish_and_clear();
+    let results: Vec<CaseResult> = judged.iter().map(|judged| judged.result.clone()).collect();
+    said.print(&(said.without_image(&results) + &report::summary_text(&results)));
+    said.print(&source.strangers());
+
+    let found = named(&arguments, &suite, &cases, &mut judged);
     if !arguments.files.wants_evidence() {
         for judged in &mut judged {
             judged.evidence = Evidence::default();
         }
     }
+    let text = found.as_ref().map(|(found, was_cut_short)| {
+        report::likely_text(found, *was_cut_short, arguments.explain)
+    });
     let findings = Findings {
         command: "validate",
         title: "volref validate",
         judged,
-        likely,
+        likely: found.map(|(found, _)| found.likely).unwrap_or_default(),
     };
-    let results = findings.results();
-    let text = report::results_text(&results)
-        + &report::likely_text(&results, &findings.likely)
-        + &source.strangers();
     Ok(Outcome {
-        text: arguments.files.write(&findings, text)?,
-        exit: exit(&results),
+        text: arguments.files.write(&findings, text.unwrap_or_default())?,
+        exit: exit(&findings.results()),
     })
 }
 
-/// Has renderers end, and `temporary` go, when this process is told to end, as by Ctrl-C. They have
-/// process groups of their own, so nobody else tells them.
-fn end_renderers_with_us(temporary: PathBuf) {
-    // Where no such handler can be had, renderers end by their time limit.
-    let _ = ctrlc::set_handler(move || {
-        stop_all();
-        let _ = std::fs::remove_dir_all(&temporary);
-        // 128 and the number of SIGINT, as shells have it.
-        std::process::exit(130);
-    });
+/// What is printed while cases are judged.
+struct Said {
+    /// Whether anything is: not where standard output is for JSON.
+    speaks: bool,
+    /// Letters of the longest name.
+    widest: usize,
+    /// Whether cases without an image are counted rather than listed.
+    folds_missing: bool,
+}
+
+impl Said {
+    fn print(&self, text: &str) {
+        if self.speaks {
+            output::print(text);
+        }
+    }
+
+    /// Whether `result` is not listed.
+    fn folds(&self, result: &CaseResult) -> bool {
+        let is_missing = (result.verdict, result.cause) == (Verdict::Missing, Cause::OtherRenderer);
+        self.folds_missing && is_missing
+    }
+
+    fn verdict(&self, result: &CaseResult) {
+        if !self.folds(result) {
+            self.print(&report::verdict_text(result, self.widest));
+        }
+    }
+
+    /// How many cases were not listed.
+    fn without_image(&self, results: &[CaseResult]) -> String {
+        let folded = results.iter().filter(|result| self.folds(result));
+        let names: Vec<&str> = folded.map(|result| result.name.as_str()).collect();
+        report::without_image_text(&names)
+    }
+}
+
+/// Names the mistakes that the images that failed look like, within the time there is for it. The
+/// second value says whether Ctrl-C ended the search; nothing where there was none.
+fn named(
+    arguments: &Arguments,
+    suite: &Suite,
+    cases: &[&Case],
+    judged: &mut [Judged],
+) -> Option<(Likenesses, bool)> {
+    let failed = judged
+        .iter()
+        .filter(|judged| judged.result.cause == Cause::Mismatch)
+        .count();
+    if failed == 0 || arguments.explain == 0.0 {
+        return None;
+    }
+    let predictions = Predictions::of_the_user();
+    Some(interrupt::can_be_cut_short(|| {
+        let bar = progress::mistakes(failed, arguments.explain);
+        let search = Search {
+            budget: Some(Duration::from_secs_f64(arguments.explain)),
+            predictions: &predictions,
+            interrupted: &interrupt::is_cut_short,
+            progress: &|step| progress::mistake(&bar, step),
+        };
+        let found = likeness(cases, suite.cases(), judged, &search);
+        bar.finish_and_clear();
+        found
+    }))
 }
 
 /// Where images come from.
@@ -177,7 +250,7 @@ struct Renderer {
     /// Images are written here, exports beside them.
     folder: PathBuf,
     /// Removed at the end, unless the images are to be kept.
-    _temporary: TempDir,
+    temporary: TempDir,
     exports: PathBuf,
 }
 
@@ -211,7 +284,6 @@ impl Source {
             Some(folder) => folder.clone(),
             None => temporary.path().join("images"),
         };
-        end_renderers_with_us(temporary.path().to_owned());
         std::fs::create_dir_all(&folder)
             .and_then(|()| absolute(&folder))
             .map(|folder| {
@@ -224,7 +296,7 @@ impl Source {
                     extension: arguments.format.clone(),
                     folder,
                     exports: temporary.path().join("exports"),
-                    _temporary: temporary,
+                    temporary,
                 }))
             })
             .map_err(|error| bad(format!("cannot make the folder for images: {error}"), None))
@@ -246,6 +318,22 @@ impl Source {
             }
             Source::Renderer(renderer) => renderer.arguments(),
         }
+    }
+
+    /// Has renderers end, and what is temporary go, when this process is told to end, as by Ctrl-C.
+    /// Renderers have process groups of their own, so nobody else tells them; where no such handler
+    /// can be had, they end by their time limit.
+    fn end_with_us(&self) {
+        let temporary = match self {
+            Source::Finished(..) => None,
+            Source::Renderer(renderer) => Some(renderer.temporary.path().to_owned()),
+        };
+        interrupt::before_the_end(move || {
+            stop_all();
+            if let Some(temporary) = &temporary {
+                let _ = std::fs::remove_dir_all(temporary);
+            }
+        });
     }
 
     /// A warning of images that belong to no case.
@@ -448,19 +536,24 @@ impl Renderer {
     }
 }
 
-/// Judges all cases, `jobs` at a time; results are in the order of the cases.
+/// Judges all cases, several at a time where a renderer is run; results are in the order of the
+/// cases, and said as soon as those before them are. Cases without an image are left out if so
+/// asked.
 fn judge_all(
     cases: &[&Case],
     store: &Store,
     source: &Source,
-    selection: &Selection,
-    jobs: usize,
+    arguments: &Arguments,
+    said: &Said,
 ) -> Vec<Judged> {
     let bar = progress::cases(cases.len());
     let next = AtomicUsize::new(0);
-    let done: Mutex<Vec<(usize, Judged)>> = Mutex::default();
+    let done = Mutex::new(Done {
+        judged: cases.iter().map(|_| None).collect(),
+        said: 0,
+    });
     std::thread::scope(|scope| {
-        for _ in 0..jobs.min(cases.len()) {
+        for _ in 0..usize::from(arguments.jobs).min(cases.len()) {
             scope.spawn(|| {
                 loop {
                     let index = next.fetch_add(1, Ordering::Relaxed);
@@ -470,22 +563,46 @@ fn judge_all(
                     bar.set_message(report::visible(&case.name));
                     let start = Instant::now();
                     let made = source.output(case);
-                    let mut judged = validate(case, store, made.output);
-                    judged.result.seconds = start.elapsed().as_secs_f64();
-                    judged.result.notes = made.notes;
-                    judged.evidence.output = made.printed;
-                    judged.evidence.reproduce =
-                        vec![selection.again("validate", &case.name, &source.arguments())];
-                    judged.evidence.call = made.call;
+                    let is_left_out =
+                        arguments.only_present && matches!(made.output, Output::Missing(_));
+                    let judged = (!is_left_out).then(|| {
+                        let mut judged = validate(case, store, made.output);
+                        judged.result.seconds = start.elapsed().as_secs_f64();
+                        judged.result.notes = made.notes;
+                        judged.evidence.output = made.printed;
+                        let words = source.arguments();
+                        judged.evidence.reproduce =
+                            vec![arguments.selection.again("validate", &case.name, &words)];
+                        judged.evidence.call = made.call;
+                        judged
+                    });
                     bar.inc(1);
                     let mut done = done.lock().expect("no thread panicked");
-                    done.push((index, judged));
+                    done.judged[index] = Some(judged);
+                    bar.suspend(|| say_what_is_next(&mut done, said));
                 }
             });
         }
     });
     bar.finish_and_clear();
-    let mut done = done.into_inner().expect("no thread panicked");
-    done.sort_by_key(|(index, _)| *index);
-    done.into_iter().map(|(_, judged)| judged).collect()
+    let done = done.into_inner().expect("no thread panicked");
+    done.judged.into_iter().flatten().flatten().collect()
+}
+
+/// Cases that were judged.
+struct Done {
+    /// By case; the inner value is empty where the case is left out.
+    judged: Vec<Option<Option<Judged>>>,
+    /// How many were said, or left out.
+    said: usize,
+}
+
+/// Prints the verdicts that no case before them holds up.
+fn say_what_is_next(done: &mut MutexGuard<'_, Done>, said: &Said) {
+    while let Some(Some(judged)) = done.judged.get(done.said) {
+        if let Some(judged) = judged {
+            said.verdict(&judged.result);
+        }
+        done.said += 1;
+    }
 }

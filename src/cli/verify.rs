@@ -1,6 +1,6 @@
 //! `volref verify [FILTER…]`
 
-use super::failure::Failure;
+use super::failure::{EXIT_CODES, Failure};
 use super::results::{Findings, ResultFiles};
 use super::suite::{Selection, exit, store, suite_failure};
 use super::{Outcome, progress, render};
@@ -9,6 +9,7 @@ use crate::suite::{self, Case, CaseResult, Evidence, Suite, Verdict};
 
 /// Render the suite with the reference and compare every bit with the goldens
 #[derive(Debug, clap::Args)]
+#[command(after_help = EXIT_CODES)]
 pub struct Arguments {
     /// Families, cases, rows of hard cases such as G6, or patterns over them such as 'figures/*'
     /// [default: all]

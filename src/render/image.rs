@@ -12,6 +12,7 @@ use crate::film::Film;
 use crate::math::Moments;
 use crate::scene::{Classified, Model, Panel, Radiative, Scene};
 use rayon::prelude::*;
+use std::iter::StepBy;
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::time::Duration;
@@ -136,6 +137,9 @@ pub enum RenderError {
         /// Red, green, blue, opacity.
         value: [f32; 4],
     },
+    /// Whoever asked for the image wants it no longer.
+    #[error("the image was given up before it was finished")]
+    Stopped,
 }
 
 /// Renders `scene` by the `plans` of its panels. The bits of the result depend on nothing else:
@@ -145,8 +149,81 @@ pub fn render(
     plans: &[Plan],
     progress: Progress<'_>,
 ) -> Result<Rendering, RenderError> {
-    render_with::<Uncounted>(scene, plans, progress)
+    render_with::<Uncounted>(scene, plans, &Extent::whole(progress))
         .map(|(film, _)| Rendering { film, work: vec![] })
+}
+
+/// A coarse image of `scene`, made of fewer pixels or larger ones.
+///
+/// # Errors
+///
+/// Those of [`render`] for the pixels rendered, and [`RenderError::Stopped`] once `stopped` says
+/// so: it is asked before every row, from any thread.
+pub fn render_coarse(
+    scene: &Scene,
+    plans: &[Plan],
+    detail: Detail,
+    stopped: &(dyn Fn() -> bool + Sync),
+) -> Result<Film, RenderError> {
+    let extent = Extent {
+        detail,
+        stopped,
+        progress: &|| (),
+    };
+    render_with::<Uncounted>(scene, plans, &extent).map(|(film, _)| film)
+}
+
+/// Which pixels of an image are rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Detail {
+    /// All.
+    Whole,
+    /// In each panel one column and row in this many, the first half as far from the edge as from
+    /// the next. Each pixel has the bits that it has in the whole image.
+    Lattice(usize),
+    /// In each panel blocks of this many columns and rows, as one pixel each; what is left over at
+    /// the right and the bottom is left out. Path tracing samples the whole block, so that the
+    /// result is the mean of its pixels; whatever casts one ray casts it through the upper left
+    /// pixel.
+    Blocks(usize),
+}
+
+impl Detail {
+    /// The columns, or rows, in `size` of them that are rendered, or that blocks begin with.
+    pub fn places(self, size: usize) -> StepBy<Range<usize>> {
+        let (first, end, step) = match self {
+            Detail::Whole => (0, size, 1),
+            Detail::Lattice(every) => ((every / 2).min(size.saturating_sub(1)), size, every),
+            Detail::Blocks(edge) => (0, size - size % edge, edge),
+        };
+        (first..end).step_by(step)
+    }
+
+    /// Edge of what a pixel is a mean of, in pixels of the whole image.
+    fn edge(self) -> f64 {
+        match self {
+            Detail::Whole | Detail::Lattice(_) => 1.0,
+            Detail::Blocks(edge) => edge as f64,
+        }
+    }
+}
+
+/// How much of an image is rendered.
+struct Extent<'e> {
+    detail: Detail,
+    /// Whether to end early; asked before every row.
+    stopped: &'e (dyn Fn() -> bool + Sync),
+    progress: Progress<'e>,
+}
+
+impl<'e> Extent<'e> {
+    fn whole(progress: Progress<'e>) -> Extent<'e> {
+        Extent {
+            detail: Detail::Whole,
+            stopped: &|| false,
+            progress,
+        }
+    }
 }
 
 /// [`render`], counting work. Same bits.
@@ -155,13 +232,14 @@ pub fn render_counted(
     plans: &[Plan],
     progress: Progress<'_>,
 ) -> Result<Rendering, RenderError> {
-    render_with::<Counters>(scene, plans, progress).map(|(film, work)| Rendering { film, work })
+    render_with::<Counters>(scene, plans, &Extent::whole(progress))
+        .map(|(film, work)| Rendering { film, work })
 }
 
 fn render_with<W: Work>(
     scene: &Scene,
     plans: &[Plan],
-    progress: Progress<'_>,
+    extent: &Extent<'_>,
 ) -> Result<(Film, Vec<W>), RenderError> {
     assert_eq!(scene.panels.len(), plans.len(), "a plan for each panel");
     let Footprint { most: bytes, .. } = footprint(scene, plans);
@@ -174,11 +252,13 @@ fn render_with<W: Work>(
         });
     }
     let panels = scene.panels.iter().zip(plans);
-    progress.begin(panels.map(|(panel, plan)| steps(panel, plan)).sum());
+    extent
+        .progress
+        .begin(panels.map(|(panel, plan)| steps(panel, plan)).sum());
     let mut films = Vec::new();
     let mut works = Vec::new();
     for (panel, plan) in scene.panels.iter().zip(plans) {
-        let (film, work) = render_panel(panel, plan, progress)?;
+        let (film, work) = render_panel(panel, plan, extent)?;
         films.push(film);
         works.push(work);
     }
@@ -223,21 +303,31 @@ fn has_points(scene: &Radiative) -> bool {
 fn render_panel<W: Work>(
     panel: &Panel,
     plan: &Plan,
-    progress: Progress<'_>,
+    extent: &Extent<'_>,
 ) -> Result<(Film, W), RenderError> {
-    let (width, height) = (panel.width, panel.height);
     let samples = match (&panel.model, plan.kernel) {
         (Model::Radiative(scene), Kernel::PathTracer { .. }) => scene.samples,
         _ => 1,
     };
     let pixels = Pixels {
-        width,
-        height,
+        width: panel.width,
+        height: panel.height,
         samples,
-        progress,
+        detail: extent.detail,
+        stopped: extent.stopped,
+        progress: extent.progress,
+    };
+    // Those of the film: the panel may have more.
+    let [width, height] = [panel.width, panel.height].map(|size| extent.detail.places(size).len());
+    let finished = |pixels: usize| match pixels == width * height {
+        true => Ok(()),
+        false => Err(RenderError::Stopped),
     };
     let (pixels, work) = match (&panel.model, plan.kernel) {
-        (Model::Curve(plot), Kernel::Curve) => (curve::draw(plot, &pixels), W::default()),
+        (Model::Curve(plot), Kernel::Curve) => {
+            let drawn = curve::draw(plot, &pixels);
+            (pixels.those_rendered(&drawn), W::default())
+        }
         (Model::Classified(scene), Kernel::Background) => background(scene, &pixels),
         (
             Model::Classified(scene),
@@ -267,6 +357,7 @@ fn render_panel<W: Work>(
                 work: PhantomData,
             };
             let (pixels, work) = with_parts(parts, task);
+            finished(pixels.len())?;
             refuse_faults(scene, width, &pixels)?;
             let pixels = pixels.into_iter().flatten().collect();
             return Ok((Film::new(width, height, pixels), work));
@@ -280,12 +371,14 @@ fn render_panel<W: Work>(
                 work: PhantomData,
             };
             let (pixels, work) = with_parts(parts, task);
+            finished(pixels.len())?;
             refuse_faults(scene, width, &pixels)?;
             let film = mean_of_samples([width, height], scene.samples, pixels);
             return Ok((film, work));
         }
         _ => unreachable!("the plan was made for another scene"),
     };
+    finished(pixels.len())?;
     Ok((Film::with_opacity(width, height, pixels), work))
 }
 
@@ -349,10 +442,8 @@ fn mean_of_samples(
 
 fn background<W: Work>(scene: &Classified, pixels: &Pixels<'_>) -> (Vec<[f32; 4]>, W) {
     let [r, g, b] = scene.background.as_vec3().to_array();
-    (
-        vec![[r, g, b, 0.0]; pixels.width * pixels.height],
-        W::default(),
-    )
+    let count = pixels.columns().len() * pixels.rows().len();
+    (vec![[r, g, b, 0.0]; count], W::default())
 }
 
 /// The pixels of one panel.
@@ -361,20 +452,48 @@ pub(super) struct Pixels<'p> {
     pub height: usize,
     /// Samples of each; 1 where it is not sampled.
     pub samples: u32,
+    pub detail: Detail,
+    /// Whether the rows not yet begun are to be left out.
+    pub stopped: &'p (dyn Fn() -> bool + Sync),
     pub progress: Progress<'p>,
+}
+
+impl Pixels<'_> {
+    fn columns(&self) -> StepBy<Range<usize>> {
+        self.detail.places(self.width)
+    }
+
+    fn rows(&self) -> StepBy<Range<usize>> {
+        self.detail.places(self.height)
+    }
+
+    /// Edge of what a pixel is a mean of, in pixels of the whole image.
+    pub fn edge(&self) -> f64 {
+        self.detail.edge()
+    }
+
+    /// Of an image of all the pixels.
+    fn those_rendered<P: Copy>(&self, image: &[P]) -> Vec<P> {
+        self.rows()
+            .flat_map(|row| {
+                self.columns()
+                    .map(move |column| image[row * self.width + column])
+            })
+            .collect()
+    }
 }
 
 /// Pixels of a row that are evaluated one after the other.
 struct Stretch {
     row: usize,
-    columns: Range<usize>,
+    columns: StepBy<Range<usize>>,
     /// Samples of a pixel, at most.
     most_samples: u32,
     /// Whether it is part of the image, or tells how long that will take.
     counts: bool,
 }
 
-/// Evaluates `pixel` for every pixel [column, row], of at most so many samples, rows in parallel.
+/// Evaluates `pixel` for every pixel [column, row] that is rendered, of at most so many samples, rows in parallel.
 /// Pixels depend on nothing but their place, and are put together in order, so threads leave no
 /// trace; `scratch` makes memory that the pixels of a row may use one after the other.
 ///
@@ -410,7 +529,7 @@ fn in_parallel<P: Send, W: Work>(
         let probe = |[column, row]: [usize; 2]| {
             let of_one_sample = Stretch {
                 row,
-                columns: column..column + 1,
+                columns: (column..column + 1).step_by(1),
                 most_samples: 1,
                 counts: false,
             };
@@ -421,21 +540,25 @@ fn in_parallel<P: Send, W: Work>(
             pixels.progress.measured(&forecast);
         }
     }
-    let rows: Vec<(Vec<P>, W)> = (0..pixels.height)
+    let rows: Vec<usize> = pixels.rows().collect();
+    let rows: Vec<(Vec<P>, W)> = rows
         .into_par_iter()
         // Row by row: rows through the volume cost far more than rows beside it, and a thread
         // cannot help with a batch that another has begun.
         .with_max_len(1)
         .map(|row| {
+            if (pixels.stopped)() {
+                return (Vec::new(), W::default());
+            }
             evaluate(Stretch {
                 row,
-                columns: 0..pixels.width,
+                columns: pixels.columns(),
                 most_samples: pixels.samples,
                 counts: true,
             })
         })
         .collect();
-    let mut all = Vec::with_capacity(pixels.width * pixels.height);
+    let mut all = Vec::with_capacity(pixels.columns().len() * rows.len());
     let mut total = W::default();
     for (values, work) in rows {
         all.extend(values);

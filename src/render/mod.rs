@@ -72,7 +72,9 @@ pub mod work;
 pub use expected::{Amount, Bound, Expected, Memory};
 pub use footprint::{Footprint, footprint};
 pub use forecast::Forecast;
-pub use image::{Progress, RenderError, Rendering, Watch, render, render_counted};
+pub use image::{
+    Detail, Progress, RenderError, Rendering, Watch, render, render_coarse, render_counted,
+};
 pub use plan::{Effect, Plan, State};
 pub use work::Counters;
 

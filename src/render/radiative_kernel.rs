@@ -142,6 +142,7 @@ impl<W: Work> Run for ByPathTracing<'_, W> {
         let scene = self.scene;
         let tracer = PathTracer::<E>::new(scene, self.limit, self.parts.null_media);
         let size = [self.pixels.width, self.pixels.height];
+        let edge = self.pixels.edge();
         let given_up = GivenUp::default();
         rows(
             self.pixels,
@@ -156,7 +157,7 @@ impl<W: Work> Run for ByPathTracing<'_, W> {
                     let random = Stream::new(scene.seed, index, sample);
                     work.count_times(Event::RandomDraw, 2);
                     let [x, y] = random.pair(0, Purpose::Camera, 0);
-                    let place = [column as f64 + x, row as f64 + y];
+                    let place = [column as f64 + edge * x, row as f64 + edge * y];
                     let ray = scene.camera.ray_through(place, size);
                     let radiance = tracer.radiance(ray, &random, scratch, work);
                     if radiance == Err(Fault::Endless) {

@@ -1,40 +1,68 @@
 //! Results for people.
 
 use crate::compare::Gate;
-use crate::suite::{CaseResult, ERROR_OF_TOLERANCE, Likeness, Summary, Verdict};
+use crate::suite::{CaseResult, ERROR_OF_TOLERANCE, Likenesses, Summary, Unfinished, Verdict};
 
 /// A line for each case, the reason below each that did not pass, and a summary.
 pub fn results_text(results: &[CaseResult]) -> String {
-    let widest = results
-        .iter()
-        .map(|result| result.name.len())
-        .max()
-        .unwrap_or(0);
-    let mut text = String::new();
-    for result in results {
-        let verdict = result.verdict.name();
-        text.push_str(&format!(
-            "{verdict:<12}  {:<widest$}  {:>6.2} s",
-            result.name, result.seconds
-        ));
-        if let (Verdict::Pass, Some(&share)) =
-            (result.verdict, result.metrics.get(ERROR_OF_TOLERANCE))
-        {
-            text.push_str(&format!("  {:>6}", closeness(share)));
-            if result.gate == Gate::Analytic {
-                text.push_str(&format!("  {}", result.reason));
-            }
-        }
-        text.push('\n');
-        if result.verdict != Verdict::Pass {
-            for line in result.reason.lines() {
-                text.push_str(&format!("              {line}\n"));
-            }
-        }
-        for note in &result.notes {
-            text.push_str(&format!("              note: {note}\n"));
+    let names = results.iter().map(|result| result.name.len());
+    let widest = names.max().unwrap_or(0);
+    let lines = results.iter().map(|result| verdict_text(result, widest));
+    lines.collect::<String>() + &summary_text(results)
+}
+
+/// A line for `result`, whose name is given room for `widest` letters, and the reason below unless
+/// it passed.
+pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
+    let verdict = result.verdict.name();
+    let mut text = format!(
+        "{verdict:<12}  {:<widest$}  {:>6.2} s",
+        result.name, result.seconds
+    );
+    if let (Verdict::Pass, Some(&share)) = (result.verdict, result.metrics.get(ERROR_OF_TOLERANCE))
+    {
+        text.push_str(&format!("  {:>6}", closeness(share)));
+        if result.gate == Gate::Analytic {
+            text.push_str(&format!("  {}", result.reason));
         }
     }
+    text.push('\n');
+    if result.verdict != Verdict::Pass {
+        for line in result.reason.lines() {
+            text.push_str(&format!("              {line}\n"));
+        }
+    }
+    for note in &result.notes {
+        text.push_str(&format!("              note: {note}\n"));
+    }
+    text
+}
+
+/// Cases without an image that are named rather than counted, at most.
+const MOST_MISSING: usize = 3;
+
+/// How many cases have no image, for a list that leaves them out.
+pub fn without_image_text(names: &[&str]) -> String {
+    match names {
+        [] => String::new(),
+        [name] => format!("1 case without an image: {name}\n"),
+        _ if names.len() <= MOST_MISSING => {
+            format!(
+                "{} cases without an image: {}\n",
+                names.len(),
+                names.join(", ")
+            )
+        }
+        _ => format!(
+            "{} cases without an image; --verbose lists them\n",
+            names.len()
+        ),
+    }
+}
+
+/// How many cases came out how.
+pub fn summary_text(results: &[CaseResult]) -> String {
+    let mut text = String::new();
     if results
         .iter()
         .any(|result| result.metrics.contains_key(ERROR_OF_TOLERANCE))
@@ -75,10 +103,11 @@ fn closeness(share: f64) -> String {
     }
 }
 
-/// What failing images look like, most likely first.
-pub fn likely_text(results: &[CaseResult], likely: &[Likeness]) -> String {
+/// What failing images look like, most likely first, and how far the search came: at most `seconds`
+/// for each case, unless it `was_cut_short` by the user.
+pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> String {
     let mut text = String::new();
-    for known in likely {
+    for known in &found.likely {
         let cases = if known.of == 1 { "case" } else { "cases" };
         text.push_str(&format!(
             "\nlooks like  {} ({} of {} {cases}",
@@ -88,10 +117,45 @@ pub fn likely_text(results: &[CaseResult], likely: &[Likeness]) -> String {
             text.push_str(&format!(": {}", known.cases.join(", ")));
         }
         text.push_str(&format!(")\n            {}\n", known.advice));
+        if let Some(beside) = &known.beside_the_next {
+            text.push_str(&format!("            {beside}\n"));
+        }
     }
-    let has_failed = results.iter().any(|result| result.verdict == Verdict::Fail);
-    if likely.is_empty() && has_failed {
+    let unfinished = &found.unfinished;
+    if found.likely.is_empty() && found.searched > 0 && unfinished.is_empty() {
         text.push_str("\nlooks like no mistake of the catalogue\n");
+    }
+    if !unfinished.is_empty() {
+        let named = if found.likely.is_empty() {
+            "no mistake was found: "
+        } else {
+            ""
+        };
+        let why = match was_cut_short {
+            true => "was interrupted".to_owned(),
+            false => format!("reached its limit of {seconds} s"),
+        };
+        let place = |of: &Unfinished| {
+            let (case, stage) = (&of.case, of.stage.name());
+            format!("{case} ({} of {} {stage} tried)", of.done, of.of)
+        };
+        let mut places: Vec<String> = unfinished.iter().take(MOST_UNFINISHED).map(place).collect();
+        if unfinished.len() > MOST_UNFINISHED {
+            let more = unfinished.len() - MOST_UNFINISHED;
+            places.push(format!("{more} more"));
+        }
+        text.push_str(&format!(
+            "\n{named}the search {why} in {}; --explain {} goes on\n",
+            places.join(", "),
+            MORE_TIME * seconds
+        ));
     }
     text
 }
+
+/// Searches that were not finished that are named rather than counted, at most.
+const MOST_UNFINISHED: usize = 3;
+
+/// Whoever goes on with a search is advised to give it this many times the time: what was rendered
+/// is kept, and of the pairs of mistakes hundreds may be left.
+const MORE_TIME: f64 = 6.0;

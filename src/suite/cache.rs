@@ -33,11 +33,9 @@ pub struct Cache {
 impl Cache {
     /// The cache in `folder`, which need not exist. Touches no file but the executable.
     pub fn open(folder: impl Into<PathBuf>) -> Cache {
-        let bytes =
-            std::env::current_exe().and_then(|path| Ok(regular_file::read(&path, MOST_BYTES)?));
         Cache {
             folder: folder.into(),
-            executable: bytes.ok().map(|bytes| hash(&[&bytes])),
+            executable: executable_hash(),
         }
     }
 
@@ -111,13 +109,19 @@ impl Cache {
     }
 }
 
+/// Hash of the running executable: what it renders may differ from what any other build does.
+pub(super) fn executable_hash() -> Option<String> {
+    let bytes = regular_file::read(&std::env::current_exe().ok()?, MOST_BYTES);
+    bytes.ok().map(|bytes| hash(&[&bytes]))
+}
+
 /// Removes a folder that is empty.
 fn is_removed(folder: &Path) -> bool {
     std::fs::remove_dir(folder).is_ok()
 }
 
 /// Hash of the parts, each with its length: no two lists of parts run into each other.
-fn hash(parts: &[&[u8]]) -> String {
+pub(super) fn hash(parts: &[&[u8]]) -> String {
     let mut hasher = blake3::Hasher::new();
     for part in parts {
         hasher.update(&(part.len() as u64).to_le_bytes());

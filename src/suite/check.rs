@@ -1,10 +1,11 @@
 //! The suite from within another renderer's own tests.
 
 use super::validate::{Output, validate};
-use super::{CaseResult, Store, Suite, SuiteError, likeness};
+use super::{CaseResult, Predictions, Search, Store, Suite, SuiteError, likeness};
 use crate::compare::Picture;
 use crate::film::Film;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Names the folder of a suite other than the one that comes with volref.
 pub const SUITE_VARIABLE: &str = "VOLREF_SUITE";
@@ -24,7 +25,8 @@ impl Suite {
 
 /// Judges `image`, linear radiance with the top row first, as an image of `case` of the
 /// [bundled](Suite::bundled) suite, as `volref validate` would: verdict, numbers, the reason in
-/// words, and the mistakes that a failing image looks like. To find those takes some seconds.
+/// words, and the mistakes that a failing image looks like. To find those takes up to
+/// [ten seconds](Search::BUDGET).
 ///
 /// ```
 /// use volref::film::Film;
@@ -57,7 +59,14 @@ pub fn check(case: &str, image: &Film) -> Result<CaseResult, SuiteError> {
         &store,
         Output::Picture(Box::new(picture)),
     )];
-    likeness(&cases, &mut judged, &|| ());
+    let search = Search {
+        budget: Some(Duration::from_secs(Search::BUDGET.into())),
+        // What calls this is mostly built anew for every run, and finds nothing of the last.
+        predictions: &Predictions::nowhere(),
+        interrupted: &|| false,
+        progress: &|_| (),
+    };
+    likeness(&cases, &[], &mut judged, &search);
     let [judged] = judged;
     Ok(judged.result)
 }

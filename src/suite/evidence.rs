@@ -57,4 +57,8 @@ pub struct Likeness {
     pub of: usize,
     /// Names of those that it explains.
     pub cases: Vec<String>,
+    /// How likely it is beside the next one, where both explain the same cases: a sentence without
+    /// its subject, for people.
+    #[serde(skip)]
+    pub beside_the_next: Option<String>,
 }

@@ -126,23 +126,32 @@ impl Trusted {
         facts.into_iter().map(named).collect()
     }
 
-    /// What the picture is declared to leave out, said with every comparison made with it.
-    pub fn without(&self) -> String {
-        let omitted: Vec<_> = self
+    /// Effects that the scene is declared to leave out, said with every comparison made with it, as
+    /// the end of a sentence.
+    pub fn omissions(&self) -> String {
+        match self.without() {
+            without if without.is_empty() => without,
+            without => format!("; the scene leaves out {without} (declared)"),
+        }
+    }
+
+    /// Effects that the scene is declared to leave out.
+    fn without(&self) -> String {
+        let spaced = |names: Vec<String>| names.join(", ").replace('-', " ");
+        let omitted: Vec<String> = self
             .plans
             .iter()
-            .map(|plan| plan.omitted().join(", "))
+            .map(|plan| spaced(plan.omitted().iter().map(ToString::to_string).collect()))
             .collect();
         match &omitted[..] {
-            all if all.iter().all(String::is_empty) => String::new(),
-            [one] => format!("without {one}"),
+            [one] => one.clone(),
             panels => {
                 let said = panels
                     .iter()
                     .enumerate()
                     .filter(|(_, names)| !names.is_empty());
                 let said: Vec<_> = said
-                    .map(|(index, names)| format!("panel {} without {names}", index + 1))
+                    .map(|(index, names)| format!("{names} in panel {}", index + 1))
                     .collect();
                 said.join(", ")
             }

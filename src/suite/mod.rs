@@ -9,6 +9,7 @@ mod evidence;
 mod finding;
 mod golden;
 mod likeness;
+mod measured;
 pub mod mistakes;
 mod naming;
 mod other_renderer;
@@ -31,7 +32,9 @@ pub use check::{SUITE_VARIABLE, check};
 pub use evidence::{Evidence, Likeness};
 pub use finding::Judged;
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
-pub use likeness::likeness;
+pub use likeness::{
+    CACHE_VARIABLE, Likenesses, Predictions, Search, SearchStep, Stage, Unfinished, likeness,
+};
 pub use naming::{Naming, naming};
 pub use other_renderer::{CommandTemplate, Keeper, Kept, Ran, TemplateError, keep, run, stop_all};
 pub use outputs::{Found, OutputError, Outputs, Stranger};

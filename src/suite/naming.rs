@@ -1,6 +1,6 @@
 //! How often the mistake that was made is the one that is named.
 
-use super::likeness::likeness_with;
+use super::likeness::{Predictions, Search, likeness_with};
 use super::mistakes::Mistake;
 use super::self_test::Subject;
 use super::{Case, Judged, Likeness, Store, Verdict};
@@ -38,14 +38,21 @@ impl Naming {
 
 /// Makes mistakes wherever there is occasion in `cases`, each of `made` by itself: one or two, and
 /// a number that chooses the seeds. The other cases are as they should be. Judges all, and says
-/// what is named; `told` is told of each that is done. Cases whose golden cannot be trusted are
+/// what is named, however long the search takes; `told` is told of each that is done. Cases whose golden cannot be trusted are
 /// left out.
 pub fn naming(
     cases: &[&Case],
     store: &Store,
     made: &[(Vec<&'static Mistake>, u64)],
+    predictions: &Predictions,
     told: &dyn Fn(),
 ) -> Vec<Naming> {
+    let search = Search {
+        budget: None,
+        predictions,
+        interrupted: &|| false,
+        progress: &|_| (),
+    };
     let subjects: Vec<Subject<'_>> = cases
         .iter()
         .filter_map(|case| Subject::new(case, store).ok())
@@ -63,7 +70,7 @@ pub fn naming(
             None => right.clone(),
         });
         let mut judged: Vec<Judged> = judged.collect();
-        let named = likeness_with(cases, &mut judged, &scene_of, &|| ());
+        let named = likeness_with(cases, &[], &mut judged, &scene_of, &search).likely;
         let failed = |judged: &&Judged| judged.result.verdict == Verdict::Fail;
         namings.push(Naming {
             made: mistakes.iter().map(|mistake| mistake.name).collect(),
@@ -86,6 +93,7 @@ mod tests {
             explains: 1,
             of: 1,
             cases: vec![],
+            beside_the_next: None,
         };
         let naming = Naming {
             made: made.to_vec(),

@@ -33,21 +33,21 @@ impl Verdict {
     }
 }
 
-/// Whose fault a verdict other than `pass` is. Later ones weigh more.
+/// Whose fault a verdict other than `pass` is. Later ones weigh more, as exit codes do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Cause {
     /// Nobody's: the case passed.
     None,
-    /// The images differ.
-    Mismatch,
-    /// The scene or its files.
-    BadInput,
-    /// The golden.
-    Golden,
-    /// The other renderer: no image, none that can be read, or it did not end well.
-    OtherRenderer,
     /// The images: they show too little to decide.
     Undecided,
+    /// The other renderer: no image, none that can be read, or it did not end well.
+    OtherRenderer,
+    /// The images differ.
+    Mismatch,
+    /// The golden.
+    Golden,
+    /// The scene or its files.
+    BadInput,
 }
 
 /// The outcome of one case.

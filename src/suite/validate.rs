@@ -1,6 +1,7 @@
 //! Another renderer's image against the golden of a case.
 
 use super::finding::{Finding, Trusted};
+use super::measured::measured;
 use super::verify::MOST_CASES;
 use super::{Case, Cause, Evidence, Judged, Store, Verdict};
 use crate::compare::{Gate, Picture, judge, stochastic};
@@ -21,8 +22,6 @@ pub enum Output {
 /// deterministic or the stochastic one, 8-bit codes by the perceptual one.
 pub fn validate(case: &Case, store: &Store, output: Output) -> Judged {
     let start = Instant::now();
-    // What the renderer did is said even where the golden cannot be trusted: that there is no
-    // image weighs more.
     let (finding, trusted) = match (output, Trusted::load(case, store)) {
         (Output::Picture(picture), Ok(trusted)) => {
             let mut judged = validate_with(case, &trusted, *picture);
@@ -30,14 +29,8 @@ pub fn validate(case: &Case, store: &Store, output: Output) -> Judged {
             return judged;
         }
         (Output::Picture(_), Err(finding)) => (finding, None),
-        (Output::Missing(reason), trusted) => (
-            Finding::new(Verdict::Missing, Cause::OtherRenderer, reason),
-            trusted.ok(),
-        ),
-        (Output::Unusable(reason), trusted) => (
-            Finding::new(Verdict::Error, Cause::OtherRenderer, reason),
-            trusted.ok(),
-        ),
+        (Output::Missing(reason), trusted) => weighed(Verdict::Missing, reason, trusted),
+        (Output::Unusable(reason), trusted) => weighed(Verdict::Error, reason, trusted),
     };
     Judged {
         result: finding.result(case, case.gate(), start),
@@ -45,6 +38,25 @@ pub fn validate(case: &Case, store: &Store, output: Output) -> Judged {
             Some(trusted) => evidence(case, &trusted),
             None => Evidence::of(case),
         },
+    }
+}
+
+/// What is said of a case without an image that can be judged: what is wrong with its golden or its
+/// scene, if anything is, for that weighs more, and then what the other renderer did.
+fn weighed(
+    verdict: Verdict,
+    reason: String,
+    trusted: Result<Trusted, Finding>,
+) -> (Finding, Option<Trusted>) {
+    match trusted {
+        Ok(trusted) => (
+            Finding::new(verdict, Cause::OtherRenderer, reason),
+            Some(trusted),
+        ),
+        Err(mut finding) => {
+            finding.reason = format!("{}; {reason}", finding.reason);
+            (finding, None)
+        }
     }
 }
 
@@ -100,7 +112,13 @@ fn judged(case: &Case, gate: Gate, trusted: &Trusted, picture: &Picture) -> Find
         }
     };
     let mut finding = match (judgement.passed, judgement.undecided) {
-        (false, _) => Finding::new(Verdict::Fail, Cause::Mismatch, judgement.reason),
+        (false, _) => {
+            // What holds for the whole image comes first: it explains what the gate saw.
+            let mut said = measured(case, &trusted.golden.film, picture);
+            said.push(judgement.reason);
+            let reason = said.join("; ");
+            Finding::new(Verdict::Fail, Cause::Mismatch, reason)
+        }
         (true, Some(_)) => Finding::new(Verdict::Inconclusive, Cause::Undecided, judgement.reason),
         (true, None) => Finding::new(Verdict::Pass, Cause::None, judgement.reason),
     };
@@ -110,12 +128,7 @@ fn judged(case: &Case, gate: Gate, trusted: &Trusted, picture: &Picture) -> Find
             case.exposure
         ));
     }
-    let without = trusted.without();
-    if !without.is_empty() {
-        finding
-            .reason
-            .push_str(&format!("; the golden is {without}"));
-    }
+    finding.reason.push_str(&trusted.omissions());
     finding.metrics = judgement.metrics;
     finding
 }

@@ -130,7 +130,7 @@ fn compare(trusted: &Trusted, film: &Film) -> Finding {
         let reason = format!(
             "the same bits as the golden ({}){}",
             short(&golden.provenance.pixels),
-            omissions(trusted)
+            trusted.omissions()
         );
         return Finding::new(Verdict::Pass, Cause::None, reason);
     }
@@ -143,20 +143,12 @@ fn compare(trusted: &Trusted, film: &Film) -> Finding {
         exact.reason,
         if tolerant.passed { "within" } else { "beyond" },
         moved_inputs(trusted),
-        omissions(trusted)
+        trusted.omissions()
     );
     let mut finding = Finding::new(Verdict::Fail, Cause::Mismatch, reason);
     finding.metrics = tolerant.metrics;
     finding.metrics.extend(exact.metrics);
     finding
-}
-
-/// What the picture is declared to leave out, as the end of a sentence.
-fn omissions(trusted: &Trusted) -> String {
-    match trusted.without() {
-        without if without.is_empty() => without,
-        without => format!("; {without}"),
-    }
 }
 
 /// Names the input files that are not those of the golden, as the end of a sentence.
@@ -211,7 +203,7 @@ fn compare_sampled(trusted: &Trusted, quick: &Quick, film: &Film) -> Finding {
         } else {
             moved_inputs(trusted)
         },
-        omissions(trusted)
+        trusted.omissions()
     );
     let mut finding = match passed {
         true => Finding::new(Verdict::Pass, Cause::None, reason),

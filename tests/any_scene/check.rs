@@ -97,6 +97,7 @@ fn is_the_scenes_fault(error: &RenderError) -> Result<(), String> {
         | RenderError::TooBright { .. } => Ok(()),
         RenderError::Majorant { .. }
         | RenderError::Memory { .. }
+        | RenderError::Stopped
         | RenderError::NoRadiance { .. } => Err(error.to_string()),
     }
 }

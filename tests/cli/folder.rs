@@ -148,6 +148,8 @@ impl Folder {
         ] {
             command.env_remove(name);
         }
+        // Nothing is kept from test to test.
+        command.env("VOLREF_CACHE", "");
         // Help is wrapped to the terminal; without one, to its widest.
         command.env_remove("COLUMNS");
         command

@@ -142,7 +142,7 @@ fn no_export_is_written_over_an_input() {
     let place = out.path("").display().to_string();
     let run = folder.volref(&["export", "mesh.toml", "--to", "mitsuba", "-o", &place]);
     assert_eq!(run.code, 0, "{}", run.stderr);
-    let names = out.files().into_keys();
+    let mut names = out.files().into_keys();
     let written = names.find(|name| !name.ends_with(".xml")).unwrap();
     // A scene whose mesh is called as the export would call it.
     folder.write(&written, folder.read("gem.obj"));

@@ -142,7 +142,7 @@ fn of_what_a_renderer_prints_the_end_is_kept() {
     let volref = validate(&folder, &["smoke/plain", "--json"]);
     let mut command = Command::new("sh");
     command
-        .args(["-c", &limited, "sh"])
+        .args(["-c", limited, "sh"])
         .arg(volref.get_program())
         .args(volref.get_args())
         .current_dir(folder.path("."));

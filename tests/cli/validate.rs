@@ -53,21 +53,29 @@ fn right_images_pass() {
     assert_eq!(folder.files(), before, "validate writes nothing unasked");
 }
 
-/// What is there is judged, what is missing is said, and weighs more than a difference.
+/// `film` with every value multiplied.
+fn scaled(film: &Film, factor: f32) -> Film {
+    let pixels = film
+        .radiance()
+        .iter()
+        .map(|pixel| pixel.map(|x| factor * x));
+    Film::new(film.width(), film.height(), pixels.collect())
+}
+
+/// What is there is judged, what is missing is counted; a difference weighs more.
 #[test]
 fn missing_images() {
     let folder = with_images();
     folder.remove("out/smoke/plain.exr");
-    let golden = film(&folder, "golden/smoke/nearest.exr");
-    let dark = golden
-        .radiance()
-        .iter()
-        .map(|p| p.map(|x| 0.5 * x))
-        .collect();
-    let dark = Film::new(golden.width(), golden.height(), dark);
-    folder.write("out/smoke/nearest.exr", dark.to_exr().unwrap());
     let run = folder.volref(&["validate", "--outputs", "out", "--json"]);
     assert_eq!(run.code, 4);
+    let golden = film(&folder, "golden/smoke/nearest.exr");
+    folder.write(
+        "out/smoke/nearest.exr",
+        scaled(&golden, 0.5).to_exr().unwrap(),
+    );
+    let run = folder.volref(&["validate", "--outputs", "out", "--json"]);
+    assert_eq!(run.code, 1);
     assert_eq!(case(&run, "smoke/plain")["verdict"], "missing");
     assert_eq!(case(&run, "smoke/nearest")["verdict"], "fail");
     assert_eq!(case(&run, "smoke/shadow")["verdict"], "pass");
@@ -89,6 +97,326 @@ fn missing_images() {
         run.message().contains("nothing was compared"),
         "{}",
         run.stderr
+    );
+}
+
+/// A line for all cases without an image, and one for each only if asked; other programs get all.
+#[test]
+fn missing_images_are_counted_once() {
+    let folder = with_images();
+    folder.remove("out/smoke/plain.exr");
+    let run = folder.volref(&["validate", "--outputs", "out"]);
+    assert_shown!(run.shown(), @r"
+    exit code 4
+    --- stdout
+    pass          plots/curve [seconds]
+    pass          smoke/nearest [seconds]
+    pass          smoke/shadow [seconds]
+    1 case without an image: smoke/plain
+
+    4 cases: 3 passed, 1 missing
+    ");
+    for case in ["plots/curve", "smoke/nearest", "smoke/shadow"] {
+        folder.remove(&format!("out/{case}.exr"));
+    }
+    let run = folder.volref(&[
+        "validate",
+        "--outputs",
+        "out",
+        "--json",
+        "r.json",
+        "--junit",
+        "r.xml",
+    ]);
+    assert_shown!(run.shown(), @r"
+    exit code 4
+    --- stdout
+    4 cases without an image; --verbose lists them
+
+    4 cases: 0 passed, 4 missing
+    ");
+    let json: Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
+    assert_eq!(json["cases"].as_array().unwrap().len(), 4);
+    assert_eq!(folder.text("r.xml").matches("<testcase").count(), 4);
+    let run = folder.volref(&["validate", "--outputs", "out", "--verbose"]);
+    assert_eq!(
+        run.stdout.matches("there is no image of this case").count(),
+        4
+    );
+    assert!(!run.stdout.contains("without an image"), "{}", run.stdout);
+}
+
+/// With 1 beside every other cause of failure, and two of those: the first of 2, 3, 6, 1, 4, 5.
+#[test]
+fn causes_that_meet() {
+    let folder = with_images();
+    folder.remove("out/smoke/plain.exr");
+    let golden = film(&folder, "golden/smoke/nearest.exr");
+    folder.write(
+        "out/smoke/nearest.exr",
+        scaled(&golden, 0.5).to_exr().unwrap(),
+    );
+    let run = folder.volref(&["validate", "--outputs", "out", "--explain", "0"]);
+    assert_eq!(run.code, 1, "a difference outranks a missing image");
+    folder.edit(
+        "golden/smoke/shadow.toml",
+        "first goldens",
+        "second thoughts",
+    );
+    let run = folder.volref(&["validate", "--outputs", "out", "--explain", "0"]);
+    assert_eq!(run.code, 3, "a golden that cannot be trusted outranks both");
+    folder.write("fixtures/scenes/plots/curve.toml", "[film]\n");
+    let run = folder.volref(&["validate", "--outputs", "out", "--explain", "0"]);
+    assert_eq!(run.code, 2, "bad input outranks all");
+    for command in ["validate", "verify"] {
+        let help = folder.volref(&[command, "--help"]).stdout;
+        let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(help.contains("in this order: 2, 3, 6, 1, 4, 5."), "{help}");
+    }
+}
+
+/// Verdicts are printed before those that come after them are known.
+#[cfg(unix)]
+#[test]
+fn verdicts_come_as_they_are_known() {
+    use std::io::{BufRead, BufReader, Read};
+    use std::process::Stdio;
+    let folder = with_images();
+    let script = "case $1 in smoke/plain) while ! test -e go; do sleep 0.02; done;; esac; \
+                  cp out/$1.exr $0";
+    let command = format!("sh -c '{script}' {{output}} {{case}}");
+    let mut child = folder
+        .command(&[
+            "validate",
+            "--run",
+            &command,
+            "--timeout",
+            "60",
+            "--jobs",
+            "2",
+        ])
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stdout = BufReader::new(child.stdout.take().unwrap());
+    let mut verdicts = String::new();
+    for _ in 0..2 {
+        stdout.read_line(&mut verdicts).unwrap();
+    }
+    // The third renderer waits for this.
+    folder.write("go", "");
+    assert!(
+        verdicts.contains("plots/curve") && verdicts.contains("smoke/nearest"),
+        "{verdicts}"
+    );
+    let mut rest = String::new();
+    stdout.read_to_string(&mut rest).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(0), "{rest}");
+    let [plain, shadow] = ["smoke/plain", "smoke/shadow"].map(|case| rest.find(case).unwrap());
+    assert!(plain < shadow, "{rest}");
+}
+
+/// An image that no mistake of the catalogue makes: each row is of another picture.
+fn unknown_mistake(folder: &Folder, case: &str) -> Vec<u8> {
+    let golden = film(folder, &format!("golden/{case}.exr"));
+    let pixels = golden.radiance().iter().enumerate().map(|(index, pixel)| {
+        let row = index / golden.width();
+        pixel.map(|x| x * (1.0 + (row % 5) as f32) + (row % 3) as f32)
+    });
+    let film = Film::new(golden.width(), golden.height(), pixels.collect());
+    film.to_exr().unwrap()
+}
+
+/// The search for a mistake ends when its time is over, says how far it came and how it goes on, and
+/// names nothing; without time there is none.
+#[test]
+fn the_search_for_a_mistake_has_a_budget() {
+    let folder = with_images();
+    folder.write(
+        "out/smoke/shadow.exr",
+        unknown_mistake(&folder, "smoke/shadow"),
+    );
+    let validate = |more: &[&str]| {
+        let arguments = [&["validate", "shadow", "--outputs", "out"][..], more].concat();
+        let run = folder.volref(&arguments);
+        assert_eq!(run.code, 1, "{}", run.stderr);
+        run
+    };
+    let run = validate(&["--explain", "0.000001", "--json=r.json"]);
+    let (_, search) = run
+        .stdout
+        .split_once("1 case: 0 passed, 1 failed\n")
+        .unwrap();
+    let words: Vec<_> = search.split_whitespace().collect();
+    assert_eq!(
+        words.join(" "),
+        "no mistake was found: the search reached its limit of 0.000001 s in smoke/shadow (0 of 110 single \
+         mistakes tried); --explain 0.000006 goes on"
+    );
+    assert!(
+        run.stderr
+            .contains("looking for the mistake in 1 failing case"),
+        "{}",
+        run.stderr
+    );
+    let json: Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
+    assert_eq!(json["looks_like"], serde_json::json!([]));
+    assert_eq!(json["cases"][0]["looks_like"], serde_json::json!([]));
+
+    let run = validate(&["--explain", "0"]);
+    assert!(
+        run.stdout.ends_with("1 case: 0 passed, 1 failed\n"),
+        "{}",
+        run.stdout
+    );
+    assert_eq!(run.stderr, "");
+    for wrong in ["-1", "nan", "much"] {
+        let run = folder.volref(&["validate", "--outputs", "out", "--explain", wrong]);
+        assert_eq!(run.code, 2, "{wrong}");
+    }
+}
+
+/// What the search renders is kept for the next run; damaged or lost, it is rendered again; where
+/// nothing can be kept, nothing is.
+#[test]
+fn predictions_are_kept() {
+    let folder = with_images();
+    folder.write(
+        "out/smoke/shadow.exr",
+        unknown_mistake(&folder, "smoke/shadow"),
+    );
+    let validate = |cache: &str| {
+        let arguments = ["validate", "shadow", "--outputs", "out", "--json"];
+        let mut command = folder.command(&arguments);
+        let run = Run::of(
+            command
+                .env("VOLREF_CACHE", folder.path(cache))
+                .output()
+                .unwrap(),
+        );
+        assert_eq!(run.code, 1, "{}", run.stderr);
+        (
+            run.json()["looks_like"].clone(),
+            run.json()["cases"][0]["looks_like"].clone(),
+        )
+    };
+    let kept = || {
+        let mut files = folder.files();
+        files.retain(|name, _| name.starts_with("cache/predictions/"));
+        files
+    };
+    let first = validate("cache");
+    let files = kept();
+    assert!(!files.is_empty());
+    let damaged = files.keys().next().unwrap();
+    folder.write(damaged, "no prediction");
+    let modified = |name: &str| {
+        std::fs::metadata(folder.path(name))
+            .unwrap()
+            .modified()
+            .unwrap()
+    };
+    let untouched = files.keys().next_back().unwrap();
+    let before = modified(untouched);
+    assert_eq!(validate("cache"), first);
+    for (name, contents) in &files {
+        assert_eq!(&folder.read(name), contents, "{name}");
+    }
+    assert_eq!(modified(untouched), before);
+    folder.write("file", "in the place of a folder");
+    assert_eq!(validate("file"), first);
+}
+
+/// Ctrl-C in the search: verdicts, summary and files are there, as the exit code of the verdicts is.
+#[cfg(unix)]
+#[test]
+fn the_search_can_be_interrupted() {
+    use std::io::{BufRead, BufReader, Read};
+    use std::process::{Command, Stdio};
+    let folder = Folder::with_suite();
+    // Enough pixels and steps for a search of many seconds.
+    folder.edit(
+        "fixtures/scenes/smoke/shadow.toml",
+        "width = 12\nheight = 10",
+        "width = 64\nheight = 60",
+    );
+    folder.edit(
+        "fixtures/scenes/smoke/shadow.toml",
+        "resolution = 8",
+        "resolution = 32",
+    );
+    folder.accept_all();
+    folder.write(
+        "out/smoke/shadow.exr",
+        unknown_mistake(&folder, "smoke/shadow"),
+    );
+    let mut child = folder
+        .command(&[
+            "validate",
+            "shadow",
+            "--outputs",
+            "out",
+            "--explain",
+            "600",
+            "--json=r.json",
+            "--junit",
+            "r.xml",
+            "--report",
+            "report",
+        ])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stderr = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    stderr.read_line(&mut line).unwrap();
+    assert!(line.contains("looking for the mistake"), "{line}");
+    let killed = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(killed.unwrap().success());
+    let mut stdout = String::new();
+    child
+        .stdout
+        .take()
+        .unwrap()
+        .read_to_string(&mut stdout)
+        .unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(1), "{stdout}");
+    assert!(stdout.contains("1 case: 0 passed, 1 failed"), "{stdout}");
+    assert!(
+        stdout.contains("the search was interrupted in smoke/shadow ("),
+        "{stdout}"
+    );
+    let json: Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
+    assert_eq!(json["cases"][0]["verdict"], "fail");
+    assert_eq!(json["looks_like"], serde_json::json!([]));
+    assert!(folder.text("r.xml").contains("smoke/shadow"));
+    assert!(folder.text("report/index.html").contains("smoke"));
+}
+
+/// What is measured of an image is said with the verdict, and is no mistake of the catalogue.
+#[test]
+fn factors_and_levels_are_said() {
+    let folder = with_images();
+    let golden = film(&folder, "golden/smoke/shadow.exr");
+    folder.write(
+        "out/smoke/shadow.exr",
+        scaled(&golden, 1.3).to_exr().unwrap(),
+    );
+    let run = folder.volref(&["validate", "shadow", "--outputs", "out"]);
+    assert_eq!(run.code, 1);
+    assert!(
+        run.stdout.contains("  the image is the golden × 1.300; "),
+        "{}",
+        run.stdout
+    );
+    assert!(
+        run.stdout
+            .contains("looks like no mistake of the catalogue"),
+        "{}",
+        run.stdout
     );
 }
 
@@ -176,7 +504,7 @@ fn images_that_are_none() {
     );
 }
 
-/// A golden that cannot be trusted judges nothing; a missing image weighs more.
+/// A golden that cannot be trusted judges nothing, and weighs more than a missing image.
 #[test]
 fn goldens_are_not_trusted_blindly() {
     let folder = with_images();
@@ -189,7 +517,14 @@ fn goldens_are_not_trusted_blindly() {
     assert_eq!(run.code, 3);
     folder.remove("out/smoke/plain.exr");
     let run = folder.volref(&["validate", "--outputs", "out"]);
-    assert_eq!(run.code, 4);
+    assert_eq!(run.code, 3);
+    assert!(
+        run.stdout.contains("there is no image of this case"),
+        "{}",
+        run.stdout
+    );
+    let run = folder.volref(&["validate", "--outputs", "out", "--only-present"]);
+    assert_eq!(run.code, 0, "{}", run.stdout);
 }
 
 #[test]

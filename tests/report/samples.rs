@@ -253,6 +253,7 @@ fn made_suite() -> Sample {
             explains: 1,
             of: 6,
             cases: Vec::new(),
+            beside_the_next: None,
         },
         Likeness {
             mistake: "no opacity correction".to_owned(),
@@ -260,6 +261,7 @@ fn made_suite() -> Sample {
             explains: 1,
             of: 6,
             cases: Vec::new(),
+            beside_the_next: None,
         },
     ];
     sample
@@ -300,6 +302,7 @@ pub fn hostile() -> Sample {
         explains: 1,
         of: 1,
         cases: Vec::new(),
+        beside_the_next: None,
     }];
     sample
 }

@@ -11,7 +11,7 @@ use crate::math::Sum;
 
 /// A grid of cells: their means, and the variances of those.
 #[derive(Clone, Debug)]
-pub(super) struct Cells {
+pub(in crate::suite) struct Cells {
     pub columns: usize,
     pub rows: usize,
     means: Vec<[f64; 3]>,
@@ -22,7 +22,7 @@ pub(super) struct Cells {
 
 /// How far an image is from what a mistake would look like.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Misfit {
+pub(in crate::suite) struct Misfit {
     /// Mean of the squared differences over their variance, each cut at [`FAR`]: about 1 if the
     /// mistake is the one.
     pub in_noise: f64,
@@ -125,6 +125,33 @@ impl Cells {
     pub fn without_noise(mut self) -> Cells {
         self.variances.fill([0.0; 3]);
         self
+    }
+
+    /// Whether there are as many cells in each row and column.
+    pub fn has_size_of(&self, other: &Cells) -> bool {
+        (self.columns, self.rows) == (other.columns, other.rows)
+    }
+
+    /// What two changes make of `base` together, if each multiplies what it finds by the same
+    /// factor: `self · other / base`, or where that has no meaning `self + other − base`. All of
+    /// one size; without noise.
+    pub fn combined(&self, other: &Cells, base: &Cells) -> Option<Cells> {
+        if !self.has_size_of(base) || !other.has_size_of(base) {
+            return None;
+        }
+        let mut both = self.clone().without_noise();
+        for (cell, means) in both.means.iter_mut().enumerate() {
+            for (c, mean) in means.iter_mut().enumerate() {
+                let (other, base) = (other.means[cell][c], base.means[cell][c]);
+                let product = *mean * other / base;
+                *mean = match base > 0.0 && product.is_finite() {
+                    true => product,
+                    false => *mean + other - base,
+                };
+            }
+        }
+        both.samples = None;
+        Some(both)
     }
 
     /// How far `test` is from `self`, relative to the brightness of `scale`; all of one size.

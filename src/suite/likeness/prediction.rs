@@ -1,55 +1,180 @@
 //! What an image would look like, were a mistake made.
 
-use super::cells::Cells;
+use super::clock::Clock;
+use super::hypothesis::Hypothesis;
 use crate::compare::stochastic::BLOCK;
 use crate::film::Film;
-use crate::render::{Plan, render};
-use crate::scene::{Model, Scene};
+use crate::render::{Detail, Plan, render_coarse};
+use crate::scene::Scene;
+use crate::suite::golden::input_hashes;
 
 /// Seed of predictions: one that neither goldens nor renderings of users are likely to have.
 const SEED: u64 = 0x7072_6564_6963_7400;
 
-/// Samples in a cell of a first look, by which most mistakes are ruled out: a quarter of a sample
+/// Samples in a block of a first look, by which most mistakes are ruled out: a quarter of a sample
 /// per pixel.
 pub(super) const FIRST_LOOK: u32 = 16;
 
-/// Samples in a cell of a second look, at what is left: four per pixel.
+/// Samples in a block of a second look, at what is left: four per pixel.
 pub(super) const SECOND_LOOK: u32 = 256;
 
-/// The image of `scene`, with a mistake in it, in coarse pixels if it is sampled and `coarse`;
-/// then with that many samples in each. Nothing where it cannot be rendered.
-pub(super) fn predicted(mut scene: Scene, coarse: bool, samples: u32) -> Option<Film> {
-    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
-    if coarse && plans.iter().all(Plan::is_sampled) && shrink(&mut scene) {
-        scene.set_samples(samples);
-    } else {
-        scene.set_samples((samples / (BLOCK * BLOCK) as u32).max(2));
+/// Pixels of a lattice, about, where the image has them: of a mistake that shows in one pixel in a
+/// hundred, twenty are seen.
+const LATTICE: usize = 2048;
+
+/// The lattice by which mistakes in an image of this size are ruled out first, where there is no
+/// noise; the whole image where it is small.
+pub(super) fn first_lattice(pixels: usize) -> Detail {
+    match (pixels / LATTICE).isqrt() {
+        0 | 1 => Detail::Whole,
+        every => Detail::Lattice(every),
     }
-    scene.set_seed(SEED);
-    render(&scene, &plans, &|| ()).ok().map(|made| made.film)
 }
 
-/// Makes a pixel of every block; whether that could be.
-fn shrink(scene: &mut Scene) -> bool {
-    let divides = |size: usize| size.is_multiple_of(BLOCK);
-    let can = |panel: &crate::scene::Panel| {
-        divides(panel.width) && divides(panel.height) && matches!(panel.model, Model::Radiative(_))
-    };
-    if !scene.panels.iter().all(can) {
-        return false;
-    }
-    for panel in &mut scene.panels {
-        panel.width /= BLOCK;
-        panel.height /= BLOCK;
-    }
-    true
+/// Blocks, where path tracing can make a pixel of each, and their borders are those of the blocks
+/// of the whole image: panels stand side by side.
+pub(super) fn blocks(scene: &Scene, plans: &[Plan]) -> Option<Detail> {
+    let (last, before) = scene.panels.split_last()?;
+    let is_large = last.width.min(last.height) >= BLOCK;
+    let is_aligned = before.iter().all(|panel| panel.width.is_multiple_of(BLOCK));
+    let can = is_large && is_aligned && plans.iter().all(Plan::is_sampled);
+    can.then_some(Detail::Blocks(BLOCK))
 }
 
-/// `film`, predicted in coarse pixels or not, in the cells of an image of the size of `like`.
-pub(super) fn in_cells(film: &Film, like: &Cells) -> Option<Cells> {
-    let size = (like.columns, like.rows);
-    [Cells::of_pixels, Cells::of_blocks]
-        .into_iter()
-        .map(|cells| cells(film))
-        .find(|cells| (cells.columns, cells.rows) == size)
+/// The image of `edited`, which is `scene` with the mistakes of `hypothesis` that are of the scene;
+/// with `samples` in each pixel that is rendered, if it is sampled. Nothing where it cannot be
+/// rendered, or where the time is over.
+pub(super) fn predicted(
+    scene: &Scene,
+    mut edited: Scene,
+    hypothesis: &Hypothesis,
+    (detail, samples): (Detail, u32),
+    clock: &Clock<'_>,
+) -> Option<Film> {
+    let mistakes = hypothesis.mistakes();
+    let names: Vec<&str> = mistakes
+        .iter()
+        .filter(|mistake| !mistake.is_of_the_image())
+        .map(|mistake| mistake.name)
+        .collect();
+    let key = clock.predictions().key(&[
+        scene.canonical_text().as_bytes(),
+        format!("{:?}", input_hashes(scene)).as_bytes(),
+        names.join(" + ").as_bytes(),
+        format!("{detail:?} {samples}").as_bytes(),
+    ]);
+    if let Some(film) = key.as_ref().and_then(|key| clock.predictions().get(key)) {
+        return Some(film);
+    }
+    let plans: Vec<Plan> = edited.panels.iter().map(Plan::new).collect();
+    edited.set_samples(samples);
+    edited.set_seed(SEED);
+    let film = render_coarse(&edited, &plans, detail, &|| clock.is_over()).ok()?;
+    if let Some(key) = key {
+        clock.predictions().put(&key, &film);
+    }
+    Some(film)
+}
+
+/// The pixels of `film`, an image of panels of these widths, that are rendered with `detail`: the
+/// means over blocks are not among them.
+pub(super) fn pixels_of(film: &Film, panels: &[usize], detail: Detail) -> Film {
+    let mut columns = Vec::new();
+    let mut left = 0;
+    for &width in panels {
+        columns.extend(detail.places(width).map(|column| left + column));
+        left += width;
+    }
+    let rows: Vec<usize> = detail.places(film.height()).collect();
+    let places = rows.iter().flat_map(|row| {
+        columns
+            .iter()
+            .map(move |column| column + row * film.width())
+    });
+    match film.opacity() {
+        Some(_) => {
+            let pixels = places.map(|index| film.pixel(index)).collect();
+            Film::with_opacity(columns.len(), rows.len(), pixels)
+        }
+        None => {
+            let pixels = places.map(|index| film.radiance()[index]).collect();
+            Film::new(columns.len(), rows.len(), pixels)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::cells::Cells;
+    use super::*;
+    use crate::render::{RenderError, render};
+    use crate::scene::Model;
+    use std::path::Path;
+
+    /// A scene of the suite with fewer pixels, and its plans.
+    fn small(name: &str, [width, height]: [usize; 2]) -> (Scene, Vec<Plan>) {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes");
+        let mut scene = Scene::load(&root.join(name)).unwrap();
+        for panel in &mut scene.panels {
+            (panel.width, panel.height) = (width, height);
+        }
+        scene.set_samples(16);
+        let plans = scene.panels.iter().map(Plan::new).collect();
+        (scene, plans)
+    }
+
+    #[test]
+    fn a_lattice_has_the_bits_of_the_whole_image() {
+        // Two panels, a plot, and one whose pixels have random numbers.
+        for name in [
+            "figures/figure-5.toml",
+            "figures/figure-2.toml",
+            "smoke/cornell.toml",
+        ] {
+            let (scene, plans) = small(name, [60, 44]);
+            let whole = render(&scene, &plans, &|| ()).unwrap().film;
+            let panels: Vec<usize> = scene.panels.iter().map(|panel| panel.width).collect();
+            for every in [1, 2, 7] {
+                let detail = Detail::Lattice(every);
+                let lattice = render_coarse(&scene, &plans, detail, &|| false).unwrap();
+                let expected = pixels_of(&whole, &panels, detail);
+                assert_eq!(lattice.radiance(), expected.radiance(), "{name} {every}");
+                assert_eq!(lattice.opacity(), expected.opacity(), "{name} {every}");
+            }
+            // A plot takes no time.
+            if name != "figures/figure-2.toml" {
+                let stopped = render_coarse(&scene, &plans, Detail::Lattice(2), &|| true);
+                assert_eq!(stopped.err(), Some(RenderError::Stopped));
+            }
+        }
+    }
+
+    /// Blocks leave out what is left over at the edges, and are the means of their pixels.
+    #[test]
+    fn a_block_is_the_mean_of_its_pixels() {
+        let (mut scene, plans) = small("smoke/cornell.toml", [19, 21]);
+        assert!(matches!(scene.panels[0].model, Model::Radiative(_)));
+        let detail = blocks(&scene, &plans).unwrap();
+        scene.set_samples(64);
+        let whole = render(&scene, &plans, &|| ()).unwrap().film;
+        scene.set_samples(64 * 64);
+        let coarse = render_coarse(&scene, &plans, detail, &|| false).unwrap();
+        assert_eq!((coarse.width(), coarse.height()), (2, 2));
+        let [whole, coarse] = [Cells::of_blocks(&whole), Cells::of_pixels(&coarse)];
+        // Twelve squares: their mean is 1 within five times √(2/12).
+        let misfit = coarse.misfit(&whole, &whole);
+        assert!(misfit.in_noise < 3.1, "{misfit:?}");
+    }
+
+    #[test]
+    fn a_lattice_has_two_thousand_pixels_or_more() {
+        assert_eq!(first_lattice(12 * 10), Detail::Whole);
+        assert_eq!(first_lattice(4 * 2048 - 1), Detail::Whole);
+        assert_eq!(first_lattice(256 * 192), Detail::Lattice(4));
+        for [width, height] in [[256, 192], [400, 500], [100_000, 2], [8192, 1]] {
+            let detail = first_lattice(width * height);
+            let count = detail.places(width).count() * detail.places(height).count();
+            assert!(count >= 1024, "{width} × {height}: {count}");
+        }
+    }
 }

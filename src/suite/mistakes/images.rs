@@ -35,7 +35,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "red-and-blue-exchanged",
         advice: "red and blue are exchanged: channels are red, green, blue, in this order",
-        edit: Edit::Image(|film| {
+        edit: Edit::Pixels(|film| {
             Some(mixed(
                 film,
                 [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]],
@@ -45,12 +45,12 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "grey",
         advice: "the image has no colour: three channels are wanted, not luminance",
-        edit: Edit::Image(|film| Some(mixed(film, [LUMINANCE; 3]))),
+        edit: Edit::Pixels(|film| Some(mixed(film, [LUMINANCE; 3]))),
     },
     Mistake {
         name: "srgb-encoded",
         advice: "the image is encoded for a display: linear radiance is wanted, without the sRGB curve; set the output to raw or linear",
-        edit: Edit::Image(|film| {
+        edit: Edit::Pixels(|film| {
             Some(mapped(film, |x| {
                 (math::linear_to_srgb(x), slope(math::linear_to_srgb, x))
             }))
@@ -59,7 +59,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "gamma-encoded",
         advice: "the image is encoded with a gamma of 2.2: linear radiance is wanted",
-        edit: Edit::Image(|film| {
+        edit: Edit::Pixels(|film| {
             let encode = |x: f64| math::exp(math::ln(x.max(f64::MIN_POSITIVE)) / 2.2);
             Some(mapped(film, |x| (encode(x), slope(encode, x))))
         }),
@@ -67,7 +67,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "srgb-decoded",
         advice: "the image is decoded as though it had been for a display: linear radiance must be written as it is",
-        edit: Edit::Image(|film| {
+        edit: Edit::Pixels(|film| {
             Some(mapped(film, |x| {
                 (math::srgb_to_linear(x), slope(math::srgb_to_linear, x))
             }))
@@ -76,7 +76,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "clamped",
         advice: "radiance above 1 is cut off: keep it, the file holds floating-point numbers",
-        edit: Edit::Image(|film| {
+        edit: Edit::Pixels(|film| {
             Some(mapped(film, |x| match x > 1.0 {
                 true => (1.0, 0.0),
                 false => (x, 1.0),
@@ -86,7 +86,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "tone-mapped",
         advice: "the image is tone mapped, x / (1 + x) or alike: radiance is wanted as it is",
-        edit: Edit::Image(|film| {
+        edit: Edit::Pixels(|film| {
             Some(mapped(film, |x| {
                 (x / (1.0 + x), 1.0 / ((1.0 + x) * (1.0 + x)))
             }))
@@ -95,47 +95,47 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "bright-times-pi",
         advice: "everything is too bright by pi: is irradiance written in place of radiance, or the 1/pi of Lambert's reflection missing?",
-        edit: Edit::Image(|film| Some(scaled(film, PI))),
+        edit: Edit::Pixels(|film| Some(scaled(film, PI))),
     },
     Mistake {
         name: "bright-over-pi",
         advice: "everything is too dark by pi: is something divided by pi twice?",
-        edit: Edit::Image(|film| Some(scaled(film, 1.0 / PI))),
+        edit: Edit::Pixels(|film| Some(scaled(film, 1.0 / PI))),
     },
     Mistake {
         name: "bright-times-4pi",
         advice: "everything is too bright by 4 pi: is the phase function without its 1/(4 pi)?",
-        edit: Edit::Image(|film| Some(scaled(film, 4.0 * PI))),
+        edit: Edit::Pixels(|film| Some(scaled(film, 4.0 * PI))),
     },
     Mistake {
         name: "bright-over-4pi",
         advice: "everything is too dark by 4 pi: is the phase function divided by 4 pi twice, or intensity taken for power?",
-        edit: Edit::Image(|film| Some(scaled(film, 1.0 / (4.0 * PI)))),
+        edit: Edit::Pixels(|film| Some(scaled(film, 1.0 / (4.0 * PI)))),
     },
     Mistake {
         name: "bright-doubled",
         advice: "everything is twice too bright: is something counted twice, such as light met by chance and sampled on purpose, without weights?",
-        edit: Edit::Image(|film| Some(scaled(film, 2.0))),
+        edit: Edit::Pixels(|film| Some(scaled(film, 2.0))),
     },
     Mistake {
         name: "bright-halved",
         advice: "everything is half as bright as it should be: is a probability of one half divided out only once, or a sum of two averaged?",
-        edit: Edit::Image(|film| Some(scaled(film, 0.5))),
+        edit: Edit::Pixels(|film| Some(scaled(film, 0.5))),
     },
     Mistake {
         name: "black",
         advice: "the image is black: nothing was rendered, or nothing was written",
-        edit: Edit::Image(|film| Some(scaled(film, 0.0))),
+        edit: Edit::Pixels(|film| Some(scaled(film, 0.0))),
     },
     Mistake {
         name: "premultiplied-twice",
         advice: "colours are multiplied by opacity twice: they are so already after compositing",
-        edit: Edit::Image(|film| by_opacity(film, |colour, opacity| colour * opacity)),
+        edit: Edit::Pixels(|film| by_opacity(film, |colour, opacity| colour * opacity)),
     },
     Mistake {
         name: "unpremultiplied",
         advice: "colours are divided by opacity: what is wanted is the radiance that arrives, multiplied by opacity, in front of the background",
-        edit: Edit::Image(|film| {
+        edit: Edit::Pixels(|film| {
             by_opacity(film, |colour, opacity| match opacity > 0.0 {
                 true => colour / opacity,
                 false => colour,

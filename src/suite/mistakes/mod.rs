@@ -35,14 +35,22 @@ enum Edit {
     Opacity(fn(&mut TransferOpacity) -> bool),
     /// Of media among surfaces and lights.
     Radiative(fn(&mut Radiative) -> bool),
-    /// Of the finished image.
+    /// Of the finished image, in each pixel by itself.
+    Pixels(fn(&Film) -> Option<Film>),
+    /// Of the finished image, in where its pixels are or in how they mix.
     Image(fn(&Film) -> Option<Film>),
 }
 
 impl Mistake {
     /// Whether it is made in the finished image rather than in the scene.
     pub fn is_of_the_image(&self) -> bool {
-        matches!(self.edit, Edit::Image(_))
+        matches!(self.edit, Edit::Pixels(_) | Edit::Image(_))
+    }
+
+    /// Whether it is one of the image that makes each pixel wrong by itself: then any part of an
+    /// image shows it as the whole does.
+    pub fn is_of_single_pixels(&self) -> bool {
+        matches!(self.edit, Edit::Pixels(_))
     }
 
     /// `scene` with the mistake; nothing where there is no occasion for it, or where it is one of
@@ -65,7 +73,7 @@ impl Mistake {
     /// the scene. The noise of the image changes with it, to first order.
     pub fn in_image(&self, film: &Film) -> Option<Film> {
         match self.edit {
-            Edit::Image(edit) => edit(film).filter(|edited| edited != film),
+            Edit::Pixels(edit) | Edit::Image(edit) => edit(film).filter(|edited| edited != film),
             Edit::Classified(_) | Edit::Opacity(_) | Edit::Radiative(_) => None,
         }
     }

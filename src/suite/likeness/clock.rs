@@ -1,0 +1,167 @@
+//! How long the search for a mistake goes on, and who hears of it.
+
+use super::kept::Predictions;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+/// How the search for a mistake is made.
+pub struct Search<'s> {
+    /// Time for each case that failed; none for as long as it takes. One rendered row may exceed
+    /// it.
+    pub budget: Option<Duration>,
+    /// Where predictions are kept from run to run.
+    pub predictions: &'s Predictions,
+    /// Whether to end at once; asked often, from any thread.
+    pub interrupted: &'s (dyn Fn() -> bool + Sync),
+    /// Hears of every hypothesis, from any thread.
+    pub progress: &'s (dyn Fn(&SearchStep<'_>) + Sync),
+}
+
+impl Search<'_> {
+    /// Seconds for each case, unless others are asked for: as long as somebody waits for an answer
+    /// before turning to something else.
+    pub const BUDGET: u32 = 10;
+}
+
+/// Share of the time for first looks. A second look takes up to 16 times the work of a first one,
+/// and there are [eight](super::hunt) at most, where first looks are hundreds.
+const FIRST_LOOKS: f64 = 0.75;
+
+/// Where the search is.
+#[derive(Clone, Copy, Debug)]
+pub struct SearchStep<'s> {
+    /// Name of the case.
+    pub case: &'s str,
+    /// What is tried.
+    pub stage: Stage,
+    /// Hypotheses done in this stage.
+    pub done: usize,
+    /// Hypotheses of this stage.
+    pub of: usize,
+    /// Time left for this case, where it has a limit.
+    pub left: Option<Duration>,
+}
+
+/// What is tried in an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Each mistake by itself.
+    Singles,
+    /// Two mistakes together.
+    Pairs,
+}
+
+impl Stage {
+    /// In words, of many.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Singles => "single mistakes",
+            Stage::Pairs => "pairs of mistakes",
+        }
+    }
+}
+
+/// A search that did not come to its end, and how far it came.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unfinished {
+    /// Name of the case.
+    pub case: String,
+    /// What was being tried.
+    pub stage: Stage,
+    /// Hypotheses done in this stage.
+    pub done: usize,
+    /// Hypotheses of this stage.
+    pub of: usize,
+}
+
+/// The time of one case.
+pub(super) struct Clock<'s> {
+    search: &'s Search<'s>,
+    case: &'s str,
+    end: Option<Instant>,
+    /// When first looks end, so that there is time for a second at what they found.
+    late: Option<Instant>,
+    /// Whether anybody was told that time is over.
+    was_ended: AtomicBool,
+    stage: Stage,
+    done: AtomicUsize,
+    of: usize,
+}
+
+impl<'s> Clock<'s> {
+    /// Begins now, with `of` single mistakes to try.
+    pub fn start(search: &'s Search<'s>, case: &'s str, of: usize) -> Clock<'s> {
+        let now = Instant::now();
+        // A budget beyond the end of time is none.
+        let after = |share| now.checked_add(search.budget?.mul_f64(share));
+        Clock {
+            search,
+            case,
+            end: after(1.0),
+            late: after(FIRST_LOOKS),
+            was_ended: AtomicBool::new(false),
+            stage: Stage::Singles,
+            done: AtomicUsize::new(0),
+            of,
+        }
+    }
+
+    /// Goes on with `of` pairs.
+    pub fn go_on_with_pairs(&mut self, of: usize) {
+        self.stage = Stage::Pairs;
+        self.done = AtomicUsize::new(0);
+        self.of = of;
+    }
+
+    pub fn predictions(&self) -> &'s Predictions {
+        self.search.predictions
+    }
+
+    /// Whether the search of this case is to end.
+    pub fn is_over(&self) -> bool {
+        self.is_after(self.end)
+    }
+
+    /// Whether no further hypothesis is to be tried, but those that were found are to be looked at
+    /// closely.
+    pub fn is_late(&self) -> bool {
+        self.is_after(self.late)
+    }
+
+    fn is_after(&self, end: Option<Instant>) -> bool {
+        let is = end.is_some_and(|end| Instant::now() >= end) || (self.search.interrupted)();
+        if is {
+            self.was_ended.store(true, Ordering::Relaxed);
+        }
+        is
+    }
+
+    /// A hypothesis was decided, one way or the other: not to be called for one that was given up.
+    pub fn decided(&self) {
+        self.done.fetch_add(1, Ordering::Relaxed);
+        self.tell();
+    }
+
+    /// Tells where the search is.
+    pub fn tell(&self) {
+        (self.search.progress)(&SearchStep {
+            case: self.case,
+            stage: self.stage,
+            done: self.done.load(Ordering::Relaxed).min(self.of),
+            of: self.of,
+            left: self
+                .end
+                .map(|end| end.saturating_duration_since(Instant::now())),
+        });
+    }
+
+    /// How far the search came, where it was ended.
+    pub fn unfinished(&self) -> Option<Unfinished> {
+        self.was_ended.load(Ordering::Relaxed).then(|| Unfinished {
+            case: self.case.to_owned(),
+            stage: self.stage,
+            done: self.done.load(Ordering::Relaxed).min(self.of),
+            of: self.of,
+        })
+    }
+}

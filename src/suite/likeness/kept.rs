@@ -1,0 +1,265 @@
+//! Predictions kept from run to run.
+//!
+//! The image that a mistake makes of a case depends on neither the image that is judged nor on
+//! whose it is: whoever judges the pictures of a whole class, or the same renderer again after a
+//! change, needs the same predictions. Its key is a hash of all that it does depend on: scene, input
+//! files, mistakes, pixels and samples, and the executable itself, so that no prediction ever comes
+//! from other code, a build under development included.
+//!
+//! Nothing here is an error: what cannot be read, is damaged or cannot be written is rendered.
+
+use crate::atomic_file::write_atomically;
+use crate::film::Film;
+use crate::regular_file;
+use crate::suite::cache::{executable_hash, hash};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, OnceLock};
+use std::time::SystemTime;
+
+/// Names the folder of the cache; empty for none.
+pub const CACHE_VARIABLE: &str = "VOLREF_CACHE";
+
+/// The folder grows to this many bytes; then the oldest files go. A prediction of a case of the
+/// suite has 20 to 500 kB.
+const MOST_BYTES: u64 = 256 << 20;
+
+/// What is left then, so that not every further file makes others go.
+const BYTES_LEFT: u64 = MOST_BYTES / 4 * 3;
+
+const EXTENSION: &str = "prediction";
+
+/// Bytes of a BLAKE3 hash, with which a file begins.
+const HASH: usize = 32;
+
+/// A folder of predictions.
+#[derive(Debug, Default)]
+pub struct Predictions {
+    folder: Option<PathBuf>,
+    executable: OnceLock<Option<String>>,
+    /// Bytes in the folder, once it was looked at.
+    bytes: Mutex<Option<u64>>,
+}
+
+impl Predictions {
+    /// Keeps nothing.
+    pub fn nowhere() -> Predictions {
+        Predictions::default()
+    }
+
+    /// Keeps predictions in `folder`, which need not exist.
+    pub fn in_folder(folder: impl Into<PathBuf>) -> Predictions {
+        Predictions {
+            folder: Some(folder.into()),
+            ..Predictions::default()
+        }
+    }
+
+    /// Keeps them in the folder that the environment variable [`VOLREF_CACHE`](CACHE_VARIABLE)
+    /// names, else in the user's folder for caches; nowhere if there is none.
+    pub fn of_the_user() -> Predictions {
+        Predictions {
+            folder: folder_of_the_user(&|name| std::env::var_os(name).map(PathBuf::from)),
+            ..Predictions::default()
+        }
+    }
+
+    /// What a prediction is known by, of the `parts` that it depends on besides the program.
+    pub(super) fn key(&self, parts: &[&[u8]]) -> Option<String> {
+        self.folder.as_ref()?;
+        let executable = self.executable.get_or_init(executable_hash).as_ref()?;
+        let parts: Vec<&[u8]> = parts
+            .iter()
+            .copied()
+            .chain([executable.as_bytes()])
+            .collect();
+        Some(hash(&parts))
+    }
+
+    /// The prediction with this key, if it was kept as it was.
+    pub(super) fn get(&self, key: &str) -> Option<Film> {
+        let bytes = regular_file::read(&self.path(key)?, MOST_BYTES).ok()?;
+        let (sum, film) = bytes.split_at_checked(HASH)?;
+        (blake3::hash(film).as_bytes() == sum).then(|| Film::from_exr(film).ok())?
+    }
+
+    /// Keeps a prediction.
+    pub(super) fn put(&self, key: &str, film: &Film) {
+        let (Some(path), Ok(film)) = (self.path(key), film.to_exr()) else {
+            return;
+        };
+        let folder = path.parent().unwrap_or(Path::new("."));
+        if std::fs::create_dir_all(folder).is_err() {
+            return;
+        }
+        let mut bytes = blake3::hash(&film).as_bytes().to_vec();
+        bytes.extend(film);
+        if write_atomically(&path, &bytes).is_ok() {
+            self.keep_small(folder, bytes.len() as u64);
+        }
+    }
+
+    fn path(&self, key: &str) -> Option<PathBuf> {
+        let folder = self.folder.as_ref()?.join("predictions");
+        Some(folder.join(format!("{key}.{EXTENSION}")))
+    }
+
+    /// Removes the oldest files where `written` bytes more are too many.
+    fn keep_small(&self, folder: &Path, written: u64) {
+        let Ok(mut bytes) = self.bytes.lock() else {
+            return;
+        };
+        let now = match *bytes {
+            Some(before) => before + written,
+            None => files(folder).iter().map(|file| file.bytes).sum(),
+        };
+        *bytes = Some(match now > MOST_BYTES {
+            true => without_the_oldest(folder, BYTES_LEFT),
+            false => now,
+        });
+    }
+}
+
+/// The folder of caches of this user, by the variables of the environment.
+fn folder_of_the_user(variable: &dyn Fn(&str) -> Option<PathBuf>) -> Option<PathBuf> {
+    if let Some(named) = variable(CACHE_VARIABLE) {
+        return (!named.as_os_str().is_empty()).then_some(named);
+    }
+    // A relative path is to be ignored, as the XDG Base Directory Specification has it.
+    let absolute = |name| variable(name).filter(|path: &PathBuf| path.is_absolute());
+    let folder = if let Some(folder) = absolute("XDG_CACHE_HOME") {
+        folder
+    } else if cfg!(windows) {
+        absolute("LOCALAPPDATA")?
+    } else if cfg!(target_os = "macos") {
+        absolute("HOME")?.join("Library/Caches")
+    } else {
+        absolute("HOME")?.join(".cache")
+    };
+    Some(folder.join("volref"))
+}
+
+struct Kept {
+    path: PathBuf,
+    bytes: u64,
+    written: SystemTime,
+}
+
+/// The predictions in `folder`; nothing else that may be there.
+fn files(folder: &Path) -> Vec<Kept> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries
+        .filter_map(|entry| {
+            let path = entry.path();
+            let metadata = entry.metadata().ok()?;
+            let is_ours = metadata.is_file() && path.extension()? == EXTENSION;
+            is_ours.then_some(Kept {
+                bytes: metadata.len(),
+                written: metadata.modified().ok()?,
+                path,
+            })
+        })
+        .collect()
+}
+
+/// Removes the oldest predictions in `folder` until no more than `most` bytes are left; how many
+/// are.
+fn without_the_oldest(folder: &Path, most: u64) -> u64 {
+    let mut files = files(folder);
+    files.sort_by_key(|file| file.written);
+    let mut left: u64 = files.iter().map(|file| file.bytes).sum();
+    for file in files {
+        if left <= most {
+            break;
+        }
+        // Somebody else may have removed it.
+        let _ = std::fs::remove_file(&file.path);
+        left -= file.bytes;
+    }
+    left
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    fn film(value: f32) -> Film {
+        Film::with_noise(2, 1, vec![[value; 3]; 2], vec![[0.25; 3]; 2], 16)
+    }
+
+    #[test]
+    fn what_was_kept_comes_back_and_what_was_damaged_does_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let predictions = Predictions::in_folder(folder.path());
+        let key = predictions.key(&[b"scene", b"mistake"]).unwrap();
+        assert_ne!(predictions.key(&[b"scenemistake"]).unwrap(), key);
+        assert_eq!(predictions.get(&key), None);
+        predictions.put(&key, &film(0.5));
+        assert_eq!(predictions.get(&key), Some(film(0.5)));
+        let path = predictions.path(&key).unwrap();
+        let whole = fs::read(&path).unwrap();
+        for damaged in [&whole[..whole.len() - 1], &whole[..HASH - 1], &[]] {
+            fs::write(&path, damaged).unwrap();
+            assert_eq!(predictions.get(&key), None);
+        }
+        predictions.put(&key, &film(0.25));
+        assert_eq!(predictions.get(&key), Some(film(0.25)));
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_is_no_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        fs::write(&file, "kept").unwrap();
+        let predictions = Predictions::in_folder(&file);
+        let key = predictions.key(&[b"scene"]).unwrap();
+        predictions.put(&key, &film(0.5));
+        assert_eq!(predictions.get(&key), None);
+        assert_eq!(fs::read(&file).unwrap(), b"kept");
+        assert_eq!(Predictions::nowhere().key(&[b"scene"]), None);
+    }
+
+    #[test]
+    fn the_oldest_go_first_and_nothing_else_does() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path("notes.txt"), [0; 64]).unwrap();
+        for (age, name) in ["c", "a", "b"].iter().enumerate() {
+            let path = path(&format!("{name}.{EXTENSION}"));
+            fs::write(&path, [0; 10]).unwrap();
+            let file = fs::File::options().write(true).open(&path).unwrap();
+            let then = SystemTime::UNIX_EPOCH + std::time::Duration::from_secs(age as u64);
+            file.set_modified(then).unwrap();
+        }
+        assert_eq!(without_the_oldest(folder.path(), 29), 20);
+        let there = |name: &str| path(name).exists();
+        assert!(!there("c.prediction") && there("a.prediction") && there("b.prediction"));
+        assert_eq!(without_the_oldest(folder.path(), 20), 20);
+        assert_eq!(without_the_oldest(folder.path(), 0), 0);
+        assert!(there("notes.txt") && !there("b.prediction"));
+    }
+
+    #[test]
+    fn the_folder_is_named_or_the_users() {
+        let with = |names: &[(&str, &str)]| {
+            let found = |name: &str| names.iter().find(|(known, _)| *known == name);
+            folder_of_the_user(&|name| found(name).map(|(_, path)| PathBuf::from(path)))
+        };
+        let home = if cfg!(windows) {
+            "C:\\home"
+        } else {
+            "/home/me"
+        };
+        let named = [(CACHE_VARIABLE, "here"), ("XDG_CACHE_HOME", home)];
+        assert_eq!(with(&named), Some(PathBuf::from("here")));
+        assert_eq!(with(&[(CACHE_VARIABLE, ""), ("HOME", home)]), None);
+        let xdg = Path::new(home).join("volref");
+        assert_eq!(with(&[("XDG_CACHE_HOME", home)]), Some(xdg));
+        assert_eq!(with(&[]), None);
+        #[cfg(all(unix, not(target_os = "macos")))]
+        assert_eq!(
+            with(&[("XDG_CACHE_HOME", "relative"), ("HOME", home)]),
+            Some(PathBuf::from("/home/me/.cache/volref"))
+        );
+    }
+}

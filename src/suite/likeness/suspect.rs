@@ -1,0 +1,340 @@
+//! A case whose image is wrong, and how far that is from what a mistake would make.
+
+use super::cells::{Cells, Misfit};
+use super::clock::Clock;
+use super::hypothesis::Hypothesis;
+use super::prediction::{FIRST_LOOK, SECOND_LOOK, blocks, first_lattice, pixels_of, predicted};
+use crate::compare::flip::SrgbImage;
+use crate::compare::stochastic::BLOCK;
+use crate::compare::{Gate, Picture, judge};
+use crate::film::Film;
+use crate::math;
+use crate::render::{Detail, Plan};
+use crate::scene::Scene;
+use crate::suite::measured::is_simple;
+use crate::suite::{Case, Judged};
+
+/// What a mistake may leave unexplained, where there is no noise: this share of the squared
+/// difference.
+const REMAINDER: f64 = 0.02;
+
+/// A mistake that leaves more than this share of the squared difference is not looked at closely,
+/// where there is no noise.
+const FAR_OFF: f64 = 0.5;
+
+/// Likewise on a lattice. Its share is an estimate from 2000 pixels or more: one that is half the
+/// pixels' has a standard error of a tenth even where one pixel in fifty differs.
+const FAR_OFF_ON_LATTICE: f64 = 0.75;
+
+/// A case whose image is wrong.
+pub(super) struct Suspect {
+    /// Among the results.
+    pub index: usize,
+    /// Of the case.
+    pub name: String,
+    /// Whether the image is the golden under a simple map of its values, which is said already.
+    pub is_measured: bool,
+    /// Judged by noise, in coarse cells; else pixel by pixel.
+    pub is_sampled: bool,
+    pub golden: Film,
+    scene: Scene,
+    /// Of its panels.
+    widths: Vec<usize>,
+    exposure: f64,
+    /// Largest radiance that the file of the image can hold.
+    ceiling: Option<f64>,
+    /// The image as it was given, for the gates without noise.
+    picture: Picture,
+    golden_cells: Cells,
+    test_cells: Cells,
+    /// How far the image is from the golden: a mistake has to do better.
+    from_golden: Misfit,
+    /// Pixels of a first look, and samples in each.
+    first: (Detail, u32),
+    /// Likewise of a second.
+    second: (Detail, u32),
+    /// Without noise: golden and image as a first look sees them.
+    glimpse: Option<Glimpse>,
+}
+
+/// The pixels of a lattice.
+struct Glimpse {
+    golden: Cells,
+    test: Cells,
+    test_film: Film,
+    from_golden: Misfit,
+}
+
+impl Suspect {
+    /// Nothing where the image cannot be compared, or the scene cannot be read.
+    pub fn new(
+        index: usize,
+        case: &Case,
+        judged: &Judged,
+        scenes: &dyn Fn(&Case) -> Option<Scene>,
+    ) -> Option<Suspect> {
+        let golden = judged.evidence.golden.clone()?;
+        let picture = judged.evidence.test.clone()?;
+        let size = (golden.width(), golden.height());
+        let (test, ceiling) = match &picture {
+            Picture::Radiance(film) => (film.clone(), None),
+            Picture::Codes(codes) => {
+                let ceiling = math::exp2(-case.exposure);
+                (radiance(codes, case.exposure), Some(ceiling))
+            }
+        };
+        let is_number = |film: &Film| film.radiance().as_flattened().iter().all(|x| x.is_finite());
+        if picture.size() != size || !is_number(&test) {
+            return None;
+        }
+        let is_sampled = case.sampling.is_some();
+        let in_cells = |film: &Film| match is_sampled {
+            true => Cells::of_blocks(film),
+            false => Cells::of_pixels(film),
+        };
+        let bounded = clamped(&golden, ceiling);
+        let golden_cells = in_cells(&bounded);
+        let mut test_cells = in_cells(&test);
+        if is_sampled && test.noise().is_none() {
+            test_cells.spread_noise_like(&golden_cells);
+        }
+        let scene = scenes(case)?;
+        let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
+        let widths: Vec<usize> = scene.panels.iter().map(|panel| panel.width).collect();
+        let (first, second) = match (is_sampled, blocks(&scene, &plans)) {
+            (true, Some(blocks)) => ((blocks, FIRST_LOOK), (blocks, SECOND_LOOK)),
+            (true, None) => (whole(FIRST_LOOK), whole(SECOND_LOOK)),
+            (false, _) => {
+                let (_, samples) = whole(SECOND_LOOK);
+                let lattice = first_lattice(size.0 * size.1);
+                ((lattice, samples), (Detail::Whole, samples))
+            }
+        };
+        let glimpse = (!is_sampled).then(|| Glimpse::new(&bounded, &test, &widths, first.0));
+        Some(Suspect {
+            index,
+            name: case.name.clone(),
+            is_measured: is_simple(case, &golden, &picture),
+            is_sampled,
+            from_golden: golden_cells.misfit(&test_cells, &golden_cells),
+            golden,
+            scene,
+            widths,
+            exposure: case.exposure,
+            ceiling,
+            picture,
+            golden_cells,
+            test_cells,
+            first,
+            second,
+            glimpse,
+        })
+    }
+
+    /// Whether a mistake with this misfit explains the image: better than the golden does, beyond
+    /// doubt, and within noise.
+    pub fn explained_by(&self, misfit: &Misfit) -> bool {
+        misfit.is_noise() && misfit.at_most() < self.from_golden.at_least().max(0.0)
+    }
+
+    /// How far the image is from `film`, a prediction of the whole image or in blocks.
+    pub fn misfit(&self, film: &Film) -> Option<Misfit> {
+        let film = clamped(film, self.ceiling);
+        let (cells, golden) = (&self.test_cells, &self.golden_cells);
+        if self.is_sampled {
+            return Some(in_cells(&film, golden)?.misfit(cells, golden));
+        }
+        // Without noise the gate itself says whether the images are the same.
+        let predicted = Cells::of_pixels(&film).without_noise();
+        if !predicted.has_size_of(golden) {
+            return None;
+        }
+        let gate = match self.picture {
+            Picture::Radiance(_) => Gate::Deterministic,
+            Picture::Codes(_) => Gate::Perceptual,
+        };
+        let misfit = predicted.misfit(cells, golden);
+        // Whoever makes a mistake makes it in a way of their own: it need not be ours to the digit.
+        let is_within = |share: f64| misfit.distance <= share * self.from_golden.distance;
+        // The gate takes its time, FLIP above all, and need not be asked about what is far off.
+        let is_noise = is_within(REMAINDER)
+            || is_within(FAR_OFF)
+                && judge(gate, &Picture::Radiance(film), &self.picture, self.exposure)
+                    .is_ok_and(|judgement| judgement.passed);
+        Some(Misfit {
+            in_noise: if is_noise { 1.0 } else { f64::INFINITY },
+            ..misfit
+        })
+    }
+
+    /// How far the image is from `look`, as [`Suspect::look`] returns it, if it may be the image:
+    /// whether it is, a closer look says.
+    pub fn promise(&self, look: &Film) -> Option<Misfit> {
+        if self.sees_all_at_once() || self.is_sampled {
+            return self.misfit(look).filter(|misfit| self.explained_by(misfit));
+        }
+        let misfit = self.distance(look)?;
+        let from_golden = self.glimpse.as_ref()?.from_golden.distance;
+        (misfit.distance <= FAR_OFF_ON_LATTICE * from_golden).then_some(misfit)
+    }
+
+    /// How far the image is from `look`; [`Misfit::in_noise`] means nothing where there is none.
+    pub fn distance(&self, look: &Film) -> Option<Misfit> {
+        let look = clamped(look, self.ceiling);
+        match &self.glimpse {
+            Some(glimpse) => {
+                let cells = Cells::of_pixels(&look).without_noise();
+                let fits = cells.has_size_of(&glimpse.golden);
+                fits.then(|| cells.misfit(&glimpse.test, &glimpse.golden))
+            }
+            None => {
+                let cells = in_cells(&look, &self.golden_cells)?;
+                Some(cells.misfit(&self.test_cells, &self.golden_cells))
+            }
+        }
+    }
+
+    /// How far the image would be from two mistakes together, if each changed by the same factor
+    /// what it finds; of the looks at each by itself.
+    pub fn distance_of_both(&self, first: &Film, second: &Film) -> Option<f64> {
+        let cells = |film: &Film| match self.is_sampled {
+            true => in_cells(film, &self.golden_cells),
+            false => Some(Cells::of_pixels(film).without_noise()),
+        };
+        let (golden, test) = match &self.glimpse {
+            Some(glimpse) => (&glimpse.golden, &glimpse.test),
+            None => (&self.golden_cells, &self.test_cells),
+        };
+        let both = cells(first)?.combined(&cells(second)?, golden)?;
+        Some(both.misfit(test, golden).distance)
+    }
+
+    /// Whether the first look sees all of the image, so that there is no closer one.
+    pub fn sees_all_at_once(&self) -> bool {
+        !self.is_sampled && self.first.0 == Detail::Whole
+    }
+
+    /// What the first look at a scene with `hypothesis` sees, or nothing where it has no occasion,
+    /// cannot be rendered, or the time is over.
+    pub fn look(&self, hypothesis: &Hypothesis, clock: &Clock<'_>) -> Option<Film> {
+        self.predict(hypothesis, self.first, clock)
+    }
+
+    /// The whole image that `hypothesis` would make.
+    pub fn whole(&self, hypothesis: &Hypothesis, clock: &Clock<'_>) -> Option<Film> {
+        self.predict(hypothesis, (Detail::Whole, self.second.1), clock)
+    }
+
+    /// Of `film`, the whole image or what a first look sees of it, what a first look sees.
+    pub fn as_first_seen(&self, film: &Film) -> Film {
+        let is_whole = (film.width(), film.height()) == self.picture.size();
+        match self.first.0 {
+            Detail::Lattice(_) if is_whole => pixels_of(film, &self.widths, self.first.0),
+            _ => film.clone(),
+        }
+    }
+
+    /// How far the image is from what `hypothesis` would make, closely looked at.
+    pub fn test(&self, hypothesis: &Hypothesis, clock: &Clock<'_>) -> Option<Misfit> {
+        let film = self.predict(hypothesis, self.second, clock)?;
+        self.misfit(&film)
+    }
+
+    /// Whether this image, which passed, could not have done so with `hypothesis` made.
+    pub fn speaks_against(&self, hypothesis: &Hypothesis, clock: &Clock<'_>) -> Option<bool> {
+        let is_glimpsed = matches!(self.first.0, Detail::Lattice(_))
+            && matches!(self.picture, Picture::Radiance(_))
+            && !hypothesis.mistakes().iter().any(|m| m.is_of_the_image());
+        if is_glimpsed && let Some(glimpse) = &self.glimpse {
+            let film = self.predict(hypothesis, self.first, clock)?;
+            let test = Picture::Radiance(glimpse.test_film.clone());
+            let judgement = judge(Gate::Deterministic, &Picture::Radiance(film), &test, 0.0);
+            return Some(judgement.is_ok_and(|judgement| !judgement.passed));
+        }
+        let look = match self.is_sampled {
+            true => self.first,
+            false => self.second,
+        };
+        let film = self.predict(hypothesis, look, clock)?;
+        Some(!self.misfit(&film)?.is_noise())
+    }
+
+    /// The image that `hypothesis` would make, or nothing where it has no occasion, or where the
+    /// time is over.
+    fn predict(
+        &self,
+        hypothesis: &Hypothesis,
+        mut look: (Detail, u32),
+        clock: &Clock<'_>,
+    ) -> Option<Film> {
+        let mistakes = hypothesis.mistakes();
+        let mut scene = None;
+        for mistake in mistakes.iter().filter(|m| !m.is_of_the_image()) {
+            scene = Some(mistake.in_scene(scene.as_ref().unwrap_or(&self.scene))?);
+        }
+        let of_the_image: Vec<_> = mistakes.iter().filter(|m| m.is_of_the_image()).collect();
+        if !of_the_image.is_empty() && matches!(look.0, Detail::Blocks(_)) {
+            // Blocks are as they are only where no mistake moves pixels about.
+            look = whole(look.1);
+        }
+        let mut film = match scene {
+            Some(scene) => predicted(&self.scene, scene, hypothesis, look, clock)?,
+            None => self.golden.clone(),
+        };
+        for mistake in of_the_image {
+            film = mistake.in_image(&film)?;
+        }
+        Some(film)
+    }
+}
+
+impl Glimpse {
+    fn new(golden: &Film, test: &Film, panels: &[usize], detail: Detail) -> Glimpse {
+        let [golden, test_film] = [golden, test].map(|film| pixels_of(film, panels, detail));
+        let [golden, test] = [&golden, &test_film].map(Cells::of_pixels);
+        Glimpse {
+            from_golden: golden.misfit(&test, &golden),
+            golden,
+            test,
+            test_film,
+        }
+    }
+}
+
+/// The whole image, with the samples of its blocks.
+fn whole(samples: u32) -> (Detail, u32) {
+    (Detail::Whole, (samples / (BLOCK * BLOCK) as u32).max(2))
+}
+
+/// `film`, predicted in blocks or not, in the cells of an image of the size of `like`.
+fn in_cells(film: &Film, like: &Cells) -> Option<Cells> {
+    [Cells::of_pixels, Cells::of_blocks]
+        .into_iter()
+        .map(|cells| cells(film))
+        .find(|cells| cells.has_size_of(like))
+}
+
+/// `film` as a file keeps it that holds nothing above `ceiling`.
+fn clamped(film: &Film, ceiling: Option<f64>) -> Film {
+    let Some(ceiling) = ceiling else {
+        return film.clone();
+    };
+    let below = |pixel: &[f32; 3]| pixel.map(|value| value.min(ceiling as f32));
+    let radiance = film.radiance().iter().map(below).collect();
+    let (width, height) = (film.width(), film.height());
+    match film.noise() {
+        Some(noise) => {
+            let variance = noise.variance().to_vec();
+            Film::with_noise(width, height, radiance, variance, noise.samples())
+        }
+        None => Film::new(width, height, radiance),
+    }
+}
+
+/// The radiance that 8-bit codes stand for, at `exposure` stops.
+fn radiance(codes: &SrgbImage, exposure: f64) -> Film {
+    let scale = math::exp2(-exposure);
+    let decode = |code: u8| (scale * math::srgb_to_linear(f64::from(code) / 255.0)) as f32;
+    let pixels = codes.pixels().iter().map(|pixel| pixel.map(decode));
+    Film::new(codes.width(), codes.height(), pixels.collect())
+}
