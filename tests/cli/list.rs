@@ -179,9 +179,10 @@ fn help() {
       -h, --help     Print help
       -V, --version  Print version
 
-    Exit codes, the highest cause wins: 0 all compared and passed; 1 mismatch; 2 usage or bad input; 3
-    golden missing, stale or tampered; 4 the other renderer's image missing, unreadable, crashed or
-    timed out; 5 nothing compared, or inconclusive; 6 self-test failed.
+    Exit codes: 0 all compared and passed; 1 mismatch; 2 usage or bad input; 3 golden missing, stale or
+    tampered; 4 the other renderer's image missing, unreadable, crashed or timed out; 5 nothing
+    compared, or inconclusive; 6 self-test failed. Where several apply, the first in this order: 2, 3,
+    6, 1, 4, 5.
     ");
 }
 
