@@ -251,7 +251,7 @@ const ASKED: [(&str, &str); 4] = [
 
 /// The lines of `text` that open a file unasked, up to its tests.
 fn unasked_lines(text: &str) -> Vec<&str> {
-    let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or("");
+    let code = text.split("\nmod tests {").next().unwrap_or("");
     let lines = code.lines().map(str::trim);
     let lines = lines.filter(|line| !line.starts_with("//"));
     lines

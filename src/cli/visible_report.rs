@@ -119,33 +119,46 @@ impl Diagnostic for VisibleReport {
     }
 }
 
-/// The text that labels point into, from its beginning to some lines behind the last of them.
+/// The part of a text that labels point into, with some lines around it. Its offsets are those of
+/// the text, as far as its first character.
 #[derive(Debug)]
 struct Excerpt {
     name: String,
     text: String,
     shown: String,
+    /// Bytes of the text before this part.
+    offset: usize,
+    /// Lines of the text before this part, and characters before it on its first line.
+    line: usize,
+    column: usize,
 }
 
-/// Lines behind a label that may be drawn with it.
+/// Lines before and behind a label that may be drawn with it.
 const CONTEXT: usize = 3;
 
 impl Excerpt {
     fn of(code: &dyn SourceCode, labels: &[LabeledSpan]) -> Option<Excerpt> {
-        let end = |label: &LabeledSpan| label.offset() + label.len();
-        let span = (0, labels.iter().map(end).max()?).into();
-        let contents = code.read_span(&span, 0, CONTEXT).ok()?;
+        let start = labels.iter().map(LabeledSpan::offset).min()?;
+        let end = labels.iter().map(|label| label.offset() + label.len());
+        let span = (start, end.max()? - start).into();
+        let contents = code.read_span(&span, CONTEXT, CONTEXT).ok()?;
         let text = String::from_utf8_lossy(contents.data()).into_owned();
         Some(Excerpt {
             name: visible(contents.name().unwrap_or_default()),
             shown: shown(&text, text.len()),
             text,
+            offset: contents.span().offset(),
+            line: contents.line(),
+            column: contents.column(),
         })
     }
 
     /// `label` where it is in the text that is shown, whose characters may have more bytes.
     fn shifted(&self, label: &LabeledSpan) -> LabeledSpan {
-        let place = |at: usize| shown(&self.text, at).len();
+        let place = |at: usize| {
+            let before = shown(&self.text, at.saturating_sub(self.offset));
+            self.offset + before.len()
+        };
         let (from, to) = (place(label.offset()), place(label.offset() + label.len()));
         LabeledSpan::new(label.label().map(visible), from, to - from)
     }
@@ -158,16 +171,20 @@ impl SourceCode for Excerpt {
         lines_before: usize,
         lines_after: usize,
     ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
-        let contents = self.shown.read_span(span, lines_before, lines_after)?;
-        let before = &self.shown[..contents.span().offset()];
-        let line = before.rsplit('\n').next().unwrap_or_default();
+        let within = (span.offset().saturating_sub(self.offset), span.len()).into();
+        let contents = self.shown.read_span(&within, lines_before, lines_after)?;
+        let start = contents.span().offset();
+        let (line, column) = match self.shown[..start].rsplit_once('\n') {
+            Some((_, line)) => (line, 0),
+            None => (&self.shown[..start], self.column),
+        };
         Ok(Box::new(MietteSpanContents::new_named(
             self.name.clone(),
             contents.data(),
-            *contents.span(),
-            contents.line(),
+            (self.offset + start, contents.span().len()).into(),
+            self.line + contents.line(),
             // In characters, as every message counts; text by itself counts bytes.
-            line.chars().count(),
+            column + line.chars().count(),
             contents.line_count(),
         )))
     }

@@ -89,17 +89,16 @@ impl SourceCode for Excerpt {
                 (&self.text.as_bytes()[part.clone()], SourceSpan::from(part))
             }
         };
-        let line = self.text.as_bytes()[..shown.offset()]
-            .iter()
-            .filter(|byte| **byte == b'\n')
-            .count();
+        let before = &self.text[..shown.offset()];
+        let line = before.bytes().filter(|byte| *byte == b'\n').count();
+        let column = before.rsplit('\n').next().unwrap_or_default();
         let name = self.name.clone();
         let contents = MietteSpanContents::new_named(
             name,
             data,
             shown,
             line,
-            whole.column(),
+            column.chars().count(),
             whole.line_count(),
         );
         Ok(Box::new(contents))
@@ -146,6 +145,9 @@ mod tests {
                 assert!(std::str::from_utf8(contents.data()).is_ok());
                 let line = text[..shown.offset()].matches('\n').count();
                 assert_eq!(contents.line(), line);
+                let start = text[..shown.offset()].rfind('\n').map_or(0, |end| end + 1);
+                let column = text[start..shown.offset()].chars().count();
+                assert_eq!(contents.column(), column);
             }
         }
     }
