@@ -21,7 +21,7 @@ use thiserror::Error;
 /// Told how far an image is, from any thread. A closure is told of every step.
 pub trait Watch: Sync {
     /// An image begins that takes this many steps: one for each pixel, and one for every
-    /// [`SAMPLES_A_STEP`] samples within it. Where it ends early, fewer are taken.
+    /// 1024 samples within it. Where it ends early, fewer are taken.
     fn begin(&self, _steps: u64) {}
 
     /// A step is done.
