@@ -4,7 +4,6 @@ use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use super::suite::{Selection, select, store};
 use super::{Outcome, progress};
-use crate::report::visible;
 use crate::suite::{self, AcceptError, Cache, Change, StoreError, Watch};
 use serde_json::json;
 
@@ -93,7 +92,7 @@ impl Watch for Bar {
     }
 
     fn case(&self, name: &str) {
-        self.0.set_message(visible(name));
+        self.0.set_message(name);
     }
 
     fn did(&self, work: u64) {

@@ -49,7 +49,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let bar = progress::counted("steps", self_test_steps(cases.len()));
     let is_whole = arguments.filters.is_empty();
     let test = self_test(&cases, is_whole, &store, extent, &|step| match step {
-        Step::Begins(what) => bar.set_message(report::visible(what)),
+        Step::Begins(what) => bar.set_message(what),
         Step::Done => bar.inc(1),
     });
     bar.finish_and_clear();

@@ -560,7 +560,7 @@ fn judge_all(
                     let Some(case) = cases.get(index) else {
                         return;
                     };
-                    bar.set_message(report::visible(&case.name));
+                    bar.set_message(case.name.clone());
                     let start = Instant::now();
                     let made = source.output(case);
                     let is_left_out =

@@ -37,7 +37,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         let mut judged: Vec<_> = cases
             .iter()
             .map(|case| {
-                bar.set_message(report::visible(&case.name));
+                bar.set_message(case.name.clone());
                 let mut judged = suite::verify(case, &store, &bar);
                 if !arguments.files.wants_evidence() {
                     judged.evidence = Evidence::default();
