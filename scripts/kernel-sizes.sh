@@ -24,17 +24,17 @@ nm -S -C "$binary" | awk -v text="$text" '
     $3 !~ /^[tTwW]$/ || /volref(\[[0-9a-f]*\])?::(cost|hard_cases)::/ { next }
     /PathTracer|ByPathTracing/ { family = "path tracer" }
     /LineOfSight|ByLineOfSight/ { family = "line of sight" }
-    /RayCaster|render::kernel::/ { family = "ray caster" }
-    !/PathTracer|ByPathTracing|LineOfSight|RayCaster|render::kernel::/ {
+    /RayCaster|render::classified::kernels::/ { family = "ray caster" }
+    !/PathTracer|ByPathTracing|LineOfSight|RayCaster|render::classified::kernels::/ {
         # A shadow is traced alike by shaded and unshaded ray casters, and so on.
         if (/effects::Only</) family = "shared by the latter two"
         else if (/VolumeShadow as .*Visibility>::at/) family = "ray caster"
         else next
     }
     {
-        work = /work::Counters/ ? "counted" : /work::Uncounted/ ? "uncounted" : "either"
+        work = /counters::Counters/ ? "counted" : /counters::Uncounted/ ? "uncounted" : "either"
         bytes[family, work] += hexadecimal($2)
-        if (/image::rows::</ && /::\{closure#0\}$/) kernels[family, work]++
+        if (/pixels::rows::</ && /::\{closure#0\}$/) kernels[family, work]++
     }
     function row(family, dimensions,    all) {
         all = bytes[family, "uncounted"] + bytes[family, "counted"] + bytes[family, "either"]

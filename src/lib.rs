@@ -18,8 +18,8 @@
 //!
 //! With a table of points in place of the formula ([`media::TransferPoints`]), opacity and colour
 //! are read from the table and the factor `d²` is left out: `L_i = shade(colour(d_i)) · v_i`.
-//! The sum is evaluated front to back or back to front ([`render::compositing`]); `T` is in
-//! [`media::TransferOpacity`], shading in [`media::Phong`], `v` in [`render::volume_shadow`].
+//! The sum is evaluated front to back or back to front ([`render::classified::compositing`]); `T` is in
+//! [`media::TransferOpacity`], shading in [`media::Phong`], `v` in [`render::classified::volume_shadow`].
 //!
 //! **Participating media** (radiative transfer, Chandrasekhar 1950). Along a ray from `x` into
 //! direction `−ω`, up to a surface at distance `s`:
@@ -31,10 +31,10 @@
 //!
 //! with `j` the emission and `p` the phase function; the surface sends out light, or reflects and
 //! refracts what arrives there. Solved by the cheapest method that is exact for what the scene
-//! asks: closed forms and integrals along the line of sight ([`render::line_of_sight`]), else path
-//! tracing ([`render::path_tracer`]). Where coefficients differ from place to place, they are a
+//! asks: closed forms and integrals along the line of sight ([`render::radiative::line_of_sight`]), else path
+//! tracing ([`render::radiative::path_tracer`]). Where coefficients differ from place to place, they are a
 //! density ([`volume::DensityField`]) times constants, and paths follow it by tracking
-//! ([`render::tracking`]).
+//! ([`render::radiative::tracking`]).
 //!
 //! # Conventions
 //!
@@ -57,7 +57,7 @@
 //!
 //! # Where to begin
 //!
-//! [`render::ray_caster`] and [`render::path_tracer`] are the renderers, [`scene`] what it is given, [`render::plan`] how the
+//! [`render::classified::ray_caster`] and [`render::radiative::path_tracer`] are the renderers, [`scene`] what it is given, [`render::plan`] how the
 //! code that runs follows from the scene. [`compare`] judges two images, [`suite`] keeps the
 //! goldens and knows the [mistakes](suite::mistakes) people make, [`hard_cases`] is the catalogue of
 //! inputs that make renderers wrong, [`exchange`] says a scene in other renderers' words. Other

@@ -29,7 +29,7 @@ use volref::cost::{Options, cost};
 use volref::geometry::{Ray, Span};
 use volref::math::rng::{Purpose, Stream};
 use volref::math::{cos, exp, sin};
-use volref::render::steps::Steps;
+use volref::render::classified::steps::Steps;
 use volref::scene::Scene;
 use volref::volume::{
     Blob, Cell, DensityField, Grid, GridDensity, Interpolation, Lattice, gradients,

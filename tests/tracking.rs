@@ -22,8 +22,8 @@ use volref::geometry::Span;
 use volref::math::rng::{Purpose, Stream};
 use volref::math::{Moments, exp, exp_m1};
 use volref::media::estimators::{delta_tracking_variance, ratio_tracking_variance};
-use volref::render::tracker::Numbers;
-use volref::render::tracking::*;
+use volref::render::radiative::tracker::Numbers;
+use volref::render::radiative::tracking::*;
 
 const SAMPLES: u32 = 400_000;
 

@@ -19,8 +19,10 @@ use volref::geometry::Span;
 use volref::math::rng::{Purpose, Stream};
 use volref::math::{Moments, Sum, exp};
 use volref::media::estimators::ratio_tracking_variance;
-use volref::render::tracker::Numbers;
-use volref::render::tracking::{Bounded, Bounds, Control, Effort, Small, ratio_tracking};
+use volref::render::radiative::tracker::Numbers;
+use volref::render::radiative::tracking::{
+    Bounded, Bounds, Control, Effort, Small, ratio_tracking,
+};
 
 const SAMPLES: u32 = 400_000;
 

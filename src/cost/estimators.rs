@@ -10,8 +10,10 @@ use super::unbiased_ray_marching;
 use crate::math::rng::{Purpose, Stream};
 use crate::math::{Moments, exp};
 use crate::media::estimators::{delta_tracking_variance, ratio_tracking_variance};
-use crate::render::tracker::Numbers;
-use crate::render::tracking::{Chance, Control, Effort, Small, delta_tracking, ratio_tracking};
+use crate::render::radiative::tracker::Numbers;
+use crate::render::radiative::tracking::{
+    Chance, Control, Effort, Small, delta_tracking, ratio_tracking,
+};
 use glam::DVec3;
 use rayon::prelude::*;
 

@@ -14,7 +14,7 @@ use super::profile::Profile;
 use super::results::{JitterCurve, JitterPoint, Norms};
 use crate::geometry::Span;
 use crate::math::{Sum, exp_m1, ln_1p};
-use crate::render::steps::Steps;
+use crate::render::classified::steps::Steps;
 
 /// Values that an offset may take.
 const OFFSETS: usize = 64;

@@ -5,7 +5,7 @@
 use super::collocation::Here;
 use crate::math::{exp, ln};
 use crate::media::optical_depth;
-use crate::render::steps::Steps;
+use crate::render::classified::steps::Steps;
 use glam::DVec3;
 
 /// What is done with one step of length `h`, `σ` and `ε` being extinction and emission where it

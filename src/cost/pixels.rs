@@ -9,7 +9,7 @@ use super::timing::Clock;
 use crate::geometry::Ray;
 use crate::math::Sum;
 use crate::render::Counters;
-use crate::render::work::Work;
+use crate::render::counters::Work;
 use crate::scene::Classified;
 use glam::DVec3;
 use rayon::prelude::*;

@@ -53,7 +53,7 @@ use crate::media::{
     Appearance, Colormap, TransferFunction, TransferOpacity, TransferPoint, TransferPoints,
     opacity, optical_depth, source_factor, transmittance,
 };
-use crate::render::compositing::Layers;
+use crate::render::classified::compositing::Layers;
 use crate::volume::Lerp;
 use glam::DVec3;
 

@@ -1,7 +1,7 @@
 //! Extinction along one ray: what every estimator of its transmittance is given.
 
 use crate::geometry::Span;
-use crate::render::tracking::{Bounded, Bounds};
+use crate::render::radiative::tracking::{Bounded, Bounds};
 use glam::DVec3;
 
 /// Extinction along a ray, in one channel.

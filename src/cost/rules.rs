@@ -3,7 +3,7 @@
 use super::profile::Profile;
 use crate::math::Sum;
 use crate::math::quadrature::cubic_integral;
-use crate::render::steps::Steps;
+use crate::render::classified::steps::Steps;
 
 /// A rule for one step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -47,7 +47,7 @@
 use crate::geometry::Span;
 use crate::math::rng::{Purpose, Stream};
 use crate::math::{Moments, Sum, cbrt, exp};
-use crate::render::tracking::Effort;
+use crate::render::radiative::tracking::Effort;
 
 /// Mean look-ups of an estimate for each look-up of one march: `1 + (e² − 1)/20`.
 pub const MEAN_MARCHES: f64 = 1.319_452_804_946_532_5;

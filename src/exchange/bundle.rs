@@ -10,7 +10,7 @@ mod volume;
 
 use super::{Export, Format, Refusal};
 use crate::media::{TransferPoint, TransferPoints};
-use crate::render::curve::Layout;
+use crate::render::classified::curve::Layout;
 use crate::scene::{Model, Panel, Scene};
 use crate::volume::Grid;
 use inline_arrays::to_json;

@@ -11,11 +11,11 @@ use crate::media::Field;
 use crate::media::{
     Appearance, Asymmetry, TransferFunction, TransferPoint, TransferPoints, opacity, source_factor,
 };
-use crate::render::compositing::{FrontToBack, Layers, Order};
-use crate::render::effects::Everything;
-use crate::render::path_tracer::{PathTracer, Scratch};
-use crate::render::steps::Steps;
-use crate::render::work::Uncounted;
+use crate::render::classified::compositing::{FrontToBack, Layers, Order};
+use crate::render::classified::steps::Steps;
+use crate::render::counters::Uncounted;
+use crate::render::radiative::effects::Everything;
+use crate::render::radiative::path_tracer::{PathTracer, Scratch};
 use crate::render::{Effect, Plan, State, render};
 use crate::scene::{Classified, Model, Radiative, Scene};
 use crate::volume::{Blob, ConstantDensity};
@@ -27,7 +27,7 @@ pub const ROWS: &[Row] = &[
         what: "a million thin layers",
         tolerance: "1e-10 by the product, 1e-15 by the sum of depths",
         remedy: "transparency beside opacity; sums of depths are compensated",
-        place: "src/render/compositing.rs",
+        place: "src/render/classified/compositing.rs",
         check: a1_a_million_thin_layers,
     },
     Row {
@@ -35,7 +35,7 @@ pub const ROWS: &[Row] = &[
         what: "positions after ten million steps",
         tolerance: "1 unit in the last place",
         remedy: "positions follow from an index",
-        place: "src/render/steps.rs",
+        place: "src/render/classified/steps.rs",
         check: a2_positions_do_not_drift,
     },
     Row {
@@ -75,7 +75,7 @@ pub const ROWS: &[Row] = &[
         what: "no pixel that is not finite, or negative",
         tolerance: "exact",
         remedy: "every film is looked through before it is given out, and the pixel is named",
-        place: "src/render/image.rs",
+        place: "src/render/pixels.rs",
         check: a7_no_bad_pixel,
     },
 ];

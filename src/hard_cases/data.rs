@@ -14,16 +14,16 @@ use crate::media::{
     Appearance, Field, Phong, TransferFunction, TransferPoint, TransferPoints, optical_depth,
     transmittance,
 };
-use crate::render::compositing::{FrontToBack, Layers, Order};
-use crate::render::effects::Everything;
-use crate::render::empty_space::Unexplored;
-use crate::render::field::Sampled;
-use crate::render::ray_caster::{RayCaster, Unshaded};
-use crate::render::steps::Steps;
-use crate::render::surroundings::Surroundings;
-use crate::render::tracker::Tracker;
-use crate::render::volume_shadow::Unshadowed;
-use crate::render::work::Uncounted;
+use crate::render::classified::compositing::{FrontToBack, Layers, Order};
+use crate::render::classified::empty_space::Unexplored;
+use crate::render::classified::field::Sampled;
+use crate::render::classified::ray_caster::{RayCaster, Unshaded};
+use crate::render::classified::steps::Steps;
+use crate::render::classified::volume_shadow::Unshadowed;
+use crate::render::counters::Uncounted;
+use crate::render::radiative::effects::Everything;
+use crate::render::radiative::intersection::Surroundings;
+use crate::render::radiative::tracker::Tracker;
 use crate::render::{Effect, Plan, render_counted};
 use crate::scene::{Classified, Model};
 use crate::volume::{
@@ -79,7 +79,7 @@ pub const ROWS: &[Row] = &[
         what: "empty space: the background, and not one look-up",
         tolerance: "exact",
         remedy: "a bound of 0 is tested first: nothing is looked up there",
-        place: "src/render/tracking.rs",
+        place: "src/render/radiative/tracking.rs",
         check: d6_empty_space,
     },
     Row {
@@ -119,7 +119,7 @@ pub const ROWS: &[Row] = &[
         what: "a bound that is too small: counted; by ratio tracking without bias",
         tolerance: "4 standard errors; 4 % of the variance; exact count above 0",
         remedy: "every look-up is held against its bound, and violations end the rendering",
-        place: "src/render/tracking.rs",
+        place: "src/render/radiative/tracking.rs",
         check: d11_bound_too_small,
     },
     Row {
@@ -127,7 +127,7 @@ pub const ROWS: &[Row] = &[
         what: "an extinction that is its bound, to one ulp",
         tolerance: "4 standard errors",
         remedy: "real or null is decided by one comparison: no null collision has probability 0",
-        place: "src/render/tracking.rs",
+        place: "src/render/radiative/tracking.rs",
         check: d12_extinction_at_its_bound,
     },
     Row {

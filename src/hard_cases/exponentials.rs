@@ -12,8 +12,8 @@ use crate::media::{
     escape_weight, opacity, optical_depth, over_length, source_factor, transmittance,
 };
 use crate::render::Plan;
-use crate::render::compositing::{FrontToBack, Layers, Order};
-use crate::render::steps::Steps;
+use crate::render::classified::compositing::{FrontToBack, Layers, Order};
+use crate::render::classified::steps::Steps;
 use crate::scene::{Classified, Compositing, Model};
 use glam::DVec3;
 
@@ -79,7 +79,7 @@ pub const ROWS: &[Row] = &[
         what: "a homogeneous medium by any number of steps",
         tolerance: "1e-12 by the sum of depths, 1e-10 by the product",
         remedy: "the last step is as long as what is left; transparency is carried beside opacity",
-        place: "src/render/compositing.rs",
+        place: "src/render/classified/compositing.rs",
         check: e8_any_number_of_steps,
     },
     Row {
@@ -87,7 +87,7 @@ pub const ROWS: &[Row] = &[
         what: "early termination, where it is asked for",
         tolerance: "the bias that the plan states",
         remedy: "off unless the scene asks for it, and then with a bound in the plan",
-        place: "src/render/compositing.rs",
+        place: "src/render/classified/compositing.rs",
         check: e9_early_termination,
     },
 ];

@@ -15,7 +15,7 @@ use crate::math::{Frame, Moments, Sum, atan2, cos, pow, sin};
 use crate::media::{Asymmetry, Deflection, Field, HenyeyGreenstein};
 use crate::optics::{Directional, Light, Material, Point, Spot};
 use crate::render::RenderError;
-use crate::render::line_of_sight::TOLERANCE;
+use crate::render::radiative::line_of_sight::TOLERANCE;
 use crate::scene::{Body, Model, Object, Radiative, Scattering};
 use crate::volume::{GridDensity, Interpolation};
 use glam::DVec3;
@@ -51,7 +51,7 @@ pub const ROWS: &[Row] = &[
         what: "the white furnace: nothing is seen in light from everywhere",
         tolerance: "exact, path by path; 1e-12 where media overlap whose density varies",
         remedy: "a path that nothing takes from is never cut, and its weights are ratios of equal numbers",
-        place: "src/render/path_tracer.rs",
+        place: "src/render/radiative/path_tracer.rs",
         check: s4_white_furnace,
     },
     Row {
@@ -59,7 +59,7 @@ pub const ROWS: &[Row] = &[
         what: "plane albedo of a half-space",
         tolerance: "4 standard errors",
         remedy: "paths are cut with the probability that their weight is raised by",
-        place: "src/render/path_tracer.rs",
+        place: "src/render/radiative/path_tracer.rs",
         check: s5_half_space,
     },
     Row {
@@ -67,7 +67,7 @@ pub const ROWS: &[Row] = &[
         what: "a thick slab that absorbs nothing",
         tolerance: "exact sum, path by path; no path cut; 4 standard errors",
         remedy: "no limit of turns but the one the scene asks for; a path without an end is an error",
-        place: "src/render/path_tracer.rs",
+        place: "src/render/radiative/path_tracer.rs",
         check: s6_conservative_thick_slab,
     },
     Row {
@@ -75,7 +75,7 @@ pub const ROWS: &[Row] = &[
         what: "a limit of one turn: crossing a boundary is none",
         tolerance: "1e-10 by integrals, 4 standard errors by paths",
         remedy: "boundaries of media are places where a straight path is cut, not vertices",
-        place: "src/render/media_path.rs",
+        place: "src/render/radiative/segments.rs",
         check: s7_depth_limit,
     },
     Row {

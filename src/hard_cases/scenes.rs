@@ -7,11 +7,11 @@ use crate::media::{
     Appearance, Asymmetry, Coefficients, Colormap, Density, Field, HenyeyGreenstein, Homogeneous,
     Phong, TransferFunction, TransferOpacity,
 };
-use crate::render::effects::Everything;
-use crate::render::line_of_sight::{LineOfSight, TOLERANCE};
-use crate::render::path_tracer::{PathTracer, Scratch};
-use crate::render::surroundings::Surroundings;
-use crate::render::work::Uncounted;
+use crate::render::counters::Uncounted;
+use crate::render::radiative::effects::Everything;
+use crate::render::radiative::intersection::Surroundings;
+use crate::render::radiative::line_of_sight::{LineOfSight, TOLERANCE};
+use crate::render::radiative::path_tracer::{PathTracer, Scratch};
 use crate::render::{Plan, RenderError, Rendering, render_counted};
 use crate::scene::{
     Body, Classified, Compositing, Model, Panel, Radiative, Scattering, Scene, Shadow,

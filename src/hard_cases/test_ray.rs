@@ -4,8 +4,8 @@ use super::scenes::LAST;
 use crate::geometry::Span;
 use crate::math::rng::{Purpose, Stream};
 use crate::math::{Moments, sin};
-use crate::render::tracker::Numbers;
-use crate::render::tracking::{
+use crate::render::radiative::tracker::Numbers;
+use crate::render::radiative::tracking::{
     Bounded, Bounds, Chance, Control, Effort, Small, Tentative, delta_tracking, ratio_tracking,
 };
 use glam::DVec3;

@@ -1,7 +1,7 @@
 //! The memory that an image takes.
 
-use super::path_tracer::Fault;
 use super::plan::{Kernel, Plan};
+use super::radiative::path_tracer::Fault;
 use crate::math::Moments;
 use crate::scene::{Model, Panel, Scene};
 

@@ -1,6 +1,6 @@
 //! How long an image will take, measured by a few of its pixels.
 
-use super::image::steps_of;
+use super::pixels::steps_of;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 

@@ -24,7 +24,7 @@
 //!
 //! What a model does not have (surfaces in a classified volume, gradient shading in media) is elided
 //! too. An effect that is null can be [forced](Plan::forcing): the same bits for more work. Which work
-//! belongs to which effect stands in [`Event::effects`](super::work::Event::effects). What was asked for
+//! belongs to which effect stands in [`Event::effects`](super::counters::Event::effects). What was asked for
 //! and cannot matter is a [warning](Plan::warnings).
 
 mod classified;

@@ -6,8 +6,8 @@ use crate::scenes::{
 };
 use std::collections::BTreeSet;
 use volref::film::Film;
+use volref::render::counters::Event;
 use volref::render::plan::{FieldKind, Kernel, Parts};
-use volref::render::work::Event;
 use volref::render::{Counters, Effect, Plan, State};
 use volref::scene::Scene;
 

@@ -3,7 +3,7 @@
 use crate::scenes::{as_told, rendered};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use volref::render::work::Event;
+use volref::render::counters::Event;
 use volref::render::{Effect, Plan, State};
 use volref::scene::{Panel, Scene};
 

@@ -5,7 +5,7 @@ use super::scenes::{any_scene, lattice, layers, power_of_two, rays, settings, sp
 use glam::DVec3;
 use proptest::prelude::*;
 use volref::geometry::Ray;
-use volref::render::compositing::Layers;
+use volref::render::classified::compositing::Layers;
 use volref::volume::Lattice;
 
 /// The bits of what a ray sees.

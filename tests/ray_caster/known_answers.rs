@@ -12,12 +12,12 @@ use serde_json::Value;
 use volref::geometry::Ray;
 use volref::media::{TransferFunction, over_length};
 use volref::render::Counters;
-use volref::render::compositing::{BackToFront, FrontToBack, Layers, Order};
-use volref::render::empty_space::Unexplored;
-use volref::render::field::Field;
-use volref::render::ray_caster::{RayCaster, Unshaded};
-use volref::render::volume_shadow::Unshadowed;
-use volref::render::work::Work;
+use volref::render::classified::compositing::{BackToFront, FrontToBack, Layers, Order};
+use volref::render::classified::empty_space::Unexplored;
+use volref::render::classified::field::Field;
+use volref::render::classified::ray_caster::{RayCaster, Unshaded};
+use volref::render::classified::volume_shadow::Unshadowed;
+use volref::render::counters::Work;
 use volref::volume::{Grid, Lattice};
 
 fn entries(case: &str) -> Vec<Value> {

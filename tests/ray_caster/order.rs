@@ -3,7 +3,7 @@
 use super::{U, config, scenes};
 use proptest::prelude::*;
 use volref::math;
-use volref::render::compositing::Layers;
+use volref::render::classified::compositing::Layers;
 use volref::scene::{Classified, Compositing};
 
 fn both_orders(mut scene: Classified, size: usize) -> [Vec<Layers>; 2] {

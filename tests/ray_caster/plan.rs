@@ -4,7 +4,7 @@ use super::{config, scenes};
 use glam::DVec3;
 use proptest::prelude::*;
 use volref::geometry::Camera;
-use volref::render::work::Event;
+use volref::render::counters::Event;
 use volref::render::{Counters, Effect, Plan};
 use volref::scene::{Classified, Shadow};
 use volref::volume::Lattice;

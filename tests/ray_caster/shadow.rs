@@ -6,9 +6,9 @@ use proptest::prelude::*;
 use volref::math;
 use volref::media::TransferFunction;
 use volref::render::Counters;
-use volref::render::empty_space::Unexplored;
-use volref::render::field::{Field, Sampled};
-use volref::render::volume_shadow::{Sample, Visibility, VolumeShadow};
+use volref::render::classified::empty_space::Unexplored;
+use volref::render::classified::field::{Field, Sampled};
+use volref::render::classified::volume_shadow::{Sample, Visibility, VolumeShadow};
 use volref::scene::Shadow;
 use volref::volume::{Cell, Grid, Lattice, Trilinear};
 

@@ -5,7 +5,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use volref::geometry::{Aabb, Camera, Ray};
 use volref::media::{Appearance, Phong};
-use volref::render::compositing::Layers;
+use volref::render::classified::compositing::Layers;
 use volref::scene::{Classified, Shadow};
 use volref::volume::{Grid, Lattice, relative_gradients};
 

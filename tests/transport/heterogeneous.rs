@@ -12,10 +12,10 @@ use volref::math::{Moments, exp};
 use volref::media::{Coefficients, Density, Field, Homogeneous};
 use volref::optics::{Material, Sides};
 use volref::render::Counters;
-use volref::render::effects::{Everything, Only};
-use volref::render::path_tracer::{PathTracer, Scratch};
-use volref::render::surroundings::Surroundings;
-use volref::render::tracker::Tracker;
+use volref::render::radiative::effects::{Everything, Only};
+use volref::render::radiative::intersection::Surroundings;
+use volref::render::radiative::path_tracer::{PathTracer, Scratch};
+use volref::render::radiative::tracker::Tracker;
 use volref::scene::{AreaLight, Body, Radiative};
 use volref::volume::{
     Blob, Centring, ConstantDensity, DensityField, ExponentialLayer, Grid, GridDensity,

@@ -6,9 +6,9 @@ use volref::geometry::{Boundary, Camera, Luminous, Rectangle, Shape, Sphere};
 use volref::math::rng::{Purpose, Stream};
 use volref::media::{Coefficients, Field, Homogeneous};
 use volref::optics::{Material, Sides};
-use volref::render::effects::{Effects, Everything, Only};
-use volref::render::path_tracer::{PathTracer, Scratch};
-use volref::render::work::Uncounted;
+use volref::render::counters::Uncounted;
+use volref::render::radiative::effects::{Effects, Everything, Only};
+use volref::render::radiative::path_tracer::{PathTracer, Scratch};
 use volref::render::{Effect, Plan, render};
 use volref::scene::{AreaLight, Body, Model, Panel, Radiative, Scattering, Scene};
 

@@ -5,11 +5,11 @@ use std::fmt::Display;
 use volref::geometry::Ray;
 use volref::math::Moments;
 use volref::math::rng::Stream;
-use volref::render::effects::{Effects, Everything};
-use volref::render::line_of_sight::LineOfSight;
-use volref::render::path_tracer::{PathTracer, Scratch};
-use volref::render::surroundings::Surroundings;
-use volref::render::work::Uncounted;
+use volref::render::counters::Uncounted;
+use volref::render::radiative::effects::{Effects, Everything};
+use volref::render::radiative::intersection::Surroundings;
+use volref::render::radiative::line_of_sight::LineOfSight;
+use volref::render::radiative::path_tracer::{PathTracer, Scratch};
 use volref::scene::Radiative;
 
 /// How many standard errors a sampled mean may be off. Of a thousand sound comparisons one in

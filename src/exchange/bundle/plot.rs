@@ -1,7 +1,7 @@
 //! The plot of a transfer function in words and numbers.
 
 use super::Point;
-use crate::render::curve::Layout;
+use crate::render::classified::curve::Layout;
 use crate::scene::Curve;
 use serde::Serialize;
 

@@ -1,12 +1,12 @@
 //! Work that can be told before it is done: from the geometry of rays, steps and cells, without a
 //! look at any density.
 
-use super::matter::tracked;
+use super::classified::steps::Steps;
+use super::counters::{Event, Uncounted};
 use super::plan::{FieldKind, Kernel, Plan};
-use super::steps::Steps;
-use super::surroundings::Surroundings;
-use super::work::{Event, Uncounted};
-use super::{effects::Everything, media_path::MediaPath};
+use super::radiative::intersection::Surroundings;
+use super::radiative::media::tracked;
+use super::radiative::{effects::Everything, segments::MediaPath};
 use crate::geometry::{Camera, Ray, Solid, Span, length_of};
 use crate::math::Moments;
 use crate::media::{Density, Field};
@@ -265,7 +265,7 @@ impl Plan {
                 if skip_empty {
                     add(
                         "distances to what is not empty",
-                        super::empty_space::bytes(lattice),
+                        super::classified::empty_space::bytes(lattice),
                     );
                 }
             }

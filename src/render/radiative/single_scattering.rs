@@ -9,19 +9,19 @@
 //! Source: Kulla & Fajardo 2012, "Importance sampling techniques for path tracing in
 //! participating media", Computer Graphics Forum 31, 1519–1528.
 
-use super::draws::Draws;
 use super::effects::Effects;
-use super::matter::transmittance;
-use super::media_path::{Depths, MediaPath, Stretch};
-use super::surroundings::Surroundings;
+use super::intersection::Surroundings;
+use super::media::transmittance;
+use super::sampler::Draws;
+use super::scattering::Vertex;
+use super::segments::{Depths, MediaPath, Stretch};
 use super::tracker::Tracker;
-use super::vertex::Vertex;
-use super::work::Work;
 use crate::geometry::{Ray, Span, direction_of};
 use crate::math::rng::Purpose;
 use crate::math::sampling::{Equiangular, LightOnRay};
 use crate::math::{exp, exp_m1, ln_1p};
 use crate::optics::{Light, Spot};
+use crate::render::counters::Work;
 use glam::DVec3;
 use std::marker::PhantomData;
 

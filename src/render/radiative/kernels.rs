@@ -2,21 +2,21 @@
 //! constant, and the last call compiles the renderer for the constants picked.
 
 use super::effects::{Effects, Everything, Only};
-use super::image::{Pixels, SAMPLES_A_STEP, rows};
+use super::intersection::Surroundings;
 use super::line_of_sight::{LineOfSight, TOLERANCE};
 use super::path_tracer::{Fault, PathTracer, Scratch};
-use super::plan::Parts;
-use super::surroundings::Surroundings;
-use super::work::{Event, Work};
 use crate::math::Moments;
 use crate::math::rng::{Purpose, Stream};
+use crate::render::counters::{Event, Work};
+use crate::render::pixels::{Pixels, SAMPLES_A_STEP, rows};
+use crate::render::plan::Parts;
 use crate::scene::Radiative;
 use glam::DVec3;
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Something to be run by code compiled for certain effects.
-pub(super) trait Run {
+pub(in crate::render) trait Run {
     /// What comes of it.
     type Output;
 
@@ -28,7 +28,7 @@ pub(super) trait Run {
 }
 
 /// Runs `task` by the code compiled for `parts`.
-pub(super) fn with_parts<R: Run>(parts: Parts, task: R) -> R::Output {
+pub(in crate::render) fn with_parts<R: Run>(parts: Parts, task: R) -> R::Output {
     // Unit tests are spared compiling all of it once more: the general code gives the same bits,
     // as tests/transport shows.
     if cfg!(test) {
@@ -91,7 +91,7 @@ fn with_colour<R: Run, const SURFACES: bool, const EMISSION: bool>(
 }
 
 /// Renders a scene by integrals along the line of sight.
-pub(super) struct ByLineOfSight<'p, W> {
+pub(in crate::render) struct ByLineOfSight<'p, W> {
     pub scene: &'p Radiative,
     pub parts: Parts,
     pub turned: bool,
@@ -124,7 +124,7 @@ impl<W: Work> Run for ByLineOfSight<'_, W> {
 }
 
 /// Renders a scene by tracing paths, each through a random place of its pixel.
-pub(super) struct ByPathTracing<'p, W> {
+pub(in crate::render) struct ByPathTracing<'p, W> {
     pub scene: &'p Radiative,
     pub parts: Parts,
     pub limit: Option<u32>,
@@ -210,8 +210,8 @@ impl GivenUp {
 
 #[cfg(test)]
 mod tests {
-    use super::super::documented_kernels;
     use super::*;
+    use crate::render::documented_kernels;
     use std::any::type_name;
     use std::collections::BTreeSet;
 

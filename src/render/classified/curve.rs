@@ -2,9 +2,9 @@
 //!
 //! Drawn by arithmetic alone, without fonts of the system: the same bits everywhere.
 
-use super::image::Pixels;
 use crate::math;
 use crate::media::TransferPoints;
+use crate::render::pixels::Pixels;
 use crate::scene::Curve;
 use embedded_graphics::mono_font::{MonoTextStyle, ascii::FONT_6X12};
 use embedded_graphics::pixelcolor::BinaryColor;
@@ -27,7 +27,7 @@ const TICK: f64 = 0.2;
 const HALF_WIDTH: f64 = 1.1;
 
 /// Draws `curve` into an image of `width` × `height` pixels, opacity 1.
-pub(super) fn draw(curve: &Curve, image: &Pixels<'_>) -> Vec<[f32; 4]> {
+pub(in crate::render) fn draw(curve: &Curve, image: &Pixels<'_>) -> Vec<[f32; 4]> {
     let (width, height) = (image.width, image.height);
     let plot = Plot::new(curve, width, height);
     let mut pixels = plot.backdrop(width, height);

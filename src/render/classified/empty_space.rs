@@ -3,8 +3,8 @@
 //! A sample whose opacity is exactly 0 changes no bit of the image. Where a whole
 //! neighbourhood of the grid is that transparent, its samples are passed over unseen.
 
-use super::work::{Event, Work};
 use crate::media::TransferFunction;
+use crate::render::counters::{Event, Work};
 use crate::volume::{Grid, Lattice, Scalar};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -110,7 +110,7 @@ fn blocks(lattice: &Lattice) -> [usize; 3] {
 }
 
 /// Bytes that the [`EmptySpace`] of a grid takes.
-pub(super) fn bytes(lattice: &Lattice) -> usize {
+pub(in crate::render) fn bytes(lattice: &Lattice) -> usize {
     blocks(lattice).iter().product()
 }
 
@@ -159,7 +159,7 @@ impl Space for EmptySpace {
 mod tests {
     use super::*;
     use crate::media::{Appearance, Colormap, TransferOpacity};
-    use crate::render::work::Counters;
+    use crate::render::counters::Counters;
 
     fn spike(nodes: [usize; 3], at: [usize; 3]) -> EmptySpace {
         let lattice = Lattice::new(nodes, DVec3::ONE, DVec3::ZERO).unwrap();

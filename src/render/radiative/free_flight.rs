@@ -1,14 +1,14 @@
 //! How far light flies through media before it is turned.
 
 use super::effects::Effects;
-use super::matter::{Matter, Media, Set, over, transmittance};
-use super::media_path::{MediaPath, Stretch};
-use super::passage::Passage;
+use super::majorants::Passage;
+use super::media::{Matter, Media, Set, over, transmittance};
+use super::segments::{MediaPath, Stretch};
 use super::tracker::{Numbers, Tracker};
 use super::tracking::{Chance, Collided, Tentative, delta_tracking};
-use super::work::{Event, Work};
 use crate::geometry::{Ray, Span};
 use crate::media::{self, optical_depth};
+use crate::render::counters::{Event, Work};
 use glam::DVec3;
 use std::ops::ControlFlow;
 

@@ -4,18 +4,18 @@
 use super::compositing::{BackToFront, EarlyTermination, FrontToBack, Order};
 use super::empty_space::{EmptySpace, Space, Unexplored};
 use super::field::{Constant, Field, Sampled};
-use super::image::{Pixels, rows};
-use super::plan::FieldKind;
 use super::ray_caster::{RayCaster, Shaded, Shading, Unshaded};
 use super::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
-use super::work::{Event, Work};
+use crate::render::counters::{Event, Work};
+use crate::render::pixels::{Pixels, rows};
+use crate::render::plan::FieldKind;
 use crate::scene::{Classified, Compositing};
 use crate::volume::{Nearest, Node, Trilinear, relative_gradients};
 use std::marker::PhantomData;
 
 /// The parts of a ray caster, as a plan names them.
 #[derive(Clone, Copy)]
-pub(super) struct Parts {
+pub(in crate::render) struct Parts {
     pub field: FieldKind,
     pub compositing: Compositing,
     pub shading: bool,
@@ -36,7 +36,7 @@ trait Use {
 }
 
 /// Renders `scene` with the ray caster made of `parts`.
-pub(super) fn cast<W: Work>(
+pub(in crate::render) fn cast<W: Work>(
     scene: &Classified,
     parts: Parts,
     pixels: &Pixels<'_>,
@@ -191,8 +191,8 @@ fn with_all<T: Use, F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Spa
 
 #[cfg(test)]
 mod tests {
-    use super::super::documented_kernels;
     use super::*;
+    use crate::render::documented_kernels;
     use crate::scene::{Model, Scene};
     use std::any::type_name_of_val;
     use std::collections::BTreeSet;

@@ -1,15 +1,15 @@
 //! Light that media send out along a ray.
 
 use super::effects::Effects;
-use super::matter::{Media, Set, density_integral, members, over, transmittance};
-use super::media_path::{MediaPath, Stretch};
-use super::passage::Passage;
+use super::majorants::Passage;
+use super::media::{Media, Set, density_integral, members, over, transmittance};
+use super::segments::{MediaPath, Stretch};
 use super::tracker::{Numbers, Tracker};
 use super::tracking::{Bounded, Bounds, Chance, tentative_collisions, thin};
-use super::work::{Event, Work};
 use crate::geometry::{Ray, Span};
 use crate::math::quadrature::integrate;
 use crate::media::{emission, source_factor};
+use crate::render::counters::{Event, Work};
 use glam::DVec3;
 
 /// Tentative collisions that a glowing stretch of a ray has on average, be its matter ever so

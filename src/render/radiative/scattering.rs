@@ -1,14 +1,14 @@
 //! A place where a path is turned, and what it does to the light that arrives there.
 
-use super::draws::Draws;
 use super::effects::Effects;
-use super::matter::{Media, Set};
-use super::work::{Event, Work};
+use super::media::{Media, Set};
+use super::sampler::Draws;
 use crate::geometry::{Ray, SurfacePoint};
 use crate::math::rng::Purpose;
 use crate::math::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
 use crate::math::{Frame, cos, sin};
 use crate::media::{Deflection, HenyeyGreenstein};
+use crate::render::counters::{Event, Work};
 use glam::DVec3;
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};

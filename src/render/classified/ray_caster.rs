@@ -8,9 +8,9 @@ use super::empty_space::Space;
 use super::field::{Field, NodePath};
 use super::steps::Steps;
 use super::volume_shadow::{Sample, Visibility};
-use super::work::{Event, Work};
 use crate::geometry::{Aabb, Ray, direction_of};
 use crate::media::{Phong, TransferFunction};
+use crate::render::counters::{Event, Work};
 use crate::volume::Grid;
 use glam::DVec3;
 

@@ -209,7 +209,7 @@ const THIN: f64 = 0.1;
 
 /// Gives up an estimate that has become small, with a probability that `u`, uniform in [0, 1),
 /// decides, or raises it for not having been given up.
-pub(super) fn thin(estimate: &mut DVec3, u: f64) -> ControlFlow<()> {
+pub(in crate::render) fn thin(estimate: &mut DVec3, u: f64) -> ControlFlow<()> {
     let largest = estimate.abs().max_element();
     if largest < THIN {
         if u * THIN >= largest {

@@ -1,7 +1,7 @@
 //! The scalar field along a ray, by one way of reconstruction.
 
-use super::work::{Event, Work};
 use crate::geometry::Ray;
+use crate::render::counters::{Event, Work};
 use crate::volume::{Cell, Grid, Lattice, Reconstruction};
 use glam::DVec3;
 

@@ -3,10 +3,10 @@
 use super::empty_space::Space;
 use super::field::{Field, NodePath};
 use super::steps::Steps;
-use super::work::{Event, Work};
 use crate::geometry::{Aabb, Ray, Span, length_of};
 use crate::math;
 use crate::media::{Appearance, TransferFunction, over_length};
+use crate::render::counters::{Event, Work};
 use crate::scene::Shadow;
 use glam::DVec3;
 

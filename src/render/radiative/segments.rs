@@ -10,7 +10,7 @@
 //! followed by [tracking](super::tracking), and what the stretch is said to be made of stands in
 //! for it where a density of choosing places is needed, which may be any.
 
-use super::matter::{Matter, Media, Set, over};
+use super::media::{Matter, Media, Set, over};
 use crate::geometry::{Ray, Solid, Span};
 use crate::media::optical_depth;
 use glam::DVec3;

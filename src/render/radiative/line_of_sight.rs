@@ -5,18 +5,18 @@
 
 use super::direct_light::radiance_of;
 use super::effects::Effects;
-use super::in_scattering::{Place, edges, lit_span};
-use super::matter::transmittance;
-use super::media_path::{MediaPath, Stretch};
-use super::smooth::facing;
-use super::surroundings::{Met, Surroundings};
+use super::intersection::{Met, Surroundings};
+use super::media::transmittance;
+use super::scattering::Vertex;
+use super::segments::{MediaPath, Stretch};
+use super::single_scattering::{Place, edges, lit_span};
+use super::specular::facing;
 use super::tracker::Tracker;
-use super::vertex::Vertex;
-use super::work::{Event, Work};
 use crate::geometry::{Ray, Span};
 use crate::math::quadrature::integrate;
 use crate::math::sampling::Equiangular;
 use crate::optics::{Light, Material};
+use crate::render::counters::{Event, Work};
 use glam::DVec3;
 
 /// Light along the line of sight, for the effects `E`.

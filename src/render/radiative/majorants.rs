@@ -1,10 +1,10 @@
 //! A stretch of a ray through media whose density differs from place to place.
 
-use super::matter::{Media, Set, members};
+use super::media::{Media, Set, members};
 use super::tracking::{Bounded, Bounds};
-use super::work::{Event, Work};
 use crate::geometry::{Aabb, Ray, Span};
 use crate::media::Line;
+use crate::render::counters::{Event, Work};
 use crate::volume::{DensityField, DensityRange, Visit, Walk};
 use glam::DVec3;
 

@@ -92,7 +92,7 @@ impl Order for FrontToBack {
 /// Let `T` be what is let through, `C` what the samples left out would send and `T'` what they would
 /// let through: the pixel is off by `T (C − (1 − T') background)`, either way by less than `T` times
 /// the brightest radiance there is, for both terms are at most that. That bound is part of the
-/// [plan](super::plan::Approximation): it is an approximation that a scene asks for, never one that
+/// [plan](crate::render::plan::Approximation): it is an approximation that a scene asks for, never one that
 /// is made for it.
 #[derive(Clone, Copy, Debug)]
 pub struct EarlyTermination {

@@ -1,13 +1,13 @@
 //! The media of a scene, and what they do to light along a ray.
 
 use super::effects::Effects;
-use super::passage::Passage;
+use super::majorants::Passage;
 use super::tracker::Tracker;
 use super::tracking::{Control, Small, ratio_tracking};
-use super::work::{Event, Work};
 use crate::geometry::{Aabb, Boundary, Ray, Solid, Span, Surface};
 use crate::math::exp;
 use crate::media::{Density, HenyeyGreenstein, Homogeneous, optical_depth};
+use crate::render::counters::{Event, Work};
 use crate::scene::Body;
 use glam::DVec3;
 use std::cell::Cell;
@@ -444,7 +444,7 @@ impl<'s> Media<'s> {
 
 /// The densities in `bodies` through which light may be followed by tracking: of what scatters, of
 /// what has no integral, and, where anything glows, of all.
-pub(super) fn tracked(bodies: &[Body]) -> impl Iterator<Item = &Density> {
+pub(in crate::render) fn tracked(bodies: &[Body]) -> impl Iterator<Item = &Density> {
     let glows = bodies
         .iter()
         .any(|body| body.medium.emission != DVec3::ZERO);
@@ -457,7 +457,7 @@ pub(super) fn tracked(bodies: &[Body]) -> impl Iterator<Item = &Density> {
 }
 
 /// `∫ density dt` along `ray` over `span`.
-pub(super) fn density_integral<W: Work>(
+pub(in crate::render) fn density_integral<W: Work>(
     density: &Density,
     ray: &Ray,
     span: Span,
@@ -473,7 +473,7 @@ pub(super) fn density_integral<W: Work>(
 }
 
 /// `σ·t` by channel, where nothing over any length is nothing.
-pub(super) fn over(sigma: DVec3, length: f64) -> DVec3 {
+pub(in crate::render) fn over(sigma: DVec3, length: f64) -> DVec3 {
     DVec3::from_array(sigma.to_array().map(|sigma| optical_depth(sigma, length)))
 }
 

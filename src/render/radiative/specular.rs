@@ -1,10 +1,10 @@
 //! Mirrors and glass: surfaces where a path goes on in one or two directions.
 
-use super::draws::Draws;
-use super::work::Work;
+use super::sampler::Draws;
 use crate::geometry::{Hit, Ray, Side};
 use crate::math::rng::Purpose;
 use crate::optics::{reflected, split};
+use crate::render::counters::Work;
 use glam::DVec3;
 
 /// The ray that a mirror makes of one that met it at `hit`.

@@ -1,7 +1,7 @@
 //! The random numbers of one turn of one path.
 
-use super::work::{Event, Work};
 use crate::math::rng::{Purpose, Stream};
+use crate::render::counters::{Event, Work};
 
 /// The random numbers of the turn with number `bounce`, counted as they are drawn.
 #[derive(Clone, Copy, Debug)]

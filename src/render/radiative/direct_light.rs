@@ -1,15 +1,15 @@
 //! Light that reaches a vertex straight from a light.
 
-use super::draws::Draws;
 use super::effects::Effects;
-use super::surroundings::Surroundings;
+use super::intersection::Surroundings;
+use super::sampler::Draws;
+use super::scattering::Vertex;
 use super::tracker::Tracker;
-use super::vertex::Vertex;
-use super::work::Work;
 use crate::geometry::{Emitter, Hit, Ray, Side};
 use crate::math::rng::Purpose;
 use crate::math::sampling::power_heuristic;
 use crate::optics::{Light, Sides};
+use crate::render::counters::Work;
 use crate::scene::AreaLight;
 use glam::DVec3;
 

@@ -1,10 +1,10 @@
 //! What light meets on a straight line: surfaces that stop it, media that take some of it away.
 
 use super::effects::Effects;
-use super::matter::Media;
+use super::media::Media;
 use super::tracker::Tracker;
-use super::work::{Event, Work};
 use crate::geometry::{Hit, Ray, Surface};
+use crate::render::counters::{Event, Work};
 use crate::scene::Radiative;
 use glam::DVec3;
 use std::marker::PhantomData;

@@ -1,13 +1,13 @@
 //! The pixel loop, and panels side by side.
 
-use super::curve;
+use super::classified::curve;
+use super::classified::kernels::{self, Parts};
+use super::counters::{Counters, Uncounted, Work};
 use super::footprint::{Footprint, footprint};
 use super::forecast::{Forecast, forecast};
-use super::kernel::{self, Parts};
-use super::path_tracer::Fault;
 use super::plan::{Kernel, Plan};
-use super::radiative_kernel::{ByLineOfSight, ByPathTracing, with_parts};
-use super::work::{Counters, Uncounted, Work};
+use super::radiative::kernels::{ByLineOfSight, ByPathTracing, with_parts};
+use super::radiative::path_tracer::Fault;
 use crate::film::Film;
 use crate::math::Moments;
 use crate::scene::{Classified, Model, Panel, Radiative, Scene};
@@ -346,7 +346,7 @@ fn render_panel<W: Work>(
                 shadow,
                 skip_empty,
             };
-            kernel::cast(scene, parts, &pixels)
+            kernels::cast(scene, parts, &pixels)
         }
         (Model::Radiative(scene), Kernel::LineOfSight { parts, turned }) => {
             let task = ByLineOfSight {

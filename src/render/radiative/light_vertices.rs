@@ -13,20 +13,20 @@
 //! tracing", EGWR '96; Georgiev et al. 2013, "Joint importance sampling of low-order volumetric
 //! scattering", ACM TOG 32(6), on the square that has no mean.
 
-use super::draws::Draws;
 use super::effects::Effects;
-use super::in_scattering::{Place, Places};
-use super::media_path::MediaPath;
-use super::smooth::facing;
-use super::surroundings::{Met, Surroundings};
+use super::intersection::{Met, Surroundings};
+use super::sampler::Draws;
+use super::scattering::Vertex;
+use super::segments::MediaPath;
+use super::single_scattering::{Place, Places};
+use super::specular::facing;
 use super::tracker::Tracker;
-use super::vertex::Vertex;
-use super::work::Work;
 use crate::geometry::{Ray, SurfacePoint, direction_of, length_of};
 use crate::math::Frame;
 use crate::math::rng::Purpose;
 use crate::math::sampling::{Cone, Equiangular, power_heuristic, sphere, sphere_pdf};
 use crate::optics::{Light, Material};
+use crate::render::counters::Work;
 use glam::DVec3;
 use std::f64::consts::PI;
 

@@ -1,6 +1,6 @@
 //! What estimates by tracking need besides the matter: random numbers, memory, and an account.
 
-use super::passage::Strand;
+use super::majorants::Strand;
 use super::tracking::{Chance, Effort, Tentative};
 use crate::geometry::Span;
 use crate::math::ln_1p;
@@ -74,7 +74,7 @@ impl Tracker {
     }
 
     /// Memory of strands, random numbers and account, side by side.
-    pub(super) fn parts(&mut self) -> (&mut Vec<Strand>, &mut Numbers, &mut Effort) {
+    pub(in crate::render) fn parts(&mut self) -> (&mut Vec<Strand>, &mut Numbers, &mut Effort) {
         (&mut self.strands, &mut self.numbers, &mut self.effort)
     }
 }

@@ -16,21 +16,21 @@
 //! Kulla & Fajardo 2012 for lights in media.
 
 use super::direct_light::{radiance_of, weight_of_meeting};
-use super::draws::Draws;
 use super::effects::Effects;
-use super::flight::Flight;
-use super::lit_places::{weight_of_finding, weight_of_reaching};
-use super::matter::transmittance;
-use super::media_path::MediaPath;
-use super::smooth::{facing, mirrored, through_glass};
-use super::surroundings::{Met, Surroundings};
+use super::free_flight::Flight;
+use super::intersection::{Met, Surroundings};
+use super::light_vertices::{weight_of_finding, weight_of_reaching};
+use super::media::transmittance;
+use super::sampler::Draws;
+use super::scattering::Vertex;
+use super::segments::MediaPath;
+use super::specular::{facing, mirrored, through_glass};
 use super::tracker::{Numbers, Tracker};
-use super::vertex::Vertex;
-use super::work::{Event, Work};
 use crate::geometry::{Hit, Ray};
 use crate::math::rng::{Purpose, Stream};
 use crate::media::sampled_channel;
 use crate::optics::{Light, Material};
+use crate::render::counters::{Event, Work};
 use crate::scene::Radiative;
 use glam::DVec3;
 

@@ -1,0 +1,13 @@
+//! Classified volumes: a grid, a transfer function, and a ray caster.
+//!
+//! [`RayCaster::layers`](ray_caster::RayCaster::layers) is the loop along one ray; its parts have a
+//! file each.
+
+pub mod compositing;
+pub mod curve;
+pub mod empty_space;
+pub mod field;
+pub(super) mod kernels;
+pub mod ray_caster;
+pub mod steps;
+pub mod volume_shadow;
