@@ -87,6 +87,7 @@ pub mod hard_cases;
 pub mod math;
 pub mod media;
 pub mod optics;
+pub mod reference;
 mod regular_file;
 pub mod render;
 pub mod report;

@@ -5,6 +5,7 @@ use super::output::{self, Json};
 use super::{Outcome, progress};
 use crate::film::Film;
 use crate::math;
+use crate::reference;
 use crate::render::plan::Reason;
 use crate::render::{self, Plan};
 use crate::scene::{Length, Model, Scene, samples};
@@ -41,6 +42,9 @@ pub struct Arguments {
         value_parser = output::stops
     )]
     exposure: f64,
+    /// Render by the plain reference renderers (src/reference), which are slower and noisier
+    #[arg(long, conflicts_with = "step")]
+    reference: bool,
     #[command(flatten)]
     json: Json,
 }
@@ -65,20 +69,24 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let start = Instant::now();
     let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
     let is_sampled = plans.iter().any(Plan::is_sampled);
-    let rendering = with_threads(arguments.threads, || {
+    let film = with_threads(arguments.threads, || {
         let advice = match is_sampled {
             true => "--spp N takes less, with more noise",
             false => "fewer pixels in [film] take less",
         };
         let bar = progress::image("rendering", advice, &warnings_of_all(&plans));
-        let rendering = render::render(&scene, &plans, &bar);
+        let film = match arguments.reference {
+            true => reference::render(&scene).map_err(|error| error.to_string()),
+            false => render::render(&scene, &plans, &bar)
+                .map(|rendering| rendering.film)
+                .map_err(|error| error.to_string()),
+        };
         bar.finish_and_clear();
-        rendering
+        film
     })?
-    .map_err(|error| Failure::new(Exit::BadInput, error.to_string(), None))?;
+    .map_err(|error| Failure::new(Exit::BadInput, error, None))?;
     let seconds = start.elapsed().as_secs_f64();
 
-    let film = rendering.film;
     let bytes = match format {
         Format::Exr => film
             .to_exr()

@@ -38,11 +38,13 @@ pub enum Purpose {
     LitPlace = 11,
     /// Light that media of varying density send out, collected along a ray.
     Emission = 12,
+    /// Everything that a path of the reference path tracer decides, in order.
+    Reference = 13,
 }
 
 impl Purpose {
     /// Every use, by rising discriminant.
-    pub const ALL: [Purpose; 13] = [
+    pub const ALL: [Purpose; 14] = [
         Purpose::Camera,
         Purpose::FreeFlight,
         Purpose::Collision,
@@ -56,6 +58,7 @@ impl Purpose {
         Purpose::Channel,
         Purpose::LitPlace,
         Purpose::Emission,
+        Purpose::Reference,
     ];
 }
 

@@ -1,0 +1,58 @@
+//! The two reference renderers, to be read first: from top to bottom, a file each.
+//!
+//! [`ray_caster`] renders classified volumes, [`path_tracer`] surfaces, media and lights. They are
+//! the obvious programs, one line of the method after the other, without anything clever:
+//! [`render`](crate::render) is the fast program, and is tested against them. Classified volumes
+//! agree to the bit, sampled images by the stochastic gate (`tests/reference.rs`).
+
+pub mod path_tracer;
+mod random;
+pub mod ray_caster;
+
+use crate::film::Film;
+use crate::scene::{Model, Scene};
+use thiserror::Error;
+
+/// A scene without a reference rendering.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ReferenceError {
+    /// A panel that simulates no light.
+    #[error(
+        "the scene plots a transfer function; there is no light in it for --reference to follow"
+    )]
+    Plot,
+    /// Too few samples for a variance.
+    #[error("the reference path tracer needs at least 2 samples per pixel, got {0}")]
+    Samples(u32),
+    /// A pixel without a radiance.
+    #[error("pixel ({column}, {row}) is {value:?}: radiance must be finite and not negative")]
+    NoRadiance {
+        /// Column, from the left.
+        column: usize,
+        /// Row, from the top.
+        row: usize,
+        /// Red, green, blue, opacity.
+        value: [f32; 4],
+    },
+}
+
+/// The image of `scene`, its panels side by side.
+pub fn render(scene: &Scene) -> Result<Film, ReferenceError> {
+    let mut films = Vec::new();
+    for panel in &scene.panels {
+        let size = [panel.width, panel.height];
+        films.push(match &panel.model {
+            Model::Classified(scene) => ray_caster::render(scene, size),
+            Model::Radiative(scene) if scene.samples < 2 => {
+                return Err(ReferenceError::Samples(scene.samples));
+            }
+            Model::Radiative(scene) => path_tracer::render(scene, size, scene.samples, scene.seed),
+            Model::Curve(_) => return Err(ReferenceError::Plot),
+        });
+    }
+    let film = Film::side_by_side(&films);
+    match film.first_without_radiance() {
+        None => Ok(film),
+        Some(([column, row], value)) => Err(ReferenceError::NoRadiance { column, row, value }),
+    }
+}
