@@ -11,6 +11,8 @@ mod pfm_file;
 mod png_file;
 mod replicates;
 
+use crate::math::Moments;
+
 pub use error::FilmError;
 pub use format::FilmFormat;
 pub use noise::Noise;
@@ -85,6 +87,22 @@ impl Film {
             samples: Some(samples.into()),
             ..Film::new(width, height, radiance)
         }
+    }
+
+    /// An image of the means of `samples` random samples of each pixel, and of the variances of
+    /// those means where there are at least two samples.
+    ///
+    /// # Panics
+    /// If there is not one value per pixel.
+    pub fn of_moments([width, height]: [usize; 2], pixels: &[[Moments; 3]], samples: u32) -> Film {
+        let mean = |pixel: &[Moments; 3]| pixel.map(|channel| channel.mean() as f32);
+        let means = pixels.iter().map(mean).collect();
+        if samples < 2 {
+            return Film::new(width, height, means);
+        }
+        let variance = |channel: Moments| channel.variance_of_mean().unwrap_or(0.0) as f32;
+        let variances = pixels.iter().map(|pixel| pixel.map(variance)).collect();
+        Film::with_noise(width, height, means, variances, samples)
     }
 
     /// Independent renderings of one picture, at least two, as one image with noise.

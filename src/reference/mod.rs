@@ -5,9 +5,11 @@
 //! [`render`](crate::render) is the fast program, and is tested against them. Classified volumes
 //! agree to the bit, sampled images by the stochastic gate (`tests/reference.rs`).
 
+mod media;
 pub mod path_tracer;
 mod random;
 pub mod ray_caster;
+mod vertex;
 
 use crate::film::Film;
 use crate::scene::{Model, Scene};
@@ -21,9 +23,6 @@ pub enum ReferenceError {
         "the scene plots a transfer function; there is no light in it for --reference to follow"
     )]
     Plot,
-    /// Too few samples for a variance.
-    #[error("the reference path tracer needs at least 2 samples per pixel, got {0}")]
-    Samples(u32),
     /// A pixel without a radiance.
     #[error("pixel ({column}, {row}) is {value:?}: radiance must be finite and not negative")]
     NoRadiance {
@@ -43,9 +42,6 @@ pub fn render(scene: &Scene) -> Result<Film, ReferenceError> {
         let size = [panel.width, panel.height];
         films.push(match &panel.model {
             Model::Classified(scene) => ray_caster::render(scene, size),
-            Model::Radiative(scene) if scene.samples < 2 => {
-                return Err(ReferenceError::Samples(scene.samples));
-            }
             Model::Radiative(scene) => path_tracer::render(scene, size, scene.samples, scene.seed),
             Model::Curve(_) => return Err(ReferenceError::Plot),
         });

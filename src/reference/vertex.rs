@@ -1,0 +1,96 @@
+//! Points where a path scatters into a range of directions.
+
+use super::random::Random;
+use crate::geometry::{Hit, Ray, SurfacePoint};
+use crate::math::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
+use crate::math::{Frame, cos, sin};
+use crate::media::{Deflection, HenyeyGreenstein};
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// A collision in a medium, or a point of a diffuse surface.
+pub struct Vertex {
+    /// The point; in a medium without normal, and without clearance for the rays that leave it.
+    pub point: SurfacePoint,
+    /// Unit axis of the directions: in a medium the direction of the ray that arrives, at a surface
+    /// the normal on the side of that ray.
+    axis: DVec3,
+    pub scattering: Scatterer,
+}
+
+/// How a vertex scatters.
+#[derive(Clone, Copy)]
+pub enum Scatterer {
+    /// By a phase function.
+    Phase(HenyeyGreenstein),
+    /// By Lambert's law, with a reflectance by channel.
+    Diffuse(DVec3),
+}
+
+/// How a path goes on.
+pub struct Scattered {
+    /// The ray into the new direction.
+    pub ray: Ray,
+    /// By channel, response over density.
+    pub weight: DVec3,
+    /// Density, per steradian, of the choice of direction; `None` where a mirror or glass left no
+    /// choice.
+    pub pdf: Option<f64>,
+}
+
+impl Vertex {
+    /// A collision at distance `t` of `ray`.
+    pub fn in_medium(ray: &Ray, t: f64, phase: HenyeyGreenstein) -> Vertex {
+        Vertex {
+            point: SurfacePoint {
+                position: ray.at(t),
+                normal: DVec3::ZERO,
+                clearance: 0.0,
+            },
+            axis: ray.direction,
+            scattering: Scatterer::Phase(phase),
+        }
+    }
+
+    /// A point of a surface with the unit `normal` on the side of the ray that arrives.
+    pub fn on_surface(hit: &Hit, normal: DVec3, reflectance: DVec3) -> Vertex {
+        Vertex {
+            point: hit.point,
+            axis: normal,
+            scattering: Scatterer::Diffuse(reflectance),
+        }
+    }
+
+    /// Radiance scattered back along the path for a unit of radiance from `direction`, by channel
+    /// and per steradian; and the density of [`Vertex::sample`] there.
+    pub fn response(&self, direction: DVec3) -> (DVec3, f64) {
+        let cosine = self.axis.dot(direction).clamp(-1.0, 1.0);
+        match self.scattering {
+            Scatterer::Phase(phase) => {
+                let value = phase.per_steradian(&Deflection::from_cos(cosine));
+                (DVec3::splat(value), value)
+            }
+            Scatterer::Diffuse(reflectance) => {
+                let pdf = cosine_hemisphere_pdf(cosine);
+                (reflectance * pdf, pdf)
+            }
+        }
+    }
+
+    /// A direction with a density in proportion to the phase function or to the cosine.
+    pub fn sample(&self, random: &mut Random) -> Option<Scattered> {
+        let numbers = [random.next(), random.next()];
+        let (local, weight) = match self.scattering {
+            Scatterer::Phase(phase) => {
+                let deflection = phase.deflection(numbers[0]);
+                let (azimuth, sine) = (TAU * numbers[1], deflection.sin());
+                let local = DVec3::new(sine * cos(azimuth), sine * sin(azimuth), deflection.cos);
+                (local, DVec3::ONE)
+            }
+            Scatterer::Diffuse(reflectance) => (cosine_hemisphere(numbers), reflectance),
+        };
+        let ray = self.point.leave(Frame::around(self.axis).to_world(local))?;
+        let pdf = Some(self.response(ray.direction).1);
+        Some(Scattered { ray, weight, pdf })
+    }
+}
