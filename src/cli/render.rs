@@ -43,7 +43,7 @@ pub struct Arguments {
     )]
     exposure: f64,
     /// Render by the plain reference renderers (src/reference), which are slower and noisier
-    #[arg(long, conflicts_with = "step")]
+    #[arg(long)]
     reference: bool,
     #[command(flatten)]
     json: Json,

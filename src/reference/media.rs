@@ -14,7 +14,7 @@ impl<'s> Segments<'s> {
     /// Segments of `ray` up to distance `end`, which may be infinite.
     pub fn along(ray: &Ray, end: f64, media: &'s [Body]) -> Segments<'s> {
         let mut segments = Vec::new();
-        for medium in media {
+        for medium in media.iter().filter(|medium| !is_vacuum(medium)) {
             let spans = match &medium.boundary {
                 Some(boundary) => boundary.spans(ray),
                 None => vec![Span {
@@ -61,6 +61,12 @@ impl<'s> Segments<'s> {
             .map(|(medium, density)| medium.medium.coefficients.sigma_t() * density)
             .sum()
     }
+}
+
+/// Whether a medium neither attenuates nor emits: tracking through one without a boundary would
+/// never end.
+fn is_vacuum(Body { medium, .. }: &Body) -> bool {
+    medium.coefficients.sigma_t() == DVec3::ZERO && medium.emission == DVec3::ZERO
 }
 
 /// Density of a medium at a world point.

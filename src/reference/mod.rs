@@ -23,6 +23,17 @@ pub enum ReferenceError {
         "the scene plots a transfer function; there is no light in it for --reference to follow"
     )]
     Plot,
+    /// A path without an end.
+    #[error(
+        "a path of pixel ({column}, {row}) drew 2^26 random numbers and had no end: the plain path \
+         tracer cannot render this scene; render it without --reference"
+    )]
+    Endless {
+        /// Column, from the left.
+        column: usize,
+        /// Row, from the top.
+        row: usize,
+    },
     /// A pixel without a radiance.
     #[error("pixel ({column}, {row}) is {value:?}: radiance must be finite and not negative")]
     NoRadiance {
@@ -42,7 +53,13 @@ pub fn render(scene: &Scene) -> Result<Film, ReferenceError> {
         let size = [panel.width, panel.height];
         films.push(match &panel.model {
             Model::Classified(scene) => ray_caster::render(scene, size),
-            Model::Radiative(scene) => path_tracer::render(scene, size, scene.samples, scene.seed),
+            Model::Radiative(scene) => {
+                let film = path_tracer::render(scene, size, scene.samples, scene.seed);
+                film.map_err(|pixel| ReferenceError::Endless {
+                    column: pixel % panel.width,
+                    row: pixel / panel.width,
+                })?
+            }
             Model::Curve(_) => return Err(ReferenceError::Plot),
         });
     }

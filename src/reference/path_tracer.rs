@@ -36,8 +36,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// The image of `scene`: mean radiance of `samples` paths through each pixel, at least two, and the
-/// variance of that mean.
-pub fn render(scene: &Radiative, size: [usize; 2], samples: u32, seed: u64) -> Film {
+/// variance of that mean. Fails with the number of a pixel one of whose paths has no end.
+pub fn render(scene: &Radiative, size: [usize; 2], samples: u32, seed: u64) -> Result<Film, usize> {
     let tracer = PathTracer {
         scene,
         majorant: majorant(&scene.media),
@@ -50,14 +50,18 @@ pub fn render(scene: &Radiative, size: [usize; 2], samples: u32, seed: u64) -> F
             let point = [column as f64 + random.next(), row as f64 + random.next()];
             let ray = scene.camera.ray_through(point, size);
             let radiance = tracer.radiance(ray, &mut random).to_array();
+            if random.is_exhausted() {
+                return Err(pixel);
+            }
             for (moments, channel) in moments.iter_mut().zip(radiance) {
                 moments.add(channel);
             }
         }
-        moments
+        Ok(moments)
     };
-    let pixels: Vec<_> = (0..size[0] * size[1]).into_par_iter().map(trace).collect();
-    Film::of_moments(size, &pixels, samples)
+    let pixels = (0..size[0] * size[1]).into_par_iter().map(trace);
+    let pixels: Vec<_> = pixels.collect::<Result<_, _>>()?;
+    Ok(Film::of_moments(size, &pixels, samples))
 }
 
 struct PathTracer<'s> {
@@ -74,6 +78,7 @@ struct Path {
     pdf: Option<f64>,
     throughput: DVec3,
     radiance: DVec3,
+    may_scatter: bool,
 }
 
 /// What a ray hits.
@@ -95,19 +100,20 @@ impl<'s> PathTracer<'s> {
             pdf: None,
             throughput: DVec3::ONE,
             radiance: DVec3::ZERO,
+            may_scatter: true,
         };
-        for scattered in 0..=limit {
-            let may_scatter = scattered < limit;
+        for scatterings in 0..=limit {
+            path.may_scatter = scatterings < limit;
             let hit = self.hit(&path.ray);
             let end = hit.as_ref().map_or(f64::INFINITY, |(_, hit)| hit.t);
             let segments = Segments::along(&path.ray, end, &self.scene.media);
-            if may_scatter {
+            if path.may_scatter {
                 let light = self.point_lights_along(&path.ray, &segments, random);
                 path.radiance += path.throughput * light;
             }
-            let next = match (self.collide(&mut path, &segments, may_scatter, random), hit) {
+            let next = match (self.collide(&mut path, &segments, random), hit) {
                 (Some(collision), _) => collision.sample(random),
-                (None, Some((Target::Object(object), hit))) if may_scatter => {
+                (None, Some((Target::Object(object), hit))) if path.may_scatter => {
                     self.reflect(&mut path, object.material, &hit, random)
                 }
                 (None, Some((Target::Object(_), _))) => None,
@@ -127,7 +133,7 @@ impl<'s> PathTracer<'s> {
             path.throughput *= weight;
             // Russian roulette.
             let survival = path.throughput.max_element().min(1.0);
-            if random.next() >= survival {
+            if random.is_exhausted() || random.next() >= survival {
                 break;
             }
             path.throughput /= survival;
@@ -152,18 +158,12 @@ impl<'s> PathTracer<'s> {
 
     /// Delta tracking along `segments` of the ray of `path`: the collision that scatters, if one
     /// does. Adds emission and direct light at every collision to the path.
-    fn collide(
-        &self,
-        path: &mut Path,
-        segments: &Segments<'_>,
-        may_scatter: bool,
-        random: &mut Random,
-    ) -> Option<Vertex> {
+    fn collide(&self, path: &mut Path, segments: &Segments, random: &mut Random) -> Option<Vertex> {
         let span = segments.span()?;
         let mut t = span.near;
         loop {
             t += free_flight(self.majorant, random.next())?;
-            if t >= span.far {
+            if t.is_nan() || t >= span.far {
                 return None;
             }
             // What the collision may be, and at which rate: scattering in a medium, or null.
@@ -173,7 +173,7 @@ impl<'s> PathTracer<'s> {
                 path.radiance += path.throughput * emission / self.majorant;
                 let sigma_s = medium.medium.coefficients.sigma_s() * density;
                 let vertex = Vertex::in_medium(&path.ray, t, medium.medium.phase);
-                if may_scatter && sigma_s != DVec3::ZERO {
+                if path.may_scatter && sigma_s != DVec3::ZERO {
                     let light = self.direct_light(&vertex, random);
                     path.radiance += path.throughput * sigma_s * light / self.majorant;
                 }
@@ -212,7 +212,7 @@ impl<'s> PathTracer<'s> {
         let mut t = span.near;
         while let Some(flight) = free_flight(self.majorant, random.next()) {
             t += flight;
-            if t >= span.far || transmittance == DVec3::ZERO {
+            if t.is_nan() || t >= span.far || transmittance == DVec3::ZERO {
                 break;
             }
             transmittance *= (1.0 - segments.extinction(t) / self.majorant).max(DVec3::ZERO);
@@ -278,16 +278,14 @@ impl<'s> PathTracer<'s> {
             return DVec3::ZERO;
         };
         let strength = light.strength_towards(vertex.point.position);
-        let irradiance = match light.position() {
-            Some(_) => strength / (distance * distance),
-            None => strength,
-        };
-        vertex.response(ray.direction).0 * irradiance * self.visibility(&ray, distance, random)
+        let falloff = light.position().map_or(1.0, |_| distance * distance);
+        let (value, _) = vertex.response(ray.direction);
+        value * strength / falloff * self.visibility(&ray, distance, random)
     }
 
     /// Radiance of point and spot lights scattered once into `ray`, estimated at one point for each
     /// light, chosen by equal angles as seen from it.
-    fn point_lights_along(&self, ray: &Ray, segments: &Segments<'_>, random: &mut Random) -> DVec3 {
+    fn point_lights_along(&self, ray: &Ray, segments: &Segments, random: &mut Random) -> DVec3 {
         let mut radiance = DVec3::ZERO;
         let Some(span) = segments.span() else {
             return radiance;
@@ -323,11 +321,7 @@ impl<'s> PathTracer<'s> {
         random: &mut Random,
     ) -> Option<Scattered> {
         let outside = hit.side == Side::Front;
-        let normal = if outside {
-            hit.point.normal
-        } else {
-            -hit.point.normal
-        };
+        let normal = hit.point.normal * if outside { 1.0 } else { -1.0 };
         let mirrored = reflected(path.ray.direction, normal);
         let (direction, weight) = match material {
             Material::Diffuse(reflectance) => {

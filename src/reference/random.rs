@@ -2,23 +2,34 @@
 
 use crate::math::rng::{Purpose, Stream};
 
-/// The random numbers of one path, one after the other.
+/// Numbers for one path, at most. Where that is not enough, nothing ends the path.
+const MOST: u32 = 1 << 26;
+
+/// The random numbers of one path.
 pub struct Random {
     stream: Stream,
-    given: u32,
+    drawn: u32,
 }
 
 impl Random {
     /// The numbers of sample `sample` of the pixel with index `pixel`, under `seed`.
     pub fn new(seed: u64, pixel: u32, sample: u32) -> Random {
         let stream = Stream::new(seed, pixel, sample);
-        Random { stream, given: 0 }
+        Random { stream, drawn: 0 }
     }
 
-    /// The next number, uniform in [0, 1).
+    /// The next number, uniform in [0, 1); NaN once all are drawn.
     pub fn next(&mut self) -> f64 {
-        let number = self.stream.uniform(0, Purpose::Reference, self.given);
-        self.given += 1;
+        if self.is_exhausted() {
+            return f64::NAN;
+        }
+        let number = self.stream.uniform(0, Purpose::Reference, self.drawn);
+        self.drawn += 1;
         number
+    }
+
+    /// Whether all numbers are drawn.
+    pub fn is_exhausted(&self) -> bool {
+        self.drawn == MOST
     }
 }
