@@ -277,10 +277,9 @@ impl<'s> PathTracer<'s> {
         let Some((ray, distance)) = connection else {
             return DVec3::ZERO;
         };
-        let strength = light.strength_towards(vertex.point.position);
         let falloff = light.position().map_or(1.0, |_| distance * distance);
-        let (value, _) = vertex.response(ray.direction);
-        value * strength / falloff * self.visibility(&ray, distance, random)
+        let irradiance = light.strength_towards(vertex.point.position) / falloff;
+        vertex.response(ray.direction).0 * irradiance * self.visibility(&ray, distance, random)
     }
 
     /// Radiance of point and spot lights scattered once into `ray`, estimated at one point for each
