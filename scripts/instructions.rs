@@ -17,11 +17,12 @@ use std::{env, fs};
 
 use glam::DVec3;
 use volref::cost::effects::{Variant, variants};
+use volref::cost::results::MeanWork;
 use volref::cost::{by_hand, thumbnail};
 use volref::film::Film;
 use volref::media::{Appearance, TransferPoint, TransferPoints};
 use volref::render::plan::Effect;
-use volref::render::{Counters, Plan, State, render, render_counted};
+use volref::render::{Counters, Event, Plan, State, render, render_counted};
 use volref::scene::{Classified, Model, Panel, Radiative, Scene};
 
 type Failure = Box<dyn std::error::Error>;
@@ -377,20 +378,11 @@ fn or_nothing(words: Vec<String>) -> String {
 /// Counters that are not 0, for each pixel.
 fn work(picture: &Picture) -> Result<String, Failure> {
     let counters = picture.counters()?;
-    let each = [
-        ("densities", counters.density_lookups),
-        ("gradients", counters.gradient_lookups),
-        ("blocks", counters.cells_walked),
-        ("shadow rays", counters.shadow_rays),
-        ("phases", counters.phase_evaluations),
-        ("null collisions", counters.null_collisions),
-        ("surface tests", counters.surface_tests),
-        ("random numbers", counters.random_draws),
-    ];
-    let some = each.into_iter().filter(|(_, count)| *count > 0);
-    let words = some.map(|(name, count)| {
-        let each = count as f64 / picture.pixels() as f64;
-        format!("{} {name}", three_digits(each))
+    let done = MeanWork::REPORTED.into_iter();
+    let done = done.filter(|event| counters[*event] > 0);
+    let words = done.map(|event| {
+        let each = counters[event] as f64 / picture.pixels() as f64;
+        format!("{} {}", three_digits(each), event.key().replace('_', " "))
     });
     Ok(or_nothing(words.collect()))
 }
@@ -559,7 +551,7 @@ fn run() -> Result<(), Failure> {
         let mut first = None;
         for ((name, picture), each) in study.variants.iter().zip(each) {
             let counters = picture.counters()?;
-            let lookups = counters.density_lookups + counters.gradient_lookups;
+            let lookups = counters[Event::DensityLookup] + counters[Event::GradientLookup];
             let per_pixel = |count: u64| three_digits(count as f64 / picture.pixels() as f64);
             let each = each.of(&counts);
             row(&[
@@ -569,7 +561,7 @@ fn run() -> Result<(), Failure> {
                 },
                 name.clone(),
                 per_pixel(lookups),
-                per_pixel(counters.random_draws),
+                per_pixel(counters[Event::RandomDraw]),
                 three_digits(each),
                 three_digits(each / *first.get_or_insert(each)),
             ]);

@@ -224,7 +224,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             rays: expected.rays,
             expected: Event::ALL
                 .into_iter()
-                .map(|event| (event.name(), AmountJson::of(expected.of(event))))
+                .map(|event| (event.key(), AmountJson::of(expected.of(event))))
                 .collect(),
             memory: &expected.memory,
             counters: *work,
@@ -331,7 +331,7 @@ fn describe_work(expected: &Expected, work: Option<&Counters>) -> String {
         },
         Some(Amount { bound, count }) => format!("{bound} {}", a_ray(count)),
     };
-    let name = |event: Event| event.name().replace('_', " ");
+    let name = |event: Event| event.key().replace('_', " ");
     let Some(work) = work else {
         // What is not done at all, and what nobody can tell, take a line each.
         let named = |what: &str| -> Vec<String> {
@@ -359,7 +359,7 @@ fn describe_work(expected: &Expected, work: Option<&Counters>) -> String {
         "in all"
     );
     for event in Event::ALL {
-        let count = work.of(event);
+        let count = work[event];
         text.push_str(&format!(
             "  {:<26}  {:<16}  {:>12}  {count:>14}\n",
             name(event),

@@ -11,9 +11,9 @@ use crate::media::{
     Appearance, Coefficients, TransferFunction, TransferPoint, TransferPoints, collision_weight,
     escape_weight, opacity, optical_depth, over_length, source_factor, transmittance,
 };
-use crate::render::Plan;
 use crate::render::classified::compositing::{FrontToBack, Layers, Order};
 use crate::render::classified::steps::Steps;
+use crate::render::{Event, Plan};
 use crate::scene::{Classified, Compositing, Model};
 use glam::DVec3;
 
@@ -345,7 +345,7 @@ fn e9_early_termination(margin: &mut Margin) {
                 stated,
             );
         }
-        let saved = ended.work[0].density_lookups < whole.work[0].density_lookups;
+        let saved = ended.work[0][Event::DensityLookup] < whole.work[0][Event::DensityLookup];
         margin.holds(format_args!("look-ups are saved behind {fog}"), saved);
     }
     // Not asked for, nothing is left out.

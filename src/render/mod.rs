@@ -34,7 +34,7 @@ pub mod plan;
 pub mod predicted_work;
 pub mod radiative;
 
-pub use counters::Counters;
+pub use counters::{Counters, Event};
 pub use footprint::{Footprint, footprint};
 pub use forecast::Forecast;
 pub use pixels::{

@@ -125,7 +125,7 @@ impl Plan {
     /// behind it, though what it would turn towards the eye is left out or nothing.
     pub fn may_do(&self, event: Event) -> bool {
         let in_part = match (event, self.kernel) {
-            (Event::FurtherTurn, Kernel::PathTracer { limit, .. }) => limit >= Some(2),
+            (Event::FurtherScattering, Kernel::PathTracer { limit, .. }) => limit >= Some(2),
             (
                 Event::Attenuation,
                 Kernel::LineOfSight { parts, .. } | Kernel::PathTracer { parts, .. },
@@ -136,7 +136,7 @@ impl Plan {
                 turned && parts.heterogeneous
             }
             // Where nothing turns light, and turning it more than once was forced.
-            (Event::FirstTurn, Kernel::LineOfSight { turned, .. }) => turned,
+            (Event::FirstScattering, Kernel::LineOfSight { turned, .. }) => turned,
             // Where the volume is transparent, and an effect was forced.
             (Event::DensityLookup, Kernel::RayCaster { field, .. }) => field != FieldKind::Constant,
             (Event::Attenuation | Event::EmissionTerm, Kernel::RayCaster { .. }) => true,

@@ -143,16 +143,15 @@ proptest! {
         let (_, work) = rendered(&scene, &plan);
         let [planes, rays] = planes_crossed(&camera, bounds, first, spacing, cells);
         let times = if glows { 2 } else { 1 };
-        prop_assert_eq!(work.density_lookups, times * looks * (planes + rays));
+        prop_assert_eq!(work[Event::DensityLookup], times * looks * (planes + rays));
         let expected = plan.expected(&scene.panels[0]);
         let told = expected.of(Event::DensityLookup).unwrap();
-        prop_assert_eq!(told.count, work.density_lookups);
-        prop_assert_eq!(work, Counters {
-            density_lookups: work.density_lookups,
-            attenuations: work.attenuations,
-            emission_terms: if glows { rays } else { 0 },
-            ..Counters::default()
-        });
+        prop_assert_eq!(told.count, work[Event::DensityLookup]);
+        prop_assert_eq!(work, Counters::from([
+            (Event::DensityLookup, work[Event::DensityLookup]),
+            (Event::Attenuation, work[Event::Attenuation]),
+            (Event::EmissionTerm, if glows { rays } else { 0 }),
+        ]));
     }
 
     /// However light is followed, nothing is looked up in what is the same everywhere.
@@ -169,9 +168,9 @@ proptest! {
         let medium = (0.5 * (1.0 - albedo), 0.5 * albedo, 0.1);
         let scene = grid_scene(grid, Interpolation::Trilinear, medium, camera);
         let (_, work) = rendered(&scene, &plan(&scene));
-        prop_assert_eq!(work.density_lookups, 0);
-        prop_assert_eq!(work.cells_walked, 0);
-        prop_assert_eq!(work.null_collisions, 0);
+        prop_assert_eq!(work[Event::DensityLookup], 0);
+        prop_assert_eq!(work[Event::CellWalked], 0);
+        prop_assert_eq!(work[Event::NullCollision], 0);
     }
 }
 
@@ -205,14 +204,13 @@ fn the_empty_part_of_a_grid_takes_nothing_but_cells() {
     assert!(matches!(plan.kernel, Kernel::PathTracer { .. }));
     let (film, work) = rendered(&scene, &plan);
     assert!(film.radiance().iter().all(|pixel| *pixel == [1.0; 3]));
-    assert!(work.cells_walked > 0);
-    let drawn = work.random_draws;
-    let expected = Counters {
-        cells_walked: work.cells_walked,
-        random_draws: drawn,
-        attenuations: work.attenuations,
-        ..Counters::default()
-    };
+    assert!(work[Event::CellWalked] > 0);
+    let drawn = work[Event::RandomDraw];
+    let expected = Counters::from([
+        (Event::CellWalked, work[Event::CellWalked]),
+        (Event::RandomDraw, drawn),
+        (Event::Attenuation, work[Event::Attenuation]),
+    ]);
     assert_eq!(work, expected);
 }
 
@@ -237,12 +235,11 @@ fn the_transparent_part_of_a_volume_takes_nothing_but_cells() {
         Model::Classified(scene) => scene.grid.lattice().node_count(),
         _ => unreachable!(),
     };
-    assert!(work.cells_walked > 0);
-    let expected = Counters {
-        cells_walked: work.cells_walked,
-        gradients_computed: nodes as u64,
-        ..Counters::default()
-    };
+    assert!(work[Event::CellWalked] > 0);
+    let expected = Counters::from([
+        (Event::CellWalked, work[Event::CellWalked]),
+        (Event::GradientComputed, nodes as u64),
+    ]);
     assert_eq!(work, expected);
 
     let scene = parsed(&text("8"));
@@ -288,6 +285,6 @@ fn a_large_image_is_told_of_by_some_of_its_rays() {
     assert_eq!(told.bound, Bound::About);
     // Every second ray of every second row: the sums differ by what lies along the outline of the
     // grid, some hundred rays of ten thousand.
-    let (told, counted) = (told.count as f64, work.density_lookups as f64);
+    let (told, counted) = (told.count as f64, work[Event::DensityLookup] as f64);
     assert!((told - counted).abs() <= 0.02 * counted, "{told} {counted}");
 }

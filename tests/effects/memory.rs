@@ -1,7 +1,7 @@
 //! Memory that only an effect needs is not taken where it is off.
 
 use crate::scenes::{parsed, plan, rendered};
-use volref::render::Plan;
+use volref::render::{Event, Plan};
 use volref::scene::{Model, Scene};
 
 /// What an image takes beside the scene and itself, by the plan.
@@ -81,7 +81,7 @@ fn no_gradients_without_shading() {
     ] {
         let scene = parsed(&text(phong));
         let (_, work) = rendered(&scene, &Plan::new(&scene.panels[0]));
-        assert_eq!(work.gradients_computed, computed);
+        assert_eq!(work[Event::GradientComputed], computed);
         assert_eq!(
             told(&scene).contains(&"gradients of the nodes"),
             computed > 0

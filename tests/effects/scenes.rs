@@ -32,14 +32,14 @@ pub fn rendered(scene: &Scene, plan: &Plan) -> (Film, Counters) {
 #[track_caller]
 pub fn as_told(what: &str, scene: &Scene, plan: &Plan, work: &Counters) {
     for (event, amount) in plan.expected(&scene.panels[0]).work {
-        let (counted, told) = (work.of(event), amount.count);
+        let (counted, told) = (work[event], amount.count);
         let holds = match amount.bound {
             Bound::Exactly => counted == told,
             Bound::AtMost => counted <= told,
             Bound::AtLeast => counted >= told,
             Bound::About | Bound::AboutAtMost => false,
         };
-        assert!(holds, "{what}: {counted} {}, told {amount:?}", event.name());
+        assert!(holds, "{what}: {counted} {}, told {amount:?}", event.key());
     }
 }
 

@@ -67,7 +67,7 @@ fn bits(film: &Film) -> Vec<u32> {
 #[track_caller]
 fn off_is_off(what: &str, plan: &Plan, work: &Counters) {
     for event in Event::ALL.into_iter().filter(|&event| !plan.may_do(event)) {
-        assert_eq!(work.of(event), 0, "{what}: {}, though off", event.name());
+        assert_eq!(work[event], 0, "{what}: {}, though off", event.key());
     }
 }
 
@@ -219,14 +219,10 @@ fn that_work_when_forced(texts: impl Iterator<Item = String>) -> BTreeSet<Effect
             let more = same_bits(&text, &scene, &film, &forced);
             as_told(&text, &scene, &forced, &more);
             for event in Event::ALL {
-                assert!(
-                    more.of(event) >= work.of(event),
-                    "{effect}: {more:?}\n{text}"
-                );
+                assert!(more[event] >= work[event], "{effect}: {more:?}\n{text}");
             }
             let mut own = Event::ALL.into_iter();
-            if own.any(|event| event.effects().contains(&effect) && more.of(event) > work.of(event))
-            {
+            if own.any(|event| event.effects().contains(&effect) && more[event] > work[event]) {
                 seen.insert(effect);
             }
         }

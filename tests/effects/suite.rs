@@ -57,14 +57,14 @@ fn what_is_off_does_no_work() {
         pictures_with_something_off +=
             usize::from(Effect::ALL.iter().any(|&effect| !plan.is_on(effect)));
         for event in Event::ALL {
-            let counted = work.of(event);
+            let counted = work[event];
             done[event as usize].fetch_add(counted, Ordering::Relaxed);
             if !plan.may_do(event) {
-                assert_eq!(counted, 0, "{name}: {}, though off", event.name());
+                assert_eq!(counted, 0, "{name}: {}, though off", event.key());
             }
             let null = |effect: &Effect| plan.state(*effect) == State::Elided;
             if event.effects().iter().all(null) {
-                assert_eq!(counted, 0, "{name}: {}, though null", event.name());
+                assert_eq!(counted, 0, "{name}: {}, though null", event.key());
             }
         }
         as_told(&name, &scene, &plan, &work);
@@ -75,7 +75,7 @@ fn what_is_off_does_no_work() {
         assert!(
             done > 0,
             "no scene of the suite shows that {} are counted",
-            event.name()
+            event.key()
         );
     }
 }
@@ -95,8 +95,8 @@ fn forced_effects_change_no_bit() {
             let same = film.pixel_hash() == forced.pixel_hash();
             assert!(same, "{name}: {effects:?} forced change the picture");
             for event in Event::ALL {
-                let (more, less) = (more.of(event), work.of(event));
-                let what = event.name();
+                let (more, less) = (more[event], work[event]);
+                let what = event.key();
                 assert!(
                     more >= less,
                     "{name}: {effects:?} forced: {more} {what}, not {less}"

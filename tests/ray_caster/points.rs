@@ -8,7 +8,7 @@ use volref::geometry::{Camera, Ray};
 use volref::math;
 use volref::media::{Appearance, TransferPoint, TransferPoints, over_length};
 use volref::render::plan::Kernel;
-use volref::render::{Effect, Plan, State};
+use volref::render::{Effect, Event, Plan, State};
 use volref::scene::{Classified, Shadow};
 use volref::volume::{Interpolation, Lattice};
 
@@ -187,7 +187,7 @@ proptest! {
         };
         let ((bits, leaping), (same, walking)) = (by(true), by(false));
         prop_assert_eq!(bits, same);
-        prop_assert!(leaping.density_lookups <= walking.density_lookups);
+        prop_assert!(leaping[Event::DensityLookup] <= walking[Event::DensityLookup]);
     }
 
     #[test]
@@ -236,7 +236,7 @@ fn air_of_any_value_is_leapt_over() {
     assert!(*skip_empty);
     *skip_empty = false;
     let (_, walking) = scenes::render_by(&scene, plan, 33);
-    assert!(work.density_lookups * 10 < walking.density_lookups);
+    assert!(work[Event::DensityLookup] * 10 < walking[Event::DensityLookup]);
 }
 
 /// What lies in the way of the light lets through what it would let through towards the eye.

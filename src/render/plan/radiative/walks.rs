@@ -106,7 +106,7 @@ fn mean(density: &Density) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::{Plan, render_counted};
+    use crate::render::{Event, Plan, render_counted};
     use crate::scene::{Model, Scene};
     use std::path::Path;
 
@@ -144,7 +144,8 @@ mod tests {
             let scene = scene("environment = 1", &format!("{medium}\n{shape}"));
             let plan = Plan::new(&scene.panels[0]);
             let work = render_counted(&scene, &[plan], &|| ()).unwrap().work[0];
-            let counted = (work.first_turns + work.further_turns) as f64 / 512.0;
+            let counted =
+                (work[Event::FirstScattering] + work[Event::FurtherScattering]) as f64 / 512.0;
             let told = estimate(&scene);
             // Diffusion leaves out the last free flight, a tenth here, and from the middle of a
             // box the corners are farther than its faces: told too few, and here between 0.68 and
