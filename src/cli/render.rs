@@ -6,7 +6,7 @@ use super::{Outcome, progress};
 use crate::film::Film;
 use crate::math;
 use crate::render::plan::Reason;
-use crate::render::{self, Plan};
+use crate::render::{self, Plan, Sampling, Seed};
 use crate::scene::{Length, Model, Scene, samples};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -56,14 +56,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if let Some(step) = arguments.step {
         set_step(&mut scene, step)?;
     }
-    if let Some(samples) = arguments.spp {
-        scene.set_samples(samples);
-    }
-    if let Some(seed) = arguments.seed {
-        scene.set_seed(seed);
-    }
+    let sampling = Sampling {
+        samples: arguments.spp,
+        seed: arguments.seed.map_or(Seed::OfScene, Seed::Given),
+    };
     let start = Instant::now();
-    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
+    let plans = render::plans(&scene);
     let is_sampled = plans.iter().any(Plan::is_sampled);
     let rendering = with_threads(arguments.threads, || {
         let advice = match is_sampled {
@@ -71,7 +69,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             false => "fewer pixels in [film] take less",
         };
         let bar = progress::image("rendering", advice, &warnings_of_all(&plans));
-        let rendering = render::render(&scene, &plans, &bar);
+        let rendering = render::render(&plans, sampling, &bar);
         bar.finish_and_clear();
         rendering
     })?
@@ -120,7 +118,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 
 /// What the plans of all panels warn of: what matters to one of several panels matters to the
 /// picture.
-pub fn warnings_of_all(plans: &[Plan]) -> Vec<&Reason> {
+pub fn warnings_of_all<'p>(plans: &'p [Plan<'_>]) -> Vec<&'p Reason> {
     let warnings = plans[0].warnings.iter();
     warnings
         .filter(|warning| plans.iter().all(|plan| plan.warnings.contains(warning)))

@@ -24,7 +24,7 @@ use crate::render::counters::Uncounted;
 use crate::render::radiative::effects::Everything;
 use crate::render::radiative::intersection::Surroundings;
 use crate::render::radiative::tracker::Tracker;
-use crate::render::{Effect, Event, Plan, render_counted};
+use crate::render::{Effect, Event, Plan, Sampling, render_counted};
 use crate::scene::{Classified, Model};
 use crate::volume::{
     Centring, DensityField, Grid, GridDensity, GridError, Interpolation, Lattice, LoadOptions,
@@ -654,7 +654,7 @@ fn d14_zero_gradient_and_touched_surfaces(margin: &mut Margin) {
         };
         let scene = scene_of(Model::Classified(Box::new(volume)), [8, 8]);
         let plan = Plan::forcing(&scene.panels[0], forced).ok()?;
-        let rendering = render_counted(&scene, &[plan], &|| ()).ok()?;
+        let rendering = render_counted(&[plan], Sampling::default(), &|| ()).ok()?;
         let asked = rendering.work[0][Event::GradientLookup] > 0;
         Some((rendering.film.pixel_hash(), asked))
     };

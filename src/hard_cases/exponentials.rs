@@ -325,16 +325,16 @@ fn e9_early_termination(margin: &mut Margin) {
                 Model::Classified(Box::new(volume(compositing, fog))),
                 [3, 3],
             );
-            let plan = Plan::new(&scene.panels[0]);
-            (rendered(&scene), plan)
+            let approximations = Plan::new(&scene.panels[0]).approximations;
+            (rendered(&scene), approximations)
         };
         let (Ok(whole), _) = plan(Compositing::FrontToBack) else {
             return margin.holds("the whole has a picture", false);
         };
-        let (Ok(ended), plan) = plan(Compositing::EarlyTermination(below)) else {
+        let (Ok(ended), approximations) = plan(Compositing::EarlyTermination(below)) else {
             return margin.holds("the rest has a picture", false);
         };
-        let stated = plan.approximations.first().map_or(0.0, |early| early.bias);
+        let stated = approximations.first().map_or(0.0, |early| early.bias);
         margin.exact("stated bias", stated, below * source);
         let pixels = ended.film.radiance().iter().zip(whole.film.radiance());
         for (ended, whole) in pixels.flat_map(|(a, b)| a.iter().zip(b)) {

@@ -27,21 +27,26 @@
 
 pub mod classified;
 pub mod counters;
+mod error;
 mod footprint;
 mod forecast;
+mod image;
 mod pixels;
 pub mod plan;
 pub mod predicted_work;
+mod progress;
 pub mod radiative;
+mod sampling;
 
 pub use counters::{Counters, Event};
+pub use error::RenderError;
 pub use footprint::{Footprint, footprint};
-pub use forecast::Forecast;
-pub use pixels::{
-    Detail, Progress, RenderError, Rendering, Watch, render, render_coarse, render_counted,
-};
-pub use plan::{Effect, Plan, State};
+pub use image::{Rendering, render, render_coarse, render_counted};
+pub use pixels::Detail;
+pub use plan::{Effect, Plan, State, plans};
 pub use predicted_work::{Amount, Bound, Expected, Memory};
+pub use progress::{Forecast, Progress, Watch};
+pub use sampling::{Sampling, Seed};
 
 /// How many kernels the table above says that a family has.
 #[cfg(test)]

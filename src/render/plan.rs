@@ -27,6 +27,7 @@
 //! belongs to which effect stands in [`Event::effects`](super::counters::Event::effects). What was asked for
 //! and cannot matter is a [warning](Plan::warnings).
 
+mod canonical_text;
 mod classified;
 mod decision;
 mod effect;
@@ -36,10 +37,11 @@ mod radiative;
 
 pub use decision::{Decision, Reason};
 pub use effect::{Effect, State};
-pub use kernel::{FieldKind, Kernel, Parts};
+pub use kernel::{FieldKind, Kernel, Parts, RayCasterFeatures};
 pub use method::{Estimator, Method};
 
-use crate::scene::{Model, Panel};
+use super::sampling::Sampling;
+use crate::scene::{Curve, Model, Panel, Scene};
 use decision::{Decisions, Finding};
 use serde::Serialize;
 
@@ -56,9 +58,11 @@ pub struct Approximation {
     pub bias: f64,
 }
 
-/// What is simulated, and by which kernel.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+/// What is simulated of a panel, and by which kernel.
+#[derive(Clone, Debug)]
+pub struct Plan<'s> {
+    /// The panel that is rendered.
+    pub panel: &'s Panel,
     /// A decision for each of [`Effect::ALL`].
     pub decisions: Vec<Decision>,
     /// What is left out of effects that are simulated, because the scene asks for it.
@@ -68,7 +72,7 @@ pub struct Plan {
     /// How the radiance of a pixel is found.
     pub estimator: Estimator,
     /// The code that renders the image.
-    pub kernel: Kernel,
+    pub kernel: Kernel<'s>,
 }
 
 /// Why a plan cannot be had.
@@ -86,19 +90,24 @@ pub enum PlanError {
     },
 }
 
-impl Plan {
+/// The plans for the panels of `scene`: everything provably null is elided.
+pub fn plans(scene: &Scene) -> Vec<Plan<'_>> {
+    scene.panels.iter().map(Plan::new).collect()
+}
+
+impl<'s> Plan<'s> {
     /// The plan for `panel`: everything provably null is elided.
-    pub fn new(panel: &Panel) -> Plan {
+    pub fn new(panel: &'s Panel) -> Plan<'s> {
         Plan::forcing(panel, &[]).expect("nothing is forced")
     }
 
     /// The plan for `panel` with the effects in `forced` simulated although they are provably
     /// null: same bits, more work. Fails for an effect that is not null but absent.
-    pub fn forcing(panel: &Panel, forced: &[Effect]) -> Result<Plan, PlanError> {
+    pub fn forcing(panel: &'s Panel, forced: &[Effect]) -> Result<Plan<'s>, PlanError> {
         let plan = match &panel.model {
-            Model::Curve(_) => curve_plan(panel),
-            Model::Radiative(scene) => radiative::plan(scene, forced, &panel.places),
-            Model::Classified(scene) => classified::plan(scene, forced, &panel.places),
+            Model::Curve(curve) => curve_plan(panel, curve),
+            Model::Radiative(scene) => radiative::plan(panel, scene, forced),
+            Model::Classified(scene) => classified::plan(panel, scene, forced),
         };
         for decision in &plan.decisions {
             if forced.contains(&decision.effect) && decision.state != State::On {
@@ -155,22 +164,20 @@ impl Plan {
             .collect()
     }
 
-    /// The plan as text that changes with anything it covers: the kernel and the state of every
-    /// effect. Goldens keep its hash, so none can silently come to cover other physics.
-    pub fn canonical_text(&self) -> String {
-        // The structure of the kernel, not the words it is described with.
-        let mut text = format!("{:?}\n", self.kernel);
-        for decision in &self.decisions {
-            text.push_str(&format!("{} {}\n", decision.effect, decision.state));
+    /// Samples per pixel with `sampling`; 1 where the image is not sampled.
+    pub(super) fn samples(&self, sampling: Sampling) -> u32 {
+        match self.kernel {
+            Kernel::PathTracer { scene, .. } => sampling.samples_of(scene),
+            _ => 1,
         }
-        text
     }
 }
 
-fn curve_plan(panel: &Panel) -> Plan {
+fn curve_plan<'s>(panel: &'s Panel, curve: &'s Curve) -> Plan<'s> {
     const NO_LIGHT: &str = "a plot of the transfer function has no light";
     let decisions = Decisions::new(|_| Finding::Absent(NO_LIGHT), &[], &panel.places);
     Plan {
+        panel,
         decisions: decisions.0,
         approximations: vec![],
         warnings: vec![],
@@ -178,6 +185,6 @@ fn curve_plan(panel: &Panel) -> Plan {
             method: Method::Plot,
             why: Reason::of("curve", NO_LIGHT, &panel.places),
         },
-        kernel: Kernel::Curve,
+        kernel: Kernel::Curve(curve),
     }
 }

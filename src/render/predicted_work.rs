@@ -3,14 +3,15 @@
 
 use super::classified::steps::Steps;
 use super::counters::{Event, Uncounted};
-use super::plan::{FieldKind, Kernel, Plan};
+use super::plan::{FieldKind, Kernel, Parts, Plan, RayCasterFeatures};
 use super::radiative::intersection::Surroundings;
 use super::radiative::media::tracked;
 use super::radiative::{effects::Everything, segments::MediaPath};
+use super::sampling::Sampling;
 use crate::geometry::{Camera, Ray, Solid, Span, length_of};
 use crate::math::Moments;
 use crate::media::{Density, Field};
-use crate::scene::{Classified, Compositing, Model, Panel, Radiative};
+use crate::scene::{Classified, Compositing, Panel, Radiative};
 use crate::volume::Interpolation;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -89,34 +90,30 @@ const MOST_RAYS: usize = 1 << 16;
 /// Samples of all of them whose way to the light is looked at; beyond, it is taken to be the longest.
 const MOST_SAMPLES: u64 = 1 << 26;
 
-impl Plan {
-    /// The work and memory that the image of `panel` takes by this plan, as far as they follow
-    /// from closed forms.
-    pub fn expected(&self, panel: &Panel) -> Expected {
-        let pixels = (panel.width * panel.height) as u64;
-        let rays = match &panel.model {
-            Model::Radiative(scene) if self.is_sampled() => {
-                pixels.saturating_mul(scene.samples.into())
-            }
-            _ => pixels,
-        };
+impl Plan<'_> {
+    /// The work and memory that the image takes with `sampling`, as far as closed forms tell.
+    pub fn expected(&self, sampling: Sampling) -> Expected {
+        let pixels = (self.panel.width * self.panel.height) as u64;
+        let rays = pixels.saturating_mul(self.samples(sampling).into());
         let nothing = |event: &Event| !self.may_do(*event);
         let nothing = Event::ALL.into_iter().filter(nothing);
         let mut work: Vec<_> = nothing.map(|event| (event, exactly(0))).collect();
-        let known = match (&panel.model, self.kernel) {
-            (Model::Classified(scene), Kernel::RayCaster { .. }) => self.of_casting(panel, scene),
-            (Model::Radiative(scene), Kernel::LineOfSight { .. }) => {
-                self.of_lines(panel, scene, rays)
-            }
-            (Model::Radiative(scene), _) => of_paths(scene, rays),
-            _ => vec![],
+        let known = match self.kernel {
+            Kernel::Curve(_) | Kernel::Background(_) => vec![],
+            Kernel::RayCaster { scene, features } => of_casting(self.panel, scene, features),
+            Kernel::LineOfSight {
+                scene,
+                parts,
+                turned,
+            } => of_lines(self.panel, scene, parts, turned),
+            Kernel::PathTracer { scene, .. } => of_paths(scene, rays),
         };
         work.extend(known.into_iter().filter(|(event, _)| self.may_do(*event)));
         work.sort_by_key(|(event, _)| *event as usize);
         Expected {
             rays,
             work,
-            memory: self.memory(panel),
+            memory: self.memory(),
         }
     }
 
@@ -132,154 +129,148 @@ impl Plan {
             ) => parts.media,
             // Where heterogeneity was forced: code for varying densities, along the line of sight,
             // knows every phase function.
-            (Event::PhaseEvaluation, Kernel::LineOfSight { parts, turned }) => {
+            (Event::PhaseEvaluation, Kernel::LineOfSight { parts, turned, .. }) => {
                 turned && parts.heterogeneous
             }
             // Where nothing turns light, and turning it more than once was forced.
             (Event::FirstScattering, Kernel::LineOfSight { turned, .. }) => turned,
             // Where the volume is transparent, and an effect was forced.
-            (Event::DensityLookup, Kernel::RayCaster { field, .. }) => field != FieldKind::Constant,
+            (Event::DensityLookup, Kernel::RayCaster { features, .. }) => {
+                features.field != FieldKind::Constant
+            }
             (Event::Attenuation | Event::EmissionTerm, Kernel::RayCaster { .. }) => true,
             _ => false,
         };
         in_part || event.effects().iter().any(|&effect| self.is_on(effect))
     }
 
-    fn of_casting(&self, panel: &Panel, scene: &Classified) -> Vec<(Event, Amount)> {
-        let Kernel::RayCaster {
-            field,
-            compositing,
-            shadow,
-            skip_empty,
-            ..
-        } = self.kernel
-        else {
-            return vec![];
-        };
-        let early = matches!(compositing, Compositing::EarlyTermination(_));
-        let of_ray = |ray: &Ray| {
-            let samples = samples(scene, ray);
-            let towards_light = if shadow { shadow_steps(scene, ray) } else { 0 };
-            [samples, towards_light]
-        };
-        let (part, [samples, towards_light]) = over_rays(panel, scene.camera, of_ray);
-        let taken = match (skip_empty || early, part) {
-            (false, false) => Bound::Exactly,
-            (false, true) => Bound::About,
-            (true, false) => Bound::AtMost,
-            (true, true) => Bound::AboutAtMost,
-        };
-        // A sample without opacity asks for no light, and one in the light itself sends no ray.
-        let at_most = if part {
-            Bound::AboutAtMost
-        } else {
-            Bound::AtMost
-        };
-        let lookups = match field {
-            FieldKind::Constant => exactly(0),
-            _ if towards_light == 0 => amount(taken, samples),
-            _ => amount(at_most, samples.saturating_add(towards_light)),
-        };
-        let cells = match skip_empty {
-            true => amount(at_most, samples.saturating_add(towards_light)),
-            false => exactly(0),
-        };
-        vec![
-            (Event::DensityLookup, lookups),
-            (Event::NullCollision, exactly(0)),
-            (Event::CellWalked, cells),
-            (Event::RandomDraw, exactly(0)),
-            (Event::Attenuation, amount(taken, samples)),
-            (Event::EmissionTerm, amount(at_most, samples)),
-            (Event::GradientLookup, amount(at_most, samples)),
-            (
-                Event::GradientComputed,
-                exactly(scene.grid.lattice().node_count() as u64),
-            ),
-            (Event::ShadowRay, amount(at_most, samples)),
-        ]
-    }
-
-    fn of_lines(&self, panel: &Panel, scene: &Radiative, rays: u64) -> Vec<(Event, Amount)> {
-        let Kernel::LineOfSight { parts, turned } = self.kernel else {
-            return vec![];
-        };
-        let around = Surroundings::<Everything>::for_integrals(scene, false);
-        let surfaces = surfaces(scene) * rays;
-        let tests = if turned {
-            Bound::AtLeast
-        } else {
-            Bound::Exactly
-        };
-        let mut work = vec![
-            (Event::CellWalked, exactly(0)),
-            (Event::NullCollision, exactly(0)),
-            (Event::RandomDraw, exactly(0)),
-            (Event::SurfaceTest, amount(tests, surfaces)),
-        ];
-        if !turned && parts.media && !parts.emission {
-            work.push((Event::Attenuation, exactly(rays)));
-            work.push((Event::ChannelAttenuation, exactly(2 * rays)));
-        }
-        if !turned && parts.heterogeneous {
-            let of_ray = |ray: &Ray| line_lookups(&around, ray, parts.emission);
-            let (part, [lookups, unknown]) = over_rays(panel, scene.camera, of_ray);
-            if unknown > 0 {
-                return work;
-            }
-            let bound = if part { Bound::About } else { Bound::Exactly };
-            work.push((Event::DensityLookup, amount(bound, lookups)));
-        }
-        work
-    }
-
     /// What is made for the image and kept beside its pixels: nothing that only an effect needs
     /// which is off.
-    pub(super) fn made_beside(&self, panel: &Panel) -> Vec<Memory> {
-        let mut memory = self.memory(panel);
+    pub(super) fn made_beside(&self) -> Vec<Memory> {
+        let mut memory = self.memory();
         memory.retain(|memory| memory.what != MOMENTS);
         memory
     }
 
     /// What is made for the image: nothing that only an effect needs which is off.
-    fn memory(&self, panel: &Panel) -> Vec<Memory> {
+    fn memory(&self) -> Vec<Memory> {
         let mut memory = Vec::new();
         let mut add = |what, bytes| memory.push(Memory { what, bytes });
-        let pixels = panel.width * panel.height;
-        match (&panel.model, self.kernel) {
-            (
-                Model::Classified(scene),
-                Kernel::RayCaster {
-                    shading,
-                    skip_empty,
-                    ..
-                },
-            ) => {
+        match self.kernel {
+            Kernel::RayCaster { scene, features } => {
                 let lattice = scene.grid.lattice();
-                if shading {
+                if features.shading {
                     add(
                         "gradients of the nodes",
                         lattice.node_count() * size_of::<[f32; 3]>(),
                     );
                 }
-                if skip_empty {
+                if features.skip_empty {
                     add(
                         "distances to what is not empty",
                         super::classified::empty_space::bytes(lattice),
                     );
                 }
             }
-            (Model::Radiative(scene), Kernel::PathTracer { .. }) => {
+            Kernel::PathTracer { scene, .. } => {
                 let bytes = tracked(&scene.media).map(Density::bytes_for_blocks).sum();
                 if bytes > 0 {
                     add("bounds on densities", bytes);
                 }
+                let pixels = self.panel.width * self.panel.height;
                 add(MOMENTS, pixels * size_of::<[Moments; 3]>());
             }
-            _ => {}
+            Kernel::Curve(_) | Kernel::Background(_) | Kernel::LineOfSight { .. } => {}
         }
         memory
     }
+}
+
+fn of_casting(
+    panel: &Panel,
+    scene: &Classified,
+    features: RayCasterFeatures,
+) -> Vec<(Event, Amount)> {
+    let RayCasterFeatures {
+        field,
+        compositing,
+        shadow,
+        skip_empty,
+        ..
+    } = features;
+    let early = matches!(compositing, Compositing::EarlyTermination(_));
+    let of_ray = |ray: &Ray| {
+        let samples = samples(scene, ray);
+        let towards_light = if shadow { shadow_steps(scene, ray) } else { 0 };
+        [samples, towards_light]
+    };
+    let (part, [samples, towards_light]) = over_rays(panel, scene.camera, of_ray);
+    let taken = match (skip_empty || early, part) {
+        (false, false) => Bound::Exactly,
+        (false, true) => Bound::About,
+        (true, false) => Bound::AtMost,
+        (true, true) => Bound::AboutAtMost,
+    };
+    // A sample without opacity asks for no light, and one in the light itself sends no ray.
+    let at_most = if part {
+        Bound::AboutAtMost
+    } else {
+        Bound::AtMost
+    };
+    let lookups = match field {
+        FieldKind::Constant => exactly(0),
+        _ if towards_light == 0 => amount(taken, samples),
+        _ => amount(at_most, samples.saturating_add(towards_light)),
+    };
+    let cells = match skip_empty {
+        true => amount(at_most, samples.saturating_add(towards_light)),
+        false => exactly(0),
+    };
+    vec![
+        (Event::DensityLookup, lookups),
+        (Event::NullCollision, exactly(0)),
+        (Event::CellWalked, cells),
+        (Event::RandomDraw, exactly(0)),
+        (Event::Attenuation, amount(taken, samples)),
+        (Event::EmissionTerm, amount(at_most, samples)),
+        (Event::GradientLookup, amount(at_most, samples)),
+        (
+            Event::GradientComputed,
+            exactly(scene.grid.lattice().node_count() as u64),
+        ),
+        (Event::ShadowRay, amount(at_most, samples)),
+    ]
+}
+
+fn of_lines(panel: &Panel, scene: &Radiative, parts: Parts, turned: bool) -> Vec<(Event, Amount)> {
+    let rays = (panel.width * panel.height) as u64;
+    let around = Surroundings::<Everything>::for_integrals(scene, false);
+    let surfaces = surfaces(scene) * rays;
+    let tests = if turned {
+        Bound::AtLeast
+    } else {
+        Bound::Exactly
+    };
+    let mut work = vec![
+        (Event::CellWalked, exactly(0)),
+        (Event::NullCollision, exactly(0)),
+        (Event::RandomDraw, exactly(0)),
+        (Event::SurfaceTest, amount(tests, surfaces)),
+    ];
+    if !turned && parts.media && !parts.emission {
+        work.push((Event::Attenuation, exactly(rays)));
+        work.push((Event::ChannelAttenuation, exactly(2 * rays)));
+    }
+    if !turned && parts.heterogeneous {
+        let of_ray = |ray: &Ray| line_lookups(&around, ray, parts.emission);
+        let (part, [lookups, unknown]) = over_rays(panel, scene.camera, of_ray);
+        if unknown > 0 {
+            return work;
+        }
+        let bound = if part { Bound::About } else { Bound::Exactly };
+        work.push((Event::DensityLookup, amount(bound, lookups)));
+    }
+    work
 }
 
 /// Samples of the eye's ray.

@@ -8,7 +8,7 @@ use volref::geometry::{Aabb, Boundary, Camera};
 use volref::media::{Asymmetry, Coefficients, Density, Field, HenyeyGreenstein, Homogeneous};
 use volref::render::counters::Event;
 use volref::render::plan::Kernel;
-use volref::render::{Bound, Counters, Plan};
+use volref::render::{Bound, Counters, Plan, Sampling};
 use volref::scene::{Body, Model, Panel, Radiative, Scattering, Scene};
 use volref::volume::{Grid, GridDensity, Interpolation, Lattice};
 
@@ -140,11 +140,11 @@ proptest! {
         let emission = if glows { 0.5 } else { 0.0 };
         let scene = grid_scene(uneven(lattice), interpolation, (0.3, 0.0, emission), camera);
         let plan = plan(&scene);
-        let (_, work) = rendered(&scene, &plan);
+        let (_, work) = rendered(&plan);
         let [planes, rays] = planes_crossed(&camera, bounds, first, spacing, cells);
         let times = if glows { 2 } else { 1 };
         prop_assert_eq!(work[Event::DensityLookup], times * looks * (planes + rays));
-        let expected = plan.expected(&scene.panels[0]);
+        let expected = plan.expected(Sampling::default());
         let told = expected.of(Event::DensityLookup).unwrap();
         prop_assert_eq!(told.count, work[Event::DensityLookup]);
         prop_assert_eq!(work, Counters::from([
@@ -167,7 +167,7 @@ proptest! {
         let grid = Arc::new(Grid::new(lattice, values).unwrap());
         let medium = (0.5 * (1.0 - albedo), 0.5 * albedo, 0.1);
         let scene = grid_scene(grid, Interpolation::Trilinear, medium, camera);
-        let (_, work) = rendered(&scene, &plan(&scene));
+        let (_, work) = rendered(&plan(&scene));
         prop_assert_eq!(work[Event::DensityLookup], 0);
         prop_assert_eq!(work[Event::CellWalked], 0);
         prop_assert_eq!(work[Event::NullCollision], 0);
@@ -182,7 +182,7 @@ fn an_empty_grid_takes_nothing() {
     let camera = camera(lattice.bounds(), [0.2, 0.3, -2.0], [0.5, 0.4, 0.6]);
     for medium in [(0.3, 0.0, 0.0), (0.1, 0.4, 0.0), (0.1, 0.4, 1.0)] {
         let scene = grid_scene(empty(), Interpolation::Trilinear, medium, camera);
-        let (film, work) = rendered(&scene, &plan(&scene));
+        let (film, work) = rendered(&plan(&scene));
         assert_eq!(work, Counters::default());
         assert!(film.radiance().iter().all(|pixel| *pixel == [1.0; 3]));
     }
@@ -202,7 +202,7 @@ fn the_empty_part_of_a_grid_takes_nothing_but_cells() {
     let scene = grid_scene(grid, Interpolation::Trilinear, (0.1, 0.4, 0.0), camera);
     let plan = plan(&scene);
     assert!(matches!(plan.kernel, Kernel::PathTracer { .. }));
-    let (film, work) = rendered(&scene, &plan);
+    let (film, work) = rendered(&plan);
     assert!(film.radiance().iter().all(|pixel| *pixel == [1.0; 3]));
     assert!(work[Event::CellWalked] > 0);
     let drawn = work[Event::RandomDraw];
@@ -230,7 +230,7 @@ fn the_transparent_part_of_a_volume_takes_nothing_but_cells() {
         )
     };
     let scene = parsed(&text("0"));
-    let (_, work) = rendered(&scene, &plan(&scene));
+    let (_, work) = rendered(&plan(&scene));
     let nodes = match &scene.panels[0].model {
         Model::Classified(scene) => scene.grid.lattice().node_count(),
         _ => unreachable!(),
@@ -244,8 +244,8 @@ fn the_transparent_part_of_a_volume_takes_nothing_but_cells() {
 
     let scene = parsed(&text("8"));
     let plan = Plan::new(&scene.panels[0]);
-    assert_eq!(plan.kernel, Kernel::Background);
-    let (_, work) = rendered(&scene, &plan);
+    assert!(matches!(plan.kernel, Kernel::Background(_)));
+    let (_, work) = rendered(&plan);
     assert_eq!(work, Counters::default());
     let said: Vec<_> = plan
         .warnings
@@ -277,9 +277,9 @@ fn a_large_image_is_told_of_by_some_of_its_rays() {
         "[radiative]\nenvironment = 1\n[[radiative.medium]]\n",
     ));
     let plan = plan(&scene);
-    let (_, work) = rendered(&scene, &plan);
+    let (_, work) = rendered(&plan);
     let told = plan
-        .expected(&scene.panels[0])
+        .expected(Sampling::default())
         .of(Event::DensityLookup)
         .unwrap();
     assert_eq!(told.bound, Bound::About);

@@ -1,12 +1,12 @@
 //! Memory that only an effect needs is not taken where it is off.
 
 use crate::scenes::{parsed, plan, rendered};
-use volref::render::{Event, Plan};
+use volref::render::{Event, Plan, Sampling};
 use volref::scene::{Model, Scene};
 
 /// What an image takes beside the scene and itself, by the plan.
 fn told(scene: &Scene) -> Vec<&'static str> {
-    let expected = plan(scene).expected(&scene.panels[0]);
+    let expected = plan(scene).expected(Sampling::default());
     expected.memory.iter().map(|memory| memory.what).collect()
 }
 
@@ -21,7 +21,7 @@ fn medium(keys: &str) -> String {
 
 /// Bytes of the bounds that tracking needs, after the image has been made.
 fn bytes_of_bounds(scene: &Scene) -> usize {
-    rendered(scene, &plan(scene));
+    rendered(&plan(scene));
     let Model::Radiative(scene) = &scene.panels[0].model else {
         panic!("a scene of media");
     };
@@ -56,7 +56,7 @@ fn no_bounds_on_densities_without_tracking() {
 fn no_moments_without_random_numbers() {
     for (keys, sampled) in [("sigma_a = 1", false), ("sigma_s = 1", true)] {
         let scene = parsed(&medium(keys));
-        let (film, _) = rendered(&scene, &plan(&scene));
+        let (film, _) = rendered(&plan(&scene));
         assert_eq!(film.noise().is_some(), sampled, "{keys}");
         assert_eq!(told(&scene).contains(&"moments of the samples"), sampled);
     }
@@ -80,7 +80,7 @@ fn no_gradients_without_shading() {
         ("[classified.phong]\n", 6 * 6 * 6),
     ] {
         let scene = parsed(&text(phong));
-        let (_, work) = rendered(&scene, &Plan::new(&scene.panels[0]));
+        let (_, work) = rendered(&Plan::new(&scene.panels[0]));
         assert_eq!(work[Event::GradientComputed], computed);
         assert_eq!(
             told(&scene).contains(&"gradients of the nodes"),

@@ -10,11 +10,12 @@ use volref::scene::Classified;
 use volref::volume::Lattice;
 
 fn with_leaps(scene: &Classified, leap: bool, size: usize) -> (Vec<[u32; 4]>, Counters) {
-    let mut plan = Plan::new(&scenes::panel(scene, size));
-    if let Kernel::RayCaster { skip_empty, .. } = &mut plan.kernel {
-        *skip_empty = leap;
+    let panel = scenes::panel(scene, size);
+    let mut plan = Plan::new(&panel);
+    if let Kernel::RayCaster { features, .. } = &mut plan.kernel {
+        features.skip_empty = leap;
     }
-    let (film, work) = scenes::render_by(scene, plan, size);
+    let (film, work) = scenes::render_by(plan);
     (scenes::bits(&film), work)
 }
 

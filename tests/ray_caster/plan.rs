@@ -47,11 +47,12 @@ proptest! {
 
     #[test]
     fn forced_effects_change_no_bit(scene in scene()) {
+        let panel = scenes::panel(&scene, 4);
         let (least, leanest) = scenes::rendered(&scene, 4);
         for effects in forcible(&scene) {
-            let plan = scenes::forced(&scene, &effects);
+            let plan = Plan::forcing(&panel, &effects).unwrap();
             prop_assert!(effects.iter().all(|&effect| plan.is_on(effect)));
-            let (film, work) = scenes::render_by(&scene, plan, 4);
+            let (film, work) = scenes::render_by(plan);
             prop_assert_eq!(scenes::bits(&film), scenes::bits(&least), "{:?}", effects);
             for event in Event::ALL {
                 let more = work[event] >= leanest[event];
@@ -62,7 +63,8 @@ proptest! {
 
     #[test]
     fn what_is_off_does_no_work(scene in scene()) {
-        let plan = Plan::new(&scenes::panel(&scene, 4));
+        let panel = scenes::panel(&scene, 4);
+        let plan = Plan::new(&panel);
         let (_, work) = scenes::rendered(&scene, 4);
         for event in Event::ALL.into_iter().filter(|&event| !plan.may_do(event)) {
             prop_assert_eq!(work[event], 0, "{}", event.key());

@@ -1,11 +1,11 @@
 //! What a classified volume calls for.
 
 use super::{
-    Approximation, Decisions, Effect, Estimator, FieldKind, Finding, Kernel, Method, Plan, Reason,
-    State,
+    Approximation, Decisions, Effect, Estimator, FieldKind, Finding, Kernel, Method, Plan,
+    RayCasterFeatures, Reason, State,
 };
 use crate::media::{Appearance, Phong};
-use crate::scene::{Classified, Compositing, Places};
+use crate::scene::{Classified, Compositing, Panel, Places};
 use crate::volume::Interpolation;
 
 const TRANSFER_FUNCTION: &str = "transfer_function";
@@ -16,7 +16,8 @@ const LIGHT: &str = "classified.light";
 const EARLY_TERMINATION: &str = "classified.early_termination";
 
 /// The plan for a classified volume.
-pub(super) fn plan(scene: &Classified, forced: &[Effect], places: &Places) -> Plan {
+pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect]) -> Plan<'s> {
+    let places = &panel.places;
     use Finding::{Absent, NotAsked};
     let null = |field: &str, reason: String| Finding::Null(field.to_owned(), reason);
     let matters = |field: &str, reason: String| Finding::Matters(field.to_owned(), reason);
@@ -91,14 +92,14 @@ pub(super) fn plan(scene: &Classified, forced: &[Effect], places: &Places) -> Pl
 
     let (kernel, method, why) = if !Effect::ALL.into_iter().any(on) {
         let why = Reason::of(TRANSFER_FUNCTION, nothing(), places);
-        (Kernel::Background, Method::Background, why)
+        (Kernel::Background(scene), Method::Background, why)
     } else {
         let field = match scene.interpolation {
             _ if constant && !on(Effect::Heterogeneity) => FieldKind::Constant,
             Interpolation::Nearest => FieldKind::Nearest,
             Interpolation::Trilinear => FieldKind::Trilinear,
         };
-        let kernel = Kernel::RayCaster {
+        let features = RayCasterFeatures {
             field,
             compositing: scene.compositing,
             shading: on(Effect::GradientShading),
@@ -109,11 +110,13 @@ pub(super) fn plan(scene: &Classified, forced: &[Effect], places: &Places) -> Pl
                 && !constant
                 && transfer_function.may_be_transparent_between(least, most),
         };
+        let kernel = Kernel::RayCaster { scene, features };
         let reason = "a classified volume is what its samples, a step apart, put together";
         let why = Reason::of("classified.step", reason, places);
         (kernel, Method::RayCasting, why)
     };
     Plan {
+        panel,
         approximations: match kernel {
             Kernel::RayCaster { .. } => early_termination(scene, places).into_iter().collect(),
             _ => vec![],

@@ -5,11 +5,12 @@ mod findings;
 mod walks;
 
 use super::{Decisions, Effect, Estimator, Finding, Kernel, Method, Parts, Plan, Reason};
-use crate::scene::{Places, Radiative, Scattering};
+use crate::scene::{Panel, Radiative, Scattering};
 use contents::{Contents, DENSITY, SCATTERING};
 
 /// The plan for a scene of surfaces, media and lights: the cheapest kernel that is exact for it.
-pub(super) fn plan(scene: &Radiative, forced: &[Effect], places: &Places) -> Plan {
+pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Radiative, forced: &[Effect]) -> Plan<'s> {
+    let places = &panel.places;
     let contents = Contents::of(scene, places);
     let decisions = Decisions::new(|effect| contents.finding(effect), forced, places);
     let on = |effect| decisions.is_on(effect);
@@ -45,6 +46,7 @@ pub(super) fn plan(scene: &Radiative, forced: &[Effect], places: &Places) -> Pla
         why.reason = format!("forced, although {}", why.reason);
     }
     Plan {
+        panel,
         approximations: vec![],
         warnings: contents.warnings(&decisions),
         estimator: Estimator { method, why },
@@ -53,12 +55,17 @@ pub(super) fn plan(scene: &Radiative, forced: &[Effect], places: &Places) -> Pla
     }
 }
 
-impl Contents<'_> {
+impl<'s> Contents<'s> {
     /// The cheapest kernel that is exact, and why it is that one. By what there is, not by what is
     /// forced: the path tracer looks through other places of a pixel than its centre.
-    fn kernel(&self, parts: Parts, turned: bool) -> (Kernel, Reason) {
+    fn kernel(&self, parts: Parts, turned: bool) -> (Kernel<'s>, Reason) {
         let because = |field: String, reason: &str| Reason::of(field, reason, self.places);
-        let line_of_sight = Kernel::LineOfSight { parts, turned };
+        let scene = self.scene;
+        let line_of_sight = Kernel::LineOfSight {
+            scene,
+            parts,
+            turned,
+        };
         if !self.light_is_turned() {
             let scattering = match self.nothing_turns() {
                 Finding::Null(field, _) if !self.turns() => field,
@@ -67,6 +74,7 @@ impl Contents<'_> {
             return match self.heterogeneous.first() {
                 Some(&index) if !self.integrable => (
                     Kernel::PathTracer {
+                        scene,
                         parts,
                         limit: Some(0),
                     },
@@ -102,7 +110,11 @@ impl Contents<'_> {
         let asked = because;
         match self.scene.scattering {
             Scattering::Multiple(limit) => (
-                Kernel::PathTracer { parts, limit },
+                Kernel::PathTracer {
+                    scene,
+                    parts,
+                    limit,
+                },
                 asked(
                     SCATTERING.to_owned(),
                     "light turned more than once is an integral over paths of any length",
@@ -118,6 +130,7 @@ impl Contents<'_> {
             ),
             _ => (
                 Kernel::PathTracer {
+                    scene,
                     parts,
                     limit: Some(1),
                 },

@@ -8,8 +8,9 @@ use super::path_tracer::{Fault, PathTracer, Scratch};
 use crate::math::Moments;
 use crate::math::rng::{Purpose, Stream};
 use crate::render::counters::{Event, Work};
-use crate::render::pixels::{Pixels, SAMPLES_A_STEP, rows};
+use crate::render::pixels::{Pixels, rows};
 use crate::render::plan::Parts;
+use crate::render::progress::SAMPLES_A_STEP;
 use crate::scene::Radiative;
 use glam::DVec3;
 use std::marker::PhantomData;
@@ -128,6 +129,7 @@ pub(in crate::render) struct ByPathTracing<'p, W> {
     pub scene: &'p Radiative,
     pub parts: Parts,
     pub limit: Option<u32>,
+    pub seed: u64,
     pub pixels: &'p Pixels<'p>,
     pub work: PhantomData<W>,
 }
@@ -154,7 +156,7 @@ impl<W: Work> Run for ByPathTracing<'_, W> {
                 }
                 let mut moments = [Moments::default(); 3];
                 for sample in 0..samples {
-                    let random = Stream::new(scene.seed, index, sample);
+                    let random = Stream::new(self.seed, index, sample);
                     work.count_times(Event::RandomDraw, 2);
                     let [x, y] = random.pair(0, Purpose::Camera, 0);
                     let place = [column as f64 + edge * x, row as f64 + edge * y];

@@ -106,7 +106,7 @@ fn mean(density: &Density) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::{Event, Plan, render_counted};
+    use crate::render::{Event, Sampling, plans, render_counted};
     use crate::scene::{Model, Scene};
     use std::path::Path;
 
@@ -142,8 +142,8 @@ mod tests {
             ("sigma_t = 300\nalbedo = 0.97", BALL),
         ] {
             let scene = scene("environment = 1", &format!("{medium}\n{shape}"));
-            let plan = Plan::new(&scene.panels[0]);
-            let work = render_counted(&scene, &[plan], &|| ()).unwrap().work[0];
+            let rendering = render_counted(&plans(&scene), Sampling::default(), &|| ());
+            let work = rendering.unwrap().work[0];
             let counted =
                 (work[Event::FirstScattering] + work[Event::FurtherScattering]) as f64 / 512.0;
             let told = estimate(&scene);
