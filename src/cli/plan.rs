@@ -7,7 +7,7 @@ use super::{Outcome, progress};
 use crate::render::counters::Event;
 use crate::render::plan::{Approximation, Decision, Estimator, PlanError, Reason};
 use crate::render::{
-    self, Amount, Bound, Counters, Effect, Expected, Footprint, Memory, Plan, Sampling,
+    self, Amount, Bound, Counters, Effect, Footprint, Memory, Plan, PredictedWork, Sampling,
 };
 use crate::scene::{Model, Origin, Panel, Scene};
 use indicatif::HumanBytes;
@@ -207,7 +207,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let mut panels = Vec::new();
     for (index, (plan, work)) in plans.iter().zip(&work).enumerate() {
         let panel = plan.panel;
-        let expected = plan.expected(Sampling::default());
+        let expected = plan.predicted_work(Sampling::default());
         if plans.len() > 1 {
             let title = panel.title.as_deref().unwrap_or("untitled");
             text.push_str(&format!("panel {}: {title}\n", index + 1));
@@ -255,7 +255,7 @@ fn defaults(panel: &Panel) -> impl Iterator<Item = DefaultJson<'_>> {
     })
 }
 
-fn describe(plan: &Plan<'_>, expected: &Expected, work: Option<&Counters>) -> String {
+fn describe(plan: &Plan<'_>, expected: &PredictedWork, work: Option<&Counters>) -> String {
     let panel = plan.panel;
     let mut text = format!("kernel     {}\n", plan.kernel);
     let Estimator { method, why } = &plan.estimator;
@@ -320,11 +320,11 @@ fn describe(plan: &Plan<'_>, expected: &Expected, work: Option<&Counters>) -> St
     text
 }
 
-/// The work that is expected, and beside it what was counted.
-fn describe_work(expected: &Expected, work: Option<&Counters>) -> String {
+/// Predicted work, and measured work beside it.
+fn describe_work(expected: &PredictedWork, work: Option<&Counters>) -> String {
     let rays = expected.rays;
     let a_ray = |count: u64| short(count as f64 / rays.max(1) as f64);
-    let told = |event: Event| match expected.of(event) {
+    let predicted = |event: Event| match expected.of(event) {
         None => "unknown".to_owned(),
         Some(Amount { count: 0, bound }) => match bound {
             Bound::AtLeast => "unknown".to_owned(),
@@ -335,15 +335,17 @@ fn describe_work(expected: &Expected, work: Option<&Counters>) -> String {
     };
     let name = |event: Event| event.key().replace('_', " ");
     let Some(work) = work else {
-        // What is not done at all, and what nobody can tell, take a line each.
+        // Events that do not occur, and events without a prediction, take a line each.
         let named = |what: &str| -> Vec<String> {
-            let those = Event::ALL.into_iter().filter(|&event| told(event) == what);
+            let those = Event::ALL
+                .into_iter()
+                .filter(|&event| predicted(event) == what);
             those.map(name).collect()
         };
         let mut text = format!("work expected, each of {rays} rays\n");
-        let known = |event: &Event| !["none", "unknown"].contains(&told(*event).as_str());
+        let known = |event: &Event| !["none", "unknown"].contains(&predicted(*event).as_str());
         for event in Event::ALL.into_iter().filter(known) {
-            text.push_str(&format!("  {:<16}  {}\n", told(event), name(event)));
+            text.push_str(&format!("  {:<16}  {}\n", predicted(event), name(event)));
         }
         for what in ["unknown", "none"] {
             let those = named(what);
@@ -365,7 +367,7 @@ fn describe_work(expected: &Expected, work: Option<&Counters>) -> String {
         text.push_str(&format!(
             "  {:<26}  {:<16}  {:>12}  {count:>14}\n",
             name(event),
-            told(event),
+            predicted(event),
             a_ray(count)
         ));
     }

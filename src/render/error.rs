@@ -2,13 +2,13 @@
 
 use thiserror::Error;
 
-/// A renderer that broke its own promise.
+/// Reason for which an image cannot be had.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum RenderError {
     /// A path without an end.
     #[error(
-        "a path of pixel ({column}, {row}) was turned 2^26 times and still carried light: \
-         nothing in the scene takes enough of it away. Let a medium or surface absorb some, \
+        "a path of pixel ({column}, {row}) was scattered 2^26 times and still carried light: \
+         nothing in the scene absorbs enough of it. Let a medium or surface absorb some, \
          leave a way out, or set max_bounces"
     )]
     Endless {
@@ -17,24 +17,24 @@ pub enum RenderError {
         /// Row, from the top.
         row: usize,
     },
-    /// A bound on the density of a medium that is none.
+    /// A density look-up exceeded its majorant.
     #[error(
-        "the density of a medium was above its bound {violations} times, first in pixel \
-         ({column}, {row}): the image would be wrong in a way that nobody sees. This is a fault of \
+        "the density of a medium exceeded its majorant {violations} times, first in pixel \
+         ({column}, {row}): the image would be biased and not look it. This is a fault of \
          volref; please report it with the scene"
     )]
     Majorant {
-        /// How often, in all pixels, each of which ends with its first such path.
+        /// Number of such look-ups, in all pixels; each pixel ends with its first such path.
         violations: u64,
         /// Column, from the left.
         column: usize,
         /// Row, from the top.
         row: usize,
     },
-    /// A light that a ray runs into, where radiance has no bound.
+    /// Unbounded radiance: a ray runs into a light without extent.
     #[error(
         "pixel ({column}, {row}) is infinitely bright: a light without extent lies on its line \
-         of sight, in matter that scatters, or nearer to what it lights than numbers can tell. \
+         of sight, in a scattering medium, or nearer to what it lights than numbers can tell. \
          Move the light or the camera a little, or make it a small emitting sphere"
     )]
     Divergent {
@@ -55,7 +55,7 @@ pub enum RenderError {
         /// Row, from the top.
         row: usize,
     },
-    /// An image that there is no memory for.
+    /// Too little memory for the image.
     #[error(
         "no memory for an image of {width} × {height} pixels: {:.2} GiB are held while it is \
          rendered and written; make film.width and film.height smaller",
@@ -69,7 +69,7 @@ pub enum RenderError {
         /// Most that is held at a time.
         bytes: u64,
     },
-    /// A pixel that is no radiance.
+    /// A pixel that is not finite, or negative.
     #[error(
         "pixel ({column}, {row}) is {value:?}: radiance must be finite and not negative. \
          This is a fault of volref; please report it with the scene"
@@ -82,7 +82,7 @@ pub enum RenderError {
         /// Red, green, blue, opacity.
         value: [f32; 4],
     },
-    /// Whoever asked for the image wants it no longer.
+    /// The image is not wanted any longer.
     #[error("the image was given up before it was finished")]
     Stopped,
 }

@@ -5,13 +5,13 @@ use super::radiative::path_tracer::Fault;
 use super::sampling::Sampling;
 use crate::math::Moments;
 
-/// Bytes that an image takes.
+/// Memory of an image, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Footprint {
     /// The finished image: radiance, and opacity or variance.
     pub image: u64,
-    /// Most that is held at a time while it is rendered and written as EXR, what is made for it
-    /// (gradients, bounds) with it. The scene and its volumes come to this.
+    /// Peak while it is rendered and written as EXR, with what is made for it (gradients,
+    /// majorants). The scene and its volumes are not counted.
     pub most: u64,
 }
 
@@ -19,7 +19,7 @@ pub struct Footprint {
 const RADIANCE: usize = size_of::<[f32; 3]>();
 const OPACITY: usize = size_of::<f32>();
 
-/// The memory that the image of `plans` takes.
+/// The memory of the image of `plans`.
 pub fn footprint(plans: &[Plan<'_>], sampling: Sampling) -> Footprint {
     let of_pixels = |plan: &Plan<'_>, bytes: usize| {
         let pixels = (plan.panel.width * plan.panel.height) as u64;

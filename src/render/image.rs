@@ -31,7 +31,7 @@ pub fn render(
     sampling: Sampling,
     progress: Progress<'_>,
 ) -> Result<Rendering, RenderError> {
-    render_with::<Uncounted>(plans, &Extent::whole(sampling, progress))
+    render_with::<Uncounted>(plans, &Job::whole(sampling, progress))
         .map(|(film, _)| Rendering { film, work: vec![] })
 }
 
@@ -41,7 +41,7 @@ pub fn render_counted(
     sampling: Sampling,
     progress: Progress<'_>,
 ) -> Result<Rendering, RenderError> {
-    render_with::<Counters>(plans, &Extent::whole(sampling, progress))
+    render_with::<Counters>(plans, &Job::whole(sampling, progress))
         .map(|(film, work)| Rendering { film, work })
 }
 
@@ -57,17 +57,17 @@ pub fn render_coarse(
     detail: Detail,
     stopped: &(dyn Fn() -> bool + Sync),
 ) -> Result<Film, RenderError> {
-    let extent = Extent {
+    let job = Job {
         sampling,
         detail,
         stopped,
         progress: &|| (),
     };
-    render_with::<Uncounted>(plans, &extent).map(|(film, _)| film)
+    render_with::<Uncounted>(plans, &job).map(|(film, _)| film)
 }
 
-/// How much of an image is rendered.
-struct Extent<'e> {
+/// The part of an image that is rendered, and with which samples.
+struct Job<'e> {
     sampling: Sampling,
     detail: Detail,
     /// Whether to end early; asked before every row.
@@ -75,9 +75,9 @@ struct Extent<'e> {
     progress: Progress<'e>,
 }
 
-impl<'e> Extent<'e> {
-    fn whole(sampling: Sampling, progress: Progress<'e>) -> Extent<'e> {
-        Extent {
+impl<'e> Job<'e> {
+    fn whole(sampling: Sampling, progress: Progress<'e>) -> Job<'e> {
+        Job {
             sampling,
             detail: Detail::Whole,
             stopped: &|| false,
@@ -86,11 +86,8 @@ impl<'e> Extent<'e> {
     }
 }
 
-fn render_with<W: Work>(
-    plans: &[Plan<'_>],
-    extent: &Extent<'_>,
-) -> Result<(Film, Vec<W>), RenderError> {
-    let Footprint { most: bytes, .. } = footprint(plans, extent.sampling);
+fn render_with<W: Work>(plans: &[Plan<'_>], job: &Job<'_>) -> Result<(Film, Vec<W>), RenderError> {
+    let Footprint { most: bytes, .. } = footprint(plans, job.sampling);
     if !has_memory(bytes) {
         return Err(RenderError::Memory {
             width: plans.iter().map(|plan| plan.panel.width).sum(),
@@ -102,12 +99,12 @@ fn render_with<W: Work>(
             bytes,
         });
     }
-    let steps = plans.iter().map(|plan| steps(plan, extent.sampling));
-    extent.progress.begin(steps.sum());
+    let steps = plans.iter().map(|plan| steps(plan, job.sampling));
+    job.progress.begin(steps.sum());
     let mut films = Vec::new();
     let mut works = Vec::new();
     for plan in plans {
-        let (film, work) = render_panel(plan, extent)?;
+        let (film, work) = render_panel(plan, job)?;
         films.push(film);
         works.push(work);
     }
@@ -138,18 +135,18 @@ fn steps(plan: &Plan<'_>, sampling: Sampling) -> u64 {
     }
 }
 
-fn render_panel<W: Work>(plan: &Plan<'_>, extent: &Extent<'_>) -> Result<(Film, W), RenderError> {
+fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<(Film, W), RenderError> {
     let panel = plan.panel;
     let pixels = Pixels {
         width: panel.width,
         height: panel.height,
-        samples: plan.samples(extent.sampling),
-        detail: extent.detail,
-        stopped: extent.stopped,
-        progress: extent.progress,
+        samples: plan.samples(job.sampling),
+        detail: job.detail,
+        stopped: job.stopped,
+        progress: job.progress,
     };
     // Those of the film: the panel may have more.
-    let [width, height] = [panel.width, panel.height].map(|size| extent.detail.places(size).len());
+    let [width, height] = [panel.width, panel.height].map(|size| job.detail.places(size).len());
     let finished = |pixels: usize| {
         if pixels == width * height {
             Ok(())
@@ -159,43 +156,43 @@ fn render_panel<W: Work>(plan: &Plan<'_>, extent: &Extent<'_>) -> Result<(Film, 
     };
     let (pixels, work) = match plan.kernel {
         Kernel::Curve(plot) => {
-            let drawn = curve::draw(plot, [panel.width, panel.height], extent.progress);
+            let drawn = curve::draw(plot, [panel.width, panel.height], job.progress);
             (pixels.those_rendered(&drawn), W::default())
         }
         Kernel::Background(scene) => (background(scene, &pixels), W::default()),
         Kernel::RayCaster { scene, features } => ray_caster::cast(scene, features, &pixels),
         Kernel::LineOfSight {
             scene,
-            parts,
-            turned,
+            features,
+            scatters,
         } => {
             let task = ByLineOfSight {
                 scene,
-                parts,
-                turned,
+                parts: features,
+                turned: scatters,
                 pixels: &pixels,
                 work: PhantomData,
             };
-            let (pixels, work) = with_parts(parts, task);
+            let (pixels, work) = with_parts(features, task);
             finished(pixels.len())?;
             let pixels = without_faults(scene, width, pixels)?;
             return Ok((Film::new(width, height, pixels), work));
         }
         Kernel::PathTracer {
             scene,
-            parts,
-            limit,
+            features,
+            max_order,
         } => {
             let task = ByPathTracing {
                 scene,
-                parts,
-                limit,
-                seed: extent.sampling.seed_of(scene),
+                parts: features,
+                limit: max_order,
+                seed: job.sampling.seed_of(scene),
                 pixels: &pixels,
                 work: PhantomData,
             };
             let samples = pixels.samples;
-            let (pixels, work) = with_parts(parts, task);
+            let (pixels, work) = with_parts(features, task);
             finished(pixels.len())?;
             let pixels = without_faults(scene, width, pixels)?;
             return Ok((mean_of_samples([width, height], samples, &pixels), work));
@@ -373,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    fn only_a_light_without_extent_is_blamed_for_light_without_bound() {
+    fn only_a_light_without_job_is_blamed_for_light_without_bound() {
         let pixels = vec![Ok(()), Err(Fault::Infinite)];
         let (column, row) = (1, 0);
         assert_eq!(

@@ -144,7 +144,7 @@ proptest! {
         let [planes, rays] = planes_crossed(&camera, bounds, first, spacing, cells);
         let times = if glows { 2 } else { 1 };
         prop_assert_eq!(work[Event::DensityLookup], times * looks * (planes + rays));
-        let expected = plan.expected(Sampling::default());
+        let expected = plan.predicted_work(Sampling::default());
         let told = expected.of(Event::DensityLookup).unwrap();
         prop_assert_eq!(told.count, work[Event::DensityLookup]);
         prop_assert_eq!(work, Counters::from([
@@ -256,9 +256,9 @@ fn the_transparent_part_of_a_volume_takes_nothing_but_cells() {
     assert_eq!(
         said,
         [
-            format!("shading asked, but {nothing}"),
-            format!("a shadow asked, but {nothing}"),
-            format!("early termination asked, but {nothing}"),
+            format!("shading has no effect: {nothing}"),
+            format!("the shadow has no effect: {nothing}"),
+            format!("early termination has no effect: {nothing}"),
         ]
     );
 }
@@ -279,7 +279,7 @@ fn a_large_image_is_told_of_by_some_of_its_rays() {
     let plan = plan(&scene);
     let (_, work) = rendered(&plan);
     let told = plan
-        .expected(Sampling::default())
+        .predicted_work(Sampling::default())
         .of(Event::DensityLookup)
         .unwrap();
     assert_eq!(told.bound, Bound::About);

@@ -32,7 +32,7 @@ pub fn rendered(plan: &Plan<'_>) -> (Film, Counters) {
 /// The predicted work holds.
 #[track_caller]
 pub fn as_predicted(what: &str, plan: &Plan<'_>, work: &Counters) {
-    for (event, amount) in plan.expected(Sampling::default()).work {
+    for (event, amount) in plan.predicted_work(Sampling::default()).work {
         let (counted, predicted) = (work[event], amount.count);
         let holds = match amount.bound {
             Bound::Exactly => counted == predicted,

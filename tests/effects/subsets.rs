@@ -7,13 +7,13 @@ use crate::scenes::{
 use std::collections::BTreeSet;
 use volref::film::Film;
 use volref::render::counters::Event;
-use volref::render::plan::{FieldKind, Kernel, Parts, RayCasterFeatures};
+use volref::render::plan::{FieldKind, Kernel, RadiativeFeatures, RayCasterFeatures};
 use volref::render::{Counters, Effect, Plan, State};
 
 /// Everything on.
-const ALL_PARTS: Parts = Parts {
+const ALL_FEATURES: RadiativeFeatures = RadiativeFeatures {
     media: true,
-    null_media: true,
+    vacuum_media: true,
     surfaces: true,
     emission: true,
     chromatic: true,
@@ -24,15 +24,19 @@ const ALL_PARTS: Parts = Parts {
 /// The same plan by the most general code.
 fn general<'s>(plan: &Plan<'s>) -> Plan<'s> {
     let kernel = match plan.kernel {
-        Kernel::LineOfSight { scene, turned, .. } => Kernel::LineOfSight {
+        Kernel::LineOfSight {
+            scene, scatters, ..
+        } => Kernel::LineOfSight {
             scene,
-            parts: ALL_PARTS,
-            turned,
+            features: ALL_FEATURES,
+            scatters,
         },
-        Kernel::PathTracer { scene, limit, .. } => Kernel::PathTracer {
+        Kernel::PathTracer {
+            scene, max_order, ..
+        } => Kernel::PathTracer {
             scene,
-            parts: ALL_PARTS,
-            limit,
+            features: ALL_FEATURES,
+            max_order,
         },
         other => other,
     };

@@ -1,7 +1,7 @@
-//! What a classified volume calls for.
+//! The plan for a classified volume.
 
 use super::{
-    Approximation, Decisions, Effect, Estimator, FieldKind, Finding, Kernel, Method, Plan,
+    Approximation, Decisions, Effect, EffectFinding, Estimator, FieldKind, Kernel, Method, Plan,
     RayCasterFeatures, Reason, State,
 };
 use crate::media::{Appearance, Phong};
@@ -18,9 +18,9 @@ const EARLY_TERMINATION: &str = "classified.early_termination";
 /// The plan for a classified volume.
 pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect]) -> Plan<'s> {
     let places = &panel.places;
-    use Finding::{Absent, NotAsked};
-    let null = |field: &str, reason: String| Finding::Null(field.to_owned(), reason);
-    let matters = |field: &str, reason: String| Finding::Matters(field.to_owned(), reason);
+    use EffectFinding::{Absent, NotAsked};
+    let null = |field: &str, reason: String| EffectFinding::Null(field.to_owned(), reason);
+    let matters = |field: &str, reason: String| EffectFinding::Matters(field.to_owned(), reason);
     let (least, most) = scene.grid.range();
     let constant = least == most;
     // Grids hold `f32`, whose digits are the shorter ones.
@@ -32,15 +32,15 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
             "densities",
             format!("every density, up to {shortest_most}, has opacity 0"),
             format!("densities up to {shortest_most}"),
-            "the colormap sends out light",
-            "densities darken what lies behind",
+            "the colormap emits light",
+            "densities attenuate light",
         ),
         Appearance::Points(_) => (
             "values",
             format!("every value, from {shortest_least} to {shortest_most}, has opacity 0"),
             format!("values from {shortest_least} to {shortest_most}"),
-            "the colours of the points send out light",
-            "opacities darken what lies behind",
+            "the colours of the points emit light",
+            "opacities attenuate light",
         ),
     };
     let nothing = || nothing.clone();
@@ -111,7 +111,7 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
                 && transfer_function.may_be_transparent_between(least, most),
         };
         let kernel = Kernel::RayCaster { scene, features };
-        let reason = "a classified volume is what its samples, a step apart, put together";
+        let reason = "a classified volume is the composite of its samples, a step apart";
         let why = Reason::of("classified.step", reason, places);
         (kernel, Method::RayCasting, why)
     };
@@ -128,7 +128,7 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
     }
 }
 
-/// What the file asks for and cannot matter.
+/// Keys of the file without any effect.
 fn warnings(scene: &Classified, decisions: &Decisions, places: &Places) -> Vec<Reason> {
     let mut warnings = Vec::new();
     let mut warn = |key: &str, message: String| {
@@ -138,30 +138,33 @@ fn warnings(scene: &Classified, decisions: &Decisions, places: &Places) -> Vec<R
     };
     for (effect, key, what) in [
         (Effect::GradientShading, PHONG, "shading"),
-        (Effect::MediumShadow, SHADOW, "a shadow"),
+        (Effect::MediumShadow, SHADOW, "the shadow"),
         (Effect::Absorption, EARLY_TERMINATION, "early termination"),
     ] {
         let decision = decisions.of(effect);
         if decision.state == State::Elided {
-            warn(key, format!("{what} asked, but {}", decision.why.reason));
+            warn(
+                key,
+                format!("{what} has no effect: {}", decision.why.reason),
+            );
         }
     }
     let on = |effect| decisions.is_on(effect);
     let lights = |phong: Phong| phong.diffuse != 0.0 || phong.specular != 0.0;
     let lit = on(Effect::GradientShading) && scene.phong.is_some_and(lights);
     if !lit && !on(Effect::MediumShadow) {
-        let message = "a light asked, but nothing is shaded by it and nothing throws a shadow";
+        let message = "the light has no effect: nothing is shaded by it or casts a shadow";
         warn(LIGHT, message.to_owned());
     }
     warnings
 }
 
-/// By what rays that are ended early may be off: less than the share that is still let through, of
-/// the brightest radiance there is.
+/// Bias of early ray termination: at most the transmittance at which a ray ends, times the
+/// brightest radiance of the scene.
 fn early_termination(scene: &Classified, places: &Places) -> Option<Approximation> {
     match scene.compositing {
         Compositing::EarlyTermination(below) => Some(Approximation {
-            without: format!("light behind what lets through less than {below}"),
+            without: format!("light behind a transmittance below {below}"),
             field: EARLY_TERMINATION,
             line: places.line(EARLY_TERMINATION),
             bias: below * scene.brightest(),

@@ -22,18 +22,18 @@ pub enum Kernel<'s> {
         /// What is rendered.
         scene: &'s Radiative,
         /// What it is compiled for.
-        parts: Parts,
-        /// Whether light is turned, once.
-        turned: bool,
+        features: RadiativeFeatures,
+        /// Whether light is scattered, once.
+        scatters: bool,
     },
     /// Path tracing.
     PathTracer {
         /// What is rendered.
         scene: &'s Radiative,
         /// What it is compiled for.
-        parts: Parts,
-        /// How often light is turned at most, if there is a limit.
-        limit: Option<u32>,
+        features: RadiativeFeatures,
+        /// Highest scattering order, if there is a limit.
+        max_order: Option<u32>,
     },
 }
 
@@ -48,30 +48,30 @@ pub struct RayCasterFeatures {
     pub shading: bool,
     /// Volume shadow.
     pub shadow: bool,
-    /// Leaps over regions known to be transparent.
+    /// Empty-space skipping: samples in transparent blocks are not taken.
     pub skip_empty: bool,
 }
 
-/// Parts of the kernels for surfaces and participating media.
+/// What the kernels for surfaces and participating media are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Parts {
+pub struct RadiativeFeatures {
     /// Media.
     pub media: bool,
-    /// Media of no matter are asked where they are, like others.
-    pub null_media: bool,
+    /// Vacuum media, without extinction and emission, are treated like others.
+    pub vacuum_media: bool,
     /// Surfaces.
     pub surfaces: bool,
-    /// Light that media send out.
+    /// Emission by media.
     pub emission: bool,
     /// Coefficients that differ between channels.
     pub chromatic: bool,
-    /// Phase functions that prefer a direction.
+    /// Anisotropic phase functions.
     pub anisotropic: bool,
-    /// Media whose density differs from place to place.
+    /// Heterogeneous media.
     pub heterogeneous: bool,
 }
 
-impl fmt::Display for Parts {
+impl fmt::Display for RadiativeFeatures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let names = [
             (self.surfaces, "surfaces"),
@@ -79,7 +79,7 @@ impl fmt::Display for Parts {
             (self.emission, "emission"),
             (self.chromatic, "colour"),
             (self.anisotropic, "anisotropic scattering"),
-            (self.heterogeneous, "varying density"),
+            (self.heterogeneous, "heterogeneous"),
         ];
         let names: Vec<_> = names
             .iter()
@@ -91,7 +91,7 @@ impl fmt::Display for Parts {
     }
 }
 
-/// How a kernel comes by densities.
+/// Reconstruction of densities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FieldKind {
     /// Value of the nearest node.
@@ -108,16 +108,27 @@ impl fmt::Display for Kernel<'_> {
             Kernel::Curve(_) => f.write_str("plot of the transfer function"),
             Kernel::Background(_) => f.write_str("background only"),
             Kernel::RayCaster { features, .. } => write!(f, "ray caster: {features}"),
-            Kernel::LineOfSight { parts, turned, .. } => {
-                let often = if *turned { "turned once" } else { "not turned" };
-                write!(f, "line of sight: {parts}, light {often}")
+            Kernel::LineOfSight {
+                features, scatters, ..
+            } => {
+                let scattering = if *scatters {
+                    "single scattering"
+                } else {
+                    "no scattering"
+                };
+                write!(f, "line of sight: {features}, {scattering}")
             }
-            Kernel::PathTracer { parts, limit, .. } => {
-                write!(f, "path tracer: {parts}, ")?;
-                match limit {
-                    None => f.write_str("any number of turns"),
-                    Some(0) => f.write_str("light not turned"),
-                    Some(limit) => write!(f, "up to {limit} turns"),
+            Kernel::PathTracer {
+                features,
+                max_order,
+                ..
+            } => {
+                write!(f, "path tracer: {features}, ")?;
+                match max_order {
+                    None => f.write_str("scattering of any order"),
+                    Some(0) => f.write_str("no scattering"),
+                    Some(1) => f.write_str("single scattering"),
+                    Some(order) => write!(f, "scattering up to order {order}"),
                 }
             }
         }
@@ -144,7 +155,7 @@ impl fmt::Display for RayCasterFeatures {
                 "no shadow"
             },
             if self.skip_empty {
-                "leaps over empty space"
+                "empty-space skipping"
             } else {
                 "every sample"
             },

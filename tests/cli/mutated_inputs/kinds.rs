@@ -148,7 +148,7 @@ fn read_scene(workshop: &Workshop, bytes: &[u8]) -> Result<(), String> {
     let scene = Scene::parse(&text, &path).map_err(|error| error.to_string())?;
     for panel in &scene.panels {
         let plan = Plan::new(panel);
-        let _ = plan.expected(Sampling::default());
+        let _ = plan.predicted_work(Sampling::default());
         let _ = plan.canonical_text();
     }
     for format in ["mitsuba", "pbrt"] {
