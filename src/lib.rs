@@ -66,11 +66,11 @@
 //! [`scene`], [`media`], [`optics`], [`volume`], [`geometry`], [`film`], [`math`].
 //!
 //! ```no_run
-//! use volref::{render, render::Plan, scene::Scene};
+//! use volref::render::{Sampling, plans, render};
+//! use volref::scene::Scene;
 //!
 //! let scene = Scene::load("fixtures/scenes/figures/figure-3.toml".as_ref())?;
-//! let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
-//! let image = render::render(&scene, &plans, &|| {})?.film;
+//! let image = render(&plans(&scene), Sampling::default(), &|| {})?.film;
 //! std::fs::write("figure-3.png", image.to_png(1.0))?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

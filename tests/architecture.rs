@@ -1,5 +1,10 @@
-//! The rooms of `src/` and the arrows between them: imports only point down.
+//! The rooms of `src/` and the arrows between them: imports only point down, and between files they
+//! make no circles.
 
+#[path = "architecture/files.rs"]
+mod files;
+
+use files::{Files, circles};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -15,6 +20,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "cost",
             "exchange",
             "compare",
+            "reference",
             "render",
             "scene",
             "media",
@@ -71,6 +77,13 @@ const ROOMS: &[(&str, &[&str])] = &[
         "exchange",
         &[
             "render", "scene", "media", "optics", "volume", "geometry", "math",
+        ],
+    ),
+    (
+        // Of `render` only what a rendering is asked for (tests/reference.rs).
+        "reference",
+        &[
+            "render", "scene", "media", "optics", "volume", "geometry", "film", "math",
         ],
     ),
     (
@@ -219,6 +232,122 @@ fn arrows_only_point_down() {
     for room in ["cli", "suite", "render", "scene", "film", "math"] {
         assert!(seen.contains(room), "no file of {room} was read");
     }
+}
+
+fn source() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+}
+
+/// Circles that are there nevertheless: their files, and why.
+const CIRCLES: [(&[&str], &str); 1] = [(
+    &[
+        "render/radiative/majorants.rs",
+        "render/radiative/media.rs",
+        "render/radiative/tracker.rs",
+    ],
+    "media estimate transmittance by tracking, and tracking walks through media",
+)];
+
+#[test]
+fn files_import_each_other_in_no_circles() {
+    let files = Files::read(&source(), &rust_files(&source()));
+    let imports = files.imports();
+    let excepted: Vec<Vec<&str>> = CIRCLES.iter().map(|(files, _)| files.to_vec()).collect();
+    assert_eq!(circles(&imports), excepted, "files that import each other");
+    // A graph without arrows has no circles either.
+    for (file, target) in [
+        ("render/image.rs", "render/classified/kernels.rs"),
+        ("render/classified/kernels.rs", "render/pixels.rs"),
+        ("render/classified/ray_caster.rs", "volume/grid.rs"),
+        ("scene/load.rs", "scene/radiative.rs"),
+    ] {
+        assert!(imports[file].contains(target), "{file} imports {target}");
+    }
+}
+
+/// Whoever reads one model of light need not know the other. What is shared stands above their
+/// folders, or below in other rooms.
+#[test]
+fn each_model_of_light_is_read_by_itself() {
+    const MODELS: [&str; 4] = [
+        "render/classified/",
+        "render/radiative/",
+        "render/plan/classified.rs",
+        "render/plan/radiative",
+    ];
+    let of = |file: &str| {
+        let place = MODELS.iter().position(|model| file.starts_with(model));
+        place.map(|place| place % 2)
+    };
+    let files = Files::read(&source(), &rust_files(&source()));
+    let mut seen = [0; 2];
+    for (file, targets) in files.imports() {
+        let Some(model) = of(file) else { continue };
+        seen[model] += 1;
+        for target in targets {
+            assert!(
+                of(target).is_none_or(|other| other == model),
+                "{file} names {target}"
+            );
+        }
+    }
+    assert!(seen[0] > 8 && seen[1] > 15, "{seen:?}");
+}
+
+#[test]
+fn circles_are_found_through_every_kind_of_import() {
+    let found = |texts: &[(&str, &str)]| {
+        let files = Files::of(texts.iter().copied());
+        let groups = circles(&files.imports());
+        let groups = groups.iter().map(|group| group.join(" "));
+        groups.collect::<Vec<_>>().join("; ")
+    };
+    let module = (
+        "a/mod.rs",
+        "mod b;\nmod c;\npub use b::B;\npub use c::{C, D as E};",
+    );
+    let b = |code| ("a/b.rs", code);
+    let c = |code| ("a/c.rs", code);
+    let both = "a/b.rs a/c.rs";
+    // By the parent's re-exports, by modules, in a list, renamed, without an import at all.
+    for code in [
+        "use super::C;\nfn f(c: C) {}",
+        "use crate::a::{C as Other};\nfn f(c: Other) {}",
+        "use super::c::{self, D};\nfn f(d: D) {}",
+        "use crate::a::c;\nfn f() { c::g() }",
+        "use super::E;\nfn f(e: E) {}",
+        "use super::c::*;",
+        "fn f() { super::c::g() }",
+        "fn f(c: crate::a::C) {}",
+    ] {
+        let back = c("use super::b::B;\nfn g(b: B) {}\nstruct C;\nstruct D;");
+        assert_eq!(found(&[module, b(code), back]), both, "{code}");
+        // One of the two arrows alone is no circle.
+        assert_eq!(
+            found(&[module, b(code), c("struct C;\nstruct D;\nfn g() {}")]),
+            ""
+        );
+    }
+    let back = c("use super::b::B;\nfn g(b: B) {}\nstruct C;");
+    // Comments, strings and tests name what they like; and other crates have modules, too.
+    for code in [
+        "// use super::C;\nstruct B;",
+        "fn f() -> &'static str { \"super::C\" }",
+        "struct B;\n#[cfg(test)]\nmod tests {\n    use super::super::C;\n}",
+        "use other::c::C;\nfn f(c: C) {}",
+    ] {
+        assert_eq!(found(&[module, b(code), back]), "", "{code}");
+    }
+    // Three files; and a child that uses what its parent defines is no circle.
+    let d = ("a/d.rs", "use super::b::B;\nfn f(b: B) {}\nstruct D;");
+    let chain = c("use super::d::D;\nstruct C;\nfn g(d: D) {}");
+    let b = b("use super::C;\nstruct B;\nfn f(c: C) {}");
+    assert_eq!(found(&[module, b, chain, d]), "a/b.rs a/c.rs a/d.rs");
+    let parent = ("a.rs", "mod b;\nuse b::B;\nstruct A(B);");
+    assert_eq!(
+        found(&[parent, ("a/b.rs", "use super::A;\nfn f(a: A) {}")]),
+        ""
+    );
 }
 
 /// Ways to open a file that ask neither what it is nor how long.

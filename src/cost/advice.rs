@@ -206,7 +206,7 @@ fn command(knob: Knob, setting: &str, path: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cost::results::{Norms, Order, OrderVerdict, Work};
+    use crate::cost::results::{Event, MeanWork, Norms, Order, OrderVerdict};
 
     /// Noise beyond what was measured is said to be so, next to a price list that reaches nothing.
     #[test]
@@ -214,10 +214,7 @@ mod tests {
         let rung = |samples: u32| Rung {
             setting: format!("{samples} samples"),
             value: f64::from(samples),
-            work: Work {
-                random_draws: 10.0 * f64::from(samples),
-                ..Work::default()
-            },
+            work: MeanWork::from([(Event::RandomDraw, 10.0 * f64::from(samples))]),
             error: Norms {
                 l2: 0.79 / f64::from(samples).sqrt(),
                 ..Norms::default()

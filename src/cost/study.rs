@@ -3,7 +3,7 @@
 
 use super::norms::Errors;
 use super::order::{Expected, order};
-use super::results::{Knob, Ladder, Norms, Offer, Price, Reference, Rung, Study, Work};
+use super::results::{Knob, Ladder, MeanWork, Norms, Offer, Price, Reference, Rung, Study};
 use super::timing::Clock;
 use crate::render::Counters;
 
@@ -101,7 +101,7 @@ pub fn climb(
             rungs[index].push(Rung {
                 setting: setting.name.clone(),
                 value: setting.value,
-                work: Work::per_ray(&outcome.work, rays),
+                work: MeanWork::per_ray(&outcome.work, rays),
                 error: norms(&outcome.errors),
                 error_of_order,
                 single_precision: single,

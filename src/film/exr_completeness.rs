@@ -3,7 +3,6 @@
 //! zeros where two places of the table of blocks lead to one block.
 
 use super::FilmError;
-use super::exr_file::unreadable;
 use exr::block::chunk::{CompressedBlock, TileCoordinates};
 use exr::block::reader::ChunksReader;
 use exr::math::Vec2;
@@ -13,6 +12,20 @@ use std::io::Cursor;
 
 /// Attributes of a header that are windows.
 const WINDOWS: [&[u8]; 2] = [b"displayWindow", b"dataWindow"];
+
+/// The error for a file that the `exr` crate refuses.
+pub(super) fn unreadable(error: exr::error::Error) -> FilmError {
+    let reason = match error.to_string().as_str() {
+        // The words of the crate for the end of a file before the end of the image.
+        "invalid: reference to missing bytes" => "the file ends too early".to_owned(),
+        "invalid: file identifier missing" => "it does not begin like one".to_owned(),
+        other => other.to_owned(),
+    };
+    FilmError::Unreadable {
+        format: "EXR",
+        reason,
+    }
+}
 
 /// Fails where a window of any part ends before it begins.
 ///

@@ -16,7 +16,7 @@ use crate::render::classified::steps::Steps;
 use crate::render::counters::Uncounted;
 use crate::render::radiative::effects::Everything;
 use crate::render::radiative::path_tracer::{PathTracer, Scratch};
-use crate::render::{Effect, Plan, State, render};
+use crate::render::{Effect, Plan, Sampling, State, render};
 use crate::scene::{Classified, Model, Radiative, Scene};
 use crate::volume::{Blob, ConstantDensity};
 use glam::DVec3;
@@ -325,8 +325,9 @@ fn a6_null_effects(margin: &mut Margin) {
     for (name, model) in models {
         let scene = picture(model);
         let panel = &scene.panels[0];
-        let by = |plan: Plan| {
-            render(&scene, &[plan], &|| ()).map(|rendering| rendering.film.pixel_hash())
+        let by = |plan: Plan<'_>| {
+            render(&[plan], Sampling::default(), &|| ())
+                .map(|rendering| rendering.film.pixel_hash())
         };
         let plan = Plan::new(panel);
         let bare = by(plan.clone());

@@ -24,7 +24,7 @@ use crate::render::counters::Uncounted;
 use crate::render::radiative::effects::Everything;
 use crate::render::radiative::intersection::Surroundings;
 use crate::render::radiative::tracker::Tracker;
-use crate::render::{Effect, Plan, render_counted};
+use crate::render::{Effect, Event, Plan, Sampling, render_counted};
 use crate::scene::{Classified, Model};
 use crate::volume::{
     Centring, DensityField, Grid, GridDensity, GridError, Interpolation, Lattice, LoadOptions,
@@ -270,7 +270,7 @@ fn d6_empty_space(margin: &mut Margin) {
                 .radiance()
                 .iter()
                 .all(|&pixel| pixel == [1.0; 3]);
-            (sky, rendering.work[0].density_lookups)
+            (sky, rendering.work[0][Event::DensityLookup])
         })
     };
     let empty = grid([33, 9, 9], DVec3::splat(1.0 / 16.0), |_| 0.0);
@@ -654,8 +654,8 @@ fn d14_zero_gradient_and_touched_surfaces(margin: &mut Margin) {
         };
         let scene = scene_of(Model::Classified(Box::new(volume)), [8, 8]);
         let plan = Plan::forcing(&scene.panels[0], forced).ok()?;
-        let rendering = render_counted(&scene, &[plan], &|| ()).ok()?;
-        let asked = rendering.work[0].gradient_lookups > 0;
+        let rendering = render_counted(&[plan], Sampling::default(), &|| ()).ok()?;
+        let asked = rendering.work[0][Event::GradientLookup] > 0;
         Some((rendering.film.pixel_hash(), asked))
     };
     let forced = [Effect::GradientShading, Effect::Heterogeneity];

@@ -11,9 +11,9 @@ use crate::media::{
     Appearance, Coefficients, TransferFunction, TransferPoint, TransferPoints, collision_weight,
     escape_weight, opacity, optical_depth, over_length, source_factor, transmittance,
 };
-use crate::render::Plan;
 use crate::render::classified::compositing::{FrontToBack, Layers, Order};
 use crate::render::classified::steps::Steps;
+use crate::render::{Event, Plan};
 use crate::scene::{Classified, Compositing, Model};
 use glam::DVec3;
 
@@ -325,16 +325,16 @@ fn e9_early_termination(margin: &mut Margin) {
                 Model::Classified(Box::new(volume(compositing, fog))),
                 [3, 3],
             );
-            let plan = Plan::new(&scene.panels[0]);
-            (rendered(&scene), plan)
+            let approximations = Plan::new(&scene.panels[0]).approximations;
+            (rendered(&scene), approximations)
         };
         let (Ok(whole), _) = plan(Compositing::FrontToBack) else {
             return margin.holds("the whole has a picture", false);
         };
-        let (Ok(ended), plan) = plan(Compositing::EarlyTermination(below)) else {
+        let (Ok(ended), approximations) = plan(Compositing::EarlyTermination(below)) else {
             return margin.holds("the rest has a picture", false);
         };
-        let stated = plan.approximations.first().map_or(0.0, |early| early.bias);
+        let stated = approximations.first().map_or(0.0, |early| early.bias);
         margin.exact("stated bias", stated, below * source);
         let pixels = ended.film.radiance().iter().zip(whole.film.radiance());
         for (ended, whole) in pixels.flat_map(|(a, b)| a.iter().zip(b)) {
@@ -345,7 +345,7 @@ fn e9_early_termination(margin: &mut Margin) {
                 stated,
             );
         }
-        let saved = ended.work[0].density_lookups < whole.work[0].density_lookups;
+        let saved = ended.work[0][Event::DensityLookup] < whole.work[0][Event::DensityLookup];
         margin.holds(format_args!("look-ups are saved behind {fog}"), saved);
     }
     // Not asked for, nothing is left out.

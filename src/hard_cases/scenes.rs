@@ -12,7 +12,7 @@ use crate::render::radiative::effects::Everything;
 use crate::render::radiative::intersection::Surroundings;
 use crate::render::radiative::line_of_sight::{LineOfSight, TOLERANCE};
 use crate::render::radiative::path_tracer::{PathTracer, Scratch};
-use crate::render::{Plan, RenderError, Rendering, render_counted};
+use crate::render::{RenderError, Rendering, Sampling, plans, render_counted};
 use crate::scene::{
     Body, Classified, Compositing, Model, Panel, Radiative, Scattering, Scene, Shadow,
 };
@@ -193,8 +193,7 @@ pub fn bits(scene: &Scene) -> Option<String> {
 }
 
 pub fn rendered(scene: &Scene) -> Result<Rendering, RenderError> {
-    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
-    render_counted(scene, &plans, &|| ())
+    render_counted(&plans(scene), Sampling::default(), &|| ())
 }
 
 /// A classified volume, bumpy, lit and shadowed, seen by a camera in front of it.

@@ -12,6 +12,7 @@ pub mod ray_caster;
 mod vertex;
 
 use crate::film::Film;
+use crate::render::Sampling;
 use crate::scene::{Model, Scene};
 use thiserror::Error;
 
@@ -47,14 +48,19 @@ pub enum ReferenceError {
 }
 
 /// The image of `scene`, its panels side by side.
-pub fn render(scene: &Scene) -> Result<Film, ReferenceError> {
+pub fn render(scene: &Scene, sampling: Sampling) -> Result<Film, ReferenceError> {
     let mut films = Vec::new();
     for panel in &scene.panels {
         let size = [panel.width, panel.height];
         films.push(match &panel.model {
             Model::Classified(scene) => ray_caster::render(scene, size),
             Model::Radiative(scene) => {
-                let film = path_tracer::render(scene, size, scene.samples, scene.seed);
+                let film = path_tracer::render(
+                    scene,
+                    size,
+                    sampling.samples_of(scene),
+                    sampling.seed_of(scene),
+                );
                 film.map_err(|pixel| ReferenceError::Endless {
                     column: pixel % panel.width,
                     row: pixel / panel.width,

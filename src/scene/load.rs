@@ -242,34 +242,10 @@ impl Scene {
         text
     }
 
-    /// Sets the samples per pixel of every panel that may need random numbers. The canonical
-    /// text stays: it is about what the scene file says.
-    pub fn set_samples(&mut self, samples: u32) {
-        for radiative in self.radiative_mut() {
-            radiative.samples = samples;
-        }
-    }
-
-    /// Sets the seed of every panel that may need random numbers; canonical text as in
-    /// [`Scene::set_samples`].
-    pub fn set_seed(&mut self, seed: u64) {
-        for radiative in self.radiative_mut() {
-            radiative.seed = seed;
-        }
-    }
-
     /// The seed of the first panel that may need random numbers.
     pub fn seed(&self) -> Option<u64> {
         self.panels.iter().find_map(|panel| match &panel.model {
             Model::Radiative(radiative) => Some(radiative.seed),
-            Model::Classified(_) | Model::Curve(_) => None,
-        })
-    }
-
-    fn radiative_mut(&mut self) -> impl Iterator<Item = &mut Radiative> {
-        let panels = self.panels.iter_mut();
-        panels.filter_map(|panel| match &mut panel.model {
-            Model::Radiative(radiative) => Some(&mut **radiative),
             Model::Classified(_) | Model::Curve(_) => None,
         })
     }

@@ -7,7 +7,7 @@ use super::verify::judge_quick;
 use super::{Cache, Case, GoldenError, Quick, Sampling, Store, StoreError};
 use crate::compare::{Gate, Picture, judge, stochastic};
 use crate::film::Film;
-use crate::render::{self, Plan};
+use crate::render::{self, plans};
 use crate::scene::Scene;
 use miette::Diagnostic;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -211,7 +211,6 @@ fn incomplete(case: &Case, reason: impl ToString) -> AcceptError {
 struct Task<'c> {
     case: &'c Case,
     scene: Scene,
-    plans: Vec<Plan>,
     /// The picture of the golden, and before it the quick one of a stochastic case.
     shots: Vec<Picturing>,
 }
@@ -238,7 +237,7 @@ impl<'c> Task<'c> {
         cache: &Cache,
     ) -> Result<Task<'c>, AcceptError> {
         let scene = case.load_scene().map_err(|error| incomplete(case, error))?;
-        let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
+        let plans = plans(&scene);
         check_class(renderer, case, &plans).map_err(|reason| incomplete(case, reason))?;
         let shots = match case.sampling {
             None => vec![Shot::Only],
@@ -256,12 +255,7 @@ impl<'c> Task<'c> {
             Picturing { shot, key, kept }
         };
         let shots = shots.into_iter().map(picturing).collect();
-        Ok(Task {
-            case,
-            scene,
-            plans,
-            shots,
-        })
+        Ok(Task { case, scene, shots })
     }
 
     fn work_of(&self, shot: Shot) -> u64 {
@@ -292,7 +286,7 @@ impl<'c> Task<'c> {
                 steps: AtomicU64::new(0),
                 done: AtomicU64::new(0),
             };
-            let film = render_case(renderer, &self.scene, &self.plans, *shot, &progress)
+            let film = render_case(renderer, &plans(&self.scene), *shot, &progress)
                 .map_err(|reason| incomplete(self.case, reason))?;
             if let Some(key) = key {
                 cache.put(&self.case.name, key, &film);
@@ -355,9 +349,8 @@ fn prepare(
     store: &Store,
     reason: &str,
 ) -> Result<(Change, Files), AcceptError> {
-    let Task {
-        case, scene, plans, ..
-    } = task;
+    let Task { case, scene, .. } = task;
+    let plans = plans(scene);
     let mut damaged = false;
     let old = match Golden::read(store, case) {
         Ok(golden) => Some(golden),
@@ -371,7 +364,7 @@ fn prepare(
     let same_file = |old: &Golden| {
         old.provenance.case == case.name
             && old.provenance.scene == scene_hash(scene)
-            && old.provenance.plan == plan_hash(plans)
+            && old.provenance.plan == plan_hash(&plans)
             && old.provenance.exposure == case.exposure
             && old.provenance.inputs == input_hashes(scene)
             && old.provenance.quick == quick
@@ -396,7 +389,7 @@ fn prepare(
     let replaces = old
         .map(|golden| golden.provenance.pixels)
         .unwrap_or_default();
-    let files = Golden::encode(case, scene, plans, &golden, quick, reason, replaces)
+    let files = Golden::encode(case, scene, &plans, &golden, quick, reason, replaces)
         .map_err(|error| incomplete(case, error))?;
     Ok((change, files))
 }

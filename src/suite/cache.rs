@@ -40,7 +40,7 @@ impl Cache {
     }
 
     /// What a rendering is known by, if anything can be kept.
-    pub(super) fn key(&self, scene: &Scene, plans: &[Plan], shot: Shot) -> Option<String> {
+    pub(super) fn key(&self, scene: &Scene, plans: &[Plan<'_>], shot: Shot) -> Option<String> {
         let executable = self.executable.as_ref()?;
         let plans: Vec<_> = plans.iter().map(Plan::canonical_text).collect();
         let inputs: Vec<_> = input_hashes(scene).into_iter().collect();

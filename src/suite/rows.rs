@@ -1,13 +1,11 @@
 //! The rows of the catalogue of hard cases, as results of the suite.
 
+use super::row_name::{HARD, row_name};
 use super::{Case, CaseResult, Cause, Evidence, Judged, Suite, SuiteError, Verdict};
 use crate::compare::Gate;
 use crate::hard_cases::{Row, rows};
 use std::collections::BTreeMap;
 use std::time::Instant;
-
-/// The family of the catalogue. A suite with cases of it has the rows, too.
-pub const HARD: &str = "hard";
 
 /// The class of rows in results.
 pub const ANALYTIC: &str = "analytic";
@@ -15,11 +13,6 @@ pub const ANALYTIC: &str = "analytic";
 /// The number by which results say how far from a known answer they are, as a share of what they
 /// may be.
 pub const ERROR_OF_TOLERANCE: &str = "error_of_tolerance";
-
-/// `hard/G1`.
-pub fn row_name(row: &Row) -> String {
-    format!("{HARD}/{}", row.id)
-}
 
 impl Suite {
     /// The rows that go with this suite.

@@ -38,7 +38,7 @@ pub(super) fn verify_with(
         evidence.golden = Some(trusted.golden.film.clone());
         let quick = trusted.golden.provenance.quick.as_ref();
         let shot = quick.map_or(Shot::Only, |quick| Shot::Quick(quick.samples));
-        let film = render_case(renderer, &trusted.scene, &trusted.plans, shot, progress)
+        let film = render_case(renderer, &trusted.plans(), shot, progress)
             .map_err(|reason| Finding::new(Verdict::Fail, Cause::Mismatch, reason))?;
         let mut finding = match quick {
             None => compare(&trusted, &film),

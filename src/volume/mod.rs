@@ -40,7 +40,7 @@ pub use interpolation::{
 };
 pub use lattice::{Centring, Lattice, LatticeError};
 pub use layers::{ConstantDensity, ExponentialLayer, LayerError, LinearRamp};
-pub use load_options::LoadOptions;
+pub use load_options::{LoadOptions, NonFinite};
 pub use mitsuba_vol::{VolError, read_vol, write_vol};
 pub use nifti::{NiftiError, read_nifti};
 pub use noise_range::NOISE_BOUND;
@@ -49,6 +49,6 @@ pub use obj_points::{ObjError, ObjFault, Point, read_obj_points};
 pub use orientation::{Axes, Orientation, OrientationError, Steps};
 pub use perlin::perlin_noise;
 pub use raw_volume::{RawVolume, RawVolumeError};
-pub use samples::{Element, Encoding, Endian, Layout, NonFinite, SamplesError};
+pub use samples::{Element, Encoding, Endian, Layout, SamplesError};
 pub use splat::{SplatError, Splatting, splat, splat_weights};
 pub use walk::{Visit, Walk};

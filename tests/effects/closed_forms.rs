@@ -8,7 +8,7 @@ use volref::geometry::{Aabb, Boundary, Camera};
 use volref::media::{Asymmetry, Coefficients, Density, Field, HenyeyGreenstein, Homogeneous};
 use volref::render::counters::Event;
 use volref::render::plan::Kernel;
-use volref::render::{Bound, Counters, Plan};
+use volref::render::{Bound, Counters, Plan, Sampling};
 use volref::scene::{Body, Model, Panel, Radiative, Scattering, Scene};
 use volref::volume::{Grid, GridDensity, Interpolation, Lattice};
 
@@ -140,19 +140,18 @@ proptest! {
         let emission = if glows { 0.5 } else { 0.0 };
         let scene = grid_scene(uneven(lattice), interpolation, (0.3, 0.0, emission), camera);
         let plan = plan(&scene);
-        let (_, work) = rendered(&scene, &plan);
+        let (_, work) = rendered(&plan);
         let [planes, rays] = planes_crossed(&camera, bounds, first, spacing, cells);
         let times = if glows { 2 } else { 1 };
-        prop_assert_eq!(work.density_lookups, times * looks * (planes + rays));
-        let expected = plan.expected(&scene.panels[0]);
+        prop_assert_eq!(work[Event::DensityLookup], times * looks * (planes + rays));
+        let expected = plan.predicted_work(Sampling::default());
         let told = expected.of(Event::DensityLookup).unwrap();
-        prop_assert_eq!(told.count, work.density_lookups);
-        prop_assert_eq!(work, Counters {
-            density_lookups: work.density_lookups,
-            attenuations: work.attenuations,
-            emission_terms: if glows { rays } else { 0 },
-            ..Counters::default()
-        });
+        prop_assert_eq!(told.count, work[Event::DensityLookup]);
+        prop_assert_eq!(work, Counters::from([
+            (Event::DensityLookup, work[Event::DensityLookup]),
+            (Event::Attenuation, work[Event::Attenuation]),
+            (Event::EmissionTerm, if glows { rays } else { 0 }),
+        ]));
     }
 
     /// However light is followed, nothing is looked up in what is the same everywhere.
@@ -168,10 +167,10 @@ proptest! {
         let grid = Arc::new(Grid::new(lattice, values).unwrap());
         let medium = (0.5 * (1.0 - albedo), 0.5 * albedo, 0.1);
         let scene = grid_scene(grid, Interpolation::Trilinear, medium, camera);
-        let (_, work) = rendered(&scene, &plan(&scene));
-        prop_assert_eq!(work.density_lookups, 0);
-        prop_assert_eq!(work.cells_walked, 0);
-        prop_assert_eq!(work.null_collisions, 0);
+        let (_, work) = rendered(&plan(&scene));
+        prop_assert_eq!(work[Event::DensityLookup], 0);
+        prop_assert_eq!(work[Event::CellWalked], 0);
+        prop_assert_eq!(work[Event::NullCollision], 0);
     }
 }
 
@@ -183,7 +182,7 @@ fn an_empty_grid_takes_nothing() {
     let camera = camera(lattice.bounds(), [0.2, 0.3, -2.0], [0.5, 0.4, 0.6]);
     for medium in [(0.3, 0.0, 0.0), (0.1, 0.4, 0.0), (0.1, 0.4, 1.0)] {
         let scene = grid_scene(empty(), Interpolation::Trilinear, medium, camera);
-        let (film, work) = rendered(&scene, &plan(&scene));
+        let (film, work) = rendered(&plan(&scene));
         assert_eq!(work, Counters::default());
         assert!(film.radiance().iter().all(|pixel| *pixel == [1.0; 3]));
     }
@@ -203,16 +202,15 @@ fn the_empty_part_of_a_grid_takes_nothing_but_cells() {
     let scene = grid_scene(grid, Interpolation::Trilinear, (0.1, 0.4, 0.0), camera);
     let plan = plan(&scene);
     assert!(matches!(plan.kernel, Kernel::PathTracer { .. }));
-    let (film, work) = rendered(&scene, &plan);
+    let (film, work) = rendered(&plan);
     assert!(film.radiance().iter().all(|pixel| *pixel == [1.0; 3]));
-    assert!(work.cells_walked > 0);
-    let drawn = work.random_draws;
-    let expected = Counters {
-        cells_walked: work.cells_walked,
-        random_draws: drawn,
-        attenuations: work.attenuations,
-        ..Counters::default()
-    };
+    assert!(work[Event::CellWalked] > 0);
+    let drawn = work[Event::RandomDraw];
+    let expected = Counters::from([
+        (Event::CellWalked, work[Event::CellWalked]),
+        (Event::RandomDraw, drawn),
+        (Event::Attenuation, work[Event::Attenuation]),
+    ]);
     assert_eq!(work, expected);
 }
 
@@ -232,23 +230,22 @@ fn the_transparent_part_of_a_volume_takes_nothing_but_cells() {
         )
     };
     let scene = parsed(&text("0"));
-    let (_, work) = rendered(&scene, &plan(&scene));
+    let (_, work) = rendered(&plan(&scene));
     let nodes = match &scene.panels[0].model {
         Model::Classified(scene) => scene.grid.lattice().node_count(),
         _ => unreachable!(),
     };
-    assert!(work.cells_walked > 0);
-    let expected = Counters {
-        cells_walked: work.cells_walked,
-        gradients_computed: nodes as u64,
-        ..Counters::default()
-    };
+    assert!(work[Event::CellWalked] > 0);
+    let expected = Counters::from([
+        (Event::CellWalked, work[Event::CellWalked]),
+        (Event::GradientComputed, nodes as u64),
+    ]);
     assert_eq!(work, expected);
 
     let scene = parsed(&text("8"));
     let plan = Plan::new(&scene.panels[0]);
-    assert_eq!(plan.kernel, Kernel::Background);
-    let (_, work) = rendered(&scene, &plan);
+    assert!(matches!(plan.kernel, Kernel::Background(_)));
+    let (_, work) = rendered(&plan);
     assert_eq!(work, Counters::default());
     let said: Vec<_> = plan
         .warnings
@@ -259,9 +256,9 @@ fn the_transparent_part_of_a_volume_takes_nothing_but_cells() {
     assert_eq!(
         said,
         [
-            format!("shading asked, but {nothing}"),
-            format!("a shadow asked, but {nothing}"),
-            format!("early termination asked, but {nothing}"),
+            format!("shading has no effect: {nothing}"),
+            format!("the shadow has no effect: {nothing}"),
+            format!("early termination has no effect: {nothing}"),
         ]
     );
 }
@@ -280,14 +277,14 @@ fn a_large_image_is_told_of_by_some_of_its_rays() {
         "[radiative]\nenvironment = 1\n[[radiative.medium]]\n",
     ));
     let plan = plan(&scene);
-    let (_, work) = rendered(&scene, &plan);
+    let (_, work) = rendered(&plan);
     let told = plan
-        .expected(&scene.panels[0])
+        .predicted_work(Sampling::default())
         .of(Event::DensityLookup)
         .unwrap();
     assert_eq!(told.bound, Bound::About);
     // Every second ray of every second row: the sums differ by what lies along the outline of the
     // grid, some hundred rays of ten thousand.
-    let (told, counted) = (told.count as f64, work.density_lookups as f64);
+    let (told, counted) = (told.count as f64, work[Event::DensityLookup] as f64);
     assert!((told - counted).abs() <= 0.02 * counted, "{told} {counted}");
 }

@@ -12,8 +12,8 @@ use volref::render::classified::empty_space::Unexplored;
 use volref::render::classified::field::{Field, Sampled};
 use volref::render::classified::ray_caster::{RayCaster, Shaded, Shading, Unshaded};
 use volref::render::classified::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
-use volref::render::{Counters, Effect, Plan, render_counted};
-use volref::scene::{Classified, Compositing, Model, Panel, Scene, Shadow};
+use volref::render::{Counters, Plan, Sampling, render_counted};
+use volref::scene::{Classified, Compositing, Model, Panel, Shadow};
 use volref::volume::{Grid, Interpolation, Lattice, Nearest, Trilinear, relative_gradients};
 
 /// `2^exponent`, exactly.
@@ -225,21 +225,15 @@ pub fn panel(scene: &Classified, size: usize) -> Panel {
     Panel::of(Model::Classified(Box::new(scene.clone())), [size; 2])
 }
 
-/// The image of `scene` by `plan`, `size` pixels wide and high, and the work done.
-pub fn render_by(scene: &Classified, plan: Plan, size: usize) -> (Film, Counters) {
-    let scene = Scene::of(panel(scene, size));
-    let rendering = render_counted(&scene, &[plan], &|| ()).unwrap();
+/// The image by `plan`, and the work done.
+pub fn render_by(plan: Plan<'_>) -> (Film, Counters) {
+    let rendering = render_counted(&[plan], Sampling::default(), &|| ()).unwrap();
     (rendering.film, rendering.work[0])
 }
 
 /// The image of `scene` by its own plan.
 pub fn rendered(scene: &Classified, size: usize) -> (Film, Counters) {
-    render_by(scene, Plan::new(&panel(scene, size)), size)
-}
-
-/// The plan of `scene` with `forced` effects.
-pub fn forced(scene: &Classified, effects: &[Effect]) -> Plan {
-    Plan::forcing(&panel(scene, 1), effects).unwrap()
+    render_by(Plan::new(&panel(scene, size)))
 }
 
 /// The bits of every pixel.

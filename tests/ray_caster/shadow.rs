@@ -5,10 +5,10 @@ use glam::DVec3;
 use proptest::prelude::*;
 use volref::math;
 use volref::media::TransferFunction;
-use volref::render::Counters;
 use volref::render::classified::empty_space::Unexplored;
 use volref::render::classified::field::{Field, Sampled};
 use volref::render::classified::volume_shadow::{Sample, Visibility, VolumeShadow};
+use volref::render::{Counters, Event};
 use volref::scene::Shadow;
 use volref::volume::{Cell, Grid, Lattice, Trilinear};
 
@@ -73,8 +73,8 @@ proptest! {
         // The eighth is a power of two, so both sums round alike; then a quotient and exp.
         let expected = math::exp(-sum / 100.0).min(1.0);
         prop_assert!((visible - expected).abs() <= 4.0 * U, "{visible} {expected}");
-        prop_assert_eq!(work.shadow_rays, 1);
-        prop_assert_eq!(work.density_lookups, count);
+        prop_assert_eq!(work[Event::ShadowRay], 1);
+        prop_assert_eq!(work[Event::DensityLookup], count);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::cost_samples::{costs, extremes, machine, small};
 use crate::samples::HOSTILE;
 use roxmltree::{Document, Node};
-use volref::cost::results::{Cost, Knob, Recommendation};
+use volref::cost::results::{Cost, Event, Knob, Recommendation};
 use volref::report::{CostPage, cost_csv, cost_html, cost_json, cost_text, work_precision_svg};
 
 pub fn page(costs: &[Cost]) -> String {
@@ -249,7 +249,7 @@ fn what_is_counted_is_named() {
         .iter_mut()
         .flat_map(|ladder| &mut ladder.rungs)
     {
-        rung.work.random_draws = std::mem::take(&mut rung.work.density_lookups);
+        rung.work[Event::RandomDraw] = std::mem::take(&mut rung.work[Event::DensityLookup]);
     }
     let svg = work_precision_svg(study);
     assert!(svg.contains("random numbers a ray") && !svg.contains("look-ups"));
@@ -260,7 +260,7 @@ fn what_is_counted_is_named() {
         "{text}"
     );
     assert!(!text.contains("look-ups"), "{text}");
-    cost.studies[0].ladders[0].rungs[0].work.density_lookups = 1.0;
+    cost.studies[0].ladders[0].rungs[0].work[Event::DensityLookup] = 1.0;
     let svg = work_precision_svg(&cost.studies[0]);
     assert!(svg.contains("look-ups or random numbers a ray"));
 }

@@ -11,11 +11,11 @@ use volref::math::rng::Stream;
 use volref::math::{Moments, exp};
 use volref::media::{Coefficients, Density, Field, Homogeneous};
 use volref::optics::{Material, Sides};
-use volref::render::Counters;
 use volref::render::radiative::effects::{Everything, Only};
 use volref::render::radiative::intersection::Surroundings;
 use volref::render::radiative::path_tracer::{PathTracer, Scratch};
 use volref::render::radiative::tracker::Tracker;
+use volref::render::{Counters, Event};
 use volref::scene::{AreaLight, Body, Radiative};
 use volref::volume::{
     Blob, Centring, ConstantDensity, DensityField, ExponentialLayer, Grid, GridDensity,
@@ -385,8 +385,8 @@ fn empty_blocks() {
         let light = tracer.radiance(view, &random, &mut Scratch::default(), &mut work);
         assert_eq!(light, Ok(DVec3::splat(0.3)));
     }
-    assert_eq!(work.density_lookups, 0);
-    assert!(work.cells_walked > 0);
+    assert_eq!(work[Event::DensityLookup], 0);
+    assert!(work[Event::CellWalked] > 0);
 
     let nothing = lit(vec![in_cube(
         field(grid([9; 3], |_| 0.0)),

@@ -9,8 +9,8 @@ use volref::optics::{Material, Sides};
 use volref::render::counters::Uncounted;
 use volref::render::radiative::effects::{Effects, Everything, Only};
 use volref::render::radiative::path_tracer::{PathTracer, Scratch};
-use volref::render::{Effect, Plan, render};
-use volref::scene::{AreaLight, Body, Model, Panel, Radiative, Scattering, Scene};
+use volref::render::{Effect, Plan, Sampling, render};
+use volref::scene::{AreaLight, Body, Model, Panel, Radiative, Scattering};
 
 const SIZE: usize = 16;
 
@@ -176,9 +176,8 @@ fn panel(radiative: Radiative) -> Panel {
     Panel::of(Model::Radiative(Box::new(radiative)), [SIZE; 2])
 }
 
-fn film(panel: &Panel, plan: Plan) -> Vec<u8> {
-    let scene = Scene::of(panel.clone());
-    let rendering = render(&scene, &[plan], &|| {}).unwrap();
+fn film(plan: Plan<'_>) -> Vec<u8> {
+    let rendering = render(&[plan], Sampling::default(), &|| {}).unwrap();
     rendering.film.to_exr().unwrap()
 }
 
@@ -187,17 +186,14 @@ fn film(panel: &Panel, plan: Plan) -> Vec<u8> {
 fn force_all(radiative: Radiative) -> Vec<Effect> {
     let panel = panel(radiative);
     let plan = Plan::new(&panel);
-    let bare = film(&panel, plan.clone());
+    let bare = film(plan.clone());
     let null = Plan::null_effects(&panel);
     for &effect in &null {
         let forced = Plan::forcing(&panel, &[effect]).unwrap();
-        assert!(
-            film(&panel, forced) == bare,
-            "{effect} forced changes the film"
-        );
+        assert!(film(forced) == bare, "{effect} forced changes the film");
     }
     let all = Plan::forcing(&panel, &null).unwrap();
-    assert!(film(&panel, all) == bare, "all forced change the film");
+    assert!(film(all) == bare, "all forced change the film");
     null
 }
 

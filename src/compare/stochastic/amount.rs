@@ -1,7 +1,8 @@
 //! The amount of noise: do the squares of the differences sum to the variances?
 
 use super::super::significance::chi_square_two_sided;
-use super::blocks::{Block, Channel, Comparison};
+use super::blocks::{Block, Channel};
+use super::comparison::Comparison;
 use super::variance::unstated;
 use super::{Metrics, finite};
 

@@ -71,6 +71,7 @@
 
 mod amount;
 mod blocks;
+mod comparison;
 mod map;
 mod neighbours;
 mod pixels;
@@ -86,7 +87,8 @@ use super::{Gate, Judgement, PictureError};
 use crate::film::Film;
 use crate::math;
 use amount::judge_amount;
-use blocks::{Block, Channel, Comparison};
+use blocks::{Block, Channel};
+use comparison::Comparison;
 use neighbours::judge_neighbours;
 use pixels::Pixels;
 use resolution::Limits;

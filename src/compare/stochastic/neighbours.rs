@@ -27,7 +27,8 @@
 
 use super::super::significance::holm;
 use super::Metrics;
-use super::blocks::{BLOCK, Block, Channel, Comparison};
+use super::blocks::{BLOCK, Block, Channel};
+use super::comparison::Comparison;
 use crate::film::Film;
 use crate::math::{self, Moments};
 

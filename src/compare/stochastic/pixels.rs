@@ -2,7 +2,8 @@
 
 use super::super::significance::{at_least, deviation, holm};
 use super::Metrics;
-use super::blocks::{Comparison, Difference};
+use super::blocks::Difference;
+use super::comparison::Comparison;
 use crate::math;
 
 /// A pixel beyond this many standard errors is counted.

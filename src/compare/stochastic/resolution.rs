@@ -1,7 +1,8 @@
 //! The smallest bias that would have been seen, and what it takes to see a smaller one.
 
 use super::super::significance::{critical, critical_estimated};
-use super::blocks::{Block, Comparison};
+use super::blocks::Block;
+use super::comparison::Comparison;
 use super::finite;
 use super::variance::Stated;
 use crate::math;

@@ -4,7 +4,7 @@
 
 use crate::math;
 use crate::media::TransferPoints;
-use crate::render::pixels::Pixels;
+use crate::render::progress::Progress;
 use crate::scene::Curve;
 use embedded_graphics::mono_font::{MonoTextStyle, ascii::FONT_6X12};
 use embedded_graphics::pixelcolor::BinaryColor;
@@ -26,9 +26,12 @@ const TICK: f64 = 0.2;
 /// Half the width of a curve, pixels.
 const HALF_WIDTH: f64 = 1.1;
 
-/// Draws `curve` into an image of `width` × `height` pixels, opacity 1.
-pub(in crate::render) fn draw(curve: &Curve, image: &Pixels<'_>) -> Vec<[f32; 4]> {
-    let (width, height) = (image.width, image.height);
+/// The plot of `curve` in an image of `width` × `height` pixels, opacity 1.
+pub(in crate::render) fn draw(
+    curve: &Curve,
+    [width, height]: [usize; 2],
+    progress: Progress<'_>,
+) -> Vec<[f32; 4]> {
     let plot = Plot::new(curve, width, height);
     let mut pixels = plot.backdrop(width, height);
     pixels
@@ -36,7 +39,7 @@ pub(in crate::render) fn draw(curve: &Curve, image: &Pixels<'_>) -> Vec<[f32; 4]
         .enumerate()
         .for_each(|(index, pixel)| {
             *pixel = plot.with_curves(*pixel, centre(index, width));
-            image.progress.step();
+            progress.step();
         });
     pixels
         .iter()

@@ -8,20 +8,10 @@ use super::ray_caster::{RayCaster, Shaded, Shading, Unshaded};
 use super::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
 use crate::render::counters::{Event, Work};
 use crate::render::pixels::{Pixels, rows};
-use crate::render::plan::FieldKind;
+use crate::render::plan::{FieldKind, RayCasterFeatures};
 use crate::scene::{Classified, Compositing};
 use crate::volume::{Nearest, Node, Trilinear, relative_gradients};
 use std::marker::PhantomData;
-
-/// The parts of a ray caster, as a plan names them.
-#[derive(Clone, Copy)]
-pub(in crate::render) struct Parts {
-    pub field: FieldKind,
-    pub compositing: Compositing,
-    pub shading: bool,
-    pub shadow: bool,
-    pub skip_empty: bool,
-}
 
 /// Something to be done with a ray caster.
 trait Use {
@@ -35,10 +25,10 @@ trait Use {
     ) -> Self::Output;
 }
 
-/// Renders `scene` with the ray caster made of `parts`.
+/// Renders `scene` with the ray caster with `features`.
 pub(in crate::render) fn cast<W: Work>(
     scene: &Classified,
-    parts: Parts,
+    features: RayCasterFeatures,
     pixels: &Pixels<'_>,
 ) -> (Vec<[f32; 4]>, W) {
     let task = Image {
@@ -46,8 +36,8 @@ pub(in crate::render) fn cast<W: Work>(
         pixels,
         work: PhantomData,
     };
-    let (image, mut work): (_, W) = with_parts(scene, parts, task);
-    if parts.shading && scene.phong.is_some() {
+    let (image, mut work): (_, W) = with_features(scene, features, task);
+    if features.shading && scene.phong.is_some() {
         let nodes = scene.grid.lattice().node_count() as u64;
         work.count_times(Event::GradientComputed, nodes);
     }
@@ -82,39 +72,44 @@ impl<W: Work> Use for Image<'_, W> {
     }
 }
 
-/// Does `task` with the ray caster of `scene` made of `parts`.
-fn with_parts<T: Use>(scene: &Classified, parts: Parts, task: T) -> T::Output {
+/// Does `task` with the ray caster of `scene` with `features`.
+fn with_features<T: Use>(scene: &Classified, features: RayCasterFeatures, task: T) -> T::Output {
     let grid = &*scene.grid;
-    match parts.field {
-        FieldKind::Trilinear => with_order(scene, parts, task, Sampled::new(grid, Trilinear)),
-        FieldKind::Nearest => with_order(scene, parts, task, Sampled::new(grid, Nearest)),
+    match features.field {
+        FieldKind::Trilinear => with_order(scene, features, task, Sampled::new(grid, Trilinear)),
+        FieldKind::Nearest => with_order(scene, features, task, Sampled::new(grid, Nearest)),
         FieldKind::Constant => with_order(
             scene,
-            parts,
+            features,
             task,
             Constant(grid.lattice(), grid.values()[0].value()),
         ),
     }
 }
 
-fn with_order<T: Use, F: Field>(scene: &Classified, parts: Parts, task: T, field: F) -> T::Output {
-    match parts.compositing {
-        Compositing::FrontToBack => with_shading(scene, parts, task, field, FrontToBack),
-        Compositing::BackToFront => with_shading(scene, parts, task, field, BackToFront),
+fn with_order<T: Use, F: Field>(
+    scene: &Classified,
+    features: RayCasterFeatures,
+    task: T,
+    field: F,
+) -> T::Output {
+    match features.compositing {
+        Compositing::FrontToBack => with_shading(scene, features, task, field, FrontToBack),
+        Compositing::BackToFront => with_shading(scene, features, task, field, BackToFront),
         Compositing::EarlyTermination(below) => {
-            with_shading(scene, parts, task, field, EarlyTermination { below })
+            with_shading(scene, features, task, field, EarlyTermination { below })
         }
     }
 }
 
 fn with_shading<T: Use, F: Field, O: Order + Sync>(
     scene: &Classified,
-    parts: Parts,
+    features: RayCasterFeatures,
     task: T,
     field: F,
     order: O,
 ) -> T::Output {
-    match scene.phong.filter(|_| parts.shading) {
+    match scene.phong.filter(|_| features.shading) {
         Some(phong) => {
             let gradients = relative_gradients(&*scene.grid);
             let shading = Shaded {
@@ -122,21 +117,21 @@ fn with_shading<T: Use, F: Field, O: Order + Sync>(
                 gradients,
                 light: scene.light,
             };
-            with_visibility(scene, parts, task, field, order, shading)
+            with_visibility(scene, features, task, field, order, shading)
         }
-        None => with_visibility(scene, parts, task, field, order, Unshaded),
+        None => with_visibility(scene, features, task, field, order, Unshaded),
     }
 }
 
 fn with_visibility<T: Use, F: Field, O: Order + Sync, S: Shading>(
     scene: &Classified,
-    parts: Parts,
+    features: RayCasterFeatures,
     task: T,
     field: F,
     order: O,
     shading: S,
 ) -> T::Output {
-    match scene.shadow.filter(|_| parts.shadow) {
+    match scene.shadow.filter(|_| features.shadow) {
         Some(shadow) => {
             let bounds = scene.grid.lattice().bounds();
             let visibility = VolumeShadow {
@@ -145,22 +140,22 @@ fn with_visibility<T: Use, F: Field, O: Order + Sync, S: Shading>(
                 bounds,
                 transfer_function: &scene.transfer_function,
             };
-            with_space(scene, parts, task, field, order, shading, visibility)
+            with_space(scene, features, task, field, order, shading, visibility)
         }
-        None => with_space(scene, parts, task, field, order, shading, Unshadowed),
+        None => with_space(scene, features, task, field, order, shading, Unshadowed),
     }
 }
 
 fn with_space<T: Use, F: Field, O: Order + Sync, S: Shading, V: Visibility>(
     scene: &Classified,
-    parts: Parts,
+    features: RayCasterFeatures,
     task: T,
     field: F,
     order: O,
     shading: S,
     visibility: V,
 ) -> T::Output {
-    if parts.skip_empty {
+    if features.skip_empty {
         let space = EmptySpace::of(&*scene.grid, &scene.transfer_function);
         with_all(scene, task, field, order, shading, visibility, space)
     } else {
@@ -234,14 +229,14 @@ mod tests {
         for field in fields {
             for compositing in orders {
                 for switches in 0..8 {
-                    let parts = Parts {
+                    let features = RayCasterFeatures {
                         field,
                         compositing,
                         shading: switches & 1 != 0,
                         shadow: switches & 2 != 0,
                         skip_empty: switches & 4 != 0,
                     };
-                    kernels.insert(with_parts(classified, parts, Name));
+                    kernels.insert(with_features(classified, features, Name));
                 }
             }
         }

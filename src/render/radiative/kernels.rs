@@ -8,8 +8,9 @@ use super::path_tracer::{Fault, PathTracer, Scratch};
 use crate::math::Moments;
 use crate::math::rng::{Purpose, Stream};
 use crate::render::counters::{Event, Work};
-use crate::render::pixels::{Pixels, SAMPLES_A_STEP, rows};
-use crate::render::plan::Parts;
+use crate::render::pixels::{Pixels, rows};
+use crate::render::plan::RadiativeFeatures;
+use crate::render::progress::SAMPLES_A_STEP;
 use crate::scene::Radiative;
 use glam::DVec3;
 use std::marker::PhantomData;
@@ -28,7 +29,7 @@ pub(in crate::render) trait Run {
 }
 
 /// Runs `task` by the code compiled for `parts`.
-pub(in crate::render) fn with_parts<R: Run>(parts: Parts, task: R) -> R::Output {
+pub(in crate::render) fn with_parts<R: Run>(parts: RadiativeFeatures, task: R) -> R::Output {
     // Unit tests are spared compiling all of it once more: the general code gives the same bits,
     // as tests/transport shows.
     if cfg!(test) {
@@ -37,7 +38,7 @@ pub(in crate::render) fn with_parts<R: Run>(parts: Parts, task: R) -> R::Output 
     with_special_parts(parts, task)
 }
 
-fn with_special_parts<R: Run>(parts: Parts, task: R) -> R::Output {
+fn with_special_parts<R: Run>(parts: RadiativeFeatures, task: R) -> R::Output {
     if parts.heterogeneous {
         return with_varying_media(parts, task);
     }
@@ -51,7 +52,7 @@ fn with_special_parts<R: Run>(parts: Parts, task: R) -> R::Output {
 
 /// Following light through what varies costs far more than to find that there are no surfaces: no
 /// code is compiled without them.
-fn with_varying_media<R: Run>(parts: Parts, task: R) -> R::Output {
+fn with_varying_media<R: Run>(parts: RadiativeFeatures, task: R) -> R::Output {
     // Where nothing is turned, it makes no difference how.
     if parts.anisotropic || !R::TURNS_WHERE_IT_VARIES {
         match (parts.emission, parts.chromatic) {
@@ -70,7 +71,7 @@ fn with_varying_media<R: Run>(parts: Parts, task: R) -> R::Output {
     }
 }
 
-fn with_emission<R: Run, const SURFACES: bool>(parts: Parts, task: R) -> R::Output {
+fn with_emission<R: Run, const SURFACES: bool>(parts: RadiativeFeatures, task: R) -> R::Output {
     if parts.emission {
         with_colour::<R, SURFACES, true>(parts, task)
     } else {
@@ -79,7 +80,7 @@ fn with_emission<R: Run, const SURFACES: bool>(parts: Parts, task: R) -> R::Outp
 }
 
 fn with_colour<R: Run, const SURFACES: bool, const EMISSION: bool>(
-    parts: Parts,
+    parts: RadiativeFeatures,
     task: R,
 ) -> R::Output {
     match (parts.chromatic, parts.anisotropic) {
@@ -93,7 +94,7 @@ fn with_colour<R: Run, const SURFACES: bool, const EMISSION: bool>(
 /// Renders a scene by integrals along the line of sight.
 pub(in crate::render) struct ByLineOfSight<'p, W> {
     pub scene: &'p Radiative,
-    pub parts: Parts,
+    pub parts: RadiativeFeatures,
     pub turned: bool,
     pub pixels: &'p Pixels<'p>,
     pub work: PhantomData<W>,
@@ -106,7 +107,7 @@ impl<W: Work> Run for ByLineOfSight<'_, W> {
 
     fn run<E: Effects>(self) -> Self::Output {
         let renderer = LineOfSight::<E> {
-            around: Surroundings::for_integrals(self.scene, self.parts.null_media),
+            around: Surroundings::for_integrals(self.scene, self.parts.vacuum_media),
             turned: self.turned,
             tolerance: TOLERANCE,
         };
@@ -126,8 +127,9 @@ impl<W: Work> Run for ByLineOfSight<'_, W> {
 /// Renders a scene by tracing paths, each through a random place of its pixel.
 pub(in crate::render) struct ByPathTracing<'p, W> {
     pub scene: &'p Radiative,
-    pub parts: Parts,
+    pub parts: RadiativeFeatures,
     pub limit: Option<u32>,
+    pub seed: u64,
     pub pixels: &'p Pixels<'p>,
     pub work: PhantomData<W>,
 }
@@ -140,7 +142,7 @@ impl<W: Work> Run for ByPathTracing<'_, W> {
 
     fn run<E: Effects>(self) -> Self::Output {
         let scene = self.scene;
-        let tracer = PathTracer::<E>::new(scene, self.limit, self.parts.null_media);
+        let tracer = PathTracer::<E>::new(scene, self.limit, self.parts.vacuum_media);
         let size = [self.pixels.width, self.pixels.height];
         let edge = self.pixels.edge();
         let given_up = GivenUp::default();
@@ -154,7 +156,7 @@ impl<W: Work> Run for ByPathTracing<'_, W> {
                 }
                 let mut moments = [Moments::default(); 3];
                 for sample in 0..samples {
-                    let random = Stream::new(scene.seed, index, sample);
+                    let random = Stream::new(self.seed, index, sample);
                     work.count_times(Event::RandomDraw, 2);
                     let [x, y] = random.pair(0, Purpose::Camera, 0);
                     let place = [column as f64 + edge * x, row as f64 + edge * y];
@@ -229,9 +231,9 @@ mod tests {
     }
 
     fn kernels<const TURNS: bool>() -> usize {
-        let choices = (0..64).map(|switches| Parts {
+        let choices = (0..64).map(|switches| RadiativeFeatures {
             media: switches & 1 != 0,
-            null_media: false,
+            vacuum_media: false,
             surfaces: switches & 2 != 0,
             emission: switches & 4 != 0,
             chromatic: switches & 8 != 0,

@@ -103,7 +103,7 @@ impl<E: Effects> LineOfSight<'_, E> {
 
     /// Radiance that a surface makes of what the lights send there.
     fn turned_at<W: Work>(&self, vertex: &Vertex, tracker: &mut Tracker, work: &mut W) -> DVec3 {
-        work.count(Event::FirstTurn);
+        work.count(Event::FirstScattering);
         let lights = self.around.scene.lights.iter();
         lights.fold(DVec3::ZERO, |sum, light| {
             sum + self.around.by_light(vertex, light, tracker, work)
@@ -141,7 +141,7 @@ impl<E: Effects> LineOfSight<'_, E> {
                     depths,
                     stretch,
                 };
-                work.count(Event::FirstTurn);
+                work.count(Event::FirstScattering);
                 self.around.scattered_at(ray, &place, light, tracker, work)
             };
             for [near, far] in pieces(stretch, span, &edges) {

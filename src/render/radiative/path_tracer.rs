@@ -331,7 +331,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         }
         if turns_left >= 2 {
             for source in self.positioned() {
-                work.count(Event::FurtherTurn);
+                work.count(Event::FurtherScattering);
                 radiance += around.by_lit_places(vertex, source, draws, connection, tracker, work);
             }
         }
@@ -364,8 +364,8 @@ impl<'s, E: Effects> PathTracer<'s, E> {
 /// The turn of a path that has been turned `bounce` times.
 fn turn_after(bounce: u32) -> Event {
     match bounce {
-        0 => Event::FirstTurn,
-        _ => Event::FurtherTurn,
+        0 => Event::FirstScattering,
+        _ => Event::FurtherScattering,
     }
 }
 

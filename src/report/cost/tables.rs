@@ -3,7 +3,7 @@
 use super::table::{Cell, Column, Table, number, page_number, words as column_of_words};
 use super::words;
 use crate::cost::results::{
-    Counted, EffectPrice, EstimatorTable, JitterSplit, Ladder, Norms, Offer, Order, Study,
+    Counted, EffectPrice, EstimatorTable, Event, JitterSplit, Ladder, Norms, Offer, Order, Study,
     ThicknessSweep, Times,
 };
 
@@ -48,7 +48,11 @@ pub(super) fn ladder(study: &Study, ladder: &Ladder) -> Table {
         .any(|rung| rung.error_of_order.is_some());
     let has_doubt = ladder.rungs.iter().any(|rung| rung.error.uncertainty > 0.0);
     let has_time = ladder.rungs.iter().any(|rung| rung.time.is_some());
-    let has_random = !by_random && ladder.rungs.iter().any(|rung| rung.work.random_draws > 0.0);
+    let has_random = !by_random
+        && ladder
+            .rungs
+            .iter()
+            .any(|rung| rung.work[Event::RandomDraw] > 0.0);
     if has_doubt {
         columns.push(page_number("L2 ±"));
     }
@@ -80,8 +84,8 @@ pub(super) fn ladder(study: &Study, ladder: &Ladder) -> Table {
         let mut row: Vec<Cell> = vec![
             rung.setting.as_str().into(),
             words::count(match by_random {
-                true => rung.work.random_draws,
-                false => rung.work.density_lookups + rung.work.gradient_lookups,
+                true => rung.work[Event::RandomDraw],
+                false => rung.work[Event::DensityLookup] + rung.work[Event::GradientLookup],
             })
             .into(),
             words::error(l1).into(),
@@ -107,7 +111,7 @@ pub(super) fn ladder(study: &Study, ladder: &Ladder) -> Table {
             row.push(or_dash(single, |norms| words::error(norms.l2)));
         }
         if has_random {
-            row.push(words::count(rung.work.random_draws).into());
+            row.push(words::count(rung.work[Event::RandomDraw]).into());
         }
         if has_time {
             row.push(time(rung.time.as_ref()));
@@ -444,14 +448,14 @@ pub(super) fn effects(effects: &[EffectPrice]) -> Table {
         let work = &effect.work;
         let mut row: Vec<Cell> = vec![
             effect.effect.as_str().into(),
-            words::count(work.density_lookups + work.gradient_lookups).into(),
+            words::count(work[Event::DensityLookup] + work[Event::GradientLookup]).into(),
             or_dash(effect.times_lookups, words::factor),
-            words::count(work.shadow_rays).into(),
-            words::count(work.phase_evaluations).into(),
-            words::count(work.null_collisions).into(),
-            words::count(work.cells_walked).into(),
-            words::count(work.surface_tests).into(),
-            words::count(work.random_draws).into(),
+            words::count(work[Event::ShadowRay]).into(),
+            words::count(work[Event::PhaseEvaluation]).into(),
+            words::count(work[Event::NullCollision]).into(),
+            words::count(work[Event::CellWalked]).into(),
+            words::count(work[Event::SurfaceTest]).into(),
+            words::count(work[Event::RandomDraw]).into(),
         ];
         if has_time {
             row.push(time(effect.time.as_ref()));

@@ -9,7 +9,7 @@ use crate::compare::stochastic::BLOCK;
 use crate::compare::{Gate, Picture, judge};
 use crate::film::Film;
 use crate::math;
-use crate::render::{Detail, Plan};
+use crate::render::Detail;
 use crate::scene::Scene;
 use crate::suite::measured::is_simple;
 use crate::suite::{Case, Judged};
@@ -99,9 +99,8 @@ impl Suspect {
             test_cells.spread_noise_like(&golden_cells);
         }
         let scene = scenes(case)?;
-        let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
         let widths: Vec<usize> = scene.panels.iter().map(|panel| panel.width).collect();
-        let (first, second) = match (is_sampled, blocks(&scene, &plans)) {
+        let (first, second) = match (is_sampled, blocks(&scene)) {
             (true, Some(blocks)) => ((blocks, FIRST_LOOK), (blocks, SECOND_LOOK)),
             (true, None) => (whole(FIRST_LOOK), whole(SECOND_LOOK)),
             (false, _) => {
@@ -278,7 +277,7 @@ impl Suspect {
             look = whole(look.1);
         }
         let mut film = match scene {
-            Some(scene) => predicted(&self.scene, scene, hypothesis, look, clock)?,
+            Some(scene) => predicted(&self.scene, &scene, hypothesis, look, clock)?,
             None => self.golden.clone(),
         };
         for mistake in of_the_image {
