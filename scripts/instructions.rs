@@ -11,6 +11,8 @@
 //! callgrind_annotate callgrind.out.*
 //! ```
 
+mod by_hand;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::{env, fs};
@@ -18,7 +20,7 @@ use std::{env, fs};
 use glam::DVec3;
 use volref::cost::effects::{Variant, variants};
 use volref::cost::results::MeanWork;
-use volref::cost::{by_hand, thumbnail};
+use volref::cost::thumbnail;
 use volref::film::Film;
 use volref::media::{Appearance, TransferPoint, TransferPoints};
 use volref::render::plan::Effect;
