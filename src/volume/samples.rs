@@ -520,10 +520,11 @@ pub(super) fn fill(source: &mut impl Read, bytes: &mut [u8]) -> io::Result<usize
     Ok(filled)
 }
 
-/// Checks that a file may have `sizes` samples: what [`Lattice::new`] says about nodes.
+/// Checks that a file may have `sizes` samples: what [`Lattice::check_count`] says about nodes, none
+/// of which is beyond 2³¹ then.
 pub(super) fn check_sizes(sizes: [u64; 3]) -> Result<[usize; 3], LatticeError> {
-    let nodes = sizes.map(|size| usize::try_from(size).unwrap_or(usize::MAX));
-    Lattice::new(nodes, glam::DVec3::ONE, glam::DVec3::ZERO).map(|_| nodes)
+    Lattice::check_count(sizes)?;
+    Ok(sizes.map(|size| size as usize))
 }
 
 #[cfg(test)]
