@@ -85,6 +85,9 @@ fn check_window(name: &[u8], value: &[u8]) -> Result<(), FilmError> {
 /// Fails where a block of pixels is missing, of any part and resolution, or where the table leads
 /// to one of another resolution than it says. Nothing is unpacked.
 pub(super) fn check_blocks(bytes: &[u8]) -> Result<(), FilmError> {
+    // Two walks: the reader gives blocks without the entry of the table that led to them, so that
+    // entries exchanged between two resolutions show only where those of the largest, the only ones
+    // that the decoder follows, are followed by themselves.
     let whole = |place: &TileCoordinates| place.level_index == Vec2(0, 0);
     check_blocks_of(bytes, &|_| true)?;
     check_blocks_of(bytes, &whole)

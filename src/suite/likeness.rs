@@ -88,7 +88,10 @@ pub(super) fn likeness_with(
         let case = cases.iter().find(|case| case.name == judged.result.name);
         let Some(case) = case else { continue };
         match judged.result.cause {
-            Cause::Mismatch => suspects.extend(Suspect::new(index, case, judged, scenes)),
+            Cause::Mismatch => {
+                let suspect = Suspect::new(index, case, judged, scenes);
+                suspects.extend(suspect.filter(|suspect| !suspect.is_another_exposure));
+            }
             Cause::None | Cause::Undecided => witnesses.push((index, *case)),
             _ => {}
         }

@@ -426,6 +426,20 @@ fn factors_and_levels_are_said() {
     );
 }
 
+/// A PNG of half the brightness was written at another exposure: no mistake of the catalogue.
+#[test]
+fn another_exposure_is_said() {
+    let folder = with_images();
+    let golden = film(&folder, "golden/smoke/shadow.exr");
+    folder.remove("out/smoke/shadow.exr");
+    folder.write("out/smoke/shadow.png", scaled(&golden, 0.5).to_png(0.0));
+    let run = folder.volref(&["validate", "shadow", "--outputs", "out"]);
+    assert_eq!(run.code, 1);
+    let said = ", an exposure of −1.0";
+    assert!(run.stdout.contains(said), "{}", run.stdout);
+    assert!(!run.stdout.contains("looks like"), "{}", run.stdout);
+}
+
 /// The mistake is named in the result of the case and for all together, with what to do.
 #[test]
 fn mistakes_are_named() {
