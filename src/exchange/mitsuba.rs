@@ -22,8 +22,8 @@ use super::forms::Form;
 use super::mixture::Mixture;
 use super::refusal::Faults;
 use super::stage::{Stage, turns};
-use super::vessels::{GAP, Placed, Vessel, place_of};
-use super::view::degrees;
+use super::vessels::{Placed, Vessel, place_of};
+use super::view::{ahead, degrees};
 use super::{Export, Format, Refusal};
 use crate::geometry::{Aabb, Transform};
 use crate::optics::{Light, Material, Sides};
@@ -39,13 +39,19 @@ const BEHIND: f64 = 1e-5;
 /// a surface, so below this that is more than a thousandth of the scene.
 const SMALLEST: f64 = 0.1;
 
+/// The distance of boundaries in a scene of this reach: five times that of the starts of rays off a
+/// surface, 1500 roundings (2⁻²⁴) of 1 + the largest coordinate.
+fn gap(reach: f64) -> f64 {
+    5e-4 * (1.0 + reach)
+}
+
 /// The names of the channels in files and in `-Dchannel=`.
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 /// The scene as XML, with its grids and meshes beside it.
 pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Export, Refusal> {
     let mut faults = Faults::default();
-    let stage = Stage::of(panel, scene, &mut faults);
+    let stage = Stage::of(panel, scene, gap, &mut faults);
     if stage.reach < SMALLEST {
         let what = format!(
             "coordinates of at most {}: Mitsuba's rays start 9e-5 off a surface; choose a smaller \
@@ -190,7 +196,7 @@ impl Writer<'_> {
             .map(|vessel| place_of(vessel.index))
             .collect();
         if !moved.is_empty() {
-            let way = GAP * (1.0 + stage.reach);
+            let way = stage.gap;
             self.notes.push(format!(
                 "Faces of {} that lie in surfaces stand {way:.3e} behind them, where no ray sees \
                  it.",
@@ -271,7 +277,7 @@ impl Writer<'_> {
                         self.notes.push(note.to_owned());
                     }
                 }
-                let target = light.position + light.axis();
+                let target = ahead(light.position, light.axis());
                 let parts = [
                     look_at(light.position, target, across(light.axis())),
                     rgb("intensity", light.intensity),

@@ -40,8 +40,8 @@ use super::limits;
 use super::mixture::Mixture;
 use super::refusal::Faults;
 use super::stage::{Stage, turns};
-use super::vessels::{GAP, Placed, Vessel, place_of};
-use super::view::degrees;
+use super::vessels::{Placed, Vessel, place_of};
+use super::view::{ahead, degrees};
 use super::{Export, Format, Refusal};
 use crate::geometry::Transform;
 use crate::optics::{Light, Material, Sides};
@@ -52,6 +52,14 @@ use std::fmt::{Display, LowerExp};
 
 /// The names of the channels in files.
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+
+/// The distance of boundaries in a scene of this reach. pbrt starts rays off a surface by the error
+/// bound of the place, at most 7 roundings (2⁻²⁴) of its coordinates from the eye, 2√3 times the reach
+/// (`shapes.h`, `ray.h`, `OffsetRayOrigin`): 1.5e-6 of the reach, in every unit of length. What is
+/// beyond that keeps the boundaries of large scenes where Mitsuba has them.
+fn gap(reach: f64) -> f64 {
+    5e-4 * reach
+}
 
 /// So many turns are as good as any number: of the light that a white half-space returns, of the
 /// order of n^-1/2 is turned more than n times, here a thousandth; of light that is absorbed or
@@ -69,7 +77,7 @@ MakeNamedMaterial \"mirror\" \"string type\" [ \"conductor\" ] \"float roughness
 /// The scene in one file, or one for each channel, with its meshes beside it.
 pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Export, Refusal> {
     let mut faults = Faults::default();
-    let stage = Stage::of(panel, scene, &mut faults);
+    let stage = Stage::of(panel, scene, gap, &mut faults);
     check(scene, &stage, &mut faults);
     limits::check(&stage, &mut faults);
     let turning = Turning::of(scene, &stage, &mut faults);
@@ -296,7 +304,7 @@ impl Writer<'_, '_> {
         let vessels = stage.vessels.list.iter().filter(|vessel| vessel.moved);
         let moved: Vec<String> = vessels.map(|vessel| place_of(vessel.index)).collect();
         if !moved.is_empty() {
-            let way = GAP * (1.0 + stage.reach);
+            let way = stage.gap;
             self.line(&format!(
                 "# Faces of {} that lie in surfaces stand {way:.3e} behind them, where no ray sees \
                  it.",
@@ -430,7 +438,7 @@ impl Writer<'_, '_> {
             Light::Spot(light) => {
                 let intensity = self.rgb("I", light.intensity);
                 let from = point("from", light.position);
-                let to = point("to", light.position + light.axis());
+                let to = point("to", ahead(light.position, light.axis()));
                 let angle = float("coneangle", degrees(light.outer()));
                 let edge = float("conedeltaangle", 0.0);
                 format!("LightSource \"spot\" {from} {to} {intensity} {angle} {edge}")

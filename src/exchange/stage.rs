@@ -21,12 +21,20 @@ pub(super) struct Stage<'s> {
     pub view: View,
     /// The largest coordinate of anything, in magnitude.
     pub reach: f64,
+    /// The distance that boundaries of media keep from each other and from surfaces.
+    pub gap: f64,
 }
 
 impl<'s> Stage<'s> {
-    /// That of `scene`, which is the model of `panel`. What neither format can say goes to
-    /// `faults`.
-    pub(super) fn of(panel: &Panel, scene: &'s Radiative, faults: &mut Faults) -> Stage<'s> {
+    /// That of `scene`, which is the model of `panel`. `gap` is the distance that boundaries keep in
+    /// a scene of a given reach: more than the renderer moves the starts of rays off a surface. What
+    /// neither format can say goes to `faults`.
+    pub(super) fn of(
+        panel: &Panel,
+        scene: &'s Radiative,
+        gap: fn(f64) -> f64,
+        faults: &mut Faults,
+    ) -> Stage<'s> {
         let view = View::of(&scene.camera);
         let [objects, lights] = names(panel, scene);
         let objects: Vec<_> = (scene.objects.iter().zip(objects))
@@ -85,13 +93,14 @@ impl<'s> Stage<'s> {
             [0.5 * width, 0.5 * height],
         ]
         .map(|place| scene.camera.ray_through(place, size));
-        let vessels = Vessels::of(scene, &walls, &sight, reach, faults);
+        let vessels = Vessels::of(scene, &walls, &sight, reach, gap(reach), faults);
         Stage {
             objects,
             area_lights,
             vessels,
             view,
             reach,
+            gap: gap(reach),
         }
     }
 }

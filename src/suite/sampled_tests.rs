@@ -175,7 +175,7 @@ fn other_bits_fail_and_say_whether_the_picture_is_the_same() {
     for (renderer, words) in [
         (
             rewritten,
-            "but against 400 samples: nothing is off beyond noise",
+            "but against 400 samples: no difference beyond noise",
         ),
         (wrong, "and against 400 samples: the image is too bright"),
     ] {

@@ -123,10 +123,9 @@ fn judged(case: &Case, gate: Gate, trusted: &Trusted, picture: &Picture) -> Find
         (true, None) => Finding::new(Verdict::Pass, Cause::None, judgement.reason),
     };
     if gate == Gate::Perceptual {
-        finding.reason.push_str(&format!(
-            "; the case is seen at an exposure of {} stops",
-            case.exposure
-        ));
+        finding
+            .reason
+            .push_str(&format!("; exposure of the case: {} stops", case.exposure));
     }
     finding.reason.push_str(&trusted.omissions());
     finding.metrics = judgement.metrics;

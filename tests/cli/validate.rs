@@ -673,6 +673,45 @@ fn scenes_that_cannot_be_exported() {
     );
 }
 
+/// The report's command line judges the same suite again, by the same renderer, samples and seed.
+#[test]
+fn a_report_says_how_it_is_reproduced() {
+    let folder = Folder::with_goldens();
+    let renderer = env!("CARGO_BIN_EXE_volref");
+    let command = format!("'{renderer}' render {{scene}} -o {{output}}");
+    let suite = folder.path("").display().to_string();
+    let arguments = [
+        "--suite", &suite, "--run", &command, "--spp", "8", "--seed", "3",
+    ];
+    let report = ["validate", "smoke/plain", "--report", "report"];
+    let run = folder.volref(&[&report[..], &arguments].concat());
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let page = folder.text("report/index.html");
+    let (_, after) = page.split_once("<h3>Reproduce</h3>").unwrap();
+    let (_, line) = after.split_once("<pre>").unwrap();
+    let (line, _) = line.split_once("</pre>").unwrap();
+    let line = [
+        ("&#x2f;", "/"),
+        ("&#x27;", "'"),
+        ("&quot;", "\""),
+        ("&amp;", "&"),
+    ]
+    .iter()
+    .fold(line.to_owned(), |line, (code, letter)| {
+        line.replace(code, letter)
+    });
+    let words = shell_words::split(&line).unwrap();
+    assert_eq!(words[..3], ["volref", "validate", "smoke/plain"], "{line}");
+    for pair in arguments.chunks(2) {
+        assert!(
+            words.windows(2).any(|words| words == pair),
+            "{pair:?} in {line}"
+        );
+    }
+    let again: Vec<&str> = words[1..].iter().map(String::as_str).collect();
+    assert_eq!(folder.volref(&again).code, 0, "{line}");
+}
+
 #[test]
 fn reports_for_people_and_build_servers() {
     let folder = with_images();

@@ -191,24 +191,24 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
         .and_then(|promise| limits.undecided(promise));
     let noise = || {
         format!(
-            "of {} blocks and channels the worst is off by {:.1} standard errors, and among so \
-             many up to {:.1} may be chance",
-            comparison.asked(),
+            "worst block off by {:.1} standard errors, of up to {:.1} by chance among {} blocks and \
+             channels",
             finite(worst.deviation().abs()),
             limits.of_block(worst.block, worst.channel),
+            comparison.asked(),
         )
     };
     let reason = match (undecided, promise) {
         (Some(undecided), Some(promise)) => format!(
-            "too noisy to decide: of the mean, no bias below {} would have been seen, and {} is \
-             to be; {undecided}; nothing is off beyond noise: {}",
+            "too noisy to decide: detectable bias of the mean {}, required {}; {undecided}; no \
+             difference beyond noise: {}",
             percent(mean_resolution),
             percent(promise),
             noise()
         ),
         _ if passed => format!(
-            "nothing is off beyond noise; a bias of {} of the mean, or of {} of nine blocks in ten, \
-             would have been seen; {}",
+            "no difference beyond noise; detectable bias {} of the mean, {} in nine blocks of ten; \
+             {}",
             percent(mean_resolution),
             percent(resolution),
             noise()
@@ -344,16 +344,15 @@ impl<'c> Worst<'c> {
         let (off, pixels) = (channel.difference.value, self.block.pixels() as f64);
         (rejected > 0).then(|| {
             format!(
-                "{rejected} of {} blocks and channels are off by more than noise; the worst block, \
-                 of {} × {} pixels, begins at ({}, {}), column and row from the top left: its {} \
-                 is too {}, {}",
+                "{rejected} of {} blocks and channels differ beyond noise; the worst, {} × {} pixels \
+                 from column {} and row {}, is too {} in {}: {}",
                 self.probabilities.len(),
                 self.block.columns.len(),
                 self.block.rows.len(),
                 place[0],
                 place[1],
-                colour(self.channel),
                 side(off),
+                colour(self.channel),
                 means(channel.radiance / pixels, off / pixels, self.deviation()),
             )
         })
@@ -381,7 +380,7 @@ fn block_deviation(channel: &Channel) -> f64 {
 fn standard_errors(deviation: f64) -> String {
     match deviation.abs() {
         size if size < BOUNDLESS => format!("{size:.1} standard errors"),
-        _ => "where there is no noise at all".to_owned(),
+        _ => "without any noise".to_owned(),
     }
 }
 

@@ -60,8 +60,8 @@ impl Pixels {
         metrics.push(("far_pixels", most as f64));
         (holm(&probabilities, level) > 0).then(|| {
             format!(
-                "{most} of {} pixels are off by more than {FAR} standard errors; whatever the \
-                 shape of the noise, one in {} may be",
+                "{most} of {} pixels are off by more than {FAR} standard errors; noise of any \
+                 distribution puts at most one in {} there",
                 self.values,
                 FAR * FAR
             )

@@ -125,7 +125,7 @@ pub(super) fn number(name: &str) -> &'static str {
         }
         "flip_max" => "FLIP of the worst pixel.",
         "blocks" => "Blocks of 8 × 8 pixels, times three channels, that were asked.",
-        "rejected_blocks" => "Of these, how many are off by more than noise; 0 passes.",
+        "rejected_blocks" => "Blocks and channels that differ beyond noise; 0 passes.",
         "worst_block_z" => {
             "Test minus golden of the worst block, in standard errors: above 0 it is too bright."
         }
@@ -135,19 +135,18 @@ pub(super) fn number(name: &str) -> &'static str {
         "mean_z_green" => "Mean of green over the image, test minus golden, in standard errors.",
         "mean_z_blue" => "Mean of blue over the image, test minus golden, in standard errors.",
         "smallest_visible_bias" => {
-            "An image that is wrong on the whole by this share of its brightness would have been \
-             seen; smaller mistakes would not."
+            "Detectable bias of the mean, as a share of the brightness of the image: a larger one is \
+             rejected."
         }
         "smallest_visible_block_bias" => {
-            "A block that is wrong by this share of its brightness would have been seen; smaller \
-             mistakes would not."
+            "Detectable bias of nine blocks in ten, as a share of the brightness of the block: a larger \
+             one is rejected."
         }
         "times_the_samples_that_would_decide" => {
-            "With this many times the samples per pixel the image would show the bias that is to be \
-             seen."
+            "Factor on the samples per pixel at which the required bias becomes detectable."
         }
         "samples_that_would_decide" => {
-            "Samples per pixel, of all renderings together, that would show it."
+            "Samples per pixel, of all renderings together, at which it becomes detectable."
         }
         "far_pixels" => {
             "Single pixels off by more than 5 standard errors, in the channel with most; many mean \
