@@ -46,8 +46,7 @@ pub(super) fn check(stage: &Stage, faults: &mut Faults) {
                 reach * ROUNDING
             );
             faults.add(place, what);
-        }
-        if !(LENGTHS.contains(&extent) && reach <= *LENGTHS.end()) {
+        } else if !(LENGTHS.contains(&extent) && reach <= *LENGTHS.end()) {
             let what = format!(
                 "an extent of {extent:.3e} at coordinates up to {reach:.3e}: pbrt's 32-bit normals take \
                  lengths from {:.0e} to {:.0e}; choose another unit of length",
