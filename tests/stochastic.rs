@@ -207,7 +207,12 @@ fn too_little_noise_is_suspicious() {
     let reference = sampled(1, 256, exponential, truth);
     // The first half of the samples is the same.
     let shared = sampled(1, 200, exponential, truth);
-    assert_rejected("common random numbers", &reference, &shared, "too little noise");
+    assert_rejected(
+        "common random numbers",
+        &reference,
+        &shared,
+        "too little noise",
+    );
     let smoothed = edited(&sampled(2, 256, exponential, truth), |i, pixel| {
         [0, 1, 2].map(|c| 0.6 * reference.radiance()[i][c] + 0.4 * pixel[c])
     });
@@ -225,7 +230,12 @@ fn too_little_noise_is_suspicious() {
         "it is the same image, not an independent estimate",
     );
     assert_rejected("a silent copy", &loud, &silent(&loud), "the same image");
-    assert_rejected("overstated noise", &reference, &quiet(8.0), "too little noise");
+    assert_rejected(
+        "overstated noise",
+        &reference,
+        &quiet(8.0),
+        "too little noise",
+    );
     // Of n samples that are among the N of the reference, the differences have (N − n)/(N + n)
     // times the noise of independent ones: with few of them that is nothing to speak of.
     let few = judged(&reference, &sampled(1, 40, exponential, truth));
