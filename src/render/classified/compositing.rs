@@ -24,7 +24,7 @@ pub struct Layers {
     pub colour: DVec3,
     /// Share of the light from behind that is held back, in [0, 1].
     pub opacity: f64,
-    /// Share of the light from behind that is let through, in [0, 1].
+    /// Share of the light from behind that passes, in [0, 1].
     pub transparency: f64,
 }
 
