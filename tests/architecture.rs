@@ -258,7 +258,7 @@ fn files_import_each_other_in_no_circles() {
     for (file, target) in [
         ("render/image.rs", "render/classified/kernels.rs"),
         ("render/classified/kernels.rs", "render/pixels.rs"),
-        ("render/classified/ray_caster.rs", "volume/grid.rs"),
+        ("render/classified/shading.rs", "volume/grid.rs"),
         ("scene/load.rs", "scene/radiative.rs"),
     ] {
         assert!(imports[file].contains(target), "{file} imports {target}");

@@ -20,7 +20,7 @@ use volref::math::rng::{Purpose, Stream};
 use volref::math::sampling::{Equiangular, free_flight, truncated_free_flight};
 use volref::math::{self, Sum, exp2};
 use volref::media::*;
-use volref::render::classified::compositing::{BackToFront, FrontToBack, Layers, Order};
+use volref::render::classified::compositing::{BackToFront, CompositingOrder, FrontToBack, Layers};
 use volref::volume::{Centring, Grid, GridDensity, Interpolation, Lattice};
 
 const INPUTS: u32 = 100_000;

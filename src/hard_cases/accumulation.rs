@@ -11,7 +11,7 @@ use crate::media::Field;
 use crate::media::{
     Appearance, Asymmetry, TransferFunction, TransferPoint, TransferPoints, opacity, source_factor,
 };
-use crate::render::classified::compositing::{FrontToBack, Layers, Order};
+use crate::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
 use crate::render::classified::steps::Steps;
 use crate::render::counters::Uncounted;
 use crate::render::radiative::effects::Everything;

@@ -14,10 +14,11 @@ use crate::media::{
     Appearance, Field, Phong, TransferFunction, TransferPoint, TransferPoints, optical_depth,
     transmittance,
 };
-use crate::render::classified::compositing::{FrontToBack, Layers, Order};
-use crate::render::classified::empty_space::Unexplored;
-use crate::render::classified::field::Sampled;
-use crate::render::classified::ray_caster::{RayCaster, Unshaded};
+use crate::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
+use crate::render::classified::empty_space::NoSkipping;
+use crate::render::classified::field::GridField;
+use crate::render::classified::ray_caster::RayCaster;
+use crate::render::classified::shading::Unshaded;
 use crate::render::classified::steps::Steps;
 use crate::render::classified::volume_shadow::Unshadowed;
 use crate::render::counters::Uncounted;
@@ -689,11 +690,11 @@ fn d14_zero_gradient_and_touched_surfaces(margin: &mut Margin) {
         ("equal to a voxel", exact, 1.3, true),
     ] {
         let caster = RayCaster {
-            field: Sampled::new(&grid, Trilinear),
+            field: GridField::new(&grid, Trilinear),
             order: FrontToBack,
             shading: Unshaded,
             visibility: Unshadowed,
-            space: Unexplored,
+            space: NoSkipping,
             transfer_function: &surface,
             // From z = 0 on: the third sample lies at 2 exactly.
             step: 0.8,

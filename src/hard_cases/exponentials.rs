@@ -11,7 +11,7 @@ use crate::media::{
     Appearance, Coefficients, TransferFunction, TransferPoint, TransferPoints, collision_weight,
     escape_weight, opacity, optical_depth, over_length, source_factor, transmittance,
 };
-use crate::render::classified::compositing::{FrontToBack, Layers, Order};
+use crate::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
 use crate::render::classified::steps::Steps;
 use crate::render::{Event, Plan};
 use crate::scene::{Classified, Compositing, Model};

@@ -4,8 +4,8 @@ use super::plan::Effect;
 use serde::{Serialize, Serializer};
 use std::ops::{Index, IndexMut};
 
-/// Makes [`Event`] from the one list of what is counted: of each event its meaning, its name, its
-/// JSON key, and the effects that do such work.
+/// Defines [`Event`] from one list: of each event the meaning, the name, the JSON key, and the
+/// effects that do such work.
 macro_rules! events {
     ($($(#[$meaning:meta])* $event:ident, $key:literal, [$($effect:ident),+];)+) => {
         /// A unit of work that kernels count.

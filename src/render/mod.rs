@@ -1,9 +1,9 @@
 //! From a scene to an image: the plan, the kernels, the pixel loop.
 //!
 //! [`classified`] casts rays through a grid with a transfer function, [`radiative`] follows light
-//! among surfaces, media and lights: a folder for each model. [`plan`] decides which effects a scene calls
-//! for, `image` renders the panels of a scene, `pixels` loops over the pixels of one, [`counters`] counts its work and
-//! [`predicted_work`] predicts it.
+//! among surfaces, media and lights: a folder for each model. [`plan`] decides which effects a
+//! scene calls for. `image` renders the panels of a scene by their plans, `pixels` is the loop over
+//! the pixels of one; [`counters`] counts the work and [`predicted_work`] predicts it.
 //!
 //! # The kernels
 //!
@@ -19,9 +19,10 @@
 //! | line of sight | 22 | media, surfaces, emission, colour, anisotropy, heterogeneity | 201 | 197 | 0 | 3.8 % |
 //! | shared by the latter two | – | the same | 459 | 479 | 132 | 10.3 % |
 //!
-//! For heterogeneous media there are no kernels without surfaces, and on the line of sight, without
-//! scattering then, no anisotropic ones; without media, none by the effects of media. The member for everything is the general kernel. Made by
-//! `scripts/kernel-sizes.sh` for x86-64; a test holds the numbers of kernels.
+//! For heterogeneous media there are no kernels without surfaces, and on the line of sight, where
+//! they do not scatter, no anisotropic ones; without media there are none by the effects of media.
+//! The member for everything is the general kernel. Made by `scripts/kernel-sizes.sh` for x86-64; a
+//! test holds the numbers of kernels.
 
 pub mod classified;
 pub mod counters;

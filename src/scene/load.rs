@@ -8,7 +8,7 @@ use super::format::{Absent, Key, Kind, Literal, Rule, Table};
 use super::places::{Lines, Places};
 use super::radiative::RADIATIVE;
 use super::reader::{Document, Origin, Reader, Reading, overridden};
-use super::sampling::{SAMPLING, Sampling};
+use super::sampling::{SAMPLING, SamplingTable};
 use super::transfer_function::{OpacityByValue, TRANSFER_FUNCTION, read_transfer_function};
 use super::{Classified, Curve, Radiative, SceneError};
 use crate::regular_file;
@@ -385,7 +385,7 @@ fn read_radiative(
         let help = "give [camera] with `eye`, where it stands, and `target`, what it looks at";
         return Err(reader.mistake_here(message, help));
     };
-    let sampling = Sampling::read(&root.table_or_default("sampling", &empty)?)?;
+    let sampling = SamplingTable::read(&root.table_or_default("sampling", &empty)?)?;
     Radiative::read(reader, &camera, sampling, files)
 }
 

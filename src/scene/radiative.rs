@@ -13,7 +13,7 @@ use super::camera::View;
 use super::files::Files;
 use super::format::{Absent, Key, Kind, Literal, Range, Table};
 use super::reader::Reader;
-use super::sampling::Sampling;
+use super::sampling::SamplingTable;
 use crate::geometry::{Boundary, Camera, Luminous, Shape};
 use crate::media::{Coefficients, Density, Homogeneous};
 use crate::optics::{Light, Material, Sides};
@@ -178,7 +178,7 @@ impl Radiative {
     pub(super) fn read(
         reader: &Reader<'_, '_>,
         camera: &Reader<'_, '_>,
-        sampling: Sampling,
+        sampling: SamplingTable,
         files: &mut Files<'_>,
     ) -> Result<Radiative, Box<SceneError>> {
         let View {

@@ -1,10 +1,11 @@
-//! The one place where a plan becomes code: each choice picks a type, and the last call
-//! compiles the ray caster for the types picked.
+//! The kernels of the ray caster: each feature of a plan picks a type, and the last call compiles
+//! the ray caster for the types picked.
 
-use super::compositing::{BackToFront, EarlyTermination, FrontToBack, Order};
-use super::empty_space::{EmptySpace, Space, Unexplored};
-use super::field::{Constant, Field, Sampled};
-use super::ray_caster::{RayCaster, Shaded, Shading, Unshaded};
+use super::compositing::{BackToFront, CompositingOrder, EarlyTermination, FrontToBack};
+use super::empty_space::{EmptySpace, NoSkipping, Space};
+use super::field::{ConstantField, GridField, ScalarField};
+use super::ray_caster::RayCaster;
+use super::shading::{Shaded, Shading, Unshaded};
 use super::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
 use crate::render::counters::{Event, Work};
 use crate::render::pixels::{Pixels, rows};
@@ -13,25 +14,25 @@ use crate::scene::{Classified, Compositing};
 use crate::volume::{Nearest, Node, Trilinear, relative_gradients};
 use std::marker::PhantomData;
 
-/// Something to be done with a ray caster.
-trait Use {
-    /// What comes of it.
+/// A task for a ray caster of any types.
+trait Task {
+    /// The result.
     type Output;
 
-    /// Does it with a `caster` made of these types.
-    fn with<F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space>(
+    /// Does the task with `caster`.
+    fn with<F: ScalarField, O: CompositingOrder + Sync, S: Shading, V: Visibility, E: Space>(
         self,
         caster: RayCaster<'_, F, O, S, V, E>,
     ) -> Self::Output;
 }
 
-/// Renders `scene` with the ray caster with `features`.
+/// The pixels of `scene` by the ray caster with `features`.
 pub(in crate::render) fn cast<W: Work>(
     scene: &Classified,
     features: RayCasterFeatures,
     pixels: &Pixels<'_>,
 ) -> (Vec<[f32; 4]>, W) {
-    let task = Image {
+    let task = RenderTask {
         scene,
         pixels,
         work: PhantomData,
@@ -44,21 +45,21 @@ pub(in crate::render) fn cast<W: Work>(
     (image, work)
 }
 
-/// An image of a scene, to be rendered by the ray caster compiled for it.
-struct Image<'p, W> {
+/// The image of a scene.
+struct RenderTask<'p, W> {
     scene: &'p Classified,
     pixels: &'p Pixels<'p>,
     work: PhantomData<W>,
 }
 
-impl<W: Work> Use for Image<'_, W> {
+impl<W: Work> Task for RenderTask<'_, W> {
     type Output = (Vec<[f32; 4]>, W);
 
-    fn with<F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space>(
+    fn with<F: ScalarField, O: CompositingOrder + Sync, S: Shading, V: Visibility, E: Space>(
         self,
         caster: RayCaster<'_, F, O, S, V, E>,
     ) -> Self::Output {
-        let Image { scene, pixels, .. } = self;
+        let RenderTask { scene, pixels, .. } = self;
         let size = [pixels.width, pixels.height];
         rows(
             pixels,
@@ -72,22 +73,22 @@ impl<W: Work> Use for Image<'_, W> {
     }
 }
 
-/// Does `task` with the ray caster of `scene` with `features`.
-fn with_features<T: Use>(scene: &Classified, features: RayCasterFeatures, task: T) -> T::Output {
+/// The result of `task` with the ray caster of `scene` with `features`.
+fn with_features<T: Task>(scene: &Classified, features: RayCasterFeatures, task: T) -> T::Output {
     let grid = &*scene.grid;
     match features.field {
-        FieldKind::Trilinear => with_order(scene, features, task, Sampled::new(grid, Trilinear)),
-        FieldKind::Nearest => with_order(scene, features, task, Sampled::new(grid, Nearest)),
+        FieldKind::Trilinear => with_order(scene, features, task, GridField::new(grid, Trilinear)),
+        FieldKind::Nearest => with_order(scene, features, task, GridField::new(grid, Nearest)),
         FieldKind::Constant => with_order(
             scene,
             features,
             task,
-            Constant(grid.lattice(), grid.values()[0].value()),
+            ConstantField(grid.lattice(), grid.values()[0].value()),
         ),
     }
 }
 
-fn with_order<T: Use, F: Field>(
+fn with_order<T: Task, F: ScalarField>(
     scene: &Classified,
     features: RayCasterFeatures,
     task: T,
@@ -102,7 +103,7 @@ fn with_order<T: Use, F: Field>(
     }
 }
 
-fn with_shading<T: Use, F: Field, O: Order + Sync>(
+fn with_shading<T: Task, F: ScalarField, O: CompositingOrder + Sync>(
     scene: &Classified,
     features: RayCasterFeatures,
     task: T,
@@ -123,7 +124,7 @@ fn with_shading<T: Use, F: Field, O: Order + Sync>(
     }
 }
 
-fn with_visibility<T: Use, F: Field, O: Order + Sync, S: Shading>(
+fn with_visibility<T: Task, F: ScalarField, O: CompositingOrder + Sync, S: Shading>(
     scene: &Classified,
     features: RayCasterFeatures,
     task: T,
@@ -146,7 +147,7 @@ fn with_visibility<T: Use, F: Field, O: Order + Sync, S: Shading>(
     }
 }
 
-fn with_space<T: Use, F: Field, O: Order + Sync, S: Shading, V: Visibility>(
+fn with_space<T: Task, F: ScalarField, O: CompositingOrder + Sync, S: Shading, V: Visibility>(
     scene: &Classified,
     features: RayCasterFeatures,
     task: T,
@@ -159,11 +160,18 @@ fn with_space<T: Use, F: Field, O: Order + Sync, S: Shading, V: Visibility>(
         let space = EmptySpace::of(&*scene.grid, &scene.transfer_function);
         with_all(scene, task, field, order, shading, visibility, space)
     } else {
-        with_all(scene, task, field, order, shading, visibility, Unexplored)
+        with_all(scene, task, field, order, shading, visibility, NoSkipping)
     }
 }
 
-fn with_all<T: Use, F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space>(
+fn with_all<
+    T: Task,
+    F: ScalarField,
+    O: CompositingOrder + Sync,
+    S: Shading,
+    V: Visibility,
+    E: Space,
+>(
     scene: &Classified,
     task: T,
     field: F,
@@ -196,10 +204,10 @@ mod tests {
     /// The name of the type that is picked.
     struct Name;
 
-    impl Use for Name {
+    impl Task for Name {
         type Output = String;
 
-        fn with<F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space>(
+        fn with<F: ScalarField, O: CompositingOrder + Sync, S: Shading, V: Visibility, E: Space>(
             self,
             caster: RayCaster<'_, F, O, S, V, E>,
         ) -> String {

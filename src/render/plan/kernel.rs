@@ -12,32 +12,32 @@ pub enum Kernel<'s> {
     Background(&'s Classified),
     /// The ray caster.
     RayCaster {
-        /// What is rendered.
+        /// The model rendered.
         scene: &'s Classified,
-        /// What it is compiled for.
+        /// The features it is compiled for.
         features: RayCasterFeatures,
     },
     /// Closed forms and integrals along the line of sight, without random numbers.
     LineOfSight {
-        /// What is rendered.
+        /// The model rendered.
         scene: &'s Radiative,
-        /// What it is compiled for.
+        /// The features it is compiled for.
         features: RadiativeFeatures,
         /// Whether light is scattered, once.
         scatters: bool,
     },
     /// Path tracing.
     PathTracer {
-        /// What is rendered.
+        /// The model rendered.
         scene: &'s Radiative,
-        /// What it is compiled for.
+        /// The features it is compiled for.
         features: RadiativeFeatures,
         /// Highest scattering order, if there is a limit.
         max_order: Option<u32>,
     },
 }
 
-/// What the ray caster is compiled for.
+/// Features that the ray caster is compiled for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayCasterFeatures {
     /// Reconstruction of the density.
@@ -52,7 +52,7 @@ pub struct RayCasterFeatures {
     pub skip_empty: bool,
 }
 
-/// What the kernels for surfaces and participating media are compiled for.
+/// Features that the kernels for surfaces and participating media are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RadiativeFeatures {
     /// Media.
@@ -78,7 +78,7 @@ impl fmt::Display for RadiativeFeatures {
             (self.media, "media"),
             (self.emission, "emission"),
             (self.chromatic, "colour"),
-            (self.anisotropic, "anisotropic scattering"),
+            (self.anisotropic, "anisotropic phase"),
             (self.heterogeneous, "heterogeneous"),
         ];
         let names: Vec<_> = names

@@ -9,7 +9,7 @@ use crate::scene::{Body, Scattering};
 use glam::DVec3;
 
 impl Contents<'_> {
-    /// What is known about an effect.
+    /// The finding for an effect.
     pub fn finding(&self, effect: Effect) -> EffectFinding {
         use EffectFinding::{Absent, Null};
         match effect {
