@@ -3,7 +3,7 @@
 //! [`ray_caster`] renders classified volumes, [`path_tracer`] surfaces, media and lights. They are
 //! the obvious programs, one line of the method after the other, without anything clever:
 //! [`render`](crate::render) is the fast program, and is tested against them. Classified volumes
-//! agree to the bit, sampled images by the stochastic gate (`tests/reference.rs`).
+//! agree to the bit, sampled images within their noise (`tests/reference.rs`).
 
 mod media;
 pub mod path_tracer;
@@ -16,7 +16,7 @@ use crate::render::Sampling;
 use crate::scene::{Model, Scene};
 use thiserror::Error;
 
-/// A scene without a reference rendering.
+/// The reason why a scene has no reference image.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ReferenceError {
     /// A panel that simulates no light.
@@ -24,7 +24,7 @@ pub enum ReferenceError {
         "the scene plots a transfer function; there is no light in it for --reference to follow"
     )]
     Plot,
-    /// A path without an end.
+    /// A path that does not end.
     #[error(
         "a path of pixel ({column}, {row}) drew 2^26 random numbers and had no end: the plain path \
          tracer cannot render this scene; render it without --reference"
