@@ -7,6 +7,8 @@
 //! into another crate. Like the kernels they call the camera, the grid, the transfer function,
 //! the random numbers. Each returns the bits that [`render`](volref::render::render) does.
 
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
 use volref::film::Film;
 use volref::geometry::{Aabb, Boundary, Camera, Ray, Span, length_of};
 use volref::math::rng::{Purpose, Stream};
@@ -19,8 +21,6 @@ use volref::render::classified::steps::Steps;
 use volref::render::counters::Uncounted;
 use volref::scene::{Classified, Radiative, Scattering};
 use volref::volume::{Cell, relative_gradients};
-use glam::DVec3;
-use std::f64::consts::{PI, TAU};
 
 /// Columns and rows of an image.
 pub type Size = [usize; 2];

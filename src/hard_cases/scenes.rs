@@ -8,10 +8,12 @@ use crate::media::{
     Phong, TransferFunction, TransferOpacity,
 };
 use crate::render::counters::Uncounted;
+use crate::render::radiative::context::Scratch;
 use crate::render::radiative::effects::Everything;
-use crate::render::radiative::intersection::Surroundings;
 use crate::render::radiative::line_of_sight::{LineOfSight, TOLERANCE};
-use crate::render::radiative::path_tracer::{PathTracer, Scratch};
+use crate::render::radiative::path_tracer::PathTracer;
+use crate::render::radiative::sampler::Sampler;
+use crate::render::radiative::scene_context::SceneContext;
 use crate::render::{RenderError, Rendering, Sampling, plans, render_counted};
 use crate::scene::{
     Body, Classified, Compositing, Model, Panel, Radiative, Scattering, Scene, Shadow,
@@ -142,12 +144,11 @@ pub fn turned_once_within(tolerance: f64, scene: &Radiative, ray: &Ray) -> DVec3
 
 fn line_of_sight(scene: &Radiative, ray: &Ray, turned: bool, tolerance: f64) -> DVec3 {
     let renderer = LineOfSight::<Everything> {
-        around: Surroundings::new(scene, false),
-        turned,
+        scene: SceneContext::new(scene, false),
+        scattering: turned,
         tolerance,
     };
-    let (mut lit, mut tracker) = Default::default();
-    renderer.radiance(ray, &mut lit, &mut tracker, &mut Uncounted)
+    renderer.radiance(ray, &mut Scratch::default(), &mut Uncounted)
 }
 
 /// What path number `sample` brings back along `ray`, turned `limit` times at most.
@@ -159,8 +160,8 @@ pub fn paths<'s>(
     let tracer = PathTracer::<Everything>::new(scene, limit, false);
     let mut scratch = Scratch::default();
     move |sample| {
-        let random = Stream::new(scene.seed, 0, sample);
-        let radiance = tracer.radiance(ray, &random, &mut scratch, &mut Uncounted);
+        let sampler = Sampler::new(Stream::new(scene.seed, 0, sample));
+        let radiance = tracer.radiance(ray, sampler, &mut scratch, &mut Uncounted);
         // A path without an end brings back nothing that could be compared.
         radiance.unwrap_or(DVec3::NAN)
     }

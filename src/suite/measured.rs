@@ -441,7 +441,10 @@ mod tests {
             let codes = Film::new(32, 24, pixels).srgb_codes(case.exposure);
             let codes = Picture::Codes(SrgbImage::new(32, 24, codes).unwrap());
             let said = measured(&case, &golden, &codes).join("; ");
-            assert_eq!(!said.is_empty(), is_another_exposure(&case, &golden, &codes));
+            assert_eq!(
+                !said.is_empty(),
+                is_another_exposure(&case, &golden, &codes)
+            );
             said
         };
         // Codes are rounded: 0.1 % of a mean over 2304 values.
