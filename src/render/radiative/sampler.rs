@@ -1,8 +1,8 @@
 //! The random numbers of one path.
 
 use super::tracking::{Tentative, TentativeNumbers};
-use crate::math::ln_1p;
 use crate::math::rng::{Purpose, Stream};
+use crate::math::sampling::optical_distance;
 
 /// Gives every random number that a path uses, and counts it.
 ///
@@ -101,7 +101,7 @@ impl TentativeNumbers for SamplerRow<'_> {
         *index = index.wrapping_add(1);
         let [distance, u] = self.sampler.pair(self.row.purpose(), pair as usize);
         Tentative {
-            optical_distance: -ln_1p(-distance),
+            optical_distance: optical_distance(distance),
             u,
         }
     }
@@ -135,7 +135,7 @@ mod tests {
         let expected = |bounce, purpose, index| {
             let [distance, u] = stream.pair(bounce, purpose, index);
             Tentative {
-                optical_distance: -ln_1p(-distance),
+                optical_distance: optical_distance(distance),
                 u,
             }
         };

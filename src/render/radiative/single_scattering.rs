@@ -16,8 +16,10 @@ use super::segments::{MediumSegment, MediumSegments, OpticalDepths};
 use super::tracker::Tracker;
 use super::vertex::Vertex;
 use crate::geometry::{Ray, Span, direction_of};
-use crate::math::sampling::{Equiangular, LightOnRay};
-use crate::math::{exp, exp_m1, ln_1p};
+use crate::math::sampling::{
+    Equiangular, LightOnRay, truncated_free_flight_pdf, truncated_optical_distance,
+};
+use crate::media::opacity;
 use crate::optics::{Light, Spot};
 use crate::render::counters::Work;
 use glam::DVec3;
@@ -316,7 +318,7 @@ impl<E: Effects> TruncatedFlight<E> {
         let mut colliding = DVec3::ZERO;
         let mut channels = 0.0;
         for c in 0..Self::CHANNELS {
-            colliding[c] = -exp_m1(-depth[c]);
+            colliding[c] = opacity(depth[c]);
             channels += if colliding[c] > 0.0 { 1.0 } else { 0.0 };
         }
         TruncatedFlight {
@@ -342,7 +344,7 @@ impl<E: Effects> TruncatedFlight<E> {
                 nth -= 1;
             }
         }
-        let into = -ln_1p(-(u * self.colliding[channel]));
+        let into = truncated_optical_distance(self.colliding[channel], u);
         segments.distance_at(self.before[channel] + into, channel)
     }
 
@@ -351,7 +353,7 @@ impl<E: Effects> TruncatedFlight<E> {
     fn pdf(&self, depths: &OpticalDepths, sigma_t: DVec3) -> f64 {
         let density = |c: usize| {
             let into = depths.scattering[c] - self.before[c];
-            sigma_t[c] * exp(-into) / self.colliding[c]
+            truncated_free_flight_pdf(sigma_t[c], into, self.colliding[c])
         };
         let mut colliding = (0..Self::CHANNELS).filter(|&c| self.colliding[c] > 0.0);
         let Some(first) = colliding.next().map(density) else {
