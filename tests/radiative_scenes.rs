@@ -5,7 +5,9 @@ use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;
 use volref::geometry::{Boundary, Emitter, Luminous, Ray, Shape, Solid, Surface};
+use volref::media::{Asymmetry, Draine, Droplets, Phase};
 use volref::optics::{Light, Material, Sides};
+use volref::render::{Effect, Plan};
 use volref::scene::format::json_schema;
 use volref::scene::{Model, Radiative, SCENE, Scattering, Scene, SceneError};
 
@@ -132,7 +134,7 @@ fn what_is_left_out_has_defaults() {
     assert!(scene.panels[0].inputs.is_empty());
     let medium = &read.media[0].medium;
     assert_eq!(medium.emission, DVec3::ZERO);
-    assert_eq!(medium.phase.0.g(), 0.0);
+    assert_eq!(medium.phase, Phase::ISOTROPIC);
     assert!(matches!(read.media[0].boundary, Some(Boundary::Box(_))));
     assert!(matches!(read.objects[0].shape, Shape::Sphere(_)));
     // Black, but legal.
@@ -544,6 +546,50 @@ fn the_block_of_the_source() {
         found.map(|reading| reading.value.clone())
     };
     assert_eq!(read("nrOctaves").as_deref(), Some("10"));
+}
+
+#[test]
+fn phase_functions() {
+    let phase = |text: &str| {
+        let text = edited(&[(COEFFICIENTS, &format!("{COEFFICIENTS}\n{text}"))]);
+        radiative(&parse(&text).unwrap(), 0).media[0].medium.phase
+    };
+    let asymmetry = |g| Asymmetry::new(g).unwrap();
+    let draine = |g, alpha| Phase::Draine(Draine::new(asymmetry(g), alpha).unwrap());
+    assert_eq!(phase("g = 0.5"), Phase::henyey_greenstein(asymmetry(0.5)));
+    assert_eq!(phase("draine = {}"), draine(0.0, 1.0));
+    assert_eq!(phase("draine = { g = -0.2, alpha = 3 }"), draine(-0.2, 3.0));
+    let droplets = Phase::Droplets(Droplets::new(12.0).unwrap());
+    assert_eq!(phase("droplets = { diameter = 12 }"), droplets);
+
+    let with = |text: &str| {
+        let text = format!("{COEFFICIENTS}\n{text}");
+        said_about(&edited(&[(COEFFICIENTS, &text)]))
+    };
+    let wrong = [
+        with("draine = { g = 1 }"),
+        with("draine = { alpha = -0.5 }"),
+        with("droplets = {}"),
+        with("droplets = { diameter = 0.5 }"),
+        with("g = 0.5\ndraine = {}"),
+    ];
+    insta::assert_snapshot!(wrong.concat());
+}
+
+/// The plan says which phase function scatters.
+#[test]
+fn the_plan_names_the_phase_function() {
+    let text = edited(&[(COEFFICIENTS, &format!("{COEFFICIENTS}\ndraine = {{}}"))]);
+    let scene = parse(&text).unwrap();
+    let plan = Plan::new(&scene.panels[0]);
+    let mut decisions = plan.decisions.iter();
+    let decision = decisions.find(|decision| decision.effect == Effect::AnisotropicPhase);
+    let reason = &decision.unwrap().why;
+    assert_eq!(
+        reason.reason,
+        "a medium that scatters has the phase function Rayleigh"
+    );
+    assert_eq!(reason.field.as_deref(), Some("radiative.medium[0].draine"));
 }
 
 #[test]

@@ -4,8 +4,8 @@ use crate::geometry::{Aabb, Boundary, Camera, Ray, Sphere};
 use crate::math::Moments;
 use crate::math::rng::{Purpose, Stream};
 use crate::media::{
-    Appearance, Asymmetry, Coefficients, Colormap, Density, Field, HenyeyGreenstein, Homogeneous,
-    Phong, TransferFunction, TransferOpacity,
+    Appearance, Asymmetry, Coefficients, Colormap, Density, Field, Homogeneous, Phase, Phong,
+    TransferFunction, TransferOpacity,
 };
 use crate::render::counters::Uncounted;
 use crate::render::radiative::context::Scratch;
@@ -75,7 +75,7 @@ pub fn coloured(sigma_a: DVec3, sigma_s: DVec3, g: Asymmetry) -> Homogeneous {
     Homogeneous {
         coefficients: Coefficients::new(sigma_a, sigma_s).expect("coefficients"),
         emission: DVec3::ZERO,
-        phase: HenyeyGreenstein(g),
+        phase: Phase::henyey_greenstein(g),
     }
 }
 

@@ -4,6 +4,7 @@ mod contradictions;
 mod densities;
 mod lights;
 mod media;
+mod phases;
 mod place;
 mod shapes;
 mod surfaces;

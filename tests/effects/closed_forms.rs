@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use std::sync::Arc;
 use volref::geometry::{Aabb, Boundary, Camera};
 use volref::math::rng::{Purpose, Stream};
-use volref::media::{Asymmetry, Coefficients, Density, Field, HenyeyGreenstein, Homogeneous};
+use volref::media::{Coefficients, Density, Field, Homogeneous, Phase};
 use volref::render::counters::Event;
 use volref::render::plan::Kernel;
 use volref::render::{Bound, Counters, Plan, Sampling};
@@ -30,7 +30,7 @@ fn grid_scene(
         medium: Homogeneous {
             coefficients,
             emission: DVec3::splat(emission),
-            phase: HenyeyGreenstein(Asymmetry::ISOTROPIC),
+            phase: Phase::ISOTROPIC,
         },
         density: Some(Density::new(field, bounds, None)),
     };

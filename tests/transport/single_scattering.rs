@@ -8,7 +8,7 @@ use glam::DVec3;
 use std::f64::consts::PI;
 use volref::geometry::{Ray, Rectangle, Shape};
 use volref::math::{Frame, atan2};
-use volref::media::{Asymmetry, HenyeyGreenstein};
+use volref::media::Asymmetry;
 use volref::optics::{Light, Point};
 use volref::scene::Radiative;
 
@@ -115,8 +115,8 @@ fn lamp_of(entry: &Entry) -> volref::optics::Light {
 fn mirrored(scene: &Radiative) -> Radiative {
     let mut scene = scene.clone();
     for body in &mut scene.media {
-        let g = body.medium.phase.0.g();
-        body.medium.phase = HenyeyGreenstein(Asymmetry::new(-g).unwrap());
+        let negated = |g: Asymmetry| Asymmetry::new(-g.g()).unwrap();
+        body.medium.phase = body.medium.phase.with_asymmetry(negated);
     }
     scene
 }

@@ -2,7 +2,7 @@
 
 use super::majorants::HeterogeneousSegment;
 use crate::geometry::{Boundary, Ray, Span};
-use crate::media::{Density, HenyeyGreenstein, Homogeneous, optical_depth};
+use crate::media::{Density, Homogeneous, Phase, optical_depth};
 use crate::render::counters::{Event, Work};
 use glam::DVec3;
 
@@ -70,7 +70,7 @@ pub struct Medium<'s> {
     /// points on a ray are sampled by.
     pub on_segment: MediumProperties,
     /// Its phase function.
-    pub phase: HenyeyGreenstein,
+    pub phase: Phase,
 }
 
 impl Medium<'_> {

@@ -10,7 +10,7 @@ use crate::geometry::Ray;
 use crate::math::rng::Purpose;
 use crate::math::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
 use crate::math::{Frame, cos, sin};
-use crate::media::{Deflection, Density, HenyeyGreenstein};
+use crate::media::{Deflection, Density, Phase};
 use crate::render::counters::{Event, Work};
 use glam::DVec3;
 use std::cell::Cell;
@@ -119,7 +119,7 @@ impl<E: Effects> SceneContext<'_, E> {
         work: &mut W,
     ) -> Response {
         let deflection = Deflection::from_cos(cosine.clamp(-1.0, 1.0));
-        let value = |phase: HenyeyGreenstein| {
+        let value = |phase: &Phase| {
             if E::ANISOTROPIC {
                 phase.per_steradian(&deflection)
             } else {
@@ -168,7 +168,7 @@ impl<E: Effects> SceneContext<'_, E> {
         throughput: DVec3,
         sampler: &mut Sampler,
         work: &mut W,
-    ) -> (HenyeyGreenstein, DVec3) {
+    ) -> (&Phase, DVec3) {
         let lookups = Cell::new(0);
         let mut scatterers = self.scatterers(set, point, &lookups);
         let (first, phase) = scatterers
@@ -212,7 +212,7 @@ impl<E: Effects> SceneContext<'_, E> {
         set: Set,
         point: DVec3,
         lookups: &Cell<u64>,
-    ) -> impl Iterator<Item = (DVec3, HenyeyGreenstein)> {
+    ) -> impl Iterator<Item = (DVec3, &Phase)> {
         // Not by the properties on a segment, which may vanish where the scattering does not.
         let scatters = |&index: &usize| {
             let medium = self.media.medium(index);
@@ -222,12 +222,12 @@ impl<E: Effects> SceneContext<'_, E> {
         members(set).filter(scatters).map(move |index| {
             let medium = self.media.medium(index);
             if alone {
-                return (medium.unit.sigma_s, medium.phase);
+                return (medium.unit.sigma_s, &medium.phase);
             }
             let mut count = lookups.get();
             let sigma_s = medium.sigma_s(point, &mut count);
             lookups.set(count);
-            (sigma_s, medium.phase)
+            (sigma_s, &medium.phase)
         })
     }
 }

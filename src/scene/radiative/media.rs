@@ -1,8 +1,8 @@
 //! Media: what fills a shape, or all space.
 
-use super::{Body, LARGEST_RADIANCE, densities, place, radiance, shapes};
+use super::{Body, LARGEST_RADIANCE, densities, phases, place, radiance, shapes};
 use crate::geometry::{Aabb, Surface, length_of};
-use crate::media::{Asymmetry, Coefficients, Density, Field, HenyeyGreenstein, Homogeneous};
+use crate::media::{Asymmetry, Coefficients, Density, Field, Homogeneous};
 use crate::scene::SceneError;
 use crate::scene::files::Files;
 use crate::scene::format::{Absent, Key, Kind, Literal, Range, Rule, Table};
@@ -56,12 +56,9 @@ pub(super) const MEDIUM: Table = Table {
             absent: Absent::Default(Literal::Vector([0.0; 3])),
             doc: "Radiance sent out per world length.",
         },
-        Key {
-            name: "g",
-            kind: Kind::Number(Range::open(-1.0, 1.0)),
-            absent: Absent::Default(Literal::Number(0.0)),
-            doc: "Mean cosine of the scattering angle (Henyey–Greenstein), between -1 and 1: positive is forward, 0 is every direction alike.",
-        },
+        phases::G,
+        phases::DRAINE,
+        phases::DROPLETS,
     ],
     rules: &[
         Rule::AtMostOne {
@@ -71,6 +68,10 @@ pub(super) const MEDIUM: Table = Table {
         Rule::AtMostOne {
             what: "density",
             keys: &densities::KEYS,
+        },
+        Rule::AtMostOne {
+            what: "phase function",
+            keys: &phases::KEYS,
         },
         Rule::Apart([
             &["procedural"],
@@ -101,15 +102,7 @@ pub(super) fn read(
         }
     };
     let emission = radiance(reader, "emission")?;
-    let g = reader.number("g")?;
-    if stuff.asymmetry.is_some() && reader.has("g") {
-        let message = "`g` is given twice: the procedural block has a phase function too";
-        return Err(reader.mistake("g", message, "keep one of the two"));
-    }
-    let asymmetry = match stuff.asymmetry {
-        Some(asymmetry) => asymmetry,
-        None => Asymmetry::new(g).map_err(|error| reader.error("g", error.to_string()))?,
-    };
+    let phase = phases::read(reader, stuff.asymmetry)?;
     if let Some(space) = &space
         && varies.is_some()
         && !(space.bounds.size().is_finite() && space.bounds.size().max_element().is_normal())
@@ -138,7 +131,7 @@ pub(super) fn read(
         medium: Homogeneous {
             coefficients: stuff.coefficients,
             emission,
-            phase: HenyeyGreenstein(asymmetry),
+            phase,
         },
         density,
     };

@@ -18,7 +18,7 @@ pub(super) const ABSORPTION: &[&str] = &["sigma_a", "sigma_t", "procedural"];
 pub(super) const BY_ALBEDO: &[&str] = &["sigma_a", "albedo", "procedural"];
 pub(super) const SCATTERS: &[&str] = &["sigma_s", "albedo", "procedural"];
 pub(super) const EMISSION: &[&str] = &["emission"];
-pub(super) const PHASE: &[&str] = &["g", "procedural"];
+pub(super) const PHASE: &[&str] = &["g", "draine", "droplets", "procedural"];
 pub(super) const DENSITY: &[&str] = &Radiative::DENSITY_KEYS;
 
 /// Contents of a scene. Media are those that have any density.
@@ -100,7 +100,7 @@ impl<'s> Contents<'s> {
             scattering: first(&scatters),
             emission: first(&emits),
             chromatic,
-            anisotropic: first(&|body| scatters(body) && body.medium.phase.0.g() != 0.0),
+            anisotropic: first(&|body| scatters(body) && !body.medium.phase.is_isotropic()),
             integrable: densities.into_iter().all(Density::is_integrable),
             heterogeneous,
             reflection: scene.objects.iter().any(|object| match object.material {
