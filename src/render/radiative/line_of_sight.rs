@@ -9,6 +9,7 @@ use super::effects::Effects;
 use super::intersection::SurfaceIndex;
 use super::scene_context::SceneContext;
 use super::segments::{MediumSegment, MediumSegments};
+use super::shadow_edges::{Source, shadow_edges};
 use super::single_scattering::{ScatteringPoint, edges, lit_span};
 use super::specular::facing;
 use super::tracker::Tracker;
@@ -34,9 +35,9 @@ pub struct LineOfSight<'s, E> {
 /// Relative error of an integral in an image: a hundredth of the last bit of 32-bit radiance.
 pub const TOLERANCE: f64 = 6e-10;
 
-/// Pieces that an integral begins with where several media may shade one another: a shadow that
-/// is narrower than what lies between the points of a single rule would go unseen. One of a
-/// four-hundredth of a segment still can.
+/// Pieces that an integral begins with where several media may shade one another, between the
+/// [edges](shadow_edges) of their shadows. A mesh of which parts are narrower than a four-hundredth
+/// of a piece could be missed: a plan has no integrals for those.
 const PIECES_WITH_SHADOWS: usize = 16;
 
 /// Optical depths at which a segment is cut. A rule of few points, laid over all of a dense
@@ -122,7 +123,8 @@ impl<E: Effects> LineOfSight<'_, E> {
         let Some(lit) = lit_span(segments, ray, light) else {
             return DVec3::ZERO;
         };
-        let edges = edges(light, ray);
+        let mut edges = edges(light, ray);
+        edges.extend(self.shadow_edges(light, ray));
         let mut radiance = DVec3::ZERO;
         let scattering = |segment: &&MediumSegment| segment.properties.scatters();
         for segment in segments.all().iter().filter(scattering) {
@@ -162,6 +164,23 @@ impl<E: Effects> LineOfSight<'_, E> {
             }
         }
         radiance
+    }
+
+    /// Edges of the shadows that media throw onto one another along `ray`.
+    fn shadow_edges(&self, light: &Light, ray: &Ray) -> Vec<f64> {
+        let media = self.scene.media.all();
+        let source = match light {
+            Light::Directional(light) => Source::Towards(-light.direction),
+            Light::Point(light) => Source::At(light.position),
+            Light::Spot(light) => Source::At(light.position),
+        };
+        if media.len() < 2 {
+            return vec![];
+        }
+        let casting = media.iter().filter(|medium| !medium.is_vacuum());
+        let boundaries = casting.filter_map(|medium| medium.boundary);
+        let edges = boundaries.flat_map(|boundary| shadow_edges(boundary, ray, source));
+        edges.collect()
     }
 
     fn integral(&self, mut f: impl FnMut(f64) -> DVec3, [from, to]: [f64; 2]) -> DVec3 {

@@ -20,6 +20,7 @@ pub mod sampler;
 pub mod scattering;
 pub mod scene_context;
 pub mod segments;
+pub mod shadow_edges;
 pub mod single_scattering;
 pub mod specular;
 pub mod tracker;

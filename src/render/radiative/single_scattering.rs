@@ -35,6 +35,13 @@ pub fn lit_span(segments: &MediumSegments, ray: &Ray, light: &Light) -> Option<S
     (lit.near < lit.far).then_some(lit)
 }
 
+/// Bound on the error of a root of the cone, relative to the lengths that it is made of.
+///
+/// The discriminant `B² − AC` is off by 8 roundings of its terms, the root by that over `2√(B² − AC)`:
+/// by less than 1e-9 where the discriminant is more than 2e-13 of its terms. Where it is less, the
+/// ray touches the cone, and less than 1e-6 of the lengths is lit.
+const MARGIN: f64 = 1e-9;
+
 /// The part of `span` in the cone of a spotlight, or a little more than it.
 ///
 /// The cone is convex up to a half-angle of 90°, so the part is one piece. Its ends are roots of
@@ -79,17 +86,16 @@ fn within_cone(spot: &Spot, ray: &Ray, span: Span) -> Option<Span> {
     let mut inside = pieces.into_iter().filter(|&[near, far]| lit(near, far));
     let first = inside.next()?;
     let last = inside.next_back().unwrap_or(first);
-    // The roots are off by some roundings of the lengths involved, by more where the ray nearly
-    // touches the cone and next to nothing is lit: a little wider. What is not lit in there
-    // counts as dark.
-    let margin = 1e-9 * (foot.abs() + distance + first[0].abs());
+    // A little wider than the roots: what is not lit in there counts as dark.
+    let margin = MARGIN * (foot.abs() + distance + first[0].abs());
     Some(Span {
         near: (first[0] - margin).max(span.near),
         far: (last[1] + margin).min(span.far),
     })
 }
 
-/// Where the light on `ray` begins or ends at the edge of the cone of `light`, to the last place.
+/// Distances at which the light on `ray` begins or ends at the edge of the cone of `light`, to the
+/// last place.
 ///
 /// An integral has to be cut there. A rule of some points, laid over light and a sliver of dark
 /// beside it, does not see the dark: its outermost point lies half a hundredth of the way inside.
@@ -107,17 +113,18 @@ pub fn edges(light: &Light, ray: &Ray) -> Vec<f64> {
     };
     let [first, last] = [a.min(b), a.max(b)];
     // A root that is no number leaves the other alone.
-    let middle = match first.is_finite() && last.is_finite() {
-        true => first + 0.5 * (last - first),
-        false => f64::NAN,
+    let middle = if first.is_finite() && last.is_finite() {
+        first + 0.5 * (last - first)
+    } else {
+        f64::NAN
     };
     let edges = [first, last]
         .into_iter()
         .enumerate()
         .filter_map(|(index, root)| {
-            // As in `within_cone`, far more than roundings; but each stays on its side of the other. If
-            // light does not change in between, the ray only touches the cone.
-            let margin = 1e-9 * (foot.abs() + distance + root.abs());
+            // Each stays on its side of the other. If light does not change in between, the ray only
+            // touches the cone.
+            let margin = MARGIN * (foot.abs() + distance + root.abs());
             let (mut from, mut to) = match index {
                 0 => (root - margin, (root + margin).min(middle)),
                 _ => ((root - margin).max(middle), root + margin),
@@ -132,23 +139,24 @@ pub fn edges(light: &Light, ray: &Ray) -> Vec<f64> {
                 if !(from < middle && middle < to) {
                     return Some(to);
                 }
-                match shines_on(spot, ray, middle) == before {
-                    true => from = middle,
-                    false => to = middle,
+                if shines_on(spot, ray, middle) == before {
+                    from = middle;
+                } else {
+                    to = middle;
                 }
             }
         });
     edges.collect()
 }
 
-/// Whether `spot` shines on the place at distance `t`, were nothing in the way.
+/// `spot` shines on the point at distance `t`, without occlusion.
 fn shines_on(spot: &Spot, ray: &Ray, t: f64) -> bool {
-    // Where the light itself is the place, the ray leaves it along its direction.
+    // At the light itself the ray leaves it along its direction.
     let towards = direction_of(ray.at(t) - spot.position).unwrap_or(ray.direction);
     spot.falloff(towards) > 0.0
 }
 
-/// Where a line meets the cone of a spotlight, or the mirror image of it on the other side.
+/// Intersections of a line with the cone of a spotlight, or its mirror image on the other side.
 struct ConeRoots {
     /// Distances from the origin of the ray, in no order; numbers only where there are two. `None`
     /// where the line misses.
