@@ -5,7 +5,7 @@ use super::margin::Margin;
 use super::scenes::*;
 use crate::geometry::Span;
 use crate::math::Sum;
-use crate::math::sampling::optical_distance;
+use crate::math::sampling::{free_flight, optical_distance};
 use crate::media::emission::constant_emission;
 use crate::media::{
     Appearance, Coefficients, TransferFunction, TransferPoint, TransferPoints, collision_weight,
@@ -195,7 +195,7 @@ fn e5_opaque_and_zero_times_infinity(margin: &mut Margin) {
 }
 
 fn e6_free_flight_at_the_ends(margin: &mut Margin) {
-    let flight = |sigma: f64, u| optical_distance(u) / sigma;
+    let flight = |sigma, u| free_flight(sigma, u).unwrap_or(f64::NAN);
     for sigma in [0.25, 1.0, 3.0] {
         margin.exact(
             format_args!("sigma {sigma}, u = 0"),
@@ -211,6 +211,7 @@ fn e6_free_flight_at_the_ends(margin: &mut Margin) {
         );
     }
     for (nothing, u) in [(0.0, 0.5), (-0.0, 0.0)] {
+        margin.exact("nothing to collide with", free_flight(nothing, u), None);
         let collides = optical_distance(u) < optical_depth(nothing, f64::INFINITY);
         margin.holds(format_args!("no collision, sigma {nothing:?}"), !collides);
     }

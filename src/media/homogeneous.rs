@@ -3,7 +3,7 @@
 use super::{Coefficients, Phase};
 use glam::DVec3;
 
-/// A medium whose properties do not depend on the place.
+/// A medium with the same properties at every point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Homogeneous {
     /// Absorption and scattering, per world length.

@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Something to be run by code compiled for certain effects.
 pub(in crate::render) trait Run {
-    /// What comes of it.
+    /// Its result.
     type Output;
 
     /// Light may be scattered in heterogeneous media.

@@ -91,18 +91,21 @@ pub(super) fn read(
     // What a medium is made of may bring the space that it fills. Where it does not, the space is
     // read first: the order in which keys are read is part of what goldens know of a scene.
     let varies = densities::KEYS.into_iter().find(|key| reader.has(key));
-    let (space, stuff) = match varies {
+    let (space, substance) = match varies {
         None => (
             shapes::space(reader, files, None)?,
-            Stuff::read(reader, files)?,
+            Substance::read(reader, files)?,
         ),
         Some(_) => {
-            let stuff = Stuff::read(reader, files)?;
-            (shapes::space(reader, files, stuff.own_box())?, stuff)
+            let substance = Substance::read(reader, files)?;
+            (
+                shapes::space(reader, files, substance.own_box())?,
+                substance,
+            )
         }
     };
     let emission = radiance(reader, "emission")?;
-    let phase = phases::read(reader, stuff.asymmetry)?;
+    let phase = phases::read(reader, substance.asymmetry)?;
     if let Some(space) = &space
         && varies.is_some()
         && !(space.bounds.size().is_finite() && space.bounds.size().max_element().is_normal())
@@ -111,7 +114,7 @@ pub(super) fn read(
         let help = "choose another unit of length";
         return Err(reader.mistake_here(message, help));
     }
-    let density = match (stuff.field, &space) {
+    let density = match (substance.field, &space) {
         (None, _) => None,
         (Some(field), Some(space)) => Some(Density::new(field, space.bounds, space.to_world)),
         (Some(_), None) => {
@@ -120,7 +123,7 @@ pub(super) fn read(
             return Err(reader.mistake(varies.expect("its density"), message, help));
         }
     };
-    let nothing = stuff.coefficients.sigma_t() == DVec3::ZERO && emission == DVec3::ZERO;
+    let nothing = substance.coefficients.sigma_t() == DVec3::ZERO && emission == DVec3::ZERO;
     if let (Some(key), true) = (varies, nothing) {
         let message = "the medium has a density and no coefficients: it does nothing to light";
         let help = "give it `sigma_a`, `sigma_s` or `emission`, those of density 1";
@@ -129,7 +132,7 @@ pub(super) fn read(
     let body = Body {
         boundary: space.map(|space| space.boundary),
         medium: Homogeneous {
-            coefficients: stuff.coefficients,
+            coefficients: substance.coefficients,
             emission,
             phase,
         },
@@ -144,8 +147,8 @@ pub(super) fn read(
     Ok(body)
 }
 
-/// What a medium is made of, wherever it is.
-struct Stuff {
+/// The properties of a medium, wherever it is.
+struct Substance {
     /// Absorption and scattering of density 1.
     coefficients: Coefficients,
     /// Its density, if that varies.
@@ -154,10 +157,10 @@ struct Stuff {
     asymmetry: Option<Asymmetry>,
 }
 
-impl Stuff {
-    fn read(reader: &Reader<'_, '_>, files: &mut Files<'_>) -> Result<Stuff, Box<SceneError>> {
+impl Substance {
+    fn read(reader: &Reader<'_, '_>, files: &mut Files<'_>) -> Result<Substance, Box<SceneError>> {
         let Some(block) = densities::procedural(reader, files)? else {
-            return Ok(Stuff {
+            return Ok(Substance {
                 coefficients: coefficients(reader)?,
                 field: densities::field(reader, files)?,
                 asymmetry: None,
@@ -166,7 +169,7 @@ impl Stuff {
         for reading in &block.readings {
             reader.also("procedural", reading);
         }
-        Ok(Stuff {
+        Ok(Substance {
             coefficients: block.coefficients,
             field: Some(Field::Noise(block.density)),
             asymmetry: block.asymmetry,
@@ -267,7 +270,7 @@ fn check_brightness(body: &Body) -> Result<(), (String, String)> {
         return Ok(());
     }
     let message = format!(
-        "the medium sends out up to {brightest:.3e} towards the eye; an image holds at most \
+        "the medium emits up to {brightest:.3e} towards the eye; an image holds at most \
          {LARGEST_RADIANCE:.3e}"
     );
     Err((message, "give a smaller emission or a smaller shape".into()))
