@@ -3,7 +3,7 @@
 use super::results::{EffectPrice, MeanWork};
 use super::thumbnail;
 use super::timing::Clock;
-use crate::media::{Asymmetry, Coefficients, Density, HenyeyGreenstein};
+use crate::media::{Coefficients, Density, Phase};
 use crate::render::{RenderError, Sampling, plans, render, render_counted};
 use crate::scene::{Classified, Model, Panel, Radiative, Scattering, Scene};
 use glam::DVec3;
@@ -118,7 +118,7 @@ fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
         let typical = body.density.as_ref().map_or(1.0, Density::typical);
         body.medium.coefficients = grey(&body.medium.coefficients, typical);
         body.medium.emission = DVec3::ZERO;
-        body.medium.phase = HenyeyGreenstein(Asymmetry::ISOTROPIC);
+        body.medium.phase = Phase::ISOTROPIC;
         body.density = None;
     }
     let named = |name: &str, scene: Radiative| (name.to_owned(), Model::Radiative(Box::new(scene)));
@@ -158,7 +158,7 @@ fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
         add("with multiple scattering", &|edited| {
             edited.scattering = scene.scattering
         });
-        if any(&|body| body.medium.phase != HenyeyGreenstein(Asymmetry::ISOTROPIC)) {
+        if any(&|body| body.medium.phase != Phase::ISOTROPIC) {
             add("with multiple scattering, anisotropic", &|edited| {
                 edited.scattering = scene.scattering;
                 each(edited, &|body, given| {

@@ -72,7 +72,7 @@ pub(super) fn check(stage: &Stage, faults: &mut Faults) {
     }
     for vessel in &stage.vessels.list {
         let place = place_of(vessel.index);
-        let g = vessel.medium.phase.0.g();
+        let g = vessel.medium.phase.mean_cosine();
         let scatters = vessel.medium.coefficients.sigma_s() != DVec3::ZERO;
         if scatters && g.abs() > SHARPEST {
             let what = format!("g = {g}: pbrt takes any beyond {SHARPEST} as {SHARPEST}");

@@ -26,6 +26,7 @@ use super::vessels::{Placed, Vessel, place_of};
 use super::view::{ahead, degrees};
 use super::{Export, Format, Refusal};
 use crate::geometry::{Aabb, Transform};
+use crate::media::Phase;
 use crate::optics::{Light, Material, Sides};
 use crate::scene::{Panel, Radiative};
 use crate::volume::Interpolation;
@@ -63,6 +64,14 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
     for vessel in &stage.vessels.list {
         if vessel.medium.emission != DVec3::ZERO {
             faults.add(place_of(vessel.index), "a medium that sends out light");
+        }
+        let scatters = vessel.medium.coefficients.sigma_s() != DVec3::ZERO;
+        if scatters && phase(0, &vessel.medium.phase).is_none() {
+            let what = format!(
+                "the phase function {}: Mitsuba has those of Henyey and Greenstein and of Rayleigh",
+                vessel.medium.phase
+            );
+            faults.add(place_of(vessel.index), what);
         }
     }
     let mut writer = Writer {
@@ -425,15 +434,15 @@ fn medium(id: &str, mixture: &Mixture, volume: &Option<String>, channel: Option<
 }
 
 /// Phase functions, the first blended with the rest of them.
-fn phases(depth: usize, parts: &[(f64, DVec3)], weights: &[f64]) -> String {
-    let (Some(((g, _), others)), Some((weight, rest))) =
+fn phases(depth: usize, parts: &[(Phase, DVec3)], weights: &[f64]) -> String {
+    let (Some(((first, _), others)), Some((weight, rest))) =
         (parts.split_first(), weights.split_first())
     else {
         // Nothing scatters.
-        return phase(depth, 0.0);
+        return phase(depth, &Phase::ISOTROPIC).unwrap_or_default();
     };
     if others.is_empty() {
-        return phase(depth, *g);
+        return phase(depth, first).unwrap_or_default();
     }
     let left: f64 = rest.iter().sum();
     let share = if left > 0.0 {
@@ -444,7 +453,7 @@ fn phases(depth: usize, parts: &[(f64, DVec3)], weights: &[f64]) -> String {
     let blended = [
         // The weight is that of the second of the two.
         typed("float", "weight", share),
-        phase(depth + 1, *g),
+        phase(depth + 1, first).unwrap_or_default(),
         phases(depth + 1, others, rest),
     ];
     element(depth, "phase", "blendphase", "", &blended)
@@ -459,11 +468,19 @@ fn commented(text: &str) -> String {
     text
 }
 
-fn phase(depth: usize, g: f64) -> String {
-    if g == 0.0 {
-        return "<phase type=\"isotropic\"/>".to_owned();
+/// A phase function, if Mitsuba has it.
+fn phase(depth: usize, phase: &Phase) -> Option<String> {
+    match phase {
+        phase if phase.is_isotropic() => Some("<phase type=\"isotropic\"/>".to_owned()),
+        Phase::HenyeyGreenstein(phase) => {
+            let g = typed("float", "g", phase.0.g());
+            Some(element(depth, "phase", "hg", "", &[g]))
+        }
+        Phase::Draine(phase) if phase.is_rayleigh() => {
+            Some("<phase type=\"rayleigh\"/>".to_owned())
+        }
+        Phase::Draine(_) | Phase::Droplets(_) => None,
     }
-    element(depth, "phase", "hg", "", &[typed("float", "g", g)])
 }
 
 fn is_grey(v: DVec3) -> bool {

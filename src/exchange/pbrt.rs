@@ -44,6 +44,7 @@ use super::vessels::{Placed, Vessel, place_of};
 use super::view::{ahead, degrees};
 use super::{Export, Format, Refusal};
 use crate::geometry::Transform;
+use crate::media::Phase;
 use crate::optics::{Light, Material, Sides};
 use crate::scene::{Panel, Radiative, Scattering};
 use crate::volume::Interpolation;
@@ -140,6 +141,13 @@ fn check(scene: &Radiative, stage: &Stage, faults: &mut Faults) {
     }
     for (at, vessel) in stage.vessels.list.iter().enumerate() {
         let place = place_of(vessel.index);
+        let scatters = vessel.medium.coefficients.sigma_s() != DVec3::ZERO;
+        let phase = vessel.medium.phase;
+        if scatters && !matches!(phase, Phase::HenyeyGreenstein(_)) {
+            let what =
+                format!("the phase function {phase}: pbrt has that of Henyey and Greenstein");
+            faults.add(&place, what);
+        }
         if let Some(grid) = &vessel.grid {
             if grid.density.interpolation() == Interpolation::Nearest {
                 faults.add(&place, "a grid with the value of the nearest node");
@@ -358,7 +366,8 @@ impl Writer<'_, '_> {
             let mixture = Mixture::of(&layers);
             let [sigma_a, sigma_s] = self.turning.coefficients(&mixture);
             let glow = self.turning.glow(&mixture);
-            let g = mixture.parts.first().map_or(0.0, |(g, _)| *g);
+            let phase = mixture.parts.first().map(|(phase, _)| phase);
+            let g = phase.map_or(0.0, Phase::mean_cosine);
             let coefficients = format!(
                 "{} {} {}",
                 self.rgb("sigma_a", sigma_a),

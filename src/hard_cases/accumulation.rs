@@ -14,8 +14,10 @@ use crate::media::{
 use crate::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
 use crate::render::classified::steps::Steps;
 use crate::render::counters::Uncounted;
+use crate::render::radiative::context::Scratch;
 use crate::render::radiative::effects::Everything;
-use crate::render::radiative::path_tracer::{PathTracer, Scratch};
+use crate::render::radiative::path_tracer::PathTracer;
+use crate::render::radiative::sampler::Sampler;
 use crate::render::{Effect, Plan, Sampling, State, render};
 use crate::scene::{Classified, Model, Radiative, Scene};
 use crate::volume::{Blob, ConstantDensity};
@@ -194,11 +196,11 @@ fn a4_threads_and_orders(margin: &mut Margin) {
     let mut pixel = |index: usize| {
         let mut moments = [Moments::default(); 3];
         for sample in 0..scene.samples {
-            let random = Stream::new(scene.seed, index as u32, sample);
-            let [x, y] = random.pair(0, Purpose::Camera, 0);
+            let mut sampler = Sampler::new(Stream::new(scene.seed, index as u32, sample));
+            let [x, y] = sampler.pair(Purpose::Camera, 0);
             let place = [(index % width) as f64 + x, (index / width) as f64 + y];
             let ray = scene.camera.ray_through(place, SIZE);
-            let radiance = tracer.radiance(ray, &random, &mut scratch, &mut Uncounted);
+            let radiance = tracer.radiance(ray, sampler, &mut scratch, &mut Uncounted);
             let channels = radiance.unwrap_or(DVec3::NAN).to_array();
             moments
                 .iter_mut()

@@ -23,8 +23,9 @@ use crate::render::classified::steps::Steps;
 use crate::render::classified::volume_shadow::Unshadowed;
 use crate::render::counters::Uncounted;
 use crate::render::radiative::effects::Everything;
-use crate::render::radiative::intersection::Surroundings;
-use crate::render::radiative::tracker::Tracker;
+use crate::render::radiative::sampler::Sampler;
+use crate::render::radiative::scene_context::SceneContext;
+use crate::render::radiative::tracker::{Tracker, TrackerScratch};
 use crate::render::{Effect, Event, Plan, Sampling, render_counted};
 use crate::scene::{Classified, Model};
 use crate::volume::{
@@ -339,13 +340,13 @@ fn d7_bright_voxel_on_a_border(margin: &mut Margin) {
     let seen = straight(&body(0.0), &view).x;
     margin.within("by integrals", seen, right, 64.0 * U * right);
     let scene = body(1.0);
-    let around = Surroundings::<Everything>::new(&scene, false);
-    let mut tracker = Tracker::default();
+    let around = SceneContext::<Everything>::new(&scene, false);
+    let mut scratch = TrackerScratch::default();
     let by_ratio = (0..SAMPLES).map(|sample| {
-        tracker.at_turn(&Stream::new(3, 0, sample), 0);
-        around
-            .visibility(&view, f64::INFINITY, &mut tracker, &mut Uncounted)
-            .x
+        let mut work = Uncounted;
+        let sampler = Sampler::new(Stream::new(3, 0, sample));
+        let mut tracker = Tracker::new(sampler, &mut scratch, &mut work);
+        around.visibility(&view, f64::INFINITY, &mut tracker).x
     });
     margin.sampled(
         "by ratio tracking",
@@ -355,7 +356,7 @@ fn d7_bright_voxel_on_a_border(margin: &mut Margin) {
     );
     let [by_delta, ..] = sampled(&scene, Some(0), SAMPLES, view);
     margin.sampled("by delta tracking", &by_delta, right, 0.0);
-    margin.exact("violations of the bound", tracker.take_violations(), 0);
+    margin.exact("violations of the bound", scratch.take_violations(), 0);
 }
 
 fn d8_discontinuous_density(margin: &mut Margin) {

@@ -5,8 +5,8 @@ use super::margin::Margin;
 use super::scenes::*;
 use crate::geometry::Span;
 use crate::math::Sum;
-use crate::math::sampling::free_flight;
-use crate::media::emission::constant_source;
+use crate::math::sampling::{free_flight, optical_distance};
+use crate::media::emission::constant_emission;
 use crate::media::{
     Appearance, Coefficients, TransferFunction, TransferPoint, TransferPoints, collision_weight,
     escape_weight, opacity, optical_depth, over_length, source_factor, transmittance,
@@ -110,10 +110,11 @@ fn e2_very_thick_media(margin: &mut Margin) {
     margin.exact("depth 10^6", transmittance(1e6), 0.0);
     let source = 0.7;
     for depth in [700.0, 745.0, 746.0, 1e6, f64::INFINITY] {
-        margin.exact(
+        margin.roundings(
             format_args!("source, depth {depth:e}"),
-            constant_source(source, depth),
+            constant_emission(source, 1.0, depth),
             source,
+            2.0,
         );
     }
     // Seen by the renderer: a body in equilibrium with that source, before a sky of another.
@@ -198,8 +199,8 @@ fn e6_free_flight_at_the_ends(margin: &mut Margin) {
     for sigma in [0.25, 1.0, 3.0] {
         margin.exact(
             format_args!("sigma {sigma}, u = 0"),
-            free_flight(sigma, 0.0),
-            Some(0.0),
+            flight(sigma, 0.0),
+            0.0,
         );
         let right = 36.736_800_569_677_1 / sigma;
         margin.roundings(
@@ -209,8 +210,11 @@ fn e6_free_flight_at_the_ends(margin: &mut Margin) {
             4.0,
         );
     }
-    margin.exact("nothing to collide with", free_flight(0.0, 0.5), None);
-    margin.exact("nothing, by the other zero", free_flight(-0.0, 0.0), None);
+    for (nothing, u) in [(0.0, 0.5), (-0.0, 0.0)] {
+        margin.exact("nothing to collide with", free_flight(nothing, u), None);
+        let collides = optical_distance(u) < optical_depth(nothing, f64::INFINITY);
+        margin.holds(format_args!("no collision, sigma {nothing:?}"), !collides);
+    }
     margin.roundings(
         "sigma 1e-300",
         flight(1e-300, 0.5),
@@ -219,8 +223,8 @@ fn e6_free_flight_at_the_ends(margin: &mut Margin) {
     );
     margin.exact(
         "the least sigma",
-        free_flight(f64::from_bits(1), LAST),
-        Some(f64::INFINITY),
+        flight(f64::from_bits(1), LAST),
+        f64::INFINITY,
     );
 }
 

@@ -4,9 +4,9 @@
 use super::classified::steps::Steps;
 use super::counters::{Event, Uncounted};
 use super::plan::{FieldKind, Kernel, Plan, RadiativeFeatures, RayCasterFeatures};
-use super::radiative::intersection::Surroundings;
 use super::radiative::media::tracked;
-use super::radiative::{effects::Everything, segments::MediaPath};
+use super::radiative::scene_context::SceneContext;
+use super::radiative::{effects::Everything, segments::MediumSegments};
 use super::sampling::Sampling;
 use crate::geometry::{Camera, Ray, Solid, Span, length_of};
 use crate::math::Moments;
@@ -254,7 +254,7 @@ fn of_lines(
     scatters: bool,
 ) -> Vec<(Event, Amount)> {
     let rays = (panel.width * panel.height) as u64;
-    let around = Surroundings::<Everything>::for_integrals(scene, false);
+    let around = SceneContext::<Everything>::for_integrals(scene, false);
     let surfaces = surfaces(scene) * rays;
     let tests = if scatters {
         Bound::AtLeast
@@ -326,16 +326,16 @@ fn shadow_steps(scene: &Classified, ray: &Ray) -> u64 {
 
 /// Look-ups for the optical depth along `ray` up to the nearest surface and, with `emission`, for
 /// the emission of its media; and the number of segments whose look-ups are not known.
-fn line_lookups(around: &Surroundings<'_, Everything>, ray: &Ray, emission: bool) -> [u64; 2] {
-    let end = around.nearest(ray, &mut Uncounted);
-    let end = end.map_or(f64::INFINITY, |(_, hit)| hit.t);
+fn line_lookups(around: &SceneContext<'_, Everything>, ray: &Ray, emission: bool) -> [u64; 2] {
+    let nearest = around.intersect(ray, &mut Uncounted);
+    let end = nearest.map_or(f64::INFINITY, |nearest| nearest.hit.t);
     let mut lookups = 0;
     let mut spans = Vec::new();
     for medium in around
         .media
         .all()
         .iter()
-        .filter(|medium| !medium.is_nothing())
+        .filter(|medium| !medium.is_vacuum())
     {
         let (Some(density), Some(boundary)) = (medium.density, medium.boundary) else {
             continue;
@@ -352,15 +352,15 @@ fn line_lookups(around: &Surroundings<'_, Everything>, ray: &Ray, emission: bool
     }
     let mut unknown = 0;
     if emission {
-        let mut path = MediaPath::default();
-        path.lay(&around.media, ray, end);
-        for stretch in path.stretches() {
-            if !around.media.varies(stretch.set) {
+        let mut segments = MediumSegments::default();
+        segments.build(&around.media, ray, end);
+        for segment in segments.all() {
+            if around.media.heterogeneous(segment.set) == 0 {
                 continue;
             }
-            let medium = around.media.medium(stretch.set.trailing_zeros() as usize);
-            match (stretch.set.count_ones(), medium.density) {
-                (1, Some(density)) => lookups += cell_lookups(density, ray, stretch.span),
+            let medium = around.media.medium(segment.set.trailing_zeros() as usize);
+            match (segment.set.count_ones(), medium.density) {
+                (1, Some(density)) => lookups += cell_lookups(density, ray, segment.span),
                 _ => unknown += 1,
             }
         }

@@ -1,9 +1,10 @@
-//! Light in surroundings: surfaces, participating media, lights, and who looks at it.
+//! Scenes of surfaces, participating media and lights.
 
 mod contradictions;
 mod densities;
 mod lights;
 mod media;
+mod phases;
 mod place;
 mod shapes;
 mod surfaces;
@@ -17,7 +18,7 @@ use super::sampling::SamplingTable;
 use crate::geometry::{Boundary, Camera, Luminous, Shape};
 use crate::media::{Coefficients, Density, Homogeneous};
 use crate::optics::{Light, Material, Sides};
-use contradictions::Parts;
+use contradictions::SceneParts;
 use glam::DVec3;
 use shapes::FARTHEST;
 use surfaces::SurfaceKind;
@@ -30,14 +31,14 @@ pub(super) const RADIATIVE: Table = Table {
             name: "scattering",
             kind: Kind::Choice(&["none", "single", "multiple"]),
             absent: Absent::Default(Literal::Text("multiple")),
-            doc: "How often light may be turned on its way to the eye, by media and surfaces together: never, once, or any number of times.",
+            doc: "Scattering order of light on its way to the eye, bounces of media and surfaces together: none, one, or any number.",
         },
         Key {
             name: "max_bounces",
-            // A stream of random numbers counts the turns of a path in 26 bits.
+            // A stream of random numbers counts the bounces of a path in 26 bits.
             kind: Kind::Count(2, (1 << 26) - 1),
             absent: Absent::Nothing,
-            doc: "How often light may be turned at most, with `scattering = \"multiple\"`. Left out: any number of times.",
+            doc: "Scattering order at most, with `scattering = \"multiple\"`. Left out: any number of times.",
         },
         Key {
             name: "environment",
@@ -67,13 +68,13 @@ pub(super) const RADIATIVE: Table = Table {
     rules: &[],
 };
 
-/// How often light may be turned on its way from a light to the eye, by media and surfaces
-/// together. To cross the boundary of a medium is no turn.
+/// Scattering order of light on its way from a light to the eye: bounces of media and surfaces
+/// together. The boundary of a medium is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scattering {
-    /// Never: lights are seen straight, through what absorbs.
+    /// None: lights are seen straight, through what absorbs.
     None,
-    /// Once at most.
+    /// At most one.
     Single,
     /// Any number of times, or up to a limit of at least 2.
     Multiple(Option<u32>),
@@ -84,11 +85,11 @@ pub enum Scattering {
 pub struct Object {
     /// Where it is.
     pub shape: Shape,
-    /// What it does to light.
+    /// Its material.
     pub material: Material,
 }
 
-/// A surface that sends out light and reflects none.
+/// A surface that emits light and reflects none.
 #[derive(Clone, Debug)]
 pub struct AreaLight {
     /// Where it is.
@@ -104,22 +105,21 @@ pub struct AreaLight {
 pub struct Body {
     /// The closed shape it fills; without one it fills all space.
     pub boundary: Option<Boundary>,
-    /// What it is made of, where its density is 1. Where bodies overlap, their coefficients and
-    /// emissions add up.
+    /// Its properties at density 1. Where bodies overlap, their coefficients and emissions add up.
     pub medium: Homogeneous,
-    /// How its density differs from place to place, as a factor on coefficients and emission; 1
-    /// everywhere without. There is a boundary, if there is one.
+    /// Its density, a factor on coefficients and emission; 1 everywhere without. A medium with a
+    /// density has a boundary.
     pub density: Option<Density>,
 }
 
 /// Surfaces, participating media and lights.
 #[derive(Clone, Debug)]
 pub struct Radiative {
-    /// How often light may be turned.
+    /// Scattering order.
     pub scattering: Scattering,
     /// Surfaces that reflect or refract.
     pub objects: Vec<Object>,
-    /// Surfaces that send out light.
+    /// Surfaces that emit.
     pub area_lights: Vec<AreaLight>,
     /// Media; at most [`Radiative::MOST_MEDIA`].
     pub media: Vec<Body>,
@@ -136,8 +136,8 @@ pub struct Radiative {
 }
 
 impl Body {
-    /// The medium, if it is provably the same everywhere in the body: it has no density, or one
-    /// that is constant and leaves its coefficients in the range of numbers.
+    /// The medium, if it is provably homogeneous: it has no density, or one that is constant and
+    /// leaves its coefficients in the range of numbers.
     pub fn even(&self) -> Option<Homogeneous> {
         let Some(density) = &self.density else {
             return Some(self.medium);
@@ -216,7 +216,7 @@ impl Radiative {
             let read = lights::read(&light)?;
             lights.push((light, read));
         }
-        let parts = Parts {
+        let parts = SceneParts {
             reader,
             scattering,
             environment,

@@ -7,8 +7,10 @@ use volref::math::rng::{Purpose, Stream};
 use volref::media::{Coefficients, Field, Homogeneous};
 use volref::optics::{Material, Sides};
 use volref::render::counters::Uncounted;
+use volref::render::radiative::context::Scratch;
 use volref::render::radiative::effects::{Effects, Everything, Only};
-use volref::render::radiative::path_tracer::{PathTracer, Scratch};
+use volref::render::radiative::path_tracer::PathTracer;
+use volref::render::radiative::sampler::Sampler;
 use volref::render::{Effect, Plan, Sampling, render};
 use volref::scene::{AreaLight, Body, Model, Panel, Radiative, Scattering};
 
@@ -73,7 +75,7 @@ fn paths<E: Effects>(scene: &Radiative, null_media: bool) -> Vec<[u64; 3]> {
         let random = Stream::new(scene.seed, 0, sample);
         let [x, y] = random.pair(0, Purpose::Camera, 0);
         let ray = camera().ray_through([x, y], [1, 1]);
-        let radiance = tracer.radiance(ray, &random, &mut scratch, &mut Uncounted);
+        let radiance = tracer.radiance(ray, Sampler::new(random), &mut scratch, &mut Uncounted);
         radiance.unwrap().to_array().map(f64::to_bits)
     };
     (0..400).map(path).collect()

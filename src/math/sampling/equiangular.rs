@@ -3,7 +3,7 @@
 use crate::math::{atan2, cos, sin};
 use thiserror::Error;
 
-/// Places on a stretch of a ray, chosen so that equal angles seen from a point light are equally
+/// Points on a segment of a ray, sampled so that equal angles seen from a point light are equally
 /// likely. Their density is in proportion to one over the squared distance to the light: what is
 /// left of the integrand is smooth, and constant in a thin isotropic medium.
 ///
@@ -25,12 +25,12 @@ pub struct Equiangular {
 pub struct LightOnRay;
 
 impl Equiangular {
-    /// For a light at `distance ≥ 0` from the ray and the stretch from `near`, finite, to
+    /// For a light at `distance ≥ 0` from the ray and the segment from `near`, finite, to
     /// `far > near`, which may be infinite; in world units.
     ///
     /// # Errors
     ///
-    /// [`LightOnRay`] where the light lies on the stretch itself. Elsewhere on its line, before or
+    /// [`LightOnRay`] where the light lies on the segment itself. Elsewhere on its line, before or
     /// behind it, the limit of ever smaller distances is meant: a density in proportion to `1/t²`.
     pub fn new(distance: f64, near: f64, far: f64) -> Result<Equiangular, LightOnRay> {
         if distance == 0.0 && near <= 0.0 && far >= 0.0 {
@@ -51,11 +51,11 @@ impl Equiangular {
         })
     }
 
-    /// The place that a share `u` of the angle lies before, in [near, far].
+    /// The point that a share `u` of the angle lies before, in [near, far].
     ///
-    /// A place `t` far from the light is seen under a small angle and has few digits: it is off by at
+    /// A point `t` far from the light is seen under a small angle and has few digits: it is off by at
     /// most `(9φ + 10)(D² + t²)/D · 2^-53`, at the angle `φ` from the near end; turned back from an
-    /// end that is infinite, by `(5φ + 6)(D² + t²)/D · 2^-53`. Measured on 100 000 places each: 0.22
+    /// end that is infinite, by `(5φ + 6)(D² + t²)/D · 2^-53`. Measured on 100 000 points each: 0.22
     /// and 0.36 of that.
     pub fn place(&self, u: f64) -> f64 {
         let place = if self.distance == 0.0 {
@@ -74,8 +74,8 @@ impl Equiangular {
     }
 
     /// Density of [`Equiangular::place`] at `t` in [near, far], per length:
-    /// `D / (θ (D² + t²))`, with θ the angle of the whole stretch. Relative error at most 12 · 2^-53;
-    /// measured on 100 000 places: at most 4.7 ulp.
+    /// `D / (θ (D² + t²))`, with θ the angle of the whole segment. Relative error at most 12 · 2^-53;
+    /// measured on 100 000 points: at most 4.7 ulp.
     pub fn pdf(&self, t: f64) -> f64 {
         if self.distance == 0.0 {
             // near·far/((far − near) t²)
@@ -84,8 +84,8 @@ impl Equiangular {
         self.distance / (self.angle * (self.distance * self.distance + t * t))
     }
 
-    /// The angle under which the light sees the stretch, radians, in (0, π]. Relative error at most
-    /// 8 · 2^-53; measured on 100 000 stretches: at most 3.5 ulp.
+    /// The angle under which the light sees the segment, radians, in (0, π]. Relative error at most
+    /// 8 · 2^-53; measured on 100 000 segments: at most 3.5 ulp.
     pub fn angle(&self) -> f64 {
         self.angle
     }

@@ -151,6 +151,8 @@ impl<'s> Contents<'s> {
             "single scattering in a heterogeneous medium: free flights are tracked"
         } else if self.scattering.is_some() && !self.scene.objects.is_empty() {
             "surfaces cast shadows into media that may be too narrow for quadrature"
+        } else if self.mesh_shades() {
+            "a mesh casts shadows into media that may be too narrow for quadrature"
         } else {
             "mirrors and glass reflect and refract into single directions, which quadrature misses"
         }

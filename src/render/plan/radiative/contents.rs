@@ -1,5 +1,6 @@
 //! Contents of a scene of surfaces, media and lights, by its exact values.
 
+use crate::geometry::Boundary;
 use crate::media::Density;
 use crate::optics::{Light, Material};
 use crate::scene::{Body, Places, Radiative, Scattering};
@@ -18,7 +19,7 @@ pub(super) const ABSORPTION: &[&str] = &["sigma_a", "sigma_t", "procedural"];
 pub(super) const BY_ALBEDO: &[&str] = &["sigma_a", "albedo", "procedural"];
 pub(super) const SCATTERS: &[&str] = &["sigma_s", "albedo", "procedural"];
 pub(super) const EMISSION: &[&str] = &["emission"];
-pub(super) const PHASE: &[&str] = &["g", "procedural"];
+pub(super) const PHASE: &[&str] = &["g", "draine", "droplets", "procedural"];
 pub(super) const DENSITY: &[&str] = &Radiative::DENSITY_KEYS;
 
 /// Contents of a scene. Media are those that have any density.
@@ -100,7 +101,7 @@ impl<'s> Contents<'s> {
             scattering: first(&scatters),
             emission: first(&emits),
             chromatic,
-            anisotropic: first(&|body| scatters(body) && body.medium.phase.0.g() != 0.0),
+            anisotropic: first(&|body| scatters(body) && !body.medium.phase.is_isotropic()),
             integrable: densities.into_iter().all(Density::is_integrable),
             heterogeneous,
             reflection: scene.objects.iter().any(|object| match object.material {
@@ -133,7 +134,8 @@ impl<'s> Contents<'s> {
 
     /// Whether single scattering is one integral along the line of sight that misses nothing:
     /// lights have no extent, and there are either scattering media without surfaces or diffuse
-    /// surfaces. (The shadow that a surface casts into a medium may be too narrow for quadrature.)
+    /// surfaces. (The shadow that a surface or a mesh casts into a medium may be too narrow for
+    /// quadrature.)
     pub fn is_one_integral(&self) -> bool {
         let objects = &self.scene.objects;
         let diffuse = |material| matches!(material, Material::Diffuse(_));
@@ -143,6 +145,18 @@ impl<'s> Contents<'s> {
             && self.heterogeneous.is_empty()
             && (objects.is_empty() || self.scattering.is_none())
             && objects.iter().all(|object| diffuse(object.material))
+            && !self.mesh_shades()
+    }
+
+    /// One of several media is a mesh, which may throw shadows into those that scatter.
+    pub fn mesh_shades(&self) -> bool {
+        let is_mesh = |body: &Body| {
+            matches!(
+                body.boundary,
+                Some(Boundary::Mesh(_) | Boundary::PlacedMesh(_))
+            )
+        };
+        self.scattering.is_some() && self.media > 1 && self.scene.media.iter().any(is_mesh)
     }
 
     /// The first of `keys` that the file gives for medium `index`; of a scene without a file, the

@@ -4,7 +4,7 @@ use super::super::{Decisions, Effect, EffectFinding, Reason, State};
 use super::contents::*;
 use super::walks;
 use crate::math::rng::Stream;
-use crate::media::Density;
+use crate::media::{Density, Phase};
 use crate::scene::{Body, Scattering};
 use glam::DVec3;
 
@@ -66,7 +66,7 @@ impl Contents<'_> {
             Effect::AnisotropicPhase => self.of_a_medium(
                 self.anisotropic,
                 PHASE,
-                "a medium that scatters has g other than 0",
+                &self.anisotropic_phase(),
                 match self.scattering {
                     None => "no medium scatters",
                     Some(_) => "g is 0 wherever light is scattered",
@@ -86,6 +86,19 @@ impl Contents<'_> {
         match index {
             Some(index) => EffectFinding::Matters(self.key_of(index, keys), on.to_owned()),
             None => EffectFinding::Null(self.none_has(keys), null.to_owned()),
+        }
+    }
+
+    /// The phase function of the first medium that scatters anisotropically.
+    fn anisotropic_phase(&self) -> String {
+        let phase = self
+            .anisotropic
+            .map(|index| self.scene.media[index].medium.phase);
+        match phase {
+            None | Some(Phase::HenyeyGreenstein(_)) => {
+                "a medium that scatters has g other than 0".to_owned()
+            }
+            Some(phase) => format!("a medium that scatters has the phase function {phase}"),
         }
     }
 
@@ -289,7 +302,7 @@ impl Contents<'_> {
                     at,
                     "this medium has no effect: its density is 0 everywhere".to_owned(),
                 );
-            } else if body.medium.phase.0.g() != 0.0 {
+            } else if !body.medium.phase.is_isotropic() {
                 let why_not = if coefficients.sigma_s() == DVec3::ZERO {
                     "this medium does not scatter"
                 } else if !self.is_scattered() {
@@ -297,7 +310,9 @@ impl Contents<'_> {
                 } else {
                     continue;
                 };
-                warn(format!("{at}.g"), format!("g has no effect: {why_not}"));
+                let key = self.key_of(index, &PHASE[..3]);
+                let name = key.rsplit('.').next().unwrap_or_default();
+                warn(key.clone(), format!("{name} has no effect: {why_not}"));
             }
         }
         for (index, order, body) in self.long_walks() {

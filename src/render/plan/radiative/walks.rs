@@ -36,7 +36,7 @@ pub(super) fn scatterings_from_the_middle(scene: &Radiative, body: &Body) -> f64
     let scattered = coefficients.sigma_s() * density;
     let absorbed = coefficients.sigma_a() * density + absorbed_everywhere(scene, body);
     let half = 0.5 * extent(scene, body);
-    let g = body.medium.phase.0.g();
+    let g = body.medium.phase.mean_cosine();
     (0..3)
         .map(|channel| {
             let sigma_s = scattered[channel];
