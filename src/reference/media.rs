@@ -1,7 +1,7 @@
 //! Media along a ray.
 
 use crate::geometry::{Ray, Solid, Span, Surface};
-use crate::media::HenyeyGreenstein;
+use crate::media::Phase;
 use crate::scene::Body;
 use glam::DVec3;
 
@@ -14,7 +14,7 @@ pub struct Properties {
     /// Emitted radiance.
     pub emission: DVec3,
     /// Phase function.
-    pub phase: HenyeyGreenstein,
+    pub phase: Phase,
 }
 
 /// The parts of a ray inside media. Media may overlap.
