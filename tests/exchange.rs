@@ -1209,6 +1209,14 @@ fn what_neither_can_say_is_refused_by_name() {
             medium("sigma_a = 1\nblob = { centre = [0, 1, 0], width = 1 }"),
             "medium[0]: a Gaussian ball",
         ),
+        (
+            medium("sigma_s = 1\ndraine = { g = 0.5 }"),
+            "medium[0]: the phase function Draine, g = 0.5, alpha = 1",
+        ),
+        (
+            medium("sigma_s = 1\ndroplets = { diameter = 9 }"),
+            "medium[0]: the phase function droplets of 9 micrometres",
+        ),
         (unbounded, "medium[0]: a medium that fills all space"),
         (two, "medium[1]: it and radiative.medium[0] overlap"),
         (open.to_owned(), "surface[0]: glass without an inside"),
@@ -1253,8 +1261,14 @@ fn what_one_of_them_can_say_is_refused_by_the_other() {
     let spot = "[[radiative.light]]\nspot = { position = [0, 3, 0], target = [0, 0, 0], \
                 intensity = 1, inner_angle = 10, outer_angle = 20 }\n";
     let blended = nested("sigma_s = 1\ng = 0.3");
+    let rayleigh = medium("sigma_s = 1\ndraine = {}");
+    assert!(mitsuba(&rayleigh).contains("<phase type=\"rayleigh\"/>"));
     for (body, expected) in [
         (spot, "radiative.light[0]: a spotlight whose edge"),
+        (
+            &rayleigh,
+            "radiative.medium[0]: the phase function Rayleigh",
+        ),
         (
             &blended,
             "radiative.medium[0]: a medium within another of a different g",

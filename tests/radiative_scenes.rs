@@ -573,7 +573,18 @@ fn phase_functions() {
         with("droplets = { diameter = 0.5 }"),
         with("g = 0.5\ndraine = {}"),
     ];
-    insta::assert_snapshot!(wrong.concat());
+    insta::assert_snapshot!(wrong.concat(), @r"
+    15:16: `g` must lie in (-1, 1), got 1
+        `radiative.medium[0].draine.g`: Parameter of the Henyey–Greenstein factor, between -1 and 1; not the mean cosine.
+    15:20: `alpha` must be finite and at least 0, got -0.5
+        `radiative.medium[0].draine.alpha`: Weight of cos²; 0 is Henyey–Greenstein.
+    15:12: missing key `diameter` in [radiative.medium[0].droplets]
+        `radiative.medium[0].droplets.diameter`: Diameter of the droplets, micrometres, in [5, 50].
+    15:25: `diameter` must lie in [5, 50], got 0.5
+        `radiative.medium[0].droplets.diameter`: Diameter of the droplets, micrometres, in [5, 50].
+    16:10: [radiative.medium[0]] has more than one phase function: `g`, `draine`
+        keep at most one of `g`, `draine`
+    ");
 }
 
 /// The plan says which phase function scatters.
@@ -773,7 +784,7 @@ fn shapes() {
     13:10: [radiative.medium[0]] has more than one shape: `sphere`, `box`
         keep at most one of `sphere`, `box`
     12:1: unknown key `rectangle` in [radiative.medium[0]]
-        [radiative.medium[0]] may hold: sphere, box, mesh, scale, rotate, translate, grid, interpolation, noise, exponential, linear, blob, procedural, sigma_a, sigma_s, sigma_t, albedo, emission, g
+        [radiative.medium[0]] may hold: sphere, box, mesh, scale, rotate, translate, grid, interpolation, noise, exponential, linear, blob, procedural, sigma_a, sigma_s, sigma_t, albedo, emission, g, draine, droplets
     12:13: a medium without a shape fills all space: `translate` moves nothing
         give the medium a `sphere`, `box` or `mesh`, or remove `translate`
     "#);
