@@ -26,7 +26,7 @@ pub const ROWS: &[Row] = &[
         what: "Henyey-Greenstein sampling for every g, at both ends of u",
         tolerance: "8 u in 1 - cos and in 1 + cos",
         remedy: "two forms without cancellation; g below 0 is the mirror of g above",
-        place: "src/media/phase.rs",
+        place: "src/media/henyey_greenstein.rs",
         check: s1_henyey_greenstein_sampling,
     },
     Row {
@@ -34,7 +34,7 @@ pub const ROWS: &[Row] = &[
         what: "the Henyey-Greenstein value: integral, mean cosine, histogram",
         tolerance: "1e-12; chi-squared at 1e-3",
         remedy: "(1 - g)^2 + 2 g (1 - cos), from the end at which the peak is",
-        place: "src/media/phase.rs",
+        place: "src/media/henyey_greenstein.rs",
         check: s2_henyey_greenstein_value,
     },
     Row {
