@@ -89,7 +89,7 @@ impl Draine {
     /// `u` from straight back at 0 to straight on at 1.
     ///
     /// It is the deflection of the Henyey–Greenstein function at another share `v`, the root of
-    /// `v + α W(v) = N u`, where `W(v) = ∫₀^v cos² dv` has the [closed form](squared_cosines) below.
+    /// `v + α W(v) = N u`, where `W(v) = ∫₀^v cos² dv` has a closed form.
     /// The left side rises by `1 + α cos²`, so the root lies between `N u/(1 + α)` and `N u`, and is
     /// as well conditioned as the function itself.
     pub fn deflection(&self, u: f64) -> Deflection {

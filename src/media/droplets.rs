@@ -8,7 +8,7 @@ use std::fmt;
 use thiserror::Error;
 
 /// Scattering by droplets of water that are larger than the wavelength of light: a narrow
-/// Henyey–Greenstein lobe and a wide one of [Draine](Draine), fitted to Mie's theory over the
+/// Henyey–Greenstein lobe and a wide one of [`Draine`], fitted to Mie's theory over the
 /// visible spectrum.
 ///
 /// Source: Jendersie & d'Eon 2023, "An approximate Mie scattering function for fog and cloud

@@ -8,8 +8,8 @@ use std::fmt;
 
 /// The phase function of a medium.
 ///
-/// A new one has a file beside this one, a variant here, a key in the scene (`PHASE` in
-/// `scene/radiative/phases.rs`) and a line in each exporter that can say it.
+/// A new one has a file beside this one, a variant here, a key in `scene/radiative/phases.rs` and a
+/// line in each exporter that can say it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Phase {
     /// Henyey & Greenstein 1941; isotropic at `g = 0`.

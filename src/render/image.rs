@@ -169,7 +169,7 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<(Film, W), Re
             let task = ByLineOfSight {
                 scene,
                 parts: features,
-                turned: scatters,
+                scattering: scatters,
                 pixels: &pixels,
                 work: PhantomData,
             };

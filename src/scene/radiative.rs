@@ -138,7 +138,7 @@ pub struct Radiative {
 impl Body {
     /// The medium, if it is provably homogeneous: it has no density, or one that is constant and
     /// leaves its coefficients in the range of numbers.
-    pub fn even(&self) -> Option<Homogeneous> {
+    pub fn homogeneous(&self) -> Option<Homogeneous> {
         let Some(density) = &self.density else {
             return Some(self.medium);
         };

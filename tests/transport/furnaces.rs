@@ -352,7 +352,7 @@ fn phase_functions_in_an_enclosure_that_emits() {
             ..furnace
         };
         let [found, ..] = sampled(&scene, None, (58, SAMPLES), |_| ray);
-        agrees(&phase.to_string(), &found, 1.0, 0.0);
+        agrees(phase.to_string(), &found, 1.0, 0.0);
     }
 }
 

@@ -97,7 +97,7 @@ fn with_colour<R: Run, const SURFACES: bool, const EMISSION: bool>(
 pub(in crate::render) struct ByLineOfSight<'p, W> {
     pub scene: &'p Radiative,
     pub parts: RadiativeFeatures,
-    pub turned: bool,
+    pub scattering: bool,
     pub pixels: &'p Pixels<'p>,
     pub work: PhantomData<W>,
 }
@@ -110,7 +110,7 @@ impl<W: Work> Run for ByLineOfSight<'_, W> {
     fn run<E: Effects>(self) -> Self::Output {
         let renderer = LineOfSight::<E> {
             scene: SceneContext::for_integrals(self.scene, self.parts.vacuum_media),
-            scattering: self.turned,
+            scattering: self.scattering,
             tolerance: TOLERANCE,
         };
         let size = [self.pixels.width, self.pixels.height];

@@ -61,7 +61,7 @@ impl<'s> Media<'s> {
     ) -> Media<'s> {
         let medium = |body: &'s Body| {
             // A constant density makes a homogeneous medium.
-            let (unit, density) = match body.even() {
+            let (unit, density) = match body.homogeneous() {
                 Some(medium) => (MediumProperties::of(&medium), None),
                 None => (MediumProperties::of(&body.medium), body.density.as_ref()),
             };
@@ -226,7 +226,7 @@ pub(in crate::render) fn tracked(bodies: &[Body]) -> impl Iterator<Item = &Densi
     let emissive = bodies
         .iter()
         .any(|body| body.medium.emission != DVec3::ZERO);
-    let heterogeneous = bodies.iter().filter(|body| body.even().is_none());
+    let heterogeneous = bodies.iter().filter(|body| body.homogeneous().is_none());
     heterogeneous.filter_map(move |body| {
         let density = body.density.as_ref()?;
         let scatters = body.medium.coefficients.sigma_s() != DVec3::ZERO;

@@ -99,23 +99,26 @@ impl SceneParts<'_, '_, '_> {
         Ok(())
     }
 
-    /// Where a density varies, light is followed from one tentative collision to the next, and
-    /// they come as often as the densest channel of all that lies there together says. Those of
-    /// an even medium are never null in a channel as dense as that; in others they are, as often
-    /// as its channels differ.
+    /// In a heterogeneous medium light is tracked from one tentative collision to the next, of the
+    /// density of the densest channel of all media that overlap there. Those of a homogeneous medium
+    /// are never null in a channel as dense as that; in others they are, as its channels differ.
     fn check_collisions_without_end(&self) -> Result<(), Box<SceneError>> {
         let bounds = |body: &Body| body.boundary.as_ref().map(Surface::bounds);
-        for (_, varying) in self.media.iter().filter(|(_, body)| body.even().is_none()) {
-            let Some(space) = bounds(varying) else {
+        for (_, heterogeneous) in self
+            .media
+            .iter()
+            .filter(|(_, body)| body.homogeneous().is_none())
+        {
+            let Some(space) = bounds(heterogeneous) else {
                 continue;
             };
-            for (reader, even) in self.media {
-                let Some(medium) = even.even() else {
+            for (reader, other) in self.media {
+                let Some(medium) = other.homogeneous() else {
                     continue;
                 };
-                let shared = bounds(even).map_or(space, |other| Aabb {
-                    min: space.min.max(other.min),
-                    max: space.max.min(other.max),
+                let shared = bounds(other).map_or(space, |bounds| Aabb {
+                    min: space.min.max(bounds.min),
+                    max: space.max.min(bounds.max),
                 });
                 if shared.min.cmpgt(shared.max).any() {
                     continue;

@@ -84,7 +84,7 @@ impl<'s> Contents<'s> {
         });
         // The density of a vacuum medium does not matter.
         let is_heterogeneous =
-            |body: &Body| body.even().is_none() && (attenuates(body) || emits(body));
+            |body: &Body| body.homogeneous().is_none() && (attenuates(body) || emits(body));
         let heterogeneous: Vec<usize> = there()
             .filter(|(_, body)| is_heterogeneous(body))
             .map(|(index, _)| index)
