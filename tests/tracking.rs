@@ -22,7 +22,7 @@ use volref::geometry::Span;
 use volref::math::rng::Stream;
 use volref::math::{Moments, exp, exp_m1};
 use volref::media::estimators::{delta_tracking_variance, ratio_tracking_variance};
-use volref::render::radiative::sampler::{Row, Sampler, SamplerRow};
+use volref::render::radiative::sampler::{NumberRow, Sampler, SamplerRow};
 use volref::render::radiative::tracking::*;
 
 const SAMPLES: u32 = 400_000;
@@ -81,7 +81,10 @@ fn run(mut estimate: impl FnMut(&mut SamplerRow<'_>, &mut Effort) -> f64) -> Fou
     let values: Vec<f64> = (0..SAMPLES)
         .map(|sample| {
             let mut sampler = Sampler::new(Stream::new(7, 0, sample));
-            estimate(&mut sampler.tentative(Row::Transmittance), &mut effort)
+            estimate(
+                &mut sampler.tentative(NumberRow::Transmittance),
+                &mut effort,
+            )
         })
         .collect();
     let mut estimates = Moments::default();

@@ -19,7 +19,7 @@ use volref::geometry::Span;
 use volref::math::rng::{Purpose, Stream};
 use volref::math::{Moments, Sum, exp};
 use volref::media::estimators::ratio_tracking_variance;
-use volref::render::radiative::sampler::{Row, Sampler};
+use volref::render::radiative::sampler::{NumberRow, Sampler};
 use volref::render::radiative::tracking::{
     Control, Effort, MajorantSegment, Majorants, Small, ratio_tracking,
 };
@@ -174,7 +174,7 @@ fn less_noise_than_ratio_tracking_at_the_same_cost() {
     let ratio: Moments = (0..SAMPLES)
         .map(|sample| {
             let mut sampler = Sampler::new(Stream::new(11, 0, sample));
-            let mut numbers = sampler.tentative(Row::Transmittance);
+            let mut numbers = sampler.tentative(NumberRow::Transmittance);
             let mut curve = Curve {
                 span: Some(Span {
                     near: 0.0,

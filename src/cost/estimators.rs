@@ -10,7 +10,7 @@ use super::unbiased_ray_marching;
 use crate::math::rng::{Purpose, Stream};
 use crate::math::{Moments, exp};
 use crate::media::estimators::{delta_tracking_variance, ratio_tracking_variance};
-use crate::render::radiative::sampler::{Row, Sampler};
+use crate::render::radiative::sampler::{NumberRow, Sampler};
 use crate::render::radiative::tracking::{
     Control, Effort, Small, TentativeNumbers, delta_tracking, ratio_tracking,
 };
@@ -63,7 +63,7 @@ impl Estimator {
     /// One estimate for `profile`, with the random numbers of `stream`.
     pub fn sample(self, profile: &Profile<'_>, stream: &Stream) -> Sample {
         let mut sampler = Sampler::new(*stream);
-        let mut numbers = sampler.tentative(Row::Transmittance);
+        let mut numbers = sampler.tentative(NumberRow::Transmittance);
         let mut walk = profile.walk();
         let mut effort = Effort::default();
         let ratio = |control| (control, Small::Kept);

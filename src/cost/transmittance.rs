@@ -13,7 +13,7 @@ use super::timing::Clock;
 use crate::geometry::{Ray, Span};
 use crate::math::rng::{Purpose, Stream};
 use crate::math::{exp, powu};
-use crate::media::{Density, Field, Line};
+use crate::media::{Density, DensityLine, Field};
 use crate::render::Counters;
 use crate::render::classified::steps::Steps;
 use crate::render::counters::{Event, Uncounted, Work};
@@ -81,7 +81,7 @@ pub struct Part<'s> {
     /// Its density.
     pub density: &'s Density,
     /// The ray in the coordinates of the density.
-    pub line: Line,
+    pub line: DensityLine,
     /// Where the ray is in the box of the density.
     pub span: Span,
 }

@@ -4,7 +4,7 @@ use super::scenes::LAST;
 use crate::geometry::Span;
 use crate::math::rng::Stream;
 use crate::math::{Moments, sin};
-use crate::render::radiative::sampler::{Row, Sampler, SamplerRow};
+use crate::render::radiative::sampler::{NumberRow, Sampler, SamplerRow};
 use crate::render::radiative::tracking::{
     Control, Effort, MajorantSegment, Majorants, Small, Tentative, TentativeNumbers,
     delta_tracking, ratio_tracking,
@@ -69,7 +69,10 @@ fn estimates(
     let mut effort = Effort::default();
     let values = (0..samples).map(|sample| {
         let mut sampler = Sampler::new(Stream::new(7, 0, sample));
-        one(&mut sampler.tentative(Row::Transmittance), &mut effort)
+        one(
+            &mut sampler.tentative(NumberRow::Transmittance),
+            &mut effort,
+        )
     });
     let moments = Moments::from_iter(values);
     Estimates {

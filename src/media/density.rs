@@ -211,13 +211,13 @@ impl Density {
 
     /// A world ray in the coordinates of the field, and the part of `span`, a segment of the ray,
     /// in the box of the field; `None` if there is none.
-    pub fn along(&self, ray: &Ray, span: Span) -> Option<(Line, Span)> {
+    pub fn along(&self, ray: &Ray, span: Span) -> Option<(DensityLine, Span)> {
         let (ray, scale) = match &self.to_world {
             Some(to_world) => to_world.ray_to_object(ray)?,
             None => (*ray, 1.0),
         };
         let inside = self.bounds.span(&ray)?;
-        let line = Line {
+        let line = DensityLine {
             origin: ray.origin,
             direction: ray.direction * scale,
         };
@@ -229,7 +229,7 @@ impl Density {
     }
 
     /// The blocks that `line` passes over `span`, which is in the box.
-    pub fn walk(&self, line: &Line, span: Span) -> Walk {
+    pub fn walk(&self, line: &DensityLine, span: Span) -> Walk {
         self.blocks().walk(line.origin, line.direction, span)
     }
 
@@ -244,8 +244,8 @@ impl Density {
     /// # Panics
     ///
     /// If the field is not [integrable](Density::is_integrable).
-    pub fn integral(&self, line: &Line, span: Span, lookups: &mut u64) -> f64 {
-        let Line { origin, direction } = *line;
+    pub fn integral(&self, line: &DensityLine, span: Span, lookups: &mut u64) -> f64 {
+        let DensityLine { origin, direction } = *line;
         match &self.field {
             Field::Constant(density) => {
                 super::optical_depth(density.density(origin), span.length())
@@ -283,7 +283,7 @@ impl Density {
 
     /// Appends the points on `line`, over `span`, between which a rule of few points sees all of
     /// the density: where it has a kink, and where it falls to next to nothing.
-    pub fn append_kinks(&self, line: &Line, span: Span, kinks: &mut Vec<f64>) {
+    pub fn append_kinks(&self, line: &DensityLine, span: Span, kinks: &mut Vec<f64>) {
         match &self.field {
             Field::Grid(grid) => {
                 let pieces = grid.smooth_stretches(line.origin, line.direction, span);
@@ -318,7 +318,7 @@ impl Density {
 
     /// `line` from distance `t` on, as profiles want it: its direction has any length, and
     /// distances along it remain world distances.
-    fn from(&self, line: &Line, t: f64) -> Ray {
+    fn from(&self, line: &DensityLine, t: f64) -> Ray {
         Ray {
             origin: line.at(t),
             direction: line.direction,
@@ -328,7 +328,7 @@ impl Density {
 
 /// Where a line comes nearest to the centre of a blob, and the width of the blob along it, in
 /// world distances.
-fn blob_along(blob: &Blob, line: &Line) -> (f64, f64) {
+fn blob_along(blob: &Blob, line: &DensityLine) -> (f64, f64) {
     let squared = line.direction.length_squared();
     let foot = (blob.centre - line.origin).dot(line.direction) / squared;
     (foot, blob.width / squared.sqrt())
@@ -337,14 +337,14 @@ fn blob_along(blob: &Blob, line: &Line) -> (f64, f64) {
 /// A straight line in the coordinates of a field, parametrised by world distance: `direction` is
 /// as long as a world unit is there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
+pub struct DensityLine {
     /// Where it begins.
     pub origin: DVec3,
     /// How far it goes for a world unit.
     pub direction: DVec3,
 }
 
-impl Line {
+impl DensityLine {
     /// The point at world distance `t`.
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + self.direction * t

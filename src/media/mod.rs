@@ -23,7 +23,7 @@ pub use coefficients::{
 };
 pub use colormap::Colormap;
 pub use deflection::{Asymmetry, AsymmetryOutOfRange, Deflection};
-pub use density::{Density, Field, Line};
+pub use density::{Density, DensityLine, Field};
 pub use draine::{AlphaOutOfRange, Draine};
 pub use droplets::{DiameterOutOfRange, Droplets};
 pub use henyey_greenstein::HenyeyGreenstein;

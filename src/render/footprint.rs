@@ -1,7 +1,7 @@
 //! The memory that an image takes.
 
 use super::plan::{Kernel, Plan};
-use super::radiative::path_tracer::Fault;
+use super::radiative::path_tracer::PathFault;
 use super::sampling::Sampling;
 use crate::math::Moments;
 
@@ -62,12 +62,12 @@ fn of_film(plan: &Plan<'_>, sampling: Sampling) -> usize {
 fn while_rendered(plan: &Plan<'_>, film: usize) -> usize {
     let (pixel, between) = match plan.kernel {
         Kernel::PathTracer { .. } => (
-            size_of::<Result<[Moments; 3], Fault>>(),
+            size_of::<Result<[Moments; 3], PathFault>>(),
             size_of::<[Moments; 3]>(),
         ),
         // The plot is drawn in `f64`.
         Kernel::Curve(_) => (size_of::<[f64; 3]>(), size_of::<[f32; 4]>()),
-        Kernel::LineOfSight { .. } => (size_of::<Result<[f32; 3], Fault>>(), 0),
+        Kernel::LineOfSight { .. } => (size_of::<Result<[f32; 3], PathFault>>(), 0),
         Kernel::RayCaster { .. } | Kernel::Background(_) => (size_of::<[f32; 4]>(), 0),
     };
     (2 * pixel).max(pixel + between + film)

@@ -8,7 +8,7 @@ use super::pixels::{Detail, Pixels};
 use super::plan::{Kernel, Plan};
 use super::progress::{Progress, steps_of};
 use super::radiative::kernels::{ByLineOfSight, ByPathTracing, with_parts};
-use super::radiative::path_tracer::Fault;
+use super::radiative::path_tracer::PathFault;
 use super::sampling::Sampling;
 use crate::film::Film;
 use crate::math::Moments;
@@ -211,7 +211,7 @@ fn has_points(scene: &Radiative) -> bool {
 fn without_faults<P>(
     scene: &Radiative,
     width: usize,
-    pixels: Vec<Result<P, Fault>>,
+    pixels: Vec<Result<P, PathFault>>,
 ) -> Result<Vec<P>, RenderError> {
     let faults = || {
         let faults = pixels.iter().enumerate();
@@ -222,17 +222,17 @@ fn without_faults<P>(
     };
     let (column, row) = (index % width, index / width);
     Err(match fault {
-        Fault::Endless => RenderError::Endless { column, row },
-        Fault::Infinite if has_points(scene) => RenderError::Divergent { column, row },
-        Fault::Infinite => RenderError::TooBright { column, row },
-        Fault::Majorant(_) => RenderError::Majorant {
+        PathFault::Endless => RenderError::Endless { column, row },
+        PathFault::Infinite if has_points(scene) => RenderError::Divergent { column, row },
+        PathFault::Infinite => RenderError::TooBright { column, row },
+        PathFault::Majorant(_) => RenderError::Majorant {
             violations: faults()
                 .map(|(_, fault)| fault)
                 // Of the pixels behind one without an end, chance decides which are traced.
-                .take_while(|fault| *fault != Fault::Endless)
+                .take_while(|fault| *fault != PathFault::Endless)
                 .map(|fault| match fault {
-                    Fault::Majorant(violations) => violations,
-                    Fault::Infinite | Fault::Endless => 0,
+                    PathFault::Majorant(violations) => violations,
+                    PathFault::Infinite | PathFault::Endless => 0,
                 })
                 .sum(),
             column,
@@ -355,8 +355,8 @@ mod tests {
     #[test]
     fn violated_bounds_are_counted_over_all_pixels_and_refused() {
         let mut pixels = vec![Ok(()); 8];
-        pixels[4] = Err(Fault::Majorant(2));
-        pixels[5] = Err(Fault::Majorant(40));
+        pixels[4] = Err(PathFault::Majorant(2));
+        pixels[5] = Err(PathFault::Majorant(40));
         let expected = Err(RenderError::Majorant {
             violations: 42,
             column: 1,
@@ -364,14 +364,14 @@ mod tests {
         });
         assert_eq!(without_faults(&scene(vec![]), 3, pixels.clone()), expected);
         // Whether what comes after a path without an end is traced is left to chance.
-        pixels[6] = Err(Fault::Endless);
-        pixels[7] = Err(Fault::Majorant(1));
+        pixels[6] = Err(PathFault::Endless);
+        pixels[7] = Err(PathFault::Majorant(1));
         assert_eq!(without_faults(&scene(vec![]), 3, pixels.clone()), expected);
     }
 
     #[test]
     fn only_a_light_without_job_is_blamed_for_light_without_bound() {
-        let pixels = vec![Ok(()), Err(Fault::Infinite)];
+        let pixels = vec![Ok(()), Err(PathFault::Infinite)];
         let (column, row) = (1, 0);
         assert_eq!(
             without_faults(&scene(vec![]), 2, pixels.clone()),

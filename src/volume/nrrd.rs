@@ -360,16 +360,16 @@ impl Fields {
         Ok(())
     }
 
-    fn get(&self, name: &'static str) -> Option<Field<'_>> {
+    fn get(&self, name: &'static str) -> Option<HeaderField<'_>> {
         let found = self.0.iter().find(|(field, ..)| *field == name);
-        found.map(|(name, value, line)| Field {
+        found.map(|(name, value, line)| HeaderField {
             name,
             value,
             line: *line,
         })
     }
 
-    fn required(&self, name: &'static str) -> Result<Field<'_>, NrrdError> {
+    fn required(&self, name: &'static str) -> Result<HeaderField<'_>, NrrdError> {
         self.get(name).ok_or(NrrdError::Missing(name))
     }
 
@@ -619,13 +619,13 @@ fn kept_axes(sizes: &[u64], directions: Option<&[Option<DVec3>]>) -> Result<[usi
 
 /// A field of a header.
 #[derive(Clone, Copy)]
-struct Field<'h> {
+struct HeaderField<'h> {
     name: &'static str,
     value: &'h str,
     line: usize,
 }
 
-impl Field<'_> {
+impl HeaderField<'_> {
     fn fault(&self, fault: NrrdFault) -> NrrdError {
         NrrdError::Line {
             line: self.line,

@@ -5,7 +5,7 @@ use super::effects::Effects;
 use super::media::{Media, Set, members};
 use super::medium::over;
 use super::ray_majorants::RayMajorants;
-use super::sampler::Row;
+use super::sampler::NumberRow;
 use super::scene_context::SceneContext;
 use super::segments::{MediumSegment, MediumSegments};
 use super::tracking::{MajorantSegment, Majorants, TentativeNumbers, tentative_collisions, thin};
@@ -41,7 +41,7 @@ impl<E: Effects> SceneContext<'_, E> {
         let (ray, tracker) = (&path.ray, &mut path.tracker);
         let scratch = &mut *tracker.scratch;
         let work = &mut *tracker.work;
-        let mut numbers = tracker.sampler.tentative(Row::Emission);
+        let mut numbers = tracker.sampler.tentative(NumberRow::Emission);
         let mut radiance = DVec3::ZERO;
         let mut throughput = DVec3::ONE;
         for segment in path.segments.all() {

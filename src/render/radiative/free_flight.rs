@@ -5,7 +5,7 @@ use super::effects::Effects;
 use super::media::{Media, Set};
 use super::medium::over;
 use super::ray_majorants::RayMajorants;
-use super::sampler::Row;
+use super::sampler::NumberRow;
 use super::scene_context::SceneContext;
 use super::segments::MediumSegment;
 use super::tracker::Tracker;
@@ -72,7 +72,7 @@ impl<E: Effects> SceneContext<'_, E> {
         } else {
             0
         };
-        let mut next = tracker.sampler.tentative(Row::FreeFlight).next();
+        let mut next = tracker.sampler.tentative(NumberRow::FreeFlight).next();
         // Optical depth of the homogeneous media at which the flight ends.
         let mut goal = next.optical_distance;
         let mut passed = Passed {
@@ -177,7 +177,7 @@ fn track<W: Work>(
         &mut majorants,
         channel,
         first,
-        &mut tracker.sampler.tentative(Row::FreeFlight),
+        &mut tracker.sampler.tentative(NumberRow::FreeFlight),
         survived,
         effort,
     );

@@ -4,7 +4,7 @@
 use super::context::Scratch;
 use super::effects::{Effects, Everything, Only};
 use super::line_of_sight::{LineOfSight, TOLERANCE};
-use super::path_tracer::{Fault, PathTracer};
+use super::path_tracer::{PathFault, PathTracer};
 use super::sampler::Sampler;
 use super::scene_context::SceneContext;
 use crate::math::Moments;
@@ -19,7 +19,7 @@ use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Something to be run by code compiled for certain effects.
-pub(in crate::render) trait Run {
+pub(in crate::render) trait KernelTask {
     /// Its result.
     type Output;
 
@@ -31,7 +31,7 @@ pub(in crate::render) trait Run {
 }
 
 /// Runs `task` by the code compiled for `parts`.
-pub(in crate::render) fn with_parts<R: Run>(parts: RadiativeFeatures, task: R) -> R::Output {
+pub(in crate::render) fn with_parts<R: KernelTask>(parts: RadiativeFeatures, task: R) -> R::Output {
     // Unit tests are spared compiling all of it once more: the general code gives the same bits,
     // as tests/transport shows.
     if cfg!(test) {
@@ -40,7 +40,7 @@ pub(in crate::render) fn with_parts<R: Run>(parts: RadiativeFeatures, task: R) -
     with_special_parts(parts, task)
 }
 
-fn with_special_parts<R: Run>(parts: RadiativeFeatures, task: R) -> R::Output {
+fn with_special_parts<R: KernelTask>(parts: RadiativeFeatures, task: R) -> R::Output {
     if parts.heterogeneous {
         return with_heterogeneous_media(parts, task);
     }
@@ -54,7 +54,7 @@ fn with_special_parts<R: Run>(parts: RadiativeFeatures, task: R) -> R::Output {
 
 /// Tracking light through heterogeneous media costs far more than to find that there are no
 /// surfaces: no code is compiled without them.
-fn with_heterogeneous_media<R: Run>(parts: RadiativeFeatures, task: R) -> R::Output {
+fn with_heterogeneous_media<R: KernelTask>(parts: RadiativeFeatures, task: R) -> R::Output {
     // Without scattering there is no phase function.
     if parts.anisotropic || !R::SCATTERS_IN_HETEROGENEOUS {
         match (parts.emission, parts.chromatic) {
@@ -73,7 +73,10 @@ fn with_heterogeneous_media<R: Run>(parts: RadiativeFeatures, task: R) -> R::Out
     }
 }
 
-fn with_emission<R: Run, const SURFACES: bool>(parts: RadiativeFeatures, task: R) -> R::Output {
+fn with_emission<R: KernelTask, const SURFACES: bool>(
+    parts: RadiativeFeatures,
+    task: R,
+) -> R::Output {
     if parts.emission {
         with_colour::<R, SURFACES, true>(parts, task)
     } else {
@@ -81,7 +84,7 @@ fn with_emission<R: Run, const SURFACES: bool>(parts: RadiativeFeatures, task: R
     }
 }
 
-fn with_colour<R: Run, const SURFACES: bool, const EMISSION: bool>(
+fn with_colour<R: KernelTask, const SURFACES: bool, const EMISSION: bool>(
     parts: RadiativeFeatures,
     task: R,
 ) -> R::Output {
@@ -102,8 +105,8 @@ pub(in crate::render) struct ByLineOfSight<'p, W> {
     pub work: PhantomData<W>,
 }
 
-impl<W: Work> Run for ByLineOfSight<'_, W> {
-    type Output = (Vec<Result<[f32; 3], Fault>>, W);
+impl<W: Work> KernelTask for ByLineOfSight<'_, W> {
+    type Output = (Vec<Result<[f32; 3], PathFault>>, W);
 
     const SCATTERS_IN_HETEROGENEOUS: bool = false;
 
@@ -136,9 +139,9 @@ pub(in crate::render) struct ByPathTracing<'p, W> {
     pub work: PhantomData<W>,
 }
 
-impl<W: Work> Run for ByPathTracing<'_, W> {
+impl<W: Work> KernelTask for ByPathTracing<'_, W> {
     /// By pixel, the moments of its samples by channel.
-    type Output = (Vec<Result<[Moments; 3], Fault>>, W);
+    type Output = (Vec<Result<[Moments; 3], PathFault>>, W);
 
     const SCATTERS_IN_HETEROGENEOUS: bool = true;
 
@@ -154,7 +157,7 @@ impl<W: Work> Run for ByPathTracing<'_, W> {
             |[column, row], samples, scratch, work: &mut W| {
                 let index = (row * size[0] + column) as u32;
                 if given_up.is_before(index) {
-                    return Err(Fault::Endless);
+                    return Err(PathFault::Endless);
                 }
                 let mut moments = [Moments::default(); 3];
                 for sample in 0..samples {
@@ -163,7 +166,7 @@ impl<W: Work> Run for ByPathTracing<'_, W> {
                     let place = [column as f64 + edge * x, row as f64 + edge * y];
                     let ray = scene.camera.ray_through(place, size);
                     let radiance = tracer.radiance(ray, sampler, scratch, work);
-                    if radiance == Err(Fault::Endless) {
+                    if radiance == Err(PathFault::Endless) {
                         given_up.at(index);
                     }
                     let radiance = finite(radiance?)?;
@@ -182,9 +185,9 @@ impl<W: Work> Run for ByPathTracing<'_, W> {
 
 /// Light that is brighter than any number could be made no mean of: with what is darker it would
 /// be no number at all.
-fn finite(radiance: DVec3) -> Result<DVec3, Fault> {
+fn finite(radiance: DVec3) -> Result<DVec3, PathFault> {
     if radiance.to_array().contains(&f64::INFINITY) {
-        Err(Fault::Infinite)
+        Err(PathFault::Infinite)
     } else {
         Ok(radiance)
     }
@@ -220,9 +223,9 @@ mod tests {
     use std::collections::BTreeSet;
 
     /// The name of the effects that are picked.
-    struct Name<const SCATTERS: bool>;
+    struct EffectsName<const SCATTERS: bool>;
 
-    impl<const SCATTERS: bool> Run for Name<SCATTERS> {
+    impl<const SCATTERS: bool> KernelTask for EffectsName<SCATTERS> {
         type Output = &'static str;
 
         const SCATTERS_IN_HETEROGENEOUS: bool = SCATTERS;
@@ -243,7 +246,7 @@ mod tests {
             heterogeneous: switches & 32 != 0,
         });
         let kernels: BTreeSet<_> = choices
-            .map(|parts| with_special_parts(parts, Name::<SCATTERS>))
+            .map(|parts| with_special_parts(parts, EffectsName::<SCATTERS>))
             .collect();
         assert!(kernels.contains(type_name::<Everything>()));
         kernels.len()
@@ -269,7 +272,7 @@ mod tests {
     #[test]
     fn light_without_bound_is_no_radiance() {
         let red = DVec3::new(f64::INFINITY, 0.0, 1.0);
-        assert_eq!(finite(red), Err(Fault::Infinite));
+        assert_eq!(finite(red), Err(PathFault::Infinite));
         assert_eq!(finite(DVec3::MAX), Ok(DVec3::MAX));
     }
 }

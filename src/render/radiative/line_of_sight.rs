@@ -9,7 +9,7 @@ use super::effects::Effects;
 use super::intersection::SurfaceIndex;
 use super::scene_context::SceneContext;
 use super::segments::{MediumSegment, MediumSegments};
-use super::shadow_edges::{Source, shadow_edges};
+use super::shadow_edges::{LightSource, shadow_edges};
 use super::single_scattering::{ScatteringPoint, edges, lit_span};
 use super::specular::facing;
 use super::tracker::Tracker;
@@ -170,9 +170,9 @@ impl<E: Effects> LineOfSight<'_, E> {
     fn shadow_edges(&self, light: &Light, ray: &Ray) -> Vec<f64> {
         let media = self.scene.media.all();
         let source = match light {
-            Light::Directional(light) => Source::Towards(-light.direction),
-            Light::Point(light) => Source::At(light.position),
-            Light::Spot(light) => Source::At(light.position),
+            Light::Directional(light) => LightSource::Towards(-light.direction),
+            Light::Point(light) => LightSource::At(light.position),
+            Light::Spot(light) => LightSource::At(light.position),
         };
         if media.len() < 2 {
             return vec![];

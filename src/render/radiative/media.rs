@@ -12,12 +12,12 @@ use glam::DVec3;
 pub struct Media<'s> {
     media: Vec<Medium<'s>>,
     heterogeneous: Set,
-    scattering: Extent,
+    scattering: ScatteringExtent,
 }
 
-/// Extent of the scattering media of a scene.
+/// ScatteringExtent of the scattering media of a scene.
 #[derive(Debug)]
-enum Extent {
+enum ScatteringExtent {
     Nowhere,
     Within(Aabb),
     Everywhere,
@@ -77,7 +77,7 @@ impl<'s> Media<'s> {
         let mut media: Vec<_> = bodies.iter().map(medium).collect();
         media.retain(|medium| vacuum || !medium.is_vacuum());
         let mut heterogeneous = 0;
-        let mut scattering = Extent::Nowhere;
+        let mut scattering = ScatteringExtent::Nowhere;
         for (index, medium) in media.iter_mut().enumerate() {
             medium.index = index;
             if medium.density.is_some() {
@@ -88,9 +88,11 @@ impl<'s> Media<'s> {
             }
             let bounds = medium.boundary.map(Surface::bounds);
             scattering = match (scattering, bounds) {
-                (Extent::Nowhere, Some(bounds)) => Extent::Within(bounds),
-                (Extent::Within(others), Some(bounds)) => Extent::Within(others.union(bounds)),
-                (Extent::Everywhere, _) | (_, None) => Extent::Everywhere,
+                (ScatteringExtent::Nowhere, Some(bounds)) => ScatteringExtent::Within(bounds),
+                (ScatteringExtent::Within(others), Some(bounds)) => {
+                    ScatteringExtent::Within(others.union(bounds))
+                }
+                (ScatteringExtent::Everywhere, _) | (_, None) => ScatteringExtent::Everywhere,
             };
         }
         Media {
@@ -143,9 +145,11 @@ impl<'s> Media<'s> {
     /// A segment of `ray` that holds all points where light is scattered, if there are any.
     pub fn scattering_span(&self, ray: &Ray) -> Option<Span> {
         match &self.scattering {
-            Extent::Nowhere => None,
-            Extent::Within(bounds) => bounds.span(ray).filter(|span| span.near < span.far),
-            Extent::Everywhere => Some(Span {
+            ScatteringExtent::Nowhere => None,
+            ScatteringExtent::Within(bounds) => {
+                bounds.span(ray).filter(|span| span.near < span.far)
+            }
+            ScatteringExtent::Everywhere => Some(Span {
                 near: 0.0,
                 far: f64::INFINITY,
             }),

@@ -42,7 +42,7 @@ pub struct PathTracer<'s, E> {
 
 /// A path without a radiance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fault {
+pub enum PathFault {
     /// It bounced more often than there are random numbers for.
     Endless,
     /// Its radiance is beyond the largest number.
@@ -83,14 +83,14 @@ impl<'s, E: Effects> PathTracer<'s, E> {
     ///
     /// # Errors
     ///
-    /// [`Fault::Endless`] and [`Fault::Majorant`].
+    /// [`PathFault::Endless`] and [`PathFault::Majorant`].
     pub fn radiance<W: Work>(
         &self,
         ray: Ray,
         sampler: Sampler,
         scratch: &mut Scratch,
         work: &mut W,
-    ) -> Result<DVec3, Fault> {
+    ) -> Result<DVec3, PathFault> {
         let mut path = PathContext::new(ray, self.limit, sampler, scratch, work);
         let radiance = self.traced(&mut path);
         let tracker = path.tracker;
@@ -99,11 +99,11 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         let radiance = radiance?;
         match tracker.scratch.take_violations() {
             0 => Ok(radiance),
-            violations => Err(Fault::Majorant(violations)),
+            violations => Err(PathFault::Majorant(violations)),
         }
     }
 
-    fn traced<W: Work>(&self, path: &mut PathContext<'_, W>) -> Result<DVec3, Fault> {
+    fn traced<W: Work>(&self, path: &mut PathContext<'_, W>) -> Result<DVec3, PathFault> {
         let scene = &self.scene;
         let mut radiance = DVec3::ZERO;
         let mut first_throughput = DVec3::ONE;
@@ -169,7 +169,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                 path.throughput /= survival;
             }
             if path.depth == Sampler::BOUNCES - 1 {
-                return Err(Fault::Endless);
+                return Err(PathFault::Endless);
             }
             path.go_on(bounce.ray, bounce.previous);
         }

@@ -12,14 +12,14 @@ use crate::math::sampling::optical_distance;
 pub struct Sampler {
     stream: Stream,
     bounce: u32,
-    /// Pairs given at this bounce, by [`Row`].
+    /// Pairs given at this bounce, by [`NumberRow`].
     rows: [u32; 3],
     given: u64,
 }
 
 /// Tentative collisions that share one row of numbers: every bounce begins each row anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Row {
+pub enum NumberRow {
     /// Of the free flight.
     FreeFlight,
     /// Of emission along the ray.
@@ -28,12 +28,12 @@ pub enum Row {
     Transmittance,
 }
 
-impl Row {
+impl NumberRow {
     fn purpose(self) -> Purpose {
         match self {
-            Row::FreeFlight => Purpose::FreeFlight,
-            Row::Emission => Purpose::Emission,
-            Row::Transmittance => Purpose::Tracking,
+            NumberRow::FreeFlight => Purpose::FreeFlight,
+            NumberRow::Emission => Purpose::Emission,
+            NumberRow::Transmittance => Purpose::Tracking,
         }
     }
 }
@@ -76,7 +76,7 @@ impl Sampler {
     }
 
     /// The tentative collisions of `row`, from the first that has not been given.
-    pub fn tentative(&mut self, row: Row) -> SamplerRow<'_> {
+    pub fn tentative(&mut self, row: NumberRow) -> SamplerRow<'_> {
         SamplerRow { sampler: self, row }
     }
 
@@ -86,11 +86,11 @@ impl Sampler {
     }
 }
 
-/// A [`Row`] of a [`Sampler`].
+/// A [`NumberRow`] of a [`Sampler`].
 #[derive(Debug)]
 pub struct SamplerRow<'s> {
     sampler: &'s mut Sampler,
-    row: Row,
+    row: NumberRow,
 }
 
 impl TentativeNumbers for SamplerRow<'_> {
@@ -142,7 +142,11 @@ mod tests {
         for bounce in [0, 1] {
             sampler.begin_bounce(bounce);
             for index in [0, 1] {
-                for row in [Row::FreeFlight, Row::Emission, Row::Transmittance] {
+                for row in [
+                    NumberRow::FreeFlight,
+                    NumberRow::Emission,
+                    NumberRow::Transmittance,
+                ] {
                     assert_eq!(
                         sampler.tentative(row).next(),
                         expected(bounce, row.purpose(), index)

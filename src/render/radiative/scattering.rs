@@ -30,7 +30,7 @@ pub struct Response {
 
 /// A direction sampled at a vertex.
 #[derive(Clone, Copy, Debug)]
-pub struct Scattered {
+pub struct SampledDirection {
     /// The ray that goes on.
     pub ray: Ray,
     /// By channel, response over density.
@@ -68,7 +68,7 @@ impl<E: Effects> SceneContext<'_, E> {
         vertex: &Vertex,
         throughput: DVec3,
         tracker: &mut Tracker<'_, W>,
-    ) -> Option<Scattered> {
+    ) -> Option<SampledDirection> {
         let Tracker { sampler, work, .. } = tracker;
         match vertex {
             Vertex::Medium {
@@ -90,7 +90,7 @@ impl<E: Effects> SceneContext<'_, E> {
                 let pdf = self
                     .medium_response(*set, *point, deflection.cos, *work)
                     .pdf;
-                Some(Scattered { ray, weight, pdf })
+                Some(SampledDirection { ray, weight, pdf })
             }
             Vertex::Diffuse {
                 normal,
@@ -100,7 +100,7 @@ impl<E: Effects> SceneContext<'_, E> {
                 let local = cosine_hemisphere(sampler.pair(Purpose::Surface, 0));
                 let ray = vertex.leave(Frame::around(*normal).to_world(local))?;
                 let pdf = cosine_hemisphere_pdf(local.z);
-                Some(Scattered {
+                Some(SampledDirection {
                     ray,
                     weight: *reflectance,
                     pdf,

@@ -47,13 +47,13 @@ impl OpticalDepths {
 #[derive(Debug, Default)]
 pub struct MediumSegments {
     segments: Vec<MediumSegment>,
-    edges: Vec<Edge>,
+    edges: Vec<MediumEdge>,
     spans: Vec<Span>,
 }
 
 /// The beginning or end of a medium.
 #[derive(Clone, Copy, Debug)]
-struct Edge {
+struct MediumEdge {
     t: f64,
     medium: usize,
 }
@@ -79,11 +79,11 @@ impl MediumSegments {
             for span in &self.spans {
                 let far = span.far.min(end);
                 if span.near < far {
-                    self.edges.push(Edge {
+                    self.edges.push(MediumEdge {
                         t: span.near,
                         medium: index,
                     });
-                    self.edges.push(Edge {
+                    self.edges.push(MediumEdge {
                         t: far,
                         medium: index,
                     });
@@ -96,7 +96,7 @@ impl MediumSegments {
                 .sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.medium.cmp(&b.medium)));
         }
         let (mut set, mut near) = (0, 0.0);
-        for &Edge { t, medium } in &self.edges {
+        for &MediumEdge { t, medium } in &self.edges {
             if set != 0 && near < t {
                 self.segments.push(MediumSegment {
                     span: Span { near, far: t },

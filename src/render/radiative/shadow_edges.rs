@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 
 /// The direction or position of a light without extent.
 #[derive(Clone, Copy, Debug)]
-pub enum Source {
+pub enum LightSource {
     /// World point.
     At(DVec3),
     /// Unit direction towards a light infinitely far away.
@@ -21,7 +21,7 @@ pub enum Source {
 }
 
 /// The plane through a ray and a light.
-struct Plane {
+struct ShadowPlane {
     /// Origin of the ray, and of the coordinates in the plane.
     origin: DVec3,
     /// The ray, and the side of the light.
@@ -39,7 +39,7 @@ enum PlaneSource {
 
 /// Distances along `ray` at which the shadow of `boundary` in the light of `source` may begin, end or
 /// have a kink, in no order. Of a mesh, those of the box around it.
-pub fn shadow_edges(boundary: &Boundary, ray: &Ray, source: Source) -> Vec<f64> {
+pub fn shadow_edges(boundary: &Boundary, ray: &Ray, source: LightSource) -> Vec<f64> {
     match boundary {
         Boundary::Sphere(sphere) => of_sphere(sphere, ray, source),
         Boundary::Box(bounds) => of_box(bounds, ray, source),
@@ -56,20 +56,20 @@ pub fn shadow_edges(boundary: &Boundary, ray: &Ray, source: Source) -> Vec<f64> 
 fn placed_edges<S: Surface>(
     placed: &Placed<S>,
     ray: &Ray,
-    source: Source,
-    edges: impl Fn(&S, &Ray, Source) -> Vec<f64>,
+    source: LightSource,
+    edges: impl Fn(&S, &Ray, LightSource) -> Vec<f64>,
 ) -> Vec<f64> {
     let to_world: &Transform = placed.to_world();
     let Some((object_ray, scale)) = to_world.ray_to_object(ray) else {
         return vec![];
     };
     let source = match source {
-        Source::At(position) => Source::At(to_world.inverse().point(position)),
-        Source::Towards(direction) => {
+        LightSource::At(position) => LightSource::At(to_world.inverse().point(position)),
+        LightSource::Towards(direction) => {
             let Some(direction) = direction_of(to_world.inverse().direction(direction)) else {
                 return vec![];
             };
-            Source::Towards(direction)
+            LightSource::Towards(direction)
         }
     };
     let mut edges = edges(placed.shape(), &object_ray, source);
@@ -79,8 +79,8 @@ fn placed_edges<S: Surface>(
     edges
 }
 
-fn of_box(bounds: &Aabb, ray: &Ray, source: Source) -> Vec<f64> {
-    let Some(plane) = Plane::new(ray, source) else {
+fn of_box(bounds: &Aabb, ray: &Ray, source: LightSource) -> Vec<f64> {
+    let Some(plane) = ShadowPlane::new(ray, source) else {
         return vec![];
     };
     let corner = |index: usize| {
@@ -97,8 +97,8 @@ fn of_box(bounds: &Aabb, ray: &Ray, source: Source) -> Vec<f64> {
     crossings.filter_map(|point| plane.shadow(point)).collect()
 }
 
-fn of_sphere(sphere: &Sphere, ray: &Ray, source: Source) -> Vec<f64> {
-    let Some(plane) = Plane::new(ray, source) else {
+fn of_sphere(sphere: &Sphere, ray: &Ray, source: LightSource) -> Vec<f64> {
+    let Some(plane) = ShadowPlane::new(ray, source) else {
         return vec![];
     };
     let height = plane.normal.dot(sphere.centre() - plane.origin);
@@ -128,23 +128,23 @@ fn of_sphere(sphere: &Sphere, ray: &Ray, source: Source) -> Vec<f64> {
     shadows.collect()
 }
 
-impl Plane {
+impl ShadowPlane {
     /// `None` where the light lies on the line of the ray, whose connections all pass along it.
-    fn new(ray: &Ray, source: Source) -> Option<Plane> {
+    fn new(ray: &Ray, source: LightSource) -> Option<ShadowPlane> {
         let along = ray.direction;
         let towards = match source {
-            Source::At(position) => position - ray.origin,
-            Source::Towards(direction) => direction,
+            LightSource::At(position) => position - ray.origin,
+            LightSource::Towards(direction) => direction,
         };
         let aside = direction_of(towards - along * towards.dot(along))?;
         let local = DVec2::new(towards.dot(along), towards.dot(aside));
-        Some(Plane {
+        Some(ShadowPlane {
             origin: ray.origin,
             axes: [along, aside],
             normal: along.cross(aside),
             source: match source {
-                Source::At(_) => PlaneSource::At(local),
-                Source::Towards(_) => PlaneSource::Towards(local),
+                LightSource::At(_) => PlaneSource::At(local),
+                LightSource::Towards(_) => PlaneSource::Towards(local),
             },
         })
     }
@@ -196,23 +196,23 @@ mod tests {
     #[test]
     fn a_box_before_a_point() {
         let bounds = Aabb::new(DVec3::new(4.0, 2.0, -1.0), DVec3::new(5.0, 2.0, 1.0)).unwrap();
-        let light = Source::At(DVec3::new(4.5, 4.0, 0.0));
+        let light = LightSource::At(DVec3::new(4.5, 4.0, 0.0));
         let edges = sorted(shadow_edges(&Boundary::Box(bounds), &ray(), light));
         assert_eq!(edges, [3.5, 5.5]);
         // One behind the light, or behind the ray, throws none.
         for light in [1.0, -4.0] {
-            let light = Source::At(DVec3::new(4.5, light, 0.0));
+            let light = LightSource::At(DVec3::new(4.5, light, 0.0));
             assert!(shadow_edges(&Boundary::Box(bounds), &ray(), light).is_empty());
         }
         let beside = Ray::new(DVec3::Z * 3.0, DVec3::X).unwrap();
-        let light = Source::At(DVec3::new(4.5, 4.0, 3.0));
+        let light = LightSource::At(DVec3::new(4.5, 4.0, 3.0));
         assert!(shadow_edges(&Boundary::Box(bounds), &beside, light).is_empty());
     }
 
     #[test]
     fn a_box_and_a_ball_before_a_far_light() {
         let bounds = Aabb::new(DVec3::new(4.0, 2.0, -1.0), DVec3::new(5.0, 3.0, 1.0)).unwrap();
-        let light = Source::Towards(DVec3::new(-0.6, 0.8, 0.0));
+        let light = LightSource::Towards(DVec3::new(-0.6, 0.8, 0.0));
         let edges = sorted(shadow_edges(&Boundary::Box(bounds), &ray(), light));
         for (found, expected) in edges.iter().zip([5.5, 6.25, 6.5, 7.25]) {
             assert!((found - expected).abs() < 1e-14, "{edges:?}");
@@ -229,7 +229,7 @@ mod tests {
     #[test]
     fn a_ball_before_a_point() {
         let ball = Sphere::new(DVec3::new(2.0, 1.0, 0.0), 0.5).unwrap();
-        let light = Source::At(DVec3::new(2.0, 2.0, 0.0));
+        let light = LightSource::At(DVec3::new(2.0, 2.0, 0.0));
         let edges = sorted(shadow_edges(&Boundary::Sphere(ball), &ray(), light));
         let half = 2.0 / 3.0_f64.sqrt();
         for (found, expected) in edges.iter().zip([2.0 - half, 2.0 + half]) {

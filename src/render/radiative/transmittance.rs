@@ -10,7 +10,7 @@ use super::effects::Effects;
 use super::media::{Media, Set, members};
 use super::medium::over;
 use super::ray_majorants::RayMajorants;
-use super::sampler::Row;
+use super::sampler::NumberRow;
 use super::scene_context::SceneContext;
 use super::segments::MediumSegments;
 use super::tracker::Tracker;
@@ -147,7 +147,7 @@ fn estimated_transmittance<W: Work>(
         &mut majorants,
         Control::Minorant,
         Small::Thinned,
-        &mut tracker.sampler.tentative(Row::Transmittance),
+        &mut tracker.sampler.tentative(NumberRow::Transmittance),
         &mut scratch.effort,
     );
     majorants.count_work(tracker.work);

@@ -111,37 +111,37 @@ pub(super) const MESH: Key = Key {
 };
 
 /// A shape where its own keys put it.
-enum Form {
+enum BaseShape {
     Sphere(Sphere),
     Box(Aabb),
     Rectangle(Rectangle),
     Mesh(Arc<Mesh>),
 }
 
-impl Form {
+impl BaseShape {
     /// The key that holds it.
     fn key(&self) -> &'static str {
         match self {
-            Form::Sphere(_) => "sphere",
-            Form::Box(_) => "box",
-            Form::Rectangle(_) => "rectangle",
-            Form::Mesh(_) => "mesh",
+            BaseShape::Sphere(_) => "sphere",
+            BaseShape::Box(_) => "box",
+            BaseShape::Rectangle(_) => "rectangle",
+            BaseShape::Mesh(_) => "mesh",
         }
     }
 
     /// Whatever of the four the table holds; that it holds one is declared.
-    fn read(reader: &Reader<'_, '_>, files: &mut Files<'_>) -> Result<Form, Box<SceneError>> {
+    fn read(reader: &Reader<'_, '_>, files: &mut Files<'_>) -> Result<BaseShape, Box<SceneError>> {
         if let Some(sphere) = reader.table("sphere")? {
-            return read_sphere(&sphere).map(Form::Sphere);
+            return read_sphere(&sphere).map(BaseShape::Sphere);
         }
         if let Some(cuboid) = reader.table("box")? {
-            return read_box(&cuboid).map(Form::Box);
+            return read_box(&cuboid).map(BaseShape::Box);
         }
         if let Some(rectangle) = reader.table("rectangle")? {
-            return read_rectangle(&rectangle).map(Form::Rectangle);
+            return read_rectangle(&rectangle).map(BaseShape::Rectangle);
         }
         let mesh = reader.table("mesh")?.expect("one of the shapes");
-        files.mesh(&mesh).map(Form::Mesh)
+        files.mesh(&mesh).map(BaseShape::Mesh)
     }
 }
 
@@ -174,9 +174,9 @@ pub(super) fn shape(
     files: &mut Files<'_>,
     solid: bool,
 ) -> Result<Shape, Box<SceneError>> {
-    let form = Form::read(reader, files)?;
+    let form = BaseShape::read(reader, files)?;
     let place = Place::read(reader)?;
-    if let Form::Box(cuboid) = &form {
+    if let BaseShape::Box(cuboid) = &form {
         let flat = cuboid.size().cmpeq(DVec3::ZERO).bitmask().count_ones();
         if flat > 1 {
             let message = "the box is a line or a point: no ray can meet it";
@@ -189,20 +189,20 @@ pub(super) fn shape(
     }
     let key = form.key();
     let shape = match (form, place.transform) {
-        (Form::Sphere(sphere), None) => Shape::Sphere(sphere),
-        (Form::Box(cuboid), None) => Shape::Box(cuboid),
-        (Form::Rectangle(rectangle), None) => Shape::Rectangle(rectangle),
-        (Form::Mesh(mesh), None) => Shape::Mesh(mesh),
-        (Form::Sphere(sphere), Some(to_world)) => {
+        (BaseShape::Sphere(sphere), None) => Shape::Sphere(sphere),
+        (BaseShape::Box(cuboid), None) => Shape::Box(cuboid),
+        (BaseShape::Rectangle(rectangle), None) => Shape::Rectangle(rectangle),
+        (BaseShape::Mesh(mesh), None) => Shape::Mesh(mesh),
+        (BaseShape::Sphere(sphere), Some(to_world)) => {
             Shape::PlacedSphere(placed(reader, key, sphere, to_world)?)
         }
-        (Form::Box(cuboid), Some(to_world)) => {
+        (BaseShape::Box(cuboid), Some(to_world)) => {
             Shape::PlacedBox(placed(reader, key, cuboid, to_world)?)
         }
-        (Form::Rectangle(rectangle), Some(to_world)) => {
+        (BaseShape::Rectangle(rectangle), Some(to_world)) => {
             Shape::Rectangle(moved(reader, &rectangle, &to_world)?)
         }
-        (Form::Mesh(mesh), Some(to_world)) => {
+        (BaseShape::Mesh(mesh), Some(to_world)) => {
             Shape::PlacedMesh(placed(reader, key, mesh, to_world)?)
         }
     };
@@ -215,12 +215,12 @@ pub(super) fn luminous(
     reader: &Reader<'_, '_>,
     files: &mut Files<'_>,
 ) -> Result<Luminous, Box<SceneError>> {
-    let form = Form::read(reader, files)?;
+    let form = BaseShape::read(reader, files)?;
     let place = Place::read(reader)?;
     let key = form.key();
     let shape = match (form, &place.transform) {
-        (Form::Sphere(sphere), None) => Luminous::Sphere(sphere),
-        (Form::Sphere(sphere), Some(to_world)) => {
+        (BaseShape::Sphere(sphere), None) => Luminous::Sphere(sphere),
+        (BaseShape::Sphere(sphere), Some(to_world)) => {
             let Some(factor) = place.even_scale() else {
                 return Err(reader.mistake(
                     "scale",
@@ -233,11 +233,11 @@ pub(super) fn luminous(
                 .map_err(|error| reader.error("sphere", error.to_string()))?;
             Luminous::Sphere(sphere)
         }
-        (Form::Rectangle(rectangle), None) => Luminous::Rectangle(rectangle),
-        (Form::Rectangle(rectangle), Some(to_world)) => {
+        (BaseShape::Rectangle(rectangle), None) => Luminous::Rectangle(rectangle),
+        (BaseShape::Rectangle(rectangle), Some(to_world)) => {
             Luminous::Rectangle(moved(reader, &rectangle, to_world)?)
         }
-        (Form::Box(cuboid), transform) => {
+        (BaseShape::Box(cuboid), transform) => {
             if cuboid.size().cmpeq(DVec3::ZERO).any() {
                 return Err(flat_box(reader, "a light in the shape of a box"));
             }
@@ -247,8 +247,8 @@ pub(super) fn luminous(
             });
             Luminous::Mesh(Arc::new(in_the_world(reader, key, mesh)?))
         }
-        (Form::Mesh(mesh), None) => Luminous::Mesh(mesh),
-        (Form::Mesh(mesh), Some(to_world)) => {
+        (BaseShape::Mesh(mesh), None) => Luminous::Mesh(mesh),
+        (BaseShape::Mesh(mesh), Some(to_world)) => {
             let mesh = mesh.transformed(to_world);
             Luminous::Mesh(Arc::new(in_the_world(reader, key, mesh)?))
         }
@@ -263,7 +263,7 @@ pub(super) fn luminous(
 }
 
 /// The space that a medium fills.
-pub(super) struct Space {
+pub(super) struct MediumSpace {
     /// Its boundary.
     pub boundary: Boundary,
     /// The box around it where its own keys put it.
@@ -278,24 +278,24 @@ pub(super) fn space(
     reader: &Reader<'_, '_>,
     files: &mut Files<'_>,
     own: Option<Aabb>,
-) -> Result<Option<Space>, Box<SceneError>> {
-    enum Body {
+) -> Result<Option<MediumSpace>, Box<SceneError>> {
+    enum BaseSolid {
         Sphere(Sphere),
         Box(Aabb),
         Mesh(Arc<ClosedMesh>),
     }
     let body = if let Some(sphere) = reader.table("sphere")? {
-        Body::Sphere(read_sphere(&sphere)?)
+        BaseSolid::Sphere(read_sphere(&sphere)?)
     } else if let Some(table) = reader.table("box")? {
         let cuboid = read_box(&table)?;
         if cuboid.size().cmpeq(DVec3::ZERO).any() {
             return Err(flat_box(reader, "a medium"));
         }
-        Body::Box(cuboid)
+        BaseSolid::Box(cuboid)
     } else if let Some(mesh) = reader.table("mesh")? {
-        Body::Mesh(files.closed_mesh(&mesh)?)
+        BaseSolid::Mesh(files.closed_mesh(&mesh)?)
     } else if let Some(own) = own {
-        Body::Box(own)
+        BaseSolid::Box(own)
     } else {
         if let Some(key) = super::place::KEYS.into_iter().find(|key| reader.has(key)) {
             let message =
@@ -306,23 +306,23 @@ pub(super) fn space(
         return Ok(None);
     };
     let bounds = match &body {
-        Body::Sphere(sphere) => sphere.bounds(),
-        Body::Box(cuboid) => *cuboid,
-        Body::Mesh(mesh) => mesh.bounds(),
+        BaseSolid::Sphere(sphere) => sphere.bounds(),
+        BaseSolid::Box(cuboid) => *cuboid,
+        BaseSolid::Mesh(mesh) => mesh.bounds(),
     };
     let to_world = Place::read(reader)?.transform;
     let boundary = match (body, to_world) {
-        (Body::Sphere(sphere), None) => Boundary::Sphere(sphere),
-        (Body::Box(cuboid), None) => Boundary::Box(cuboid),
-        (Body::Mesh(mesh), None) => Boundary::Mesh(mesh),
-        (Body::Sphere(sphere), Some(to_world)) => {
+        (BaseSolid::Sphere(sphere), None) => Boundary::Sphere(sphere),
+        (BaseSolid::Box(cuboid), None) => Boundary::Box(cuboid),
+        (BaseSolid::Mesh(mesh), None) => Boundary::Mesh(mesh),
+        (BaseSolid::Sphere(sphere), Some(to_world)) => {
             Boundary::PlacedSphere(placed(reader, "sphere", sphere, to_world)?)
         }
-        (Body::Box(cuboid), Some(to_world)) => {
+        (BaseSolid::Box(cuboid), Some(to_world)) => {
             let key = if reader.has("box") { "box" } else { "grid" };
             Boundary::PlacedBox(placed(reader, key, cuboid, to_world)?)
         }
-        (Body::Mesh(mesh), Some(to_world)) => {
+        (BaseSolid::Mesh(mesh), Some(to_world)) => {
             Boundary::PlacedMesh(placed(reader, "mesh", mesh, to_world)?)
         }
     };
@@ -334,7 +334,7 @@ pub(super) fn space(
         key.expect("its shape, or its grid"),
         &boundary.bounds(),
     )?;
-    Ok(Some(Space {
+    Ok(Some(MediumSpace {
         boundary,
         bounds,
         to_world,
