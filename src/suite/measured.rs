@@ -60,10 +60,7 @@ fn exposure_factor(case: &Case, golden: &Film, codes: &SrgbImage) -> Option<f64>
         return None;
     }
     let saturated = |index: usize, channel: usize| codes.pixels()[index][channel] == u8::MAX;
-    let Map::Scaled(factor) = Fits::of_values(golden, &test, |i, c| !saturated(i, c))?.scaled()
-    else {
-        return None;
-    };
+    let factor = Fits::of_values(golden, &test, |i, c| !saturated(i, c))?.factor();
     if !(factor > 0.0 && factor.is_finite()) {
         return None;
     }
@@ -79,7 +76,7 @@ fn another_exposure(factor: f64) -> String {
     let stops = math::ln(factor) / std::f64::consts::LN_2;
     let sign = if stops < 0.0 { "−" } else { "+" };
     format!(
-        "the image is the golden × {}, an exposure of {sign}{:.2} stops",
+        "the image is the golden × {}, another exposure ({sign}{:.2} stops)",
         number(factor),
         stops.abs()
     )
@@ -265,9 +262,13 @@ impl Fits {
         std::array::from_fn(|i| self.0.iter().map(|sums| sums[i]).sum())
     }
 
-    fn scaled(&self) -> Map {
+    fn factor(&self) -> f64 {
         let [_, _, _, aa, ab] = self.all();
-        Map::Scaled(ab / aa)
+        ab / aa
+    }
+
+    fn scaled(&self) -> Map {
+        Map::Scaled(self.factor())
     }
 
     fn tinted(&self) -> Map {
@@ -449,8 +450,8 @@ mod tests {
         };
         // Codes are rounded: 0.1 % of a mean over 2304 values.
         assert!(said(&|x| 0.5 * x).starts_with("the image is the golden × 0.5"));
-        assert!(said(&|x| 0.5 * x).ends_with(", an exposure of −1.00 stops"));
-        assert!(said(&|x| 4.0 * x).ends_with(", an exposure of +2.00 stops"));
+        assert!(said(&|x| 0.5 * x).ends_with(", another exposure (−1.00 stops)"));
+        assert!(said(&|x| 4.0 * x).ends_with(", another exposure (+2.00 stops)"));
         assert_eq!(said(&|x| if x > 0.4 { 0.5 * x } else { x }), "");
         assert_eq!(said(&|_| 0.0), "");
     }

@@ -435,7 +435,7 @@ fn another_exposure_is_said() {
     folder.write("out/smoke/shadow.png", scaled(&golden, 0.5).to_png(0.0));
     let run = folder.volref(&["validate", "shadow", "--outputs", "out"]);
     assert_eq!(run.code, 1);
-    let said = ", an exposure of −1.0";
+    let said = ", another exposure (−1.0";
     assert!(run.stdout.contains(said), "{}", run.stdout);
     assert!(!run.stdout.contains("looks like"), "{}", run.stdout);
 }
