@@ -479,7 +479,7 @@ fn phase(depth: usize, phase: &Phase) -> Option<String> {
         Phase::Draine(phase) if phase.is_rayleigh() => {
             Some("<phase type=\"rayleigh\"/>".to_owned())
         }
-        Phase::Draine(_) | Phase::Droplets(_) => None,
+        _ => None,
     }
 }
 

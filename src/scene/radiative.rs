@@ -174,6 +174,9 @@ impl Radiative {
     /// The keys of a medium that give it a density.
     pub const DENSITY_KEYS: [&str; 6] = densities::KEYS;
 
+    /// The keys of a medium that give it a phase function, the procedural block last.
+    pub const PHASE_KEYS: [&str; 4] = phases::KEYS_AND_BLOCK;
+
     /// Reads `[radiative]` and `[camera]`.
     pub(super) fn read(
         reader: &Reader<'_, '_>,

@@ -8,6 +8,9 @@ use crate::scene::reader::Reader;
 /// The keys that give a medium its phase function.
 pub(super) const KEYS: [&str; 3] = ["g", "draine", "droplets"];
 
+/// The same, and the block that may hold a `g` of its own, last.
+pub(super) const KEYS_AND_BLOCK: [&str; 4] = ["g", "draine", "droplets", "procedural"];
+
 /// Henyey & Greenstein's.
 pub(super) const G: Key = Key {
     name: "g",

@@ -19,7 +19,7 @@ pub(super) const ABSORPTION: &[&str] = &["sigma_a", "sigma_t", "procedural"];
 pub(super) const BY_ALBEDO: &[&str] = &["sigma_a", "albedo", "procedural"];
 pub(super) const SCATTERS: &[&str] = &["sigma_s", "albedo", "procedural"];
 pub(super) const EMISSION: &[&str] = &["emission"];
-pub(super) const PHASE: &[&str] = &["g", "draine", "droplets", "procedural"];
+pub(super) const PHASE: &[&str] = &Radiative::PHASE_KEYS;
 pub(super) const DENSITY: &[&str] = &Radiative::DENSITY_KEYS;
 
 /// Contents of a scene. Media are those that have any density.

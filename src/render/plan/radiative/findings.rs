@@ -310,7 +310,7 @@ impl Contents<'_> {
                 } else {
                     continue;
                 };
-                let key = self.key_of(index, &PHASE[..3]);
+                let key = self.key_of(index, &PHASE[..PHASE.len() - 1]);
                 let name = key.rsplit('.').next().unwrap_or_default();
                 warn(key.clone(), format!("{name} has no effect: {why_not}"));
             }
