@@ -1,6 +1,19 @@
 //! Surfaces, media and lights: a path tracer, and integrals along the line of sight.
 //!
-//! [`PathTracer::radiance`](path_tracer::PathTracer::radiance) is the loop along one path.
+//! [`PathTracer::radiance`](path_tracer::PathTracer::radiance) is the loop along one path,
+//! [`LineOfSight::radiance`](line_of_sight::LineOfSight::radiance) the integral along one ray. A file
+//! imports only from files that stand later in this table:
+//!
+//! | files | hold |
+//! |---|---|
+//! | `kernels` | what a plan compiles |
+//! | [`path_tracer`], [`line_of_sight`] | the two renderers |
+//! | [`light_vertices`], [`single_scattering`], [`direct_light`], [`emission`], [`free_flight`], [`specular`] | their estimators |
+//! | [`visibility`], [`transmittance`], [`scattering`], [`intersection`], [`shadow_edges`] | what estimators ask of a scene |
+//! | [`context`], [`tracker`] | what they are handed: path, random numbers, memory, counters |
+//! | [`scene_context`], [`segments`], [`ray_majorants`], [`vertex`] | a scene and its media along a ray |
+//! | [`media`], [`medium`], [`majorants`] | the media of a scene |
+//! | [`sampler`], [`tracking`], [`effects`] | random numbers, tracking in general, compiled effects |
 
 pub mod context;
 pub mod direct_light;
