@@ -8,7 +8,7 @@ use serde_json::Value;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use volref::compare::{Gate, Judgement, Picture, judge};
+use volref::compare::{Conditions, Deterministic, Judgement, Picture, judge};
 use volref::exchange::{Export, Format, bundle, export};
 use volref::film::Film;
 use volref::render::{Plan, render};
@@ -78,7 +78,7 @@ fn film(scene: &Scene) -> Film {
 
 fn deterministic(reference: &Film, test: &Film) -> Judgement {
     let [reference, test] = [reference, test].map(|film| Picture::Radiance(film.clone()));
-    judge(Gate::Deterministic, &reference, &test, 0.0).unwrap()
+    judge(&Deterministic, &reference, &test, &Conditions::default()).unwrap()
 }
 
 /// The bundle as its reader sees it: a volume with everything on.

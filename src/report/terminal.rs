@@ -1,7 +1,8 @@
 //! Results for people.
 
-use crate::compare::Gate;
-use crate::suite::{CaseResult, ERROR_OF_TOLERANCE, Likenesses, Summary, Unfinished, Verdict};
+use crate::suite::{
+    ANALYTIC, CaseResult, ERROR_OF_TOLERANCE, Likenesses, Summary, Unfinished, Verdict,
+};
 
 /// A line for each case, the reason below each that did not pass, and a summary.
 pub fn results_text(results: &[CaseResult]) -> String {
@@ -22,7 +23,7 @@ pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
     if let (Verdict::Pass, Some(&share)) = (result.verdict, result.metrics.get(ERROR_OF_TOLERANCE))
     {
         text.push_str(&format!("  {:>6}", closeness(share)));
-        if result.gate == Gate::Analytic {
+        if result.class == ANALYTIC {
             text.push_str(&format!("  {}", result.reason));
         }
     }

@@ -5,7 +5,7 @@ use super::golden::{Golden, input_hashes, plan_hash, scene_hash};
 use super::rendering::{Reference, Renderer, Shot, check_class, render_case};
 use super::verify::judge_quick;
 use super::{Cache, Case, GoldenError, Quick, Sampling, Store, StoreError};
-use crate::compare::{Gate, Picture, judge, stochastic};
+use crate::compare::{Conditions, Exact, Picture, judge, stochastic};
 use crate::film::Film;
 use crate::render::{self, Plan};
 use crate::scene::Scene;
@@ -389,7 +389,7 @@ fn prepare(
                 Picture::Radiance(old.film.clone()),
                 Picture::Radiance(golden.clone()),
             );
-            let judgement = judge(Gate::Exact, &before, &after, 0.0);
+            let judgement = judge(&Exact, &before, &after, &Conditions::default());
             Change::Replaced(judgement.expect("both images are radiance").reason)
         }
     };

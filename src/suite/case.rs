@@ -1,7 +1,7 @@
 //! The folder is the suite: every manifest in it is a case.
 
 use super::{Answer, mistakes, row_name};
-use crate::compare::Gate;
+use crate::compare::{Deterministic, ImageGate, Stochastic};
 use crate::hard_cases::rows;
 use crate::regular_file::{self, Identity};
 use crate::scene::format::{Absent, Key, Kind, Literal, Range, Table};
@@ -160,10 +160,10 @@ pub struct Sampling {
 
 impl Case {
     /// The gate that images of other renderers are judged by.
-    pub fn gate(&self) -> Gate {
+    pub fn gate(&self) -> &'static dyn ImageGate {
         match self.sampling {
-            Some(_) => Gate::Stochastic,
-            None => Gate::Deterministic,
+            Some(_) => &Stochastic,
+            None => &Deterministic,
         }
     }
 

@@ -40,7 +40,7 @@ impl Finding {
     }
 
     /// The result of `case`, judged by `gate` since `start`.
-    pub fn result(self, case: &Case, gate: Gate, start: Instant) -> CaseResult {
+    pub fn result(self, case: &Case, gate: &'static dyn Gate, start: Instant) -> CaseResult {
         CaseResult {
             name: case.name.clone(),
             family: case.family.clone(),

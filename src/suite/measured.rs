@@ -6,7 +6,7 @@
 
 use super::Case;
 use super::likeness::Cells;
-use crate::compare::{Gate, Picture, judge};
+use crate::compare::{Conditions, Deterministic, Picture, judge};
 use crate::film::Film;
 use crate::math;
 use std::collections::BTreeSet;
@@ -134,7 +134,8 @@ fn simple_map(case: &Case, golden: &Film, test: &Film) -> Option<Map> {
     let explains: Box<dyn Fn(&Film) -> bool> = match is_sampled {
         false => Box::new(|mapped: &Film| {
             let [mapped, test] = [mapped, test].map(|film| Picture::Radiance(film.clone()));
-            judge(Gate::Deterministic, &mapped, &test, 0.0).is_ok_and(|judgement| judgement.passed)
+            let judgement = judge(&Deterministic, &mapped, &test, &Conditions::default());
+            judgement.is_ok_and(|judgement| judgement.passed)
         }),
         true => {
             let cells = Cells::of_blocks(golden);

@@ -1,7 +1,7 @@
 //! The rows of the catalogue of hard cases, as results of the suite.
 
 use super::{Case, CaseResult, Cause, Evidence, Judged, Suite, SuiteError, Verdict};
-use crate::compare::Gate;
+use crate::compare::{Gate, Metric};
 use crate::hard_cases::{Row, rows};
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -9,12 +9,35 @@ use std::time::Instant;
 /// The family of the catalogue. A suite with cases of it has the rows, too.
 pub const HARD: &str = "hard";
 
-/// The class of rows in results.
+/// The class of rows in results, and the name of their gate.
 pub const ANALYTIC: &str = "analytic";
 
 /// The number by which results say how far from a known answer they are, as a share of what they
 /// may be.
 pub const ERROR_OF_TOLERANCE: &str = "error_of_tolerance";
+
+/// A known answer and a bound. It judges numbers, not pairs of images.
+#[derive(Clone, Copy, Debug)]
+pub struct Analytic;
+
+impl Gate for Analytic {
+    fn name(&self) -> &'static str {
+        ANALYTIC
+    }
+
+    fn rule(&self) -> &'static str {
+        "The answer is known beforehand, and how far from it a number may be follows from how many \
+         roundings or samples it takes."
+    }
+
+    fn metrics(&self) -> &'static [Metric] {
+        &[(
+            ERROR_OF_TOLERANCE,
+            "Error against the answer that is known beforehand, as a share of what it may be: 0 is \
+             exact, 1 the edge.",
+        )]
+    }
+}
 
 /// `hard/G1`.
 pub fn row_name(row: &Row) -> String {
@@ -86,7 +109,7 @@ pub fn verify_row(row: &Row) -> Judged {
         class: ANALYTIC.to_owned(),
         verdict,
         metrics,
-        gate: Gate::Analytic,
+        gate: &Analytic,
         reason,
         notes: Vec::new(),
         looks_like: Vec::new(),

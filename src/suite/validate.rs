@@ -4,7 +4,7 @@ use super::finding::{Finding, Trusted};
 use super::measured::measured;
 use super::verify::MOST_CASES;
 use super::{Case, Cause, Evidence, Judged, Store, Verdict};
-use crate::compare::{Gate, Picture, judge, stochastic};
+use crate::compare::{Conditions, ImageGate, Picture, default_gate, judge};
 use std::time::Instant;
 
 /// What another renderer made of a case.
@@ -63,8 +63,10 @@ fn weighed(
 /// Judges `picture` as an image of `case`, whose golden is loaded.
 pub(super) fn validate_with(case: &Case, trusted: &Trusted, picture: Picture) -> Judged {
     let start = Instant::now();
-    let gate = gate_for(case, &picture);
-    let finding = judged(case, gate, trusted, &picture);
+    let golden = Picture::Radiance(trusted.golden.film.clone());
+    // An image that states its noise is judged by the stochastic gate, even in a deterministic case.
+    let (gate, _) = default_gate(&golden, &picture);
+    let finding = judged(case, gate, trusted, &golden, &picture);
     Judged {
         result: finding.result(case, gate, start),
         evidence: Evidence {
@@ -84,28 +86,22 @@ fn evidence(case: &Case, trusted: &Trusted) -> Evidence {
     }
 }
 
-/// The gate that judges `picture` as an image of `case`. Whoever samples what has a closed form, and
-/// states the noise, is judged by that.
-fn gate_for(case: &Case, picture: &Picture) -> Gate {
-    match picture {
-        Picture::Radiance(film) if film.noise().is_some() => Gate::Stochastic,
-        Picture::Radiance(_) => case.gate(),
-        Picture::Codes(_) => Gate::Perceptual,
-    }
-}
-
-fn judged(case: &Case, gate: Gate, trusted: &Trusted, picture: &Picture) -> Finding {
-    let golden = Picture::Radiance(trusted.golden.film.clone());
-    let judgement = match (gate, picture) {
-        (Gate::Stochastic, Picture::Radiance(test)) => {
-            let promise = case
-                .sampling
-                .map_or(1.0, |sampling| sampling.mean_resolution);
-            stochastic::judge_case(&trusted.golden.film, test, MOST_CASES, promise)
-        }
-        _ => judge(gate, &golden, picture, case.exposure),
+fn judged(
+    case: &Case,
+    gate: &'static dyn ImageGate,
+    trusted: &Trusted,
+    golden: &Picture,
+    picture: &Picture,
+) -> Finding {
+    let promise = case
+        .sampling
+        .map_or(1.0, |sampling| sampling.mean_resolution);
+    let conditions = Conditions {
+        exposure: case.exposure,
+        cases: MOST_CASES,
+        visible_bias: Some(promise),
     };
-    let judgement = match judgement {
+    let judgement = match judge(gate, golden, picture, &conditions) {
         Ok(judgement) => judgement,
         Err(error) => {
             return Finding::new(Verdict::Error, Cause::OtherRenderer, error.to_string());
@@ -122,7 +118,7 @@ fn judged(case: &Case, gate: Gate, trusted: &Trusted, picture: &Picture) -> Find
         (true, Some(_)) => Finding::new(Verdict::Inconclusive, Cause::Undecided, judgement.reason),
         (true, None) => Finding::new(Verdict::Pass, Cause::None, judgement.reason),
     };
-    if gate == Gate::Perceptual {
+    if gate.depends_on_exposure() {
         finding.reason.push_str(&format!(
             "; the case is seen at an exposure of {} stops",
             case.exposure

@@ -7,7 +7,10 @@ use super::rows::ERROR_OF_TOLERANCE;
 use super::{
     Answer, Case, CaseResult, Cause, Evidence, Judged, Quick, Store, Suite, SuiteError, Verdict,
 };
-use crate::compare::{Gate, Judgement, Picture, judge, stochastic};
+use crate::compare::{
+    Conditions, Deterministic, Exact, Gate, ImageGate, Judgement, Metric, Picture, Stochastic,
+    judge, stochastic,
+};
 use crate::film::Film;
 use crate::render;
 use std::collections::BTreeMap;
@@ -17,6 +20,12 @@ use std::time::Instant;
 /// no verdict depends on what other cases there are. It costs little: in place of one case, a
 /// thousand move the limit of a block of a 192 × 192 image from 6.4 to 7.4 standard errors.
 pub(super) const MOST_CASES: usize = 1000;
+
+/// The metric of a stochastic case beside those of the gate.
+pub(super) const SAME_BITS: Metric = (
+    "same_bits",
+    "1 if every bit is that of the reference's own quick rendering, else 0.",
+);
 
 /// Renders `case` and compares every bit with its golden; of a stochastic case the quick
 /// rendering, which must also agree with the converged image. Reads goldens, never writes them.
@@ -59,7 +68,10 @@ pub(super) fn verify_with(
         Ok(finding)
     });
     let finding = finding.unwrap_or_else(|finding| finding);
-    let gate = case.sampling.map_or(Gate::Exact, |_| Gate::Stochastic);
+    let gate: &dyn Gate = match case.sampling {
+        Some(_) => &Stochastic,
+        None => &Exact,
+    };
     Judged {
         result: finding.result(case, gate, start),
         evidence,
@@ -101,7 +113,7 @@ pub fn without_case(suite: &Suite) -> Result<Vec<Judged>, SuiteError> {
         class: String::new(),
         verdict: Verdict::Error,
         metrics: BTreeMap::new(),
-        gate: Gate::Exact,
+        gate: &Exact,
         reason:
             "this golden belongs to no case: restore the manifest, or remove the golden with it"
                 .to_owned(),
@@ -135,8 +147,10 @@ fn compare(trusted: &Trusted, film: &Film) -> Finding {
         return Finding::new(Verdict::Pass, Cause::None, reason);
     }
     let pictures = [&golden.film, film].map(|film| Picture::Radiance(film.clone()));
-    let [exact, tolerant] = [Gate::Exact, Gate::Deterministic].map(|gate| {
-        judge(gate, &pictures[0], &pictures[1], 0.0).expect("both images are radiance")
+    let gates: [&dyn ImageGate; 2] = [&Exact, &Deterministic];
+    let [exact, tolerant] = gates.map(|gate| {
+        let judgement = judge(gate, &pictures[0], &pictures[1], &Conditions::default());
+        judgement.expect("both images are radiance")
     });
     let reason = format!(
         "{} ({} the tolerance for other renderers){}{}",
@@ -212,6 +226,6 @@ fn compare_sampled(trusted: &Trusted, quick: &Quick, film: &Film) -> Finding {
     finding.metrics = judgement.metrics;
     finding
         .metrics
-        .insert("same_bits".to_owned(), f64::from(u8::from(has_bits)));
+        .insert(SAME_BITS.0.to_owned(), f64::from(u8::from(has_bits)));
     finding
 }

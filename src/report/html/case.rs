@@ -3,7 +3,8 @@
 use super::measures::{self, Mean};
 use super::pictures::{Pictures, Views};
 use super::{pixels, words};
-use crate::suite::{CaseResult, Evidence, Likeness};
+use crate::compare::DifferenceScale;
+use crate::suite::{CaseResult, Evidence, Likeness, metric_meaning};
 use serde::Serialize;
 
 /// One case, as the template asks for it.
@@ -14,7 +15,7 @@ pub(super) struct CaseView<'a> {
     pub(super) result: &'a CaseResult,
     symbol: &'static str,
     /// Name of the gate, and how it judges.
-    gate: String,
+    gate: &'static str,
     gate_words: &'static str,
     /// Mistakes that the image looks like, with what to do.
     mistakes: Vec<Mistake<'a>>,
@@ -59,19 +60,18 @@ impl<'a> CaseView<'a> {
         evidence: &'a Evidence,
         likely: &'a [Likeness],
     ) -> CaseView<'a> {
-        let gate = result.gate.to_string();
         let advice = |name: &str| {
             let known = likely.iter().find(|likeness| likeness.mistake == name);
             known.map(|likeness| likeness.advice.as_str())
         };
         let views = Views::of(evidence);
         let films = views.films();
-        let blocks = views.blocks(result.gate);
+        let scale = views.difference_scale(result.gate);
         CaseView {
             place,
             result,
             symbol: words::symbol(result.verdict),
-            gate_words: words::gate(&gate),
+            gate_words: result.gate.rule(),
             mistakes: result
                 .looks_like
                 .iter()
@@ -86,13 +86,13 @@ impl<'a> CaseView<'a> {
                 .map(|(name, &value)| Number {
                     name,
                     value: words::digits(value),
-                    words: words::number(name),
+                    words: metric_meaning(name),
                 })
                 .collect(),
             means: films.map_or_else(Vec::new, |(golden, test)| measures::means(golden, test)),
-            place_words: match &blocks {
-                Some(map) => Some(measures::odd_blocks(map)),
-                None => films.and_then(|(golden, test)| measures::spread(golden, test)),
+            place_words: match &scale {
+                DifferenceScale::StandardErrors(map) => Some(measures::odd_blocks(map)),
+                _ => films.and_then(|(golden, test)| measures::spread(golden, test)),
             },
             source: &evidence.source,
             shows: &evidence.shows,
@@ -108,9 +108,9 @@ impl<'a> CaseView<'a> {
                 let srgb = picture.srgb(views.exposure).ok()?;
                 Some(pixels::thumbnail(srgb.pixels(), srgb.width()))
             }),
-            pictures: views.packed(result.gate, blocks.as_ref()),
+            pictures: views.packed(&scale),
             notes: result.notes.iter().cloned().chain(views.notes).collect(),
-            gate,
+            gate: result.gate.name(),
         }
     }
 }

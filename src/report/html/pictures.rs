@@ -2,8 +2,8 @@
 
 use super::pixels;
 use crate::compare::flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
-use crate::compare::stochastic::{self, BlockMap};
-use crate::compare::{Gate, Picture, deterministic};
+use crate::compare::stochastic::BLOCK;
+use crate::compare::{BlockMap, DifferenceScale, Gate, Picture};
 use crate::film::Film;
 use crate::suite::Evidence;
 use serde::Serialize;
@@ -64,7 +64,10 @@ impl<'a> Views<'a> {
                  at exposure {exposure:+}, and differences are in codes from 0 to 255."
             ));
         }
-        for (name, film) in [("golden", golden), ("test image", test.and_then(radiance))] {
+        for (name, film) in [
+            ("golden", golden),
+            ("test image", test.and_then(Picture::radiance)),
+        ] {
             notes.extend(film.and_then(|film| not_finite(name, film)));
         }
         Views {
@@ -79,17 +82,17 @@ impl<'a> Views<'a> {
     /// Golden and test image, where they are of one size and both radiance.
     pub(super) fn films(&self) -> Option<(&'a Film, &'a Film)> {
         let (golden, test) = self.pair?;
-        Some((golden, radiance(test)?))
+        Some((golden, test.radiance()?))
     }
 
-    /// How far blocks deviate, where the gate asks for that.
-    pub(super) fn blocks(&self, gate: Gate) -> Option<BlockMap> {
-        let (golden, test) = self.films().filter(|_| gate == Gate::Stochastic)?;
-        stochastic::block_map(golden, test)
+    /// The unit in which the gate shows the difference.
+    pub(super) fn difference_scale(&self, gate: &dyn Gate) -> DifferenceScale {
+        let scale = |(golden, test)| gate.difference_scale(golden, test);
+        self.films().map_or(DifferenceScale::Radiance, scale)
     }
 
     /// Everything that the script needs; nothing where there is no image.
-    pub(super) fn packed(&self, gate: Gate, blocks: Option<&BlockMap>) -> Option<Pictures> {
+    pub(super) fn packed(&self, scale: &DifferenceScale) -> Option<Pictures> {
         if self.golden.is_none() && self.test.is_none() {
             return None;
         }
@@ -106,9 +109,14 @@ impl<'a> Views<'a> {
                 pixels::floats(&differences(golden, test, self.exposure), golden.width())
             }),
             flip: self.packed_flip(),
-            z: blocks.map(packed_blocks),
-            tolerance: (gate == Gate::Deterministic)
-                .then_some([deterministic::ABSOLUTE, deterministic::RELATIVE]),
+            z: match scale {
+                DifferenceScale::StandardErrors(map) => Some(packed_blocks(map)),
+                _ => None,
+            },
+            tolerance: match *scale {
+                DifferenceScale::Tolerance { absolute, relative } => Some([absolute, relative]),
+                _ => None,
+            },
         })
     }
 
@@ -148,7 +156,7 @@ pub(super) struct Pictures {
     difference: Option<String>,
     flip: Option<String>,
     z: Option<Blocks>,
-    /// Absolute and relative part of a tolerance, under the deterministic gate.
+    /// Absolute and relative part of a tolerance, where the gate has one.
     tolerance: Option<[f64; 2]>,
 }
 
@@ -190,13 +198,6 @@ fn shown<'a, T>(
     None
 }
 
-fn radiance(picture: &Picture) -> Option<&Film> {
-    match picture {
-        Picture::Radiance(film) => Some(film),
-        Picture::Codes(_) => None,
-    }
-}
-
 fn not_finite(name: &str, film: &Film) -> Option<String> {
     let broken = |pixel: &[f32; 3]| pixel.iter().any(|value| !value.is_finite());
     let pixels = film.radiance();
@@ -229,7 +230,7 @@ fn differences(golden: &Film, test: &Picture, exposure: f64) -> Vec<[f32; 3]> {
     }
 }
 
-fn packed_blocks(map: &stochastic::BlockMap) -> Blocks {
+fn packed_blocks(map: &BlockMap) -> Blocks {
     let deviations: Vec<_> = map
         .deviations
         .iter()
@@ -238,7 +239,7 @@ fn packed_blocks(map: &stochastic::BlockMap) -> Blocks {
     Blocks {
         columns: map.columns,
         rows: map.rows,
-        side: stochastic::BLOCK,
+        side: BLOCK,
         floats: pixels::floats(&deviations, map.columns),
     }
 }

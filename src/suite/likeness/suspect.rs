@@ -6,7 +6,7 @@ use super::hypothesis::Hypothesis;
 use super::prediction::{FIRST_LOOK, SECOND_LOOK, blocks, first_lattice, pixels_of, predicted};
 use crate::compare::flip::SrgbImage;
 use crate::compare::stochastic::BLOCK;
-use crate::compare::{Gate, Picture, judge};
+use crate::compare::{Conditions, Deterministic, ImageGate, Perceptual, Picture, judge};
 use crate::film::Film;
 use crate::math;
 use crate::render::{Detail, Plan};
@@ -149,9 +149,13 @@ impl Suspect {
         if !predicted.has_size_of(golden) {
             return None;
         }
-        let gate = match self.picture {
-            Picture::Radiance(_) => Gate::Deterministic,
-            Picture::Codes(_) => Gate::Perceptual,
+        let gate: &dyn ImageGate = match self.picture {
+            Picture::Radiance(_) => &Deterministic,
+            Picture::Codes(_) => &Perceptual,
+        };
+        let conditions = Conditions {
+            exposure: self.exposure,
+            ..Conditions::default()
         };
         let misfit = predicted.misfit(cells, golden);
         // Whoever makes a mistake makes it in a way of their own: it need not be ours to the digit.
@@ -159,7 +163,7 @@ impl Suspect {
         // The gate takes its time, FLIP above all, and need not be asked about what is far off.
         let is_noise = is_within(REMAINDER)
             || is_within(FAR_OFF)
-                && judge(gate, &Picture::Radiance(film), &self.picture, self.exposure)
+                && judge(gate, &Picture::Radiance(film), &self.picture, &conditions)
                     .is_ok_and(|judgement| judgement.passed);
         Some(Misfit {
             in_noise: if is_noise { 1.0 } else { f64::INFINITY },
@@ -248,7 +252,12 @@ impl Suspect {
         if is_glimpsed && let Some(glimpse) = &self.glimpse {
             let film = self.predict(hypothesis, self.first, clock)?;
             let test = Picture::Radiance(glimpse.test_film.clone());
-            let judgement = judge(Gate::Deterministic, &Picture::Radiance(film), &test, 0.0);
+            let judgement = judge(
+                &Deterministic,
+                &Picture::Radiance(film),
+                &test,
+                &Conditions::default(),
+            );
             return Some(judgement.is_ok_and(|judgement| !judgement.passed));
         }
         let look = match self.is_sampled {
