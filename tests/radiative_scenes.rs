@@ -591,7 +591,7 @@ fn densities_that_are_none() {
     12:9: a medium of varying density fills no shape: it would have no end
         give the medium a `box`, `sphere` or `mesh`
     12:17: none.vol: there is no such file
-        `radiative.medium[0].grid.file`: Point cloud (.obj) or grid (.bin, .vol, .nrrd, .nhdr, .nii, .nii.gz, or .toml that describes bare samples), relative to the folder of the scene.
+        `radiative.medium[0].grid.file`: Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.
     14:8: [radiative.medium[0]] has more than one density: `noise`, `blob`
         keep at most one of `noise`, `blob`
     15:11: [radiative.medium[0]] mixes `procedural` with `sigma_a`, `sigma_s`

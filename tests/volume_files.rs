@@ -100,15 +100,15 @@ fn what_is_no_volume_file() {
         ),
         (
             "smoke.vdb",
-            "smoke.vdb: not a volume by its extension: known are .obj (point cloud), .bin (course \
-             grid), .vol (Mitsuba), .nrrd and .nhdr, .nii and .nii.gz (NIfTI-1), and .toml \
-             (description of bare samples)",
+            "smoke.vdb: not a volume by its extension: known are .obj: point cloud (Wavefront OBJ); \
+             .bin: course grid; .vol: Mitsuba volume; .nrrd, .nhdr: NRRD; .nii, .nii.gz: NIfTI-1; \
+             .toml: bare samples, described in TOML",
         ),
         (
             "bare",
-            "bare: not a volume by its extension: known are .obj (point cloud), .bin (course \
-             grid), .vol (Mitsuba), .nrrd and .nhdr, .nii and .nii.gz (NIfTI-1), and .toml \
-             (description of bare samples)",
+            "bare: not a volume by its extension: known are .obj: point cloud (Wavefront OBJ); \
+             .bin: course grid; .vol: Mitsuba volume; .nrrd, .nhdr: NRRD; .nii, .nii.gz: NIfTI-1; \
+             .toml: bare samples, described in TOML",
         ),
     ] {
         assert_eq!(message(&folder, &folder.join(name)), expected);

@@ -6,7 +6,7 @@ use super::output::{self, Json};
 use crate::math::{Sum, ln};
 use crate::volume::{
     Centring, Encoding, Endian, Grid, Layout, LoadOptions, Loaded, NonFinite, Orientation, Stored,
-    load_hashed,
+    load_hashed, volume_formats,
 };
 use serde::Serialize;
 use std::path::PathBuf;
@@ -14,8 +14,8 @@ use std::path::PathBuf;
 /// Show what a volume file holds: where it lies, how it is stored, its values
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Volume file: .obj, .bin, .vol, .nrrd, .nhdr, .nii, .nii.gz, or .toml that describes bare
-    /// samples
+    // `help` lists the formats.
+    #[arg(help = format!("Volume file: {}", volume_formats()))]
     file: PathBuf,
     /// Point clouds: nodes along the longest side of the grid they are splatted to [default: one
     /// point to a voxel, on average]
@@ -179,7 +179,7 @@ fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
     Info {
         schema: "volref/info/1",
         file: arguments.file.display().to_string(),
-        format: loaded.format.name(),
+        format: loaded.format,
         files: files.collect(),
         nodes: lattice.nodes(),
         spacing: lattice.spacing().to_array(),

@@ -4,8 +4,11 @@
 //! `float32` densities, x fastest. One spacing serves all axes, `size.x / (nx − 1)`; the first
 //! node lies at the world origin.
 
+use super::error::VolumeError;
 use super::orientation::{Axes, Steps};
+use super::reader::{Stored, VolumeReader};
 use super::samples::{fill, read_grid};
+use super::source::VolumeSource;
 use super::{
     Centring, Element, Encoding, Endian, Grid, GridError, Lattice, LatticeError, Layout,
     LoadOptions, SamplesError,
@@ -91,6 +94,30 @@ pub enum CourseGridError {
         /// Length of the axis, world units.
         size: f64,
     },
+}
+
+/// Reader of the course's binary grid.
+#[derive(Clone, Copy, Debug)]
+pub struct CourseGrid;
+
+impl VolumeReader for CourseGrid {
+    fn name(&self) -> &'static str {
+        "course grid"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &[".bin"]
+    }
+
+    fn read(
+        &self,
+        source: &mut VolumeSource,
+        options: &LoadOptions,
+    ) -> Result<(Grid<f32>, Stored), VolumeError> {
+        let length = source.length();
+        let (grid, layout) = read(source, length, options).map_err(|error| source.fault(error))?;
+        Ok((grid, Stored::Samples(layout)))
+    }
 }
 
 /// Reads the course's binary grid.

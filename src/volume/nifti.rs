@@ -11,8 +11,11 @@
 //! quaternions and spacings, scales integers within their own type (a slope of 0.35 leaves steps
 //! of 1), and holds the file's bytes beside the values made of them.
 
+use super::error::VolumeError;
 use super::orientation::{Axes, Steps};
+use super::reader::{Stored, VolumeReader};
 use super::samples::{check_sizes, fill, read_grid};
+use super::source::VolumeSource;
 use super::{
     Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions, SamplesError,
 };
@@ -116,6 +119,34 @@ const FIRST_DATA: u64 = 352;
 /// `f32`, at most 2⁻²⁴ of each, hence 2⁻²³ of the sum of their squares; twice that. A turn by half a
 /// circle would else come out tilted by a thousandth.
 const NO_COSINE: f64 = 1.0 / (1 << 22) as f64;
+
+/// Reader of NIfTI-1, compressed or not.
+#[derive(Clone, Copy, Debug)]
+pub struct Nifti;
+
+impl VolumeReader for Nifti {
+    fn name(&self) -> &'static str {
+        "NIfTI-1"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &[".nii", ".nii.gz"]
+    }
+
+    fn read(
+        &self,
+        source: &mut VolumeSource,
+        options: &LoadOptions,
+    ) -> Result<(Grid<f32>, Stored), VolumeError> {
+        let (length, compressed) = (source.length(), source.ends_in(".gz"));
+        let read = read(source, length, compressed, options);
+        let (grid, mut layout) = read.map_err(|error| source.fault(error))?;
+        if compressed {
+            layout.encoding = Encoding::Gzip;
+        }
+        Ok((grid, Stored::Samples(layout)))
+    }
+}
 
 /// Reads a NIfTI-1 file; `compressed` tells `.nii.gz` from `.nii`.
 pub fn read_nifti(

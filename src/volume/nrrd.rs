@@ -14,8 +14,11 @@
 //!
 //! A file with the wrong `endian` cannot be told from one with odd values.
 
+use super::error::VolumeError;
 use super::orientation::{Axes, Steps};
+use super::reader::{Stored, VolumeReader};
 use super::samples::{check_sizes, read_grid};
+use super::source::VolumeSource;
 use super::{
     Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions, SamplesError,
 };
@@ -245,6 +248,48 @@ impl NrrdHeader {
             };
             fields.take(&text, number).map_err(fault)?;
         }
+    }
+}
+
+/// Reader of NRRD, whose data may lie in another file.
+#[derive(Clone, Copy, Debug)]
+pub struct Nrrd;
+
+impl VolumeReader for Nrrd {
+    fn name(&self) -> &'static str {
+        "NRRD"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &[".nrrd", ".nhdr"]
+    }
+
+    fn read(
+        &self,
+        source: &mut VolumeSource,
+        options: &LoadOptions,
+    ) -> Result<(Grid<f32>, Stored), VolumeError> {
+        let read = NrrdHeader::read(source);
+        let (header, header_length) = read.map_err(|error| fault(source, error))?;
+        let length = source.length();
+        let grid = match &header.data_file {
+            None => header.read_from(source, length - header_length, options),
+            Some(name) => {
+                let data = source.open_data(name, options)?;
+                let length = data.length();
+                header.read_from(data, length, options)
+            }
+        };
+        let grid = grid.map_err(|error| fault(source, error))?;
+        Ok((grid, Stored::Samples(header.layout)))
+    }
+}
+
+fn fault(source: &VolumeSource, error: NrrdError) -> VolumeError {
+    if matches!(error, NrrdError::Line { .. }) {
+        source.fault_in_line(error)
+    } else {
+        source.fault(error)
     }
 }
 
