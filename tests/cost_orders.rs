@@ -617,18 +617,18 @@ fn orders_in_a_scene_with_a_grid() {
     let costs = cost(&scene, &options, &|_| ()).unwrap();
     let study = &costs[0].studies[0];
     assert_eq!(study.name, "transmittance");
-    for ladder in &study.ladders {
-        println!("{}: {:?}", ladder.estimator, ladder.order);
+    for sweep in &study.sweeps {
+        println!("{}: {:?}", sweep.estimator, sweep.order);
         let allowed = [
             OrderVerdict::AsExpected,
             OrderVerdict::TooFewRays,
             OrderVerdict::NothingExpected,
         ];
-        assert!(allowed.contains(&ladder.order.verdict), "{ladder:?}");
+        assert!(allowed.contains(&sweep.order.verdict), "{sweep:?}");
     }
-    let exact = study.ladders.last().unwrap();
+    let exact = study.sweeps.last().unwrap();
     assert_eq!(
-        exact.rungs[0].error.max, 0.0,
+        exact.levels[0].error.max, 0.0,
         "cell by cell is the reference"
     );
     let estimators = costs[0].estimators.as_ref().unwrap();
@@ -637,7 +637,7 @@ fn orders_in_a_scene_with_a_grid() {
     }
     // Coarser data are worse, and the nearest node is worse than what lies between nodes.
     let data = &costs[0].studies[1];
-    let error = |ladder: usize, rung: usize| data.ladders[ladder].rungs[rung].error.l2;
+    let error = |sweep: usize, level: usize| data.sweeps[sweep].levels[level].error.l2;
     assert!(error(0, 0) > error(0, 5) && error(1, 0) > error(1, 6));
     assert!(error(0, 5) < error(1, 5));
 }

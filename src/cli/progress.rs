@@ -470,8 +470,8 @@ mod tests {
             "fog/forward, 49 of 194 cases done, 20 seconds so far, about 60 seconds left"
         );
         assert_eq!(
-            state("fog/forward: ladder", None, None, 2.0, None),
-            "fog/forward: ladder, 2 seconds so far"
+            state("fog/forward: sweep", None, None, 2.0, None),
+            "fog/forward: sweep, 2 seconds so far"
         );
         assert_eq!(state("", None, None, 2.0, None), "2 seconds so far");
     }

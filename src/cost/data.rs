@@ -5,8 +5,8 @@ use super::collocation::{Collocation, Light};
 use super::image::in_words;
 use super::norms::root_mean_square;
 use super::order::Expected;
-use super::results::{Knob, Reference, Study};
-use super::study::{Climb, Outcome, Setting, climb};
+use super::results::{Parameter, Reference, Study};
+use super::study::{Outcome, PlannedSweep, Setting, run_sweeps};
 use super::thumbnail;
 use super::timing::Clock;
 use super::transmittance::{Crossing, Crossings, Part};
@@ -98,7 +98,7 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
         Field::Grid(grid) => grid.interpolation() == Interpolation::Trilinear,
         _ => false,
     });
-    let ladders = [Interpolation::Trilinear, Interpolation::Nearest].map(|interpolation| {
+    let sweeps = [Interpolation::Trilinear, Interpolation::Nearest].map(|interpolation| {
         let is_own = all_trilinear == (interpolation == Interpolation::Trilinear);
         let spacings = SPACINGS.into_iter().chain((!is_own).then_some(1.0));
         let grids: Option<Vec<_>> = spacings
@@ -106,11 +106,11 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
             .collect();
         (interpolation, is_own, grids)
     });
-    if ladders.iter().any(|(.., grids)| grids.is_none()) {
+    if sweeps.iter().any(|(.., grids)| grids.is_none()) {
         return None;
     }
     let right = &right;
-    let climbs = ladders.iter().map(|(interpolation, is_own, grids)| {
+    let planned = sweeps.iter().map(|(interpolation, is_own, grids)| {
         let settings = grids.iter().flatten().map(|(factor, grids)| Setting {
             name: in_voxels_of_data(*factor),
             value: factor * crossings.unit,
@@ -138,17 +138,17 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
             }),
             single: None,
         });
-        Climb {
+        PlannedSweep {
             estimator: format!("{}, cell by cell", name_of(*interpolation)),
             is_ours: *is_own,
-            knob: Knob::Spacing,
+            parameter: Parameter::Spacing,
             expected: Expected::NOTHING,
             settings: settings.collect(),
         }
     });
-    let climbs: Vec<Climb<'_>> = climbs.collect();
+    let planned: Vec<PlannedSweep<'_>> = planned.collect();
     let bound = 1e-15;
-    let ladders = climb(&climbs, scale, bound, None, &clock.untimed());
+    let sweeps = run_sweeps(&planned, scale, bound, None, &clock.untimed());
     Some(Study::of(
         "data",
         "transmittance of the same rays from coarser data, by either interpolation".to_owned(),
@@ -156,7 +156,7 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
             method: "the data as they are, cell by cell".to_owned(),
             bound,
         },
-        ladders,
+        sweeps,
     ))
 }
 
@@ -206,13 +206,13 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
         scenes.dedup_by(|a, b| a.0 == b.0);
         scenes
     };
-    let ladders = [Interpolation::Trilinear, Interpolation::Nearest]
+    let sweeps = [Interpolation::Trilinear, Interpolation::Nearest]
         .map(|interpolation| (interpolation, by(interpolation)));
-    if ladders.iter().all(|(_, scenes)| scenes.is_empty()) {
+    if sweeps.iter().all(|(_, scenes)| scenes.is_empty()) {
         return None;
     }
     let (image, right, rays) = (&image, &right, &rays);
-    let climbs = ladders.iter().map(|(interpolation, scenes)| {
+    let planned = sweeps.iter().map(|(interpolation, scenes)| {
         let settings = scenes.iter().map(|(factor, coarse)| Setting {
             name: in_voxels_of_data(*factor),
             value: factor * voxel,
@@ -235,19 +235,19 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
             }),
             single: None,
         });
-        Climb {
+        PlannedSweep {
             estimator: name_of(*interpolation).to_owned(),
             is_ours: *interpolation == scene.interpolation,
-            knob: Knob::Spacing,
+            parameter: Parameter::Spacing,
             // Data are no smooth field: what lies between their nodes is not known, and how fast
             // coarser ones come near them says how smooth they happen to be.
             expected: Expected::NOTHING,
             settings: settings.collect(),
         }
     });
-    let climbs: Vec<Climb<'_>> = climbs.collect();
+    let planned: Vec<PlannedSweep<'_>> = planned.collect();
     // What is measured is an error of the data; the time of its measurement is nobody's.
-    let ladders = climb(&climbs, scale, bound, None, &clock.untimed());
+    let sweeps = run_sweeps(&planned, scale, bound, None, &clock.untimed());
     Some(Study::of(
         "data",
         format!(
@@ -259,6 +259,6 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
                 .to_owned(),
             bound,
         },
-        ladders,
+        sweeps,
     ))
 }

@@ -7,8 +7,8 @@ use super::marching::Scheme;
 use super::norms::root_mean_square;
 use super::order::Expected;
 use super::preintegration::Preintegrated;
-use super::results::{ErrorPicture, Knob, RayTrace, Reference, Study};
-use super::study::{Climb, Outcome, Run, Setting, climb};
+use super::results::{ErrorPicture, Parameter, RayTrace, Reference, Study};
+use super::study::{Outcome, PlannedSweep, Run, Setting, run_sweeps};
 use super::thumbnail;
 use super::timing::Clock;
 use crate::geometry::Ray;
@@ -22,7 +22,7 @@ use crate::volume::{Interpolation, Lattice};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Pixels of the larger side of the image that is looked at: every ladder needs the same rays,
+/// Pixels of the larger side of the image that is looked at: every sweep needs the same rays,
 /// and some hundred of them tell an order as well as all do.
 const SIDE: usize = 32;
 /// The same where every sample sends out a ray to the light.
@@ -140,12 +140,12 @@ impl<'s> Rays<'s> {
     }
 
     /// The reference renderer's ray caster by its step.
-    fn ours(&self) -> Climb<'_> {
+    fn ours(&self) -> PlannedSweep<'_> {
         let jumps = has_jumps(self.scene);
-        Climb {
+        PlannedSweep {
             estimator: "midpoint".to_owned(),
             is_ours: true,
-            knob: Knob::Step,
+            parameter: Parameter::Step,
             expected: Expected::of_step(if jumps { 1.0 } else { 2.0 }),
             settings: self.steps(
                 |step| self.run(move |ray, _, work| self.subject.cast(step, ray, work)),
@@ -155,7 +155,7 @@ impl<'s> Rays<'s> {
     }
 
     /// Another scheme, by its step.
-    fn by_scheme(&self, scheme: Scheme) -> Climb<'_> {
+    fn by_scheme(&self, scheme: Scheme) -> PlannedSweep<'_> {
         let jumps = has_jumps(self.scene);
         let order = match scheme {
             // Any jitter across a jump: 1.
@@ -174,10 +174,10 @@ impl<'s> Rays<'s> {
                 self.subject.before_background(radiance, depth)
             })
         };
-        Climb {
+        PlannedSweep {
             estimator: scheme.name().to_owned(),
             is_ours: false,
-            knob: Knob::Step,
+            parameter: Parameter::Step,
             // At both ends of a volume with an empty border there is nothing: errors at the ends,
             // which make a rule of the first order one, are not there.
             expected: match scheme {
@@ -189,11 +189,11 @@ impl<'s> Rays<'s> {
     }
 
     /// Pre-integrated classification, by its step.
-    fn by_preintegration<'a>(&'a self, table: &'a Preintegrated) -> Climb<'a> {
-        Climb {
+    fn by_preintegration<'a>(&'a self, table: &'a Preintegrated) -> PlannedSweep<'a> {
+        PlannedSweep {
             estimator: "pre-integrated".to_owned(),
             is_ours: false,
-            knob: Knob::Step,
+            parameter: Parameter::Step,
             expected: match self.scene.interpolation {
                 // Steps of the table are no jumps to it.
                 Interpolation::Trilinear => Expected::of_step(2.0),
@@ -308,14 +308,14 @@ pub fn steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
 fn by_steps(rays: &Rays<'_>, clock: &Clock) -> Study {
     let scene = rays.scene;
     let table = Preintegrated::new(&scene.transfer_function);
-    let mut climbs = vec![rays.ours()];
+    let mut planned = vec![rays.ours()];
     let schemes = Scheme::ALL.into_iter();
     // The first is what the ray caster does.
-    climbs.extend(schemes.skip(1).map(|scheme| rays.by_scheme(scheme)));
-    climbs.push(rays.by_preintegration(&table));
+    planned.extend(schemes.skip(1).map(|scheme| rays.by_scheme(scheme)));
+    planned.push(rays.by_preintegration(&table));
     let clear = rays.clear.iter().filter(|clear| **clear).count();
     let judged = (clear < rays.clear.len()).then_some(&rays.clear[..]);
-    let ladders = climb(&climbs, rays.scale, rays.bound, judged, clock);
+    let sweeps = run_sweeps(&planned, rays.scale, rays.bound, judged, clock);
     let shadow = match scene.shadow {
         None => "",
         Some(_) if Subject::has_exact_shadow(scene) => ", the shadow integrated cell by cell",
@@ -335,7 +335,7 @@ fn by_steps(rays: &Rays<'_>, clock: &Clock) -> Study {
                     .to_owned(),
                 bound: rays.bound,
             },
-            ladders,
+            sweeps,
         )
     }
 }
@@ -388,14 +388,14 @@ pub fn shadow_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Opti
         single: None,
     });
     let jumps = has_jumps(scene);
-    let climbs = [Climb {
+    let planned = [PlannedSweep {
         estimator: "midpoint".to_owned(),
         is_ours: true,
-        knob: Knob::ShadowStep,
+        parameter: Parameter::ShadowStep,
         expected: Expected::of_step(if jumps { 1.0 } else { 2.0 }),
         settings: settings.collect(),
     }];
-    let ladders = climb(&climbs, rays.scale, rays.bound, None, clock);
+    let sweeps = run_sweeps(&planned, rays.scale, rays.bound, None, clock);
     Some(Study::of(
         "shadow",
         format!(
@@ -406,7 +406,7 @@ pub fn shadow_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Opti
             method: "the shadow integrated cell by cell".to_owned(),
             bound: rays.bound,
         },
-        ladders,
+        sweeps,
     ))
 }
 

@@ -18,7 +18,7 @@ const COARSE: f64 = 0.1;
 const FEWEST: usize = 3;
 const MOST: usize = 4;
 
-/// What theory says of a ladder.
+/// What theory says of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Expected {
     /// The order, if anything is expected.
@@ -179,7 +179,7 @@ fn line(points: &[Point]) -> Option<Line> {
 mod tests {
     use super::*;
 
-    fn ladder(error: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<Norms>) {
+    fn sweep(error: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<Norms>) {
         let steps = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
         let norms = |&h: &f64| Norms {
             l1: error(h),
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn a_power_is_found_and_judged() {
-        let (steps, errors) = ladder(|h| 0.05 * h * h);
+        let (steps, errors) = sweep(|h| 0.05 * h * h);
         let found = order(&steps, &errors, Expected::of_step(2.0), 1e-12);
         assert!((found.fitted.unwrap() - 2.0).abs() < 1e-12);
         assert!((found.fitted_max.unwrap() - 2.0).abs() < 1e-12);
@@ -203,7 +203,7 @@ mod tests {
 
     #[test]
     fn what_the_reference_does_not_know_is_not_judged() {
-        let (steps, errors) = ladder(|h| 0.05 * h * h);
+        let (steps, errors) = sweep(|h| 0.05 * h * h);
         // Below 100 × 1e-4 are all but the two coarsest.
         let found = order(&steps, &errors, Expected::of_step(2.0), 1e-4);
         assert_eq!(
@@ -214,14 +214,14 @@ mod tests {
 
     #[test]
     fn a_floor_is_no_power() {
-        let (steps, errors) = ladder(|h| 0.05 * h * h + 1e-3);
+        let (steps, errors) = sweep(|h| 0.05 * h * h + 1e-3);
         let found = order(&steps, &errors, Expected::of_step(2.0), 1e-12);
         assert_eq!(found.verdict, OrderVerdict::NotYetAPower);
     }
 
     #[test]
     fn no_error_has_no_order() {
-        let (steps, errors) = ladder(|_| 0.0);
+        let (steps, errors) = sweep(|_| 0.0);
         let found = order(&steps, &errors, Expected::of_step(2.0), 0.0);
         assert_eq!(found.verdict, OrderVerdict::Undecided);
     }

@@ -3,8 +3,8 @@
 use super::classified::{Shade, Subject, has_jumps};
 use super::norms::root_mean_square;
 use super::order::Expected;
-use super::results::{Knob, Reference, Study};
-use super::study::{Climb, Outcome, Setting, climb};
+use super::results::{Parameter, Reference, Study};
+use super::study::{Outcome, PlannedSweep, Setting, run_sweeps};
 use super::timing::Clock;
 use crate::geometry::Ray;
 use crate::math::Sum;
@@ -112,10 +112,10 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
         };
         SIDES.map(setting).into()
     };
-    let mut climbs = vec![Climb {
+    let mut planned = vec![PlannedSweep {
         estimator: "centres of pixels, silhouettes left out".to_owned(),
         is_ours: true,
-        knob: Knob::Pixel,
+        parameter: Parameter::Pixel,
         expected: match has_jumps(scene) {
             true => Expected::NOTHING,
             false => Expected::of_step(2.0),
@@ -124,10 +124,10 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
     }];
     let hits = fine.iter().filter(|(_, hit, _)| *hit).count();
     if hits % fine.len() != 0 || fine.iter().any(|(.., is_clear)| !is_clear) {
-        climbs.push(Climb {
+        planned.push(PlannedSweep {
             estimator: "centres of pixels".to_owned(),
             is_ours: true,
-            knob: Knob::Pixel,
+            parameter: Parameter::Pixel,
             expected: Expected::NOTHING,
             settings: settings(false),
         });
@@ -135,7 +135,7 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
     // The mean of n × n points is itself off by 1/n² of what their middle is: 1/64 at most here.
     // A reference that is a 64th off tells orders to within 0.03.
     let bound = 1e-9;
-    let ladders = climb(&climbs, scale, bound, None, &clock.untimed());
+    let sweeps = run_sweeps(&planned, scale, bound, None, &clock.untimed());
     Study::of(
         "pixels",
         format!(
@@ -147,6 +147,6 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
             method: format!("means over {FINE} × {FINE} points"),
             bound,
         },
-        ladders,
+        sweeps,
     )
 }

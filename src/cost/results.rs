@@ -37,9 +37,9 @@ pub struct Study {
     pub reference: Reference,
     /// What orders are judged on, where that is not all of it.
     pub judged_on: Option<String>,
-    /// A ladder for every way to approximate it.
-    pub ladders: Vec<Ladder>,
-    /// The cheapest setting of each ladder for a wanted error.
+    /// A sweep for every way to approximate it.
+    pub sweeps: Vec<Sweep>,
+    /// The cheapest setting of each sweep for a wanted error.
     pub prices: Vec<Price>,
     /// Pictures of signed errors.
     pub pictures: Vec<ErrorPicture>,
@@ -57,27 +57,27 @@ pub struct Reference {
     pub bound: f64,
 }
 
-/// Settings of one knob, from coarse to fine.
+/// Settings of one parameter, from coarse to fine.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Ladder {
+pub struct Sweep {
     /// The way to approximate: `midpoint`, `delta tracking`, …
     pub estimator: String,
     /// Whether it is what the reference renderer does.
     pub is_ours: bool,
     /// What is turned.
-    pub knob: Knob,
+    pub parameter: Parameter,
     /// The settings.
-    pub rungs: Vec<Rung>,
+    pub levels: Vec<Level>,
     /// How its error is expected to fall, and how it does.
     pub order: Order,
-    /// Where a ladder ended early, why.
+    /// Where a sweep ended early, why.
     pub cut: Option<String>,
 }
 
 /// Something to be turned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Knob {
+pub enum Parameter {
     /// Distance between samples along a ray.
     Step,
     /// Distance between samples along a shadow ray.
@@ -94,7 +94,7 @@ pub enum Knob {
 
 /// One setting.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Rung {
+pub struct Level {
     /// In words: "0.25 voxels", "16 samples".
     pub setting: String,
     /// As a number: a length, or a number of samples.
@@ -215,7 +215,7 @@ pub struct Times {
     pub is_noisy: bool,
 }
 
-/// How an error falls as a knob is turned: as the `order`-th power of it.
+/// How an error falls as a parameter is refined: as the `order`-th power of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Order {
     /// From theory, where that says; of a number of samples, negative.
@@ -256,23 +256,23 @@ pub enum OrderVerdict {
     NothingExpected,
 }
 
-/// The cheapest setting of each ladder for a wanted error.
+/// The cheapest setting of each sweep for a wanted error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Price {
     /// Root mean square error that is wanted.
     pub error: f64,
-    /// By ladder, cheapest first.
+    /// By sweep, cheapest first.
     pub offers: Vec<Offer>,
 }
 
-/// What a ladder asks for a wanted error.
+/// What a sweep asks for a wanted error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Offer {
     /// The estimator.
     pub estimator: String,
     /// What is turned.
-    pub knob: Knob,
-    /// The setting; none if no setting of the ladder reaches the error.
+    pub parameter: Parameter,
+    /// The setting; none if no setting of the sweep reaches the error.
     pub setting: Option<String>,
     /// Look-ups for each ray.
     pub lookups: Option<f64>,

@@ -2,8 +2,8 @@
 
 use super::norms::root_mean_square;
 use super::order::Expected;
-use super::results::{Knob, Reference, Study};
-use super::study::{Climb, Outcome, Setting, climb};
+use super::results::{Parameter, Reference, Study};
+use super::study::{Outcome, PlannedSweep, Setting, run_sweeps};
 use super::thumbnail;
 use super::timing::Clock;
 use crate::film::Film;
@@ -64,14 +64,14 @@ pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderErr
         }),
         single: None,
     });
-    let climbs = [Climb {
+    let planned = [PlannedSweep {
         estimator: "path tracing".to_owned(),
         is_ours: true,
-        knob: Knob::Samples,
+        parameter: Parameter::Samples,
         expected: Expected::OF_SAMPLES,
         settings: settings.collect(),
     }];
-    let ladders = climb(&climbs, scale, bound, None, clock);
+    let sweeps = run_sweeps(&planned, scale, bound, None, clock);
     Ok(Study::of(
         "samples",
         format!("radiance of {width} × {height} pixels, by samples per pixel"),
@@ -82,7 +82,7 @@ pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderErr
             ),
             bound,
         },
-        ladders,
+        sweeps,
     ))
 }
 

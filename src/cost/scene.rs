@@ -26,8 +26,8 @@ pub struct Options {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum CostError {
     /// There is nothing to be turned.
-    #[error("this scene has no knob to turn: {0}")]
-    NoKnob(&'static str),
+    #[error("this scene has no parameter to vary: {0}")]
+    NoParameter(&'static str),
     /// The scene cannot be rendered.
     #[error(transparent)]
     Render(#[from] RenderError),
@@ -68,7 +68,7 @@ fn panel_cost(
         recommendations: vec![],
         notes: vec![],
     };
-    // Rays are followed to their ends here: what is measured is a scene's knobs, each by itself.
+    // Rays are followed to their ends here: what is measured is a scene's parameters, each by itself.
     let whole = to_the_end(panel);
     if whole.is_some() {
         let note = "`early_termination` is left out: every ray is followed to its end here";
@@ -77,7 +77,7 @@ fn panel_cost(
     let panel = whole.as_ref().unwrap_or(panel);
     match &panel.model {
         Model::Curve(_) => {
-            return Err(CostError::NoKnob(
+            return Err(CostError::NoParameter(
                 "a plot of a transfer function is not sampled",
             ));
         }
@@ -85,7 +85,7 @@ fn panel_cost(
         Model::Radiative(scene) => of_radiative(&mut cost, scene, panel, options, told)?,
     }
     if cost.studies.is_empty() && (cost.notes.is_empty() || whole.is_some()) {
-        return Err(CostError::NoKnob(
+        return Err(CostError::NoParameter(
             "nothing in it is marched, tracked or sampled, every pixel is a closed form",
         ));
     }
@@ -102,7 +102,7 @@ fn panel_cost(
     let unsure = cost.studies.iter();
     let unsure = unsure.filter(|study| study.reference.bound > SURE);
     cost.notes.extend(unsure.map(|study| {
-        let known = study.ladders.iter().map(|ladder| ladder.order.known);
+        let known = study.sweeps.iter().map(|sweep| sweep.order.known);
         format!(
             "{}: the reference itself may be off by {:.1e}; no order and no price is claimed below \
              {:.1e}",
@@ -111,9 +111,9 @@ fn panel_cost(
             known.fold(0.0, f64::max)
         )
     }));
-    let timed = cost.studies.iter().flat_map(|study| &study.ladders);
-    let mut rungs = timed.flat_map(|ladder| &ladder.rungs);
-    if options.clock.runs > 0 && rungs.all(|rung| rung.time.is_none()) {
+    let timed = cost.studies.iter().flat_map(|study| &study.sweeps);
+    let mut levels = timed.flat_map(|sweep| &sweep.levels);
+    if options.clock.runs > 0 && levels.all(|level| level.time.is_none()) {
         let note = "times were not taken: the time given was over";
         cost.notes.push(note.to_owned());
     }

@@ -5,9 +5,9 @@ use super::estimators::Estimator;
 use super::norms::root_mean_square;
 use super::order::Expected;
 use super::profile::{Profile, Stretch};
-use super::results::{Knob, Reference, Study};
+use super::results::{Parameter, Reference, Study};
 use super::rules::Rule;
-use super::study::{Climb, Outcome, Run, Setting, climb};
+use super::study::{Outcome, PlannedSweep, Run, Setting, run_sweeps};
 use super::thumbnail;
 use super::timing::Clock;
 use crate::geometry::{Ray, Span};
@@ -366,22 +366,22 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
         right,
         seed,
     };
-    let mut climbs: Vec<Climb<'_>> = Rule::ALL.map(|rule| asked.by_rule(rule)).into();
-    climbs.push(asked.by_jitter(false));
-    climbs.push(asked.by_jitter(true));
+    let mut planned: Vec<PlannedSweep<'_>> = Rule::ALL.map(|rule| asked.by_rule(rule)).into();
+    planned.push(asked.by_jitter(false));
+    planned.push(asked.by_jitter(true));
     let deepest = crossings
         .rays
         .iter()
         .map(|ray| ray.profile.majorant_depth());
     let is_dense = deepest.fold(0.0, f64::max) > MOST_DEPTHS;
     if !is_dense {
-        climbs.extend(Estimator::ALL.map(|estimator| asked.by_chance(estimator)));
+        planned.extend(Estimator::ALL.map(|estimator| asked.by_chance(estimator)));
     }
     let exact = crossings.rays.iter().all(Crossing::is_through_grids);
     if exact {
-        climbs.push(asked.cell_by_cell());
+        planned.push(asked.cell_by_cell());
     }
-    let ladders = climb(&climbs, scale, bound, None, clock);
+    let sweeps = run_sweeps(&planned, scale, bound, None, clock);
     Study {
         judged_on: match (crossings.rough, is_dense) {
             (true, _) => Some(
@@ -413,7 +413,7 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
                 .to_owned(),
                 bound,
             },
-            ladders,
+            sweeps,
         )
     }
 }
@@ -467,7 +467,7 @@ impl Asked<'_, '_> {
             .collect()
     }
 
-    fn by_rule(&self, rule: Rule) -> Climb<'_> {
+    fn by_rule(&self, rule: Rule) -> PlannedSweep<'_> {
         let Crossings {
             kinks,
             jumps,
@@ -480,10 +480,10 @@ impl Asked<'_, '_> {
             _ => rule,
         };
         let rough = *rough || rule == Rule::Left && *ends == Ends::Alike;
-        Climb {
+        PlannedSweep {
             estimator: rule.name().to_owned(),
             is_ours: false,
-            knob: Knob::Step,
+            parameter: Parameter::Step,
             expected: match (rough, kinks) {
                 (true, _) => Expected::NOTHING,
                 (false, true) => Expected::of_step(like.order_with_kinks(*jumps)),
@@ -498,7 +498,7 @@ impl Asked<'_, '_> {
         }
     }
 
-    fn by_jitter(&self, stratified: bool) -> Climb<'_> {
+    fn by_jitter(&self, stratified: bool) -> PlannedSweep<'_> {
         let order = match (self.crossings.jumps, stratified) {
             (true, _) => 1.0,
             (false, true) => 1.5,
@@ -510,10 +510,10 @@ impl Asked<'_, '_> {
             true => "jittered, stratified",
             false => "jittered, one offset a ray",
         };
-        Climb {
+        PlannedSweep {
             estimator: name.to_owned(),
             is_ours: false,
-            knob: Knob::Step,
+            parameter: Parameter::Step,
             expected: match rough {
                 true => Expected::NOTHING,
                 false => Expected::of_step(order),
@@ -537,7 +537,7 @@ impl Asked<'_, '_> {
         }
     }
 
-    fn by_chance(&self, estimator: Estimator) -> Climb<'_> {
+    fn by_chance(&self, estimator: Estimator) -> PlannedSweep<'_> {
         let settings = ESTIMATES.iter().map(|&count| Setting {
             name: match count {
                 1 => "1 estimate".to_owned(),
@@ -558,20 +558,20 @@ impl Asked<'_, '_> {
             }),
             single: None,
         });
-        Climb {
+        PlannedSweep {
             estimator: estimator.name().to_owned(),
             is_ours: estimator == Estimator::ResidualRatio,
-            knob: Knob::Samples,
+            parameter: Parameter::Samples,
             expected: Expected::OF_SAMPLES,
             settings: settings.collect(),
         }
     }
 
-    fn cell_by_cell(&self) -> Climb<'_> {
-        Climb {
+    fn cell_by_cell(&self) -> PlannedSweep<'_> {
+        PlannedSweep {
             estimator: "Gauss, 2 points a cell".to_owned(),
             is_ours: true,
-            knob: Knob::None,
+            parameter: Parameter::None,
             expected: Expected::NOTHING,
             settings: vec![Setting {
                 name: "cell by cell".to_owned(),

@@ -1,6 +1,6 @@
 //! The cost of accuracy for spreadsheets and plotting programs.
 
-use crate::cost::results::{Cost, Knob, Norms, Times, Work};
+use crate::cost::results::{Cost, Norms, Parameter, Times, Work};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -9,7 +9,7 @@ use serde_json::Value;
 /// come last, so that two runs can be compared without them.
 pub fn cost_csv(costs: &[Cost]) -> Vec<(String, String)> {
     [
-        ladders(costs),
+        sweeps(costs),
         orders(costs),
         prices(costs),
         estimators(costs),
@@ -137,36 +137,43 @@ fn norms(norms: Option<&Norms>) -> [String; 3] {
     ]
 }
 
-fn ladders(costs: &[Cost]) -> File {
-    let mut heads = vec!["study", "estimator", "is_ours", "knob", "setting", "value"];
+fn sweeps(costs: &[Cost]) -> File {
+    let mut heads = vec![
+        "study",
+        "estimator",
+        "is_ours",
+        "parameter",
+        "setting",
+        "value",
+    ];
     heads.extend(WORK);
     heads.extend(["l1", "l2", "max", "l2_uncertainty"]);
     heads.extend(["judged_l1", "judged_l2", "judged_max", "local_order"]);
     heads.extend(["f32_off_l1", "f32_off_l2", "f32_off_max", "reference_bound"]);
     heads.extend(TIMES);
-    let mut file = File::new("ladders", &heads);
+    let mut file = File::new("sweeps", &heads);
     for cost in costs {
         for study in &cost.studies {
-            for ladder in &study.ladders {
-                for (at, rung) in ladder.rungs.iter().enumerate() {
+            for sweep in &study.sweeps {
+                for (at, level) in sweep.levels.iter().enumerate() {
                     let before = at.checked_sub(1);
-                    let local = before.and_then(|before| ladder.order.local.get(before));
+                    let local = before.and_then(|before| sweep.order.local.get(before));
                     let mut row = vec![
                         study.name.to_owned(),
-                        ladder.estimator.clone(),
-                        ladder.is_ours.to_string(),
-                        word(ladder.knob),
-                        rung.setting.clone(),
-                        number(rung.value),
+                        sweep.estimator.clone(),
+                        sweep.is_ours.to_string(),
+                        word(sweep.parameter),
+                        level.setting.clone(),
+                        number(level.value),
                     ];
-                    row.extend(work(&rung.work));
-                    row.extend(norms(Some(&rung.error)));
-                    row.push(number(rung.error.uncertainty));
-                    row.extend(norms(rung.error_of_order.as_ref()));
+                    row.extend(work(&level.work));
+                    row.extend(norms(Some(&level.error)));
+                    row.push(number(level.error.uncertainty));
+                    row.extend(norms(level.error_of_order.as_ref()));
                     row.push(optional(local.copied().flatten()));
-                    row.extend(norms(rung.single_precision.as_ref()));
+                    row.extend(norms(level.single_precision.as_ref()));
                     row.push(number(study.reference.bound));
-                    row.extend(times(rung.time.as_ref()));
+                    row.extend(times(level.time.as_ref()));
                     file.push(cost, row);
                 }
             }
@@ -179,7 +186,7 @@ fn orders(costs: &[Cost]) -> File {
     let heads = [
         "study",
         "of",
-        "knob",
+        "parameter",
         "expected",
         "tolerance",
         "fitted",
@@ -191,10 +198,10 @@ fn orders(costs: &[Cost]) -> File {
     for cost in costs {
         let mut all = Vec::new();
         for study in &cost.studies {
-            for ladder in &study.ladders {
-                let of = ladder.estimator.clone();
-                let cut = ladder.cut.clone().unwrap_or_default();
-                all.push((study.name, of, word(ladder.knob), &ladder.order, cut));
+            for sweep in &study.sweeps {
+                let of = sweep.estimator.clone();
+                let cut = sweep.cut.clone().unwrap_or_default();
+                all.push((study.name, of, word(sweep.parameter), &sweep.order, cut));
             }
         }
         for curve in cost.jitter.iter().flat_map(|jitter| &jitter.curves) {
@@ -203,14 +210,14 @@ fn orders(costs: &[Cost]) -> File {
                 ("bias", &curve.bias_order),
             ] {
                 let of = format!("{}, {what}", curve.jitter);
-                all.push(("jitter", of, word(Knob::Step), order, String::new()));
+                all.push(("jitter", of, word(Parameter::Step), order, String::new()));
             }
         }
-        for (study, of, knob, order, cut) in all {
+        for (study, of, parameter, order, cut) in all {
             let row = [
                 study.to_owned(),
                 of,
-                knob,
+                parameter,
                 optional(order.expected),
                 number(order.tolerance),
                 optional(order.fitted),
@@ -229,7 +236,7 @@ fn prices(costs: &[Cost]) -> File {
         "study",
         "error",
         "estimator",
-        "knob",
+        "parameter",
         "setting",
         "lookups",
         "times_cheapest",
@@ -244,7 +251,7 @@ fn prices(costs: &[Cost]) -> File {
                         study.name.to_owned(),
                         number(price.error),
                         offer.estimator.clone(),
-                        word(offer.knob),
+                        word(offer.parameter),
                         offer.setting.clone().unwrap_or_default(),
                         optional(offer.lookups),
                         optional(offer.times_cheapest),

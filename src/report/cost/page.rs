@@ -1,7 +1,7 @@
 //! The cost of accuracy as one page that needs no network and no script.
 
 use super::pictures::{Pictures, pictures};
-use super::plot::{self, Dress, Plot};
+use super::plot::{self, Plot, Theme};
 use super::table::Table;
 use super::tables;
 use super::words::{self, Mark};
@@ -104,7 +104,7 @@ struct StudyView<'a> {
     work: Plot,
     prices: Option<Table>,
     orders: Table,
-    ladders: Vec<Table>,
+    sweeps: Vec<Table>,
     pictures: Option<Pictures>,
     worst: Option<Worst<'a>>,
 }
@@ -126,16 +126,16 @@ impl<'a> CostView<'a> {
             name: words::scene(cost),
             advice: &cost.recommendations,
             studies: cost.studies.iter().map(StudyView::new).collect(),
-            orders: plot::orders(cost, Dress::Page),
+            orders: plot::orders(cost, Theme::Page),
             estimators: cost.estimators.as_ref().map(tables::estimators),
             thickness: cost.thickness.as_ref().map(|sweep| Drawn {
                 about: sweep.ray.clone(),
-                plot: plot::thickness(sweep, Dress::Page),
+                plot: plot::thickness(sweep, Theme::Page),
                 table: tables::thickness(sweep),
             }),
             jitter: cost.jitter.as_ref().map(|split| Jitter {
                 about: split.ray.clone(),
-                plot: plot::jitter(split, Dress::Page),
+                plot: plot::jitter(split, Theme::Page),
                 orders: tables::jitter_orders(split),
                 table: tables::jitter(split),
             }),
@@ -147,7 +147,7 @@ impl<'a> CostView<'a> {
 
 impl<'a> StudyView<'a> {
     fn new(study: &'a Study) -> StudyView<'a> {
-        let ladders = study.ladders.iter();
+        let sweeps = study.sweeps.iter();
         StudyView {
             name: study.name,
             quantity: &study.quantity,
@@ -155,12 +155,10 @@ impl<'a> StudyView<'a> {
             bound: words::error(study.reference.bound),
             known: words::error(words::least_known(study)),
             judged_on: study.judged_on.as_deref(),
-            work: plot::work_precision(study, Dress::Page),
+            work: plot::work_precision(study, Theme::Page),
             prices: (!study.prices.is_empty()).then(|| tables::prices(study)),
             orders: tables::orders(study),
-            ladders: ladders
-                .map(|ladder| tables::ladder(study, ladder))
-                .collect(),
+            sweeps: sweeps.map(|sweep| tables::sweep(study, sweep)).collect(),
             pictures: pictures(&study.pictures),
             worst: study.worst_ray.as_ref().map(Worst::new),
         }
@@ -175,7 +173,7 @@ impl<'a> Worst<'a> {
             reference: format!("{:.6}", trace.reference),
             difference: words::error(trace.value - trace.reference),
             samples: trace.samples.len(),
-            plot: plot::ray(trace, Dress::Page),
+            plot: plot::ray(trace, Theme::Page),
         }
     }
 }

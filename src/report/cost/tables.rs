@@ -3,7 +3,7 @@
 use super::table::{Cell, Column, Table, number, page_number, words as column_of_words};
 use super::words;
 use crate::cost::results::{
-    Counted, EffectPrice, EstimatorTable, JitterSplit, Ladder, Norms, Offer, Order, Study,
+    Counted, EffectPrice, EstimatorTable, JitterSplit, Norms, Offer, Order, Study, Sweep,
     ThicknessSweep, Times,
 };
 
@@ -23,9 +23,14 @@ fn time(times: Option<&Times>) -> Cell {
     }
 }
 
-/// The settings of a ladder.
-pub(super) fn ladder(study: &Study, ladder: &Ladder) -> Table {
-    let counts = |what| ladder.rungs.iter().any(|rung| rung.work.counted() == what);
+/// The settings of a sweep.
+pub(super) fn sweep(study: &Study, sweep: &Sweep) -> Table {
+    let counts = |what| {
+        sweep
+            .levels
+            .iter()
+            .any(|level| level.work.counted() == what)
+    };
     let by_random = counts(Counted::RandomNumbers) && !counts(Counted::Lookups);
     let mut columns = vec![
         column_of_words("setting"),
@@ -38,17 +43,24 @@ pub(super) fn ladder(study: &Study, ladder: &Ladder) -> Table {
         number("L2"),
         number("max"),
     ];
-    let has_single = ladder
-        .rungs
+    let has_single = sweep
+        .levels
         .iter()
-        .any(|rung| rung.single_precision.is_some());
-    let has_judged = ladder
-        .rungs
+        .any(|level| level.single_precision.is_some());
+    let has_judged = sweep
+        .levels
         .iter()
-        .any(|rung| rung.error_of_order.is_some());
-    let has_doubt = ladder.rungs.iter().any(|rung| rung.error.uncertainty > 0.0);
-    let has_time = ladder.rungs.iter().any(|rung| rung.time.is_some());
-    let has_random = !by_random && ladder.rungs.iter().any(|rung| rung.work.random_draws > 0.0);
+        .any(|level| level.error_of_order.is_some());
+    let has_doubt = sweep
+        .levels
+        .iter()
+        .any(|level| level.error.uncertainty > 0.0);
+    let has_time = sweep.levels.iter().any(|level| level.time.is_some());
+    let has_random = !by_random
+        && sweep
+            .levels
+            .iter()
+            .any(|level| level.work.random_draws > 0.0);
     if has_doubt {
         columns.push(page_number("L2 ±"));
     }
@@ -65,23 +77,23 @@ pub(super) fn ladder(study: &Study, ladder: &Ladder) -> Table {
     if has_time {
         columns.push(number("time a ray"));
     }
-    let known = ladder.order.known;
-    let rows = ladder.rungs.iter().enumerate().map(|(at, rung)| {
+    let known = sweep.order.known;
+    let rows = sweep.levels.iter().enumerate().map(|(at, level)| {
         let Norms {
             l1,
             l2,
             max,
             uncertainty,
-        } = rung.error;
+        } = level.error;
         let is_known = l2 > known;
         let local = at
             .checked_sub(1)
-            .and_then(|before| ladder.order.local.get(before));
+            .and_then(|before| sweep.order.local.get(before));
         let mut row: Vec<Cell> = vec![
-            rung.setting.as_str().into(),
+            level.setting.as_str().into(),
             words::count(match by_random {
-                true => rung.work.random_draws,
-                false => rung.work.density_lookups + rung.work.gradient_lookups,
+                true => level.work.random_draws,
+                false => level.work.density_lookups + level.work.gradient_lookups,
             })
             .into(),
             words::error(l1).into(),
@@ -96,35 +108,35 @@ pub(super) fn ladder(study: &Study, ladder: &Ladder) -> Table {
             row.push(format!("{:.1} %", 100.0 * uncertainty).into());
         }
         if has_judged {
-            let judged = rung.error_of_order;
+            let judged = level.error_of_order;
             row.push(or_dash(judged, |norms| words::error(norms.l2)));
         }
         row.push(or_dash(local.copied().flatten(), |order| {
             format!("{order:.2}")
         }));
         if has_single {
-            let single = rung.single_precision;
+            let single = level.single_precision;
             row.push(or_dash(single, |norms| words::error(norms.l2)));
         }
         if has_random {
-            row.push(words::count(rung.work.random_draws).into());
+            row.push(words::count(level.work.random_draws).into());
         }
         if has_time {
-            row.push(time(rung.time.as_ref()));
+            row.push(time(level.time.as_ref()));
         }
         row
     });
     let rows: Vec<_> = rows.collect();
     let mut notes = Vec::new();
-    if ladder.rungs.iter().any(|rung| rung.error.l2 <= known) {
+    if sweep.levels.iter().any(|level| level.error.l2 <= known) {
         notes.push(format!(
             "° not above {}, below which the reference knows no more: no error of the setting",
             words::error(known)
         ));
     }
-    notes.extend(ladder.cut.iter().map(|why| format!("ended early: {why}")));
-    let name = words::ladder(study, &ladder.estimator, ladder.knob);
-    let ours = if ladder.is_ours {
+    notes.extend(sweep.cut.iter().map(|why| format!("ended early: {why}")));
+    let name = words::sweep(study, &sweep.estimator, sweep.parameter);
+    let ours = if sweep.is_ours {
         " (the reference renderer's way)"
     } else {
         ""
@@ -142,33 +154,33 @@ pub(super) fn ladder(study: &Study, ladder: &Ladder) -> Table {
     }
 }
 
-/// How the error of each ladder falls.
+/// How the error of each sweep falls.
 pub(super) fn orders(study: &Study) -> Table {
-    let row = |ladder: &Ladder| {
+    let row = |sweep: &Sweep| {
         let mut row: Vec<Cell> = vec![
-            ladder.estimator.as_str().into(),
-            words::knob(ladder.knob).into(),
+            sweep.estimator.as_str().into(),
+            words::parameter(sweep.parameter).into(),
         ];
-        row.extend(order_cells(&ladder.order));
+        row.extend(order_cells(&sweep.order));
         row
     };
     let mut columns = vec![column_of_words("estimator"), column_of_words("turned")];
     columns.extend(ORDER_COLUMNS);
     let judged_on = study.judged_on.iter();
     let mut notes: Vec<String> = judged_on.map(|rays| format!("orders: {rays}")).collect();
-    notes.extend(study.ladders.iter().filter_map(|ladder| {
-        let why = ladder.cut.as_ref()?;
-        let name = words::ladder(study, &ladder.estimator, ladder.knob);
+    notes.extend(study.sweeps.iter().filter_map(|sweep| {
+        let why = sweep.cut.as_ref()?;
+        let name = words::sweep(study, &sweep.estimator, sweep.parameter);
         Some(format!("{name} ended early: {why}"))
     }));
     Table {
         title: format!("{}: orders of error", study.name),
-        reading: "Power by which the error falls as the knob is turned; of samples it is negative. \
+        reading: "Power by which the error falls as the parameter is refined; of samples it is negative. \
                   By least squares: over the four finest settings whose error is below 0.1 and above \
                   what the reference knows, and over all settings where chance is at work."
             .to_owned(),
         columns,
-        rows: study.ladders.iter().map(row).collect(),
+        rows: study.sweeps.iter().map(row).collect(),
         is_grouped: false,
         notes,
     }
@@ -212,7 +224,7 @@ pub(super) fn prices(study: &Study) -> Table {
     let mut by_none = Vec::new();
     for price in &study.prices {
         let error = words::round(price.error);
-        let name = |offer: &Offer| words::ladder(study, &offer.estimator, offer.knob);
+        let name = |offer: &Offer| words::sweep(study, &offer.estimator, offer.parameter);
         let (reached, not): (Vec<_>, Vec<_>) = price
             .offers
             .iter()

@@ -1,12 +1,12 @@
 //! Bias and variance of jittered marching.
 
 use super::orders::{Falling, Lines};
-use super::{Dress, Plot};
+use super::{Plot, Theme};
 use crate::cost::results::{JitterPoint, JitterSplit, Order};
 use crate::report::cost::words;
 
 /// Squared bias and variance against the step, in panels of one kind of jitter each.
-pub(in super::super) fn jitter(split: &JitterSplit, dress: Dress) -> Option<Plot> {
+pub(in super::super) fn jitter(split: &JitterSplit, theme: Theme) -> Option<Plot> {
     let mut lines = Lines::default();
     for curve in &split.curves {
         let jitter = &curve.jitter;
@@ -32,6 +32,6 @@ pub(in super::super) fn jitter(split: &JitterSplit, dress: Dress) -> Option<Plot
     lines.plot(
         "Squared bias and variance of jittered marching against the step",
         260,
-        dress,
+        theme,
     )
 }

@@ -3,45 +3,53 @@
 use super::axis::{Axis, Measure};
 use super::draw::drawn;
 use super::picture::{Curve, Entry, Guide, Key, Panel, Picture, Point};
-use super::{Dress, Plot};
-use crate::cost::results::{Cost, Knob, Order, OrderVerdict};
+use super::{Plot, Theme};
+use crate::cost::results::{Cost, Order, OrderVerdict, Parameter};
 use crate::math::log10;
 use crate::report::cost::words;
 
-/// A panel for each length that is turned, with the ladders of all studies; none where there are
-/// no such ladders.
-pub(in super::super) fn orders(cost: &Cost, dress: Dress) -> Option<Plot> {
+/// A panel for each length that is varied, with the sweeps of all studies; none where there are
+/// no such sweeps.
+pub(in super::super) fn orders(cost: &Cost, theme: Theme) -> Option<Plot> {
     let kinds = [
-        (Knob::Step, "step", "step along the ray"),
-        (Knob::ShadowStep, "shadow step", "step along shadow rays"),
-        (Knob::Spacing, "grid", "spacing of the nodes"),
-        (Knob::Pixel, "pixel", "edge of a pixel"),
+        (Parameter::Step, "step", "step along the ray"),
+        (
+            Parameter::ShadowStep,
+            "shadow step",
+            "step along shadow rays",
+        ),
+        (Parameter::Spacing, "grid", "spacing of the nodes"),
+        (Parameter::Pixel, "pixel", "edge of a pixel"),
     ];
     let mut lines = Lines::default();
-    for (knob, title, axis) in kinds {
+    for (parameter, title, axis) in kinds {
         for study in &cost.studies {
-            for ladder in study.ladders.iter().filter(|ladder| ladder.knob == knob) {
-                let estimator = words::ladder(study, &ladder.estimator, knob);
+            for sweep in study
+                .sweeps
+                .iter()
+                .filter(|sweep| sweep.parameter == parameter)
+            {
+                let estimator = words::sweep(study, &sweep.estimator, parameter);
                 let name = match cost.studies.len() {
                     1 => estimator,
                     _ => format!("{}, {estimator}", study.name),
                 };
-                let counted = &ladder.order.counted;
-                let points = ladder.rungs.iter().zip(counted).map(|(rung, counts)| {
-                    let error = words::judged(rung);
+                let counted = &sweep.order.counted;
+                let points = sweep.levels.iter().zip(counted).map(|(level, counts)| {
+                    let error = words::judged(level);
                     Falling {
-                        value: rung.value,
+                        value: level.value,
                         error,
                         counts: *counts,
-                        told: format!("{name}, {}: error {}", rung.setting, words::error(error)),
+                        told: format!("{name}, {}: error {}", level.setting, words::error(error)),
                     }
                 });
-                lines.push(&name, points, &ladder.order, 1.0, ladder.is_ours);
+                lines.push(&name, points, &sweep.order, 1.0, sweep.is_ours);
             }
         }
         lines.end_panel(title, axis, "error: relative RMSE");
     }
-    lines.plot("Error against step, node spacing and pixel", 270, dress)
+    lines.plot("Error against step, node spacing and pixel", 270, theme)
 }
 
 /// A point of a curve that falls.
@@ -133,13 +141,13 @@ impl Lines {
             y: Axis::log(y_title, Measure::Number, &up),
             curves,
             guides,
-            levels: Vec::new(),
+            lines: Vec::new(),
             front: Vec::new(),
         });
     }
 
     /// All panels; none of no panels.
-    pub(super) fn plot(self, title: &str, height: i32, dress: Dress) -> Option<Plot> {
+    pub(super) fn plot(self, title: &str, height: i32, theme: Theme) -> Option<Plot> {
         if self.panels.is_empty() {
             return None;
         }
@@ -150,7 +158,7 @@ impl Lines {
             height,
         };
         Some(Plot {
-            svg: drawn(&picture, dress),
+            svg: drawn(&picture, theme),
             notes: Vec::new(),
         })
     }

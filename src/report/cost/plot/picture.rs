@@ -21,7 +21,7 @@ pub(super) struct Panel {
     pub(super) y: Axis,
     pub(super) curves: Vec<Curve>,
     pub(super) guides: Vec<Guide>,
-    pub(super) levels: Vec<Level>,
+    pub(super) lines: Vec<HorizontalLine>,
     /// Corners of the border of what can be had.
     pub(super) front: Vec<[f64; 2]>,
 }
@@ -70,7 +70,7 @@ pub(super) struct Guide {
 
 /// A line across the panel.
 #[derive(Debug)]
-pub(super) struct Level {
+pub(super) struct HorizontalLine {
     pub(super) at: f64,
     pub(super) label: String,
     /// Whether everything below it is shaded.

@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::draw::drawn;
 use super::picture::{Curve, Entry, Key, Panel, Picture, Point};
-use super::{Dress, Plot};
+use super::{Plot, Theme};
 use crate::cost::results::RayTrace;
 use crate::report::cost::words;
 
@@ -11,7 +11,7 @@ use crate::report::cost::words;
 const MANY: usize = 60;
 
 /// Extinction along the ray, with the samples.
-pub(in super::super) fn ray(trace: &RayTrace, dress: Dress) -> Plot {
+pub(in super::super) fn ray(trace: &RayTrace, theme: Theme) -> Plot {
     let point = |at: &[f64; 2]| Point {
         at: *at,
         ..Point::default()
@@ -56,7 +56,7 @@ pub(in super::super) fn ray(trace: &RayTrace, dress: Dress) -> Plot {
             y: Axis::linear("extinction", &[of(1), vec![0.0]].concat()),
             curves,
             guides: Vec::new(),
-            levels: Vec::new(),
+            lines: Vec::new(),
             front: Vec::new(),
         }],
         legend: vec![
@@ -72,7 +72,7 @@ pub(in super::super) fn ray(trace: &RayTrace, dress: Dress) -> Plot {
         height: 200,
     };
     Plot {
-        svg: drawn(&picture, dress),
+        svg: drawn(&picture, theme),
         notes: Vec::new(),
     }
 }

@@ -3,7 +3,7 @@
 use super::axis::{Axis, Measure};
 use super::draw::drawn;
 use super::picture::{Curve, Entry, Key, Panel, Picture, Point};
-use super::{Dress, Plot};
+use super::{Plot, Theme};
 use crate::cost::results::{ThicknessCurve, ThicknessPoint, ThicknessSweep};
 use crate::math::log10;
 use crate::report::cost::words;
@@ -13,7 +13,7 @@ use crate::report::cost::words;
 const HOPELESS: f64 = 1e8;
 
 /// Relative variance times look-ups against optical depth: marks are measured, lines predicted.
-pub(in super::super) fn thickness(sweep: &ThicknessSweep, dress: Dress) -> Plot {
+pub(in super::super) fn thickness(sweep: &ThicknessSweep, theme: Theme) -> Plot {
     let mut curves = Vec::new();
     let mut legend = Vec::new();
     let mut notes = Vec::new();
@@ -82,14 +82,14 @@ pub(in super::super) fn thickness(sweep: &ThicknessSweep, dress: Dress) -> Plot 
             y: Axis::log("variance / T² × look-ups", Measure::Number, &up),
             curves,
             guides: Vec::new(),
-            levels: Vec::new(),
+            lines: Vec::new(),
             front: Vec::new(),
         }],
         legend,
         height: 320,
     };
     Plot {
-        svg: drawn(&picture, dress),
+        svg: drawn(&picture, theme),
         notes,
     }
 }
