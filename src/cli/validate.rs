@@ -141,7 +141,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     let results: Vec<CaseResult> = judged.iter().map(|judged| judged.result.clone()).collect();
     said.print(&(said.without_image(&results) + &report::summary_text(&results)));
-    said.print(&source.strangers());
+    said.print(&source.unknown_files());
 
     let found = named(&arguments, &suite, &cases, &mut judged);
     if !arguments.files.wants_evidence() {
@@ -337,17 +337,13 @@ impl Source {
     }
 
     /// A warning of images that belong to no case.
-    fn strangers(&self) -> String {
+    fn unknown_files(&self) -> String {
         let Source::Finished(_, outputs) = self else {
             return String::new();
         };
         let mut text = String::new();
-        for stranger in outputs.strangers() {
-            text.push_str(&format!(
-                "\n{} {}",
-                stranger.file.display(),
-                stranger.reason
-            ));
+        for unknown in outputs.unknown_files() {
+            text.push_str(&format!("\n{} {}", unknown.file.display(), unknown.reason));
         }
         if !text.is_empty() {
             text.push('\n');

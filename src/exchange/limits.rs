@@ -1,9 +1,9 @@
 //! What of a scene is lost in pbrt's numbers of 32 bits, and where it clamps.
 
+use super::export_scene::ExportScene;
 use super::forms::Form;
+use super::nested_media::{NestedMedium, place_of};
 use super::refusal::Faults;
-use super::stage::Stage;
-use super::vessels::{Vessel, place_of};
 use glam::DVec3;
 
 /// The rounding of a number of 32 bits, relative to it.
@@ -27,8 +27,8 @@ const SHARPEST: f64 = 0.99;
 const THICKEST: f64 = 1e4;
 
 /// Names what of a scene pbrt's numbers cannot hold.
-pub(super) fn check(stage: &Stage, faults: &mut Faults) {
-    let eye = stage.view.eye.abs().max_element();
+pub(super) fn check(export: &ExportScene, faults: &mut Faults) {
+    let eye = export.view.eye.abs().max_element();
     let mut extent = |place: &str, form: &Form| {
         let (extent, reach) = (form.extent(), form.reach().max(eye));
         if extent < SMALLEST * reach {
@@ -40,29 +40,29 @@ pub(super) fn check(stage: &Stage, faults: &mut Faults) {
             faults.add(place, what);
         }
     };
-    for (place, form, _) in &stage.objects {
+    for (place, form, _) in &export.objects {
         extent(place, form);
     }
-    for (place, form, _) in &stage.area_lights {
+    for (place, form, _) in &export.area_lights {
         extent(place, form);
     }
-    for vessel in stage
-        .vessels
+    for nested in export
+        .nested_media
         .list
         .iter()
-        .filter(|vessel| vessel.skin.is_none())
+        .filter(|nested| nested.interface.is_none())
     {
-        extent(&place_of(vessel.index), &vessel.form);
+        extent(&place_of(nested.index), &nested.form);
     }
-    for vessel in &stage.vessels.list {
-        let place = place_of(vessel.index);
-        let g = vessel.medium.phase.0.g();
-        let scatters = vessel.medium.coefficients.sigma_s() != DVec3::ZERO;
+    for nested in &export.nested_media.list {
+        let place = place_of(nested.index);
+        let g = nested.medium.phase.0.g();
+        let scatters = nested.medium.coefficients.sigma_s() != DVec3::ZERO;
         if scatters && g.abs() > SHARPEST {
             let what = format!("g = {g}: pbrt takes any beyond {SHARPEST} as {SHARPEST}");
             faults.add(&place, what);
         }
-        let paths = free_paths(vessel);
+        let paths = free_paths(nested);
         if paths > THICKEST {
             let what = format!(
                 "{paths:.1e} mean free paths across it, where pbrt's 32-bit numbers tell places \
@@ -75,11 +75,11 @@ pub(super) fn check(stage: &Stage, faults: &mut Faults) {
 
 /// Mean free paths across a medium at most, as though it were everywhere as dense as where it is
 /// densest.
-fn free_paths(vessel: &Vessel) -> f64 {
-    let densest = vessel.grid.as_ref().map_or(1.0, |grid| {
+fn free_paths(nested: &NestedMedium) -> f64 {
+    let densest = nested.grid.as_ref().map_or(1.0, |grid| {
         let values = grid.density.grid().values().iter();
         f64::from(values.copied().fold(0.0, f32::max))
     });
-    let sigma_t = vessel.medium.coefficients.sigma_t().max_element();
-    sigma_t * densest * vessel.form.across()
+    let sigma_t = nested.medium.coefficients.sigma_t().max_element();
+    sigma_t * densest * nested.form.across()
 }

@@ -1,6 +1,6 @@
 //! Media at one place.
 
-use super::vessels::Vessel;
+use super::nested_media::NestedMedium;
 use glam::DVec3;
 
 /// Homogeneous media that add up.
@@ -17,7 +17,7 @@ pub(super) struct Mixture {
 
 impl Mixture {
     /// All `layers` together.
-    pub(super) fn of(layers: &[&Vessel]) -> Mixture {
+    pub(super) fn of(layers: &[&NestedMedium]) -> Mixture {
         let mut mixture = Mixture {
             sigma_a: DVec3::ZERO,
             sigma_s: DVec3::ZERO,

@@ -34,13 +34,13 @@
 //! phase functions in one place; emission where nothing absorbs; and what 32-bit numbers lose,
 //! which is in `limits`.
 
+use super::export_scene::{ExportScene, turns};
 use super::files::ply;
 use super::forms::Form;
 use super::limits;
 use super::mixture::Mixture;
+use super::nested_media::{GAP, NestedMedium, Placed, place_of};
 use super::refusal::Faults;
-use super::stage::{Stage, turns};
-use super::vessels::{GAP, Placed, Vessel, place_of};
 use super::view::degrees;
 use super::{Export, Format, Refusal};
 use crate::geometry::Transform;
@@ -69,12 +69,12 @@ MakeNamedMaterial \"mirror\" \"string type\" [ \"conductor\" ] \"float roughness
 /// The scene in one file, or one for each channel, with its meshes beside it.
 pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Export, Refusal> {
     let mut faults = Faults::default();
-    let stage = Stage::of(panel, scene, &mut faults);
-    check(scene, &stage, &mut faults);
-    limits::check(&stage, &mut faults);
-    let turning = Turning::of(scene, &stage, &mut faults);
-    turning.check_glow(&stage, &mut faults);
-    let is_grey = colours(scene, &stage).all(|colour| colour == DVec3::splat(colour.x));
+    let export = ExportScene::of(panel, scene, &mut faults);
+    check(scene, &export, &mut faults);
+    limits::check(&export, &mut faults);
+    let turning = Turning::of(scene, &export, &mut faults);
+    turning.check_glow(&export, &mut faults);
+    let is_grey = colours(scene, &export).all(|colour| colour == DVec3::splat(colour.x));
     let texts: Vec<(Option<usize>, String)> = if is_grey {
         vec![(None, format!("{name}.pbrt"))]
     } else {
@@ -95,11 +95,11 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
             turning: &turning,
             meshes: &mut meshes,
         };
-        writer.opening(panel, &stage, channel);
-        writer.options(panel, scene, &stage, &file);
-        writer.media(&stage);
+        writer.opening(panel, &export, channel);
+        writer.options(panel, scene, &export, &file);
+        writer.media(&export);
         writer.line("\nWorldBegin\nMediumInterface \"\" \"\"\n");
-        let materials = stage.objects.iter().map(|(_, _, material)| material);
+        let materials = export.objects.iter().map(|(_, _, material)| material);
         if materials
             .into_iter()
             .any(|material| matches!(material, Material::Mirror(_)))
@@ -113,7 +113,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
             let radiance = writer.rgb("L", scene.environment);
             writer.line(&format!("LightSource \"infinite\" {radiance}"));
         }
-        writer.surfaces(&stage);
+        writer.surfaces(&export);
         files.push((file, writer.text.into_bytes()));
     }
     files.extend(meshes.files);
@@ -121,7 +121,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
 }
 
 /// What pbrt has no words for, though Mitsuba has.
-fn check(scene: &Radiative, stage: &Stage, faults: &mut Faults) {
+fn check(scene: &Radiative, export: &ExportScene, faults: &mut Faults) {
     for (index, light) in scene.lights.iter().enumerate() {
         let Light::Spot(spot) = light else { continue };
         if spot.inner() < spot.outer() {
@@ -130,15 +130,15 @@ fn check(scene: &Radiative, stage: &Stage, faults: &mut Faults) {
             faults.add(format!("radiative.light[{index}]"), what);
         }
     }
-    for (at, vessel) in stage.vessels.list.iter().enumerate() {
-        let place = place_of(vessel.index);
-        if let Some(grid) = &vessel.grid {
+    for (at, nested) in export.nested_media.list.iter().enumerate() {
+        let place = place_of(nested.index);
+        if let Some(grid) = &nested.grid {
             if grid.density.interpolation() == Interpolation::Nearest {
                 faults.add(&place, "a grid with the value of the nearest node");
             }
             continue;
         }
-        let layers: Vec<&Vessel> = stage.vessels.layers(at).collect();
+        let layers: Vec<&NestedMedium> = export.nested_media.layers(at).collect();
         if Mixture::of(&layers).parts.len() > 1 {
             let what = "a medium within another of a different g: one phase function is at a place";
             faults.add(place, what);
@@ -155,10 +155,10 @@ struct Turning {
 }
 
 impl Turning {
-    fn of(scene: &Radiative, stage: &Stage, faults: &mut Faults) -> Turning {
-        let list = &stage.vessels.list;
+    fn of(scene: &Radiative, export: &ExportScene, faults: &mut Faults) -> Turning {
+        let list = &export.nested_media.list;
         let limit = turns(scene.scattering).unwrap_or(ENDLESS).min(ENDLESS);
-        let glows = |vessel: &Vessel| vessel.medium.emission != DVec3::ZERO;
+        let glows = |nested: &NestedMedium| nested.medium.emission != DVec3::ZERO;
         if limit == ENDLESS || !list.iter().any(glows) {
             let (depth, never) = (limit, false);
             return Turning { depth, never };
@@ -167,7 +167,7 @@ impl Turning {
             depth: limit + 1,
             never: limit == 0,
         };
-        let scatters = |vessel: &Vessel| vessel.medium.coefficients.sigma_s() != DVec3::ZERO;
+        let scatters = |nested: &NestedMedium| nested.medium.coefficients.sigma_s() != DVec3::ZERO;
         let turned = !scene.objects.is_empty() || list.iter().any(scatters);
         let others = !scene.lights.is_empty()
             || !scene.area_lights.is_empty()
@@ -204,31 +204,31 @@ impl Turning {
     }
 
     /// Names the media that cannot shine as they should.
-    fn check_glow(&self, stage: &Stage, faults: &mut Faults) {
-        for (at, vessel) in stage.vessels.list.iter().enumerate() {
-            let layers: Vec<&Vessel> = stage.vessels.layers(at).collect();
+    fn check_glow(&self, export: &ExportScene, faults: &mut Faults) {
+        for (at, nested) in export.nested_media.list.iter().enumerate() {
+            let layers: Vec<&NestedMedium> = export.nested_media.layers(at).collect();
             let most = self.glow(&Mixture::of(&layers)).max_element();
             if most > f64::from(f32::MAX) {
                 let what = "emission where nothing, or next to nothing, is absorbed: pbrt says it \
                             as a factor of sigma_a; give sigma_a in every channel of emission";
-                faults.add(place_of(vessel.index), what);
+                faults.add(place_of(nested.index), what);
             }
         }
     }
 }
 
 /// Every colour of a scene.
-fn colours<'s>(scene: &'s Radiative, stage: &'s Stage) -> impl Iterator<Item = DVec3> + 's {
-    let materials = stage
+fn colours<'s>(scene: &'s Radiative, export: &'s ExportScene) -> impl Iterator<Item = DVec3> + 's {
+    let materials = export
         .objects
         .iter()
         .filter_map(|(_, _, material)| match material {
             Material::Diffuse(reflectance) | Material::Mirror(reflectance) => Some(*reflectance),
             Material::Glass(_) => None,
         });
-    let media = stage.vessels.list.iter().flat_map(|vessel| {
-        let coefficients = &vessel.medium.coefficients;
-        let emission = vessel.medium.emission;
+    let media = export.nested_media.list.iter().flat_map(|nested| {
+        let coefficients = &nested.medium.coefficients;
+        let emission = nested.medium.emission;
         [coefficients.sigma_a(), coefficients.sigma_s(), emission]
     });
     let lights = scene.lights.iter().map(|light| match light {
@@ -282,7 +282,7 @@ impl Writer<'_, '_> {
         format!("\"rgb {name}\" [ {grey} {grey} {grey} ]")
     }
 
-    fn opening(&mut self, panel: &Panel, stage: &Stage, channel: Option<usize>) {
+    fn opening(&mut self, panel: &Panel, export: &ExportScene, channel: Option<usize>) {
         let title = panel.title.as_deref().unwrap_or("A scene");
         let title = title.replace(char::is_control, " ");
         self.line(&format!("# {title}. Written by volref for pbrt-v4."));
@@ -293,10 +293,14 @@ impl Writer<'_, '_> {
                  have files of their own."
             ));
         }
-        let vessels = stage.vessels.list.iter().filter(|vessel| vessel.moved);
-        let moved: Vec<String> = vessels.map(|vessel| place_of(vessel.index)).collect();
+        let nested_media = export
+            .nested_media
+            .list
+            .iter()
+            .filter(|nested| nested.moved);
+        let moved: Vec<String> = nested_media.map(|nested| place_of(nested.index)).collect();
         if !moved.is_empty() {
-            let way = GAP * (1.0 + stage.reach);
+            let way = GAP * (1.0 + export.reach);
             self.line(&format!(
                 "# Faces of {} that lie in surfaces stand {way:.3e} behind them, where no ray sees \
                  it.",
@@ -312,14 +316,14 @@ impl Writer<'_, '_> {
     }
 
     /// Everything but the world.
-    fn options(&mut self, panel: &Panel, scene: &Radiative, stage: &Stage, file: &str) {
-        let view = &stage.view;
+    fn options(&mut self, panel: &Panel, scene: &Radiative, export: &ExportScene, file: &str) {
+        let view = &export.view;
         let [eye, target, up] = [view.eye, view.target, view.up].map(listed);
         let fov = view.shorter_fov(panel.width, panel.height);
         self.line("Scale -1 1 1");
         self.line(&format!("LookAt {eye}  {target}  {up}"));
-        if let Some(at) = stage.vessels.eye {
-            let around = medium_name(&stage.vessels.list[at]);
+        if let Some(at) = export.nested_media.eye {
+            let around = medium_name(&export.nested_media.list[at]);
             self.line(&format!("MediumInterface \"\" \"{around}\""));
         }
         self.line(&format!("Camera \"perspective\" {}", float("fov", fov)));
@@ -343,10 +347,10 @@ impl Writer<'_, '_> {
         self.line(&format!("Integrator \"volpath\" {depth}{chosen}"));
     }
 
-    fn media(&mut self, stage: &Stage) {
-        for (at, vessel) in stage.vessels.list.iter().enumerate() {
-            let name = medium_name(vessel);
-            let layers: Vec<&Vessel> = stage.vessels.layers(at).collect();
+    fn media(&mut self, export: &ExportScene) {
+        for (at, nested) in export.nested_media.list.iter().enumerate() {
+            let name = medium_name(nested);
+            let layers: Vec<&NestedMedium> = export.nested_media.layers(at).collect();
             let mixture = Mixture::of(&layers);
             let [sigma_a, sigma_s] = self.turning.coefficients(&mixture);
             let glow = self.turning.glow(&mixture);
@@ -358,7 +362,7 @@ impl Writer<'_, '_> {
                 float("g", g)
             );
             self.line("\nIdentity");
-            let kind = match &vessel.grid {
+            let kind = match &nested.grid {
                 None => "homogeneous",
                 Some(grid) => {
                     self.line(&format!("ConcatTransform [ {} ]", matrix(&grid.to_world)));
@@ -373,7 +377,7 @@ impl Writer<'_, '_> {
                 let radiance = self.rgb("Le", glow);
                 self.line(&format!("    {radiance}"));
             }
-            if let Some(grid) = &vessel.grid {
+            if let Some(grid) = &nested.grid {
                 self.grid(grid, glows);
             }
         }
@@ -444,25 +448,28 @@ impl Writer<'_, '_> {
         self.line(&line);
     }
 
-    fn surfaces(&mut self, stage: &Stage) {
-        let list = &stage.vessels.list;
-        for (at, vessel) in list.iter().enumerate() {
-            if vessel.skin.is_none() {
-                self.begin(&place_of(vessel.index));
+    fn surfaces(&mut self, export: &ExportScene) {
+        let list = &export.nested_media.list;
+        for (at, nested) in list.iter().enumerate() {
+            if nested.interface.is_none() {
+                self.begin(&place_of(nested.index));
                 self.line("    Material \"interface\"");
                 self.sides(list, at);
-                self.form(&vessel.form);
+                self.form(&nested.form);
             }
         }
-        for (index, (place, form, material)) in stage.objects.iter().enumerate() {
+        for (index, (place, form, material)) in export.objects.iter().enumerate() {
             self.begin(place);
             self.material(material);
-            if let Some(at) = list.iter().position(|vessel| vessel.skin == Some(index)) {
+            if let Some(at) = list
+                .iter()
+                .position(|nested| nested.interface == Some(index))
+            {
                 self.sides(list, at);
             }
             self.form(form);
         }
-        for (place, form, light) in &stage.area_lights {
+        for (place, form, light) in &export.area_lights {
             self.begin(place);
             self.material(&Material::Diffuse(DVec3::ZERO));
             let radiance = self.rgb("L", light.radiance);
@@ -478,8 +485,8 @@ impl Writer<'_, '_> {
         self.line(&format!("\n# {place}\nAttributeBegin"));
     }
 
-    /// What is inside and outside the boundary of a vessel.
-    fn sides(&mut self, list: &[Vessel], at: usize) {
+    /// What is inside and outside the boundary of a nested medium.
+    fn sides(&mut self, list: &[NestedMedium], at: usize) {
         let inside = medium_name(&list[at]);
         let outside = list[at].parent.map(|at| medium_name(&list[at]));
         let outside = outside.unwrap_or_default();
@@ -552,8 +559,8 @@ impl Writer<'_, '_> {
     }
 }
 
-fn medium_name(vessel: &Vessel) -> String {
-    format!("medium{}", vessel.index)
+fn medium_name(nested: &NestedMedium) -> String {
+    format!("medium{}", nested.index)
 }
 
 fn float(name: &str, value: f64) -> String {

@@ -2,7 +2,7 @@
 
 use super::finding::MARGIN;
 use super::golden::{Golden, input_hashes, plan_hash, scene_hash};
-use super::rendering::{Reference, Renderer, Shot, check_class, render_case};
+use super::rendering::{Reference, Renderer, Rendering, check_class, render_case};
 use super::verify::judge_quick;
 use super::{Cache, Case, GoldenError, Quick, Sampling, Store, StoreError};
 use crate::compare::{Conditions, Exact, Picture, judge, stochastic};
@@ -188,7 +188,10 @@ pub(super) fn accept_with(
         accepted.push(Accepted {
             case: task.case.name.clone(),
             change,
-            resumed: task.shots.iter().any(|shot| shot.kept.is_some()),
+            resumed: task
+                .renderings
+                .iter()
+                .any(|rendering| rendering.kept.is_some()),
         });
         files.append(&mut new);
     }
@@ -213,12 +216,12 @@ struct Task<'c> {
     scene: Scene,
     plans: Vec<Plan>,
     /// The picture of the golden, and before it the quick one of a stochastic case.
-    shots: Vec<Picturing>,
+    renderings: Vec<RenderTask>,
 }
 
 /// One rendering to be made.
-struct Picturing {
-    shot: Shot,
+struct RenderTask {
+    rendering: Rendering,
     /// Under what it is kept; deterministic renderings take seconds and are not.
     key: Option<String>,
     /// From an earlier run.
@@ -240,38 +243,46 @@ impl<'c> Task<'c> {
         let scene = case.load_scene().map_err(|error| incomplete(case, error))?;
         let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
         check_class(renderer, case, &plans).map_err(|reason| incomplete(case, reason))?;
-        let shots = match case.sampling {
-            None => vec![Shot::Only],
+        let renderings = match case.sampling {
+            None => vec![Rendering::Only],
             Some(sampling) => vec![
-                Shot::Quick(sampling.quick),
-                Shot::Converged(sampling.converged),
+                Rendering::Quick(sampling.quick),
+                Rendering::Converged(sampling.converged),
             ],
         };
-        let picturing = |shot| {
-            let key = match shot {
-                Shot::Only => None,
-                _ => cache.key(&scene, &plans, shot),
+        let render_task = |rendering| {
+            let key = match rendering {
+                Rendering::Only => None,
+                _ => cache.key(&scene, &plans, rendering),
             };
             let kept = key.as_ref().and_then(|key| cache.get(&case.name, key));
-            Picturing { shot, key, kept }
+            RenderTask {
+                rendering,
+                key,
+                kept,
+            }
         };
-        let shots = shots.into_iter().map(picturing).collect();
+        let renderings = renderings.into_iter().map(render_task).collect();
         Ok(Task {
             case,
             scene,
             plans,
-            shots,
+            renderings,
         })
     }
 
-    fn work_of(&self, shot: Shot) -> u64 {
+    fn work_of(&self, rendering: Rendering) -> u64 {
         let pixels = (self.scene.width() * self.scene.height()) as u64;
-        pixels * u64::from(shot.samples())
+        pixels * u64::from(rendering.samples())
     }
 
     fn work(&self) -> u64 {
-        let left = self.shots.iter().filter(|shot| shot.kept.is_none());
-        left.map(|shot| self.work_of(shot.shot)).sum()
+        let left = self
+            .renderings
+            .iter()
+            .filter(|rendering| rendering.kept.is_none());
+        left.map(|rendering| self.work_of(rendering.rendering))
+            .sum()
     }
 
     fn pictures(
@@ -281,18 +292,23 @@ impl<'c> Task<'c> {
         watch: &dyn Watch,
     ) -> Result<Pictures, AcceptError> {
         let mut films = Vec::new();
-        for Picturing { shot, key, kept } in &self.shots {
+        for RenderTask {
+            rendering,
+            key,
+            kept,
+        } in &self.renderings
+        {
             if let Some(film) = kept {
                 films.push(film.clone());
                 continue;
             }
             let progress = Progress {
                 watch,
-                work: self.work_of(*shot),
+                work: self.work_of(*rendering),
                 steps: AtomicU64::new(0),
                 done: AtomicU64::new(0),
             };
-            let film = render_case(renderer, &self.scene, &self.plans, *shot, &progress)
+            let film = render_case(renderer, &self.scene, &self.plans, *rendering, &progress)
                 .map_err(|reason| incomplete(self.case, reason))?;
             if let Some(key) = key {
                 cache.put(&self.case.name, key, &film);

@@ -60,24 +60,24 @@ impl Finding {
 
 /// A case whose golden is that of its scene.
 #[derive(Debug)]
-pub(super) struct Trusted {
+pub(super) struct CheckedGolden {
     pub scene: Scene,
     pub plans: Vec<Plan>,
     pub golden: Golden,
 }
 
-impl Trusted {
+impl CheckedGolden {
     /// Loads scene and golden of `case`; what is wrong with either is a finding.
-    pub fn load(case: &Case, store: &Store) -> Result<Trusted, Finding> {
-        Trusted::load_for(&Reference, case, store)
+    pub fn load(case: &Case, store: &Store) -> Result<CheckedGolden, Finding> {
+        CheckedGolden::load_for(&Reference, case, store)
     }
 
-    /// [`Trusted::load`], where another renderer stands in for the reference.
+    /// [`CheckedGolden::load`], where another renderer stands in for the reference.
     pub fn load_for(
         renderer: &dyn Renderer,
         case: &Case,
         store: &Store,
-    ) -> Result<Trusted, Finding> {
+    ) -> Result<CheckedGolden, Finding> {
         let bad_input = |reason| Finding::new(Verdict::Error, Cause::BadInput, reason);
         let bad_golden = |reason| Finding::new(Verdict::Error, Cause::Golden, reason);
         let scene = case
@@ -93,7 +93,7 @@ impl Trusted {
         })?;
         match stale(case, &scene, &plans, &golden) {
             Some(reason) => Err(bad_golden(reason)),
-            None => Ok(Trusted {
+            None => Ok(CheckedGolden {
                 scene,
                 plans,
                 golden,

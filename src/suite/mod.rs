@@ -37,7 +37,7 @@ pub use likeness::{
 };
 pub use naming::{Naming, naming};
 pub use other_renderer::{CommandTemplate, Keeper, Kept, Ran, TemplateError, keep, run, stop_all};
-pub use outputs::{Found, OutputError, Outputs, Stranger};
+pub use outputs::{Found, OutputError, Outputs, UnknownFile};
 pub use results::{CaseResult, Cause, Summary, Verdict, metric_meaning};
 pub use rows::{ANALYTIC, Analytic, ERROR_OF_TOLERANCE, HARD, row_name, verify_row};
 pub use self_test::{

@@ -16,7 +16,7 @@ const CONVERGED: u64 = 1 << 63;
 
 /// Which rendering of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Shot {
+pub(super) enum Rendering {
     /// The only one of a deterministic case.
     Only,
     /// Few samples, the seed of the scene.
@@ -25,32 +25,32 @@ pub(super) enum Shot {
     Converged(u32),
 }
 
-impl Shot {
+impl Rendering {
     /// Samples per pixel.
     pub fn samples(self) -> u32 {
         match self {
-            Shot::Only => 1,
-            Shot::Quick(samples) | Shot::Converged(samples) => samples,
+            Rendering::Only => 1,
+            Rendering::Quick(samples) | Rendering::Converged(samples) => samples,
         }
     }
 
     /// What the cache knows it by; changes with everything that the scene does not say.
     pub fn name(self) -> String {
         match self {
-            Shot::Only => "only".to_owned(),
-            Shot::Quick(samples) => format!("quick {samples}"),
-            Shot::Converged(samples) => format!("converged {samples}"),
+            Rendering::Only => "only".to_owned(),
+            Rendering::Quick(samples) => format!("quick {samples}"),
+            Rendering::Converged(samples) => format!("converged {samples}"),
         }
     }
 
     /// `scene` with samples and seed of this rendering.
     fn of(self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
-        if self == Shot::Only {
+        if self == Rendering::Only {
             return scene;
         }
         scene.set_samples(self.samples());
-        if let Shot::Converged(_) = self {
+        if let Rendering::Converged(_) = self {
             for panel in &mut scene.panels {
                 if let Model::Radiative(radiative) = &mut panel.model {
                     radiative.seed = radiative.seed.wrapping_add(CONVERGED);
@@ -98,13 +98,13 @@ pub(super) fn render_case(
     renderer: &dyn Renderer,
     scene: &Scene,
     plans: &[Plan],
-    shot: Shot,
+    rendering: Rendering,
     progress: render::Progress<'_>,
 ) -> Result<Film, String> {
     let film = renderer
-        .render(&shot.of(scene), plans, progress)
+        .render(&rendering.of(scene), plans, progress)
         .map_err(|error| error.to_string())?;
-    if shot != Shot::Only && film.noise().is_none() {
+    if rendering != Rendering::Only && film.noise().is_none() {
         return Err(
             "the picture states no noise: panels with and without random numbers make no \
              stochastic case together"

@@ -4,7 +4,7 @@
 //! picture is rendered with fresh seeds, and judged as that of another renderer would be. A gate
 //! that was never seen to fail is a failing gate; one that rejects an honest picture is as bad.
 
-use super::finding::Trusted;
+use super::finding::CheckedGolden;
 use super::mistakes::{self, Mistake};
 use super::validate::validate_with;
 use super::{Case, Judged, Store, Verdict};
@@ -186,7 +186,7 @@ pub fn self_test(
 /// A case, and an honest picture of it.
 pub(super) struct Subject<'c> {
     pub case: &'c Case,
-    trusted: Trusted,
+    checked: CheckedGolden,
     /// Per pixel, in every picture.
     samples: u32,
     honest: OnceCell<Film>,
@@ -194,11 +194,11 @@ pub(super) struct Subject<'c> {
 
 impl<'c> Subject<'c> {
     pub fn new(case: &'c Case, store: &Store) -> Result<Subject<'c>, String> {
-        let trusted = Trusted::load(case, store).map_err(|finding| finding.reason)?;
+        let checked = CheckedGolden::load(case, store).map_err(|finding| finding.reason)?;
         let samples = case.sampling.map_or(1, |sampling| sampling.quick);
         Ok(Subject {
             case,
-            trusted,
+            checked,
             samples,
             honest: OnceCell::new(),
         })
@@ -208,19 +208,19 @@ impl<'c> Subject<'c> {
     fn honest(&self) -> &Film {
         let make = || {
             let film = self.right(0);
-            film.unwrap_or_else(|| self.trusted.golden.film.clone())
+            film.unwrap_or_else(|| self.checked.golden.film.clone())
         };
         self.honest.get_or_init(make)
     }
 
     /// The picture as it should be, with seeds of its own for each `run`.
     pub fn right(&self, run: u64) -> Option<Film> {
-        picture(&self.trusted.scene, self.samples, run)
+        picture(&self.checked.scene, self.samples, run)
     }
 
     /// What is rendered, were there no mistake.
     pub fn scene(&self) -> &Scene {
-        &self.trusted.scene
+        &self.checked.scene
     }
 
     /// The picture as it should be, judged.
@@ -230,7 +230,7 @@ impl<'c> Subject<'c> {
 
     /// Judges a picture of the case.
     pub fn judge(&self, picture: Picture) -> Judged {
-        validate_with(self.case, &self.trusted, picture)
+        validate_with(self.case, &self.checked, picture)
     }
 
     /// The picture with all of `mistakes` that there is occasion for, first those of the scene;
@@ -238,12 +238,12 @@ impl<'c> Subject<'c> {
     pub fn with_all(&self, mistakes: &[&Mistake], run: u64) -> Option<Film> {
         let mut scene = None;
         for mistake in mistakes {
-            let edited = mistake.in_scene(scene.as_ref().unwrap_or(&self.trusted.scene));
+            let edited = mistake.in_scene(scene.as_ref().unwrap_or(&self.checked.scene));
             scene = edited.or(scene);
         }
         let mut occurs = scene.is_some();
         let mut film = picture(
-            scene.as_ref().unwrap_or(&self.trusted.scene),
+            scene.as_ref().unwrap_or(&self.checked.scene),
             self.samples,
             run,
         )?;

@@ -1,6 +1,6 @@
 //! Another renderer's image against the golden of a case.
 
-use super::finding::{Finding, Trusted};
+use super::finding::{CheckedGolden, Finding};
 use super::measured::measured;
 use super::verify::MOST_CASES;
 use super::{Case, Cause, Evidence, Judged, Store, Verdict};
@@ -22,20 +22,20 @@ pub enum Output {
 /// deterministic or the stochastic one, 8-bit codes by the perceptual one.
 pub fn validate(case: &Case, store: &Store, output: Output) -> Judged {
     let start = Instant::now();
-    let (finding, trusted) = match (output, Trusted::load(case, store)) {
-        (Output::Picture(picture), Ok(trusted)) => {
-            let mut judged = validate_with(case, &trusted, *picture);
+    let (finding, checked) = match (output, CheckedGolden::load(case, store)) {
+        (Output::Picture(picture), Ok(checked)) => {
+            let mut judged = validate_with(case, &checked, *picture);
             judged.result.seconds = start.elapsed().as_secs_f64();
             return judged;
         }
         (Output::Picture(_), Err(finding)) => (finding, None),
-        (Output::Missing(reason), trusted) => weighed(Verdict::Missing, reason, trusted),
-        (Output::Unusable(reason), trusted) => weighed(Verdict::Error, reason, trusted),
+        (Output::Missing(reason), checked) => weighed(Verdict::Missing, reason, checked),
+        (Output::Unusable(reason), checked) => weighed(Verdict::Error, reason, checked),
     };
     Judged {
         result: finding.result(case, case.gate(), start),
-        evidence: match trusted {
-            Some(trusted) => evidence(case, &trusted),
+        evidence: match checked {
+            Some(checked) => evidence(case, &checked),
             None => Evidence::of(case),
         },
     }
@@ -46,12 +46,12 @@ pub fn validate(case: &Case, store: &Store, output: Output) -> Judged {
 fn weighed(
     verdict: Verdict,
     reason: String,
-    trusted: Result<Trusted, Finding>,
-) -> (Finding, Option<Trusted>) {
-    match trusted {
-        Ok(trusted) => (
+    checked: Result<CheckedGolden, Finding>,
+) -> (Finding, Option<CheckedGolden>) {
+    match checked {
+        Ok(checked) => (
             Finding::new(verdict, Cause::OtherRenderer, reason),
-            Some(trusted),
+            Some(checked),
         ),
         Err(mut finding) => {
             finding.reason = format!("{}; {reason}", finding.reason);
@@ -61,27 +61,27 @@ fn weighed(
 }
 
 /// Judges `picture` as an image of `case`, whose golden is loaded.
-pub(super) fn validate_with(case: &Case, trusted: &Trusted, picture: Picture) -> Judged {
+pub(super) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Picture) -> Judged {
     let start = Instant::now();
-    let golden = Picture::Radiance(trusted.golden.film.clone());
+    let golden = Picture::Radiance(checked.golden.film.clone());
     // An image that states its noise is judged by the stochastic gate, even in a deterministic case.
     let (gate, _) = default_gate(&golden, &picture);
-    let finding = judged(case, gate, trusted, &golden, &picture);
+    let finding = judged(case, gate, checked, &golden, &picture);
     Judged {
         result: finding.result(case, gate, start),
         evidence: Evidence {
             test: Some(picture),
-            ..evidence(case, trusted)
+            ..evidence(case, checked)
         },
     }
 }
 
-fn evidence(case: &Case, trusted: &Trusted) -> Evidence {
+fn evidence(case: &Case, checked: &CheckedGolden) -> Evidence {
     let answer = case.answer.as_ref();
     let answer = answer.map(|answer| ("known answer".to_owned(), answer.to_string()));
     Evidence {
-        provenance: trusted.provenance().into_iter().chain(answer).collect(),
-        golden: Some(trusted.golden.film.clone()),
+        provenance: checked.provenance().into_iter().chain(answer).collect(),
+        golden: Some(checked.golden.film.clone()),
         ..Evidence::of(case)
     }
 }
@@ -89,7 +89,7 @@ fn evidence(case: &Case, trusted: &Trusted) -> Evidence {
 fn judged(
     case: &Case,
     gate: &'static dyn ImageGate,
-    trusted: &Trusted,
+    checked: &CheckedGolden,
     golden: &Picture,
     picture: &Picture,
 ) -> Finding {
@@ -110,7 +110,7 @@ fn judged(
     let mut finding = match (judgement.passed, judgement.undecided) {
         (false, _) => {
             // What holds for the whole image comes first: it explains what the gate saw.
-            let mut said = measured(case, &trusted.golden.film, picture);
+            let mut said = measured(case, &checked.golden.film, picture);
             said.push(judgement.reason);
             let reason = said.join("; ");
             Finding::new(Verdict::Fail, Cause::Mismatch, reason)
@@ -124,7 +124,7 @@ fn judged(
             case.exposure
         ));
     }
-    finding.reason.push_str(&trusted.omissions());
+    finding.reason.push_str(&checked.omissions());
     finding.metrics = judgement.metrics;
     finding
 }

@@ -1,8 +1,8 @@
 //! The reference against its own goldens.
 
-use super::finding::{Finding, Trusted};
+use super::finding::{CheckedGolden, Finding};
 use super::golden::{input_hashes, short};
-use super::rendering::{Reference, Renderer, Shot, render_case};
+use super::rendering::{Reference, Renderer, Rendering, render_case};
 use super::rows::ERROR_OF_TOLERANCE;
 use super::{
     Answer, Case, CaseResult, Cause, Evidence, Judged, Quick, Store, Suite, SuiteError, Verdict,
@@ -42,23 +42,29 @@ pub(super) fn verify_with(
 ) -> Judged {
     let start = Instant::now();
     let mut evidence = Evidence::of(case);
-    let finding = Trusted::load_for(renderer, case, store).and_then(|trusted| {
-        evidence.provenance = trusted.provenance();
-        evidence.golden = Some(trusted.golden.film.clone());
-        let quick = trusted.golden.provenance.quick.as_ref();
-        let shot = quick.map_or(Shot::Only, |quick| Shot::Quick(quick.samples));
-        let film = render_case(renderer, &trusted.scene, &trusted.plans, shot, progress)
-            .map_err(|reason| Finding::new(Verdict::Fail, Cause::Mismatch, reason))?;
+    let finding = CheckedGolden::load_for(renderer, case, store).and_then(|checked| {
+        evidence.provenance = checked.provenance();
+        evidence.golden = Some(checked.golden.film.clone());
+        let quick = checked.golden.provenance.quick.as_ref();
+        let rendering = quick.map_or(Rendering::Only, |quick| Rendering::Quick(quick.samples));
+        let film = render_case(
+            renderer,
+            &checked.scene,
+            &checked.plans,
+            rendering,
+            progress,
+        )
+        .map_err(|reason| Finding::new(Verdict::Fail, Cause::Mismatch, reason))?;
         let mut finding = match quick {
-            None => compare(&trusted, &film),
-            Some(quick) => compare_sampled(&trusted, quick, &film),
+            None => compare(&checked, &film),
+            Some(quick) => compare_sampled(&checked, quick, &film),
         };
         if let Some(answer) = &case.answer {
             // Of random samples the many say more.
             let known = ("known answer".to_owned(), answer.to_string());
             evidence.provenance.push(known);
             let sure = if quick.is_some() {
-                &trusted.golden.film
+                &checked.golden.film
             } else {
                 &film
             };
@@ -136,13 +142,13 @@ pub(super) fn judge_quick(converged: &Film, quick: &Film) -> Judgement {
     stochastic::judge(converged, quick, MOST_CASES).expect("both images state their noise")
 }
 
-fn compare(trusted: &Trusted, film: &Film) -> Finding {
-    let golden = &trusted.golden;
+fn compare(checked: &CheckedGolden, film: &Film) -> Finding {
+    let golden = &checked.golden;
     if film.pixel_hash() == golden.provenance.pixels {
         let reason = format!(
             "the same bits as the golden ({}){}",
             short(&golden.provenance.pixels),
-            trusted.omissions()
+            checked.omissions()
         );
         return Finding::new(Verdict::Pass, Cause::None, reason);
     }
@@ -156,8 +162,8 @@ fn compare(trusted: &Trusted, film: &Film) -> Finding {
         "{} ({} the tolerance for other renderers){}{}",
         exact.reason,
         if tolerant.passed { "within" } else { "beyond" },
-        moved_inputs(trusted),
-        trusted.omissions()
+        moved_inputs(checked),
+        checked.omissions()
     );
     let mut finding = Finding::new(Verdict::Fail, Cause::Mismatch, reason);
     finding.metrics = tolerant.metrics;
@@ -166,11 +172,11 @@ fn compare(trusted: &Trusted, film: &Film) -> Finding {
 }
 
 /// Names the input files that are not those of the golden, as the end of a sentence.
-fn moved_inputs(trusted: &Trusted) -> String {
-    let inputs = input_hashes(&trusted.scene);
+fn moved_inputs(checked: &CheckedGolden) -> String {
+    let inputs = input_hashes(&checked.scene);
     let moved: Vec<_> = inputs
         .iter()
-        .filter(|(path, hash)| trusted.golden.provenance.inputs.get(*path) != Some(hash))
+        .filter(|(path, hash)| checked.golden.provenance.inputs.get(*path) != Some(hash))
         .map(|(path, _)| path.as_str())
         .collect();
     match moved.is_empty() {
@@ -184,8 +190,8 @@ fn moved_inputs(trusted: &Trusted) -> String {
 
 /// Bits against the hash of the quick rendering, and noise against the converged image: a
 /// renderer that is wrong on purpose has the bits, one that was merely rearranged the noise.
-fn compare_sampled(trusted: &Trusted, quick: &Quick, film: &Film) -> Finding {
-    let golden = &trusted.golden;
+fn compare_sampled(checked: &CheckedGolden, quick: &Quick, film: &Film) -> Finding {
+    let golden = &checked.golden;
     let judgement = judge_quick(&golden.film, film);
     let has_bits = film.pixel_hash() == quick.pixels;
     let bits = if has_bits {
@@ -215,9 +221,9 @@ fn compare_sampled(trusted: &Trusted, quick: &Quick, film: &Film) -> Finding {
         if passed {
             String::new()
         } else {
-            moved_inputs(trusted)
+            moved_inputs(checked)
         },
-        trusted.omissions()
+        checked.omissions()
     );
     let mut finding = match passed {
         true => Finding::new(Verdict::Pass, Cause::None, reason),

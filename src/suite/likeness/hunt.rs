@@ -3,8 +3,8 @@
 
 use super::cells::Misfit;
 use super::clock::Clock;
+use super::compared_case::ComparedCase;
 use super::hypothesis::{Hypothesis, mistake};
-use super::suspect::Suspect;
 use crate::film::Film;
 use crate::suite::mistakes;
 use rayon::prelude::*;
@@ -28,7 +28,7 @@ pub(super) fn singles() -> usize {
     mistakes::catalogue().count()
 }
 
-impl Suspect {
+impl ComparedCase {
     /// The single mistakes that explain the image, nearest first, and what was seen on the way:
     /// those of the image, which take no rendering, come first.
     pub fn search(&self, clock: &Clock<'_>) -> (Found, Looks) {

@@ -1,8 +1,8 @@
 //! A radiative scene, put in order for other renderers.
 
 use super::forms::Form;
+use super::nested_media::{BoundarySurface, NestedMedia};
 use super::refusal::Faults;
-use super::vessels::{Vessels, Wall};
 use super::view::View;
 use crate::geometry::{ClosedMesh, Emitter, Mesh, Ray, Shape, Side, Surface};
 use crate::optics::{Light, Material};
@@ -10,23 +10,23 @@ use crate::scene::{AreaLight, Object, Panel, Radiative, Scattering};
 use glam::DVec3;
 
 /// Everything of a scene, by its coordinates, with the names that messages use.
-pub(super) struct Stage<'s> {
+pub(super) struct ExportScene<'s> {
     /// Surfaces that reflect or refract, and what they do to light.
     pub objects: Vec<(String, Form, Material)>,
     /// Surfaces that send out light.
     pub area_lights: Vec<(String, Form, &'s AreaLight)>,
     /// Media.
-    pub vessels: Vessels<'s>,
+    pub nested_media: NestedMedia<'s>,
     /// The eye.
     pub view: View,
     /// The largest coordinate of anything, in magnitude.
     pub reach: f64,
 }
 
-impl<'s> Stage<'s> {
+impl<'s> ExportScene<'s> {
     /// That of `scene`, which is the model of `panel`. What neither format can say goes to
     /// `faults`.
-    pub(super) fn of(panel: &Panel, scene: &'s Radiative, faults: &mut Faults) -> Stage<'s> {
+    pub(super) fn of(panel: &Panel, scene: &'s Radiative, faults: &mut Faults) -> ExportScene<'s> {
         let view = View::of(&scene.camera);
         let [objects, lights] = names(panel, scene);
         let objects: Vec<_> = (scene.objects.iter().zip(objects))
@@ -57,23 +57,23 @@ impl<'s> Stage<'s> {
             );
             faults.add("radiative", what);
         }
-        let walls = objects
+        let surfaces = objects
             .iter()
             .enumerate()
-            .map(|(object, (place, form, material))| Wall {
+            .map(|(object, (place, form, material))| BoundarySurface {
                 place: place.clone(),
                 form: form.clone(),
                 opaque: !matches!(material, Material::Glass(_))
                     && !matches!(form, Form::Mesh { .. }),
                 object: Some(object),
             });
-        let lamps = area_lights.iter().map(|(place, form, _)| Wall {
+        let lamps = area_lights.iter().map(|(place, form, _)| BoundarySurface {
             place: place.clone(),
             form: form.clone(),
             opaque: !matches!(form, Form::Mesh { .. }),
             object: None,
         });
-        let walls: Vec<Wall> = walls.chain(lamps).collect();
+        let surfaces: Vec<BoundarySurface> = surfaces.chain(lamps).collect();
         let size = [panel.width, panel.height];
         let [width, height] = size.map(|pixels| pixels as f64);
         // Between its corners a picture holds no other directions than theirs, mixed.
@@ -85,11 +85,11 @@ impl<'s> Stage<'s> {
             [0.5 * width, 0.5 * height],
         ]
         .map(|place| scene.camera.ray_through(place, size));
-        let vessels = Vessels::of(scene, &walls, &sight, reach, faults);
-        Stage {
+        let nested_media = NestedMedia::of(scene, &surfaces, &sight, reach, faults);
+        ExportScene {
             objects,
             area_lights,
-            vessels,
+            nested_media,
             view,
             reach,
         }

@@ -27,7 +27,7 @@ const FAR_OFF: f64 = 0.5;
 const FAR_OFF_ON_LATTICE: f64 = 0.75;
 
 /// A case whose image is wrong.
-pub(super) struct Suspect {
+pub(super) struct ComparedCase {
     /// Among the results.
     pub index: usize,
     /// Of the case.
@@ -65,14 +65,14 @@ struct Glimpse {
     from_golden: Misfit,
 }
 
-impl Suspect {
+impl ComparedCase {
     /// Nothing where the image cannot be compared, or the scene cannot be read.
     pub fn new(
         index: usize,
         case: &Case,
         judged: &Judged,
         scenes: &dyn Fn(&Case) -> Option<Scene>,
-    ) -> Option<Suspect> {
+    ) -> Option<ComparedCase> {
         let golden = judged.evidence.golden.clone()?;
         let picture = judged.evidence.test.clone()?;
         let size = (golden.width(), golden.height());
@@ -111,7 +111,7 @@ impl Suspect {
             }
         };
         let glimpse = (!is_sampled).then(|| Glimpse::new(&bounded, &test, &widths, first.0));
-        Some(Suspect {
+        Some(ComparedCase {
             index,
             name: case.name.clone(),
             is_measured: is_simple(case, &golden, &picture),
@@ -171,7 +171,7 @@ impl Suspect {
         })
     }
 
-    /// How far the image is from `look`, as [`Suspect::look`] returns it, if it may be the image:
+    /// How far the image is from `look`, as [`ComparedCase::look`] returns it, if it may be the image:
     /// whether it is, a closer look says.
     pub fn promise(&self, look: &Film) -> Option<Misfit> {
         if self.sees_all_at_once() || self.is_sampled {
