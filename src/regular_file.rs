@@ -67,7 +67,7 @@ impl From<ReadError> for io::Error {
     }
 }
 
-/// Opens a regular file for reading, and tells its length in bytes. Never waits: a named pipe
+/// Opens a regular file for reading; with its length in bytes. Never waits: a named pipe
 /// without a writer would be waited for, and a device may never end.
 pub fn open(path: &Path) -> Result<(File, u64), OpenError> {
     check_kind(path)?;

@@ -21,7 +21,7 @@ use volref::cost::jitter::Jitter;
 use volref::cost::marching::Scheme;
 use volref::cost::norms::Errors;
 use volref::cost::order::{Expected, order};
-use volref::cost::profile::{Profile, Stretch};
+use volref::cost::profile::{BoundedSegment, Profile};
 use volref::cost::results::{Norms, OrderVerdict};
 use volref::cost::rules::Rule;
 use volref::cost::timing::Clock;
@@ -57,7 +57,7 @@ fn here(t: f64) -> Here {
 
 fn smooth_ray() -> Profile<'static> {
     Profile {
-        stretches: vec![Stretch {
+        segments: vec![BoundedSegment {
             span: Span {
                 near: 0.0,
                 far: 2.0,
@@ -151,7 +151,7 @@ fn estimators_keep_what_is_predicted_of_them() {
 #[test]
 fn a_constant_extinction_is_marched_without_noise() {
     let ray = Profile {
-        stretches: vec![Stretch {
+        segments: vec![BoundedSegment {
             span: Span {
                 near: 0.0,
                 far: 2.0,
@@ -319,7 +319,7 @@ fn through(grid: &Arc<Grid<f32>>, interpolation: Interpolation, ray: Ray) -> Pro
     let density = GridDensity::new(grid.clone(), interpolation);
     let span = density.bounds().span(&ray).unwrap();
     Profile {
-        stretches: vec![Stretch {
+        segments: vec![BoundedSegment {
             span,
             low: 0.0,
             high: 2.0,

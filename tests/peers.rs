@@ -163,7 +163,7 @@ fn a_volume_in_words_and_numbers() {
           "position": [0.325, 5.505, -1.34],
           "kind": "a white point light of strength 1, without fall-off"
         },
-        "radiance": "a sample of value d sends out L = d^2 * shade(colour(d)) * v, ambient light and highlight included",
+        "radiance": "a sample of value d emits L = d^2 * shade(colour(d)) * v, ambient light and highlight included",
         "compositing": {
           "method": "front-to-back",
           "formula": "C = 0, A = 0; for each sample from the eye on, C = C + (1 - A)*a*L and A = A + (1 - A)*a; the pixel is C + (1 - A)*background"
@@ -317,7 +317,7 @@ fn a_bundle_says_only_what_applies() {
     let radiance = panel["radiance"].as_str().unwrap();
     assert_eq!(
         radiance,
-        "a sample of value d sends out L = colour(d) * v, ambient light and highlight included"
+        "a sample of value d emits L = colour(d) * v, ambient light and highlight included"
     );
 }
 

@@ -384,13 +384,13 @@ fn bounces() {
         ("[radiative]", "[radiative]\nscattering = \"twice\""),
     ]), @r#"
     6:15: `max_bounces` must lie in [2, 67108863], got 1
-        `radiative.max_bounces`: How often light may be turned at most, with `scattering = "multiple"`. Left out: any number of times.
+        `radiative.max_bounces`: How often light may be scattered at most, with `scattering = "multiple"`. Left out: any number of times.
     6:15: `max_bounces` must lie in [2, 67108863], got 67108864
-        `radiative.max_bounces`: How often light may be turned at most, with `scattering = "multiple"`. Left out: any number of times.
+        `radiative.max_bounces`: How often light may be scattered at most, with `scattering = "multiple"`. Left out: any number of times.
     7:15: `max_bounces` means nothing to single scattering
         remove it, or set `scattering = "multiple"`
     6:14: `scattering` takes one of "none", "single", "multiple", got "twice"
-        `radiative.scattering`: How often light may be turned on its way to the eye, by media and surfaces together: never, once, or any number of times.
+        `radiative.scattering`: How often light may be scattered on its way to the eye, by media and surfaces together: never, once, or any number of times.
     "#);
 }
 
@@ -439,7 +439,7 @@ fn coefficients() {
     13:5: `g` must lie in (-1, 1), got -1.5
         `radiative.medium[0].g`: Mean cosine of the scattering angle (Henyey–Greenstein), between -1 and 1: positive is forward, 0 is every direction alike.
     13:12: `emission` must not be negative, got [-1, -1, -1]
-        `radiative.medium[0].emission`: Radiance sent out per world length.
+        `radiative.medium[0].emission`: Radiance emitted per world length.
     "#);
 }
 
@@ -588,7 +588,7 @@ fn densities_that_are_none() {
         block("<medium type=\"procedural\">\n  <color name=\"sigma_a\" value=\"1 1\"/>\n</medium>"),
     ];
     insta::assert_snapshot!(all.concat(), @r#"
-    12:9: a medium of varying density fills no shape: it would have no end
+    12:9: a heterogeneous medium fills no shape: it would have no end
         give the medium a `box`, `sphere` or `mesh`
     12:17: none.vol: there is no such file
         `radiative.medium[0].grid.file`: Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.
@@ -650,9 +650,9 @@ fn matter() {
         `radiative.surface[0].diffuse.reflectance`: Share of the light that is reflected, by channel, in [0, 1].
     9:11: missing key `reflectance` in [radiative.surface[0].diffuse]
         `radiative.surface[0].diffuse.reflectance`: Share of the light that is reflected, by channel, in [0, 1].
-    7:1: [radiative.surface[0]] has no kind of matter
+    7:1: [radiative.surface[0]] has no material
         give one of `diffuse`, `mirror`, `glass`, `emitter`
-    10:9: [radiative.surface[0]] has more than one kind of matter: `diffuse`, `glass`
+    10:9: [radiative.surface[0]] has more than one material: `diffuse`, `glass`
         keep exactly one of `diffuse`, `glass`
     9:19: `index` must be finite and above 0, got 0
         `radiative.surface[0].glass.index`: Index of refraction of the inside relative to the outside, such as 1.5.
@@ -663,7 +663,7 @@ fn matter() {
     9:13: unknown key `reflectence` in [radiative.surface[0].diffuse]
         did you mean `reflectance`?
     9:35: `sides` takes one of "front", "both", got "back"
-        `radiative.surface[0].emitter.sides`: Which sides send out light; the front of a closed shape is its outside.
+        `radiative.surface[0].emitter.sides`: Which sides emit light; the front of a closed shape is its outside.
     9:24: `radiance` must not be negative, got [-1, -1, -1]
         `radiative.surface[0].emitter.radiance`: Linear radiance, the same in every direction.
     "#);
@@ -788,7 +788,7 @@ fn places() {
         did you mean `rotate`?
     8:7: the box is flat: it has no inside, as glass needs
         give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
-    9:9: a sphere that sends out light cannot be stretched to an ellipsoid
+    9:9: a sphere that emits light cannot be stretched to an ellipsoid
         scale by the same factor along x, y and z, or give a mesh of the ellipsoid
     8:10: the area of this light is inf, beyond the range of numbers
         choose other units of length
@@ -871,11 +871,11 @@ fn more_than_an_image_holds() {
         an image holds 32-bit numbers; choose another unit of radiance
     13:12: `emission` is 1e39, but an image holds at most 1.701e38
         an image holds 32-bit numbers; choose another unit of radiance
-    13:12: the medium sends out up to 3.464e38 towards the eye; an image holds at most 1.701e38
+    13:12: the medium emits up to 3.464e38 towards the eye; an image holds at most 1.701e38
         give a smaller emission or a smaller shape
-    13:12: the medium sends out up to 3.464e38 towards the eye; an image holds at most 1.701e38
+    13:12: the medium emits up to 3.464e38 towards the eye; an image holds at most 1.701e38
         give a smaller emission or a smaller shape
-    12:12: the medium sends out up to 1.000e41 towards the eye; an image holds at most 1.701e38
+    12:12: the medium emits up to 1.000e41 towards the eye; an image holds at most 1.701e38
         give a smaller emission or a smaller shape
     "#);
     // What the medium itself takes away is not seen.
@@ -919,23 +919,23 @@ fn parts_that_make_no_picture_together() {
     insta::assert_snapshot!(all, @r#"
     6:15: `environment` shines from infinitely far away, and a medium fills all space: none of that light arrives
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
-    13:12: a medium that fills all space, sends out light and takes none away is infinitely bright
+    13:12: a medium that fills all space, emits light and takes none away is infinitely bright
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it absorption in every channel that it emits in
-    13:12: a medium that fills all space, sends out light and takes none away is infinitely bright
+    13:12: a medium that fills all space, emits light and takes none away is infinitely bright
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it absorption in every channel that it emits in
-    13:11: a medium that fills all space and scatters without absorbing turns light for ever
+    13:11: a medium that fills all space and scatters without absorbing keeps scattering light for ever
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
-    13:11: a medium that fills all space and scatters without absorbing turns light for ever
+    13:11: a medium that fills all space and scatters without absorbing keeps scattering light for ever
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
-    14:10: a medium that fills all space and scatters without absorbing turns light for ever
+    14:10: a medium that fills all space and scatters without absorbing keeps scattering light for ever
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
     16:15: a directional light shines from infinitely far away, and a medium fills all space: none of that light arrives
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
-    17:9: light of a point light that a glass surface turns cannot be met by any path from the eye
+    17:9: light of a point light that a glass surface scatters cannot be met by any path from the eye
         use a small emitting sphere in place of the light, or a diffuse surface in place of the glass
-    17:8: light of a spot light that a mirror surface turns cannot be met by any path from the eye
+    17:8: light of a spot light that a mirror surface scatters cannot be met by any path from the eye
         use a small emitting sphere or rectangle in place of the light, or a diffuse surface in place of the mirror
-    17:15: light of a directional light that a mirror surface turns cannot be met by any path from the eye
+    17:15: light of a directional light that a mirror surface scatters cannot be met by any path from the eye
         use a far emitting sphere or the environment in place of the light, or a diffuse surface in place of the mirror
     "#);
 }
@@ -1155,7 +1155,7 @@ fn schema_and_reader_agree_on_keys_and_defaults() {
     let mut checked = 0;
     for (path, table) in found {
         // A scene that holds the table: entries of lists that have none of their own are made
-        // from the base, where only one shape and one kind of matter may stand.
+        // from the base, where only one shape and one material may stand.
         let mut base = as_json(BASE);
         let steps: Vec<&str> = path.split('/').filter(|step| !step.is_empty()).collect();
         if let ["surface" | "medium" | "light", "0", key, ..] = steps[..] {

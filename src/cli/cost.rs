@@ -68,8 +68,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let mut costs: Vec<Cost> = Vec::new();
     for scene in &scenes {
         let name = scene.path.display().to_string();
-        let told = |what: &str| bar.set_message(format!("{name}: {what}"));
-        costs.extend(cost(scene, &options, &told).map_err(|error| failure(&name, &error))?);
+        let report = |what: &str| bar.set_message(format!("{name}: {what}"));
+        costs.extend(cost(scene, &options, &report).map_err(|error| failure(&name, &error))?);
         bar.inc(1);
     }
     bar.finish_and_clear();

@@ -322,7 +322,7 @@ fn describe(panel: &Panel, plan: &Plan, expected: &Expected, work: Option<&Count
 fn describe_work(expected: &Expected, work: Option<&Counters>) -> String {
     let rays = expected.rays;
     let a_ray = |count: u64| short(count as f64 / rays.max(1) as f64);
-    let told = |event: Event| match expected.of(event) {
+    let predicted = |event: Event| match expected.of(event) {
         None => "unknown".to_owned(),
         Some(Amount { count: 0, bound }) => match bound {
             Bound::AtLeast => "unknown".to_owned(),
@@ -335,13 +335,15 @@ fn describe_work(expected: &Expected, work: Option<&Counters>) -> String {
     let Some(work) = work else {
         // What is not done at all, and what nobody can tell, take a line each.
         let named = |what: &str| -> Vec<String> {
-            let those = Event::ALL.into_iter().filter(|&event| told(event) == what);
+            let those = Event::ALL
+                .into_iter()
+                .filter(|&event| predicted(event) == what);
             those.map(name).collect()
         };
         let mut text = format!("work expected, each of {rays} rays\n");
-        let known = |event: &Event| !["none", "unknown"].contains(&told(*event).as_str());
+        let known = |event: &Event| !["none", "unknown"].contains(&predicted(*event).as_str());
         for event in Event::ALL.into_iter().filter(known) {
-            text.push_str(&format!("  {:<16}  {}\n", told(event), name(event)));
+            text.push_str(&format!("  {:<16}  {}\n", predicted(event), name(event)));
         }
         for what in ["unknown", "none"] {
             let those = named(what);
@@ -363,7 +365,7 @@ fn describe_work(expected: &Expected, work: Option<&Counters>) -> String {
         text.push_str(&format!(
             "  {:<26}  {:<16}  {:>12}  {count:>14}\n",
             name(event),
-            told(event),
+            predicted(event),
             a_ray(count)
         ));
     }

@@ -22,7 +22,7 @@ const FIRST_LINE: Duration = Duration::from_secs(2);
 /// The longest silence in a pipe. Services that run tests end what says nothing for ten minutes.
 const LONGEST_SILENCE: Duration = Duration::from_secs(300);
 
-/// A panel that takes longer is told of before it is rendered.
+/// A panel that takes longer is announced before it is rendered.
 const WORTH_A_WARNING: f64 = 10.0;
 
 /// Measuring how long a panel will take takes no longer, but for the ray under way.

@@ -144,7 +144,7 @@ fn brightness_note(film: &Film, format: Format, exposure: f64) -> Option<String>
         .filter(|&brightest| brightest > 0.0)
         .collect();
     if lit.is_empty() {
-        let empty = "note: the image is black: no ray meets anything that sends out light\n";
+        let empty = "note: the image is black: no ray meets anything that emits light\n";
         return Some(empty.to_owned());
     }
     // The brightest hundredth of what is lit: a single hot pixel says nothing.

@@ -195,7 +195,7 @@ impl<'s> Subject<'s> {
         let steps = Steps::over(span, step);
         let (near, step) = (span.near as f32, step as f32);
         let (origin, direction) = (ray.origin.as_vec3(), ray.direction.as_vec3());
-        let (mut colour, mut through) = (glam::Vec3::ZERO, 1.0_f32);
+        let (mut colour, mut transmittance) = (glam::Vec3::ZERO, 1.0_f32);
         let mut work = Counters::default();
         for index in 0..steps.count() {
             let (t, length) = match index + 1 < steps.count() {
@@ -209,10 +209,10 @@ impl<'s> Subject<'s> {
             let (value, source) = self.caster.at(ray, world.as_dvec3(), &mut work);
             let value = f64::from(value as f32);
             let own = self.scene.transfer_function.opacity(value, length.into()) as f32;
-            colour += source.as_vec3() * own * through;
-            through *= 1.0 - own;
+            colour += source.as_vec3() * own * transmittance;
+            transmittance *= 1.0 - own;
         }
-        (colour + background * through).as_dvec3()
+        (colour + background * transmittance).as_dvec3()
     }
 }
 

@@ -19,7 +19,7 @@ use glam::DVec3;
 pub struct Here {
     /// Extinction, per length; infinite in what is opaque.
     pub extinction: f64,
-    /// Radiance sent out per length; where the extinction is infinite, the radiance itself.
+    /// Radiance emitted per length; where the extinction is infinite, the radiance itself.
     pub emission: DVec3,
 }
 
@@ -129,7 +129,7 @@ impl Collocation {
                 let first = self.element(near, middle, &mut at);
                 let second = self.element(middle, far, &mut at);
                 let mut halves = first.light.before(&second.light);
-                let through = exp(-depth.value());
+                let transmittance = exp(-depth.value());
                 // Two that are opaque agree in depth.
                 halves.depth_error = match halves.depth == whole.light.depth {
                     true => 0.0,
@@ -137,7 +137,7 @@ impl Collocation {
                 };
                 halves.radiance_error =
                     (halves.radiance - whole.light.radiance).abs().max_element();
-                let left = through * (halves.radiance_error + halves.depth_error);
+                let left = transmittance * (halves.radiance_error + halves.depth_error);
                 let settled = left <= tolerance && !first.is_mixed && !second.is_mixed
                     || halvings >= MOST_HALVINGS
                     || elements.len() >= MOST_ELEMENTS
@@ -197,15 +197,15 @@ struct Element {
 impl Light {
     /// This piece before another one.
     pub fn before(&self, behind: &Light) -> Light {
-        let through = exp(-self.depth);
-        let dimmed = behind.radiance * through;
+        let transmittance = exp(-self.depth);
+        let attenuated = behind.radiance * transmittance;
         Light {
-            radiance: self.radiance + dimmed,
+            radiance: self.radiance + attenuated,
             depth: self.depth + behind.depth,
             // e^(−τ) is off by no more than itself times the error of τ, to first order.
             radiance_error: self.radiance_error
-                + through * behind.radiance_error
-                + dimmed.abs().max_element() * self.depth_error.min(1.0),
+                + transmittance * behind.radiance_error
+                + attenuated.abs().max_element() * self.depth_error.min(1.0),
             depth_error: self.depth_error + behind.depth_error,
         }
     }
@@ -291,8 +291,8 @@ mod tests {
             false => Here::with_source(f64::INFINITY, DVec3::splat(5.0)),
         };
         let light = Collocation::new().light(&[0.0, 1.0], 1e-12, wall);
-        let through = exp(-0.35);
-        let right = 1.0 - through + 5.0 * through;
+        let transmittance = exp(-0.35);
+        let right = 1.0 - transmittance + 5.0 * transmittance;
         assert!((light.radiance.x - right).abs() < 1e-11, "{light:?}");
         assert_eq!(light.depth, f64::INFINITY);
     }

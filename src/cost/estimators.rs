@@ -1,7 +1,7 @@
 //! Estimators of a ray's transmittance by random numbers: what theory promises, and what they do.
 
 use super::collocation::{Collocation, Here};
-use super::profile::{Profile, Stretch};
+use super::profile::{BoundedSegment, Profile};
 use super::results::{
     EstimatorRow, EstimatorTable, ThicknessCurve, ThicknessPoint, ThicknessSweep,
 };
@@ -24,7 +24,7 @@ pub enum Estimator {
     Delta,
     /// Product of the shares of tentative collisions that are null.
     Ratio,
-    /// The same relative to the lower bound of each stretch: the reference renderer's.
+    /// The same relative to the lower bound of each segment: the reference renderer's.
     ResidualRatio,
     /// A series around a marched depth, ended by chance.
     UnbiasedMarching,
@@ -142,15 +142,15 @@ impl Known {
     fn of(profile: &Profile<'_>, depth: f64) -> Known {
         let collocation = Collocation::new();
         let cuts = profile.cuts();
-        let bounds = |t: f64| match profile.stretch_at(t) {
-            Some(Stretch { low, high, .. }) => (*low, *high),
+        let bounds = |t: f64| match profile.segment_at(t) {
+            Some(BoundedSegment { low, high, .. }) => (*low, *high),
             None => (0.0, 0.0),
         };
         let share = |squared: f64, bound: f64| match bound > 0.0 {
             true => squared / bound,
             false => 0.0,
         };
-        let dimmed = collocation.light(&cuts, TOLERANCE, |t| Here {
+        let attenuated = collocation.light(&cuts, TOLERANCE, |t| Here {
             extinction: profile.at(t),
             emission: DVec3::new(bounds(t).1, 0.0, 0.0),
         });
@@ -167,25 +167,25 @@ impl Known {
                 ),
             }
         });
-        let over = |rate: fn(&Stretch) -> f64| -> f64 {
-            let stretches = profile.stretches.iter();
-            stretches
-                .map(|stretch| rate(stretch) * stretch.span.length())
+        let over = |rate: fn(&BoundedSegment) -> f64| -> f64 {
+            let segments = profile.segments.iter();
+            segments
+                .map(|segment| rate(segment) * segment.span.length())
                 .sum()
         };
         let each = profile.densities as f64;
         Known {
             depth,
-            delta_lookups: each * dimmed.radiance.x,
+            delta_lookups: each * attenuated.radiance.x,
             ratio: sums.radiance.x,
             residual: sums.radiance.y,
-            majorant: each * over(|stretch| stretch.high),
-            residual_majorant: each * over(|stretch| stretch.high - stretch.low),
+            majorant: each * over(|segment| segment.high),
+            residual_majorant: each * over(|segment| segment.high - segment.low),
             marching_lookups: each * marching_lookups(profile),
             lookups_are_known: profile.densities > 0,
-            is_constant: profile.stretches.iter().all(|stretch| {
-                let first = profile.stretches[0].low;
-                stretch.low == first && stretch.high == first
+            is_constant: profile.segments.iter().all(|segment| {
+                let first = profile.segments[0].low;
+                segment.low == first && segment.high == first
             }),
         }
     }
@@ -372,11 +372,8 @@ fn march_steps(profile: &Profile<'_>) -> u32 {
 
 /// Look-ups of an estimate in the mean: none where a bound says that there is nothing.
 fn marching_lookups(profile: &Profile<'_>) -> f64 {
-    let filled = profile
-        .stretches
-        .iter()
-        .filter(|stretch| stretch.high > 0.0);
-    let filled: f64 = filled.map(|stretch| stretch.span.length()).sum();
+    let filled = profile.segments.iter().filter(|segment| segment.high > 0.0);
+    let filled: f64 = filled.map(|segment| segment.span.length()).sum();
     let share = filled / profile.span().length();
     f64::from(march_steps(profile)) * unbiased_ray_marching::MEAN_MARCHES * share
 }

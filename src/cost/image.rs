@@ -25,12 +25,12 @@ use rayon::prelude::*;
 /// Pixels of the larger side of the image that is looked at: every sweep needs the same rays,
 /// and some hundred of them tell an order as well as all do.
 const SIDE: usize = 32;
-/// The same where every sample sends out a ray to the light.
+/// The same where every sample casts a ray to the light.
 const SIDE_WITH_SHADOW: usize = 10;
 
 /// Steps, in voxels.
 const STEPS: [f64; 9] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125, 0.0625, 0.031_25, 0.015_625];
-/// The same where every sample sends out a ray to the light: those that are done in seconds.
+/// The same where every sample casts a ray to the light: those that are done in seconds.
 const STEPS_WITH_SHADOW: [f64; 6] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125];
 
 /// Steps of shadow rays, in voxels.
@@ -258,14 +258,14 @@ fn preintegrated(
         let far = subject.value(ray, middle + 0.5 * length, work);
         front = Some(far);
         let segment = table.segment(near, far, length);
-        let through = exp(-depth);
-        radiance += segment.colour * through;
+        let transmittance = exp(-depth);
+        radiance += segment.colour * transmittance;
         if subject.is_lit() && segment.opacity > 0.0 {
             let (value, source) = subject.sample(ray, middle, work);
             // Where the middle is transparent nothing is lit, and nothing was asked.
             if subject.is_seen(value) {
                 let added = source - subject.unlit(value);
-                radiance += added * (segment.opacity * through);
+                radiance += added * (segment.opacity * transmittance);
             }
         }
         depth -= ln_1p(-segment.opacity);

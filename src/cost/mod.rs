@@ -4,7 +4,7 @@
 //! carries its own bound ([`collocation`]). [`rules`], [`marching`], [`jitter`], [`estimators`],
 //! [`unbiased_ray_marching`] and [`preintegration`] are what is compared; the reference renderer
 //! is one of them. Orders of convergence are judged in [`order`]. What gates are counters and
-//! errors, which repeat to the last bit; wall time is told ([`timing`]) and never judged.
+//! errors, which repeat to the last bit; wall time is reported ([`timing`]) and never judged.
 
 pub mod advice;
 pub mod by_hand;

@@ -24,7 +24,7 @@ const SIDES: [usize; 6] = [2, 4, 8, 16, 32, 64];
 /// Points on a side of the finest image, by which areas are known.
 const FINE: usize = 512;
 
-/// From this opacity on matter has a silhouette.
+/// From this opacity on a volume has a silhouette.
 const OPAQUE: f64 = 0.99;
 
 /// Samples of every ray are as far apart as the scene says: pixels are compared with pixels.

@@ -20,7 +20,7 @@
 //! the opacity, or it is the bell curve of the formula. A segment is cut at the ends of the pieces,
 //! and what it sees of each is put together front to back.
 //!
-//! **Depth** of a stretch is its length times the mean of `−ln(1 − a)` over the values in it.
+//! **Depth** of a segment is its length times the mean of `−ln(1 − a)` over the values in it.
 //! Where `1 − a` is a straight line from `x` down to `(1 − q) x`, that mean is `−ln x + ψ(q)`
 //! with
 //!
@@ -31,7 +31,7 @@
 //! and both terms are positive: no digit cancels. A ramp up to opacity 1 has a finite depth. For
 //! the bell curve see `Bell`.
 //!
-//! **Radiance** by parts, with `e` a polynomial along the stretch and `x` the share of it behind:
+//! **Radiance** by parts, with `e` a polynomial along the segment and `x` the share of it behind:
 //!
 //! ```text
 //! ∫ e σ e^(−τ) dt = e(0) α + ∫₀¹ e'(x) (e^(−τ(x)) − e^(−D)) dx
@@ -121,14 +121,14 @@ impl Preintegrated {
         let mut depth = 0.0;
         let mut see = |piece: &Piece, values: [f64; 2]| {
             let share = (values[1] - values[0]).abs() / (back - front).abs();
-            let stretch = Stretch {
+            let segment = LinearSegment {
                 piece,
                 values,
                 lengths: lengths * share,
             };
-            let emission = stretch.emission(&transfer.appearance);
-            let own = stretch.depth(1.0);
-            colour += transmittance(depth) * stretch.radiance(&emission, own);
+            let emission = segment.emission(&transfer.appearance);
+            let own = segment.depth(1.0);
+            colour += transmittance(depth) * segment.radiance(&emission, own);
             depth += own;
         };
         let [low, high] = [front.min(back), front.max(back)];
@@ -350,7 +350,7 @@ const GAUSS_8: [(f64, f64); 4] = [
 ];
 
 /// What a segment sees of one piece.
-struct Stretch<'p> {
+struct LinearSegment<'p> {
     piece: &'p Piece,
     /// In front and at the back.
     values: [f64; 2],
@@ -358,8 +358,8 @@ struct Stretch<'p> {
     lengths: f64,
 }
 
-impl Stretch<'_> {
-    /// Depth of the share `x` of the stretch in front.
+impl LinearSegment<'_> {
+    /// Depth of the share `x` of the segment in front.
     fn depth(&self, x: f64) -> f64 {
         let [front, back] = self.values;
         let value = if x == 1.0 {
@@ -370,7 +370,7 @@ impl Stretch<'_> {
         optical_depth(self.piece.mean_depth(front, value), self.lengths * x)
     }
 
-    /// Colour times strength along the stretch: coefficients of the powers of `x`.
+    /// Colour times strength along the segment: coefficients of the powers of `x`.
     fn emission(&self, appearance: &Appearance) -> [DVec3; 4] {
         let [front, back] = self.values;
         let [from, to] = self.piece.colour;
@@ -391,7 +391,7 @@ impl Stretch<'_> {
         }
     }
 
-    /// Associated radiance, given the emission and the depth of the whole stretch.
+    /// Associated radiance, given the emission and the depth of the whole segment.
     fn radiance(&self, emission: &[DVec3; 4], depth: f64) -> DVec3 {
         let [start, slope, ..] = *emission;
         if depth == 0.0 {
@@ -415,7 +415,7 @@ impl Stretch<'_> {
             + emission[3] * (3.0 * moments.z)
     }
 
-    /// Up to which share of the stretch there is anything to be seen. Beyond a depth of `UNSEEN`
+    /// Up to which share of the segment there is anything to be seen. Beyond a depth of `UNSEEN`
     /// there is not, and quadrature from there on might step over what is before.
     fn reach(&self, depth: f64) -> f64 {
         if depth <= UNSEEN {
@@ -558,9 +558,9 @@ mod tests {
         // Half of four reference lengths at 0.75: a depth of 2 ln 4, and then green.
         let found = prepared.segment(0.0, 2.0, 2.0);
         assert_eq!(found.opacity, 1.0);
-        let through = 1.0 / 16.0;
-        assert_relative(found.colour.x, 1.0 - through, 4.0 * f64::EPSILON);
-        assert_relative(found.colour.y, 2.0 * through, 16.0 * f64::EPSILON);
+        let transmittance = 1.0 / 16.0;
+        assert_relative(found.colour.x, 1.0 - transmittance, 4.0 * f64::EPSILON);
+        assert_relative(found.colour.y, 2.0 * transmittance, 16.0 * f64::EPSILON);
         // From the other side it begins with what is opaque.
         let back = prepared.segment(1.5, 0.0, 2.0);
         assert_eq!(back, Layers::single(transfer.colour(1.5), 1.0));

@@ -14,7 +14,7 @@ pub struct Cost {
     pub studies: Vec<Study>,
     /// Estimators of one ray's transmittance: what they promise, and what they keep.
     pub estimators: Option<EstimatorTable>,
-    /// The same estimators in thinner and denser matter.
+    /// The same estimators in thinner and denser media.
     pub thickness: Option<ThicknessSweep>,
     /// Jittered marching along one ray: bias and variance apart.
     pub jitter: Option<JitterSplit>,
@@ -64,7 +64,7 @@ pub struct Sweep {
     pub estimator: String,
     /// Whether it is what the reference renderer does.
     pub is_ours: bool,
-    /// What is turned.
+    /// What is varied.
     pub parameter: Parameter,
     /// The settings.
     pub levels: Vec<Level>,
@@ -74,7 +74,7 @@ pub struct Sweep {
     pub cut: Option<String>,
 }
 
-/// Something to be turned.
+/// Something to be varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Parameter {
@@ -270,7 +270,7 @@ pub struct Price {
 pub struct Offer {
     /// The estimator.
     pub estimator: String,
-    /// What is turned.
+    /// What is varied.
     pub parameter: Parameter,
     /// The setting; none if no setting of the sweep reaches the error.
     pub setting: Option<String>,
@@ -336,7 +336,7 @@ pub struct ThicknessSweep {
     pub curves: Vec<ThicknessCurve>,
 }
 
-/// One estimator in thinner and denser matter.
+/// One estimator in thinner and denser media.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ThicknessCurve {
     /// Which.

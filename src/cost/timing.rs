@@ -1,4 +1,4 @@
-//! Wall time, told honestly: by turns, with its spread, and called noisy when it is.
+//! Wall time, reported honestly: by turns, with its spread, and called noisy when it is.
 
 use super::results::{Machine, Times};
 use crate::regular_file;
@@ -58,9 +58,9 @@ impl Clock {
                 if self.is_over() {
                     break 'rounds;
                 }
-                let taken = time(task).as_secs_f64() / share;
+                let spent = time(task).as_secs_f64() / share;
                 if round > 0 {
-                    seconds.push(taken);
+                    seconds.push(spent);
                 }
             }
         }

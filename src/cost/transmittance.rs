@@ -1,10 +1,10 @@
-//! What the transmittance of media of varying density costs, along the rays of the camera.
+//! What the transmittance of heterogeneous media costs, along the rays of the camera.
 
 use super::collocation::{Collocation, Here};
 use super::estimators::Estimator;
 use super::norms::root_mean_square;
 use super::order::Expected;
-use super::profile::{Profile, Stretch};
+use super::profile::{BoundedSegment, Profile};
 use super::results::{Parameter, Reference, Study};
 use super::rules::Rule;
 use super::study::{Outcome, PlannedSweep, Run, Setting, run_sweeps};
@@ -59,7 +59,7 @@ const TOLERANCE: f64 = 1e-9;
 /// Pieces that a ray is cut into, where nothing says what is smooth on it.
 const PIECES: usize = 64;
 
-/// A ray through media of varying density.
+/// A ray through heterogeneous media.
 pub struct Crossing<'s> {
     /// Which pixel of the smaller image it belongs to.
     pub pixel: [usize; 2],
@@ -73,7 +73,7 @@ pub struct Crossing<'s> {
     pub parts: Vec<Part<'s>>,
 }
 
-/// A medium of varying density on a ray.
+/// A heterogeneous medium on a ray.
 pub struct Part<'s> {
     /// Its number in the scene.
     pub medium: usize,
@@ -108,7 +108,7 @@ impl Crossing<'_> {
     }
 }
 
-/// All rays of a smaller image that cross media of varying density.
+/// All rays of a smaller image that cross heterogeneous media.
 pub struct Crossings<'s> {
     /// Columns and rows of the smaller image.
     pub size: [usize; 2],
@@ -240,17 +240,17 @@ fn crossing<'s>(
     let end = met.map_or(f64::INFINITY, |(_, hit)| hit.t);
     let mut path = MediaPath::default();
     path.lay(media, &ray, end);
-    // Stretches that follow one another, from the first on which something varies.
+    // Segments that follow one another, from the first on which something varies.
     let mut pieces: Vec<(Span, Set)> = Vec::new();
-    for stretch in path.stretches() {
-        let set = stretch.set & varying(media);
+    for segment in path.stretches() {
+        let set = segment.set & varying(media);
         let follows = pieces
             .last()
-            .is_none_or(|(span, _)| span.far == stretch.span.near);
+            .is_none_or(|(span, _)| span.far == segment.span.near);
         match (set, pieces.is_empty()) {
             (0, true) => continue,
             (0, false) => break,
-            _ if follows => pieces.push((stretch.span, set)),
+            _ if follows => pieces.push((segment.span, set)),
             _ => break,
         }
     }
@@ -266,13 +266,13 @@ fn crossing<'s>(
     if sigma[channel] == 0.0 {
         return None;
     }
-    let mut stretches = Vec::new();
+    let mut segments = Vec::new();
     let mut kinks: Vec<f64> = Vec::new();
     let mut strands = Vec::new();
     for (span, set) in &pieces {
         let mut passage = Passage::new(media, *set, &ray, *span, &mut strands);
         while let Some(bounds) = passage.next_stretch() {
-            stretches.push(Stretch {
+            segments.push(BoundedSegment {
                 span: bounds.span,
                 low: bounds.low[channel],
                 high: bounds.high[channel],
@@ -320,7 +320,7 @@ fn crossing<'s>(
         })
     };
     let profile = Profile {
-        stretches,
+        segments,
         extinction: Box::new(extinction),
         kinks,
         densities,
@@ -347,7 +347,7 @@ fn crossing<'s>(
     Some(crossing)
 }
 
-/// The media of varying density that take light away.
+/// The heterogeneous media that take light away.
 fn varying(media: &Media<'_>) -> Set {
     let varies = |(index, medium): (usize, &Medium<'_>)| medium.density.map(|_| 1 << index);
     media.all().iter().enumerate().filter_map(varies).sum()

@@ -69,7 +69,7 @@ pub fn march_steps(depth_bound: f64) -> u32 {
     ((lookups / MEAN_MARCHES + 0.5) as u32).max(1)
 }
 
-/// The random numbers of one estimate: uniform in [0, 1), for one purpose at one turn of a path,
+/// The random numbers of one estimate: uniform in [0, 1), for one purpose at one bounce of a path,
 /// from the first on.
 pub fn uniform_numbers(stream: &Stream, bounce: u32, purpose: Purpose) -> impl FnMut() -> f64 {
     let stream = *stream;

@@ -13,7 +13,7 @@ use glam::DVec3;
 pub(super) struct ExportScene<'s> {
     /// Surfaces that reflect or refract, and what they do to light.
     pub objects: Vec<(String, Form, Material)>,
-    /// Surfaces that send out light.
+    /// Surfaces that emit light.
     pub area_lights: Vec<(String, Form, &'s AreaLight)>,
     /// Media.
     pub nested_media: NestedMedia<'s>,
@@ -96,8 +96,8 @@ impl<'s> ExportScene<'s> {
     }
 }
 
-/// How often light may be turned; none without limit.
-pub(super) fn turns(scattering: Scattering) -> Option<u32> {
+/// How often light may be scattered; none without limit.
+pub(super) fn most_bounces(scattering: Scattering) -> Option<u32> {
     match scattering {
         Scattering::None => Some(0),
         Scattering::Single => Some(1),

@@ -23,7 +23,7 @@ const SHARPEST: f64 = 0.99;
 /// The most mean free paths across a body.
 ///
 /// A path is continued from a place rounded to 2⁻²⁴ of the coordinates (`media.h`, `SampleT_maj`):
-/// in bodies as large as their coordinates, up to 6e-4 of a free path at each turn.
+/// in bodies as large as their coordinates, up to 6e-4 of a free path at each bounce.
 const THICKEST: f64 = 1e4;
 
 /// Names what of a scene pbrt's numbers cannot hold.

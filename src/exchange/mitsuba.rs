@@ -3,7 +3,7 @@
 //! - The same in both: `g > 0` scatters forward; a point or spot light of intensity `I` gives
 //!   `I/r²`; a spotlight falls linearly in the angle from `beam_width` to `cutoff_angle`;
 //!   `irradiance` of a directional light; looking along +z, +x is to the left.
-//! - Light turned n times is `max_depth` n + 1; boundaries of media do not count in either.
+//! - Light scattered n times is `max_depth` n + 1; boundaries of media do not count in either.
 //! - Emitters send light out of their front only. The back of a two-sided one is a second one,
 //!   just behind the first.
 //! - One medium is at a place. Where a medium lies within another, its boundary has the sum of
@@ -17,7 +17,7 @@
 //! - A grid is a `gridvolume`, put so that the middles of its voxels are volref's nodes; the
 //!   medium ends with its shape, and beyond the outermost values both are constant.
 
-use super::export_scene::{ExportScene, turns};
+use super::export_scene::{ExportScene, most_bounces};
 use super::files::{ply, vol};
 use super::forms::Form;
 use super::mixture::Mixture;
@@ -56,7 +56,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
     }
     for nested in &export.nested_media.list {
         if nested.medium.emission != DVec3::ZERO {
-            faults.add(place_of(nested.index), "a medium that sends out light");
+            faults.add(place_of(nested.index), "a medium that emits light");
         }
     }
     let mut writer = Writer {
@@ -114,9 +114,9 @@ impl Writer<'_> {
     }
 
     fn integrator(&mut self, panel: &Panel, scene: &Radiative, export: &ExportScene) {
-        let depth = match turns(scene.scattering) {
+        let depth = match most_bounces(scene.scattering) {
             None => "-1".to_owned(),
-            Some(turns) => (turns + 1).to_string(),
+            Some(bounces) => (bounces + 1).to_string(),
         };
         // Mitsuba's seeds have 32 bits.
         let seed = (scene.seed & 0xffff_ffff).to_string();
@@ -193,9 +193,9 @@ impl Writer<'_> {
             .map(|nested| place_of(nested.index))
             .collect();
         if !moved.is_empty() {
-            let way = GAP * (1.0 + export.reach);
+            let offset = GAP * (1.0 + export.reach);
             self.notes.push(format!(
-                "Faces of {} that lie in surfaces stand {way:.3e} behind them, where no ray sees \
+                "Faces of {} that lie in surfaces stand {offset:.3e} behind them, where no ray sees \
                  it.",
                 moved.join(", ")
             ));
@@ -310,30 +310,30 @@ impl Writer<'_> {
             if light.sides == Sides::Front {
                 continue;
             }
-            let way = BEHIND * form.reach();
+            let offset = BEHIND * form.reach();
             let (back, more) = match form {
                 Form::Rectangle {
                     corner,
                     edges: [u, v],
                 } => {
-                    let corner = corner - u.cross(*v).normalize() * way;
+                    let corner = corner - u.cross(*v).normalize() * offset;
                     let edges = [*v, *u];
                     (Form::Rectangle { corner, edges }, None)
                 }
                 Form::Sphere { centre, radius } => {
-                    let (centre, radius) = (*centre, radius - way);
+                    let (centre, radius) = (*centre, radius - offset);
                     let inward = typed("boolean", "flip_normals", true);
                     (Form::Sphere { centre, radius }, Some(inward))
                 }
                 _ => {
-                    let what = "a box or mesh that sends out light on both sides; of a box or \
+                    let what = "a box or mesh that emits light on both sides; of a box or \
                                 closed mesh, say `sides = \"front\"`";
                     self.faults.add(place, what);
                     continue;
                 }
             };
             self.notes.push(format!(
-                "{place} shines to both sides: its back is a second emitter, {way:.3e} behind."
+                "{place} shines to both sides: its back is a second emitter, {offset:.3e} behind."
             ));
             let parts = more.into_iter().chain([black, shine]).collect();
             self.form(place, &back, parts);

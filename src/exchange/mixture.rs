@@ -9,7 +9,7 @@ pub(super) struct Mixture {
     pub sigma_a: DVec3,
     /// Scattering by channel.
     pub sigma_s: DVec3,
-    /// Radiance sent out per length, by channel.
+    /// Radiance emitted per length, by channel.
     pub emission: DVec3,
     /// What of it is scattered by which phase function: g, and scattering by channel.
     pub parts: Vec<(f64, DVec3)>,

@@ -1,6 +1,6 @@
 //! Which media lie in which, and where their boundaries may stand.
 //!
-//! In volref media overlap and add up. Mitsuba and pbrt know one medium at a place, told inside
+//! In volref media overlap and add up. Mitsuba and pbrt know one medium at a point, named inside
 //! from outside by the boundary that a ray crosses. So media must be apart or one wholly within
 //! another, and a boundary may not lie in a surface: a ray that starts on the surface would start
 //! beyond the boundary, or not, by rounding.
@@ -250,13 +250,13 @@ fn bounds_within(shape: &impl Surface, own: &Aabb) -> Result<Transform, String> 
     Ok(Transform::IDENTITY)
 }
 
-/// Moves the touched faces of a box outward by `way`.
-fn behind(form: &mut Form, touched: &[bool], way: f64) {
+/// Moves the touched faces of a box outward by `offset`.
+fn behind(form: &mut Form, touched: &[bool], offset: f64) {
     let Form::Box { corner, edges } = form else {
         return;
     };
     for axis in 0..3 {
-        let step = edges[axis].normalize() * way;
+        let step = edges[axis].normalize() * offset;
         if touched[2 * axis] {
             *corner -= step;
             edges[axis] += step;
@@ -491,7 +491,7 @@ fn starts_in(form: &Form, boundary: &Boundary, ray: &Ray, same: f64) -> bool {
     span.is_some_and(|span| span.near <= same && span.far > same)
 }
 
-/// The stretch of a ray within a box, if there is one. What runs in a face is outside.
+/// The segment of a ray within a box, if there is one. What runs in a face is outside.
 fn span_in_box(corner: DVec3, edges: &[DVec3; 3], ray: &Ray) -> Option<Span> {
     let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
     for edge in edges {

@@ -7,9 +7,9 @@
 //!   picture of each is grey, and is that channel.
 //! - `LookAt` is left-handed: `Scale -1 1 1` before it puts +x to the left for who looks along +z.
 //! - `fov` goes across the shorter side of the image.
-//! - Light turned n times is `maxdepth` n; interfaces do not count. What media send out is added
-//!   only before the last turn (`cpu/integrators.cpp`, `VolPathIntegrator::Li`), so that for
-//!   emission turned n times it is n + 1.
+//! - Light scattered n times is `maxdepth` n; interfaces do not count. What media emit is added
+//!   only before the last bounce (`cpu/integrators.cpp`, `VolPathIntegrator::Li`), so that for
+//!   emission scattered n times it is n + 1.
 //! - `Le` times `sigma_a` is the emission (there): `Le` is `emission / sigma_a`.
 //! - A spotlight with a hard edge is never chosen by the default light sampler, for its
 //!   `LightBounds` hold no direction (`lights.cpp`, `SpotLight::Bounds`, `LightBounds::Importance`
@@ -34,7 +34,7 @@
 //! phase functions in one place; emission where nothing absorbs; and what 32-bit numbers lose,
 //! which is in `limits`.
 
-use super::export_scene::{ExportScene, turns};
+use super::export_scene::{ExportScene, most_bounces};
 use super::files::ply;
 use super::forms::Form;
 use super::limits;
@@ -53,8 +53,8 @@ use std::fmt::{Display, LowerExp};
 /// The names of the channels in files.
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
-/// So many turns are as good as any number: of the light that a white half-space returns, of the
-/// order of n^-1/2 is turned more than n times, here a thousandth; of light that is absorbed or
+/// So many bounces are as good as any number: of the light that a white half-space returns, of the
+/// order of n^-1/2 is scattered more than n times, here a thousandth; of light that is absorbed or
 /// leaves by another side, less. And a path that has lost a boundary to rounding, which one in
 /// about 1e5 does, ends within seconds.
 const ENDLESS: u32 = 1_000_000;
@@ -72,8 +72,8 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
     let export = ExportScene::of(panel, scene, &mut faults);
     check(scene, &export, &mut faults);
     limits::check(&export, &mut faults);
-    let turning = Turning::of(scene, &export, &mut faults);
-    turning.check_glow(&export, &mut faults);
+    let orders = ScatteringOrders::of(scene, &export, &mut faults);
+    orders.check_emission(&export, &mut faults);
     let is_grey = colours(scene, &export).all(|colour| colour == DVec3::splat(colour.x));
     let texts: Vec<(Option<usize>, String)> = if is_grey {
         vec![(None, format!("{name}.pbrt"))]
@@ -92,7 +92,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
         let mut writer = Writer {
             text: String::new(),
             channel: channel.unwrap_or(0),
-            turning: &turning,
+            orders: &orders,
             meshes: &mut meshes,
         };
         writer.opening(panel, &export, channel);
@@ -146,43 +146,45 @@ fn check(scene: &Radiative, export: &ExportScene, faults: &mut Faults) {
     }
 }
 
-/// How often light is turned, and how media may shine.
-struct Turning {
+/// Scattering orders that pbrt counts, and the emission of media.
+struct ScatteringOrders {
     /// `maxdepth`.
     depth: u32,
-    /// Whether nothing turns light, so that what would only takes it away.
+    /// Whether nothing scatters light, so that what would only absorbs it.
     never: bool,
 }
 
-impl Turning {
-    fn of(scene: &Radiative, export: &ExportScene, faults: &mut Faults) -> Turning {
+impl ScatteringOrders {
+    fn of(scene: &Radiative, export: &ExportScene, faults: &mut Faults) -> ScatteringOrders {
         let list = &export.nested_media.list;
-        let limit = turns(scene.scattering).unwrap_or(ENDLESS).min(ENDLESS);
-        let glows = |nested: &NestedMedium| nested.medium.emission != DVec3::ZERO;
-        if limit == ENDLESS || !list.iter().any(glows) {
+        let limit = most_bounces(scene.scattering)
+            .unwrap_or(ENDLESS)
+            .min(ENDLESS);
+        let is_emissive = |nested: &NestedMedium| nested.medium.emission != DVec3::ZERO;
+        if limit == ENDLESS || !list.iter().any(is_emissive) {
             let (depth, never) = (limit, false);
-            return Turning { depth, never };
+            return ScatteringOrders { depth, never };
         }
-        let turning = Turning {
+        let orders = ScatteringOrders {
             depth: limit + 1,
             never: limit == 0,
         };
         let scatters = |nested: &NestedMedium| nested.medium.coefficients.sigma_s() != DVec3::ZERO;
-        let turned = !scene.objects.is_empty() || list.iter().any(scatters);
+        let scatters_at_all = !scene.objects.is_empty() || list.iter().any(scatters);
         let others = !scene.lights.is_empty()
             || !scene.area_lights.is_empty()
             || scene.environment != DVec3::ZERO;
-        if turned && others && !turning.never {
+        if scatters_at_all && others && !orders.never {
             let key = match scene.scattering {
                 Scattering::Multiple(_) => "radiative.max_bounces",
                 _ => "radiative.scattering",
             };
-            let what = "light that media send out beside other light, turned so often at most: \
-                        pbrt counts the turns of the two differently; remove the limit, the \
+            let what = "light that media emit beside other light, scattered so often at most: \
+                        pbrt counts the bounces of the two differently; remove the limit, the \
                         emission or the other lights";
             faults.add(key, what);
         }
-        turning
+        orders
     }
 
     /// Absorption and scattering of a mixture.
@@ -194,20 +196,22 @@ impl Turning {
     }
 
     /// `Le` of a mixture, infinite where there is emission without absorption.
-    fn glow(&self, mixture: &Mixture) -> DVec3 {
+    fn emission_per_absorption(&self, mixture: &Mixture) -> DVec3 {
         let [sigma_a, _] = self.coefficients(mixture);
-        let glow = |channel: usize| match mixture.emission[channel] {
+        let ratio = |channel: usize| match mixture.emission[channel] {
             0.0 => 0.0,
             emission => emission / sigma_a[channel],
         };
-        DVec3::new(glow(0), glow(1), glow(2))
+        DVec3::new(ratio(0), ratio(1), ratio(2))
     }
 
     /// Names the media that cannot shine as they should.
-    fn check_glow(&self, export: &ExportScene, faults: &mut Faults) {
+    fn check_emission(&self, export: &ExportScene, faults: &mut Faults) {
         for (at, nested) in export.nested_media.list.iter().enumerate() {
             let layers: Vec<&NestedMedium> = export.nested_media.layers(at).collect();
-            let most = self.glow(&Mixture::of(&layers)).max_element();
+            let most = self
+                .emission_per_absorption(&Mixture::of(&layers))
+                .max_element();
             if most > f64::from(f32::MAX) {
                 let what = "emission where nothing, or next to nothing, is absorbed: pbrt says it \
                             as a factor of sigma_a; give sigma_a in every channel of emission";
@@ -266,7 +270,7 @@ impl Meshes<'_> {
 struct Writer<'m, 'n> {
     text: String,
     channel: usize,
-    turning: &'m Turning,
+    orders: &'m ScatteringOrders,
     meshes: &'m mut Meshes<'n>,
 }
 
@@ -300,16 +304,16 @@ impl Writer<'_, '_> {
             .filter(|nested| nested.moved);
         let moved: Vec<String> = nested_media.map(|nested| place_of(nested.index)).collect();
         if !moved.is_empty() {
-            let way = GAP * (1.0 + export.reach);
+            let offset = GAP * (1.0 + export.reach);
             self.line(&format!(
-                "# Faces of {} that lie in surfaces stand {way:.3e} behind them, where no ray sees \
+                "# Faces of {} that lie in surfaces stand {offset:.3e} behind them, where no ray sees \
                  it.",
                 moved.join(", ")
             ));
         }
-        if self.turning.depth == ENDLESS {
+        if self.orders.depth == ENDLESS {
             self.line(&format!(
-                "# Light turned more than {ENDLESS} times is left out."
+                "# Light scattered more than {ENDLESS} times is left out."
             ));
         }
         self.line("");
@@ -338,7 +342,7 @@ impl Writer<'_, '_> {
         // pbrt's whole numbers have 31 bits and a sign.
         let samples = integer("pixelsamples", scene.samples.min(i32::MAX as u32));
         self.line(&format!("Sampler \"independent\" {samples}"));
-        let depth = integer("maxdepth", self.turning.depth);
+        let depth = integer("maxdepth", self.orders.depth);
         let mut lights = scene.lights.iter();
         let chosen = match lights.any(|light| matches!(light, Light::Spot(_))) {
             true => " \"string lightsampler\" [ \"power\" ]",
@@ -352,8 +356,8 @@ impl Writer<'_, '_> {
             let name = medium_name(nested);
             let layers: Vec<&NestedMedium> = export.nested_media.layers(at).collect();
             let mixture = Mixture::of(&layers);
-            let [sigma_a, sigma_s] = self.turning.coefficients(&mixture);
-            let glow = self.turning.glow(&mixture);
+            let [sigma_a, sigma_s] = self.orders.coefficients(&mixture);
+            let emission = self.orders.emission_per_absorption(&mixture);
             let g = mixture.parts.first().map_or(0.0, |(g, _)| *g);
             let coefficients = format!(
                 "{} {} {}",
@@ -372,19 +376,19 @@ impl Writer<'_, '_> {
             self.line(&format!(
                 "MakeNamedMedium \"{name}\" \"string type\" [ \"{kind}\" ]\n    {coefficients}"
             ));
-            let glows = glow[self.channel] > 0.0;
-            if glows {
-                let radiance = self.rgb("Le", glow);
+            let is_emissive = emission[self.channel] > 0.0;
+            if is_emissive {
+                let radiance = self.rgb("Le", emission);
                 self.line(&format!("    {radiance}"));
             }
             if let Some(grid) = &nested.grid {
-                self.grid(grid, glows);
+                self.grid(grid, is_emissive);
             }
         }
     }
 
     /// A grid, and a layer of its outermost values around it.
-    fn grid(&mut self, grid: &Placed, glows: bool) {
+    fn grid(&mut self, grid: &Placed, is_emissive: bool) {
         let density = grid.density.grid();
         let lattice = density.lattice();
         let low = lattice.first() - 1.5 * lattice.spacing();
@@ -414,7 +418,7 @@ impl Writer<'_, '_> {
             }
         }
         self.line("    ]");
-        if glows {
+        if is_emissive {
             self.line("    \"float Lescale\" [");
             let row = vec!["1"; nx].join(" ");
             for _ in 0..ny * nz {
@@ -495,7 +499,7 @@ impl Writer<'_, '_> {
 
     fn material(&mut self, material: &Material) {
         let black = Material::Diffuse(DVec3::ZERO);
-        match if self.turning.never { &black } else { material } {
+        match if self.orders.never { &black } else { material } {
             Material::Diffuse(reflectance) => {
                 let reflectance = self.rgb("reflectance", *reflectance);
                 self.line(&format!("    Material \"diffuse\" {reflectance}"));

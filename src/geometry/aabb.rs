@@ -67,7 +67,7 @@ impl Aabb {
         self.min + self.size() * 0.5
     }
 
-    /// The stretch of `ray` inside the box, from the origin of the ray if that lies inside;
+    /// The segment of `ray` inside the box, from the origin of the ray if that lies inside;
     /// `None` where the ray misses. A ray that touches an edge has a span of length 0.
     ///
     /// Either end is off by a difference and a quotient, 2 · 2^-53 of it, at any angle; measured on
@@ -99,7 +99,7 @@ struct Passage {
 impl Aabb {
     /// Where the whole line, `t < 0` included, goes in and out.
     ///
-    /// Neither is widened by a tolerance: a line that only touches an edge has a stretch of length
+    /// Neither is widened by a tolerance: a line that only touches an edge has a segment of length
     /// 0 at most, in which nothing is lost.
     fn passages(&self, ray: &Ray) -> Option<[Passage; 2]> {
         let mut near = Passage {

@@ -24,10 +24,10 @@ impl Ray {
     }
 }
 
-/// A stretch of a ray, from `near` to `far ≥ near`, in world units.
+/// A segment of a ray, from `near` to `far ≥ near`, in world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
-    /// Distance at which the stretch begins.
+    /// Distance at which the segment begins.
     pub near: f64,
     /// Distance at which it ends.
     pub far: f64,

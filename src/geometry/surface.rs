@@ -19,7 +19,7 @@ pub trait Surface {
 
 /// A closed shape, the boundary of a body or a medium. Need not be convex.
 pub trait Solid: Surface {
-    /// The stretches of `ray` inside, from the ray's origin on, appended to `spans` in order:
+    /// The segments of `ray` inside, from the ray's origin on, appended to `spans` in order:
     /// disjoint, none shorter than nothing. If the origin lies inside, the first begins at 0.
     ///
     /// Does not look at what is in `spans` already. A renderer carries these intervals along a
@@ -49,7 +49,7 @@ pub trait Emitter: Surface {
     }
 }
 
-/// The part of a stretch of line from `near` to `far` with `t ≥ 0`, if there is one.
+/// The part of a segment of line from `near` to `far` with `t ≥ 0`, if there is one.
 pub(super) fn ahead(near: f64, far: f64) -> Option<Span> {
     // Not `max`, which may return a zero of either sign where both are zeros.
     let near = if near > 0.0 { near } else { 0.0 };

@@ -147,7 +147,7 @@ fn fog() -> Radiative {
     });
     let bounds = cuboid(DVec3::NEG_ONE, DVec3::ONE);
     before_sky(vec![
-        varying(bounds, blob, grey(3.0, 0.8, -0.3)),
+        heterogeneous(bounds, blob, grey(3.0, 0.8, -0.3)),
         in_ball(ball(DVec3::X * 0.5, 0.75), forward),
     ])
 }
@@ -298,7 +298,7 @@ fn a6_null_effects(margin: &mut Margin) {
     let mut of_no_density = plain.clone();
     let empty = ConstantDensity::new(0.0).expect("a density");
     let bounds = cuboid(DVec3::NEG_ONE, DVec3::ONE);
-    let empty = varying(bounds, Field::Constant(empty), grey(1.0, 1.0, 0.0));
+    let empty = heterogeneous(bounds, Field::Constant(empty), grey(1.0, 1.0, 0.0));
     of_no_density.media.insert(0, empty);
     let transparent = classified(grid([5, 4, 3], DVec3::splat(0.3), |_| 0.0), by_formula(0.1));
     let unshaded = Classified {
@@ -366,8 +366,8 @@ fn a7_no_bad_pixel(margin: &mut Margin) {
             Some([3, 1]),
         );
     }
-    // Nothing that is rendered here is one: densities from the least to the largest, matter that
-    // lets nothing through, and light that is all but turned back.
+    // Nothing that is rendered here is one: densities from the least to the largest, a medium that
+    // lets nothing through, and light that is all but scattered back.
     let dense = |sigma, g| in_box(cuboid(DVec3::NEG_ONE, DVec3::ONE), grey(sigma, 0.5, g));
     let white = TransferPoint {
         value: 1.0,

@@ -243,7 +243,7 @@ fn d5_anisotropic_spacing(margin: &mut Margin) {
     for interpolation in BOTH {
         let density = GridDensity::new(constant.clone(), interpolation);
         let (bounds, field) = (density.bounds(), Field::Grid(density.clone()));
-        let scene = before_sky(vec![varying(bounds, field, grey(sigma, 0.0, 0.0))]);
+        let scene = before_sky(vec![heterogeneous(bounds, field, grey(sigma, 0.0, 0.0))]);
         for towards in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE] {
             let ray = ray(bounds.centre() - 20.0 * towards, towards);
             let (depth, length) = depth(&density, &ray);
@@ -280,7 +280,7 @@ fn d6_empty_space(margin: &mut Margin) {
     });
     for (name, grid, beside) in [("empty", empty, 0.0), ("beside some", one_side, 3.0)] {
         let density = GridDensity::new(grid.clone(), Interpolation::Trilinear);
-        let fog = varying(density.bounds(), Field::Grid(density), grey(5.0, 0.8, 0.0));
+        let fog = heterogeneous(density.bounds(), Field::Grid(density), grey(5.0, 0.8, 0.0));
         let mut scene = before_sky(vec![fog]);
         let middle = DVec3::new(beside, 0.25, 0.25);
         scene.camera = crate::geometry::Camera::new(middle - DVec3::Z * 3.0, middle, DVec3::Y, 0.1)
@@ -328,7 +328,7 @@ fn d7_bright_voxel_on_a_border(margin: &mut Margin) {
     let right = exp(-(0.2 * 50.0 * (2.0 / 3.0) * 0.75 * 0.25));
     let body = |albedo| {
         let field = Field::Grid(density.clone());
-        before_sky(vec![varying(
+        before_sky(vec![heterogeneous(
             density.bounds(),
             field,
             grey(0.2, albedo, 0.0),
@@ -473,7 +473,7 @@ fn d10_subnormal_and_huge_voxels(margin: &mut Margin) {
         // through, what underflows all.
         for sigma in [1e-272, 1e262] {
             let field = Field::Grid(density.clone());
-            let body = varying(density.bounds(), field, grey(sigma, 0.0, 0.0));
+            let body = heterogeneous(density.bounds(), field, grey(sigma, 0.0, 0.0));
             let seen = straight(&before_sky(vec![body]), &view).x;
             let right = if f64::from(value) * sigma > 1.0 {
                 0.0
@@ -561,7 +561,7 @@ fn d12_extinction_at_its_bound(margin: &mut Margin) {
     let nearly = GridDensity::new(nearly, Interpolation::Trilinear);
     let seen = |albedo| {
         let field = Field::Grid(nearly.clone());
-        before_sky(vec![varying(
+        before_sky(vec![heterogeneous(
             nearly.bounds(),
             field,
             grey(0.8, albedo, 0.0),

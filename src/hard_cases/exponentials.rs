@@ -118,7 +118,7 @@ fn e2_very_thick_media(margin: &mut Margin) {
     }
     // Seen by the renderer: a body in equilibrium with that source, before a sky of another.
     for sigma in [700.0, 745.0, 746.0, 1e6] {
-        let body = in_box(unit_box(), glowing(grey(sigma, 0.0, 0.0), source));
+        let body = in_box(unit_box(), emissive(grey(sigma, 0.0, 0.0), source));
         let seen = straight(&before_sky(vec![body]), &ray([0.5, 0.5, -1.0], DVec3::Z)).x;
         // σ_a times the source is rounded, and divided by σ_a again.
         margin.roundings(format_args!("seen, sigma {sigma:e}"), seen, source, 2.0);
@@ -161,14 +161,18 @@ fn e4_opacity_correction(margin: &mut Margin) {
 }
 
 fn e5_opaque_and_zero_times_infinity(margin: &mut Margin) {
-    let through =
+    let behind_layer =
         |opacity: f64| FrontToBack::add(Layers::default(), DVec3::ZERO, opacity).transparency;
     margin.exact(
         "opaque, over no length",
-        through(over_length(1.0, 0.0)),
+        behind_layer(over_length(1.0, 0.0)),
         1.0,
     );
-    margin.exact("opaque, over some", through(over_length(1.0, 2.0)), 0.0);
+    margin.exact(
+        "opaque, over some",
+        behind_layer(over_length(1.0, 2.0)),
+        0.0,
+    );
     margin.exact(
         "nothing, without an end",
         transmittance(optical_depth(0.0, f64::INFINITY)),
@@ -289,7 +293,7 @@ fn e8_any_number_of_steps(margin: &mut Margin) {
 
 fn e9_early_termination(margin: &mut Margin) {
     let (below, source) = (1e-3, 4.0);
-    // Grey fog that lets e^(−1) through a unit, bright red matter behind it, and a blue sky.
+    // Grey fog that lets e^(−1) through a unit, a bright red medium behind it, and a blue sky.
     let colour = |value: f64| {
         if value > 0.5 {
             DVec3::X * source

@@ -233,7 +233,7 @@ fn foggy(scale: f64, centre: DVec3) -> Radiative {
     });
     let corner = cuboid(place(-0.5, -0.75, 0.0), place(0.5, 0.25, 0.75));
     let mut scene = before_sky(vec![
-        varying(bounds, blob, grey(3.0 / scale, 0.75, 0.0)),
+        heterogeneous(bounds, blob, grey(3.0 / scale, 0.75, 0.0)),
         in_box(corner, grey(2.0 / scale, 0.5, 0.5)),
     ]);
     scene.camera = Camera::new(place(0.5, 0.25, -4.0), centre, DVec3::Y, 0.5).expect("a view");

@@ -209,7 +209,7 @@ impl Density {
         (!beyond).then_some(point)
     }
 
-    /// A world ray in the coordinates of the field, and the part of `span`, a stretch of the ray,
+    /// A world ray in the coordinates of the field, and the part of `span`, a segment of the ray,
     /// in the box of the field; `None` if there is none.
     pub fn along(&self, ray: &Ray, span: Span) -> Option<(Line, Span)> {
         let (ray, scale) = match &self.to_world {
@@ -228,7 +228,7 @@ impl Density {
         (span.near < span.far).then_some((line, span))
     }
 
-    /// The blocks that `line` passes on the stretch `span`, which is in the box.
+    /// The blocks that `line` passes on the segment `span`, which is in the box.
     pub fn walk(&self, line: &Line, span: Span) -> Walk {
         self.blocks().walk(line.origin, line.direction, span)
     }
@@ -304,9 +304,9 @@ impl Density {
                 let rate = ExponentialProfile::along(&self.from(line, span.near), layer, 1.0).rate;
                 let cuts = [1.0, 8.0, 64.0, 745.0].map(|heights| heights / rate.abs());
                 // From the denser end on.
-                kinks.extend(cuts.map(|way| match rate < 0.0 {
-                    true => span.far - way,
-                    false => span.near + way,
+                kinks.extend(cuts.map(|distance| match rate < 0.0 {
+                    true => span.far - distance,
+                    false => span.near + distance,
                 }));
             }
             Field::Constant(_) | Field::Noise(_) => {}

@@ -1,4 +1,4 @@
-//! The same matter everywhere.
+//! A homogeneous medium: the same coefficients everywhere.
 
 use super::{Coefficients, HenyeyGreenstein};
 use glam::DVec3;

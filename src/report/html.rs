@@ -11,7 +11,7 @@ use case::CaseView;
 use minijinja::{Environment, context};
 use rayon::prelude::*;
 
-/// What a page tells of.
+/// Contents of a page.
 #[derive(Clone, Copy, Debug)]
 pub struct Page<'a> {
     /// Of the page.

@@ -30,14 +30,14 @@ pub(super) const RADIATIVE: Table = Table {
             name: "scattering",
             kind: Kind::Choice(&["none", "single", "multiple"]),
             absent: Absent::Default(Literal::Text("multiple")),
-            doc: "How often light may be turned on its way to the eye, by media and surfaces together: never, once, or any number of times.",
+            doc: "How often light may be scattered on its way to the eye, by media and surfaces together: never, once, or any number of times.",
         },
         Key {
             name: "max_bounces",
-            // A stream of random numbers counts the turns of a path in 26 bits.
+            // A stream of random numbers counts the bounces of a path in 26 bits.
             kind: Kind::Count(2, (1 << 26) - 1),
             absent: Absent::Nothing,
-            doc: "How often light may be turned at most, with `scattering = \"multiple\"`. Left out: any number of times.",
+            doc: "How often light may be scattered at most, with `scattering = \"multiple\"`. Left out: any number of times.",
         },
         Key {
             name: "environment",
@@ -67,8 +67,8 @@ pub(super) const RADIATIVE: Table = Table {
     rules: &[],
 };
 
-/// How often light may be turned on its way from a light to the eye, by media and surfaces
-/// together. To cross the boundary of a medium is no turn.
+/// How often light may be scattered on its way from a light to the eye, by media and surfaces
+/// together. To cross the boundary of a medium does not count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scattering {
     /// Never: lights are seen straight, through what absorbs.
@@ -88,7 +88,7 @@ pub struct Object {
     pub material: Material,
 }
 
-/// A surface that sends out light and reflects none.
+/// A surface that emits light and reflects none.
 #[derive(Clone, Debug)]
 pub struct AreaLight {
     /// Where it is.
@@ -115,11 +115,11 @@ pub struct Body {
 /// Surfaces, participating media and lights.
 #[derive(Clone, Debug)]
 pub struct Radiative {
-    /// How often light may be turned.
+    /// How often light may be scattered.
     pub scattering: Scattering,
     /// Surfaces that reflect or refract.
     pub objects: Vec<Object>,
-    /// Surfaces that send out light.
+    /// Surfaces that emit light.
     pub area_lights: Vec<AreaLight>,
     /// Media; at most [`Radiative::MOST_MEDIA`].
     pub media: Vec<Body>,

@@ -107,7 +107,7 @@ pub enum AcceptError {
     Store(#[from] StoreError),
 }
 
-/// Told how far an accept has come, from any thread. Work is counted in pixels times samples.
+/// Progress of an accept, called from any thread. Work is counted in pixels times samples.
 pub trait Watch: Sync {
     /// This much work is to be done, without what was kept by earlier runs.
     fn begin(&self, _work: u64) {}
@@ -120,7 +120,7 @@ pub trait Watch: Sync {
 /// Nobody watches.
 impl Watch for () {}
 
-/// Tells of the steps of a picture as of their share of its work.
+/// Progress of a picture, each step as its share of the work.
 struct Progress<'w> {
     watch: &'w dyn Watch,
     work: u64,

@@ -14,11 +14,11 @@
 mod cells;
 mod clock;
 mod compared_case;
+mod distinguished;
 mod hunt;
 mod hypothesis;
 mod kept;
 mod prediction;
-mod told_apart;
 
 pub(in crate::suite) use cells::Cells;
 use cells::Misfit;
@@ -100,7 +100,7 @@ pub(super) fn likeness_with(
     for at in 0..failing.len() {
         let failed = &failing[at];
         let mut clock = Clock::start(search, &failed.name, singles());
-        clock.tell();
+        clock.report();
         let mut found: hunt::Found = known
             .iter()
             .filter_map(|hypothesis| Some((*hypothesis, failed.test(hypothesis, &clock)?)))
@@ -193,7 +193,7 @@ pub(super) fn likeness_with(
     };
     let unjudged: Vec<&Case> = others.iter().filter(is_unjudged).collect();
     for (likely, pair) in likely.iter_mut().zip(ranked.windows(2)) {
-        likely.beside_the_next = told_apart::in_words(&pair[0], &pair[1], &unjudged);
+        likely.beside_the_next = distinguished::in_words(&pair[0], &pair[1], &unjudged);
     }
     Likenesses {
         likely,

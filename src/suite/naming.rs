@@ -38,14 +38,14 @@ impl Naming {
 
 /// Makes mistakes wherever there is occasion in `cases`, each of `made` by itself: one or two, and
 /// a number that chooses the seeds. The other cases are as they should be. Judges all, and says
-/// what is named, however long the search takes; `told` is told of each that is done. Cases whose golden cannot be trusted are
+/// what is named, however long the search takes; `report` is called for each that is done. Cases whose golden cannot be trusted are
 /// left out.
 pub fn naming(
     cases: &[&Case],
     store: &Store,
     made: &[(Vec<&'static Mistake>, u64)],
     predictions: &Predictions,
-    told: &dyn Fn(),
+    report: &dyn Fn(),
 ) -> Vec<Naming> {
     let search = Search {
         budget: None,
@@ -77,7 +77,7 @@ pub fn naming(
             failed: judged.iter().filter(failed).count(),
             named,
         });
-        told();
+        report();
     }
     namings
 }

@@ -106,7 +106,7 @@ enum Role {
     Variance,
 }
 
-/// Extensions of images that are not read: whoever writes them should be told.
+/// Extensions of images that are not read: whoever writes them gets a message.
 const OTHER_IMAGES: [&str; 10] = [
     "jpg", "jpeg", "tif", "tiff", "hdr", "npz", "bmp", "webp", "ppm", "raw",
 ];

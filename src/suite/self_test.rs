@@ -121,19 +121,19 @@ pub fn self_test_steps(cases: usize) -> usize {
     cases + BENIGN.len() + mistakes::catalogue().count()
 }
 
-/// Runs the self-test on `cases`, which are all of the suite if `is_whole`. `told` is told of each
+/// Runs the self-test on `cases`, which are all of the suite if `is_whole`. `report` is called for each
 /// of its [steps](self_test_steps).
 pub fn self_test(
     cases: &[&Case],
     is_whole: bool,
     store: &Store,
     extent: Extent,
-    told: &dyn Fn(Step<'_>),
+    report: &dyn Fn(Step<'_>),
 ) -> SelfTest {
     let mut unusable = Vec::new();
     let mut subjects = Vec::new();
     for case in cases {
-        told(Step::Begins(&case.name));
+        report(Step::Begins(&case.name));
         match Subject::new(case, store) {
             Ok(subject) => subjects.push(subject),
             Err(reason) => unusable.push(Rejection {
@@ -141,17 +141,17 @@ pub fn self_test(
                 reason,
             }),
         }
-        told(Step::Done);
+        report(Step::Done);
     }
     let benign = match extent {
-        Extent::Full => benign_trials(&subjects.iter().collect::<Vec<_>>(), told),
-        Extent::Quick => benign_trials(&subjects.iter().step_by(4).collect::<Vec<_>>(), told),
+        Extent::Full => benign_trials(&subjects.iter().collect::<Vec<_>>(), report),
+        Extent::Quick => benign_trials(&subjects.iter().step_by(4).collect::<Vec<_>>(), report),
     };
     let mistakes: Vec<MistakeTrials> = mistakes::catalogue()
         .map(|mistake| {
-            told(Step::Begins(mistake.name));
+            report(Step::Begins(mistake.name));
             let trials = trials(mistake, &subjects, extent);
-            told(Step::Done);
+            report(Step::Done);
             MistakeTrials {
                 mistake: mistake.name,
                 trials,
@@ -358,9 +358,9 @@ fn mapped(film: &Film, map: impl Fn(usize, f32) -> f32) -> Film {
     }
 }
 
-fn benign_trials(subjects: &[&Subject<'_>], told: &dyn Fn(Step<'_>)) -> Vec<BenignTrials> {
+fn benign_trials(subjects: &[&Subject<'_>], report: &dyn Fn(Step<'_>)) -> Vec<BenignTrials> {
     let trial = |&(variant, make): &(&'static str, Benign)| {
-        told(Step::Begins(variant));
+        report(Step::Begins(variant));
         let mut row = BenignTrials {
             variant,
             accepted: 0,
@@ -379,7 +379,7 @@ fn benign_trials(subjects: &[&Subject<'_>], told: &dyn Fn(Step<'_>)) -> Vec<Beni
                 }),
             }
         }
-        told(Step::Done);
+        report(Step::Done);
         row
     };
     BENIGN.iter().map(trial).collect()

@@ -29,7 +29,7 @@ pub(super) const SAME_BITS: Metric = (
 
 /// Renders `case` and compares every bit with its golden; of a stochastic case the quick
 /// rendering, which must also agree with the converged image. Reads goldens, never writes them.
-/// `progress` is told of each step of the image.
+/// `progress` is called for each step of the image.
 pub fn verify(case: &Case, store: &Store, progress: render::Progress<'_>) -> Judged {
     verify_with(&Reference, case, store, progress)
 }

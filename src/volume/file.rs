@@ -1,4 +1,4 @@
-//! Volumes from files, the format told by the extension.
+//! Volumes from files, the format by the extension.
 
 use super::VOLUME_READERS;
 use super::error::VolumeError;

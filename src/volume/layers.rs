@@ -178,8 +178,8 @@ impl DensityField for LinearRamp {
 /// that three of them have a finite sum.
 fn rise(slope: DVec3, origin: DVec3, point: DVec3, axis: usize) -> f64 {
     // 0 times infinity would be no number.
-    let way = (point[axis] - origin[axis]).clamp(f64::MIN, f64::MAX);
-    (slope[axis] * way).clamp(f64::MIN / 8.0, f64::MAX / 8.0)
+    let distance = (point[axis] - origin[axis]).clamp(f64::MIN, f64::MAX);
+    (slope[axis] * distance).clamp(f64::MIN / 8.0, f64::MAX / 8.0)
 }
 
 /// The corners of a box where a function linear in space, of this slope, is least and largest, as

@@ -180,7 +180,7 @@ pub(super) fn read(
     Ok((grid, layout))
 }
 
-/// Reads the header, and on to the first sample. Tells how many bytes that were.
+/// Reads the header, and on to the first sample; the second value is the number of bytes read.
 fn layout(
     source: &mut impl Read,
     trouble: impl Fn(io::Error) -> NiftiError,

@@ -208,7 +208,7 @@ impl NrrdHeader {
     }
 
     /// Reads the header at the beginning of `source`, which is left behind the blank line that
-    /// ends it; tells how many bytes that were.
+    /// ends it, with its length in bytes.
     pub(super) fn read(source: &mut impl BufRead) -> Result<(NrrdHeader, u64), NrrdError> {
         let mut header = source.by_ref().take(LONGEST_HEADER as u64);
         let mut fields = Fields::default();

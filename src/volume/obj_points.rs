@@ -185,7 +185,7 @@ fn point(keyword: &Word, numbers: &[Word]) -> Result<Point, ObjError> {
     })
 }
 
-/// A stretch of bytes without blanks, and where it stands.
+/// A segment of bytes without blanks, and where it stands.
 struct Word<'a> {
     bytes: &'a [u8],
     place: (usize, usize),

@@ -507,7 +507,7 @@ impl<'l> Samples<'l> {
     }
 }
 
-/// Reads until `bytes` are full or the source ends; tells how many were read.
+/// Reads until `bytes` are full or the source ends. The number of bytes read.
 pub(super) fn fill(source: &mut impl Read, bytes: &mut [u8]) -> io::Result<usize> {
     let mut filled = 0;
     while filled < bytes.len() {

@@ -13,7 +13,7 @@ use std::path::{Component, Path, PathBuf};
 pub struct FileRead {
     /// Path.
     pub path: PathBuf,
-    /// BLAKE3 of its bytes: it tells later whether a file is still the one an image was made
+    /// BLAKE3 of its bytes: it shows later whether a file is still the one an image was made
     /// from.
     pub hash: String,
 }

@@ -115,14 +115,14 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// A ray that crosses `n` planes crosses `n + 1` cells, and looks twice into each, once for the
-    /// nearest node: twice that, if the medium glows too.
+    /// nearest node: twice that, if the medium emits too.
     #[test]
     fn an_absorbing_grid_takes_two_looks_a_cell(
         lattice in lattice(),
         eye in prop::array::uniform3(-1.3..1.3_f64),
         target in prop::array::uniform3(0.05..0.95_f64),
         nearest in any::<bool>(),
-        glows in any::<bool>(),
+        emits in any::<bool>(),
     ) {
         let bounds = lattice.bounds();
         let camera = camera(bounds, eye, target);
@@ -137,12 +137,12 @@ proptest! {
                 2,
             ),
         };
-        let emission = if glows { 0.5 } else { 0.0 };
+        let emission = if emits { 0.5 } else { 0.0 };
         let scene = grid_scene(uneven(lattice), interpolation, (0.3, 0.0, emission), camera);
         let plan = plan(&scene);
         let (_, work) = rendered(&scene, &plan);
         let [planes, rays] = planes_crossed(&camera, bounds, first, spacing, cells);
-        let times = if glows { 2 } else { 1 };
+        let times = if emits { 2 } else { 1 };
         prop_assert_eq!(work.density_lookups, times * looks * (planes + rays));
         let expected = plan.expected(&scene.panels[0]);
         let told = expected.of(Event::DensityLookup).unwrap();
@@ -150,7 +150,7 @@ proptest! {
         prop_assert_eq!(work, Counters {
             density_lookups: work.density_lookups,
             attenuations: work.attenuations,
-            emission_terms: if glows { rays } else { 0 },
+            emission_terms: if emits { rays } else { 0 },
             ..Counters::default()
         });
     }

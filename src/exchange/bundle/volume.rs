@@ -300,7 +300,7 @@ fn radiance(scene: &Classified) -> String {
         Some(_) => " * v, ambient light and highlight included",
         None => "",
     };
-    format!("a sample of value d sends out L = {strength}{colour}{visibility}")
+    format!("a sample of value d emits L = {strength}{colour}{visibility}")
 }
 
 fn early_termination(order: Compositing) -> Option<String> {

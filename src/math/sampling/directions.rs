@@ -28,7 +28,7 @@ pub fn cosine_hemisphere_pdf(cos: f64) -> f64 {
     cos.max(0.0) / PI
 }
 
-/// The directions within a half-angle about +z: what a spotlight sends out, or a distant sphere
+/// The directions within a half-angle about +z: what a spotlight emits, or a distant sphere
 /// looks like.
 ///
 /// Held as `1 − cos` of the half-angle, in which a cone of any width keeps its digits:

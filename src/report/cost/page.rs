@@ -9,7 +9,7 @@ use crate::cost::results::{Cost, Machine, RayTrace, Recommendation, Study};
 use minijinja::{Environment, context};
 use serde::Serialize;
 
-/// What a page tells of.
+/// Contents of a page.
 #[derive(Clone, Copy, Debug)]
 pub struct CostPage<'a> {
     /// Of the page.

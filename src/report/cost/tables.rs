@@ -164,7 +164,7 @@ pub(super) fn orders(study: &Study) -> Table {
         row.extend(order_cells(&sweep.order));
         row
     };
-    let mut columns = vec![column_of_words("estimator"), column_of_words("turned")];
+    let mut columns = vec![column_of_words("estimator"), column_of_words("parameter")];
     columns.extend(ORDER_COLUMNS);
     let judged_on = study.judged_on.iter();
     let mut notes: Vec<String> = judged_on.map(|rays| format!("orders: {rays}")).collect();
@@ -352,7 +352,7 @@ pub(super) fn thickness(sweep: &ThicknessSweep) -> Table {
             })
     });
     Table {
-        title: "thin and dense matter".to_owned(),
+        title: "thin and dense media".to_owned(),
         reading: "Relative variance times look-ups, by the optical depth of the ray: the smallest \
                   wins at that depth."
             .to_owned(),

@@ -13,7 +13,7 @@ pub(super) fn scene(cost: &Cost) -> String {
     }
 }
 
-/// What is turned, in a word or two.
+/// Name of a parameter, in a word or two.
 pub(super) fn parameter(parameter: Parameter) -> &'static str {
     match parameter {
         Parameter::Step => "step",

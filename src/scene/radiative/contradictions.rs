@@ -50,7 +50,7 @@ impl Parts<'_, '_, '_> {
             if (glows & sigma_t.cmpeq(DVec3::ZERO)).any() {
                 return Err(reader.mistake(
                     "emission",
-                    "a medium that fills all space, sends out light and takes none away is \
+                    "a medium that fills all space, emits light and takes none away is \
                      infinitely bright",
                     format!("{BOUND_IT}; or give it absorption in every channel that it emits in"),
                 ));
@@ -65,7 +65,7 @@ impl Parts<'_, '_, '_> {
                 };
                 return Err(reader.mistake(
                     key,
-                    "a medium that fills all space and scatters without absorbing turns light \
+                    "a medium that fills all space and scatters without absorbing keeps scattering light \
                      for ever",
                     format!(
                         "{BOUND_IT}; or give it some absorption in every channel that it \
@@ -203,7 +203,7 @@ impl Parts<'_, '_, '_> {
             Light::Directional(_) => ("directional", "a far emitting sphere or the environment"),
         };
         let message = format!(
-            "light of a {key} light that a {material} surface turns cannot be met by any path \
+            "light of a {key} light that a {material} surface scatters cannot be met by any path \
              from the eye"
         );
         let help = format!(

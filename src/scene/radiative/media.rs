@@ -54,7 +54,7 @@ pub(super) const MEDIUM: Table = Table {
             name: "emission",
             kind: Kind::Colour(Range::at_least(0.0)),
             absent: Absent::Default(Literal::Vector([0.0; 3])),
-            doc: "Radiance sent out per world length.",
+            doc: "Radiance emitted per world length.",
         },
         Key {
             name: "g",
@@ -122,7 +122,7 @@ pub(super) fn read(
         (None, _) => None,
         (Some(field), Some(space)) => Some(Density::new(field, space.bounds, space.to_world)),
         (Some(_), None) => {
-            let message = "a medium of varying density fills no shape: it would have no end";
+            let message = "a heterogeneous medium fills no shape: it would have no end";
             let help = "give the medium a `box`, `sphere` or `mesh`";
             return Err(reader.mistake(varies.expect("its density"), message, help));
         }
@@ -195,7 +195,7 @@ fn most(body: &Body) -> f64 {
     density.map_or(1.0, |density| density.range().high)
 }
 
-/// Optical depth up to which a medium of varying density is tracked. More tentative collisions
+/// Optical depth up to which a heterogeneous medium is tracked. More tentative collisions
 /// than this are not to be waited for, and not to be told apart by their distances.
 pub(super) const DEEPEST_TRACKED: f64 = (1 << 24) as f64;
 
@@ -274,7 +274,7 @@ fn check_brightness(body: &Body) -> Result<(), (String, String)> {
         return Ok(());
     }
     let message = format!(
-        "the medium sends out up to {brightest:.3e} towards the eye; an image holds at most \
+        "the medium emits up to {brightest:.3e} towards the eye; an image holds at most \
          {LARGEST_RADIANCE:.3e}"
     );
     Err((message, "give a smaller emission or a smaller shape".into()))

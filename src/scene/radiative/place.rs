@@ -25,7 +25,7 @@ pub(super) const ROTATE: Key = Key {
     doc: "Turns the shape about an axis through the origin, after it is scaled and before it is moved.",
 };
 
-/// A way.
+/// A displacement.
 pub(super) const TRANSLATE: Key = Key {
     name: "translate",
     kind: Kind::Vector,
@@ -78,8 +78,8 @@ impl Place {
                 .map_err(|error| rotation.error("axis", error.to_string()))?;
             transform = transform.then(&turn);
         }
-        if let Some(way) = reader.optional_vector("translate")? {
-            let shift = Transform::translation(way)
+        if let Some(offset) = reader.optional_vector("translate")? {
+            let shift = Transform::translation(offset)
                 .map_err(|error| reader.error("translate", error.to_string()))?;
             transform = transform.then(&shift);
         }

@@ -26,7 +26,7 @@ pub(super) const SURFACE: Table = Table {
                 rules: &[],
             }),
             absent: Absent::Nothing,
-            doc: "Matter: reflects with the same radiance in every direction.",
+            doc: "Material: reflects with the same radiance in every direction.",
         },
         Key {
             name: "mirror",
@@ -36,7 +36,7 @@ pub(super) const SURFACE: Table = Table {
                 rules: &[],
             }),
             absent: Absent::Nothing,
-            doc: "Matter: reflects as a perfect mirror.",
+            doc: "Material: reflects as a perfect mirror.",
         },
         Key {
             name: "glass",
@@ -51,7 +51,7 @@ pub(super) const SURFACE: Table = Table {
                 rules: &[],
             }),
             absent: Absent::Nothing,
-            doc: "Matter: smooth, clear glass.",
+            doc: "Material: smooth, clear glass.",
         },
         Key {
             name: "emitter",
@@ -68,13 +68,13 @@ pub(super) const SURFACE: Table = Table {
                         name: "sides",
                         kind: Kind::Choice(&["front", "both"]),
                         absent: Absent::Default(Literal::Text("front")),
-                        doc: "Which sides send out light; the front of a closed shape is its outside.",
+                        doc: "Which sides emit light; the front of a closed shape is its outside.",
                     },
                 ],
                 rules: &[],
             }),
             absent: Absent::Nothing,
-            doc: "Matter: sends out light.",
+            doc: "Material: emits light.",
         },
     ],
     rules: &[
@@ -83,7 +83,7 @@ pub(super) const SURFACE: Table = Table {
             keys: &["rectangle", "sphere", "box", "mesh"],
         },
         Rule::ExactlyOne {
-            what: "kind of matter",
+            what: "material",
             keys: &["diffuse", "mirror", "glass", "emitter"],
         },
     ],
@@ -98,7 +98,7 @@ const REFLECTANCE: Key = Key {
 
 /// A surface, of either kind.
 pub(super) enum SurfaceKind {
-    /// Turns light.
+    /// Scatters light.
     Object(Object),
     /// Sends out light.
     AreaLight(AreaLight),
@@ -127,7 +127,7 @@ pub(super) fn read(
     } else if let Some(mirror) = reader.table("mirror")? {
         Material::Mirror(mirror.vector("reflectance")?)
     } else {
-        let glass = glass.expect("one of the kinds of matter");
+        let glass = glass.expect("one of the materials");
         Material::Glass(glass.number("index")?)
     };
     Ok(SurfaceKind::Object(Object { shape, material }))

@@ -139,11 +139,11 @@ impl<'s> Clock<'s> {
     /// A hypothesis was decided, one way or the other: not to be called for one that was given up.
     pub fn decided(&self) {
         self.done.fetch_add(1, Ordering::Relaxed);
-        self.tell();
+        self.report();
     }
 
-    /// Tells where the search is.
-    pub fn tell(&self) {
+    /// Reports where the search is.
+    pub fn report(&self) {
         (self.search.progress)(&SearchStep {
             case: self.case,
             stage: self.stage,

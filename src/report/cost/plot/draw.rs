@@ -1,5 +1,5 @@
 //! Draws a picture. `plotters` draws axes, grid, lines and marks; dashes, labels that keep clear of
-//! one another and what a pointer is told are added to its text.
+//! one another and tooltips are added to its text.
 
 use super::labels::{Places, width};
 use super::picture::{Entry, Key, Panel, Picture};
@@ -358,9 +358,9 @@ fn draw_panel(
     }
     for curve in &panel.curves {
         for point in &curve.points {
-            push_told(over, place(point.at), &point.told);
-            if let Some((height, told)) = &point.cross {
-                push_told(over, place([point.at[0], *height]), told);
+            push_tooltip(over, place(point.at), &point.tooltip);
+            if let Some((height, tooltip)) = &point.cross {
+                push_tooltip(over, place([point.at[0], *height]), tooltip);
             }
         }
     }
@@ -481,12 +481,12 @@ fn push_text(
 }
 
 /// Browsers show the title of what the pointer rests on.
-fn push_told(over: &mut String, [x, y]: [f64; 2], told: &str) {
-    if !told.is_empty() {
+fn push_tooltip(over: &mut String, [x, y]: [f64; 2], tooltip: &str) {
+    if !tooltip.is_empty() {
         let _ = writeln!(
             over,
             "<circle cx=\"{x:.0}\" cy=\"{y:.0}\" r=\"70\" fill=\"#000\" fill-opacity=\"0\"><title>{}</title></circle>",
-            escaped(told)
+            escaped(tooltip)
         );
     }
 }

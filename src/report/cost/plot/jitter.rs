@@ -15,7 +15,7 @@ pub(in super::super) fn jitter(split: &JitterSplit, theme: Theme) -> Option<Plot
                 value: point.step,
                 error: of(point),
                 counts: true,
-                told: format!(
+                tooltip: format!(
                     "{jitter}, step {}: {part} {}",
                     words::value(point.step),
                     words::error(of(point))

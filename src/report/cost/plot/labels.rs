@@ -17,11 +17,11 @@ pub(super) fn width(text: &str, size: f64) -> f64 {
     letters * size
 }
 
-/// What is taken already.
+/// Areas that are occupied already.
 #[derive(Debug, Default)]
 pub(super) struct Places {
     /// Nothing may cover these.
-    taken: Vec<Box>,
+    occupied: Vec<Box>,
     /// Points of lines, which should not be covered.
     lines: Vec<[f64; 2]>,
 }
@@ -30,8 +30,8 @@ pub(super) struct Places {
 const BEARABLE: usize = 5;
 
 impl Places {
-    pub(super) fn take(&mut self, taken: Box) {
-        self.taken.push(taken);
+    pub(super) fn take(&mut self, occupied: Box) {
+        self.occupied.push(occupied);
     }
 
     /// Adds points along a line from one end to the other.
@@ -70,7 +70,10 @@ impl Places {
                 && wanted[1] >= frame[1]
                 && wanted[2] <= frame[2]
                 && wanted[3] <= frame[3]
-                && !self.taken.iter().any(|taken| overlap(taken, wanted))
+                && !self
+                    .occupied
+                    .iter()
+                    .any(|occupied| overlap(occupied, wanted))
         });
         let covered = |wanted: &Box| {
             let inside = self.lines.iter().filter(|point| contains(wanted, point));

@@ -1,4 +1,4 @@
-//! Error against what is turned: steps, nodes and pixels side by side.
+//! Error against the parameter: steps, nodes and pixels side by side.
 
 use super::axis::{Axis, Measure};
 use super::draw::drawn;
@@ -41,7 +41,11 @@ pub(in super::super) fn orders(cost: &Cost, theme: Theme) -> Option<Plot> {
                         value: level.value,
                         error,
                         counts: *counts,
-                        told: format!("{name}, {}: error {}", level.setting, words::error(error)),
+                        tooltip: format!(
+                            "{name}, {}: error {}",
+                            level.setting,
+                            words::error(error)
+                        ),
                     }
                 });
                 lines.push(&name, points, &sweep.order, 1.0, sweep.is_ours);
@@ -58,7 +62,7 @@ pub(super) struct Falling {
     pub(super) error: f64,
     /// Whether the order is fitted to it.
     pub(super) counts: bool,
-    pub(super) told: String,
+    pub(super) tooltip: String,
 }
 
 /// Curves that fall as powers, with the powers that are expected, in panels.
@@ -110,7 +114,7 @@ impl Lines {
             at: place(point),
             label: (at == last && has_order).then(|| fitted(order, power)),
             is_urgent: order.verdict != OrderVerdict::AsExpected,
-            told: point.told.clone(),
+            tooltip: point.tooltip.clone(),
             is_hollow: !point.counts,
             ..Point::default()
         });

@@ -46,13 +46,13 @@ pub(super) struct Point {
     pub(super) label: Option<String>,
     /// Whether its label goes before those of other points.
     pub(super) is_urgent: bool,
-    /// What a pointer that rests on it is told.
-    pub(super) told: String,
+    /// Text of its tooltip.
+    pub(super) tooltip: String,
     /// Not to be trusted: drawn without filling.
     pub(super) is_hollow: bool,
     /// From where to where it may be along the first axis.
     pub(super) whiskers: Option<[f64; 2]>,
-    /// Where a cross is drawn above or below it, and what a pointer is told there.
+    /// Where a cross is drawn above or below it, and the text of its tooltip.
     pub(super) cross: Option<(f64, String)>,
 }
 

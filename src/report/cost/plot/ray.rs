@@ -16,8 +16,8 @@ pub(in super::super) fn ray(trace: &RayTrace, theme: Theme) -> Plot {
         at: *at,
         ..Point::default()
     };
-    let told = |at: &[f64; 2]| Point {
-        told: format!(
+    let tooltip = |at: &[f64; 2]| Point {
+        tooltip: format!(
             "sample at {}: extinction {}",
             words::value(at[0]),
             words::value(at[1])
@@ -41,7 +41,7 @@ pub(in super::super) fn ray(trace: &RayTrace, theme: Theme) -> Plot {
             // Many look like a thick line otherwise.
             marks: if trace.samples.len() > MANY { 0.5 } else { 1.0 },
             is_joined: false,
-            points: samples.map(told).collect(),
+            points: samples.map(tooltip).collect(),
         },
     ];
     let of = |axis: usize| -> Vec<f64> {

@@ -1,4 +1,4 @@
-//! Which estimator wins in thin and in dense matter.
+//! Which estimator wins in thin and in dense media.
 
 use super::axis::{Axis, Measure};
 use super::draw::drawn;
@@ -8,7 +8,7 @@ use crate::cost::results::{ThicknessCurve, ThicknessPoint, ThicknessSweep};
 use crate::math::log10;
 use crate::report::cost::words;
 
-/// So many look-ups for one sample of relative error 1 nobody takes. Variances of dense matter grow
+/// So many look-ups for one sample of relative error 1 nobody takes. Variances of dense media grow
 /// like `e^τ`: drawn to their end they would press everything else to the ground.
 const HOPELESS: f64 = 1e8;
 
@@ -54,7 +54,7 @@ pub(in super::super) fn thickness(sweep: &ThicknessSweep, theme: Theme) -> Plot 
             .into_iter()
             .map(|(point, measured)| Point {
                 at: [log10(point.depth), log10(measured)],
-                told: told(name, point),
+                tooltip: tooltip(name, point),
                 ..Point::default()
             })
             .collect();
@@ -123,7 +123,7 @@ fn predicted(curve: &ThicknessCurve) -> Vec<Point> {
     points.into_iter().map(point).collect()
 }
 
-fn told(name: &str, point: &ThicknessPoint) -> String {
+fn tooltip(name: &str, point: &ThicknessPoint) -> String {
     let shown = |value: Option<f64>| value.map_or("–".to_owned(), words::error);
     format!(
         "{name} at depth {}: measured {}, theory {}",

@@ -219,7 +219,7 @@ fn panel(
                 at: [log10(x), height],
                 label: Some(short(sweep, level)),
                 is_urgent: false,
-                told: told(study, sweep, level),
+                tooltip: tooltip(study, sweep, level),
                 is_hollow: error <= sweep.order.known,
                 whiskers: whiskers.map(|ends| ends.map(log10)),
                 cross: single(
@@ -274,12 +274,12 @@ fn single(level: &Level, y: &Heights, name: &str) -> Option<(f64, String)> {
     let off = level.single_precision?.l2;
     let matters = off > 0.1 * level.error.l2;
     (matters && off > 0.0 && off.is_finite()).then(|| {
-        let told = format!(
+        let tooltip = format!(
             "{name}, {}: f32 is off by {}",
             level.setting,
             words::error(off)
         );
-        (log10(off).clamp(y.axis.low, y.axis.high), told)
+        (log10(off).clamp(y.axis.low, y.axis.high), tooltip)
     })
 }
 
@@ -350,25 +350,25 @@ fn unit(sweep: &Sweep) -> Option<&str> {
         .flatten()
 }
 
-fn told(study: &Study, sweep: &Sweep, level: &Level) -> String {
+fn tooltip(study: &Study, sweep: &Sweep, level: &Level) -> String {
     let name = words::sweep(study, &sweep.estimator, sweep.parameter);
-    let mut told = format!(
+    let mut tooltip = format!(
         "{name}, {}: error {}",
         level.setting,
         words::error(level.error.l2)
     );
     if level.error.uncertainty > 0.0 {
-        told.push_str(&format!(" ± {:.1} %", 100.0 * level.error.uncertainty));
+        tooltip.push_str(&format!(" ± {:.1} %", 100.0 * level.error.uncertainty));
     }
-    told.push_str(&format!(
+    tooltip.push_str(&format!(
         " (largest {}), {}",
         words::error(level.error.max),
         words::price(level),
     ));
     if let Some(times) = &level.time {
-        told.push_str(&format!(", {}", words::times(times)));
+        tooltip.push_str(&format!(", {}", words::times(times)));
     }
-    told
+    tooltip
 }
 
 #[cfg(test)]
