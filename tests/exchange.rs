@@ -41,7 +41,7 @@ fn pbrt(body: &str) -> String {
 fn faults(body: &str, format: Format) -> String {
     let refusal = write(body, format).unwrap_err();
     assert_eq!(refusal.format, format);
-    assert!(refusal.to_string().contains(&refusal.faults[0].place));
+    assert!(refusal.to_string().contains(&refusal.faults[0].key));
     let faults = refusal.faults.iter().map(ToString::to_string);
     faults.collect::<Vec<_>>().join("\n")
 }
@@ -1124,7 +1124,7 @@ fn what_pbrts_numbers_lose_is_refused() {
         (
             &thick,
             "radiative.medium[0]: 1.7e4 mean free paths across it, where pbrt's 32-bit numbers \
-             tell places apart for 1e4; lower sigma_a and sigma_s, or make it smaller",
+             tell points apart for 1e4; lower sigma_a and sigma_s, or make it smaller",
         ),
     ] {
         assert_eq!(faults(body, Format::Pbrt), expected);

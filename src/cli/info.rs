@@ -276,9 +276,9 @@ fn histogram(values: impl Iterator<Item = f32>, low: f64, high: f64) -> Vec<Bin>
     };
     let mut counts = vec![0; bins];
     for value in values {
-        let place = (f64::from(value) - low) / width * bins as f64;
+        let position = (f64::from(value) - low) / width * bins as f64;
         // All the same gives 0/0, which becomes 0.
-        counts[(place as usize).min(bins - 1)] += 1;
+        counts[(position as usize).min(bins - 1)] += 1;
     }
     let edge = |bin: usize| low + width * (bin as f64 / bins as f64);
     let bin = |(bin, count)| Bin {

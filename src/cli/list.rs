@@ -60,7 +60,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
                 "what": row.what,
                 "tolerance": row.tolerance,
                 "remedy": row.remedy,
-                "place": row.place,
+                "file": row.file,
             })
         })
         .collect();

@@ -103,7 +103,7 @@ fn measure_naming(
             json!({
                 "made": naming.made,
                 "failed_cases": naming.failed,
-                "place": naming.place(),
+                "rank": naming.rank(),
                 "named": naming.named,
             })
         })

@@ -155,11 +155,11 @@ impl Excerpt {
 
     /// `label` where it is in the text that is shown, whose characters may have more bytes.
     fn shifted(&self, label: &LabeledSpan) -> LabeledSpan {
-        let place = |at: usize| {
+        let column = |at: usize| {
             let before = shown(&self.text, at.saturating_sub(self.offset));
             self.offset + before.len()
         };
-        let (from, to) = (place(label.offset()), place(label.offset() + label.len()));
+        let (from, to) = (column(label.offset()), column(label.offset() + label.len()));
         LabeledSpan::new(label.label().map(visible), from, to - from)
     }
 }

@@ -84,7 +84,7 @@ impl Scheme {
         for index in 0..steps.count() {
             let (middle, length) = steps.sample(index);
             let (near, far) = (middle - 0.5 * length, middle + 0.5 * length);
-            let place = match self {
+            let point = match self {
                 Scheme::Left => near,
                 Scheme::Stratified => near + random(index) * length,
                 Scheme::Comb => near + random(0) * length,
@@ -106,7 +106,7 @@ impl Scheme {
                 depth += optical_depth(mean.extinction, length);
                 continue;
             }
-            let here = at(place);
+            let here = at(point);
             let own = optical_depth(here.extinction, length);
             match self {
                 // What is opaque shows its own light, by any scheme.

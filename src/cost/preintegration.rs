@@ -229,10 +229,10 @@ fn opaque_from(opacity: &TransferOpacity) -> f64 {
 
 impl Piece {
     /// Where in the piece `value` lies, in [0, 1]: as [`TransferPoints::opacity`] has it.
-    fn place(&self, value: f64) -> f64 {
-        let place = (value - self.from) / (self.to - self.from);
+    fn share(&self, value: f64) -> f64 {
+        let share = (value - self.from) / (self.to - self.from);
         // Only constants have no end.
-        if place.is_finite() { place } else { 0.0 }
+        if share.is_finite() { share } else { 0.0 }
     }
 
     /// The mean of `−ln(1 − a)` over the values from `p` to `q`, in either order.
@@ -240,7 +240,7 @@ impl Piece {
         match &self.law {
             Law::Opaque => f64::INFINITY,
             Law::Line([from, to]) => {
-                let at = |value| f64::lerp_between(*from, *to, self.place(value));
+                let at = |value| f64::lerp_between(*from, *to, self.share(value));
                 let (p, q) = (at(p), at(q));
                 mean_of_minus_ln(p.min(q), p.max(q))
             }
@@ -374,7 +374,7 @@ impl LinearSegment<'_> {
     fn emission(&self, appearance: &Appearance) -> [DVec3; 4] {
         let [front, back] = self.values;
         let [from, to] = self.piece.colour;
-        let colour = |value| DVec3::lerp_between(from, to, self.piece.place(value));
+        let colour = |value| DVec3::lerp_between(from, to, self.piece.share(value));
         let (start, rise) = (colour(front), colour(back) - colour(front));
         match appearance {
             Appearance::Points(_) => [start, rise, DVec3::ZERO, DVec3::ZERO],

@@ -103,10 +103,10 @@ pub fn summary(runs: &[f64]) -> Option<Times> {
 
 /// The value below which a `share` of the `sorted` numbers lies, by straight lines between them.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let place = share * (sorted.len() - 1) as f64;
-    let index = place as usize;
+    let rank = share * (sorted.len() - 1) as f64;
+    let index = rank as usize;
     let next = (index + 1).min(sorted.len() - 1);
-    sorted[index] + (sorted[next] - sorted[index]) * (place - index as f64)
+    sorted[index] + (sorted[next] - sorted[index]) * (rank - index as f64)
 }
 
 impl Machine {

@@ -30,24 +30,24 @@ impl<'s> ExportScene<'s> {
         let view = View::of(&scene.camera);
         let [objects, lights] = names(panel, scene);
         let objects: Vec<_> = (scene.objects.iter().zip(objects))
-            .map(|(object, place)| (place, Form::of_shape(&object.shape), object.material))
+            .map(|(object, key)| (key, Form::of_shape(&object.shape), object.material))
             .collect();
         let area_lights: Vec<_> = (scene.area_lights.iter().zip(lights))
-            .map(|(light, place)| (place, Form::of_luminous(&light.shape), light))
+            .map(|(light, key)| (key, Form::of_luminous(&light.shape), light))
             .collect();
-        for ((place, _, _), object) in objects.iter().zip(&scene.objects) {
+        for ((key, _, _), object) in objects.iter().zip(&scene.objects) {
             if let Err(what) = check_glass(object, scene, view.eye) {
-                faults.add(place, what);
+                faults.add(key, what);
             }
         }
         let forms = objects.iter().map(|(_, form, _)| form);
         let forms = forms.chain(area_lights.iter().map(|(_, form, _)| form));
         let bodies = scene.media.iter().filter_map(|body| body.boundary.as_ref());
-        let places = scene.lights.iter().filter_map(Light::position);
+        let positions = scene.lights.iter().filter_map(Light::position);
         let reach = forms
             .map(Form::reach)
             .chain(bodies.map(|boundary| boundary.bounds().reach()))
-            .chain(places.map(|place| place.abs().max_element()))
+            .chain(positions.map(|position| position.abs().max_element()))
             .fold(view.eye.abs().max_element(), f64::max);
         // Beyond, squares of distances leave the numbers that both renderers calculate with.
         if !(1e-15..1e15).contains(&reach) {
@@ -60,15 +60,15 @@ impl<'s> ExportScene<'s> {
         let surfaces = objects
             .iter()
             .enumerate()
-            .map(|(object, (place, form, material))| BoundarySurface {
-                place: place.clone(),
+            .map(|(object, (key, form, material))| BoundarySurface {
+                key: key.clone(),
                 form: form.clone(),
                 opaque: !matches!(material, Material::Glass(_))
                     && !matches!(form, Form::Mesh { .. }),
                 object: Some(object),
             });
-        let lamps = area_lights.iter().map(|(place, form, _)| BoundarySurface {
-            place: place.clone(),
+        let lamps = area_lights.iter().map(|(key, form, _)| BoundarySurface {
+            key: key.clone(),
             form: form.clone(),
             opaque: !matches!(form, Form::Mesh { .. }),
             object: None,
@@ -84,7 +84,7 @@ impl<'s> ExportScene<'s> {
             [width, height],
             [0.5 * width, 0.5 * height],
         ]
-        .map(|place| scene.camera.ray_through(place, size));
+        .map(|film_point| scene.camera.ray_through(film_point, size));
         let nested_media = NestedMedia::of(scene, &surfaces, &sight, reach, faults);
         ExportScene {
             objects,
@@ -110,11 +110,11 @@ fn names(panel: &Panel, scene: &Radiative) -> [Vec<String>; 2] {
     let count = scene.objects.len() + scene.area_lights.len();
     let mut names = [Vec::new(), Vec::new()];
     for index in 0..count {
-        let place = format!("radiative.surface[{index}]");
-        let emitter = format!("{place}.emitter.");
+        let key = format!("radiative.surface[{index}]");
+        let emitter = format!("{key}.emitter.");
         let is_light = |key: &str| key.starts_with(&emitter);
         let kind = usize::from(panel.readings.iter().any(|reading| is_light(&reading.key)));
-        names[kind].push(place);
+        names[kind].push(key);
     }
     names
 }
@@ -140,8 +140,8 @@ fn check_glass(object: &Object, scene: &Radiative, eye: DVec3) -> Result<(), Str
     let lights = scene.lights.iter().filter_map(Light::position);
     let lamps = scene.area_lights.iter();
     let lamps = lamps.map(|light| light.shape.sample([0.25, 0.25]).position);
-    let mut places = std::iter::once(eye).chain(lights).chain(lamps);
-    if places.any(|place| is_inside(&object.shape, place)) {
+    let mut points = std::iter::once(eye).chain(lights).chain(lamps);
+    if points.any(|point| is_inside(&object.shape, point)) {
         let what = "glass with the eye or a light in it: the radiance there has another scale";
         return Err(what.to_owned());
     }

@@ -2,7 +2,7 @@
 
 use super::export_scene::ExportScene;
 use super::forms::Form;
-use super::nested_media::{NestedMedium, place_of};
+use super::nested_media::{NestedMedium, key_of};
 use super::refusal::Faults;
 use glam::DVec3;
 
@@ -29,7 +29,7 @@ const THICKEST: f64 = 1e4;
 /// Names what of a scene pbrt's numbers cannot hold.
 pub(super) fn check(export: &ExportScene, faults: &mut Faults) {
     let eye = export.view.eye.abs().max_element();
-    let mut extent = |place: &str, form: &Form| {
+    let mut extent = |key: &str, form: &Form| {
         let (extent, reach) = (form.extent(), form.reach().max(eye));
         if extent < SMALLEST * reach {
             let what = format!(
@@ -37,14 +37,14 @@ pub(super) fn check(export: &ExportScene, faults: &mut Faults) {
                  32-bit numbers leave {:.0e} uncertain; move the scene to the origin",
                 reach * ROUNDING
             );
-            faults.add(place, what);
+            faults.add(key, what);
         }
     };
-    for (place, form, _) in &export.objects {
-        extent(place, form);
+    for (key, form, _) in &export.objects {
+        extent(key, form);
     }
-    for (place, form, _) in &export.area_lights {
-        extent(place, form);
+    for (key, form, _) in &export.area_lights {
+        extent(key, form);
     }
     for nested in export
         .nested_media
@@ -52,23 +52,23 @@ pub(super) fn check(export: &ExportScene, faults: &mut Faults) {
         .iter()
         .filter(|nested| nested.interface.is_none())
     {
-        extent(&place_of(nested.index), &nested.form);
+        extent(&key_of(nested.index), &nested.form);
     }
     for nested in &export.nested_media.list {
-        let place = place_of(nested.index);
+        let key = key_of(nested.index);
         let g = nested.medium.phase.0.g();
         let scatters = nested.medium.coefficients.sigma_s() != DVec3::ZERO;
         if scatters && g.abs() > SHARPEST {
             let what = format!("g = {g}: pbrt takes any beyond {SHARPEST} as {SHARPEST}");
-            faults.add(&place, what);
+            faults.add(&key, what);
         }
         let paths = free_paths(nested);
         if paths > THICKEST {
             let what = format!(
-                "{paths:.1e} mean free paths across it, where pbrt's 32-bit numbers tell places \
+                "{paths:.1e} mean free paths across it, where pbrt's 32-bit numbers tell points \
                  apart for {THICKEST:e}; lower sigma_a and sigma_s, or make it smaller"
             );
-            faults.add(place, what);
+            faults.add(key, what);
         }
     }
 }

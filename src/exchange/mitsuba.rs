@@ -21,7 +21,7 @@ use super::export_scene::{ExportScene, most_bounces};
 use super::files::{ply, vol};
 use super::forms::Form;
 use super::mixture::Mixture;
-use super::nested_media::{GAP, NestedMedium, Placed, place_of};
+use super::nested_media::{GAP, NestedMedium, Placed, key_of};
 use super::refusal::Faults;
 use super::view::degrees;
 use super::{Export, Format, Refusal};
@@ -56,7 +56,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
     }
     for nested in &export.nested_media.list {
         if nested.medium.emission != DVec3::ZERO {
-            faults.add(place_of(nested.index), "a medium that emits light");
+            faults.add(key_of(nested.index), "a medium that emits light");
         }
     }
     let mut writer = Writer {
@@ -190,7 +190,7 @@ impl Writer<'_> {
         }
         let moved: Vec<String> = (nested_media.list.iter())
             .filter(|nested| nested.moved)
-            .map(|nested| place_of(nested.index))
+            .map(|nested| key_of(nested.index))
             .collect();
         if !moved.is_empty() {
             let offset = GAP * (1.0 + export.reach);
@@ -222,7 +222,7 @@ impl Writer<'_> {
             if nested.interface.is_none() {
                 let mut parts = vec!["<bsdf type=\"null\"/>".to_owned()];
                 parts.extend(sides(export, at));
-                self.form(&place_of(nested.index), &nested.form, parts);
+                self.form(&key_of(nested.index), &nested.form, parts);
             }
         }
         split
@@ -294,19 +294,19 @@ impl Writer<'_> {
     }
 
     fn surfaces(&mut self, export: &ExportScene) {
-        for (index, (place, form, material)) in export.objects.iter().enumerate() {
+        for (index, (key, form, material)) in export.objects.iter().enumerate() {
             let mut parts = vec![bsdf(material)];
             let mut nested_media = export.nested_media.list.iter();
             if let Some(at) = nested_media.position(|nested| nested.interface == Some(index)) {
                 parts.extend(sides(export, at));
             }
-            self.form(place, form, parts);
+            self.form(key, form, parts);
         }
-        for (place, form, light) in &export.area_lights {
+        for (key, form, light) in &export.area_lights {
             let black = bsdf(&Material::Diffuse(DVec3::ZERO));
             let radiance = rgb("radiance", light.radiance);
             let shine = element(2, "emitter", "area", "", &[radiance]);
-            self.form(place, form, vec![black.clone(), shine.clone()]);
+            self.form(key, form, vec![black.clone(), shine.clone()]);
             if light.sides == Sides::Front {
                 continue;
             }
@@ -328,28 +328,28 @@ impl Writer<'_> {
                 _ => {
                     let what = "a box or mesh that emits light on both sides; of a box or \
                                 closed mesh, say `sides = \"front\"`";
-                    self.faults.add(place, what);
+                    self.faults.add(key, what);
                     continue;
                 }
             };
             self.notes.push(format!(
-                "{place} shines to both sides: its back is a second emitter, {offset:.3e} behind."
+                "{key} shines to both sides: its back is a second emitter, {offset:.3e} behind."
             ));
             let parts = more.into_iter().chain([black, shine]).collect();
-            self.form(place, &back, parts);
+            self.form(key, &back, parts);
         }
     }
 
     /// A shape with what belongs to it.
-    fn form(&mut self, place: &str, form: &Form, parts: Vec<String>) {
-        let _ = writeln!(self.body, "    <!-- {place} -->");
+    fn form(&mut self, key: &str, form: &Form, parts: Vec<String>) {
+        let _ = writeln!(self.body, "    <!-- {key} -->");
         let (kind, mut children) = match form {
             Form::Sphere { centre, radius } => {
                 let children = vec![point("center", *centre), typed("float", "radius", radius)];
                 ("sphere", children)
             }
             Form::Ellipsoid { .. } => {
-                self.faults.add(place, "an ellipsoid; give a mesh of it");
+                self.faults.add(key, "an ellipsoid; give a mesh of it");
                 return;
             }
             Form::Box { corner, edges } => {

@@ -52,7 +52,7 @@ pub(super) struct Placed<'s> {
 /// A surface that a boundary may touch.
 pub(super) struct BoundarySurface {
     /// Its name in the scene.
-    pub place: String,
+    pub key: String,
     /// Its shape.
     pub form: Form,
     /// Whether nobody can look behind it.
@@ -89,7 +89,7 @@ impl<'s> NestedMedia<'s> {
         for (index, body) in scene.media.iter().enumerate() {
             match nested_medium(index, body, &contacts) {
                 Ok(nested) => list.extend(nested),
-                Err(what) => faults.add(place_of(index), what),
+                Err(what) => faults.add(key_of(index), what),
             }
         }
         nest(&mut list, contacts.gap, faults);
@@ -105,7 +105,7 @@ impl<'s> NestedMedia<'s> {
             } else if inside > 0 {
                 let what = "the eye lies in its boundary, and some rays of the image go into it, \
                             others do not; move the eye or the boundary";
-                faults.add(place_of(nested.index), what);
+                faults.add(key_of(nested.index), what);
             }
         }
         let depth = |at: usize| ancestors(&list, at).count();
@@ -122,7 +122,7 @@ impl<'s> NestedMedia<'s> {
 }
 
 /// The name of a medium in messages.
-pub(super) fn place_of(index: usize) -> String {
+pub(super) fn key_of(index: usize) -> String {
     format!("radiative.medium[{index}]")
 }
 
@@ -179,12 +179,10 @@ fn nested_medium<'s>(
     let mut surfaces = contacts.surfaces.iter();
     let interface = surfaces.find(|surface| surface.form == form);
     if let Some(BoundarySurface {
-        object: None,
-        place,
-        ..
+        object: None, key, ..
     }) = interface
     {
-        return Err(format!("its boundary is the surface of a light, {place}"));
+        return Err(format!("its boundary is the surface of a light, {key}"));
     }
     let mut moved = false;
     if interface.is_none() {
@@ -301,7 +299,7 @@ impl Contacts<'_> {
                 return Err(format!(
                     "a face that lies in {}, or so near that rays from there start beyond it; \
                      move it into the surface or away from it",
-                    surface.place
+                    surface.key
                 ));
             }
             touched.push(covered);
@@ -370,8 +368,8 @@ fn extent(points: &[DVec3], axis: DVec3) -> [f64; 2] {
     points
         .iter()
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], point| {
-            let place = point.dot(axis);
-            [low.min(place), high.max(place)]
+            let along = point.dot(axis);
+            [low.min(along), high.max(along)]
         })
 }
 
@@ -389,10 +387,10 @@ fn nest(list: &mut [NestedMedium], gap: f64, faults: &mut Faults) {
                 let (one, other) = (list[first].index, list[second].index);
                 let what = format!(
                     "it and {} overlap or touch, or boxes around them do, and neither lies within \
-                     the other; only one medium can be at a place",
-                    place_of(one)
+                     the other; only one medium can be at a point",
+                    key_of(one)
                 );
-                faults.add(place_of(other), what);
+                faults.add(key_of(other), what);
             }
         }
     }
@@ -402,7 +400,7 @@ fn nest(list: &mut [NestedMedium], gap: f64, faults: &mut Faults) {
         if list[at].parent.is_some() && list[at].layers_vary(around, list) {
             let what = "a grid in another medium, or a medium in a grid: densities add up only \
                         where both are the same everywhere";
-            faults.add(place_of(list[at].index), what);
+            faults.add(key_of(list[at].index), what);
         }
     }
 }

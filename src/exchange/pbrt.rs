@@ -39,7 +39,7 @@ use super::files::ply;
 use super::forms::Form;
 use super::limits;
 use super::mixture::Mixture;
-use super::nested_media::{GAP, NestedMedium, Placed, place_of};
+use super::nested_media::{GAP, NestedMedium, Placed, key_of};
 use super::refusal::Faults;
 use super::view::degrees;
 use super::{Export, Format, Refusal};
@@ -131,17 +131,17 @@ fn check(scene: &Radiative, export: &ExportScene, faults: &mut Faults) {
         }
     }
     for (at, nested) in export.nested_media.list.iter().enumerate() {
-        let place = place_of(nested.index);
+        let key = key_of(nested.index);
         if let Some(grid) = &nested.grid {
             if grid.density.interpolation() == Interpolation::Nearest {
-                faults.add(&place, "a grid with the value of the nearest node");
+                faults.add(&key, "a grid with the value of the nearest node");
             }
             continue;
         }
         let layers: Vec<&NestedMedium> = export.nested_media.layers(at).collect();
         if Mixture::of(&layers).parts.len() > 1 {
-            let what = "a medium within another of a different g: one phase function is at a place";
-            faults.add(place, what);
+            let what = "a medium within another of a different g: one phase function is at a point";
+            faults.add(key, what);
         }
     }
 }
@@ -215,7 +215,7 @@ impl ScatteringOrders {
             if most > f64::from(f32::MAX) {
                 let what = "emission where nothing, or next to nothing, is absorbed: pbrt says it \
                             as a factor of sigma_a; give sigma_a in every channel of emission";
-                faults.add(place_of(nested.index), what);
+                faults.add(key_of(nested.index), what);
             }
         }
     }
@@ -302,7 +302,7 @@ impl Writer<'_, '_> {
             .list
             .iter()
             .filter(|nested| nested.moved);
-        let moved: Vec<String> = nested_media.map(|nested| place_of(nested.index)).collect();
+        let moved: Vec<String> = nested_media.map(|nested| key_of(nested.index)).collect();
         if !moved.is_empty() {
             let offset = GAP * (1.0 + export.reach);
             self.line(&format!(
@@ -456,14 +456,14 @@ impl Writer<'_, '_> {
         let list = &export.nested_media.list;
         for (at, nested) in list.iter().enumerate() {
             if nested.interface.is_none() {
-                self.begin(&place_of(nested.index));
+                self.begin(&key_of(nested.index));
                 self.line("    Material \"interface\"");
                 self.sides(list, at);
                 self.form(&nested.form);
             }
         }
-        for (index, (place, form, material)) in export.objects.iter().enumerate() {
-            self.begin(place);
+        for (index, (key, form, material)) in export.objects.iter().enumerate() {
+            self.begin(key);
             self.material(material);
             if let Some(at) = list
                 .iter()
@@ -473,8 +473,8 @@ impl Writer<'_, '_> {
             }
             self.form(form);
         }
-        for (place, form, light) in &export.area_lights {
-            self.begin(place);
+        for (key, form, light) in &export.area_lights {
+            self.begin(key);
             self.material(&Material::Diffuse(DVec3::ZERO));
             let radiance = self.rgb("L", light.radiance);
             let both = light.sides == Sides::Both;
@@ -485,8 +485,8 @@ impl Writer<'_, '_> {
         }
     }
 
-    fn begin(&mut self, place: &str) {
-        self.line(&format!("\n# {place}\nAttributeBegin"));
+    fn begin(&mut self, key: &str) {
+        self.line(&format!("\n# {key}\nAttributeBegin"));
     }
 
     /// What is inside and outside the boundary of a nested medium.

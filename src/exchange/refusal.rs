@@ -8,14 +8,14 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// Where it stands in the scene, such as `radiative.medium[2]`, counted from 0.
-    pub place: String,
+    pub key: String,
     /// What it is, and where there is a way around it, which.
     pub what: String,
 }
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.place, self.what)
+        write!(f, "{}: {}", self.key, self.what)
     }
 }
 
@@ -31,11 +31,11 @@ pub struct Refusal {
 
 impl Refusal {
     /// A refusal for a single reason.
-    pub fn of(format: Format, place: impl Into<String>, what: impl Into<String>) -> Refusal {
-        let (place, what) = (place.into(), what.into());
+    pub fn of(format: Format, key: impl Into<String>, what: impl Into<String>) -> Refusal {
+        let (key, what) = (key.into(), what.into());
         Refusal {
             format,
-            faults: vec![Fault { place, what }],
+            faults: vec![Fault { key, what }],
         }
     }
 }
@@ -51,9 +51,9 @@ pub(super) struct Faults(Vec<Fault>);
 
 impl Faults {
     /// Notes one.
-    pub(super) fn add(&mut self, place: impl Into<String>, what: impl Into<String>) {
-        let (place, what) = (place.into(), what.into());
-        self.0.push(Fault { place, what });
+    pub(super) fn add(&mut self, key: impl Into<String>, what: impl Into<String>) {
+        let (key, what) = (key.into(), what.into());
+        self.0.push(Fault { key, what });
     }
 
     /// `result`, unless there was a fault.

@@ -185,10 +185,10 @@ fn floats(samples: &FlatSamples) -> Vec<f32> {
 /// part, or in another that lies where it does.
 fn beside<'f>(colours: &Colours<'f>, file: &'f File, full_name: &str) -> Option<&'f FlatSamples> {
     let (layer_name, name) = full_name.split_once('.').expect("a name of ours");
-    let place = |part: &Part| (part.size, part.attributes.layer_position);
+    let position = |part: &Part| (part.size, part.attributes.layer_position);
     samples_of(colours.part, full_name).or_else(|| {
         let parts = file.layer_data.iter();
-        let mut at_its_place = parts.filter(|part| place(part) == place(colours.part));
+        let mut at_its_place = parts.filter(|part| position(part) == position(colours.part));
         at_its_place.find_map(|part| match name_of(part) == layer_name {
             true => samples_of(part, name).or_else(|| samples_of(part, full_name)),
             false => samples_of(part, full_name),
@@ -236,13 +236,13 @@ impl Frame {
         let (width, height) = (display.size.width(), display.size.height());
         check_size(width, height)?;
         let data = part.attributes.layer_position;
-        let place = |at: i32, origin: i32| i64::from(at) - i64::from(origin);
+        let position = |at: i32, origin: i32| i64::from(at) - i64::from(origin);
         let frame = Frame {
             width,
             height,
             first: [
-                place(data.x(), display.position.x()),
-                place(data.y(), display.position.y()),
+                position(data.x(), display.position.x()),
+                position(data.y(), display.position.y()),
             ],
             stride: part.size.width(),
             rows: part.size.height(),
@@ -289,7 +289,7 @@ impl Frame {
 
 /// Of `length` places those that `count` others cover, beginning at `first`.
 fn overlap(length: usize, first: i64, count: usize) -> Range<usize> {
-    let inside = |place: i64| place.clamp(0, length as i64) as usize;
+    let inside = |position: i64| position.clamp(0, length as i64) as usize;
     inside(first)..inside(first + count as i64)
 }
 

@@ -51,17 +51,17 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
         };
         number.read(&data[index * number.bytes..][..number.bytes])
     };
-    let places = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
+    let positions = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
     if channels == 4 {
         let pixel = |(row, column)| [0, 1, 2, 3].map(|c| value(row, column, c));
         return Ok(Film::with_opacity(
             width,
             height,
-            places.map(pixel).collect(),
+            positions.map(pixel).collect(),
         ));
     }
     let pixel = |(row, column)| [0, 1, 2].map(|c| value(row, column, c % channels));
-    Ok(Film::new(width, height, places.map(pixel).collect()))
+    Ok(Film::new(width, height, positions.map(pixel).collect()))
 }
 
 pub(super) fn encode(film: &Film) -> Vec<u8> {

@@ -91,9 +91,9 @@ impl Rectangle {
 
     /// Whether `point` lies exactly in the plane of the rectangle, and within its edges.
     pub fn holds(&self, point: DVec3) -> bool {
-        let place = point - self.corner;
-        let within = |dual: DVec3| (0.0..=1.0).contains(&place.dot(dual));
-        place.dot(self.normal) == 0.0 && self.duals.into_iter().all(within)
+        let offset = point - self.corner;
+        let within = |dual: DVec3| (0.0..=1.0).contains(&offset.dot(dual));
+        offset.dot(self.normal) == 0.0 && self.duals.into_iter().all(within)
     }
 
     /// Unit normal.
@@ -149,8 +149,8 @@ impl Rectangle {
         if t < -in_t || t > limit + in_t {
             return None;
         }
-        let place = ray.direction * t - away;
-        let uv = self.duals.map(|dual| place.dot(dual));
+        let offset = ray.direction * t - away;
+        let uv = self.duals.map(|dual| offset.dot(dual));
         if uv.iter().any(|&part| part < -in_uv || part > 1.0 + in_uv) {
             return None;
         }

@@ -27,7 +27,7 @@ pub const ROWS: &[Row] = &[
         what: "a million thin layers",
         tolerance: "1e-10 by the product, 1e-15 by the sum of depths",
         remedy: "transparency beside opacity; sums of depths are compensated",
-        place: "src/render/classified/compositing.rs",
+        file: "src/render/classified/compositing.rs",
         check: a1_a_million_thin_layers,
     },
     Row {
@@ -35,7 +35,7 @@ pub const ROWS: &[Row] = &[
         what: "positions after ten million steps",
         tolerance: "1 unit in the last place",
         remedy: "positions follow from an index",
-        place: "src/render/classified/steps.rs",
+        file: "src/render/classified/steps.rs",
         check: a2_positions_do_not_drift,
     },
     Row {
@@ -43,7 +43,7 @@ pub const ROWS: &[Row] = &[
         what: "sums and variances of numbers of very different size",
         tolerance: "exact",
         remedy: "Neumaier's sum, and deviations from a running mean",
-        place: "src/math/moments.rs",
+        file: "src/math/moments.rs",
         check: a3_compensated_sums_and_variances,
     },
     Row {
@@ -51,7 +51,7 @@ pub const ROWS: &[Row] = &[
         what: "1, 2, 3 and 8 threads, and four orders of the pixels",
         tolerance: "exact",
         remedy: "random numbers are a function of pixel, sample and use; sums are in a fixed order",
-        place: "src/math/rng.rs",
+        file: "src/math/rng.rs",
         check: a4_threads_and_orders,
     },
     Row {
@@ -59,7 +59,7 @@ pub const ROWS: &[Row] = &[
         what: "builds and platforms: functions and pictures have the bits written down here",
         tolerance: "exact",
         remedy: "one pinned implementation of every transcendental function, and no fused multiply-add",
-        place: "src/math/elementary.rs",
+        file: "src/math/elementary.rs",
         check: a5_builds_and_platforms,
     },
     Row {
@@ -67,7 +67,7 @@ pub const ROWS: &[Row] = &[
         what: "effects that are simulated although null",
         tolerance: "exact",
         remedy: "random numbers have a purpose in their name: one effect more moves no other's",
-        place: "src/math/rng.rs",
+        file: "src/math/rng.rs",
         check: a6_null_effects,
     },
     Row {
@@ -75,7 +75,7 @@ pub const ROWS: &[Row] = &[
         what: "no pixel that is not finite, or negative",
         tolerance: "exact",
         remedy: "every film is looked through before it is given out, and the pixel is named",
-        place: "src/render/pixels.rs",
+        file: "src/render/pixels.rs",
         check: a7_no_bad_pixel,
     },
 ];
@@ -196,8 +196,8 @@ fn a4_threads_and_orders(margin: &mut Margin) {
         for sample in 0..scene.samples {
             let random = Stream::new(scene.seed, index as u32, sample);
             let [x, y] = random.pair(0, Purpose::Camera, 0);
-            let place = [(index % width) as f64 + x, (index / width) as f64 + y];
-            let ray = scene.camera.ray_through(place, SIZE);
+            let film_point = [(index % width) as f64 + x, (index / width) as f64 + y];
+            let ray = scene.camera.ray_through(film_point, SIZE);
             let radiance = tracer.radiance(ray, &random, &mut scratch, &mut Uncounted);
             let channels = radiance.unwrap_or(DVec3::NAN).to_array();
             moments
@@ -362,7 +362,7 @@ fn a7_no_bad_pixel(margin: &mut Margin) {
         let found = Film::new(4, 3, pixels).first_without_radiance();
         margin.exact(
             format_args!("{bad}"),
-            found.map(|(place, _)| place),
+            found.map(|(film_point, _)| film_point),
             Some([3, 1]),
         );
     }

@@ -39,7 +39,7 @@ pub const ROWS: &[Row] = &[
         what: "a constant grid is a homogeneous medium",
         tolerance: "1e-14",
         remedy: "interpolation as a + (b - a) t, exact where a = b",
-        place: "src/volume/interpolation.rs",
+        file: "src/volume/interpolation.rs",
         check: d1_constant_grid,
     },
     Row {
@@ -47,7 +47,7 @@ pub const ROWS: &[Row] = &[
         what: "a trilinear field is a cubic along a ray",
         tolerance: "8 u",
         remedy: "cut at the faces of cells, and Gauss's rule of two points in each",
-        place: "src/volume/grid_density.rs",
+        file: "src/volume/grid_density.rs",
         check: d2_trilinear_cell,
     },
     Row {
@@ -55,7 +55,7 @@ pub const ROWS: &[Row] = &[
         what: "one voxel, and one voxel thick, in both centrings",
         tolerance: "1e-14",
         remedy: "an axis of one node is a slab one spacing thick: nothing is divided by n - 1",
-        place: "src/volume/lattice.rs",
+        file: "src/volume/lattice.rs",
         check: d3_one_voxel,
     },
     Row {
@@ -63,7 +63,7 @@ pub const ROWS: &[Row] = &[
         what: "at the upper bound of a grid, an ulp below and above",
         tolerance: "exact",
         remedy: "the index is clamped, not the coordinate",
-        place: "src/volume/interpolation.rs",
+        file: "src/volume/interpolation.rs",
         check: d4_upper_bound,
     },
     Row {
@@ -71,7 +71,7 @@ pub const ROWS: &[Row] = &[
         what: "spacing that differs from axis to axis",
         tolerance: "1e-14",
         remedy: "steps, walks and integrals run over world lengths",
-        place: "src/volume/grid_density.rs",
+        file: "src/volume/grid_density.rs",
         check: d5_anisotropic_spacing,
     },
     Row {
@@ -79,7 +79,7 @@ pub const ROWS: &[Row] = &[
         what: "empty space: the background, and not one look-up",
         tolerance: "exact",
         remedy: "a bound of 0 is tested first: nothing is looked up there",
-        place: "src/render/radiative/tracking.rs",
+        file: "src/render/radiative/tracking.rs",
         check: d6_empty_space,
     },
     Row {
@@ -87,7 +87,7 @@ pub const ROWS: &[Row] = &[
         what: "one bright voxel on the border of two blocks",
         tolerance: "4 standard errors; 64 u by integrals; exact bound",
         remedy: "bounds of a block cover every node that a look-up in it may read",
-        place: "src/volume/grid_density.rs",
+        file: "src/volume/grid_density.rs",
         check: d7_bright_voxel_on_a_border,
     },
     Row {
@@ -95,7 +95,7 @@ pub const ROWS: &[Row] = &[
         what: "a density with a jump: marching has order 1, tracking no bias",
         tolerance: "order within 0.15; 4 standard errors; 8 u by cells",
         remedy: "cells are cut at their faces, tracking is held to bounds; steps are left to their order 1",
-        place: "src/volume/grid_density.rs",
+        file: "src/volume/grid_density.rs",
         check: d8_discontinuous_density,
     },
     Row {
@@ -103,7 +103,7 @@ pub const ROWS: &[Row] = &[
         what: "voxels that are no densities: refused by name, or replaced",
         tolerance: "exact",
         remedy: "samples are checked as they are read, and a grid before it is a density",
-        place: "src/volume/samples.rs",
+        file: "src/volume/samples.rs",
         check: d9_voxels_that_are_no_densities,
     },
     Row {
@@ -111,7 +111,7 @@ pub const ROWS: &[Row] = &[
         what: "subnormal voxels and huge ones",
         tolerance: "exact",
         remedy: "no number is flushed to zero; an infinite depth is a depth",
-        place: "src/media/optical_depth.rs",
+        file: "src/media/optical_depth.rs",
         check: d10_subnormal_and_huge_voxels,
     },
     Row {
@@ -119,7 +119,7 @@ pub const ROWS: &[Row] = &[
         what: "a bound that is too small: counted; by ratio tracking without bias",
         tolerance: "4 standard errors; 4 % of the variance; exact count above 0",
         remedy: "every look-up is held against its bound, and violations end the rendering",
-        place: "src/render/radiative/tracking.rs",
+        file: "src/render/radiative/tracking.rs",
         check: d11_bound_too_small,
     },
     Row {
@@ -127,7 +127,7 @@ pub const ROWS: &[Row] = &[
         what: "an extinction that is its bound, to one ulp",
         tolerance: "4 standard errors",
         remedy: "real or null is decided by one comparison: no null collision has probability 0",
-        place: "src/render/radiative/tracking.rs",
+        file: "src/render/radiative/tracking.rs",
         check: d12_extinction_at_its_bound,
     },
     Row {
@@ -135,7 +135,7 @@ pub const ROWS: &[Row] = &[
         what: "a narrow peak in the transfer function",
         tolerance: "1e-10",
         remedy: "segments are classified, not points",
-        place: "src/cost/preintegration.rs",
+        file: "src/cost/preintegration.rs",
         check: d13_narrow_peak,
     },
     Row {
@@ -143,7 +143,7 @@ pub const ROWS: &[Row] = &[
         what: "no gradient, and surfaces that are just touched",
         tolerance: "exact",
         remedy: "a zero gradient has no normal, and the colour stays as it is",
-        place: "src/media/phong.rs",
+        file: "src/media/phong.rs",
         check: d14_zero_gradient_and_touched_surfaces,
     },
 ];
@@ -414,7 +414,7 @@ fn nrrd_with(odd: &str) -> String {
 
 fn d9_voxels_that_are_no_densities(margin: &mut Margin) {
     // Node 57 of 4 × 4 × 4.
-    let place = [1, 2, 3];
+    let wrong_node = [1, 2, 3];
     for text in ["nan", "inf", "-inf"] {
         let file = nrrd_with(text);
         let refused = read_nrrd(file.as_bytes(), &LoadOptions::default());
@@ -442,16 +442,14 @@ fn d9_voxels_that_are_no_densities(margin: &mut Margin) {
         }
     }
     for wrong in [-1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-        let grid = grid(
-            [4; 3],
-            DVec3::ONE,
-            |node| if node == place { wrong } else { 1.0 },
-        );
+        let grid = grid([4; 3], DVec3::ONE, |node| {
+            if node == wrong_node { wrong } else { 1.0 }
+        });
         let named = match grid.check_densities() {
             Err(GridError::Density { node, value }) => Some((node, value.to_bits())),
             _ => None,
         };
-        let right = Some((place, f64::from(wrong).to_bits()));
+        let right = Some((wrong_node, f64::from(wrong).to_bits()));
         margin.exact(format_args!("a density of {wrong}"), named, right);
     }
 }

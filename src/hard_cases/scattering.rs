@@ -27,7 +27,7 @@ pub const ROWS: &[Row] = &[
         what: "Henyey-Greenstein sampling for every g, at both ends of u",
         tolerance: "8 u in 1 - cos and in 1 + cos",
         remedy: "two forms without cancellation; g below 0 is the mirror of g above",
-        place: "src/media/phase.rs",
+        file: "src/media/phase.rs",
         check: s1_henyey_greenstein_sampling,
     },
     Row {
@@ -35,7 +35,7 @@ pub const ROWS: &[Row] = &[
         what: "the Henyey-Greenstein value: integral, mean cosine, histogram",
         tolerance: "1e-12; chi-squared at 1e-3",
         remedy: "(1 - g)^2 + 2 g (1 - cos), from the end at which the peak is",
-        place: "src/media/phase.rs",
+        file: "src/media/phase.rs",
         check: s2_henyey_greenstein_value,
     },
     Row {
@@ -43,7 +43,7 @@ pub const ROWS: &[Row] = &[
         what: "orthonormal frames at and near the poles",
         tolerance: "8 u",
         remedy: "the sign keeps the denominator at least 1 on both hemispheres",
-        place: "src/math/frame.rs",
+        file: "src/math/frame.rs",
         check: s3_orthonormal_frame,
     },
     Row {
@@ -51,7 +51,7 @@ pub const ROWS: &[Row] = &[
         what: "the white furnace: nothing is seen in light from everywhere",
         tolerance: "exact, path by path; 1e-12 where media overlap whose density varies",
         remedy: "a path that nothing takes from is never cut, and its weights are ratios of equal numbers",
-        place: "src/render/radiative/path_tracer.rs",
+        file: "src/render/radiative/path_tracer.rs",
         check: s4_white_furnace,
     },
     Row {
@@ -59,7 +59,7 @@ pub const ROWS: &[Row] = &[
         what: "plane albedo of a half-space",
         tolerance: "4 standard errors",
         remedy: "paths are cut with the probability that their weight is raised by",
-        place: "src/render/radiative/path_tracer.rs",
+        file: "src/render/radiative/path_tracer.rs",
         check: s5_half_space,
     },
     Row {
@@ -67,7 +67,7 @@ pub const ROWS: &[Row] = &[
         what: "a thick slab that absorbs nothing",
         tolerance: "exact sum, path by path; no path cut; 4 standard errors",
         remedy: "no limit of bounces but the one the scene asks for; a path without an end is an error",
-        place: "src/render/radiative/path_tracer.rs",
+        file: "src/render/radiative/path_tracer.rs",
         check: s6_conservative_thick_slab,
     },
     Row {
@@ -75,7 +75,7 @@ pub const ROWS: &[Row] = &[
         what: "a limit of one bounce: crossing a boundary is none",
         tolerance: "1e-10 by integrals, 4 standard errors by paths",
         remedy: "boundaries of media are places where a straight path is cut, not vertices",
-        place: "src/render/radiative/segments.rs",
+        file: "src/render/radiative/segments.rs",
         check: s7_depth_limit,
     },
     Row {
@@ -83,7 +83,7 @@ pub const ROWS: &[Row] = &[
         what: "a light on the viewing ray, and next to it",
         tolerance: "1e-12, by the integrals of images 6e-10; no variance",
         remedy: "equiangular sampling by a turn of the near end; on the light itself infinity",
-        place: "src/math/sampling/equiangular.rs",
+        file: "src/math/sampling/equiangular.rs",
         check: s8_light_near_the_ray,
     },
     Row {
@@ -91,7 +91,7 @@ pub const ROWS: &[Row] = &[
         what: "the edge of a spotlight, and every warp at its ends",
         tolerance: "exact; 8 u; 4e-11 and the rounding of places across the cone",
         remedy: "the edge itself is dark, by a strict comparison before any quotient",
-        place: "src/optics/light.rs",
+        file: "src/optics/light.rs",
         check: s9_spotlight_edge_and_warps,
     },
     Row {
@@ -99,7 +99,7 @@ pub const ROWS: &[Row] = &[
         what: "a strongly coloured medium",
         tolerance: "4 standard errors a channel, 8 u in closed form; weights at most 3",
         remedy: "one channel chooses the distance, and the weight is by the mixture of all three",
-        place: "src/media/coefficients.rs",
+        file: "src/media/coefficients.rs",
         check: s10_strongly_coloured_medium,
     },
 ];

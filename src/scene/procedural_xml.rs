@@ -126,7 +126,7 @@ const PARAMETERS: [Parameter; 10] = [
     Parameter {
         name: "offset",
         tag: "vector",
-        doc: "place of the world's origin in the lattice of the first octave: three numbers",
+        doc: "position of the world's origin in the lattice of the first octave: three numbers",
     },
     Parameter {
         name: "g",
@@ -349,18 +349,21 @@ fn malformed(document: &Document<'_>, error: &Error) -> Box<SceneError> {
         }
         _ => {
             let message = error.to_string();
-            let place = format!(" at {}", error.pos());
-            message.strip_suffix(&place).unwrap_or(&message).to_owned()
+            let position = format!(" at {}", error.pos());
+            message
+                .strip_suffix(&position)
+                .unwrap_or(&message)
+                .to_owned()
         }
     };
     document.error(Some(offset..offset), message, Some(help.to_owned()))
 }
 
 /// Byte of a place that counts rows and characters from 1.
-fn offset_of(text: &str, place: roxmltree::TextPos) -> usize {
-    let row = (place.row as usize).saturating_sub(1);
+fn offset_of(text: &str, position: roxmltree::TextPos) -> usize {
+    let row = (position.row as usize).saturating_sub(1);
     let start: usize = text.split_inclusive('\n').take(row).map(str::len).sum();
-    let column = (place.col as usize).saturating_sub(1);
+    let column = (position.col as usize).saturating_sub(1);
     let within = text[start..].char_indices().nth(column);
     within.map_or(text.len(), |(at, _)| start + at)
 }
@@ -433,7 +436,7 @@ fn parameter<'a>(
     element: Node<'a, '_>,
 ) -> Result<Given<'a>, Box<SceneError>> {
     let tag = element.tag_name().name();
-    let place = opening(document.text, element);
+    let position = opening(document.text, element);
     let fail = |span: Range<usize>, message: String, help: String| {
         Err(document.error(Some(span), message, Some(help)))
     };
@@ -447,12 +450,12 @@ fn parameter<'a>(
             (_, Some(near)) => format!("did you mean <{near}>?"),
             _ => format!("a procedural medium may hold: <{}>", TAGS.join(">, <")),
         };
-        return fail(place, format!("unknown element <{tag}>"), help);
+        return fail(position, format!("unknown element <{tag}>"), help);
     }
     check_attributes(document, element, &["name", "value", "id"])?;
     let Some(name) = element.attribute_node("name") else {
         let help = format!("give `name`: one of {}", names().join(", "));
-        return fail(place, format!("<{tag}> has no `name`"), help);
+        return fail(position, format!("<{tag}> has no `name`"), help);
     };
     let known = PARAMETERS.iter().find(|known| known.name == name.value());
     let Some(parameter) = known else {
@@ -470,12 +473,12 @@ fn parameter<'a>(
             "write <{right} name=\"{name}\" value=\"…\"/>; {}",
             parameter.doc
         );
-        return fail(place, format!("`{name}` is no <{tag}>"), help);
+        return fail(position, format!("`{name}` is no <{tag}>"), help);
     }
     let Some(value) = element.attribute_node("value") else {
         let message = format!("`{}` has no `value`", parameter.name);
         return fail(
-            place,
+            position,
             message,
             format!("`{}`: {}", parameter.name, parameter.doc),
         );
@@ -492,7 +495,7 @@ fn parameter<'a>(
         parameter,
         value: value.value(),
         span: value.range_value(),
-        element: place,
+        element: position,
     })
 }
 
@@ -888,7 +891,7 @@ mod tests {
 
     #[test]
     fn malformed_text_names_its_place() {
-        for (text, place) in [
+        for (text, position) in [
             ("", "1:1: "),
             ("gain = 0.5", "1:1: "),
             (
@@ -902,7 +905,7 @@ mod tests {
         ] {
             let fault = fault(text);
             assert!(
-                fault.starts_with(&format!("medium.xml:{place}")),
+                fault.starts_with(&format!("medium.xml:{position}")),
                 "{text:?}: {fault}"
             );
         }

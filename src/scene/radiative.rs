@@ -4,7 +4,7 @@ mod contradictions;
 mod densities;
 mod lights;
 mod media;
-mod place;
+mod shape_transform;
 mod shapes;
 mod surfaces;
 

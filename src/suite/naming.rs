@@ -21,7 +21,7 @@ impl Naming {
     /// The place, among what was named, by which all that was made is named, 1 for the first. Of
     /// two mistakes that meet in no case each is named by itself; a name that holds anything else
     /// does not count.
-    pub fn place(&self) -> Option<usize> {
+    pub fn rank(&self) -> Option<usize> {
         let mut missing = self.made.clone();
         for (index, named) in self.named.iter().enumerate() {
             let parts: Vec<&str> = named.mistake.split(" + ").collect();
@@ -100,11 +100,11 @@ mod tests {
             failed: 1,
             named: named.iter().map(likeness).collect(),
         };
-        naming.place()
+        naming.rank()
     }
 
     #[test]
-    fn one_mistake_has_the_place_of_its_name() {
+    fn one_mistake_has_the_rank_of_its_name() {
         assert_eq!(naming(&["a"], &["b", "a"]), Some(2));
         assert_eq!(naming(&["a"], &["a + b", "b"]), None);
     }

@@ -122,7 +122,7 @@ pub fn verify_row(row: &Row) -> Judged {
         evidence: Evidence {
             source: format!("Catalogue of hard cases, {}", row.id),
             shows: format!("{}. It may be off by: {}.", row.what, row.tolerance),
-            computes: format!("Remedy: {}; see {}.", row.remedy, row.place),
+            computes: format!("Remedy: {}; see {}.", row.remedy, row.file),
             without_image: true,
             ..Evidence::default()
         },

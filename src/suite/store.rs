@@ -254,9 +254,9 @@ impl<D: Disk> Store<D> {
         }
         for (entry, bytes) in journal.entries.iter().zip(contents) {
             // What a rename would only find out after the decision.
-            let place = entry.name.under(&self.root);
-            if place.is_dir() {
-                return Err(failed("replace", &place)(ErrorKind::IsADirectory.into()));
+            let target = entry.name.under(&self.root);
+            if target.is_dir() {
+                return Err(failed("replace", &target)(ErrorKind::IsADirectory.into()));
             }
             let staged = entry.name.staged_under(&self.root, &journal.tag);
             (self.disk.create_synced(&staged, bytes)).map_err(failed("write", &staged))?;
@@ -266,13 +266,13 @@ impl<D: Disk> Store<D> {
 
     /// Step 3.
     fn decide(&self, journal: &Journal) -> Result<(), StoreError> {
-        let (draft, place) = (self.root.join(DRAFT), self.root.join(JOURNAL));
-        let Err(cause) = self.disk.rename(&draft, &place) else {
+        let (draft, target) = (self.root.join(DRAFT), self.root.join(JOURNAL));
+        let Err(cause) = self.disk.rename(&draft, &target) else {
             return Ok(());
         };
         // On a network a rename can be reported as failed that took place.
-        let failure = failed("rename the journal to", &place)(cause);
-        match place.try_exists() {
+        let failure = failed("rename the journal to", &target)(cause);
+        match target.try_exists() {
             Ok(true) => Ok(()),
             Ok(false) => Err(self.give_up(journal, failure)),
             Err(_) => Err(StoreError::Undecided(failure)),
@@ -286,8 +286,8 @@ impl<D: Disk> Store<D> {
         for entry in &journal.entries {
             let staged = entry.name.staged_under(&self.root, &journal.tag);
             if staged.try_exists().map_err(failed("look at", &staged))? {
-                let place = entry.name.under(&self.root);
-                (self.disk.rename(&staged, &place)).map_err(failed("replace", &place))?;
+                let target = entry.name.under(&self.root);
+                (self.disk.rename(&staged, &target)).map_err(failed("replace", &target))?;
             }
         }
         self.sync_all(journal)?;

@@ -651,13 +651,13 @@ fn kept_axes(sizes: &[u64], directions: Option<&[Option<DVec3>]>) -> Result<[usi
     let mut kept: Vec<usize> = (0..sizes.len()).collect();
     let nowhere = |axis: usize| directions.is_some_and(|all| all[axis].is_none());
     while kept.len() > 3 {
-        let droppable = |&place: &usize| sizes[kept[place]] == 1;
-        let places = || (0..kept.len()).rev().filter(droppable);
-        let without_direction = places().find(|&place| nowhere(kept[place]));
-        let Some(place) = without_direction.or_else(|| places().next()) else {
+        let droppable = |&index: &usize| sizes[kept[index]] == 1;
+        let indices = || (0..kept.len()).rev().filter(droppable);
+        let without_direction = indices().find(|&index| nowhere(kept[index]));
+        let Some(index) = without_direction.or_else(|| indices().next()) else {
             break;
         };
-        kept.remove(place);
+        kept.remove(index);
     }
     kept.try_into().map_err(|_| NrrdError::Axes(sizes.to_vec()))
 }
@@ -779,7 +779,7 @@ mod tests {
     }
 
     /// Spacing and first node.
-    fn place(lines: &str) -> ([f64; 3], [f64; 3]) {
+    fn geometry(lines: &str) -> ([f64; 3], [f64; 3]) {
         let grid = read(&file(lines)).unwrap();
         let lattice = grid.lattice();
         (lattice.spacing().to_array(), lattice.first().to_array())
@@ -794,10 +794,10 @@ mod tests {
 
     #[test]
     fn what_is_not_said_about_places() {
-        assert_eq!(place(""), ([1.0; 3], [0.0; 3]));
-        assert_eq!(place("spacings: 0.5 2 3\n"), ([0.5, 2.0, 3.0], [0.0; 3]));
+        assert_eq!(geometry(""), ([1.0; 3], [0.0; 3]));
+        assert_eq!(geometry("spacings: 0.5 2 3\n"), ([0.5, 2.0, 3.0], [0.0; 3]));
         assert_eq!(
-            place("spacings: 0.5 2 3\nspace dimension: 3\nspace origin: (1, -2, 3e1)\n"),
+            geometry("spacings: 0.5 2 3\nspace dimension: 3\nspace origin: (1, -2, 3e1)\n"),
             ([0.5, 2.0, 3.0], [1.0, -2.0, 30.0])
         );
     }
@@ -808,14 +808,17 @@ mod tests {
         // A single sample stands in the middle of its axis.
         let nodes = ([4.0, 2.0, 6.0], [0.0, 0.0, 3.0]);
         let cells = ([2.0, 1.0, 6.0], [1.0, 0.5, 3.0]);
-        assert_eq!(place(ends), nodes);
-        assert_eq!(place(&format!("{ends}centers: node ??? node\n")), nodes);
-        assert_eq!(place(&format!("{ends}centerings: cell cell cell\n")), cells);
+        assert_eq!(geometry(ends), nodes);
+        assert_eq!(geometry(&format!("{ends}centers: node ??? node\n")), nodes);
         assert_eq!(
-            place("spacings: 2 1 6\naxis maxs: 4 2 6\ncenters: cell cell cell\n"),
+            geometry(&format!("{ends}centerings: cell cell cell\n")),
             cells
         );
-        assert_eq!(place("spacings: 4 2 6\naxis mins: 0 0 0\n"), nodes);
+        assert_eq!(
+            geometry("spacings: 2 1 6\naxis maxs: 4 2 6\ncenters: cell cell cell\n"),
+            cells
+        );
+        assert_eq!(geometry("spacings: 4 2 6\naxis mins: 0 0 0\n"), nodes);
         let grid = read(&file(&format!("{ends}centers: cell cell cell\n"))).unwrap();
         assert_eq!(grid.lattice().centring(), Centring::Cells);
         assert_eq!(grid.lattice().bounds().max, DVec3::new(4.0, 2.0, 6.0));

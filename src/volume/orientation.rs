@@ -227,8 +227,8 @@ mod tests {
                 for (index, value) in values.into_iter().enumerate() {
                     let stored = value as usize;
                     let [i, j, k] = [stored % 2, stored / 2 % 3, stored / 6].map(|n| n as f64);
-                    let place = axes.first + steps[0] * i + steps[1] * j + steps[2] * k;
-                    assert_eq!(lattice.position(lattice.node(index)), place, "{steps:?}");
+                    let point = axes.first + steps[0] * i + steps[1] * j + steps[2] * k;
+                    assert_eq!(lattice.position(lattice.node(index)), point, "{steps:?}");
                 }
             }
         }

@@ -45,7 +45,7 @@ impl VolumeReader for PointCloud {
         let bytes = source.bytes(MOST_BYTES)?;
         let points = match read_obj_points(&bytes) {
             Ok(points) => points,
-            Err(error) if error.place.is_some() => return Err(source.fault_in_line(error)),
+            Err(error) if error.position.is_some() => return Err(source.fault_in_line(error)),
             Err(error) => return Err(source.fault(error)),
         };
         drop(bytes);

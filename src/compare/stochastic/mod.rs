@@ -471,13 +471,13 @@ impl<'c> Worst<'c> {
 
     fn judge(&self, level: f64, metrics: &mut Metrics) -> Option<String> {
         let rejected = holm(&self.probabilities, level);
-        let place = [self.block.columns.start, self.block.rows.start];
+        let corner = [self.block.columns.start, self.block.rows.start];
         metrics.extend([
             ("blocks", self.probabilities.len() as f64),
             ("rejected_blocks", rejected as f64),
             ("worst_block_z", finite(self.deviation())),
-            ("worst_block_column", place[0] as f64),
-            ("worst_block_row", place[1] as f64),
+            ("worst_block_column", corner[0] as f64),
+            ("worst_block_row", corner[1] as f64),
         ]);
         let channel = &self.block.channels[self.channel];
         let (off, pixels) = (channel.difference.value, self.block.pixels() as f64);
@@ -489,8 +489,8 @@ impl<'c> Worst<'c> {
                 self.probabilities.len(),
                 self.block.columns.len(),
                 self.block.rows.len(),
-                place[0],
-                place[1],
+                corner[0],
+                corner[1],
                 colour(self.channel),
                 side(off),
                 means(channel.radiance / pixels, off / pixels, self.deviation()),

@@ -65,7 +65,7 @@ struct Fault {
 /// One scene or panel, as the template asks for it.
 #[derive(Serialize)]
 struct CostView<'a> {
-    place: usize,
+    index: usize,
     name: String,
     advice: &'a [Recommendation],
     studies: Vec<StudyView<'a>>,
@@ -120,9 +120,9 @@ struct Worst<'a> {
 }
 
 impl<'a> CostView<'a> {
-    fn new((place, cost): (usize, &'a Cost)) -> CostView<'a> {
+    fn new((index, cost): (usize, &'a Cost)) -> CostView<'a> {
         CostView {
-            place,
+            index,
             name: words::scene(cost),
             advice: &cost.recommendations,
             studies: cost.studies.iter().map(StudyView::new).collect(),

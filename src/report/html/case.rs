@@ -10,8 +10,8 @@ use serde::Serialize;
 /// One case, as the template asks for it.
 #[derive(Serialize)]
 pub(super) struct CaseView<'a> {
-    /// Place on the page, from 0.
-    place: usize,
+    /// Position on the page, from 0.
+    index: usize,
     pub(super) result: &'a CaseResult,
     symbol: &'static str,
     /// Name of the gate, and how it judges.
@@ -23,7 +23,7 @@ pub(super) struct CaseView<'a> {
     /// Red, green and blue over the image, where there are both images.
     means: Vec<Mean>,
     /// Where the difference is, in words.
-    place_words: Option<String>,
+    spread_words: Option<String>,
     /// What is to be said beside the verdict, and what is odd about the images.
     notes: Vec<String>,
     source: &'a str,
@@ -55,7 +55,7 @@ struct Number<'a> {
 
 impl<'a> CaseView<'a> {
     pub(super) fn new(
-        place: usize,
+        index: usize,
         result: &'a CaseResult,
         evidence: &'a Evidence,
         likely: &'a [Likeness],
@@ -68,7 +68,7 @@ impl<'a> CaseView<'a> {
         let films = views.films();
         let scale = views.difference_scale(result.gate);
         CaseView {
-            place,
+            index,
             result,
             symbol: words::symbol(result.verdict),
             gate_words: result.gate.rule(),
@@ -90,7 +90,7 @@ impl<'a> CaseView<'a> {
                 })
                 .collect(),
             means: films.map_or_else(Vec::new, |(golden, test)| measures::means(golden, test)),
-            place_words: match &scale {
+            spread_words: match &scale {
                 DifferenceScale::StandardErrors(map) => Some(measures::odd_blocks(map)),
                 _ => films.and_then(|(golden, test)| measures::spread(golden, test)),
             },

@@ -169,9 +169,9 @@ impl Parts<'_, '_, '_> {
             let Luminous::Rectangle(lamp) = &light.shape else {
                 continue;
             };
-            let places = || grid.into_iter().flat_map(|u| grid.map(|v| [u, v]));
+            let positions = || grid.into_iter().flat_map(|u| grid.map(|v| [u, v]));
             let flush = rectangles().any(|wall| {
-                let within = places().any(|uv| wall.holds(lamp.sample(uv).position));
+                let within = positions().any(|uv| wall.holds(lamp.sample(uv).position));
                 within && lamp.normal().dot(wall.normal()).abs() == 1.0
             });
             if flush {

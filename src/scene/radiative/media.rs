@@ -1,6 +1,6 @@
 //! Media: what fills a shape, or all space.
 
-use super::{Body, LARGEST_RADIANCE, densities, place, radiance, shapes};
+use super::{Body, LARGEST_RADIANCE, densities, radiance, shape_transform, shapes};
 use crate::geometry::{Aabb, Surface, length_of};
 use crate::media::{Asymmetry, Coefficients, Density, Field, HenyeyGreenstein, Homogeneous};
 use crate::scene::SceneError;
@@ -16,9 +16,9 @@ pub(super) const MEDIUM: Table = Table {
         shapes::SPHERE,
         shapes::BOX,
         shapes::MESH,
-        place::SCALE,
-        place::ROTATE,
-        place::TRANSLATE,
+        shape_transform::SCALE,
+        shape_transform::ROTATE,
+        shape_transform::TRANSLATE,
         densities::GRID,
         densities::INTERPOLATION,
         densities::NOISE,

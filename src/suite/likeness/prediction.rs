@@ -86,18 +86,18 @@ pub(super) fn pixels_of(film: &Film, panels: &[usize], detail: Detail) -> Film {
         left += width;
     }
     let rows: Vec<usize> = detail.places(film.height()).collect();
-    let places = rows.iter().flat_map(|row| {
+    let indices = rows.iter().flat_map(|row| {
         columns
             .iter()
             .map(move |column| column + row * film.width())
     });
     match film.opacity() {
         Some(_) => {
-            let pixels = places.map(|index| film.pixel(index)).collect();
+            let pixels = indices.map(|index| film.pixel(index)).collect();
             Film::with_opacity(columns.len(), rows.len(), pixels)
         }
         None => {
-            let pixels = places.map(|index| film.radiance()[index]).collect();
+            let pixels = indices.map(|index| film.radiance()[index]).collect();
             Film::new(columns.len(), rows.len(), pixels)
         }
     }

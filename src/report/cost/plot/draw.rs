@@ -1,7 +1,7 @@
 //! Draws a picture. `plotters` draws axes, grid, lines and marks; dashes, labels that keep clear of
 //! one another and tooltips are added to its text.
 
-use super::labels::{Places, width};
+use super::labels::{OccupiedAreas, width};
 use super::picture::{Entry, Key, Panel, Picture};
 use super::stroke::{Stroke, Theme, shape, themed};
 use plotters::backend::SVGBackend;
@@ -221,27 +221,27 @@ fn draw_panel(
     root.draw_text(&panel.title, &title, (x0, (top + 5) * FINE))
         .expect(STRING);
 
-    let place = |at: [f64; 2]| {
+    let to_pixels = |at: [f64; 2]| {
         let (x, y) = chart.backend_coord(&(at[0], at[1]));
         [f64::from(x), f64::from(y)]
     };
     let frame = [x0, y0, x1, y1].map(f64::from);
-    let mut places = Places::default();
+    let mut areas = OccupiedAreas::default();
     let whole = |[x, y]: [f64; 2]| (x.round() as i32, y.round() as i32);
     let unit = f64::from(FINE);
 
     for each in &panel.lines {
-        let [_, y] = place([panel.x.low, each.at]);
+        let [_, y] = to_pixels([panel.x.low, each.at]);
         line(
             root,
             vec![(x0, y as i32), (x1, y as i32)],
             stroke(Stroke::Soft, 1.0),
         );
-        places.take_line([frame[0], y], [frame[2], y], 4.0 * unit);
+        areas.take_line([frame[0], y], [frame[2], y], 4.0 * unit);
         let size = [width(&each.label, LABEL) * unit, 1.25 * LABEL * unit];
         // Above the line, at the right, where curves that reach so far are rare.
         let at = [frame[2] - 4.0 * unit, y - 0.75 * LABEL * unit];
-        places.take([at[0] - size[0], at[1] - size[1] / 2.0, frame[2], y]);
+        areas.take([at[0] - size[0], at[1] - size[1] / 2.0, frame[2], y]);
         push_label(over, &each.label, at, Stroke::Soft, theme, "end");
     }
     let mut guide_labels = Vec::new();
@@ -254,11 +254,11 @@ fn draw_panel(
         let Some([a, b]) = clipped(panel, guide.through, guide.slope, from) else {
             continue;
         };
-        let (a, b) = (place(a), place(b));
+        let (a, b) = (to_pixels(a), to_pixels(b));
         let of_guide = guide.style.map_or(Stroke::Guide, Stroke::Dots);
         line(root, vec![whole(a), whole(b)], stroke(of_guide, 1.0));
         if let Some(label) = &guide.label {
-            places.take_line(a, b, 4.0 * unit);
+            areas.take_line(a, b, 4.0 * unit);
             // A little before its end, which is at the frame, or where else there is room.
             let at = [0.93, 0.8, 0.68, 0.56, 0.44, 0.32]
                 .map(|share| [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis])));
@@ -266,11 +266,15 @@ fn draw_panel(
         }
     }
     if panel.front.len() > 1 {
-        let corners = panel.front.iter().map(|at| whole(place(*at)));
+        let corners = panel.front.iter().map(|at| whole(to_pixels(*at)));
         line(root, corners.collect(), stroke(Stroke::Front, 6.0));
     }
     for curve in &panel.curves {
-        let points: Vec<[f64; 2]> = curve.points.iter().map(|point| place(point.at)).collect();
+        let points: Vec<[f64; 2]> = curve
+            .points
+            .iter()
+            .map(|point| to_pixels(point.at))
+            .collect();
         if curve.is_joined && points.len() > 1 {
             let thickness = if curve.is_wide { 2.8 } else { 1.5 };
             line(
@@ -279,15 +283,15 @@ fn draw_panel(
                 stroke(Stroke::Line(curve.style), thickness),
             );
             for pair in points.windows(2) {
-                places.take_line(pair[0], pair[1], 4.0 * unit);
+                areas.take_line(pair[0], pair[1], 4.0 * unit);
             }
         }
         for point in &curve.points {
-            let [x, y] = place(point.at);
+            let [x, y] = to_pixels(point.at);
             if let Some([from, to]) = point.whiskers {
-                let [from, _] = place([from, point.at[1]]);
-                let [to, _] = place([to, point.at[1]]);
-                places.take_line([from, y], [to, y], 2.0 * unit);
+                let [from, _] = to_pixels([from, point.at[1]]);
+                let [to, _] = to_pixels([to, point.at[1]]);
+                areas.take_line([from, y], [to, y], 2.0 * unit);
                 let style = stroke(Stroke::Curve(curve.style), 1.0);
                 line(root, vec![whole([from, y]), whole([to, y])], style);
                 for end in [from, to] {
@@ -300,7 +304,7 @@ fn draw_panel(
                 }
             }
             if let Some((height, _)) = &point.cross {
-                let [_, y] = place([point.at[0], *height]);
+                let [_, y] = to_pixels([point.at[0], *height]);
                 let arm = 3.0 * unit;
                 let style = stroke(Stroke::Curve(curve.style), 1.4);
                 for sign in [-1.0, 1.0] {
@@ -310,17 +314,17 @@ fn draw_panel(
                     ];
                     line(root, ends, style);
                 }
-                places.take([x - arm, y - arm, x + arm, y + arm]);
+                areas.take([x - arm, y - arm, x + arm, y + arm]);
             }
         }
     }
     for curve in panel.curves.iter().filter(|curve| curve.marks > 0.0) {
         for point in &curve.points {
-            let [x, y] = place(point.at);
+            let [x, y] = to_pixels(point.at);
             let radius = RADIUS * curve.marks;
             draw_mark(root, whole([x, y]), radius, curve.style, point.is_hollow);
             let reach = (radius + 0.5) * unit;
-            places.take([x - reach, y - reach, x + reach, y + reach]);
+            areas.take([x - reach, y - reach, x + reach, y + reach]);
         }
     }
     // The ends of all curves before what is between them.
@@ -337,7 +341,7 @@ fn draw_panel(
                 wanted.push((
                     rank,
                     label,
-                    vec![place(point.at)],
+                    vec![to_pixels(point.at)],
                     Stroke::Curve(curve.style),
                 ));
             }
@@ -351,16 +355,16 @@ fn draw_panel(
         let size = [width(label, LABEL) * unit, 1.15 * LABEL * unit];
         let mut found = spots
             .into_iter()
-            .filter_map(|at| places.find(at, size, (RADIUS + 3.0) * unit, frame));
+            .filter_map(|at| areas.find(at, size, (RADIUS + 3.0) * unit, frame));
         if let Some(at) = found.next() {
             push_label(over, label, at, stroke, theme, "start");
         }
     }
     for curve in &panel.curves {
         for point in &curve.points {
-            push_tooltip(over, place(point.at), &point.tooltip);
+            push_tooltip(over, to_pixels(point.at), &point.tooltip);
             if let Some((height, tooltip)) = &point.cross {
-                push_tooltip(over, place([point.at[0], *height]), tooltip);
+                push_tooltip(over, to_pixels([point.at[0], *height]), tooltip);
             }
         }
     }

@@ -91,13 +91,13 @@ impl Lines {
             .filter(|point| point.value > 0.0 && point.error > 0.0 && point.error.is_finite())
             .collect();
         points.sort_by(|a, b| b.value.total_cmp(&a.value));
-        let place = |point: &Falling| [log10(point.value), log10(point.error)];
+        let logarithms = |point: &Falling| [log10(point.value), log10(point.error)];
         // The line that is expected goes through the finest setting that counts: errors of
         // coarser ones, which fall otherwise, show as a distance from it.
         let finest = points.iter().rfind(|point| point.counts);
         if let (Some(expected), Some(finest)) = (order.expected, finest) {
             self.guides.push(Guide {
-                through: place(finest),
+                through: logarithms(finest),
                 slope: power * expected,
                 style: Some(style),
                 label: None,
@@ -111,7 +111,7 @@ impl Lines {
         let last = points.len().saturating_sub(1);
         let has_order = order.fitted.is_some() || order.expected.is_some();
         let points = points.iter().enumerate().map(|(at, point)| Point {
-            at: place(point),
+            at: logarithms(point),
             label: (at == last && has_order).then(|| fitted(order, power)),
             is_urgent: order.verdict != OrderVerdict::AsExpected,
             tooltip: point.tooltip.clone(),

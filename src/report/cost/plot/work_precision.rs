@@ -161,15 +161,15 @@ struct Heights {
 impl Heights {
     fn new(study: &Study, errors: &[f64], notes: &mut Vec<String>) -> Heights {
         let known = words::least_known(study);
-        let mut places = errors.to_vec();
+        let mut logarithms = errors.to_vec();
         let low = errors.iter().copied().fold(0.0, f64::min);
         let mut lines = Vec::new();
         let mut line = |error: f64, label: String, is_shaded: bool| {
-            let place = log10(error);
-            let is_near = error > 0.0 && place > low - NEAR;
+            let logarithm = log10(error);
+            let is_near = error > 0.0 && logarithm > low - NEAR;
             if is_near {
-                places.push(place - 0.3);
-                lines.push((place, label, is_shaded));
+                logarithms.push(logarithm - 0.3);
+                lines.push((logarithm, label, is_shaded));
             }
             is_near
         };
@@ -186,7 +186,7 @@ impl Heights {
             line(SINGLE, "one rounding of f32".to_owned(), false);
         }
         line(DOUBLE, "one rounding of f64".to_owned(), false);
-        let axis = Axis::log("error: relative RMSE", Measure::Number, &places);
+        let axis = Axis::log("error: relative RMSE", Measure::Number, &logarithms);
         Heights {
             bottom: axis.low + 0.1,
             axis,

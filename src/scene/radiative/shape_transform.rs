@@ -1,4 +1,4 @@
-//! Where a shape stands: scaled, then turned, then moved.
+//! The transform of a shape: scaled, then turned, then moved.
 
 use crate::geometry::Transform;
 use crate::scene::SceneError;
@@ -55,16 +55,16 @@ const ROTATION: Table = Table {
     rules: &[],
 };
 
-/// Where a shape goes.
-pub(super) struct Place {
+/// The transform of a shape.
+pub(super) struct ShapeTransform {
     /// The map to the world; none for a shape that stays, to the bit, where it is given.
-    pub transform: Option<Transform>,
+    pub to_world: Option<Transform>,
     /// The factors of its scaling.
     pub scale: DVec3,
 }
 
-impl Place {
-    pub(super) fn read(reader: &Reader<'_, '_>) -> Result<Place, Box<SceneError>> {
+impl ShapeTransform {
+    pub(super) fn read(reader: &Reader<'_, '_>) -> Result<ShapeTransform, Box<SceneError>> {
         let mut transform = Transform::IDENTITY;
         let mut scale = DVec3::ONE;
         if let Some(factors) = reader.optional_vector("scale")? {
@@ -83,14 +83,14 @@ impl Place {
                 .map_err(|error| reader.error("translate", error.to_string()))?;
             transform = transform.then(&shift);
         }
-        Ok(Place {
-            transform: (transform != Transform::IDENTITY).then_some(transform),
+        Ok(ShapeTransform {
+            to_world: (transform != Transform::IDENTITY).then_some(transform),
             scale,
         })
     }
 
     /// The common factor of a scaling that stretches nothing more than anything else.
-    pub(super) fn even_scale(&self) -> Option<f64> {
+    pub(super) fn uniform_scale(&self) -> Option<f64> {
         let [x, y, z] = self.scale.abs().to_array();
         (x == y && y == z).then_some(x)
     }
