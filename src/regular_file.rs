@@ -107,13 +107,13 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>, ReadError> {
 
 /// What tells a file from all others, by whatever names and links it is reached.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Identity(Number);
+pub struct Identity(FileNumber);
 
 #[cfg(unix)]
-type Number = (u64, u64);
+type FileNumber = (u64, u64);
 /// Elsewhere the path without links; hard links are two files then.
 #[cfg(not(unix))]
-type Number = std::path::PathBuf;
+type FileNumber = std::path::PathBuf;
 
 impl Identity {
     /// Of the file or folder at `path`, if there is one.

@@ -68,7 +68,7 @@ fn sign(index: usize) -> f32 {
 }
 
 /// What was done to the image, the gates meant, and the result.
-type Row = (
+type FaultRow = (
     &'static str,
     &'static [&'static dyn ImageGate],
     Vec<[f32; 3]>,
@@ -79,7 +79,7 @@ fn what_every_gate_must_reject() {
     let mirrored = |i: usize| ball()[i / SIZE * SIZE + (SIZE - 1 - i % SIZE)];
     let all: &[&'static dyn ImageGate] = &[&Exact, &Deterministic, &Perceptual];
     let radiance: &[&'static dyn ImageGate] = &[&Exact, &Deterministic];
-    let table: &[Row] = &[
+    let table: &[FaultRow] = &[
         (
             "red and blue swapped",
             all,
@@ -167,7 +167,7 @@ fn noise_that_gates_must_accept() {
         srgb_to_linear(f64::from(noisy)) as f32
     };
     let both: &[&'static dyn ImageGate] = &[&Deterministic, &Perceptual];
-    let table: &[Row] = &[
+    let table: &[FaultRow] = &[
         ("nothing", &[&Exact, &Deterministic, &Perceptual], ball()),
         (
             "rounding",

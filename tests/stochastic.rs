@@ -19,7 +19,7 @@ fn truth(index: usize) -> [f64; 3] {
 }
 
 /// The shape of the noise: a random factor of mean 1 for a number uniform in [0, 1).
-type Shape = fn(f64) -> f64;
+type SampleShape = fn(f64) -> f64;
 
 fn even(u: f64) -> f64 {
     0.5 + u
@@ -35,7 +35,7 @@ fn rare(u: f64) -> f64 {
 }
 
 /// Means of `samples` samples of `truth` under noise, and their variances.
-fn sampled(seed: u64, samples: u32, shape: Shape, truth: impl Fn(usize) -> [f64; 3]) -> Film {
+fn sampled(seed: u64, samples: u32, shape: SampleShape, truth: impl Fn(usize) -> [f64; 3]) -> Film {
     let (mut means, mut variances) = (Vec::new(), Vec::new());
     for index in 0..SIDE * SIDE {
         let mut moments = Moments::default();
@@ -104,7 +104,7 @@ fn assert_rejected(fault: &str, reference: &Film, test: &Film, word: &str) {
 
 #[test]
 fn honest_noise_passes() {
-    let shapes: [(&str, Shape, u32); 5] = [
+    let shapes: [(&str, SampleShape, u32); 5] = [
         ("even", even, 2),
         ("even", even, 64),
         ("exponential", exponential, 4),
@@ -371,8 +371,8 @@ fn advised(judgement: &Judgement) -> Advice {
 #[test]
 fn advice_decides_in_every_form() {
     /// An image of so many samples, stated or not, whose renderings tell its noise.
-    type Form = fn(u64, u32, Shape) -> Film;
-    fn renderings(seed: u64, samples: u32, shape: Shape) -> Film {
+    type Form = fn(u64, u32, SampleShape) -> Film;
+    fn renderings(seed: u64, samples: u32, shape: SampleShape) -> Film {
         let one = |i: u64| silent(&sampled(4 * seed + i, samples / 4, shape, truth));
         Film::from_replicates(&[one(0), one(1), one(2), one(3)]).unwrap()
     }
@@ -401,7 +401,7 @@ fn advice_decides_in_every_form() {
         ),
     ];
     for (name, shape) in [
-        ("even", even as Shape),
+        ("even", even as SampleShape),
         ("exponential", exponential),
         ("rare", rare),
     ] {
@@ -588,7 +588,7 @@ fn a_promise_that_was_not_kept() {
 /// no noise, and half of the image does.
 #[test]
 fn a_light_that_most_blocks_miss() {
-    let lamp: Shape = |u| if u < 1e-3 { 500.5 } else { 0.5 };
+    let lamp: SampleShape = |u| if u < 1e-3 { 500.5 } else { 0.5 };
     let reference = sampled(1, 2048, lamp, truth);
     for seed in 10..14 {
         let test = sampled(seed, 8, lamp, truth);

@@ -141,12 +141,12 @@ fn a_constant_extinction_is_free_of_noise() {
 }
 
 /// One stretch with one bound.
-struct Curve {
+struct MarchedCurve {
     span: Option<Span>,
     high: f64,
 }
 
-impl Bounded for Curve {
+impl Bounded for MarchedCurve {
     fn next_stretch(&mut self) -> Option<Bounds> {
         Some(Bounds {
             span: self.span.take()?,
@@ -170,7 +170,7 @@ fn less_noise_than_ratio_tracking_at_the_same_cost() {
     let ratio: Moments = (0..SAMPLES)
         .map(|sample| {
             let mut chance = Numbers::new(&Stream::new(11, 0, sample), 0, Purpose::Tracking);
-            let mut curve = Curve {
+            let mut curve = MarchedCurve {
                 span: Some(Span {
                     near: 0.0,
                     far: LENGTH,

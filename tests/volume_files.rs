@@ -576,7 +576,7 @@ fn check_cloud(bytes: &[u8]) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-fn check_splat(points: &[Point]) -> Result<(), TestCaseError> {
+fn check_splat(points: &[CloudPoint]) -> Result<(), TestCaseError> {
     match splat(points, SPLATTING) {
         Ok(grid) => {
             prop_assert!(grid.check_densities().is_ok());
@@ -669,9 +669,9 @@ proptest! {
     fn any_numbers_are_splatted_or_refused(
         numbers in prop::collection::vec((prop::array::uniform3(any::<f64>()), any::<f64>()), 0..9)
     ) {
-        let points: Vec<Point> = numbers
+        let points: Vec<CloudPoint> = numbers
             .into_iter()
-            .map(|(position, weight)| Point { position: position.into(), weight: weight.abs() })
+            .map(|(position, weight)| CloudPoint { position: position.into(), weight: weight.abs() })
             .collect();
         check_splat(&points)?;
     }

@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Show what accuracy costs in a scene: error against look-ups and time, parameter by parameter
+/// Show what accuracy costs in a scene: error against look-ups and time, by parameter
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Errors and counts of work are the same on every run; only times differ. \

@@ -67,7 +67,7 @@ struct Info {
     cloud: Option<CloudJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
     stored: Option<StoredJson>,
-    values: Values,
+    values: ValueStatistics,
 }
 
 #[derive(Serialize)]
@@ -106,7 +106,7 @@ struct Scaling {
 
 /// What the values of a grid come to; those that are not finite are only counted.
 #[derive(Serialize)]
-struct Values {
+struct ValueStatistics {
     min: Option<f64>,
     max: Option<f64>,
     mean: Option<f64>,
@@ -160,7 +160,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
     let lattice = loaded.grid.lattice();
     let bounds = lattice.bounds();
-    let values = Values::of(&loaded.grid);
+    let values = ValueStatistics::of(&loaded.grid);
     let (cloud, stored) = match &loaded.stored {
         Stored::Cloud { points, extent } => {
             let cloud = CloudJson {
@@ -196,7 +196,7 @@ fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
     }
 }
 
-fn stored(layout: &Layout, values: &Values) -> StoredJson {
+fn stored(layout: &Layout, values: &ValueStatistics) -> StoredJson {
     let scaling = layout.scaling.and_then(|(slope, intercept)| {
         // Whole numbers come back exactly, but for the rounding of values to f32.
         let sample = |value: f64| {
@@ -234,8 +234,8 @@ fn stored(layout: &Layout, values: &Values) -> StoredJson {
     }
 }
 
-impl Values {
-    fn of(grid: &Grid<f32>) -> Values {
+impl ValueStatistics {
+    fn of(grid: &Grid<f32>) -> ValueStatistics {
         let finite = || grid.values().iter().copied().filter(|v| v.is_finite());
         let count = |of: fn(f32) -> bool| finite().filter(|&value| of(value)).count();
         let all = finite().count();
@@ -248,7 +248,7 @@ impl Values {
         let sum: Sum = finite().map(f64::from).collect();
         let some = |value: f64| (all > 0).then_some(value);
         let first = grid.values().iter().position(|value| !value.is_finite());
-        Values {
+        ValueStatistics {
             min: some(low),
             max: some(high),
             mean: some(sum.value() / all as f64),

@@ -128,7 +128,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 
     source.end_with_us();
 
-    let said = Said {
+    let said = PrintedVerdicts {
         speaks: !arguments.files.prints_json(),
         widest: cases.iter().map(|case| case.name.len()).max().unwrap_or(0),
         folds_missing: !arguments.verbose && matches!(source, Source::Finished(..)),
@@ -165,7 +165,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 }
 
 /// What is printed while cases are judged.
-struct Said {
+struct PrintedVerdicts {
     /// Whether anything is: not where standard output is for JSON.
     speaks: bool,
     /// Letters of the longest name.
@@ -174,7 +174,7 @@ struct Said {
     folds_missing: bool,
 }
 
-impl Said {
+impl PrintedVerdicts {
     fn print(&self, text: &str) {
         if self.speaks {
             output::print(text);
@@ -236,10 +236,10 @@ enum Source {
     /// A folder of finished images.
     Finished(PathBuf, Outputs),
     /// A renderer to run.
-    Renderer(Box<Renderer>),
+    Renderer(Box<RendererRun>),
 }
 
-struct Renderer {
+struct RendererRun {
     /// As it was given.
     command: String,
     template: CommandTemplate,
@@ -287,7 +287,7 @@ impl Source {
         std::fs::create_dir_all(&folder)
             .and_then(|()| absolute(&folder))
             .map(|folder| {
-                Source::Renderer(Box::new(Renderer {
+                Source::Renderer(Box::new(RendererRun {
                     command: command.to_owned(),
                     template,
                     timeout: Duration::from_secs_f64(arguments.timeout),
@@ -417,7 +417,7 @@ fn last_words(printed: &str) -> String {
     text
 }
 
-impl Renderer {
+impl RendererRun {
     fn output(&self, case: &Case) -> Made {
         let words = match self.words(case) {
             Ok(words) => words,
@@ -540,7 +540,7 @@ fn judge_all(
     store: &Store,
     source: &Source,
     arguments: &Arguments,
-    said: &Said,
+    said: &PrintedVerdicts,
 ) -> Vec<Judged> {
     let bar = progress::cases(cases.len());
     let next = AtomicUsize::new(0);
@@ -594,7 +594,7 @@ struct Done {
 }
 
 /// Prints the verdicts that no case before them holds up.
-fn say_what_is_next(done: &mut MutexGuard<'_, Done>, said: &Said) {
+fn say_what_is_next(done: &mut MutexGuard<'_, Done>, said: &PrintedVerdicts) {
     while let Some(Some(judged)) = done.judged.get(done.said) {
         if let Some(judged) = judged {
             said.verdict(&judged.result);

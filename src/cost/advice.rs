@@ -22,7 +22,7 @@ pub fn recommendations(cost: &Cost, panel: &Panel, path: &Path) -> Vec<Recommend
     let Some(sweep) = study.sweeps.iter().find(|sweep| sweep.is_ours) else {
         return vec![];
     };
-    let given = Given::of(panel, sweep);
+    let given = SceneSettings::of(panel, sweep);
     WANTED
         .map(|error| recommendation(error, sweep, &given, path))
         .into()
@@ -35,13 +35,13 @@ const MOST_SAMPLES: f64 = 2_147_483_648.0;
 const MOST_ADVISED: f64 = 1e6;
 
 /// What the scene asks for.
-struct Given {
+struct SceneSettings {
     setting: String,
     price: Option<f64>,
 }
 
-impl Given {
-    fn of(panel: &Panel, sweep: &Sweep) -> Given {
+impl SceneSettings {
+    fn of(panel: &Panel, sweep: &Sweep) -> SceneSettings {
         let (setting, value) = match &panel.model {
             Model::Classified(scene) => (in_voxels(scene.step, scene.grid.lattice()), scene.step),
             Model::Radiative(scene) => (
@@ -50,14 +50,14 @@ impl Given {
             ),
             Model::Curve(_) => (String::new(), 0.0),
         };
-        Given {
+        SceneSettings {
             setting,
             price: price_at(sweep, value),
         }
     }
 }
 
-impl Given {
+impl SceneSettings {
     /// How many times the work of the scene's own setting that is.
     fn times(&self, price: f64) -> Option<f64> {
         let own = self.price.filter(|own| *own > 0.0)?;
@@ -94,7 +94,7 @@ fn price_at(sweep: &Sweep, value: f64) -> Option<f64> {
     Some(nearest.work.price() * share)
 }
 
-fn recommendation(error: f64, sweep: &Sweep, given: &Given, path: &Path) -> Recommendation {
+fn recommendation(error: f64, sweep: &Sweep, given: &SceneSettings, path: &Path) -> Recommendation {
     let good = sweep.levels.iter().rev();
     let known = sweep.order.known;
     let good = good.take_while(|level| known <= error && level.error.l2 <= error);
@@ -207,7 +207,7 @@ fn command(parameter: Parameter, setting: &str, path: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cost::results::{Norms, Order, OrderVerdict, Work};
+    use crate::cost::results::{ConvergenceOrder, Norms, OrderVerdict, WorkPerRay};
 
     /// Noise beyond what was measured is said to be so, next to a price list that reaches nothing.
     #[test]
@@ -215,9 +215,9 @@ mod tests {
         let level = |samples: u32| Level {
             setting: format!("{samples} samples"),
             value: f64::from(samples),
-            work: Work {
+            work: WorkPerRay {
                 random_draws: 10.0 * f64::from(samples),
-                ..Work::default()
+                ..WorkPerRay::default()
             },
             error: Norms {
                 l2: 0.79 / f64::from(samples).sqrt(),
@@ -232,7 +232,7 @@ mod tests {
             is_ours: true,
             parameter: Parameter::Samples,
             levels: [1, 16, 64].map(level).into(),
-            order: Order {
+            order: ConvergenceOrder {
                 expected: Some(-0.5),
                 known: 0.0,
                 counted: vec![true; 3],
@@ -245,7 +245,7 @@ mod tests {
             },
             cut: None,
         };
-        let given = Given {
+        let given = SceneSettings {
             setting: "64 samples".to_owned(),
             price: Some(640.0),
         };

@@ -1,6 +1,6 @@
 //! A classified volume, ready to be asked in every way there is to composite it.
 
-use super::collocation::{Collocation, Here, Light};
+use super::collocation::{CollocatedLight, Collocation, Here};
 use crate::geometry::{Aabb, Ray, Span, length_of};
 use crate::math::{exp, ln_1p};
 use crate::media::{Appearance, TransferFunction};
@@ -30,7 +30,7 @@ pub enum Shade {
 }
 
 /// A classified volume and all that can be asked of a ray through it.
-pub struct Subject<'s> {
+pub struct ShadedVolume<'s> {
     scene: &'s Classified,
     caster: Box<dyn Caster + 's>,
     density: GridDensity,
@@ -57,10 +57,10 @@ where
     }
 }
 
-impl<'s> Subject<'s> {
+impl<'s> ShadedVolume<'s> {
     /// `scene`, with its samples lit as `shade` says.
-    pub fn new(scene: &'s Classified, shade: Shade) -> Subject<'s> {
-        Subject {
+    pub fn new(scene: &'s Classified, shade: Shade) -> ShadedVolume<'s> {
+        ShadedVolume {
             scene,
             caster: Box::new(caster(scene, shade)),
             density: GridDensity::new(scene.grid.clone(), scene.interpolation),
@@ -130,10 +130,15 @@ impl<'s> Subject<'s> {
 
     /// What comes back along `ray` in the limit of small steps, each element of the integral
     /// good to `tolerance`; and the largest extinction that was met.
-    pub fn exact(&self, collocation: &Collocation, ray: &Ray, tolerance: f64) -> (Light, f64) {
-        let behind = Light {
+    pub fn exact(
+        &self,
+        collocation: &Collocation,
+        ray: &Ray,
+        tolerance: f64,
+    ) -> (CollocatedLight, f64) {
+        let behind = CollocatedLight {
             radiance: self.scene.background,
-            ..Light::default()
+            ..CollocatedLight::default()
         };
         let Some(span) = self.span(ray) else {
             return (behind, 0.0);

@@ -46,7 +46,7 @@ impl Here {
 
 /// Light along a piece of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Light {
+pub struct CollocatedLight {
     /// What it sends back.
     pub radiance: DVec3,
     /// Its optical depth.
@@ -113,11 +113,16 @@ impl Collocation {
     /// Light between the first and the last of `cuts`, which rise; between two of them `at` is
     /// smooth, if possible. An element is halved until its share of the error, in radiance and in
     /// depth, is at most `tolerance`.
-    pub fn light(&self, cuts: &[f64], tolerance: f64, mut at: impl FnMut(f64) -> Here) -> Light {
+    pub fn light(
+        &self,
+        cuts: &[f64],
+        tolerance: f64,
+        mut at: impl FnMut(f64) -> Here,
+    ) -> CollocatedLight {
         // The elements found so far, from the eye on; then put together from behind.
-        let mut elements: Vec<Light> = Vec::new();
+        let mut elements: Vec<CollocatedLight> = Vec::new();
         let mut depth = Sum::default();
-        let mut waiting: Vec<(f64, f64, u32, Element)> = Vec::new();
+        let mut waiting: Vec<(f64, f64, u32, CollocationElement)> = Vec::new();
         'pieces: for piece in cuts.windows(2) {
             if piece[0] >= piece[1] {
                 continue;
@@ -155,31 +160,33 @@ impl Collocation {
             }
         }
         let elements = elements.iter().rev();
-        elements.fold(Light::default(), |behind, element| element.before(&behind))
+        elements.fold(CollocatedLight::default(), |behind, element| {
+            element.before(&behind)
+        })
     }
 
     /// Light of one element.
-    fn element(&self, near: f64, far: f64, at: &mut impl FnMut(f64) -> Here) -> Element {
+    fn element(&self, near: f64, far: f64, at: &mut impl FnMut(f64) -> Here) -> CollocationElement {
         let half = 0.5 * (far - near);
         let here = POINTS.map(|point| at(near + half * (1.0 + point)));
         let is_opaque = |here: &&Here| here.extinction == f64::INFINITY;
         if let Some(opaque) = here.iter().find(is_opaque) {
-            return Element {
-                light: Light {
+            return CollocationElement {
+                light: CollocatedLight {
                     radiance: opaque.emission,
                     depth: f64::INFINITY,
-                    ..Light::default()
+                    ..CollocatedLight::default()
                 },
                 is_mixed: !here.iter().all(|here| is_opaque(&here)),
             };
         }
-        let mut light = Light::default();
+        let mut light = CollocatedLight::default();
         for i in 0..N {
             let before: f64 = (0..N).map(|j| self.up_to[i][j] * here[j].extinction).sum();
             light.radiance += here[i].emission * (WEIGHTS[i] * half * exp(-half * before));
             light.depth += WEIGHTS[i] * half * here[i].extinction;
         }
-        Element {
+        CollocationElement {
             light,
             is_mixed: false,
         }
@@ -188,18 +195,18 @@ impl Collocation {
 
 /// Light of an element, at seven points.
 #[derive(Clone, Copy, Debug)]
-struct Element {
-    light: Light,
+struct CollocationElement {
+    light: CollocatedLight,
     /// Some of the points are opaque, others are not: where light ends is not known yet.
     is_mixed: bool,
 }
 
-impl Light {
+impl CollocatedLight {
     /// This piece before another one.
-    pub fn before(&self, behind: &Light) -> Light {
+    pub fn before(&self, behind: &CollocatedLight) -> CollocatedLight {
         let transmittance = exp(-self.depth);
         let attenuated = behind.radiance * transmittance;
-        Light {
+        CollocatedLight {
             radiance: self.radiance + attenuated,
             depth: self.depth + behind.depth,
             // e^(−τ) is off by no more than itself times the error of τ, to first order.

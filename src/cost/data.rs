@@ -1,15 +1,15 @@
 //! What the resolution of the data costs: the same field on coarser grids.
 
-use super::classified::{Shade, Subject};
-use super::collocation::{Collocation, Light};
+use super::classified::{Shade, ShadedVolume};
+use super::collocation::{CollocatedLight, Collocation};
 use super::image::in_words;
 use super::norms::root_mean_square;
-use super::order::Expected;
+use super::order::ExpectedOrder;
 use super::results::{Parameter, Reference, Study};
-use super::study::{Outcome, PlannedSweep, Setting, run_sweeps};
+use super::study::{PlannedSweep, Setting, SettingOutcome, run_sweeps};
 use super::thumbnail;
 use super::timing::Clock;
-use super::transmittance::{Crossing, Crossings, Part};
+use super::transmittance::{Crossings, MediumOnRay, RayThroughMedia};
 use crate::math::exp;
 use crate::media::Field;
 use crate::render::Counters;
@@ -72,7 +72,7 @@ fn name_of(interpolation: Interpolation) -> &'static str {
 /// interpolation, cell by cell; none where not all that varies is a grid, or one has too few
 /// nodes.
 pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
-    if !crossings.rays.iter().all(Crossing::is_through_grids) {
+    if !crossings.rays.iter().all(RayThroughMedia::is_through_grids) {
         return None;
     }
     let parts = || crossings.rays.iter().flat_map(|ray| &ray.parts);
@@ -117,7 +117,7 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
             run: Box::new(move || {
                 let mut lookups = 0;
                 let errors = crossings.rays.iter().zip(right).map(|(ray, right)| {
-                    let depth = |part: &Part<'_>| {
+                    let depth = |part: &MediumOnRay<'_>| {
                         let (line, span) = (&part.line, part.span);
                         let grid = &grids[&part.medium];
                         let column = grid.integral(line.origin, line.direction, span, &mut lookups);
@@ -126,7 +126,7 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
                     exp(-ray.parts.iter().map(depth).sum::<f64>()) - right
                 });
                 let errors = errors.collect();
-                Outcome {
+                SettingOutcome {
                     errors,
                     work: Counters {
                         density_lookups: lookups,
@@ -142,7 +142,7 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
             estimator: format!("{}, cell by cell", name_of(*interpolation)),
             is_ours: *is_own,
             parameter: Parameter::Spacing,
-            expected: Expected::NOTHING,
+            expected: ExpectedOrder::NOTHING,
             settings: settings.collect(),
         }
     });
@@ -173,12 +173,12 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
         ..scene.clone()
     };
     let collocation = Collocation::new();
-    let image = |subject: &Subject<'_>| -> Vec<Light> {
+    let image = |subject: &ShadedVolume<'_>| -> Vec<CollocatedLight> {
         rays.par_iter()
             .map(|ray| subject.exact(&collocation, ray, TOLERANCE).0)
             .collect()
     };
-    let right = image(&Subject::new(&plain, Shade::None));
+    let right = image(&ShadedVolume::new(&plain, Shade::None));
     let scale = root_mean_square(right.iter().flat_map(|light| light.radiance.to_array()));
     let bound = right
         .iter()
@@ -217,7 +217,7 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
             name: in_voxels_of_data(*factor),
             value: factor * voxel,
             run: Box::new(move || {
-                let subject = Subject::new(coarse, Shade::None);
+                let subject = ShadedVolume::new(coarse, Shade::None);
                 let found = image(&subject).into_iter().zip(right);
                 let errors =
                     found.flat_map(|(light, right)| (light.radiance - right.radiance).to_array());
@@ -226,7 +226,7 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
                 for ray in rays {
                     subject.cast(scene.step * factor, ray, &mut work);
                 }
-                Outcome {
+                SettingOutcome {
                     errors: errors.collect(),
                     work,
                     rays: rays.len(),
@@ -241,7 +241,7 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
             parameter: Parameter::Spacing,
             // Data are no smooth field: what lies between their nodes is not known, and how fast
             // coarser ones come near them says how smooth they happen to be.
-            expected: Expected::NOTHING,
+            expected: ExpectedOrder::NOTHING,
             settings: settings.collect(),
         }
     });

@@ -1,6 +1,6 @@
 //! What each effect costs by itself.
 
-use super::results::{EffectPrice, Work};
+use super::results::{EffectPrice, WorkPerRay};
 use super::thumbnail;
 use super::timing::Clock;
 use crate::media::{Asymmetry, Coefficients, Density, HenyeyGreenstein};
@@ -48,7 +48,7 @@ pub fn prices(panel: &Panel, clock: &Clock) -> Result<Vec<EffectPrice>, RenderEr
         let made = render_counted(&variant.scene, &variant.plans, &|| ())?;
         prices.push(EffectPrice {
             effect: variant.name.clone(),
-            work: Work::per_ray(&made.work[0], pixels),
+            work: WorkPerRay::per_ray(&made.work[0], pixels),
             time: None,
             times_lookups: None,
         });

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 /// A way to estimate transmittance without bias.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Estimator {
+pub enum TransmittanceEstimator {
     /// 1 for a flight that gets through, 0 for one that does not.
     Delta,
     /// Product of the shares of tentative collisions that are null.
@@ -32,7 +32,7 @@ pub enum Estimator {
 
 /// One estimate, and what it took.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub struct EstimatorSample {
     /// The estimate.
     pub value: f64,
     /// Look-ups.
@@ -41,49 +41,51 @@ pub struct Sample {
     pub draws: u64,
 }
 
-impl Estimator {
+impl TransmittanceEstimator {
     /// All of them.
-    pub const ALL: [Estimator; 4] = [
-        Estimator::Delta,
-        Estimator::Ratio,
-        Estimator::ResidualRatio,
-        Estimator::UnbiasedMarching,
+    pub const ALL: [TransmittanceEstimator; 4] = [
+        TransmittanceEstimator::Delta,
+        TransmittanceEstimator::Ratio,
+        TransmittanceEstimator::ResidualRatio,
+        TransmittanceEstimator::UnbiasedMarching,
     ];
 
     /// As it is called.
     pub fn name(self) -> &'static str {
         match self {
-            Estimator::Delta => "delta tracking",
-            Estimator::Ratio => "ratio tracking",
-            Estimator::ResidualRatio => "residual ratio tracking",
-            Estimator::UnbiasedMarching => "unbiased ray marching",
+            TransmittanceEstimator::Delta => "delta tracking",
+            TransmittanceEstimator::Ratio => "ratio tracking",
+            TransmittanceEstimator::ResidualRatio => "residual ratio tracking",
+            TransmittanceEstimator::UnbiasedMarching => "unbiased ray marching",
         }
     }
 
     /// One estimate for `profile`, with the random numbers of `stream`.
-    pub fn sample(self, profile: &Profile<'_>, stream: &Stream) -> Sample {
+    pub fn sample(self, profile: &Profile<'_>, stream: &Stream) -> EstimatorSample {
         let mut chance = Numbers::new(stream, 0, Purpose::Tracking);
         let mut walk = profile.walk();
         let mut effort = Effort::default();
         let ratio = |control| (control, Small::Kept);
         let (control, small) = match self {
-            Estimator::Delta => {
+            TransmittanceEstimator::Delta => {
                 let first = chance.tentative();
                 let mut survived = DVec3::ONE;
                 let end =
                     delta_tracking(&mut walk, 0, first, &mut chance, &mut survived, &mut effort);
-                return Sample {
+                return EstimatorSample {
                     value: if end.is_break() { 0.0 } else { 1.0 },
                     lookups: walk.lookups,
                     draws: 2 * u64::from(chance.drawn),
                 };
             }
-            Estimator::UnbiasedMarching => return by_unbiased_marching(profile, stream),
-            Estimator::Ratio => ratio(Control::Nothing),
-            Estimator::ResidualRatio => ratio(Control::LowerBound),
+            TransmittanceEstimator::UnbiasedMarching => {
+                return by_unbiased_marching(profile, stream);
+            }
+            TransmittanceEstimator::Ratio => ratio(Control::Nothing),
+            TransmittanceEstimator::ResidualRatio => ratio(Control::LowerBound),
         };
         let value = ratio_tracking(&mut walk, control, small, &mut chance, &mut effort);
-        Sample {
+        EstimatorSample {
             value: value.x,
             lookups: walk.lookups,
             draws: 2 * u64::from(chance.drawn),
@@ -93,19 +95,19 @@ impl Estimator {
     /// Variance and mean look-ups of one estimate by theory, where there is one.
     fn predicted(self, known: &Known) -> (Option<f64>, Option<f64>) {
         let (variance, lookups) = match self {
-            Estimator::Delta => (
+            TransmittanceEstimator::Delta => (
                 Some(delta_tracking_variance(known.depth)),
                 Some(known.delta_lookups),
             ),
-            Estimator::Ratio => (
+            TransmittanceEstimator::Ratio => (
                 Some(ratio_tracking_variance(known.depth, known.ratio)),
                 Some(known.majorant),
             ),
-            Estimator::ResidualRatio => (
+            TransmittanceEstimator::ResidualRatio => (
                 Some(ratio_tracking_variance(known.depth, known.residual)),
                 Some(known.residual_majorant),
             ),
-            Estimator::UnbiasedMarching => (
+            TransmittanceEstimator::UnbiasedMarching => (
                 known.is_constant.then_some(0.0),
                 Some(known.marching_lookups),
             ),
@@ -205,14 +207,19 @@ struct Measured {
     lookups: f64,
 }
 
-fn measure(estimator: Estimator, profile: &Profile<'_>, samples: u32, seed: u64) -> Measured {
-    let found: Vec<Sample> = (0..samples)
+fn measure(
+    estimator: TransmittanceEstimator,
+    profile: &Profile<'_>,
+    samples: u32,
+    seed: u64,
+) -> Measured {
+    let found: Vec<EstimatorSample> = (0..samples)
         .into_par_iter()
         .map(|number| estimator.sample(profile, &Stream::new(seed, 0, number)))
         .collect();
     let mut moments = Moments::default();
     found.iter().for_each(|sample| moments.add(sample.value));
-    let fourth = |sample: &Sample| {
+    let fourth = |sample: &EstimatorSample| {
         let squared = (sample.value - moments.mean()) * (sample.value - moments.mean());
         squared * squared
     };
@@ -251,14 +258,14 @@ pub fn table(
 ) -> EstimatorTable {
     let known = Known::of(profile, depth);
     let transmittance = exp(-depth);
-    let timed = Estimator::ALL.map(|estimator| {
+    let timed = TransmittanceEstimator::ALL.map(|estimator| {
         move || {
             std::hint::black_box(measure(estimator, profile, SAMPLES_TIMED, seed).lookups);
         }
     });
     let tasks: Vec<&(dyn Fn() + Sync)> = timed.iter().map(|task| task as _).collect();
     let times = clock.by_turns(&tasks, f64::from(SAMPLES_TIMED));
-    let rows = Estimator::ALL
+    let rows = TransmittanceEstimator::ALL
         .into_iter()
         .zip(times)
         .map(|(estimator, time)| {
@@ -271,7 +278,9 @@ pub fn table(
             let standard_error = (spread / count).sqrt();
             let variance_error = match estimator {
                 // Of something that happens with a small probability p, μ₄ is p as well.
-                Estimator::Delta => measured.variance_error().max((spread / count).sqrt()),
+                TransmittanceEstimator::Delta => {
+                    measured.variance_error().max((spread / count).sqrt())
+                }
                 _ => measured.variance_error(),
             };
             // What rounding makes of an estimate that does not vary: a few hundred products.
@@ -331,7 +340,7 @@ pub fn sweep(
     seed: u64,
     clock: &Clock,
 ) -> ThicknessSweep {
-    let curve = |estimator: Estimator| {
+    let curve = |estimator: TransmittanceEstimator| {
         let mut points = Vec::new();
         for thickness in THICKNESSES {
             if clock.is_over() {
@@ -361,7 +370,7 @@ pub fn sweep(
     };
     ThicknessSweep {
         ray,
-        curves: Estimator::ALL.map(curve).into(),
+        curves: TransmittanceEstimator::ALL.map(curve).into(),
     }
 }
 
@@ -378,7 +387,7 @@ fn marching_lookups(profile: &Profile<'_>) -> f64 {
     f64::from(march_steps(profile)) * unbiased_ray_marching::MEAN_MARCHES * share
 }
 
-fn by_unbiased_marching(profile: &Profile<'_>, stream: &Stream) -> Sample {
+fn by_unbiased_marching(profile: &Profile<'_>, stream: &Stream) -> EstimatorSample {
     let mut effort = Effort::default();
     let (mut lookups, mut draws) = (0, 0);
     let mut uniform = unbiased_ray_marching::uniform_numbers(stream, 0, Purpose::Tracking);
@@ -392,7 +401,7 @@ fn by_unbiased_marching(profile: &Profile<'_>, stream: &Stream) -> Sample {
         },
         &mut effort,
     );
-    Sample {
+    EstimatorSample {
         value,
         lookups,
         draws,

@@ -1,10 +1,10 @@
 //! What the size of pixels costs: their centres in place of their areas.
 
-use super::classified::{Shade, Subject, has_jumps};
+use super::classified::{Shade, ShadedVolume, has_jumps};
 use super::norms::root_mean_square;
-use super::order::Expected;
+use super::order::ExpectedOrder;
 use super::results::{Parameter, Reference, Study};
-use super::study::{Outcome, PlannedSweep, Setting, run_sweeps};
+use super::study::{PlannedSweep, Setting, SettingOutcome, run_sweeps};
 use super::timing::Clock;
 use crate::geometry::Ray;
 use crate::math::Sum;
@@ -36,7 +36,7 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
         shadow: None,
         ..scene.clone()
     };
-    let subject = Subject::new(scene, Shade::None);
+    let subject = ShadedVolume::new(scene, Shade::None);
     let window = [size[0] as f64 / ZOOM as f64, size[1] as f64 / ZOOM as f64];
     let corner = [
         (size[0] as f64 - window[0]) / 2.0,
@@ -94,11 +94,11 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
                         (centre - mean, whole, work)
                     })
                     .collect();
-                let mut outcome = Outcome {
+                let mut outcome = SettingOutcome {
                     // Finer pixels are more rays: work is shared among pixels of the scene.
                     rays: ((window[0] * window[1]).round() as usize).max(1),
                     channels: 3,
-                    ..Outcome::default()
+                    ..SettingOutcome::default()
                 };
                 for (error, whole, work) in &found {
                     outcome.work.add(work);
@@ -117,8 +117,8 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
         is_ours: true,
         parameter: Parameter::Pixel,
         expected: match has_jumps(scene) {
-            true => Expected::NOTHING,
-            false => Expected::of_step(2.0),
+            true => ExpectedOrder::NOTHING,
+            false => ExpectedOrder::of_step(2.0),
         },
         settings: settings(true),
     }];
@@ -128,7 +128,7 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
             estimator: "centres of pixels".to_owned(),
             is_ours: true,
             parameter: Parameter::Pixel,
-            expected: Expected::NOTHING,
+            expected: ExpectedOrder::NOTHING,
             settings: settings(false),
         });
     }

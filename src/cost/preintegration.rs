@@ -62,12 +62,12 @@ use glam::DVec3;
 pub struct Preintegrated {
     transfer: TransferFunction,
     /// By rising value, without gaps.
-    pieces: Vec<Piece>,
+    pieces: Vec<LinearPiece>,
 }
 
 /// A range of values in which the transfer function has no kink.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Piece {
+struct LinearPiece {
     from: f64,
     to: f64,
     /// At either end, seen from inside.
@@ -119,7 +119,7 @@ impl Preintegrated {
         let lengths = length / transfer.reference_length;
         let mut colour = DVec3::ZERO;
         let mut depth = 0.0;
-        let mut see = |piece: &Piece, values: [f64; 2]| {
+        let mut see = |piece: &LinearPiece, values: [f64; 2]| {
             let share = (values[1] - values[0]).abs() / (back - front).abs();
             let segment = LinearSegment {
                 piece,
@@ -152,8 +152,8 @@ impl Preintegrated {
     }
 }
 
-fn pieces_of_points(points: &TransferPoints) -> Vec<Piece> {
-    let constant = |point: &TransferPoint, from, to| Piece {
+fn pieces_of_points(points: &TransferPoints) -> Vec<LinearPiece> {
+    let constant = |point: &TransferPoint, from, to| LinearPiece {
         from,
         to,
         colour: [point.colour; 2],
@@ -165,7 +165,7 @@ fn pieces_of_points(points: &TransferPoints) -> Vec<Piece> {
     for pair in points.windows(2) {
         // The sides of a step have no values between them.
         if pair[0].value < pair[1].value {
-            pieces.push(Piece {
+            pieces.push(LinearPiece {
                 from: pair[0].value,
                 to: pair[1].value,
                 colour: [pair[0].colour, pair[1].colour],
@@ -184,7 +184,7 @@ fn line(from: f64, to: f64) -> Law {
     Law::Line([from, to])
 }
 
-fn pieces_of_formula(opacity: &TransferOpacity, colormap: &Colormap) -> Vec<Piece> {
+fn pieces_of_formula(opacity: &TransferOpacity, colormap: &Colormap) -> Vec<LinearPiece> {
     let bell = Bell::new(opacity);
     let end = opaque_from(opacity).min(bell.end);
     let mut cuts = vec![0.0, bell.crossover.min(end), end];
@@ -197,7 +197,7 @@ fn pieces_of_formula(opacity: &TransferOpacity, colormap: &Colormap) -> Vec<Piec
     cuts.push(f64::INFINITY);
     cuts.sort_by(f64::total_cmp);
     cuts.dedup();
-    let pieces = cuts.windows(2).map(|ends| Piece {
+    let pieces = cuts.windows(2).map(|ends| LinearPiece {
         from: ends[0],
         to: ends[1],
         colour: [colormap.at(ends[0]), colormap.at(ends[1])],
@@ -227,7 +227,7 @@ fn opaque_from(opacity: &TransferOpacity) -> f64 {
     }
 }
 
-impl Piece {
+impl LinearPiece {
     /// Where in the piece `value` lies, in [0, 1]: as [`TransferPoints::opacity`] has it.
     fn share(&self, value: f64) -> f64 {
         let share = (value - self.from) / (self.to - self.from);
@@ -351,7 +351,7 @@ const GAUSS_8: [(f64, f64); 4] = [
 
 /// What a segment sees of one piece.
 struct LinearSegment<'p> {
-    piece: &'p Piece,
+    piece: &'p LinearPiece,
     /// In front and at the back.
     values: [f64; 2],
     /// Length in units of the reference length.

@@ -101,8 +101,8 @@ impl Profile<'_> {
     }
 
     /// The ray as the renderer's own trackers want it.
-    pub fn walk(&self) -> Walk<'_> {
-        Walk {
+    pub fn walk(&self) -> ProfileWalk<'_> {
+        ProfileWalk {
             profile: self,
             next: 0,
             lookups: 0,
@@ -111,14 +111,14 @@ impl Profile<'_> {
 }
 
 /// A walk along a profile.
-pub struct Walk<'p> {
+pub struct ProfileWalk<'p> {
     profile: &'p Profile<'p>,
     next: usize,
     /// Look-ups so far.
     pub lookups: u64,
 }
 
-impl Bounded for Walk<'_> {
+impl Bounded for ProfileWalk<'_> {
     fn next_stretch(&mut self) -> Option<Bounds> {
         let segment = self.profile.segments.get(self.next)?;
         self.next += 1;

@@ -69,7 +69,7 @@ pub struct Sweep {
     /// The settings.
     pub levels: Vec<Level>,
     /// How its error is expected to fall, and how it does.
-    pub order: Order,
+    pub order: ConvergenceOrder,
     /// Where a sweep ended early, why.
     pub cut: Option<String>,
 }
@@ -100,7 +100,7 @@ pub struct Level {
     /// As a number: a length, or a number of samples.
     pub value: f64,
     /// Work for each ray (or pixel), mean over them.
-    pub work: Work,
+    pub work: WorkPerRay,
     /// Error, relative to the root mean square of the reference.
     pub error: Norms,
     /// The same over those rays alone on which theory expects an order, where these are not all.
@@ -113,7 +113,7 @@ pub struct Level {
 
 /// Work for each ray, mean over all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Work {
+pub struct WorkPerRay {
     /// Densities looked up, on the way to lights as well.
     pub density_lookups: f64,
     /// Gradients looked up.
@@ -132,11 +132,11 @@ pub struct Work {
     pub random_draws: f64,
 }
 
-impl Work {
+impl WorkPerRay {
     /// The counts of `rays` rays.
-    pub fn per_ray(counters: &Counters, rays: usize) -> Work {
+    pub fn per_ray(counters: &Counters, rays: usize) -> WorkPerRay {
         let each = |count: u64| count as f64 / rays as f64;
-        Work {
+        WorkPerRay {
             density_lookups: each(counters.density_lookups),
             gradient_lookups: each(counters.gradient_lookups),
             cells_walked: each(counters.cells_walked),
@@ -159,7 +159,7 @@ impl Work {
         }
     }
 
-    /// What [`Work::price`] counts.
+    /// What [`WorkPerRay::price`] counts.
     pub fn counted(&self) -> Counted {
         if self.density_lookups + self.gradient_lookups > 0.0 {
             Counted::Lookups
@@ -217,7 +217,7 @@ pub struct Times {
 
 /// How an error falls as a parameter is refined: as the `order`-th power of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Order {
+pub struct ConvergenceOrder {
     /// From theory, where that says; of a number of samples, negative.
     pub expected: Option<f64>,
     /// Errors up to this may be those of the reference, and are not counted.
@@ -374,9 +374,9 @@ pub struct JitterCurve {
     /// By falling step.
     pub points: Vec<JitterPoint>,
     /// Order of the standard deviation of the optical depth.
-    pub deviation_order: Order,
+    pub deviation_order: ConvergenceOrder,
     /// Order of the bias of the transmittance.
-    pub bias_order: Order,
+    pub bias_order: ConvergenceOrder,
 }
 
 /// Jittered marching at one step.
@@ -400,7 +400,7 @@ pub struct EffectPrice {
     /// What is simulated.
     pub effect: String,
     /// Work for each pixel.
-    pub work: Work,
+    pub work: WorkPerRay,
     /// Time for each pixel.
     pub time: Option<Times>,
     /// Look-ups relative to the first of the list.

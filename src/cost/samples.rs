@@ -1,9 +1,9 @@
 //! What samples per pixel cost, where an image is a mean of random samples.
 
 use super::norms::root_mean_square;
-use super::order::Expected;
+use super::order::ExpectedOrder;
 use super::results::{Parameter, Reference, Study};
-use super::study::{Outcome, PlannedSweep, Setting, run_sweeps};
+use super::study::{PlannedSweep, Setting, SettingOutcome, run_sweeps};
 use super::thumbnail;
 use super::timing::Clock;
 use crate::film::Film;
@@ -52,10 +52,10 @@ pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderErr
         run: Box::new(move || {
             // What cannot be rendered has no errors, which is no error of 0.
             let Ok(made) = render_counted(scene, plans, &|| ()) else {
-                return Outcome::default();
+                return SettingOutcome::default();
             };
             let errors = values(&made.film).into_iter().zip(right);
-            Outcome {
+            SettingOutcome {
                 errors: errors.map(|(value, right)| value - right).collect(),
                 work: made.work[0],
                 rays: width * height,
@@ -68,7 +68,7 @@ pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderErr
         estimator: "path tracing".to_owned(),
         is_ours: true,
         parameter: Parameter::Samples,
-        expected: Expected::OF_SAMPLES,
+        expected: ExpectedOrder::OF_SAMPLES,
         settings: settings.collect(),
     }];
     let sweeps = run_sweeps(&planned, scale, bound, None, clock);

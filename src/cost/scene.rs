@@ -4,7 +4,7 @@ use super::estimators;
 use super::jitter::Jitter;
 use super::results::{Cost, JitterSplit, Study};
 use super::timing::Clock;
-use super::transmittance::{self, Crossing, Crossings};
+use super::transmittance::{self, Crossings, RayThroughMedia};
 use super::{advice, data, effects, image, pixels, samples};
 use crate::render::radiative::effects::Everything;
 use crate::render::radiative::intersection::Surroundings;
@@ -247,7 +247,7 @@ fn of_one_ray(
     options: &Options,
     report: &dyn Fn(&str),
 ) {
-    let far = |ray: &&Crossing<'_>| (ray.depth - TYPICAL_DEPTH).abs();
+    let far = |ray: &&RayThroughMedia<'_>| (ray.depth - TYPICAL_DEPTH).abs();
     let rays = crossings.rays.iter();
     let Some(ray) = rays
         .filter(|ray| ray.depth > 0.0)

@@ -2,14 +2,14 @@
 //! by turns.
 
 use super::norms::Errors;
-use super::order::{Expected, order};
-use super::results::{Level, Norms, Offer, Parameter, Price, Reference, Study, Sweep, Work};
+use super::order::{ExpectedOrder, order};
+use super::results::{Level, Norms, Offer, Parameter, Price, Reference, Study, Sweep, WorkPerRay};
 use super::timing::Clock;
 use crate::render::Counters;
 
 /// What came of one setting.
 #[derive(Clone, Debug, Default)]
-pub struct Outcome {
+pub struct SettingOutcome {
     /// Signed errors, in a fixed order: ray by ray and channel by channel.
     pub errors: Vec<f64>,
     /// What was done for them.
@@ -21,7 +21,7 @@ pub struct Outcome {
 }
 
 /// Does what one setting says. The same on every call.
-pub type Run<'a> = Box<dyn Fn() -> Outcome + Send + Sync + 'a>;
+pub type SettingRun<'a> = Box<dyn Fn() -> SettingOutcome + Send + Sync + 'a>;
 
 /// One setting of a sweep.
 pub struct Setting<'a> {
@@ -30,9 +30,9 @@ pub struct Setting<'a> {
     /// As a number.
     pub value: f64,
     /// What is done.
-    pub run: Run<'a>,
+    pub run: SettingRun<'a>,
     /// The same in single precision.
-    pub single: Option<Run<'a>>,
+    pub single: Option<SettingRun<'a>>,
 }
 
 /// A sweep before it is run.
@@ -44,7 +44,7 @@ pub struct PlannedSweep<'a> {
     /// What is varied.
     pub parameter: Parameter,
     /// What theory says.
-    pub expected: Expected,
+    pub expected: ExpectedOrder,
     /// From coarse to fine.
     pub settings: Vec<Setting<'a>>,
 }
@@ -101,7 +101,7 @@ pub fn run_sweeps(
             levels[at].push(Level {
                 setting: setting.name.clone(),
                 value: setting.value,
-                work: Work::per_ray(&outcome.work, rays),
+                work: WorkPerRay::per_ray(&outcome.work, rays),
                 error: norms(&outcome.errors),
                 error_of_order,
                 single_precision: single,

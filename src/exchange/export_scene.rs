@@ -3,7 +3,7 @@
 use super::forms::Form;
 use super::nested_media::{BoundarySurface, NestedMedia};
 use super::refusal::Faults;
-use super::view::View;
+use super::view::ExportView;
 use crate::geometry::{ClosedMesh, Emitter, Mesh, Ray, Shape, Side, Surface};
 use crate::optics::{Light, Material};
 use crate::scene::{AreaLight, Object, Panel, Radiative, Scattering};
@@ -18,7 +18,7 @@ pub(super) struct ExportScene<'s> {
     /// Media.
     pub nested_media: NestedMedia<'s>,
     /// The eye.
-    pub view: View,
+    pub view: ExportView,
     /// The largest coordinate of anything, in magnitude.
     pub reach: f64,
 }
@@ -27,7 +27,7 @@ impl<'s> ExportScene<'s> {
     /// That of `scene`, which is the model of `panel`. What neither format can say goes to
     /// `faults`.
     pub(super) fn of(panel: &Panel, scene: &'s Radiative, faults: &mut Faults) -> ExportScene<'s> {
-        let view = View::of(&scene.camera);
+        let view = ExportView::of(&scene.camera);
         let [objects, lights] = names(panel, scene);
         let objects: Vec<_> = (scene.objects.iter().zip(objects))
             .map(|(object, key)| (key, Form::of_shape(&object.shape), object.material))

@@ -21,7 +21,7 @@ use super::export_scene::{ExportScene, most_bounces};
 use super::files::{ply, vol};
 use super::forms::Form;
 use super::mixture::Mixture;
-use super::nested_media::{GAP, NestedMedium, Placed, key_of};
+use super::nested_media::{GAP, NestedMedium, PlacedGrid, key_of};
 use super::refusal::Faults;
 use super::view::degrees;
 use super::{Export, Format, Refusal};
@@ -59,7 +59,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
             faults.add(key_of(nested.index), "a medium that emits light");
         }
     }
-    let mut writer = Writer {
+    let mut writer = MitsubaWriter {
         name,
         body: String::new(),
         files: Vec::new(),
@@ -79,7 +79,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
     writer.finish(panel, by_channel)
 }
 
-struct Writer<'n> {
+struct MitsubaWriter<'n> {
     name: &'n str,
     body: String,
     files: Vec<(String, Vec<u8>)>,
@@ -88,7 +88,7 @@ struct Writer<'n> {
     faults: Faults,
 }
 
-impl Writer<'_> {
+impl MitsubaWriter<'_> {
     fn finish(self, panel: &Panel, by_channel: bool) -> Result<Export, Refusal> {
         let mut text = String::from("<scene version=\"3.0.0\">\n");
         let title = panel.title.as_deref().unwrap_or("A scene");
@@ -229,7 +229,7 @@ impl Writer<'_> {
     }
 
     /// The density of a grid: a texture in a file of its own.
-    fn volume(&mut self, nested: &NestedMedium, grid: &Placed) -> String {
+    fn volume(&mut self, nested: &NestedMedium, grid: &PlacedGrid) -> String {
         let file = format!("{}.medium{}.vol", self.name, nested.index);
         let density = grid.density.grid();
         self.files.push((file.clone(), vol(density)));

@@ -25,7 +25,7 @@ mod refusal;
 mod view;
 
 pub use bundle::bundle;
-pub use refusal::{Fault, Refusal};
+pub use refusal::{ExportFault, Refusal};
 
 use crate::scene::{Model, Scene};
 use std::fmt;

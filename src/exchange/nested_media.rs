@@ -36,13 +36,13 @@ pub(super) struct NestedMedium<'s> {
     /// What it is made of at density 1.
     pub medium: Homogeneous,
     /// Its density, if that varies.
-    pub grid: Option<Placed<'s>>,
+    pub grid: Option<PlacedGrid<'s>>,
     /// The nested medium directly around it, by its place in the list.
     pub parent: Option<usize>,
 }
 
 /// A grid of densities somewhere.
-pub(super) struct Placed<'s> {
+pub(super) struct PlacedGrid<'s> {
     /// Densities.
     pub density: &'s GridDensity,
     /// From the coordinates of the grid to the world.
@@ -174,7 +174,7 @@ fn nested_medium<'s>(
             Boundary::PlacedMesh(shape) => *shape.to_world(),
             _ => Transform::IDENTITY,
         };
-        placed = Some(Placed { density, to_world });
+        placed = Some(PlacedGrid { density, to_world });
     }
     let mut surfaces = contacts.surfaces.iter();
     let interface = surfaces.find(|surface| surface.form == form);

@@ -39,7 +39,7 @@ use super::files::ply;
 use super::forms::Form;
 use super::limits;
 use super::mixture::Mixture;
-use super::nested_media::{GAP, NestedMedium, Placed, key_of};
+use super::nested_media::{GAP, NestedMedium, PlacedGrid, key_of};
 use super::refusal::Faults;
 use super::view::degrees;
 use super::{Export, Format, Refusal};
@@ -89,7 +89,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
         files: Vec::new(),
     };
     for (channel, file) in texts {
-        let mut writer = Writer {
+        let mut writer = PbrtWriter {
             text: String::new(),
             channel: channel.unwrap_or(0),
             orders: &orders,
@@ -267,14 +267,14 @@ impl Meshes<'_> {
 }
 
 /// One file.
-struct Writer<'m, 'n> {
+struct PbrtWriter<'m, 'n> {
     text: String,
     channel: usize,
     orders: &'m ScatteringOrders,
     meshes: &'m mut Meshes<'n>,
 }
 
-impl Writer<'_, '_> {
+impl PbrtWriter<'_, '_> {
     fn line(&mut self, line: &str) {
         self.text.push_str(line);
         self.text.push('\n');
@@ -388,7 +388,7 @@ impl Writer<'_, '_> {
     }
 
     /// A grid, and a layer of its outermost values around it.
-    fn grid(&mut self, grid: &Placed, is_emissive: bool) {
+    fn grid(&mut self, grid: &PlacedGrid, is_emissive: bool) {
         let density = grid.density.grid();
         let lattice = density.lattice();
         let low = lattice.first() - 1.5 * lattice.spacing();

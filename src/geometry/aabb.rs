@@ -91,7 +91,7 @@ pub fn longest_axis(v: DVec3) -> usize {
 
 /// Where a line goes in or out of a box.
 #[derive(Clone, Copy)]
-struct Passage {
+struct FacePassage {
     t: f64,
     axis: usize,
 }
@@ -101,12 +101,12 @@ impl Aabb {
     ///
     /// Neither is widened by a tolerance: a line that only touches an edge has a segment of length
     /// 0 at most, in which nothing is lost.
-    fn passages(&self, ray: &Ray) -> Option<[Passage; 2]> {
-        let mut near = Passage {
+    fn passages(&self, ray: &Ray) -> Option<[FacePassage; 2]> {
+        let mut near = FacePassage {
             t: f64::NEG_INFINITY,
             axis: 0,
         };
-        let mut far = Passage {
+        let mut far = FacePassage {
             t: f64::INFINITY,
             axis: 0,
         };
@@ -129,10 +129,10 @@ impl Aabb {
             }
             .map(|face| (face - origin) / direction);
             if first > near.t {
-                near = Passage { t: first, axis };
+                near = FacePassage { t: first, axis };
             }
             if last < far.t {
-                far = Passage { t: last, axis };
+                far = FacePassage { t: last, axis };
             }
         }
         (near.t <= far.t).then_some([near, far])
@@ -144,7 +144,7 @@ impl Aabb {
     /// So the point needs no clearance for itself. A ray that starts off the face by more than
     /// a rounding of its coordinate is on the right side of it in [`passages`](Aabb::passages),
     /// where the sign of `face − origin` is exact.
-    fn point(&self, ray: &Ray, passage: Passage, upper: bool) -> SurfacePoint {
+    fn point(&self, ray: &Ray, passage: FacePassage, upper: bool) -> SurfacePoint {
         let mut position = ray.at(passage.t).clamp(self.min, self.max);
         let mut normal = DVec3::ZERO;
         let (face, outward) = if upper {

@@ -23,13 +23,13 @@ pub fn smooth(t: f64) -> f64 {
 }
 
 /// Extinction along a ray of [`LENGTH`] as a function, with one bound.
-struct Curve<'f> {
+struct CurvedExtinction<'f> {
     sigma: &'f dyn Fn(f64) -> f64,
     bound: f64,
     done: bool,
 }
 
-impl Bounded for Curve<'_> {
+impl Bounded for CurvedExtinction<'_> {
     fn next_stretch(&mut self) -> Option<Bounds> {
         if self.done {
             return None;
@@ -73,7 +73,7 @@ fn estimates(samples: u32, mut one: impl FnMut(&mut Numbers, &mut Effort) -> f64
 /// By delta tracking: 1 for a flight that is not stopped, else 0.
 pub fn by_delta(sigma: &dyn Fn(f64) -> f64, bound: f64, samples: u32) -> Estimates {
     estimates(samples, |chance, effort| {
-        let mut curve = Curve {
+        let mut curve = CurvedExtinction {
             sigma,
             bound,
             done: false,
@@ -146,7 +146,7 @@ pub fn by_last_number(sigma: DVec3, bound: f64) -> (bool, DVec3) {
 /// By ratio tracking.
 pub fn by_ratio(sigma: &dyn Fn(f64) -> f64, bound: f64, samples: u32) -> Estimates {
     estimates(samples, |chance, effort| {
-        let mut curve = Curve {
+        let mut curve = CurvedExtinction {
             sigma,
             bound,
             done: false,

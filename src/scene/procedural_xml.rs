@@ -62,7 +62,7 @@ pub fn read_procedural(path: &str, text: &str) -> Result<ProceduralMedium, Box<S
         .map_err(|error| malformed(&document, &error))?;
     let medium = only_medium(&document, &xml)?;
     let parameters = parameters(&document, medium)?;
-    Block {
+    ParameterBlock {
         document: &document,
         parameters,
         readings: Vec::new(),
@@ -75,60 +75,60 @@ pub fn read_procedural(path: &str, text: &str) -> Result<ProceduralMedium, Box<S
 const MOST_BYTES: usize = 1 << 18;
 
 /// A parameter of the medium.
-struct Parameter {
+struct XmlParameter {
     name: &'static str,
     /// The element that gives it.
     tag: &'static str,
     doc: &'static str,
 }
 
-const PARAMETERS: [Parameter; 10] = [
-    Parameter {
+const PARAMETERS: [XmlParameter; 10] = [
+    XmlParameter {
         name: "sigma_a",
         tag: "color",
         doc: "absorption of density 1, per world length: three numbers, or one for all three, at least 0",
     },
-    Parameter {
+    XmlParameter {
         name: "sigma_s",
         tag: "color",
         doc: "scattering of density 1, per world length: three numbers, or one for all three, at least 0",
     },
-    Parameter {
+    XmlParameter {
         name: "nrOctaves",
         tag: "integer",
         doc: "how many layers of noise are added, a whole number from 1 to 32",
     },
-    Parameter {
+    XmlParameter {
         name: "lacunarity",
         tag: "float",
         doc: "factor on the frequency from one octave to the next, above 0",
     },
-    Parameter {
+    XmlParameter {
         name: "gain",
         tag: "float",
         doc: "factor on the amplitude from one octave to the next, above 0",
     },
-    Parameter {
+    XmlParameter {
         name: "maxDensity",
         tag: "float",
         doc: "the largest density, at least 0",
     },
-    Parameter {
+    XmlParameter {
         name: "threshold",
         tag: "float",
         doc: "densities up to this one are taken for 0",
     },
-    Parameter {
+    XmlParameter {
         name: "scale",
         tag: "vector",
         doc: "cells of the first octave per world length along x, y and z: three numbers",
     },
-    Parameter {
+    XmlParameter {
         name: "offset",
         tag: "vector",
         doc: "position of the world's origin in the lattice of the first octave: three numbers",
     },
-    Parameter {
+    XmlParameter {
         name: "g",
         tag: "float",
         doc: "mean cosine of Henyey and Greenstein's phase function, between -1 and 1, positive forward",
@@ -139,8 +139,8 @@ const PARAMETERS: [Parameter; 10] = [
 const TAGS: [&str; 4] = ["color", "float", "integer", "vector"];
 
 /// A parameter as the block gives it.
-struct Given<'x> {
-    parameter: &'static Parameter,
+struct GivenParameter<'x> {
+    parameter: &'static XmlParameter,
     value: &'x str,
     /// Place of the value in the text.
     span: Range<usize>,
@@ -149,13 +149,13 @@ struct Given<'x> {
 }
 
 /// The parameters of a block, and what was made of them.
-struct Block<'d, 'x> {
+struct ParameterBlock<'d, 'x> {
     document: &'d Document<'d>,
-    parameters: Vec<Given<'x>>,
+    parameters: Vec<GivenParameter<'x>>,
     readings: Vec<Reading>,
 }
 
-impl Block<'_, '_> {
+impl ParameterBlock<'_, '_> {
     fn read(mut self, medium: Node<'_, '_>) -> Result<ProceduralMedium, Box<SceneError>> {
         let default = FractalParameters::default();
         let coefficients = self.coefficients(medium)?;
@@ -288,7 +288,7 @@ impl Block<'_, '_> {
         Ok(Some(numbers))
     }
 
-    fn given(&self, name: &str) -> Option<&Given<'_>> {
+    fn given(&self, name: &str) -> Option<&GivenParameter<'_>> {
         let mut given = self.parameters.iter();
         given.find(|given| given.parameter.name == name)
     }
@@ -407,9 +407,9 @@ fn only_medium<'a, 'i>(
 fn parameters<'a>(
     document: &Document<'_>,
     medium: Node<'a, '_>,
-) -> Result<Vec<Given<'a>>, Box<SceneError>> {
+) -> Result<Vec<GivenParameter<'a>>, Box<SceneError>> {
     check_attributes(document, medium, &["type", "name", "id"])?;
-    let mut found: Vec<Given<'a>> = Vec::new();
+    let mut found: Vec<GivenParameter<'a>> = Vec::new();
     for child in medium.children() {
         if child.is_comment() || child.is_pi() {
             continue;
@@ -434,7 +434,7 @@ fn parameters<'a>(
 fn parameter<'a>(
     document: &Document<'_>,
     element: Node<'a, '_>,
-) -> Result<Given<'a>, Box<SceneError>> {
+) -> Result<GivenParameter<'a>, Box<SceneError>> {
     let tag = element.tag_name().name();
     let position = opening(document.text, element);
     let fail = |span: Range<usize>, message: String, help: String| {
@@ -491,7 +491,7 @@ fn parameter<'a>(
         }
         check_blank(document, child)?;
     }
-    Ok(Given {
+    Ok(GivenParameter {
         parameter,
         value: value.value(),
         span: value.range_value(),

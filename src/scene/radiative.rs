@@ -17,7 +17,7 @@ use super::sampling::Sampling;
 use crate::geometry::{Boundary, Camera, Luminous, Shape};
 use crate::media::{Coefficients, Density, Homogeneous};
 use crate::optics::{Light, Material, Sides};
-use contradictions::Parts;
+use contradictions::SceneParts;
 use glam::DVec3;
 use shapes::FARTHEST;
 use surfaces::SurfaceKind;
@@ -216,7 +216,7 @@ impl Radiative {
             let read = lights::read(&light)?;
             lights.push((light, read));
         }
-        let parts = Parts {
+        let parts = SceneParts {
             reader,
             scattering,
             environment,

@@ -2,9 +2,9 @@
 
 use super::finding::MARGIN;
 use super::golden::{Golden, input_hashes, plan_hash, scene_hash};
-use super::rendering::{Reference, Renderer, Rendering, check_class, render_case};
+use super::rendering::{CaseRendering, ReferenceRenderer, Renderer, check_class, render_case};
 use super::verify::judge_quick;
-use super::{Cache, Case, GoldenError, Quick, Sampling, Store, StoreError};
+use super::{Cache, Case, CaseSampling, GoldenError, Quick, Store, StoreError};
 use crate::compare::{Conditions, Exact, Picture, judge, stochastic};
 use crate::film::Film;
 use crate::render::{self, Plan};
@@ -108,7 +108,7 @@ pub enum AcceptError {
 }
 
 /// Progress of an accept, called from any thread. Work is counted in pixels times samples.
-pub trait Watch: Sync {
+pub trait AcceptWatch: Sync {
     /// This much work is to be done, without what was kept by earlier runs.
     fn begin(&self, _work: u64) {}
     /// The renderings of a case begin.
@@ -118,17 +118,17 @@ pub trait Watch: Sync {
 }
 
 /// Nobody watches.
-impl Watch for () {}
+impl AcceptWatch for () {}
 
 /// Progress of a picture, each step as its share of the work.
-struct Progress<'w> {
-    watch: &'w dyn Watch,
+struct PictureProgress<'w> {
+    watch: &'w dyn AcceptWatch,
     work: u64,
     steps: AtomicU64,
     done: AtomicU64,
 }
 
-impl render::Watch for Progress<'_> {
+impl render::Watch for PictureProgress<'_> {
     fn begin(&self, steps: u64) {
         self.steps.store(steps, Ordering::Relaxed);
     }
@@ -152,9 +152,17 @@ pub fn accept(
     cache: &Cache,
     reason: &str,
     in_ci: bool,
-    watch: &dyn Watch,
+    watch: &dyn AcceptWatch,
 ) -> Result<Vec<Accepted>, AcceptError> {
-    accept_with(&Reference, cases, store, cache, reason, in_ci, watch)
+    accept_with(
+        &ReferenceRenderer,
+        cases,
+        store,
+        cache,
+        reason,
+        in_ci,
+        watch,
+    )
 }
 
 pub(super) fn accept_with(
@@ -164,7 +172,7 @@ pub(super) fn accept_with(
     cache: &Cache,
     reason: &str,
     in_ci: bool,
-    watch: &dyn Watch,
+    watch: &dyn AcceptWatch,
 ) -> Result<Vec<Accepted>, AcceptError> {
     if in_ci {
         return Err(AcceptError::Ci);
@@ -221,7 +229,7 @@ struct Task<'c> {
 
 /// One rendering to be made.
 struct RenderTask {
-    rendering: Rendering,
+    rendering: CaseRendering,
     /// Under what it is kept; deterministic renderings take seconds and are not.
     key: Option<String>,
     /// From an earlier run.
@@ -229,7 +237,7 @@ struct RenderTask {
 }
 
 /// What was rendered of a case.
-struct Pictures {
+struct NewPictures {
     golden: Film,
     quick: Option<Quick>,
 }
@@ -244,15 +252,15 @@ impl<'c> Task<'c> {
         let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
         check_class(renderer, case, &plans).map_err(|reason| incomplete(case, reason))?;
         let renderings = match case.sampling {
-            None => vec![Rendering::Only],
+            None => vec![CaseRendering::Only],
             Some(sampling) => vec![
-                Rendering::Quick(sampling.quick),
-                Rendering::Converged(sampling.converged),
+                CaseRendering::Quick(sampling.quick),
+                CaseRendering::Converged(sampling.converged),
             ],
         };
         let render_task = |rendering| {
             let key = match rendering {
-                Rendering::Only => None,
+                CaseRendering::Only => None,
                 _ => cache.key(&scene, &plans, rendering),
             };
             let kept = key.as_ref().and_then(|key| cache.get(&case.name, key));
@@ -271,7 +279,7 @@ impl<'c> Task<'c> {
         })
     }
 
-    fn work_of(&self, rendering: Rendering) -> u64 {
+    fn work_of(&self, rendering: CaseRendering) -> u64 {
         let pixels = (self.scene.width() * self.scene.height()) as u64;
         pixels * u64::from(rendering.samples())
     }
@@ -289,8 +297,8 @@ impl<'c> Task<'c> {
         &self,
         renderer: &dyn Renderer,
         cache: &Cache,
-        watch: &dyn Watch,
-    ) -> Result<Pictures, AcceptError> {
+        watch: &dyn AcceptWatch,
+    ) -> Result<NewPictures, AcceptError> {
         let mut films = Vec::new();
         for RenderTask {
             rendering,
@@ -302,7 +310,7 @@ impl<'c> Task<'c> {
                 films.push(film.clone());
                 continue;
             }
-            let progress = Progress {
+            let progress = PictureProgress {
                 watch,
                 work: self.work_of(*rendering),
                 steps: AtomicU64::new(0),
@@ -340,12 +348,12 @@ impl<'c> Task<'c> {
             samples: film.noise().map_or(1, |noise| noise.samples()),
             pixels: film.pixel_hash(),
         });
-        Ok(Pictures { golden, quick })
+        Ok(NewPictures { golden, quick })
     }
 }
 
 /// Fails where the noise of a golden would hide what its case promises to see.
-fn check_converged(case: &Case, sampling: Sampling, golden: &Film) -> Result<(), AcceptError> {
+fn check_converged(case: &Case, sampling: CaseSampling, golden: &Film) -> Result<(), AcceptError> {
     let error = stochastic::block_error(golden).expect("a converged image states its noise");
     let excess = MARGIN * error / sampling.resolution;
     if excess <= 1.0 {
@@ -362,15 +370,15 @@ fn check_converged(case: &Case, sampling: Sampling, golden: &Film) -> Result<(),
     })
 }
 
-type Files = Vec<(std::path::PathBuf, Vec<u8>)>;
+type GoldenFiles = Vec<(std::path::PathBuf, Vec<u8>)>;
 
 /// How the golden of a case will change, and the files that change it.
 fn prepare(
     task: &Task<'_>,
-    Pictures { golden, quick }: Pictures,
+    NewPictures { golden, quick }: NewPictures,
     store: &Store,
     reason: &str,
-) -> Result<(Change, Files), AcceptError> {
+) -> Result<(Change, GoldenFiles), AcceptError> {
     let Task {
         case, scene, plans, ..
     } = task;
@@ -424,15 +432,15 @@ mod tests {
 
     #[test]
     fn the_shares_of_all_steps_are_the_work() {
-        struct Sum(AtomicU64);
-        impl Watch for Sum {
+        struct WorkSum(AtomicU64);
+        impl AcceptWatch for WorkSum {
             fn did(&self, work: u64) {
                 self.0.fetch_add(work, Ordering::Relaxed);
             }
         }
         for (work, steps) in [(100, 7), (7, 100), (1 << 60, 3)] {
-            let watch = Sum(AtomicU64::new(0));
-            let progress = Progress {
+            let watch = WorkSum(AtomicU64::new(0));
+            let progress = PictureProgress {
                 watch: &watch,
                 work,
                 steps: AtomicU64::new(0),

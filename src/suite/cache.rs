@@ -10,7 +10,7 @@
 //! that none comes back changed.
 
 use super::golden::{LIBM_VERSION, input_hashes};
-use super::rendering::Rendering;
+use super::rendering::CaseRendering;
 use crate::atomic_file::write_atomically;
 use crate::compare::Picture;
 use crate::film::Film;
@@ -44,7 +44,7 @@ impl Cache {
         &self,
         scene: &Scene,
         plans: &[Plan],
-        rendering: Rendering,
+        rendering: CaseRendering,
     ) -> Option<String> {
         let executable = self.executable.as_ref()?;
         let plans: Vec<_> = plans.iter().map(Plan::canonical_text).collect();

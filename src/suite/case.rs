@@ -141,12 +141,12 @@ pub struct Case {
     /// Stops at which 8-bit images are made.
     pub exposure: f64,
     /// Of a stochastic case.
-    pub sampling: Option<Sampling>,
+    pub sampling: Option<CaseSampling>,
 }
 
 /// How a stochastic case is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sampling {
+pub struct CaseSampling {
     /// Samples per pixel of the golden image.
     pub converged: u32,
     /// Samples per pixel of the rendering that `verify` repeats.
@@ -515,7 +515,7 @@ fn read_answer(
 fn read_sampling(
     reader: &Reader<'_, '_>,
     is_stochastic: bool,
-) -> Result<Option<Sampling>, Box<SceneError>> {
+) -> Result<Option<CaseSampling>, Box<SceneError>> {
     if !is_stochastic {
         for name in [
             "converged_samples",
@@ -534,7 +534,7 @@ fn read_sampling(
         let message = "a stochastic case needs `converged_samples`";
         return Err(reader.error("converged_samples", message));
     };
-    Ok(Some(Sampling {
+    Ok(Some(CaseSampling {
         converged: converged as u32,
         quick: reader.count("quick_samples")? as u32,
         resolution: reader.number("resolution")?,

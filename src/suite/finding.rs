@@ -1,9 +1,9 @@
 //! What a case came to, and the golden it is held against.
 
 use super::golden::{plan_hash, scene_hash, short};
-use super::rendering::{Reference, Renderer, check_class};
+use super::rendering::{ReferenceRenderer, Renderer, check_class};
 use super::{
-    Case, CaseResult, Cause, Evidence, Golden, GoldenError, Quick, Sampling, Store, Verdict,
+    Case, CaseResult, CaseSampling, Cause, Evidence, Golden, GoldenError, Quick, Store, Verdict,
 };
 use crate::compare::Gate;
 use crate::render::Plan;
@@ -22,16 +22,16 @@ pub struct Judged {
 
 /// What a case came to, before time and names are added.
 #[derive(Debug)]
-pub(super) struct Finding {
+pub(super) struct CaseFinding {
     pub verdict: Verdict,
     pub cause: Cause,
     pub reason: String,
     pub metrics: BTreeMap<String, f64>,
 }
 
-impl Finding {
-    pub fn new(verdict: Verdict, cause: Cause, reason: impl Into<String>) -> Finding {
-        Finding {
+impl CaseFinding {
+    pub fn new(verdict: Verdict, cause: Cause, reason: impl Into<String>) -> CaseFinding {
+        CaseFinding {
             verdict,
             cause,
             reason: reason.into(),
@@ -68,8 +68,8 @@ pub(super) struct CheckedGolden {
 
 impl CheckedGolden {
     /// Loads scene and golden of `case`; what is wrong with either is a finding.
-    pub fn load(case: &Case, store: &Store) -> Result<CheckedGolden, Finding> {
-        CheckedGolden::load_for(&Reference, case, store)
+    pub fn load(case: &Case, store: &Store) -> Result<CheckedGolden, CaseFinding> {
+        CheckedGolden::load_for(&ReferenceRenderer, case, store)
     }
 
     /// [`CheckedGolden::load`], where another renderer stands in for the reference.
@@ -77,9 +77,9 @@ impl CheckedGolden {
         renderer: &dyn Renderer,
         case: &Case,
         store: &Store,
-    ) -> Result<CheckedGolden, Finding> {
-        let bad_input = |reason| Finding::new(Verdict::Error, Cause::BadInput, reason);
-        let bad_golden = |reason| Finding::new(Verdict::Error, Cause::Golden, reason);
+    ) -> Result<CheckedGolden, CaseFinding> {
+        let bad_input = |reason| CaseFinding::new(Verdict::Error, Cause::BadInput, reason);
+        let bad_golden = |reason| CaseFinding::new(Verdict::Error, Cause::Golden, reason);
         let scene = case
             .load_scene()
             .map_err(|error| bad_input(error.to_string()))?;
@@ -87,7 +87,7 @@ impl CheckedGolden {
         check_class(renderer, case, &plans).map_err(bad_input)?;
         let golden = Golden::read(store, case).map_err(|error| match error {
             GoldenError::Missing => {
-                Finding::new(Verdict::Missing, Cause::Golden, error.to_string())
+                CaseFinding::new(Verdict::Missing, Cause::Golden, error.to_string())
             }
             error => bad_golden(error.to_string()),
         })?;
@@ -202,7 +202,7 @@ fn stale(case: &Case, scene: &Scene, plans: &[Plan], golden: &Golden) -> Option<
     ))
 }
 
-fn stale_sampling(sampling: Sampling, quick: &Quick, golden: &Golden) -> Option<&'static str> {
+fn stale_sampling(sampling: CaseSampling, quick: &Quick, golden: &Golden) -> Option<&'static str> {
     let provenance = &golden.provenance;
     if provenance.samples != u64::from(sampling.converged) {
         Some("the converged_samples of the case have changed since the golden was accepted")

@@ -27,7 +27,7 @@ pub use kept::{CACHE_VARIABLE, Predictions};
 
 use super::{Case, Cause, Judged, Likeness};
 use crate::scene::Scene;
-use clock::Clock;
+use clock::SearchClock;
 use compared_case::ComparedCase;
 use hunt::singles;
 use hypothesis::Hypothesis;
@@ -99,9 +99,9 @@ pub(super) fn likeness_with(
     let mut pair_searches = 0;
     for at in 0..failing.len() {
         let failed = &failing[at];
-        let mut clock = Clock::start(search, &failed.name, singles());
+        let mut clock = SearchClock::start(search, &failed.name, singles());
         clock.report();
-        let mut found: hunt::Found = known
+        let mut found: hunt::Explaining = known
             .iter()
             .filter_map(|hypothesis| Some((*hypothesis, failed.test(hypothesis, &clock)?)))
             .filter(|(_, misfit)| failed.explained_by(misfit))
@@ -146,7 +146,7 @@ pub(super) fn likeness_with(
     let mut close: Vec<_> = close.take(MOST_CROSS_EXAMINED).collect();
     if close.len() > 1 {
         let questions = close.len() * passing.len().min(MOST_PASSING);
-        let clock = Clock::start(search, "the cases that passed", questions);
+        let clock = SearchClock::start(search, "the cases that passed", questions);
         for (index, case) in passing.into_iter().take(MOST_PASSING) {
             if clock.is_over() {
                 break;

@@ -20,13 +20,13 @@ use thiserror::Error;
 /// The files of a folder, sorted by case.
 #[derive(Clone, Debug, Default)]
 pub struct Outputs {
-    by_case: BTreeMap<String, Files>,
+    by_case: BTreeMap<String, OutputFiles>,
     unknown_files: Vec<UnknownFile>,
 }
 
 /// All files that belong to one case.
 #[derive(Clone, Debug, Default)]
-struct Files {
+struct OutputFiles {
     single: Vec<PathBuf>,
     replicates: BTreeMap<u32, Vec<PathBuf>>,
     variance: Vec<PathBuf>,

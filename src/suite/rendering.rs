@@ -16,7 +16,7 @@ const CONVERGED: u64 = 1 << 63;
 
 /// Which rendering of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Rendering {
+pub(super) enum CaseRendering {
     /// The only one of a deterministic case.
     Only,
     /// Few samples, the seed of the scene.
@@ -25,32 +25,32 @@ pub(super) enum Rendering {
     Converged(u32),
 }
 
-impl Rendering {
+impl CaseRendering {
     /// Samples per pixel.
     pub fn samples(self) -> u32 {
         match self {
-            Rendering::Only => 1,
-            Rendering::Quick(samples) | Rendering::Converged(samples) => samples,
+            CaseRendering::Only => 1,
+            CaseRendering::Quick(samples) | CaseRendering::Converged(samples) => samples,
         }
     }
 
     /// What the cache knows it by; changes with everything that the scene does not say.
     pub fn name(self) -> String {
         match self {
-            Rendering::Only => "only".to_owned(),
-            Rendering::Quick(samples) => format!("quick {samples}"),
-            Rendering::Converged(samples) => format!("converged {samples}"),
+            CaseRendering::Only => "only".to_owned(),
+            CaseRendering::Quick(samples) => format!("quick {samples}"),
+            CaseRendering::Converged(samples) => format!("converged {samples}"),
         }
     }
 
     /// `scene` with samples and seed of this rendering.
     fn of(self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
-        if self == Rendering::Only {
+        if self == CaseRendering::Only {
             return scene;
         }
         scene.set_samples(self.samples());
-        if let Rendering::Converged(_) = self {
+        if let CaseRendering::Converged(_) = self {
             for panel in &mut scene.panels {
                 if let Model::Radiative(radiative) = &mut panel.model {
                     radiative.seed = radiative.seed.wrapping_add(CONVERGED);
@@ -76,9 +76,9 @@ pub(super) trait Renderer {
 }
 
 /// The renderer of this crate; tests of the suite have others.
-pub(super) struct Reference;
+pub(super) struct ReferenceRenderer;
 
-impl Renderer for Reference {
+impl Renderer for ReferenceRenderer {
     fn is_sampled(&self, plans: &[Plan]) -> bool {
         plans.iter().any(Plan::is_sampled)
     }
@@ -98,13 +98,13 @@ pub(super) fn render_case(
     renderer: &dyn Renderer,
     scene: &Scene,
     plans: &[Plan],
-    rendering: Rendering,
+    rendering: CaseRendering,
     progress: render::Progress<'_>,
 ) -> Result<Film, String> {
     let film = renderer
         .render(&rendering.of(scene), plans, progress)
         .map_err(|error| error.to_string())?;
-    if rendering != Rendering::Only && film.noise().is_none() {
+    if rendering != CaseRendering::Only && film.noise().is_none() {
         return Err(
             "the picture states no noise: panels with and without random numbers make no \
              stochastic case together"

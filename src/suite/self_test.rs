@@ -95,7 +95,7 @@ impl SelfTest {
 
 /// How much is asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Extent {
+pub enum SelfTestExtent {
     /// Every mistake in every case.
     Full,
     /// Every mistake in the cases that promise to catch it, and in others until one has; honest
@@ -127,7 +127,7 @@ pub fn self_test(
     cases: &[&Case],
     is_whole: bool,
     store: &Store,
-    extent: Extent,
+    extent: SelfTestExtent,
     report: &dyn Fn(Step<'_>),
 ) -> SelfTest {
     let mut unusable = Vec::new();
@@ -144,8 +144,10 @@ pub fn self_test(
         report(Step::Done);
     }
     let benign = match extent {
-        Extent::Full => benign_trials(&subjects.iter().collect::<Vec<_>>(), report),
-        Extent::Quick => benign_trials(&subjects.iter().step_by(4).collect::<Vec<_>>(), report),
+        SelfTestExtent::Full => benign_trials(&subjects.iter().collect::<Vec<_>>(), report),
+        SelfTestExtent::Quick => {
+            benign_trials(&subjects.iter().step_by(4).collect::<Vec<_>>(), report)
+        }
     };
     let mistakes: Vec<MistakeTrials> = mistakes::catalogue()
         .map(|mistake| {
@@ -268,7 +270,7 @@ fn picture(scene: &Scene, samples: u32, run: u64) -> Option<Film> {
 }
 
 /// What each case makes of `mistake`.
-fn trials(mistake: &Mistake, subjects: &[Subject<'_>], extent: Extent) -> Vec<Trial> {
+fn trials(mistake: &Mistake, subjects: &[Subject<'_>], extent: SelfTestExtent) -> Vec<Trial> {
     let mut trials = vec![Trial::NotTried; subjects.len()];
     let promises = |subject: &Subject<'_>| subject.case.mistakes.iter().any(|m| m == mistake.name);
     let mut order: Vec<usize> = (0..subjects.len()).collect();
@@ -276,7 +278,7 @@ fn trials(mistake: &Mistake, subjects: &[Subject<'_>], extent: Extent) -> Vec<Tr
     let mut is_caught = false;
     for index in order {
         let subject = &subjects[index];
-        if extent == Extent::Quick && is_caught && !promises(subject) {
+        if extent == SelfTestExtent::Quick && is_caught && !promises(subject) {
             break;
         }
         trials[index] = match subject.with_all(&[mistake], 0) {

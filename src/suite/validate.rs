@@ -1,6 +1,6 @@
 //! Another renderer's image against the golden of a case.
 
-use super::finding::{CheckedGolden, Finding};
+use super::finding::{CaseFinding, CheckedGolden};
 use super::measured::measured;
 use super::verify::MOST_CASES;
 use super::{Case, Cause, Evidence, Judged, Store, Verdict};
@@ -46,11 +46,11 @@ pub fn validate(case: &Case, store: &Store, output: Output) -> Judged {
 fn weighed(
     verdict: Verdict,
     reason: String,
-    checked: Result<CheckedGolden, Finding>,
-) -> (Finding, Option<CheckedGolden>) {
+    checked: Result<CheckedGolden, CaseFinding>,
+) -> (CaseFinding, Option<CheckedGolden>) {
     match checked {
         Ok(checked) => (
-            Finding::new(verdict, Cause::OtherRenderer, reason),
+            CaseFinding::new(verdict, Cause::OtherRenderer, reason),
             Some(checked),
         ),
         Err(mut finding) => {
@@ -92,7 +92,7 @@ fn judged(
     checked: &CheckedGolden,
     golden: &Picture,
     picture: &Picture,
-) -> Finding {
+) -> CaseFinding {
     let promise = case
         .sampling
         .map_or(1.0, |sampling| sampling.mean_resolution);
@@ -104,7 +104,7 @@ fn judged(
     let judgement = match judge(gate, golden, picture, &conditions) {
         Ok(judgement) => judgement,
         Err(error) => {
-            return Finding::new(Verdict::Error, Cause::OtherRenderer, error.to_string());
+            return CaseFinding::new(Verdict::Error, Cause::OtherRenderer, error.to_string());
         }
     };
     let mut finding = match (judgement.passed, judgement.undecided) {
@@ -113,10 +113,12 @@ fn judged(
             let mut said = measured(case, &checked.golden.film, picture);
             said.push(judgement.reason);
             let reason = said.join("; ");
-            Finding::new(Verdict::Fail, Cause::Mismatch, reason)
+            CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason)
         }
-        (true, Some(_)) => Finding::new(Verdict::Inconclusive, Cause::Undecided, judgement.reason),
-        (true, None) => Finding::new(Verdict::Pass, Cause::None, judgement.reason),
+        (true, Some(_)) => {
+            CaseFinding::new(Verdict::Inconclusive, Cause::Undecided, judgement.reason)
+        }
+        (true, None) => CaseFinding::new(Verdict::Pass, Cause::None, judgement.reason),
     };
     if gate.depends_on_exposure() {
         finding.reason.push_str(&format!(

@@ -1,8 +1,8 @@
 //! The reference against its own goldens.
 
-use super::finding::{CheckedGolden, Finding};
+use super::finding::{CaseFinding, CheckedGolden};
 use super::golden::{input_hashes, short};
-use super::rendering::{Reference, Renderer, Rendering, render_case};
+use super::rendering::{CaseRendering, ReferenceRenderer, Renderer, render_case};
 use super::rows::ERROR_OF_TOLERANCE;
 use super::{
     Answer, Case, CaseResult, Cause, Evidence, Judged, Quick, Store, Suite, SuiteError, Verdict,
@@ -31,7 +31,7 @@ pub(super) const SAME_BITS: Metric = (
 /// rendering, which must also agree with the converged image. Reads goldens, never writes them.
 /// `progress` is called for each step of the image.
 pub fn verify(case: &Case, store: &Store, progress: render::Progress<'_>) -> Judged {
-    verify_with(&Reference, case, store, progress)
+    verify_with(&ReferenceRenderer, case, store, progress)
 }
 
 pub(super) fn verify_with(
@@ -46,7 +46,9 @@ pub(super) fn verify_with(
         evidence.provenance = checked.provenance();
         evidence.golden = Some(checked.golden.film.clone());
         let quick = checked.golden.provenance.quick.as_ref();
-        let rendering = quick.map_or(Rendering::Only, |quick| Rendering::Quick(quick.samples));
+        let rendering = quick.map_or(CaseRendering::Only, |quick| {
+            CaseRendering::Quick(quick.samples)
+        });
         let film = render_case(
             renderer,
             &checked.scene,
@@ -54,7 +56,7 @@ pub(super) fn verify_with(
             rendering,
             progress,
         )
-        .map_err(|reason| Finding::new(Verdict::Fail, Cause::Mismatch, reason))?;
+        .map_err(|reason| CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason))?;
         let mut finding = match quick {
             None => compare(&checked, &film),
             Some(quick) => compare_sampled(&checked, quick, &film),
@@ -85,7 +87,7 @@ pub(super) fn verify_with(
 }
 
 /// What is known beforehand outranks the golden.
-fn hold_to(answer: &Answer, film: &Film, finding: &mut Finding) {
+fn hold_to(answer: &Answer, film: &Film, finding: &mut CaseFinding) {
     let margin = answer.margin(film);
     let share = margin.share();
     if share.is_finite() {
@@ -142,7 +144,7 @@ pub(super) fn judge_quick(converged: &Film, quick: &Film) -> Judgement {
     stochastic::judge(converged, quick, MOST_CASES).expect("both images state their noise")
 }
 
-fn compare(checked: &CheckedGolden, film: &Film) -> Finding {
+fn compare(checked: &CheckedGolden, film: &Film) -> CaseFinding {
     let golden = &checked.golden;
     if film.pixel_hash() == golden.provenance.pixels {
         let reason = format!(
@@ -150,7 +152,7 @@ fn compare(checked: &CheckedGolden, film: &Film) -> Finding {
             short(&golden.provenance.pixels),
             checked.omissions()
         );
-        return Finding::new(Verdict::Pass, Cause::None, reason);
+        return CaseFinding::new(Verdict::Pass, Cause::None, reason);
     }
     let pictures = [&golden.film, film].map(|film| Picture::Radiance(film.clone()));
     let gates: [&dyn ImageGate; 2] = [&Exact, &Deterministic];
@@ -165,7 +167,7 @@ fn compare(checked: &CheckedGolden, film: &Film) -> Finding {
         moved_inputs(checked),
         checked.omissions()
     );
-    let mut finding = Finding::new(Verdict::Fail, Cause::Mismatch, reason);
+    let mut finding = CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason);
     finding.metrics = tolerant.metrics;
     finding.metrics.extend(exact.metrics);
     finding
@@ -190,7 +192,7 @@ fn moved_inputs(checked: &CheckedGolden) -> String {
 
 /// Bits against the hash of the quick rendering, and noise against the converged image: a
 /// renderer that is wrong on purpose has the bits, one that was merely rearranged the noise.
-fn compare_sampled(checked: &CheckedGolden, quick: &Quick, film: &Film) -> Finding {
+fn compare_sampled(checked: &CheckedGolden, quick: &Quick, film: &Film) -> CaseFinding {
     let golden = &checked.golden;
     let judgement = judge_quick(&golden.film, film);
     let has_bits = film.pixel_hash() == quick.pixels;
@@ -226,8 +228,8 @@ fn compare_sampled(checked: &CheckedGolden, quick: &Quick, film: &Film) -> Findi
         checked.omissions()
     );
     let mut finding = match passed {
-        true => Finding::new(Verdict::Pass, Cause::None, reason),
-        false => Finding::new(Verdict::Fail, Cause::Mismatch, reason),
+        true => CaseFinding::new(Verdict::Pass, Cause::None, reason),
+        false => CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason),
     };
     finding.metrics = judgement.metrics;
     finding

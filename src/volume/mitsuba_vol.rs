@@ -10,7 +10,7 @@
 //! cell; [`LoadOptions::centring`] asks for that. The box is the same in both cases.
 
 use super::error::VolumeError;
-use super::orientation::{Axes, Steps};
+use super::orientation::{Axes, AxisSteps};
 use super::reader::{Stored, VolumeReader};
 use super::samples::{check_sizes, fill, read_grid};
 use super::source::VolumeSource;
@@ -169,7 +169,7 @@ fn layout(header: &[u8; HEADER], options: &LoadOptions) -> Result<Layout, VolErr
     Ok(Layout {
         axes: Axes {
             sizes,
-            steps: Steps::Upright(spacing),
+            steps: AxisSteps::Upright(spacing),
             first,
             centring,
         },

@@ -12,7 +12,7 @@
 //! of 1), and holds the file's bytes beside the values made of them.
 
 use super::error::VolumeError;
-use super::orientation::{Axes, Steps};
+use super::orientation::{Axes, AxisSteps};
 use super::reader::{Stored, VolumeReader};
 use super::samples::{check_sizes, fill, read_grid};
 use super::source::VolumeSource;
@@ -190,7 +190,7 @@ fn layout(
     if filled < HEADER {
         return Err(NiftiError::Header(filled));
     }
-    let header = Header::new(&bytes)?;
+    let header = NiftiHeader::new(&bytes)?;
     let axes = Axes {
         sizes: header.sizes()?,
         steps: header.steps()?,
@@ -211,18 +211,18 @@ fn layout(
 }
 
 /// The bytes of a header, and their order.
-struct Header<'h> {
+struct NiftiHeader<'h> {
     bytes: &'h [u8; HEADER],
     endian: Endian,
 }
 
-impl<'h> Header<'h> {
-    fn new(bytes: &'h [u8; HEADER]) -> Result<Header<'h>, NiftiError> {
-        let little = Header {
+impl<'h> NiftiHeader<'h> {
+    fn new(bytes: &'h [u8; HEADER]) -> Result<NiftiHeader<'h>, NiftiError> {
+        let little = NiftiHeader {
             bytes,
             endian: Endian::Little,
         };
-        let big = Header {
+        let big = NiftiHeader {
             bytes,
             endian: Endian::Big,
         };
@@ -353,15 +353,15 @@ impl<'h> Header<'h> {
         }
     }
 
-    fn steps(&self) -> Result<Steps, NiftiError> {
+    fn steps(&self) -> Result<AxisSteps, NiftiError> {
         if self.by_sform() {
             let rows = self.sform();
             let column = |axis: usize| DVec3::from_array([0, 1, 2].map(|row| rows[row][axis]));
-            return Ok(Steps::Directed([column(0), column(1), column(2)]));
+            return Ok(AxisSteps::Directed([column(0), column(1), column(2)]));
         }
         let [handedness, dx, dy, dz] = self.floats(76);
         if !self.by_qform() {
-            return Ok(Steps::Upright(DVec3::new(dx, dy, dz)));
+            return Ok(AxisSteps::Upright(DVec3::new(dx, dy, dz)));
         }
         let [b, c, d] = self.floats(256);
         let squares = b * b + c * c + d * d;
@@ -395,7 +395,7 @@ impl<'h> Header<'h> {
             let spacing = DVec3::from_array(self.floats(80));
             return Err(LatticeError::Spacing(spacing).into());
         }
-        Ok(Steps::Directed([x * dx, y * dy, z * dz]))
+        Ok(AxisSteps::Directed([x * dx, y * dy, z * dz]))
     }
 }
 

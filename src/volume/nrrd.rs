@@ -15,7 +15,7 @@
 //! A file with the wrong `endian` cannot be told from one with odd values.
 
 use super::error::VolumeError;
-use super::orientation::{Axes, Steps};
+use super::orientation::{Axes, AxisSteps};
 use super::reader::{Stored, VolumeReader};
 use super::samples::{check_sizes, read_grid};
 use super::source::VolumeSource;
@@ -405,16 +405,16 @@ impl Fields {
         Ok(())
     }
 
-    fn get(&self, name: &'static str) -> Option<Field<'_>> {
+    fn get(&self, name: &'static str) -> Option<HeaderField<'_>> {
         let found = self.0.iter().find(|(field, ..)| *field == name);
-        found.map(|(name, value, line)| Field {
+        found.map(|(name, value, line)| HeaderField {
             name,
             value,
             line: *line,
         })
     }
 
-    fn required(&self, name: &'static str) -> Result<Field<'_>, NrrdError> {
+    fn required(&self, name: &'static str) -> Result<HeaderField<'_>, NrrdError> {
         self.get(name).ok_or(NrrdError::Missing(name))
     }
 
@@ -544,7 +544,7 @@ impl Fields {
         let kept = kept_axes(sizes, directions.as_deref())?;
         let mut axes = Axes {
             sizes: check_sizes(kept.map(|axis| sizes[axis]))?,
-            steps: Steps::Upright(DVec3::ONE),
+            steps: AxisSteps::Upright(DVec3::ONE),
             first: DVec3::ZERO,
             centring: self.centring(dimension, kept)?,
         };
@@ -565,7 +565,7 @@ impl Fields {
                 }
             }
             // A kept axis without direction has no length, which no lattice accepts.
-            axes.steps = Steps::Directed(kept.map(|axis| directions[axis].unwrap_or_default()));
+            axes.steps = AxisSteps::Directed(kept.map(|axis| directions[axis].unwrap_or_default()));
             if let Some(field) = self.get("space origin") {
                 axes.first = field.vector()?;
             }
@@ -605,7 +605,7 @@ impl Fields {
                 axes.first[axis] = max - (intervals - beyond) * spacing[axis];
             }
         }
-        axes.steps = Steps::Upright(DVec3::from_array(spacing));
+        axes.steps = AxisSteps::Upright(DVec3::from_array(spacing));
         Ok(axes)
     }
 
@@ -664,13 +664,13 @@ fn kept_axes(sizes: &[u64], directions: Option<&[Option<DVec3>]>) -> Result<[usi
 
 /// A field of a header.
 #[derive(Clone, Copy)]
-struct Field<'h> {
+struct HeaderField<'h> {
     name: &'static str,
     value: &'h str,
     line: usize,
 }
 
-impl Field<'_> {
+impl HeaderField<'_> {
     fn fault(&self, fault: NrrdFault) -> NrrdError {
         NrrdError::Line {
             line: self.line,

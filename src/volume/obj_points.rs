@@ -11,7 +11,7 @@ use thiserror::Error;
 
 /// A point of a cloud.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct CloudPoint {
     /// World position, finite.
     pub position: DVec3,
     /// Density it carries, finite and not negative; 1 where the file gives none.
@@ -85,7 +85,7 @@ pub enum ObjFault {
 /// `v x y z` has weight 1, `v x y z d` weight `d`, `v x y z r g b` weight 1: colours must be
 /// numbers but are not used. Every other keyword of the format is skipped; an unknown one is an
 /// error. At least one point is returned, and at least one weight is positive.
-pub fn read_obj_points(bytes: &[u8]) -> Result<Vec<Point>, ObjError> {
+pub fn read_obj_points(bytes: &[u8]) -> Result<Vec<CloudPoint>, ObjError> {
     if bytes.is_empty() {
         return Err(of_file(ObjFault::Empty));
     }
@@ -163,7 +163,7 @@ const SKIPPED: [&str; 38] = [
     "csh",
 ];
 
-fn point(keyword: &Word, numbers: &[Word]) -> Result<Point, ObjError> {
+fn point(keyword: &Word, numbers: &[Word]) -> Result<CloudPoint, ObjError> {
     let names: &[&'static str] = match numbers.len() {
         3 => &["x", "y", "z"],
         4 => &["x", "y", "z", "the density"],
@@ -179,7 +179,7 @@ fn point(keyword: &Word, numbers: &[Word]) -> Result<Point, ObjError> {
     if weight < 0.0 {
         return Err(numbers[3].fault(ObjFault::Negative(weight)));
     }
-    Ok(Point {
+    Ok(CloudPoint {
         position: DVec3::new(x, y, z),
         weight,
     })
@@ -324,7 +324,7 @@ mod tests {
 
     fn points(text: &str) -> Vec<([f64; 3], f64)> {
         let points = read_obj_points(text.as_bytes()).unwrap();
-        let pair = |point: &Point| (point.position.to_array(), point.weight);
+        let pair = |point: &CloudPoint| (point.position.to_array(), point.weight);
         points.iter().map(pair).collect()
     }
 

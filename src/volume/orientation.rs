@@ -25,7 +25,7 @@ pub struct Axes {
     /// [`Lattice::MOST_NODES`].
     pub sizes: [usize; 3],
     /// From one sample to the next along each stored axis.
-    pub steps: Steps,
+    pub steps: AxisSteps,
     /// Position of the first sample, world units.
     pub first: DVec3,
     /// Whether the box of the file ends at the outermost samples or half a step beyond.
@@ -34,7 +34,7 @@ pub struct Axes {
 
 /// From one sample to the next along each stored axis, world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Steps {
+pub enum AxisSteps {
     /// The stored axes are x, y and z: the spacing along each.
     Upright(DVec3),
     /// The stored axes point anywhere: the step along each.
@@ -88,8 +88,8 @@ impl Axes {
             })
         };
         let steps = match self.steps {
-            Steps::Upright(spacing) => return as_stored(spacing),
-            Steps::Directed(steps) => steps,
+            AxisSteps::Upright(spacing) => return as_stored(spacing),
+            AxisSteps::Directed(steps) => steps,
         };
         let lengths = DVec3::from_array(steps.map(length_of));
         if options.orientation == Orientation::AsStored {
@@ -190,7 +190,7 @@ mod tests {
     fn axes(steps: [DVec3; 3]) -> Axes {
         Axes {
             sizes: [2, 3, 2],
-            steps: Steps::Directed(steps),
+            steps: AxisSteps::Directed(steps),
             first: DVec3::new(10.0, 20.0, 30.0),
             centring: Centring::Nodes,
         }

@@ -15,7 +15,7 @@
 //! A wrong `endian` cannot be told from odd values.
 
 use super::error::VolumeError;
-use super::orientation::{Axes, Steps};
+use super::orientation::{Axes, AxisSteps};
 use super::reader::{Stored, VolumeReader};
 use super::samples::{check_sizes, read_grid};
 use super::source::VolumeSource;
@@ -192,7 +192,7 @@ impl RawVolume {
         };
         let axes = Axes {
             sizes,
-            steps: Steps::Upright(spacing),
+            steps: AxisSteps::Upright(spacing),
             first: DVec3::from_array(description.origin.unwrap_or_default()),
             centring: centring.unwrap_or_default(),
         };

@@ -70,7 +70,7 @@ fn text_says_what_to_take_then_what_it_costs_then_how_errors_fall() {
       1e-3 is not reached, as far as tried, by left
 
     transmittance: orders of error
-      estimator  turned  expected     ±  fitted  of max  verdict
+      estimator  varied  expected     ±  fitted  of max  verdict
       midpoint   step           2  0.10    2.00    1.97  ✓ as expected
       left       step           1  0.10    0.41    0.97  ✗ not as expected
 

@@ -36,7 +36,7 @@ fn verdict(expected: Option<f64>, fitted: Option<f64>) -> OrderVerdict {
 }
 
 /// The order of errors at values, as far as a sample needs it.
-pub fn order(expected: Option<f64>, points: &[(f64, f64)], bound: f64) -> Order {
+pub fn order(expected: Option<f64>, points: &[(f64, f64)], bound: f64) -> ConvergenceOrder {
     let local: Vec<Option<f64>> = points
         .windows(2)
         .map(|two| {
@@ -52,7 +52,7 @@ pub fn order(expected: Option<f64>, points: &[(f64, f64)], bound: f64) -> Order 
         }
         _ => None,
     };
-    Order {
+    ConvergenceOrder {
         expected,
         known: 100.0 * bound,
         counted: points.iter().map(|point| counts(point.1)).collect(),
@@ -102,9 +102,9 @@ impl Marching {
                 Level {
                     setting: format!("{step} voxels"),
                     value: 0.02 * step,
-                    work: Work {
+                    work: WorkPerRay {
                         density_lookups: lookups,
-                        ..Work::default()
+                        ..WorkPerRay::default()
                     },
                     error: norms(l2),
                     error_of_order: None,
@@ -140,10 +140,10 @@ fn sampling(estimator: &str, deviation: f64, lookups: f64, power: f64, looks: bo
             Level {
                 setting: format!("{samples} {}", if at == 0 { "sample" } else { "samples" }),
                 value: samples,
-                work: Work {
+                work: WorkPerRay {
                     density_lookups: if looks { samples * lookups } else { 0.0 },
                     random_draws: samples * lookups * 2.0,
-                    ..Work::default()
+                    ..WorkPerRay::default()
                 },
                 error: Norms {
                     l1: 0.8 * l2,
@@ -226,9 +226,9 @@ fn transmittance() -> Study {
         levels: vec![Level {
             setting: "2 points a cell".to_owned(),
             value: 0.0,
-            work: Work {
+            work: WorkPerRay {
                 density_lookups: lookups,
-                ..Work::default()
+                ..WorkPerRay::default()
             },
             error: Norms {
                 l1: error,
@@ -486,7 +486,7 @@ fn effects() -> Vec<EffectPrice> {
         let all = lookups + 40.0 * shadow_rays;
         EffectPrice {
             effect: effect.to_owned(),
-            work: Work {
+            work: WorkPerRay {
                 density_lookups: all,
                 gradient_lookups: if at == 2 { 60.0 } else { 0.0 },
                 cells_walked: 31.0,
@@ -611,7 +611,7 @@ pub fn machine() -> Machine {
 /// Values at the edge of what may come: errors that are zero or no number, work that was not
 /// counted, sweeps of one setting or of none.
 pub fn extremes() -> Cost {
-    let level = |l2: f64, work: Work| Level {
+    let level = |l2: f64, work: WorkPerRay| Level {
         setting: "only one".to_owned(),
         value: 1.0,
         work,
@@ -625,13 +625,13 @@ pub fn extremes() -> Cost {
         single_precision: None,
         time: None,
     };
-    let looked = |density_lookups: f64| Work {
+    let looked = |density_lookups: f64| WorkPerRay {
         density_lookups,
-        ..Work::default()
+        ..WorkPerRay::default()
     };
-    let drawn = |random_draws: f64| Work {
+    let drawn = |random_draws: f64| WorkPerRay {
         random_draws,
-        ..Work::default()
+        ..WorkPerRay::default()
     };
     let sweep =
         |estimator: &str, parameter: Parameter, levels: Vec<Level>, verdict: OrderVerdict| Sweep {
@@ -639,7 +639,7 @@ pub fn extremes() -> Cost {
             is_ours: false,
             parameter,
             levels,
-            order: Order {
+            order: ConvergenceOrder {
                 verdict,
                 ..order(None, &[], 0.0)
             },

@@ -1,7 +1,7 @@
 //! Two images, put together block by block.
 
 use super::super::significance::deviation;
-use super::variance::{Shape, Stated, unstated};
+use super::variance::{NoiseShape, Stated, unstated};
 use crate::film::Film;
 use crate::math::Moments;
 use std::ops::Range;
@@ -179,7 +179,7 @@ pub(super) struct Comparison<'f> {
     /// What they say of their noise.
     pub stated: [Stated; 2],
     /// How the variances were completed.
-    pub shape: Shape,
+    pub shape: NoiseShape,
     /// Probability with which noise that is not stated may be underestimated.
     level: f64,
 }
@@ -207,7 +207,7 @@ impl<'f> Comparison<'f> {
         level: f64,
         times: f64,
     ) -> Comparison<'f> {
-        let shape = Shape::new(stated, &blocks, level, times);
+        let shape = NoiseShape::new(stated, &blocks, level, times);
         for block in &mut blocks {
             for channel in &mut block.channels {
                 channel.variance = Variance {

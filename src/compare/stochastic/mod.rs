@@ -92,7 +92,7 @@ use crate::math;
 use amount::judge_amount;
 use blocks::{Block, Channel, Comparison};
 use neighbours::judge_neighbours;
-use pixels::Pixels;
+use pixels::PixelDifferences;
 use resolution::Limits;
 
 /// Probability that any case of a suite is rejected although nothing is wrong with it.
@@ -303,10 +303,10 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
     let whole = judge_whole(comparison, level, &mut metrics);
     let is_off = whole.is_some();
     let mut faults = Vec::from_iter(whole);
-    let worst = Worst::new(comparison);
+    let worst = WorstBlock::new(comparison);
     faults.extend(worst.judge(level, &mut metrics));
     let is_biased = !faults.is_empty();
-    let pixels = Pixels::new(comparison);
+    let pixels = PixelDifferences::new(comparison);
     if let [Some(a), Some(b)] = comparison.numbers() {
         faults.extend(pixels.judge_far(level, &mut metrics));
         faults.extend(pixels.judge_contrary([a, b], level, &mut metrics));
@@ -441,15 +441,15 @@ fn judge_whole(comparison: &Comparison<'_>, level: f64, metrics: &mut Metrics) -
 }
 
 /// The most unlikely of the blocks and channels.
-struct Worst<'c> {
+struct WorstBlock<'c> {
     block: &'c Block,
     channel: usize,
     /// Of all blocks and channels.
     probabilities: Vec<f64>,
 }
 
-impl<'c> Worst<'c> {
-    fn new(comparison: &'c Comparison<'c>) -> Worst<'c> {
+impl<'c> WorstBlock<'c> {
+    fn new(comparison: &'c Comparison<'c>) -> WorstBlock<'c> {
         let mut probabilities = Vec::with_capacity(comparison.asked());
         for block in &comparison.blocks {
             let degrees = comparison.degrees(block);
@@ -458,7 +458,7 @@ impl<'c> Worst<'c> {
         let worst = (0..probabilities.len())
             .min_by(|&a, &b| probabilities[a].total_cmp(&probabilities[b]))
             .expect("an image has a block");
-        Worst {
+        WorstBlock {
             block: &comparison.blocks[worst / 3],
             channel: worst % 3,
             probabilities,

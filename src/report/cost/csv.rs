@@ -1,6 +1,6 @@
 //! The cost of accuracy for spreadsheets and plotting programs.
 
-use crate::cost::results::{Cost, Norms, Parameter, Times, Work};
+use crate::cost::results::{Cost, Norms, Parameter, Times, WorkPerRay};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -19,23 +19,23 @@ pub fn cost_csv(costs: &[Cost]) -> Vec<(String, String)> {
     ]
     .into_iter()
     .filter(|file| !file.rows.is_empty())
-    .map(File::written)
+    .map(CsvTable::written)
     .collect()
 }
 
 /// What becomes a file.
-struct File {
+struct CsvTable {
     name: &'static str,
     heads: Vec<&'static str>,
     rows: Vec<Vec<String>>,
 }
 
-impl File {
+impl CsvTable {
     /// A table about scenes: their columns come first.
-    fn new(name: &'static str, heads: &[&'static str]) -> File {
+    fn new(name: &'static str, heads: &[&'static str]) -> CsvTable {
         let mut all = vec!["scene", "panel"];
         all.extend(heads);
-        File {
+        CsvTable {
             name,
             heads: all,
             rows: Vec::new(),
@@ -90,7 +90,7 @@ const WORK: [&str; 8] = [
     "random_draws",
 ];
 
-fn work(work: &Work) -> [String; 8] {
+fn work(work: &WorkPerRay) -> [String; 8] {
     [
         work.density_lookups,
         work.gradient_lookups,
@@ -137,7 +137,7 @@ fn norms(norms: Option<&Norms>) -> [String; 3] {
     ]
 }
 
-fn sweeps(costs: &[Cost]) -> File {
+fn sweeps(costs: &[Cost]) -> CsvTable {
     let mut heads = vec![
         "study",
         "estimator",
@@ -151,7 +151,7 @@ fn sweeps(costs: &[Cost]) -> File {
     heads.extend(["judged_l1", "judged_l2", "judged_max", "local_order"]);
     heads.extend(["f32_off_l1", "f32_off_l2", "f32_off_max", "reference_bound"]);
     heads.extend(TIMES);
-    let mut file = File::new("sweeps", &heads);
+    let mut file = CsvTable::new("sweeps", &heads);
     for cost in costs {
         for study in &cost.studies {
             for sweep in &study.sweeps {
@@ -182,7 +182,7 @@ fn sweeps(costs: &[Cost]) -> File {
     file
 }
 
-fn orders(costs: &[Cost]) -> File {
+fn orders(costs: &[Cost]) -> CsvTable {
     let heads = [
         "study",
         "of",
@@ -194,7 +194,7 @@ fn orders(costs: &[Cost]) -> File {
         "verdict",
         "cut",
     ];
-    let mut file = File::new("orders", &heads);
+    let mut file = CsvTable::new("orders", &heads);
     for cost in costs {
         let mut all = Vec::new();
         for study in &cost.studies {
@@ -231,7 +231,7 @@ fn orders(costs: &[Cost]) -> File {
     file
 }
 
-fn prices(costs: &[Cost]) -> File {
+fn prices(costs: &[Cost]) -> CsvTable {
     let heads = [
         "study",
         "error",
@@ -242,7 +242,7 @@ fn prices(costs: &[Cost]) -> File {
         "times_cheapest",
         "seconds",
     ];
-    let mut file = File::new("prices", &heads);
+    let mut file = CsvTable::new("prices", &heads);
     for cost in costs {
         for study in &cost.studies {
             for price in &study.prices {
@@ -265,7 +265,7 @@ fn prices(costs: &[Cost]) -> File {
     file
 }
 
-fn estimators(costs: &[Cost]) -> File {
+fn estimators(costs: &[Cost]) -> CsvTable {
     let heads = [
         "ray",
         "depth",
@@ -284,7 +284,7 @@ fn estimators(costs: &[Cost]) -> File {
         "agrees",
         "variance_times_seconds",
     ];
-    let mut file = File::new("estimators", &heads);
+    let mut file = CsvTable::new("estimators", &heads);
     for cost in costs {
         let Some(table) = &cost.estimators else {
             continue;
@@ -314,8 +314,8 @@ fn estimators(costs: &[Cost]) -> File {
     file
 }
 
-fn thickness(costs: &[Cost]) -> File {
-    let mut file = File::new(
+fn thickness(costs: &[Cost]) -> CsvTable {
+    let mut file = CsvTable::new(
         "thickness",
         &["ray", "estimator", "depth", "measured", "predicted"],
     );
@@ -339,7 +339,7 @@ fn thickness(costs: &[Cost]) -> File {
     file
 }
 
-fn jitter(costs: &[Cost]) -> File {
+fn jitter(costs: &[Cost]) -> CsvTable {
     let heads = [
         "ray",
         "jitter",
@@ -349,7 +349,7 @@ fn jitter(costs: &[Cost]) -> File {
         "depth_deviation",
         "predicted_bias",
     ];
-    let mut file = File::new("jitter", &heads);
+    let mut file = CsvTable::new("jitter", &heads);
     for cost in costs {
         let Some(split) = &cost.jitter else {
             continue;
@@ -372,12 +372,12 @@ fn jitter(costs: &[Cost]) -> File {
     file
 }
 
-fn effects(costs: &[Cost]) -> File {
+fn effects(costs: &[Cost]) -> CsvTable {
     let mut heads = vec!["effect"];
     heads.extend(WORK);
     heads.push("times_lookups");
     heads.extend(TIMES);
-    let mut file = File::new("effects", &heads);
+    let mut file = CsvTable::new("effects", &heads);
     for cost in costs {
         for effect in &cost.effects {
             let mut row = vec![effect.effect.clone()];

@@ -1,8 +1,8 @@
 //! The cost of accuracy as one page that needs no network and no script.
 
-use super::pictures::{Pictures, pictures};
+use super::pictures::{ErrorMaps, pictures};
 use super::plot::{self, Plot, Theme};
-use super::table::Table;
+use super::table::ReportTable;
 use super::tables;
 use super::words::{self, Mark};
 use crate::cost::results::{Cost, Machine, RayTrace, Recommendation, Study};
@@ -27,10 +27,10 @@ pub struct CostPage<'a> {
 pub fn cost_html(page: &CostPage<'_>) -> String {
     let costs: Vec<CostView> = page.costs.iter().enumerate().map(CostView::new).collect();
     let judgement = words::judgement(page.costs);
-    let faults: Vec<Fault> = judgement
+    let faults: Vec<PageFault> = judgement
         .faults
         .into_iter()
-        .map(|(mark, text)| Fault { mark, text })
+        .map(|(mark, text)| PageFault { mark, text })
         .collect();
     let mut environment = Environment::new();
     // Text is escaped because the name ends like this.
@@ -57,7 +57,7 @@ pub fn cost_html(page: &CostPage<'_>) -> String {
 }
 
 #[derive(Serialize)]
-struct Fault {
+struct PageFault {
     mark: Mark,
     text: String,
 }
@@ -70,10 +70,10 @@ struct CostView<'a> {
     advice: &'a [Recommendation],
     studies: Vec<StudyView<'a>>,
     orders: Option<Plot>,
-    estimators: Option<Table>,
+    estimators: Option<ReportTable>,
     thickness: Option<Drawn>,
-    jitter: Option<Jitter>,
-    effects: Option<Table>,
+    jitter: Option<JitterView>,
+    effects: Option<ReportTable>,
     notes: &'a [String],
 }
 
@@ -82,15 +82,15 @@ struct CostView<'a> {
 struct Drawn {
     about: String,
     plot: Plot,
-    table: Table,
+    table: ReportTable,
 }
 
 #[derive(Serialize)]
-struct Jitter {
+struct JitterView {
     about: String,
     plot: Option<Plot>,
-    orders: Table,
-    table: Table,
+    orders: ReportTable,
+    table: ReportTable,
 }
 
 #[derive(Serialize)]
@@ -102,15 +102,15 @@ struct StudyView<'a> {
     known: String,
     judged_on: Option<&'a str>,
     work: Plot,
-    prices: Option<Table>,
-    orders: Table,
-    sweeps: Vec<Table>,
-    pictures: Option<Pictures>,
-    worst: Option<Worst<'a>>,
+    prices: Option<ReportTable>,
+    orders: ReportTable,
+    sweeps: Vec<ReportTable>,
+    pictures: Option<ErrorMaps>,
+    worst: Option<WorstView<'a>>,
 }
 
 #[derive(Serialize)]
-struct Worst<'a> {
+struct WorstView<'a> {
     trace: &'a RayTrace,
     value: String,
     reference: String,
@@ -133,7 +133,7 @@ impl<'a> CostView<'a> {
                 plot: plot::thickness(sweep, Theme::Page),
                 table: tables::thickness(sweep),
             }),
-            jitter: cost.jitter.as_ref().map(|split| Jitter {
+            jitter: cost.jitter.as_ref().map(|split| JitterView {
                 about: split.ray.clone(),
                 plot: plot::jitter(split, Theme::Page),
                 orders: tables::jitter_orders(split),
@@ -160,14 +160,14 @@ impl<'a> StudyView<'a> {
             orders: tables::orders(study),
             sweeps: sweeps.map(|sweep| tables::sweep(study, sweep)).collect(),
             pictures: pictures(&study.pictures),
-            worst: study.worst_ray.as_ref().map(Worst::new),
+            worst: study.worst_ray.as_ref().map(WorstView::new),
         }
     }
 }
 
-impl<'a> Worst<'a> {
-    fn new(trace: &'a RayTrace) -> Worst<'a> {
-        Worst {
+impl<'a> WorstView<'a> {
+    fn new(trace: &'a RayTrace) -> WorstView<'a> {
+        WorstView {
             trace,
             value: format!("{:.6}", trace.value),
             reference: format!("{:.6}", trace.reference),

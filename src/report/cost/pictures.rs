@@ -20,7 +20,7 @@ const MOST_PIXELS: usize = 1 << 22;
 
 /// Pictures of one study, and their scale.
 #[derive(Serialize)]
-pub(super) struct Pictures {
+pub(super) struct ErrorMaps {
     pictures: Vec<Shown>,
     /// Address of an image of the scale.
     scale: String,
@@ -43,7 +43,7 @@ struct Shown {
 }
 
 /// The pictures; none where there are none that can be shown.
-pub(super) fn pictures(pictures: &[ErrorPicture]) -> Option<Pictures> {
+pub(super) fn pictures(pictures: &[ErrorPicture]) -> Option<ErrorMaps> {
     let mut notes = Vec::new();
     let (shown, left_out): (Vec<_>, Vec<_>) = pictures.iter().partition(|picture| {
         let pixels = picture.size[0] * picture.size[1];
@@ -97,7 +97,7 @@ pub(super) fn pictures(pictures: &[ErrorPicture]) -> Option<Pictures> {
         .map(|at| code(2.0 * at as f64 / (SCALE - 1) as f64 - 1.0))
         .collect();
     let tick = |share: f64| words::error(largest * share);
-    Some(Pictures {
+    Some(ErrorMaps {
         pictures: views,
         scale: address(&scale, SCALE, 1),
         ticks: vec![

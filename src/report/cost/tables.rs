@@ -1,30 +1,30 @@
 //! What is known about the cost of accuracy, as tables.
 
-use super::table::{Cell, Column, Table, number, page_number, words as column_of_words};
+use super::table::{Column, ReportTable, TableCell, number, page_number, words as column_of_words};
 use super::words;
 use crate::cost::results::{
-    Counted, EffectPrice, EstimatorTable, JitterSplit, Norms, Offer, Order, Study, Sweep,
-    ThicknessSweep, Times,
+    ConvergenceOrder, Counted, EffectPrice, EstimatorTable, JitterSplit, Norms, Offer, Study,
+    Sweep, ThicknessSweep, Times,
 };
 
 /// A number that there may not be.
-fn or_dash<T>(value: Option<T>, shown: impl Fn(T) -> String) -> Cell {
+fn or_dash<T>(value: Option<T>, shown: impl Fn(T) -> String) -> TableCell {
     value.map_or_else(|| "–".to_owned(), shown).into()
 }
 
-fn time(times: Option<&Times>) -> Cell {
+fn time(times: Option<&Times>) -> TableCell {
     let mark = match times {
         Some(times) if times.is_noisy => words::Mark::Odd,
         _ => words::Mark::Plain,
     };
-    Cell {
+    TableCell {
         mark,
         ..or_dash(times, words::times)
     }
 }
 
 /// The settings of a sweep.
-pub(super) fn sweep(study: &Study, sweep: &Sweep) -> Table {
+pub(super) fn sweep(study: &Study, sweep: &Sweep) -> ReportTable {
     let counts = |what| {
         sweep
             .levels
@@ -89,7 +89,7 @@ pub(super) fn sweep(study: &Study, sweep: &Sweep) -> Table {
         let local = at
             .checked_sub(1)
             .and_then(|before| sweep.order.local.get(before));
-        let mut row: Vec<Cell> = vec![
+        let mut row: Vec<TableCell> = vec![
             level.setting.as_str().into(),
             words::count(match by_random {
                 true => level.work.random_draws,
@@ -141,7 +141,7 @@ pub(super) fn sweep(study: &Study, sweep: &Sweep) -> Table {
     } else {
         ""
     };
-    Table {
+    ReportTable {
         title: format!("{name}{ours}"),
         reading:
             "Each setting with its work and its error; “order” is the power by which the root \
@@ -155,16 +155,16 @@ pub(super) fn sweep(study: &Study, sweep: &Sweep) -> Table {
 }
 
 /// How the error of each sweep falls.
-pub(super) fn orders(study: &Study) -> Table {
+pub(super) fn orders(study: &Study) -> ReportTable {
     let row = |sweep: &Sweep| {
-        let mut row: Vec<Cell> = vec![
+        let mut row: Vec<TableCell> = vec![
             sweep.estimator.as_str().into(),
             words::parameter(sweep.parameter).into(),
         ];
         row.extend(order_cells(&sweep.order));
         row
     };
-    let mut columns = vec![column_of_words("estimator"), column_of_words("parameter")];
+    let mut columns = vec![column_of_words("estimator"), column_of_words("varied")];
     columns.extend(ORDER_COLUMNS);
     let judged_on = study.judged_on.iter();
     let mut notes: Vec<String> = judged_on.map(|rays| format!("orders: {rays}")).collect();
@@ -173,7 +173,7 @@ pub(super) fn orders(study: &Study) -> Table {
         let name = words::sweep(study, &sweep.estimator, sweep.parameter);
         Some(format!("{name} ended early: {why}"))
     }));
-    Table {
+    ReportTable {
         title: format!("{}: orders of error", study.name),
         reading: "Power by which the error falls as the parameter is refined; of samples it is negative. \
                   By least squares: over the four finest settings whose error is below 0.1 and above \
@@ -194,7 +194,7 @@ const ORDER_COLUMNS: [Column; 5] = [
     column_of_words("verdict"),
 ];
 
-fn order_cells(order: &Order) -> [Cell; 5] {
+fn order_cells(order: &ConvergenceOrder) -> [TableCell; 5] {
     let tolerance = order.expected.map(|_| order.tolerance);
     [
         words::expected(order.expected).into(),
@@ -206,7 +206,7 @@ fn order_cells(order: &Order) -> [Cell; 5] {
 }
 
 /// The cheapest settings.
-pub(super) fn prices(study: &Study) -> Table {
+pub(super) fn prices(study: &Study) -> ReportTable {
     let mut columns = vec![
         column_of_words("error"),
         column_of_words("estimator"),
@@ -239,7 +239,7 @@ pub(super) fn prices(study: &Study) -> Table {
             ));
         }
         for (at, offer) in reached.into_iter().enumerate() {
-            let mut row: Vec<Cell> = vec![
+            let mut row: Vec<TableCell> = vec![
                 if at == 0 { error.as_str() } else { "" }.into(),
                 name(offer).into(),
                 offer.setting.as_deref().unwrap_or_default().into(),
@@ -258,7 +258,7 @@ pub(super) fn prices(study: &Study) -> Table {
             by_none.join(", ")
         ));
     }
-    Table {
+    ReportTable {
         title: format!("{}: price list", study.name),
         reading: "The cheapest setting of each estimator from which on the root mean square error \
                   stays at or below the one wanted, at all finer settings too: equal error, so \
@@ -272,7 +272,7 @@ pub(super) fn prices(study: &Study) -> Table {
 }
 
 /// Estimators against theory.
-pub(super) fn estimators(table: &EstimatorTable) -> Table {
+pub(super) fn estimators(table: &EstimatorTable) -> ReportTable {
     let mut columns = vec![
         column_of_words("estimator"),
         column_of_words("verdict"),
@@ -293,7 +293,7 @@ pub(super) fn estimators(table: &EstimatorTable) -> Table {
         columns.push(page_number("var × seconds"));
     }
     let rows = table.rows.iter().map(|row| {
-        let mut cells: Vec<Cell> = vec![
+        let mut cells: Vec<TableCell> = vec![
             row.estimator.as_str().into(),
             words::agreement(row).into(),
             format!("{:.6}", row.mean).into(),
@@ -310,7 +310,7 @@ pub(super) fn estimators(table: &EstimatorTable) -> Table {
         }
         cells
     });
-    Table {
+    ReportTable {
         title: "estimators of transmittance".to_owned(),
         reading: "One ray, whose transmittance is known to the last digits. An estimator agrees if \
                   its mean is within 4 standard errors (s.e.) of the truth, its look-ups within 5 % \
@@ -328,13 +328,13 @@ pub(super) fn estimators(table: &EstimatorTable) -> Table {
 }
 
 /// Variance times look-ups by optical thickness: a row for each thickness.
-pub(super) fn thickness(sweep: &ThicknessSweep) -> Table {
+pub(super) fn thickness(sweep: &ThicknessSweep) -> ReportTable {
     let rows = sweep.curves.iter().flat_map(|curve| {
         curve
             .points
             .iter()
             .enumerate()
-            .map(|(at, point)| -> Vec<Cell> {
+            .map(|(at, point)| -> Vec<TableCell> {
                 let name = if at == 0 {
                     curve.estimator.as_str()
                 } else {
@@ -351,7 +351,7 @@ pub(super) fn thickness(sweep: &ThicknessSweep) -> Table {
                 ]
             })
     });
-    Table {
+    ReportTable {
         title: "thin and dense media".to_owned(),
         reading: "Relative variance times look-ups, by the optical depth of the ray: the smallest \
                   wins at that depth."
@@ -370,13 +370,13 @@ pub(super) fn thickness(sweep: &ThicknessSweep) -> Table {
 }
 
 /// Bias and variance of jittered marching.
-pub(super) fn jitter(split: &JitterSplit) -> Table {
+pub(super) fn jitter(split: &JitterSplit) -> ReportTable {
     let rows = split.curves.iter().flat_map(|curve| {
         curve
             .points
             .iter()
             .enumerate()
-            .map(|(at, point)| -> Vec<Cell> {
+            .map(|(at, point)| -> Vec<TableCell> {
                 let name = if at == 0 { curve.jitter.as_str() } else { "" };
                 let (bias, variance) = (point.bias * point.bias, point.deviation * point.deviation);
                 vec![
@@ -390,7 +390,7 @@ pub(super) fn jitter(split: &JitterSplit) -> Table {
                 ]
             })
     });
-    Table {
+    ReportTable {
         title: "jittered marching: bias and variance".to_owned(),
         reading: "Both relative to the transmittance; their sum is the mean square error. Bias is \
                   what more samples do not take away."
@@ -411,7 +411,7 @@ pub(super) fn jitter(split: &JitterSplit) -> Table {
 }
 
 /// Orders of jittered marching.
-pub(super) fn jitter_orders(split: &JitterSplit) -> Table {
+pub(super) fn jitter_orders(split: &JitterSplit) -> ReportTable {
     let mut columns = vec![column_of_words("jitter"), column_of_words("of")];
     columns.extend(ORDER_COLUMNS);
     let rows = split.curves.iter().flat_map(|curve| {
@@ -420,12 +420,12 @@ pub(super) fn jitter_orders(split: &JitterSplit) -> Table {
             ("bias of T", &curve.bias_order),
         ]
         .map(|(of, order)| {
-            let mut row: Vec<Cell> = vec![curve.jitter.as_str().into(), of.into()];
+            let mut row: Vec<TableCell> = vec![curve.jitter.as_str().into(), of.into()];
             row.extend(order_cells(order));
             row
         })
     });
-    Table {
+    ReportTable {
         title: "jittered marching: orders".to_owned(),
         reading: "Power of the step by which deviation and bias fall.".to_owned(),
         columns,
@@ -436,7 +436,7 @@ pub(super) fn jitter_orders(split: &JitterSplit) -> Table {
 }
 
 /// What each effect costs.
-pub(super) fn effects(effects: &[EffectPrice]) -> Table {
+pub(super) fn effects(effects: &[EffectPrice]) -> ReportTable {
     let mut columns = vec![
         column_of_words("effect"),
         number("look-ups"),
@@ -454,7 +454,7 @@ pub(super) fn effects(effects: &[EffectPrice]) -> Table {
     }
     let rows = effects.iter().map(|effect| {
         let work = &effect.work;
-        let mut row: Vec<Cell> = vec![
+        let mut row: Vec<TableCell> = vec![
             effect.effect.as_str().into(),
             words::count(work.density_lookups + work.gradient_lookups).into(),
             or_dash(effect.times_lookups, words::factor),
@@ -470,7 +470,7 @@ pub(super) fn effects(effects: &[EffectPrice]) -> Table {
         }
         row
     });
-    Table {
+    ReportTable {
         title: "what each effect costs by itself".to_owned(),
         reading:
             "Work for each pixel with one effect switched on: shadow rays, values of the phase \

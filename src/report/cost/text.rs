@@ -1,6 +1,6 @@
 //! The cost of accuracy for a terminal.
 
-use super::table::{Table, wrapped};
+use super::table::{ReportTable, wrapped};
 use super::{tables, words};
 use crate::cost::results::{Cost, Machine, OrderVerdict, Recommendation, Sweep};
 
@@ -131,7 +131,7 @@ fn advice(recommendation: &Recommendation) -> String {
     text
 }
 
-fn push(text: &mut String, table: &Table) {
+fn push(text: &mut String, table: &ReportTable) {
     text.push_str(&format!("\n{}\n", table.title));
     text.push_str(&table.text(2));
     for note in &table.notes {

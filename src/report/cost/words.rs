@@ -1,8 +1,8 @@
 //! Numbers and verdicts, as text and page write them.
 
 use crate::cost::results::{
-    Cost, Counted, EstimatorRow, Level, Machine, Order, OrderVerdict, Parameter, Study, Sweep,
-    Times,
+    ConvergenceOrder, Cost, Counted, EstimatorRow, Level, Machine, OrderVerdict, Parameter, Study,
+    Sweep, Times,
 };
 
 /// The scene, with its panel.
@@ -160,7 +160,7 @@ pub(super) fn expected(value: Option<f64>) -> String {
 }
 
 /// An order that was fitted beside the expected one: `1.99 (expected 2)`.
-pub(super) fn fitted(order: &Order) -> String {
+pub(super) fn fitted(order: &ConvergenceOrder) -> String {
     let fitted = match order.fitted {
         Some(fitted) => format!("order {fitted:.2}"),
         None => "no order".to_owned(),
@@ -233,7 +233,7 @@ pub(super) fn judged(level: &Level) -> f64 {
 }
 
 /// Verdicts of a report, counted, and those in detail that are not as they should be.
-pub(super) struct Judgement {
+pub(super) struct OrderSummary {
     pub(super) mark: Mark,
     pub(super) headline: String,
     /// What is not as expected, or not known: mark and words.
@@ -241,11 +241,11 @@ pub(super) struct Judgement {
 }
 
 /// What came of all expectations.
-pub(super) fn judgement(costs: &[Cost]) -> Judgement {
+pub(super) fn judgement(costs: &[Cost]) -> OrderSummary {
     let mut faults = Vec::new();
     // As expected, as far as rays tell, otherwise, undecided, not yet a power, nothing expected.
     let mut orders = [0_usize; 6];
-    let mut note = |name: String, order: &Order| {
+    let mut note = |name: String, order: &ConvergenceOrder| {
         orders[order.verdict as usize] += 1;
         let words = fitted(order);
         match order.verdict {
@@ -339,7 +339,7 @@ pub(super) fn judgement(costs: &[Cost]) -> Judgement {
         true => "Nothing was expected, so nothing was judged.".to_owned(),
         false => format!("{}.", parts.join("; ")),
     };
-    Judgement {
+    OrderSummary {
         mark,
         headline,
         faults,

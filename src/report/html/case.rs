@@ -1,7 +1,7 @@
 //! What the page shows of one case.
 
 use super::measures::{self, Mean};
-use super::pictures::{Pictures, Views};
+use super::pictures::{PackedPictures, Views};
 use super::{pixels, words};
 use crate::compare::DifferenceScale;
 use crate::suite::{CaseResult, Evidence, Likeness, metric_meaning};
@@ -18,8 +18,8 @@ pub(super) struct CaseView<'a> {
     gate: &'static str,
     gate_words: &'static str,
     /// Mistakes that the image looks like, with what to do.
-    mistakes: Vec<Mistake<'a>>,
-    numbers: Vec<Number<'a>>,
+    mistakes: Vec<MistakeView<'a>>,
+    numbers: Vec<NumberView<'a>>,
     /// Red, green and blue over the image, where there are both images.
     means: Vec<Mean>,
     /// Where the difference is, in words.
@@ -37,17 +37,17 @@ pub(super) struct CaseView<'a> {
     small_golden: Option<String>,
     small_test: Option<String>,
     /// For the script; nothing where there is no image at all.
-    pictures: Option<Pictures>,
+    pictures: Option<PackedPictures>,
 }
 
 #[derive(Serialize)]
-struct Mistake<'a> {
+struct MistakeView<'a> {
     name: &'a str,
     advice: Option<&'a str>,
 }
 
 #[derive(Serialize)]
-struct Number<'a> {
+struct NumberView<'a> {
     name: &'a str,
     value: String,
     words: &'static str,
@@ -75,7 +75,7 @@ impl<'a> CaseView<'a> {
             mistakes: result
                 .looks_like
                 .iter()
-                .map(|name| Mistake {
+                .map(|name| MistakeView {
                     name,
                     advice: advice(name),
                 })
@@ -83,7 +83,7 @@ impl<'a> CaseView<'a> {
             numbers: result
                 .metrics
                 .iter()
-                .map(|(name, &value)| Number {
+                .map(|(name, &value)| NumberView {
                     name,
                     value: words::digits(value),
                     words: metric_meaning(name),

@@ -92,13 +92,13 @@ impl<'a> Views<'a> {
     }
 
     /// Everything that the script needs; nothing where there is no image.
-    pub(super) fn packed(&self, scale: &DifferenceScale) -> Option<Pictures> {
+    pub(super) fn packed(&self, scale: &DifferenceScale) -> Option<PackedPictures> {
         if self.golden.is_none() && self.test.is_none() {
             return None;
         }
-        Some(Pictures {
+        Some(PackedPictures {
             exposure: self.exposure,
-            golden: self.golden.map(|film| Image {
+            golden: self.golden.map(|film| PackedImage {
                 width: film.width(),
                 height: film.height(),
                 floats: Some(pixels::smooth_floats(film.radiance(), film.width())),
@@ -120,14 +120,14 @@ impl<'a> Views<'a> {
         })
     }
 
-    fn packed_test(&self, picture: &Picture) -> Image {
+    fn packed_test(&self, picture: &Picture) -> PackedImage {
         let (width, height) = picture.size();
         let (floats, codes) = match picture {
             Picture::Codes(image) => (None, Some(pixels::codes(image.pixels(), width))),
             Picture::Radiance(_) if self.pair.is_some() => (None, None),
             Picture::Radiance(film) => (Some(pixels::smooth_floats(film.radiance(), width)), None),
         };
-        Image {
+        PackedImage {
             width,
             height,
             floats,
@@ -146,22 +146,22 @@ impl<'a> Views<'a> {
 
 /// Images and maps, packed by [`pixels`].
 #[derive(Serialize)]
-pub(super) struct Pictures {
+pub(super) struct PackedPictures {
     /// Stops at which they are shown first.
     exposure: f64,
-    golden: Option<Image>,
-    test: Option<Image>,
+    golden: Option<PackedImage>,
+    test: Option<PackedImage>,
     /// Test minus golden where they are of one size: of radiance, or of 8-bit codes at the
     /// exposure.
     difference: Option<String>,
     flip: Option<String>,
-    z: Option<Blocks>,
+    z: Option<PackedBlocks>,
     /// Absolute and relative part of a tolerance, where the gate has one.
     tolerance: Option<[f64; 2]>,
 }
 
 #[derive(Serialize)]
-struct Image {
+struct PackedImage {
     width: usize,
     height: usize,
     /// Radiance. The test image has none where it is golden plus difference.
@@ -171,7 +171,7 @@ struct Image {
 }
 
 #[derive(Serialize)]
-struct Blocks {
+struct PackedBlocks {
     columns: usize,
     rows: usize,
     side: usize,
@@ -230,13 +230,13 @@ fn differences(golden: &Film, test: &Picture, exposure: f64) -> Vec<[f32; 3]> {
     }
 }
 
-fn packed_blocks(map: &BlockMap) -> Blocks {
+fn packed_blocks(map: &BlockMap) -> PackedBlocks {
     let deviations: Vec<_> = map
         .deviations
         .iter()
         .map(|block| block.map(|z| z as f32))
         .collect();
-    Blocks {
+    PackedBlocks {
         columns: map.columns,
         rows: map.rows,
         side: BLOCK,

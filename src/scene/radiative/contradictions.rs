@@ -9,7 +9,7 @@ use crate::scene::reader::Reader;
 use glam::DVec3;
 
 /// Parts of a scene with the tables they were read from.
-pub(super) struct Parts<'r, 'd, 's> {
+pub(super) struct SceneParts<'r, 'd, 's> {
     /// `[radiative]`.
     pub reader: &'r Reader<'d, 's>,
     pub scattering: Scattering,
@@ -22,7 +22,7 @@ pub(super) struct Parts<'r, 'd, 's> {
 
 const BOUND_IT: &str = "give the medium a boundary: a `sphere`, `box` or closed `mesh`";
 
-impl Parts<'_, '_, '_> {
+impl SceneParts<'_, '_, '_> {
     /// Refuses scenes whose light is infinite, never arrives, or cannot be found.
     pub(super) fn check(&self) -> Result<(), Box<SceneError>> {
         self.check_light_that_diverges()?;

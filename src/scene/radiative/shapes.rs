@@ -111,37 +111,37 @@ pub(super) const MESH: Key = Key {
 };
 
 /// A shape where its own keys put it.
-enum Form {
+enum ShapeForm {
     Sphere(Sphere),
     Box(Aabb),
     Rectangle(Rectangle),
     Mesh(Arc<Mesh>),
 }
 
-impl Form {
+impl ShapeForm {
     /// The key that holds it.
     fn key(&self) -> &'static str {
         match self {
-            Form::Sphere(_) => "sphere",
-            Form::Box(_) => "box",
-            Form::Rectangle(_) => "rectangle",
-            Form::Mesh(_) => "mesh",
+            ShapeForm::Sphere(_) => "sphere",
+            ShapeForm::Box(_) => "box",
+            ShapeForm::Rectangle(_) => "rectangle",
+            ShapeForm::Mesh(_) => "mesh",
         }
     }
 
     /// Whatever of the four the table holds; that it holds one is declared.
-    fn read(reader: &Reader<'_, '_>, files: &mut Files<'_>) -> Result<Form, Box<SceneError>> {
+    fn read(reader: &Reader<'_, '_>, files: &mut Files<'_>) -> Result<ShapeForm, Box<SceneError>> {
         if let Some(sphere) = reader.table("sphere")? {
-            return read_sphere(&sphere).map(Form::Sphere);
+            return read_sphere(&sphere).map(ShapeForm::Sphere);
         }
         if let Some(cuboid) = reader.table("box")? {
-            return read_box(&cuboid).map(Form::Box);
+            return read_box(&cuboid).map(ShapeForm::Box);
         }
         if let Some(rectangle) = reader.table("rectangle")? {
-            return read_rectangle(&rectangle).map(Form::Rectangle);
+            return read_rectangle(&rectangle).map(ShapeForm::Rectangle);
         }
         let mesh = reader.table("mesh")?.expect("one of the shapes");
-        files.mesh(&mesh).map(Form::Mesh)
+        files.mesh(&mesh).map(ShapeForm::Mesh)
     }
 }
 
@@ -174,9 +174,9 @@ pub(super) fn shape(
     files: &mut Files<'_>,
     solid: bool,
 ) -> Result<Shape, Box<SceneError>> {
-    let form = Form::read(reader, files)?;
+    let form = ShapeForm::read(reader, files)?;
     let transform = ShapeTransform::read(reader)?;
-    if let Form::Box(cuboid) = &form {
+    if let ShapeForm::Box(cuboid) = &form {
         let flat = cuboid.size().cmpeq(DVec3::ZERO).bitmask().count_ones();
         if flat > 1 {
             let message = "the box is a line or a point: no ray can meet it";
@@ -189,20 +189,20 @@ pub(super) fn shape(
     }
     let key = form.key();
     let shape = match (form, transform.to_world) {
-        (Form::Sphere(sphere), None) => Shape::Sphere(sphere),
-        (Form::Box(cuboid), None) => Shape::Box(cuboid),
-        (Form::Rectangle(rectangle), None) => Shape::Rectangle(rectangle),
-        (Form::Mesh(mesh), None) => Shape::Mesh(mesh),
-        (Form::Sphere(sphere), Some(to_world)) => {
+        (ShapeForm::Sphere(sphere), None) => Shape::Sphere(sphere),
+        (ShapeForm::Box(cuboid), None) => Shape::Box(cuboid),
+        (ShapeForm::Rectangle(rectangle), None) => Shape::Rectangle(rectangle),
+        (ShapeForm::Mesh(mesh), None) => Shape::Mesh(mesh),
+        (ShapeForm::Sphere(sphere), Some(to_world)) => {
             Shape::PlacedSphere(placed(reader, key, sphere, to_world)?)
         }
-        (Form::Box(cuboid), Some(to_world)) => {
+        (ShapeForm::Box(cuboid), Some(to_world)) => {
             Shape::PlacedBox(placed(reader, key, cuboid, to_world)?)
         }
-        (Form::Rectangle(rectangle), Some(to_world)) => {
+        (ShapeForm::Rectangle(rectangle), Some(to_world)) => {
             Shape::Rectangle(moved(reader, &rectangle, &to_world)?)
         }
-        (Form::Mesh(mesh), Some(to_world)) => {
+        (ShapeForm::Mesh(mesh), Some(to_world)) => {
             Shape::PlacedMesh(placed(reader, key, mesh, to_world)?)
         }
     };
@@ -215,12 +215,12 @@ pub(super) fn luminous(
     reader: &Reader<'_, '_>,
     files: &mut Files<'_>,
 ) -> Result<Luminous, Box<SceneError>> {
-    let form = Form::read(reader, files)?;
+    let form = ShapeForm::read(reader, files)?;
     let transform = ShapeTransform::read(reader)?;
     let key = form.key();
     let shape = match (form, &transform.to_world) {
-        (Form::Sphere(sphere), None) => Luminous::Sphere(sphere),
-        (Form::Sphere(sphere), Some(to_world)) => {
+        (ShapeForm::Sphere(sphere), None) => Luminous::Sphere(sphere),
+        (ShapeForm::Sphere(sphere), Some(to_world)) => {
             let Some(factor) = transform.uniform_scale() else {
                 return Err(reader.mistake(
                     "scale",
@@ -233,11 +233,11 @@ pub(super) fn luminous(
                 .map_err(|error| reader.error("sphere", error.to_string()))?;
             Luminous::Sphere(sphere)
         }
-        (Form::Rectangle(rectangle), None) => Luminous::Rectangle(rectangle),
-        (Form::Rectangle(rectangle), Some(to_world)) => {
+        (ShapeForm::Rectangle(rectangle), None) => Luminous::Rectangle(rectangle),
+        (ShapeForm::Rectangle(rectangle), Some(to_world)) => {
             Luminous::Rectangle(moved(reader, &rectangle, to_world)?)
         }
-        (Form::Box(cuboid), transform) => {
+        (ShapeForm::Box(cuboid), transform) => {
             if cuboid.size().cmpeq(DVec3::ZERO).any() {
                 return Err(flat_box(reader, "a light in the shape of a box"));
             }
@@ -247,8 +247,8 @@ pub(super) fn luminous(
             });
             Luminous::Mesh(Arc::new(in_the_world(reader, key, mesh)?))
         }
-        (Form::Mesh(mesh), None) => Luminous::Mesh(mesh),
-        (Form::Mesh(mesh), Some(to_world)) => {
+        (ShapeForm::Mesh(mesh), None) => Luminous::Mesh(mesh),
+        (ShapeForm::Mesh(mesh), Some(to_world)) => {
             let mesh = mesh.transformed(to_world);
             Luminous::Mesh(Arc::new(in_the_world(reader, key, mesh)?))
         }
@@ -263,7 +263,7 @@ pub(super) fn luminous(
 }
 
 /// The space that a medium fills.
-pub(super) struct Space {
+pub(super) struct MediumSpace {
     /// Its boundary.
     pub boundary: Boundary,
     /// The box around it where its own keys put it.
@@ -278,24 +278,24 @@ pub(super) fn space(
     reader: &Reader<'_, '_>,
     files: &mut Files<'_>,
     own: Option<Aabb>,
-) -> Result<Option<Space>, Box<SceneError>> {
-    enum Body {
+) -> Result<Option<MediumSpace>, Box<SceneError>> {
+    enum FormOrSpace {
         Sphere(Sphere),
         Box(Aabb),
         Mesh(Arc<ClosedMesh>),
     }
     let body = if let Some(sphere) = reader.table("sphere")? {
-        Body::Sphere(read_sphere(&sphere)?)
+        FormOrSpace::Sphere(read_sphere(&sphere)?)
     } else if let Some(table) = reader.table("box")? {
         let cuboid = read_box(&table)?;
         if cuboid.size().cmpeq(DVec3::ZERO).any() {
             return Err(flat_box(reader, "a medium"));
         }
-        Body::Box(cuboid)
+        FormOrSpace::Box(cuboid)
     } else if let Some(mesh) = reader.table("mesh")? {
-        Body::Mesh(files.closed_mesh(&mesh)?)
+        FormOrSpace::Mesh(files.closed_mesh(&mesh)?)
     } else if let Some(own) = own {
-        Body::Box(own)
+        FormOrSpace::Box(own)
     } else {
         if let Some(key) = super::shape_transform::KEYS
             .into_iter()
@@ -309,23 +309,23 @@ pub(super) fn space(
         return Ok(None);
     };
     let bounds = match &body {
-        Body::Sphere(sphere) => sphere.bounds(),
-        Body::Box(cuboid) => *cuboid,
-        Body::Mesh(mesh) => mesh.bounds(),
+        FormOrSpace::Sphere(sphere) => sphere.bounds(),
+        FormOrSpace::Box(cuboid) => *cuboid,
+        FormOrSpace::Mesh(mesh) => mesh.bounds(),
     };
     let to_world = ShapeTransform::read(reader)?.to_world;
     let boundary = match (body, to_world) {
-        (Body::Sphere(sphere), None) => Boundary::Sphere(sphere),
-        (Body::Box(cuboid), None) => Boundary::Box(cuboid),
-        (Body::Mesh(mesh), None) => Boundary::Mesh(mesh),
-        (Body::Sphere(sphere), Some(to_world)) => {
+        (FormOrSpace::Sphere(sphere), None) => Boundary::Sphere(sphere),
+        (FormOrSpace::Box(cuboid), None) => Boundary::Box(cuboid),
+        (FormOrSpace::Mesh(mesh), None) => Boundary::Mesh(mesh),
+        (FormOrSpace::Sphere(sphere), Some(to_world)) => {
             Boundary::PlacedSphere(placed(reader, "sphere", sphere, to_world)?)
         }
-        (Body::Box(cuboid), Some(to_world)) => {
+        (FormOrSpace::Box(cuboid), Some(to_world)) => {
             let key = if reader.has("box") { "box" } else { "grid" };
             Boundary::PlacedBox(placed(reader, key, cuboid, to_world)?)
         }
-        (Body::Mesh(mesh), Some(to_world)) => {
+        (FormOrSpace::Mesh(mesh), Some(to_world)) => {
             Boundary::PlacedMesh(placed(reader, "mesh", mesh, to_world)?)
         }
     };
@@ -337,7 +337,7 @@ pub(super) fn space(
         key.expect("its shape, or its grid"),
         &boundary.bounds(),
     )?;
-    Ok(Some(Space {
+    Ok(Some(MediumSpace {
         boundary,
         bounds,
         to_world,

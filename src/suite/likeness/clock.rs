@@ -75,7 +75,7 @@ pub struct Unfinished {
 }
 
 /// The time of one case.
-pub(super) struct Clock<'s> {
+pub(super) struct SearchClock<'s> {
     search: &'s Search<'s>,
     case: &'s str,
     end: Option<Instant>,
@@ -88,13 +88,13 @@ pub(super) struct Clock<'s> {
     of: usize,
 }
 
-impl<'s> Clock<'s> {
+impl<'s> SearchClock<'s> {
     /// Begins now, with `of` single mistakes to try.
-    pub fn start(search: &'s Search<'s>, case: &'s str, of: usize) -> Clock<'s> {
+    pub fn start(search: &'s Search<'s>, case: &'s str, of: usize) -> SearchClock<'s> {
         let now = Instant::now();
         // A budget beyond the end of time is none.
         let after = |share| now.checked_add(search.budget?.mul_f64(share));
-        Clock {
+        SearchClock {
             search,
             case,
             end: after(1.0),

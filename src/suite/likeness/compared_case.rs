@@ -1,7 +1,7 @@
 //! A case whose image is wrong, and how far that is from what a mistake would make.
 
 use super::cells::{Cells, Misfit};
-use super::clock::Clock;
+use super::clock::SearchClock;
 use super::hypothesis::Hypothesis;
 use super::prediction::{FIRST_LOOK, SECOND_LOOK, blocks, first_lattice, pixels_of, predicted};
 use crate::compare::flip::SrgbImage;
@@ -220,12 +220,12 @@ impl ComparedCase {
 
     /// What the first look at a scene with `hypothesis` sees, or nothing where it has no occasion,
     /// cannot be rendered, or the time is over.
-    pub fn look(&self, hypothesis: &Hypothesis, clock: &Clock<'_>) -> Option<Film> {
+    pub fn look(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Film> {
         self.predict(hypothesis, self.first, clock)
     }
 
     /// The whole image that `hypothesis` would make.
-    pub fn whole(&self, hypothesis: &Hypothesis, clock: &Clock<'_>) -> Option<Film> {
+    pub fn whole(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Film> {
         self.predict(hypothesis, (Detail::Whole, self.second.1), clock)
     }
 
@@ -239,13 +239,13 @@ impl ComparedCase {
     }
 
     /// How far the image is from what `hypothesis` would make, closely looked at.
-    pub fn test(&self, hypothesis: &Hypothesis, clock: &Clock<'_>) -> Option<Misfit> {
+    pub fn test(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Misfit> {
         let film = self.predict(hypothesis, self.second, clock)?;
         self.misfit(&film)
     }
 
     /// Whether this image, which passed, could not have done so with `hypothesis` made.
-    pub fn speaks_against(&self, hypothesis: &Hypothesis, clock: &Clock<'_>) -> Option<bool> {
+    pub fn speaks_against(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<bool> {
         let is_glimpsed = matches!(self.first.0, Detail::Lattice(_))
             && matches!(self.picture, Picture::Radiance(_))
             && !hypothesis.mistakes().iter().any(|m| m.is_of_the_image());
@@ -274,7 +274,7 @@ impl ComparedCase {
         &self,
         hypothesis: &Hypothesis,
         mut look: (Detail, u32),
-        clock: &Clock<'_>,
+        clock: &SearchClock<'_>,
     ) -> Option<Film> {
         let mistakes = hypothesis.mistakes();
         let mut scene = None;

@@ -2,7 +2,7 @@
 //! out.
 
 use super::cells::Misfit;
-use super::clock::Clock;
+use super::clock::SearchClock;
 use super::compared_case::ComparedCase;
 use super::hypothesis::{Hypothesis, mistake};
 use crate::film::Film;
@@ -18,7 +18,7 @@ const MOST_SECOND_LOOKS: usize = 8;
 const MOST_SCENE_PAIRS: usize = 400;
 
 /// Hypotheses that explain an image, and how well.
-pub(super) type Found = Vec<(Hypothesis, Misfit)>;
+pub(super) type Explaining = Vec<(Hypothesis, Misfit)>;
 
 /// What a first look saw of mistakes of the scene, by place in the catalogue.
 pub(super) type Looks = BTreeMap<usize, Film>;
@@ -31,10 +31,10 @@ pub(super) fn singles() -> usize {
 impl ComparedCase {
     /// The single mistakes that explain the image, nearest first, and what was seen on the way:
     /// those of the image, which take no rendering, come first.
-    pub fn search(&self, clock: &Clock<'_>) -> (Found, Looks) {
+    pub fn search(&self, clock: &SearchClock<'_>) -> (Explaining, Looks) {
         let mut looks = Looks::new();
-        let mut found = Found::new();
-        let mut promising = Found::new();
+        let mut found = Explaining::new();
+        let mut promising = Explaining::new();
         let (of_the_image, of_the_scene): (Vec<usize>, Vec<usize>) =
             (0..singles()).partition(|&index| mistake(index).is_of_the_image());
         for index in of_the_image {
@@ -67,7 +67,7 @@ impl ComparedCase {
     }
 
     /// The pairs of mistakes that explain the image, nearest first.
-    pub fn search_pairs(&self, looks: &Looks, clock: &mut Clock<'_>) -> Found {
+    pub fn search_pairs(&self, looks: &Looks, clock: &mut SearchClock<'_>) -> Explaining {
         let images: Vec<(usize, Film)> = (0..singles())
             .filter_map(|index| Some((index, mistake(index).in_image(&self.golden)?)))
             .collect();
@@ -122,7 +122,12 @@ impl ComparedCase {
 
     /// Each of the `seconds` on top of each of the `firsts`, which are images whole or as a first
     /// look sees them: those pairs that may explain the image.
-    fn on_top(&self, firsts: &[(usize, Film)], seconds: &[usize], clock: &Clock<'_>) -> Found {
+    fn on_top(
+        &self,
+        firsts: &[(usize, Film)],
+        seconds: &[usize],
+        clock: &SearchClock<'_>,
+    ) -> Explaining {
         let pairs: Vec<(&(usize, Film), usize)> = firsts
             .iter()
             .flat_map(|first| seconds.iter().map(move |&second| (first, second)))
@@ -143,7 +148,7 @@ impl ComparedCase {
     }
 
     /// Pairs of mistakes of the scene, most promising first by what each does by itself.
-    fn scene_pairs(&self, looks: &Looks, clock: &Clock<'_>) -> Vec<Hypothesis> {
+    fn scene_pairs(&self, looks: &Looks, clock: &SearchClock<'_>) -> Vec<Hypothesis> {
         let seen: Vec<(&usize, &Film)> = looks.iter().collect();
         let pairs: Vec<(usize, usize)> = (0..seen.len())
             // Which is made first matters little.
@@ -176,7 +181,7 @@ impl ComparedCase {
     }
 
     /// Those of the nearest hypotheses that explain the image on a second look, nearest first.
-    fn look_closer(&self, mut promising: Found, clock: &Clock<'_>) -> Found {
+    fn look_closer(&self, mut promising: Explaining, clock: &SearchClock<'_>) -> Explaining {
         promising.sort_by(|(_, a), (_, b)| a.distance.total_cmp(&b.distance));
         promising.truncate(MOST_SECOND_LOOKS);
         if !self.sees_all_at_once() {

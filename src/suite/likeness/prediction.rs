@@ -1,6 +1,6 @@
 //! What an image would look like, were a mistake made.
 
-use super::clock::Clock;
+use super::clock::SearchClock;
 use super::hypothesis::Hypothesis;
 use crate::compare::stochastic::BLOCK;
 use crate::film::Film;
@@ -49,7 +49,7 @@ pub(super) fn predicted(
     mut edited: Scene,
     hypothesis: &Hypothesis,
     (detail, samples): (Detail, u32),
-    clock: &Clock<'_>,
+    clock: &SearchClock<'_>,
 ) -> Option<Film> {
     let mistakes = hypothesis.mistakes();
     let names: Vec<&str> = mistakes

@@ -2,7 +2,7 @@
 //! one another and tooltips are added to its text.
 
 use super::labels::{OccupiedAreas, width};
-use super::picture::{Entry, Key, Panel, Picture};
+use super::picture::{LegendEntry, LegendKey, PlotPanel, PlotPicture};
 use super::stroke::{Stroke, Theme, shape, themed};
 use plotters::backend::SVGBackend;
 use plotters::chart::ChartBuilder;
@@ -18,19 +18,19 @@ const FINE: i32 = 10;
 
 /// How the panels of a picture are put together.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Layout {
+enum PlotLayout {
     /// Side by side.
     Broad,
     /// One below the other, for narrow windows.
     Narrow,
 }
 
-impl Layout {
+impl PlotLayout {
     /// Width of a picture.
     fn width(self) -> i32 {
         match self {
-            Layout::Broad => 800,
-            Layout::Narrow => 440,
+            PlotLayout::Broad => 800,
+            PlotLayout::Narrow => 440,
         }
     }
 }
@@ -54,24 +54,24 @@ const RADIUS: f64 = 3.9;
 
 const FONT: &str = "system-ui, Helvetica, Arial, sans-serif";
 
-type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type PlotCanvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// The picture as SVG; for a page, twice: broad and narrow, of which the page shows one.
-pub(super) fn drawn(picture: &Picture, theme: Theme) -> String {
+pub(super) fn drawn(picture: &PlotPicture, theme: Theme) -> String {
     match theme {
-        Theme::Standalone => drawn_as(picture, theme, Layout::Broad),
-        Theme::Page => [Layout::Broad, Layout::Narrow]
+        Theme::Standalone => drawn_as(picture, theme, PlotLayout::Broad),
+        Theme::Page => [PlotLayout::Broad, PlotLayout::Narrow]
             .map(|layout| drawn_as(picture, theme, layout))
             .concat(),
     }
 }
 
-fn drawn_as(picture: &Picture, theme: Theme, layout: Layout) -> String {
+fn drawn_as(picture: &PlotPicture, theme: Theme, layout: PlotLayout) -> String {
     let all = layout.width();
     let count = picture.panels.len().max(1) as i32;
     let (across, down) = match layout {
-        Layout::Broad => (count, 1),
-        Layout::Narrow => (1, count),
+        PlotLayout::Broad => (count, 1),
+        PlotLayout::Narrow => (1, count),
     };
     let columns = legend_columns(&picture.legend, all);
     let lines = picture.legend.len().div_ceil(columns) as i32;
@@ -89,8 +89,8 @@ fn drawn_as(picture: &Picture, theme: Theme, layout: Layout) -> String {
             let corner = [column * (all / across), row * (panel_height + between)];
             // Side by side the first has the title of all.
             let titled = match layout {
-                Layout::Broad => panel,
-                Layout::Narrow => &picture.panels[0],
+                PlotLayout::Broad => panel,
+                PlotLayout::Narrow => &picture.panels[0],
             };
             let size = [all / across, picture.height];
             draw_panel(
@@ -116,8 +116,8 @@ fn drawn_as(picture: &Picture, theme: Theme, layout: Layout) -> String {
     let mut out = String::from("<svg xmlns=\"http://www.w3.org/2000/svg\"");
     let _ = match (theme, layout) {
         (Theme::Standalone, _) => write!(out, " width=\"{all}\" height=\"{height}\""),
-        (Theme::Page, Layout::Broad) => write!(out, " class=\"broad\""),
-        (Theme::Page, Layout::Narrow) => write!(out, " class=\"narrow\""),
+        (Theme::Page, PlotLayout::Broad) => write!(out, " class=\"broad\""),
+        (Theme::Page, PlotLayout::Narrow) => write!(out, " class=\"narrow\""),
     };
     let _ = writeln!(
         out,
@@ -139,7 +139,7 @@ fn drawn_as(picture: &Picture, theme: Theme, layout: Layout) -> String {
 const STRING: &str = "a string takes every drawing";
 
 /// As many columns as have room for the longest entry.
-fn legend_columns(legend: &[Entry], room: i32) -> usize {
+fn legend_columns(legend: &[LegendEntry], room: i32) -> usize {
     let widths = legend.iter().map(|entry| width(&entry.text, TEXT) + 52.0);
     let widest = widths.fold(1.0, f64::max);
     ((f64::from(room) / widest) as usize).clamp(1, 4)
@@ -171,13 +171,13 @@ fn text_style(size: f64, stroke: Stroke) -> TextStyle<'static> {
     font.color(&stroke.code()).into_text_style(&(0, 0))
 }
 
-fn line(canvas: &Canvas<'_>, points: Vec<(i32, i32)>, style: ShapeStyle) {
+fn line(canvas: &PlotCanvas<'_>, points: Vec<(i32, i32)>, style: ShapeStyle) {
     canvas.draw(&PathElement::new(points, style)).expect(STRING);
 }
 
 fn draw_panel(
-    root: &Canvas<'_>,
-    panel: &Panel,
+    root: &PlotCanvas<'_>,
+    panel: &PlotPanel,
     y_title: &str,
     [[left, top], [width_all, height]]: [[i32; 2]; 2],
     theme: Theme,
@@ -371,7 +371,7 @@ fn draw_panel(
 }
 
 /// The part of a line that is inside of the panel, from `from` on to the right.
-fn clipped(panel: &Panel, [x, y]: [f64; 2], slope: f64, from: f64) -> Option<[[f64; 2]; 2]> {
+fn clipped(panel: &PlotPanel, [x, y]: [f64; 2], slope: f64, from: f64) -> Option<[[f64; 2]; 2]> {
     let mut ends = [from.max(panel.x.low), panel.x.high];
     if slope != 0.0 {
         let mut crossings = [panel.y.low, panel.y.high].map(|height| x + (height - y) / slope);
@@ -381,7 +381,13 @@ fn clipped(panel: &Panel, [x, y]: [f64; 2], slope: f64, from: f64) -> Option<[[f
     (ends[0] < ends[1]).then(|| ends.map(|end| [end, y + slope * (end - x)]))
 }
 
-fn draw_mark(canvas: &Canvas<'_>, (x, y): (i32, i32), radius: f64, style: usize, is_hollow: bool) {
+fn draw_mark(
+    canvas: &PlotCanvas<'_>,
+    (x, y): (i32, i32),
+    radius: f64,
+    style: usize,
+    is_hollow: bool,
+) {
     let (inside, outside) = match is_hollow {
         true => (filling(Stroke::Back), stroke(Stroke::Curve(style), 1.3)),
         // An edge in the colour of the paper tells marks apart that lie on one another.
@@ -408,8 +414,8 @@ fn draw_mark(canvas: &Canvas<'_>, (x, y): (i32, i32), radius: f64, style: usize,
 
 /// A line of a legend, cut to `room`.
 fn draw_entry(
-    canvas: &Canvas<'_>,
-    entry: &Entry,
+    canvas: &PlotCanvas<'_>,
+    entry: &LegendEntry,
     [x, y]: [i32; 2],
     room: i32,
     theme: Theme,
@@ -419,15 +425,15 @@ fn draw_entry(
     let centre = ((left + right) / 2, middle);
     let across = vec![(left, middle), (right, middle)];
     match entry.key {
-        Key::Curve(style, is_wide) => {
+        LegendKey::Curve(style, is_wide) => {
             let thickness = if is_wide { 2.8 } else { 1.5 };
             line(canvas, across, stroke(Stroke::Line(style), thickness));
             draw_mark(canvas, centre, RADIUS, style, false);
         }
-        Key::Line(style) => line(canvas, across, stroke(Stroke::Line(style), 1.5)),
-        Key::Mark(style) => draw_mark(canvas, centre, RADIUS, style, false),
-        Key::Hollow => draw_mark(canvas, centre, RADIUS, 6, true),
-        Key::Cross => {
+        LegendKey::Line(style) => line(canvas, across, stroke(Stroke::Line(style), 1.5)),
+        LegendKey::Mark(style) => draw_mark(canvas, centre, RADIUS, style, false),
+        LegendKey::Hollow => draw_mark(canvas, centre, RADIUS, 6, true),
+        LegendKey::Cross => {
             let arm = 3 * FINE;
             for sign in [-1, 1] {
                 let ends = vec![
@@ -437,8 +443,8 @@ fn draw_entry(
                 line(canvas, ends, stroke(Stroke::Text, 1.4));
             }
         }
-        Key::Front => line(canvas, across, stroke(Stroke::Front, 6.0)),
-        Key::Guide => line(canvas, across, stroke(Stroke::Guide, 1.0)),
+        LegendKey::Front => line(canvas, across, stroke(Stroke::Front, 6.0)),
+        LegendKey::Guide => line(canvas, across, stroke(Stroke::Guide, 1.0)),
     }
     let mut text = entry.text.clone();
     while width(&text, TEXT) > f64::from(room - 38) && text.pop().is_some() {}

@@ -2,9 +2,9 @@
 
 use super::axis::{Axis, Measure};
 use super::draw::drawn;
-use super::picture::{Curve, Entry, Guide, Key, Panel, Picture, Point};
+use super::picture::{Guide, LegendEntry, LegendKey, PlotCurve, PlotPanel, PlotPicture, PlotPoint};
 use super::{Plot, Theme};
-use crate::cost::results::{Cost, Order, OrderVerdict, Parameter};
+use crate::cost::results::{ConvergenceOrder, Cost, OrderVerdict, Parameter};
 use crate::math::log10;
 use crate::report::cost::words;
 
@@ -21,7 +21,7 @@ pub(in super::super) fn orders(cost: &Cost, theme: Theme) -> Option<Plot> {
         (Parameter::Spacing, "grid", "spacing of the nodes"),
         (Parameter::Pixel, "pixel", "edge of a pixel"),
     ];
-    let mut lines = Lines::default();
+    let mut lines = OrderLines::default();
     for (parameter, title, axis) in kinds {
         for study in &cost.studies {
             for sweep in study
@@ -67,21 +67,21 @@ pub(super) struct Falling {
 
 /// Curves that fall as powers, with the powers that are expected, in panels.
 #[derive(Default)]
-pub(super) struct Lines {
-    panels: Vec<Panel>,
-    legend: Vec<Entry>,
+pub(super) struct OrderLines {
+    panels: Vec<PlotPanel>,
+    legend: Vec<LegendEntry>,
     /// Of the panel that is being filled.
-    curves: Vec<Curve>,
+    curves: Vec<PlotCurve>,
     guides: Vec<Guide>,
 }
 
-impl Lines {
+impl OrderLines {
     /// Adds a curve. What is drawn falls by `power` times the order.
     pub(super) fn push(
         &mut self,
         name: &str,
         points: impl Iterator<Item = Falling>,
-        order: &Order,
+        order: &ConvergenceOrder,
         power: f64,
         is_wide: bool,
     ) {
@@ -104,21 +104,21 @@ impl Lines {
                 is_ray: false,
             });
         }
-        self.legend.push(Entry {
-            key: Key::Curve(style, is_wide),
+        self.legend.push(LegendEntry {
+            key: LegendKey::Curve(style, is_wide),
             text: format!("{name}: {}", fitted_and_expected(order, power)),
         });
         let last = points.len().saturating_sub(1);
         let has_order = order.fitted.is_some() || order.expected.is_some();
-        let points = points.iter().enumerate().map(|(at, point)| Point {
+        let points = points.iter().enumerate().map(|(at, point)| PlotPoint {
             at: logarithms(point),
             label: (at == last && has_order).then(|| fitted(order, power)),
             is_urgent: order.verdict != OrderVerdict::AsExpected,
             tooltip: point.tooltip.clone(),
             is_hollow: !point.counts,
-            ..Point::default()
+            ..PlotPoint::default()
         });
-        self.curves.push(Curve {
+        self.curves.push(PlotCurve {
             style,
             is_wide,
             marks: 1.0,
@@ -139,7 +139,7 @@ impl Lines {
         }
         // The title of the axis is the same on all of them.
         let y_title = if self.panels.is_empty() { y_title } else { "" };
-        self.panels.push(Panel {
+        self.panels.push(PlotPanel {
             title: title.to_owned(),
             x: Axis::log(x_title, Measure::Number, &across),
             y: Axis::log(y_title, Measure::Number, &up),
@@ -155,7 +155,7 @@ impl Lines {
         if self.panels.is_empty() {
             return None;
         }
-        let picture = Picture {
+        let picture = PlotPicture {
             title: title.to_owned(),
             panels: self.panels,
             legend: self.legend,
@@ -169,7 +169,7 @@ impl Lines {
 }
 
 /// Fitted order, with the sign of the verdict.
-fn fitted(order: &Order, power: f64) -> String {
+fn fitted(order: &ConvergenceOrder, power: f64) -> String {
     let fitted = order
         .fitted
         .map_or("–".to_owned(), |fitted| format!("{:.2}", power * fitted));
@@ -184,7 +184,7 @@ fn fitted(order: &Order, power: f64) -> String {
     format!("{fitted}{sign}")
 }
 
-fn fitted_and_expected(order: &Order, power: f64) -> String {
+fn fitted_and_expected(order: &ConvergenceOrder, power: f64) -> String {
     let fitted = fitted(order, power);
     match order.expected {
         Some(expected) => format!("{fitted} (expected {})", power * expected),

@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::draw::drawn;
-use super::picture::{Curve, Entry, Key, Panel, Picture, Point};
+use super::picture::{LegendEntry, LegendKey, PlotCurve, PlotPanel, PlotPicture, PlotPoint};
 use super::{Plot, Theme};
 use crate::cost::results::RayTrace;
 use crate::report::cost::words;
@@ -12,11 +12,11 @@ const MANY: usize = 60;
 
 /// Extinction along the ray, with the samples.
 pub(in super::super) fn ray(trace: &RayTrace, theme: Theme) -> Plot {
-    let point = |at: &[f64; 2]| Point {
+    let point = |at: &[f64; 2]| PlotPoint {
         at: *at,
-        ..Point::default()
+        ..PlotPoint::default()
     };
-    let tooltip = |at: &[f64; 2]| Point {
+    let tooltip = |at: &[f64; 2]| PlotPoint {
         tooltip: format!(
             "sample at {}: extinction {}",
             words::value(at[0]),
@@ -28,14 +28,14 @@ pub(in super::super) fn ray(trace: &RayTrace, theme: Theme) -> Plot {
     let extinction = trace.extinction.iter().filter(is_finite);
     let samples = trace.samples.iter().filter(is_finite);
     let curves = vec![
-        Curve {
+        PlotCurve {
             style: 0,
             is_wide: false,
             marks: 0.0,
             is_joined: true,
             points: extinction.map(point).collect(),
         },
-        Curve {
+        PlotCurve {
             style: 1,
             is_wide: false,
             // Many look like a thick line otherwise.
@@ -48,9 +48,9 @@ pub(in super::super) fn ray(trace: &RayTrace, theme: Theme) -> Plot {
         let points = curves.iter().flat_map(|curve| &curve.points);
         points.map(|point| point.at[axis]).collect()
     };
-    let picture = Picture {
+    let picture = PlotPicture {
         title: format!("Extinction along {}", trace.ray),
-        panels: vec![Panel {
+        panels: vec![PlotPanel {
             title: trace.ray.clone(),
             x: Axis::linear("distance along the ray", &of(0)),
             y: Axis::linear("extinction", &[of(1), vec![0.0]].concat()),
@@ -60,12 +60,12 @@ pub(in super::super) fn ray(trace: &RayTrace, theme: Theme) -> Plot {
             front: Vec::new(),
         }],
         legend: vec![
-            Entry {
-                key: Key::Line(0),
+            LegendEntry {
+                key: LegendKey::Line(0),
                 text: "extinction".to_owned(),
             },
-            Entry {
-                key: Key::Mark(1),
+            LegendEntry {
+                key: LegendKey::Mark(1),
                 text: format!("looked up with {}", trace.setting),
             },
         ],

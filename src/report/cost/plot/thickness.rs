@@ -2,7 +2,7 @@
 
 use super::axis::{Axis, Measure};
 use super::draw::drawn;
-use super::picture::{Curve, Entry, Key, Panel, Picture, Point};
+use super::picture::{LegendEntry, LegendKey, PlotCurve, PlotPanel, PlotPicture, PlotPoint};
 use super::{Plot, Theme};
 use crate::cost::results::{ThicknessCurve, ThicknessPoint, ThicknessSweep};
 use crate::math::log10;
@@ -20,10 +20,10 @@ pub(in super::super) fn thickness(sweep: &ThicknessSweep, theme: Theme) -> Plot 
     for (style, curve) in sweep.curves.iter().enumerate() {
         let name = &curve.estimator;
         let predicted = predicted(curve);
-        legend.push(Entry {
+        legend.push(LegendEntry {
             key: match predicted.is_empty() {
-                true => Key::Mark(style),
-                false => Key::Curve(style, false),
+                true => LegendKey::Mark(style),
+                false => LegendKey::Curve(style, false),
             },
             text: match predicted.is_empty() {
                 true => format!("{name} (no theory)"),
@@ -50,19 +50,19 @@ pub(in super::super) fn thickness(sweep: &ThicknessSweep, theme: Theme) -> Plot 
                 words::value(first.depth)
             ));
         }
-        let mut measured: Vec<Point> = shown
+        let mut measured: Vec<PlotPoint> = shown
             .into_iter()
-            .map(|(point, measured)| Point {
+            .map(|(point, measured)| PlotPoint {
                 at: [log10(point.depth), log10(measured)],
                 tooltip: tooltip(name, point),
-                ..Point::default()
+                ..PlotPoint::default()
             })
             .collect();
         if let Some(last) = measured.last_mut() {
             last.label = Some(name.clone());
         }
         for (is_marked, points) in [(false, predicted), (true, measured)] {
-            curves.push(Curve {
+            curves.push(PlotCurve {
                 style,
                 is_wide: false,
                 marks: if is_marked { 1.0 } else { 0.0 },
@@ -74,9 +74,9 @@ pub(in super::super) fn thickness(sweep: &ThicknessSweep, theme: Theme) -> Plot 
     let points = || curves.iter().flat_map(|curve| &curve.points);
     let across: Vec<f64> = points().map(|point| point.at[0]).collect();
     let up: Vec<f64> = points().map(|point| point.at[1]).collect();
-    let picture = Picture {
+    let picture = PlotPicture {
         title: "Relative variance times look-ups against optical depth".to_owned(),
-        panels: vec![Panel {
+        panels: vec![PlotPanel {
             title: "marks: measured; lines: theory; lower is better".to_owned(),
             x: Axis::log("optical depth of the ray", Measure::Number, &across),
             y: Axis::log("variance / T² × look-ups", Measure::Number, &up),
@@ -95,7 +95,7 @@ pub(in super::super) fn thickness(sweep: &ThicknessSweep, theme: Theme) -> Plot 
 }
 
 /// What theory says, up to where it is [`HOPELESS`].
-fn predicted(curve: &ThicknessCurve) -> Vec<Point> {
+fn predicted(curve: &ThicknessCurve) -> Vec<PlotPoint> {
     let top = log10(HOPELESS);
     let mut points: Vec<[f64; 2]> = Vec::new();
     for point in &curve.points {
@@ -116,9 +116,9 @@ fn predicted(curve: &ThicknessCurve) -> Vec<Point> {
             break;
         }
     }
-    let point = |at| Point {
+    let point = |at| PlotPoint {
         at,
-        ..Point::default()
+        ..PlotPoint::default()
     };
     points.into_iter().map(point).collect()
 }

@@ -2,7 +2,9 @@
 
 use super::axis::{Axis, Measure};
 use super::draw::drawn;
-use super::picture::{Curve, Entry, Guide, HorizontalLine, Key, Panel, Picture, Point};
+use super::picture::{
+    Guide, HorizontalLine, LegendEntry, LegendKey, PlotCurve, PlotPanel, PlotPicture, PlotPoint,
+};
 use super::{Plot, Theme};
 use crate::cost::results::{Counted, Level, Study, Sweep};
 use crate::math::log10;
@@ -67,8 +69,8 @@ pub(in super::super) fn work_precision(study: &Study, theme: Theme) -> Plot {
         if sweep.is_ours {
             text.push_str(" (ours)");
         }
-        legend.push(Entry {
-            key: Key::Curve(style, sweep.is_ours),
+        legend.push(LegendEntry {
+            key: LegendKey::Curve(style, sweep.is_ours),
             text,
         });
         let drawn_points = work.iter().flat_map(|panel| &panel.curves);
@@ -97,7 +99,7 @@ pub(in super::super) fn work_precision(study: &Study, theme: Theme) -> Plot {
             by_random.join(", ")
         ));
     }
-    let mut panels: Vec<Panel> = work.into_iter().chain(time).collect();
+    let mut panels: Vec<PlotPanel> = work.into_iter().chain(time).collect();
     for panel in panels.iter_mut().skip(1) {
         // As on the left.
         panel.y.title.clear();
@@ -108,24 +110,24 @@ pub(in super::super) fn work_precision(study: &Study, theme: Theme) -> Plot {
         .flat_map(|curve| &curve.points);
     let has_hollow = points.clone().any(|point| point.is_hollow);
     let has_cross = points.any(|point| point.cross.is_some());
-    legend.push(Entry {
-        key: Key::Front,
+    legend.push(LegendEntry {
+        key: LegendKey::Front,
         text: "Pareto front: nothing is better in both".to_owned(),
     });
     if has_hollow {
-        legend.push(Entry {
-            key: Key::Hollow,
+        legend.push(LegendEntry {
+            key: LegendKey::Hollow,
             text: "below what is known".to_owned(),
         });
     }
     if has_cross {
-        legend.push(Entry {
-            key: Key::Cross,
+        legend.push(LegendEntry {
+            key: LegendKey::Cross,
             text: "how far f32 is off, where it matters".to_owned(),
         });
     }
-    legend.push(Entry {
-        key: Key::Guide,
+    legend.push(LegendEntry {
+        key: LegendKey::Guide,
         text: "guide slopes".to_owned(),
     });
     let height = (PER_DECADE * (y.axis.high - y.axis.low)).clamp(320.0, 440.0);
@@ -136,7 +138,7 @@ pub(in super::super) fn work_precision(study: &Study, theme: Theme) -> Plot {
             notes,
         };
     }
-    let picture = Picture {
+    let picture = PlotPicture {
         title: format!("Work and precision of {}", study.quantity),
         panels,
         legend,
@@ -204,7 +206,7 @@ fn panel(
     x_title: &str,
     measure: Measure,
     x_of: impl Fn(&Level) -> (f64, Option<[f64; 2]>),
-) -> Option<Panel> {
+) -> Option<PlotPanel> {
     let mut curves = Vec::new();
     for (style, sweep) in study.sweeps.iter().enumerate() {
         let mut points = Vec::new();
@@ -215,7 +217,7 @@ fn panel(
                 continue;
             }
             let height = if error > 0.0 { log10(error) } else { y.bottom };
-            points.push(Point {
+            points.push(PlotPoint {
                 at: [log10(x), height],
                 label: Some(short(sweep, level)),
                 is_urgent: false,
@@ -229,7 +231,7 @@ fn panel(
                 ),
             });
         }
-        curves.push(Curve {
+        curves.push(PlotCurve {
             style,
             is_wide: sweep.is_ours,
             marks: 1.0,
@@ -250,7 +252,7 @@ fn panel(
     ];
     across.extend(points().filter_map(|point| point.whiskers).flatten());
     let front = front(points().map(|point| point.at), log10(y.known.max(1e-300)));
-    Some(Panel {
+    Some(PlotPanel {
         title: title.to_owned(),
         x: Axis::log(x_title, measure, &across),
         y: y.axis.clone(),
