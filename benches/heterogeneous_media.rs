@@ -13,7 +13,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 use volref::media::{Density, Field};
-use volref::render::{Plan, render};
+use volref::render::{Plan, Sampling, render};
 use volref::scene::{Model, Scene};
 use volref::volume::{
     DensityField, FractalDensity, FractalParameters, Grid, GridDensity, Interpolation, Lattice,
@@ -83,7 +83,6 @@ fn scene(grid: Option<GridDensity>) -> Scene {
         noise = { octaves = 10, lacunarity = 4, gain = 0.5, scale = [0.5, 1, 1], max_density = 4, threshold = 1.25 }
     "#;
     let mut scene = Scene::parse(text, Path::new("scene.toml")).expect("a valid scene");
-    scene.set_samples(SAMPLES);
     let panel = &mut scene.panels[0];
     (panel.width, panel.height) = (SIZE, SIZE);
     if let Some(grid) = grid {
@@ -170,7 +169,7 @@ fn print_sizes() {
         let scene = scene(Some(trilinear(sampled(size))));
         let plans = [Plan::new(&scene.panels[0])];
         let pool = one_thread();
-        let picture = || pool.install(|| render(&scene, &plans, &|| {}));
+        let picture = || pool.install(|| render(&plans, Sampling::of_samples(SAMPLES), &|| {}));
         let seconds = least_seconds(3, picture);
         let first = *first.get_or_insert(seconds);
         let paths = (SIZE * SIZE) as f64 * f64::from(SAMPLES);
@@ -206,7 +205,7 @@ fn paths(bencher: Bencher, scene: &Scene) {
     let pool = one_thread();
     bencher
         .counter(ItemsCount::new(SIZE * SIZE * SAMPLES as usize))
-        .bench_local(|| pool.install(|| render(scene, &plans, &|| {})));
+        .bench_local(|| pool.install(|| render(&plans, Sampling::of_samples(SAMPLES), &|| {})));
 }
 
 /// Noise of ten octaves, looked up where it is needed.

@@ -12,7 +12,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::path::Path;
 use std::time::Instant;
 use volref::media::Coefficients;
-use volref::render::{Effect, Plan, render};
+use volref::render::{Effect, Plan, Sampling, render};
 use volref::scene::{Model, Scene};
 
 const SIZE: usize = 256;
@@ -33,11 +33,10 @@ fn main() {
     divan::main();
 }
 
-fn scene(name: &str, samples: u32) -> Scene {
+fn scene(name: &str) -> Scene {
     let file = name.split(' ').next().expect("a name");
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes");
     let mut scene = Scene::load(&folder.join(format!("{file}.toml"))).expect("a valid scene");
-    scene.set_samples(samples);
     let panel = &mut scene.panels[0];
     (panel.width, panel.height) = (SIZE, SIZE);
     if name == NO_SMOKE {
@@ -61,10 +60,10 @@ fn threads(count: usize) -> ThreadPool {
 
 /// Relative squared error, as the image itself estimates it, times seconds on one thread.
 fn print_cost(name: &str) {
-    let scene = scene(name, 16);
+    let scene = scene(name);
     let plans = [Plan::new(&scene.panels[0])];
     let start = Instant::now();
-    let image = threads(1).install(|| render(&scene, &plans, &|| {}));
+    let image = threads(1).install(|| render(&plans, Sampling::of_samples(16), &|| {}));
     let seconds = start.elapsed().as_secs_f64();
     let film = image.expect("a picture").film;
     let variance = film.noise().expect("more than one sample").variance();
@@ -81,13 +80,14 @@ fn print_cost(name: &str) {
     );
 }
 
-fn paths(bencher: Bencher, thread_count: usize, name: &str, plan: impl Fn(&Scene) -> Plan) {
-    let scene = scene(name, SAMPLES);
+fn paths(bencher: Bencher, thread_count: usize, name: &str, plan: impl Fn(&Scene) -> Plan<'_>) {
+    let scene = scene(name);
+    let sampling = Sampling::of_samples(SAMPLES);
     let plans = [plan(&scene)];
     let pool = threads(thread_count);
     bencher
         .counter(ItemsCount::new(SIZE * SIZE * SAMPLES as usize))
-        .bench_local(|| pool.install(|| render(&scene, &plans, &|| {})));
+        .bench_local(|| pool.install(|| render(&plans, sampling, &|| {})));
 }
 
 /// As planned: code without the effects that are null in the scene.

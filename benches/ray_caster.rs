@@ -12,7 +12,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 use volref::render::classified::steps::Steps;
 use volref::render::plan::Kernel;
-use volref::render::{Plan, render};
+use volref::render::{Plan, Sampling, render};
 use volref::scene::{Model, Scene};
 use volref::volume::{Cell, Grid, Lattice};
 
@@ -101,8 +101,8 @@ fn figure_3(bencher: Bencher, thread_count: usize) {
 #[divan::bench(sample_count = 5)]
 fn figure_3_every_sample(bencher: Bencher) {
     let mut plan = Plan::new(&SCENE.panels[0]);
-    if let Kernel::RayCaster { skip_empty, .. } = &mut plan.kernel {
-        *skip_empty = false;
+    if let Kernel::RayCaster { features, .. } = &mut plan.kernel {
+        features.skip_empty = false;
     }
     frames(bencher, 1, &[plan]);
 }
@@ -111,17 +111,17 @@ fn figure_3_every_sample(bencher: Bencher) {
 #[divan::bench(args = [1, 2], sample_count = 10)]
 fn figure_3_unshaded(bencher: Bencher, thread_count: usize) {
     let mut plan = Plan::new(&SCENE.panels[0]);
-    if let Kernel::RayCaster { shading, .. } = &mut plan.kernel {
-        *shading = false;
+    if let Kernel::RayCaster { features, .. } = &mut plan.kernel {
+        features.shading = false;
     }
     frames(bencher, thread_count, &[plan]);
 }
 
-fn frames(bencher: Bencher, thread_count: usize, plans: &[Plan]) {
+fn frames(bencher: Bencher, thread_count: usize, plans: &[Plan<'_>]) {
     let pool = threads(thread_count);
     bencher
         .counter(ItemsCount::new(nominal_samples(&SCENE)))
-        .bench_local(|| pool.install(|| render(&SCENE, plans, &|| {})));
+        .bench_local(|| pool.install(|| render(plans, Sampling::default(), &|| {})));
 }
 
 /// Trilinear look-ups alone, in a grid that fits the cache, along a line.

@@ -11,17 +11,20 @@
 //! callgrind_annotate callgrind.out.*
 //! ```
 
+mod by_hand;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::{env, fs};
 
 use glam::DVec3;
 use volref::cost::effects::{Variant, variants};
-use volref::cost::{by_hand, thumbnail};
+use volref::cost::results::MeanWork;
+use volref::cost::thumbnail;
 use volref::film::Film;
 use volref::media::{Appearance, TransferPoint, TransferPoints};
 use volref::render::plan::Effect;
-use volref::render::{Counters, Plan, State, render, render_counted};
+use volref::render::{Counters, Event, Plan, Sampling, render, render_counted};
 use volref::scene::{Classified, Model, Panel, Radiative, Scene};
 
 type Failure = Box<dyn std::error::Error>;
@@ -120,15 +123,20 @@ fn total(path: &Path) -> Result<u64, Failure> {
     Ok(total.trim().parse()?)
 }
 
-/// A scene of one panel with a plan for it.
+/// A scene of one panel, and effects that are simulated although they are null.
 struct Picture {
     scene: Scene,
-    plans: Vec<Plan>,
+    forced: Vec<Effect>,
 }
 
 impl Picture {
     fn panel(&self) -> &Panel {
         &self.scene.panels[0]
+    }
+
+    fn plan(&self) -> Plan<'_> {
+        let plan = Plan::forcing(self.panel(), &self.forced);
+        plan.expect("null effects can be forced")
     }
 
     fn pixels(&self) -> usize {
@@ -137,12 +145,12 @@ impl Picture {
 
     fn film(&self) -> Film {
         // What is refused is refused natively first, before anything is counted.
-        let made = render(&self.scene, &self.plans, &|| ());
+        let made = render(&[self.plan()], Sampling::default(), &|| ());
         made.expect("a scene of the suite renders").film
     }
 
     fn counters(&self) -> Result<Counters, Failure> {
-        Ok(render_counted(&self.scene, &self.plans, &|| ())?.work[0])
+        Ok(render_counted(&[self.plan()], Sampling::default(), &|| ())?.work[0])
     }
 
     /// One pixel of it: what is done once for an image, and hardly anything else.
@@ -151,15 +159,25 @@ impl Picture {
         (scene.panels[0].width, scene.panels[0].height) = (1, 1);
         Picture {
             scene,
-            plans: self.plans.clone(),
+            forced: self.forced.clone(),
         }
     }
 }
 
 /// The picture of a small image of `panel` by its own plan.
 fn picture(panel: &Panel, side: usize, samples: u32) -> Picture {
-    let (scene, plans) = thumbnail::scene(panel, panel.model.clone(), side, samples);
-    Picture { scene, plans }
+    picture_of(thumbnail::scene(panel, panel.model.clone(), side), samples)
+}
+
+/// The picture of `scene` by its own plan.
+fn picture_of(mut scene: Scene, samples: u32) -> Picture {
+    if let Model::Radiative(radiative) = &mut scene.panels[0].model {
+        radiative.samples = samples;
+    }
+    Picture {
+        scene,
+        forced: vec![],
+    }
 }
 
 /// All tasks, in order.
@@ -278,8 +296,8 @@ fn haze(panel: &Panel) -> Result<Picture, Failure> {
     model.phong = None;
     model.transfer_function.appearance = Appearance::Points(TransferPoints::new(points)?);
     model.background = DVec3::splat(0.5);
-    let (scene, plans) = thumbnail::scene(panel, Model::Classified(Box::new(model)), 64, 1);
-    Ok(Picture { scene, plans })
+    let scene = thumbnail::scene(panel, Model::Classified(Box::new(model)), 64);
+    Ok(picture_of(scene, 1))
 }
 
 // ---- What is null, and what that saves -------------------------------------------------------
@@ -295,11 +313,7 @@ struct Study {
 
 fn study(name: &str, panel: &Panel) -> Study {
     let own = picture(panel, SIDE, SAMPLES);
-    let forcing = |effects: &[Effect]| Plan::forcing(own.panel(), effects).ok();
-    let is_null = |effect: &Effect| {
-        own.plans[0].state(*effect) == State::Elided && forcing(&[*effect]).is_some()
-    };
-    let null: Vec<Effect> = Effect::ALL.into_iter().filter(is_null).collect();
+    let null = Plan::null_effects(own.panel());
     let alone = null.iter().map(|effect| vec![*effect]);
     let sets: Vec<Vec<Effect>> = match null.len() {
         0 => vec![],
@@ -307,16 +321,16 @@ fn study(name: &str, panel: &Panel) -> Study {
         _ => std::iter::once(null.clone()).chain(alone).collect(),
     };
     let forced = sets.into_iter().map(|effects| {
-        let plans = vec![forcing(&effects).expect("null effects can be forced")];
+        let forced = effects.clone();
         let scene = own.scene.clone();
-        (effects, Picture { scene, plans })
+        (effects, Picture { scene, forced })
     });
     Study {
         name: name.to_owned(),
         forced: forced.collect(),
         variants: variants(panel)
             .into_iter()
-            .map(|Variant { name, scene, plans }| (name, Picture { scene, plans }))
+            .map(|Variant { name, scene }| (name, picture_of(scene, SAMPLES)))
             .collect(),
         own,
     }
@@ -377,20 +391,11 @@ fn or_nothing(words: Vec<String>) -> String {
 /// Counters that are not 0, for each pixel.
 fn work(picture: &Picture) -> Result<String, Failure> {
     let counters = picture.counters()?;
-    let each = [
-        ("densities", counters.density_lookups),
-        ("gradients", counters.gradient_lookups),
-        ("blocks", counters.cells_walked),
-        ("shadow rays", counters.shadow_rays),
-        ("phases", counters.phase_evaluations),
-        ("null collisions", counters.null_collisions),
-        ("surface tests", counters.surface_tests),
-        ("random numbers", counters.random_draws),
-    ];
-    let some = each.into_iter().filter(|(_, count)| *count > 0);
-    let words = some.map(|(name, count)| {
-        let each = count as f64 / picture.pixels() as f64;
-        format!("{} {name}", three_digits(each))
+    let done = MeanWork::REPORTED.into_iter();
+    let done = done.filter(|event| counters[*event] > 0);
+    let words = done.map(|event| {
+        let each = counters[event] as f64 / picture.pixels() as f64;
+        format!("{} {}", three_digits(each), event.key().replace('_', " "))
     });
     Ok(or_nothing(words.collect()))
 }
@@ -483,7 +488,7 @@ fn run() -> Result<(), Failure> {
         let [by_hand, kernel] = [counts[by_hand], counts[kernel]].map(|count| count as f64);
         row(&[
             contest.name.to_owned(),
-            contest.picture.plans[0].kernel.to_string(),
+            contest.picture.plan().kernel.to_string(),
             three_digits(by_hand),
             three_digits(kernel),
             format!("{:.4}", kernel / by_hand),
@@ -508,9 +513,9 @@ fn run() -> Result<(), Failure> {
         let null = study.forced.first().map_or(&[][..], |(effects, _)| effects);
         row(&[
             study.name.clone(),
-            study.own.plans[0].kernel.to_string(),
+            study.own.plan().kernel.to_string(),
             names(null),
-            or_nothing(study.own.plans[0].omitted()),
+            or_nothing(study.own.plan().omitted()),
             three_digits(own),
             all.map_or("the same".to_owned(), three_digits),
             all.map_or("nothing to save".to_owned(), |all| saved(own, all)),
@@ -526,7 +531,7 @@ fn run() -> Result<(), Failure> {
         row(&[
             study.name.clone(),
             "nothing".to_owned(),
-            study.own.plans[0].kernel.to_string(),
+            study.own.plan().kernel.to_string(),
             three_digits(own),
             String::new(),
             work(&study.own)?,
@@ -536,7 +541,7 @@ fn run() -> Result<(), Failure> {
             row(&[
                 String::new(),
                 names(effects),
-                picture.plans[0].kernel.to_string(),
+                picture.plan().kernel.to_string(),
                 three_digits(each),
                 saved(own, each),
                 work(picture)?,
@@ -559,7 +564,7 @@ fn run() -> Result<(), Failure> {
         let mut first = None;
         for ((name, picture), each) in study.variants.iter().zip(each) {
             let counters = picture.counters()?;
-            let lookups = counters.density_lookups + counters.gradient_lookups;
+            let lookups = counters[Event::DensityLookup] + counters[Event::GradientLookup];
             let per_pixel = |count: u64| three_digits(count as f64 / picture.pixels() as f64);
             let each = each.of(&counts);
             row(&[
@@ -569,7 +574,7 @@ fn run() -> Result<(), Failure> {
                 },
                 name.clone(),
                 per_pixel(lookups),
-                per_pixel(counters.random_draws),
+                per_pixel(counters[Event::RandomDraw]),
                 three_digits(each),
                 three_digits(each / *first.get_or_insert(each)),
             ]);

@@ -48,10 +48,10 @@ nm -S -C "$binary" | awk -v text="$text" '
             bytes[family, "either"] / 1024, 100 * all / text
     }
     END {
-        media = "media, surfaces, emission, colour, direction, varying density"
+        media = "media, surfaces, emission, colour, anisotropy, heterogeneity"
         print "| family | kernels | compiled for | uncounted, KiB | counted | either | of all code |"
         print "|---|---|---|---|---|---|---|"
-        row("ray caster", "field (3), order (3), shading, shadow, empty space")
+        row("ray caster", "field (3), order (3), shading, shadow, empty-space skipping")
         row("path tracer", media)
         row("line of sight", media)
         row("shared by the latter two", "the same")

@@ -1,8 +1,11 @@
 //! volref: a reference renderer for volumes, and the harness that judges other renderers by it.
 //!
 //! Somebody writes a volume renderer and gets an image. volref tells them what the right image
-//! is and whether theirs differs from it. The renderer is deliberately straightforward: scalar,
-//! `f64`, one idea per file, written to be read.
+//! is and whether theirs differs from it.
+//!
+//! **Read [`reference::ray_caster`] first, then [`reference::path_tracer`]:** the two reference
+//! renderers, deliberately straightforward, a file each. [`render`] holds the fast renderers, which
+//! are tested against them.
 //!
 //! # What is solved
 //!
@@ -57,20 +60,22 @@
 //!
 //! # Where to begin
 //!
-//! [`render::classified::ray_caster`] and [`render::radiative::path_tracer`] are the renderers, [`scene`] what it is given, [`render::plan`] how the
+//! [`reference`] holds the plain renderers, [`scene`] what they are given. [`render`] does the same
+//! fast, and [`render::plan`] says how the
 //! code that runs follows from the scene. [`compare`] judges two images, [`suite`] keeps the
 //! goldens and knows the [mistakes](suite::mistakes) people make, [`hard_cases`] is the catalogue of
 //! inputs that make renderers wrong, [`exchange`] says a scene in other renderers' words. Other
 //! renderers' tests begin at [`suite::check`]. Arrows between modules only point down this list:
-//! `cli`, [`report`], [`suite`], [`hard_cases`], [`cost`], [`compare`], [`exchange`] and [`render`],
+//! `cli`, [`report`], [`suite`], [`hard_cases`], [`cost`], [`compare`], [`exchange`], [`reference`],
+//! [`render`],
 //! [`scene`], [`media`], [`optics`], [`volume`], [`geometry`], [`film`], [`math`].
 //!
 //! ```no_run
-//! use volref::{render, render::Plan, scene::Scene};
+//! use volref::render::{Sampling, plans, render};
+//! use volref::scene::Scene;
 //!
 //! let scene = Scene::load("fixtures/scenes/figures/figure-3.toml".as_ref())?;
-//! let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
-//! let image = render::render(&scene, &plans, &|| {})?.film;
+//! let image = render(&plans(&scene), Sampling::default(), &|| {})?.film;
 //! std::fs::write("figure-3.png", image.to_png(1.0))?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -478,7 +478,7 @@ fn a_room_for_mitsuba() {
             <string name="fov_axis" value="y"/>
             <float name="near_clip" value="0.00006000000000000001"/>
             <float name="far_clip" value="600000"/>
-            <transform name="to_world"><lookat origin="0, 1, -6" target="0, 1, -5" up="0, 0.9999999999999999, 0"/></transform>
+            <transform name="to_world"><lookat origin="0, 1, -6" target="0, 1, 0" up="0, 0.9999999999999999, 0"/></transform>
             <sampler type="independent">
                 <integer name="sample_count" value="$spp"/>
                 <integer name="seed" value="$seed"/>
@@ -565,10 +565,10 @@ fn a_room_for_pbrt() {
     insta::assert_snapshot!(pbrt(ROOM), @r##"
     # A scene. Written by volref for pbrt-v4.
     # The picture is grey, and is the channel red of the scene's; the other two have files of their own.
-    # Faces of radiative.medium[0] that lie in surfaces stand 3.500e-3 behind them, where no ray sees it.
+    # Faces of radiative.medium[0] that lie in surfaces stand 3.000e-3 behind them, where no ray sees it.
 
     Scale -1 1 1
-    LookAt 0 1 -6  0 1 -5  0 0.9999999999999999 0
+    LookAt 0 1 -6  0 1 0  0 0.9999999999999999 0
     Camera "perspective" "float fov" [ 40 ]
     Film "rgb" "integer xresolution" [ 4 ] "integer yresolution" [ 3 ] "string filename" [ "scene.red.exr" ] "bool savefp16" [ false ]
     PixelFilter "box" "float xradius" [ 0.5 ] "float yradius" [ 0.5 ]
@@ -588,7 +588,7 @@ fn a_room_for_pbrt() {
     AttributeBegin
         Material "interface"
         MediumInterface "medium0" ""
-        Shape "trianglemesh" "point3 P" [ -2 -0.0035 -2  -2 -0.0035 2  -2 1.9999999999999998 2  -2 1.9999999999999998 -2  2 -0.0035 -2  2 1.9999999999999998 -2  2 1.9999999999999998 2  2 -0.0035 2  -2 -0.0035 -2  2 -0.0035 -2  2 -0.0035 2  -2 -0.0035 2  -2 1.9999999999999998 -2  -2 1.9999999999999998 2  2 1.9999999999999998 2  2 1.9999999999999998 -2  -2 -0.0035 -2  -2 1.9999999999999998 -2  2 1.9999999999999998 -2  2 -0.0035 -2  -2 -0.0035 2  2 -0.0035 2  2 1.9999999999999998 2  -2 1.9999999999999998 2 ]
+        Shape "trianglemesh" "point3 P" [ -2 -0.003 -2  -2 -0.003 2  -2 2 2  -2 2 -2  2 -0.003 -2  2 2 -2  2 2 2  2 -0.003 2  -2 -0.003 -2  2 -0.003 -2  2 -0.003 2  -2 -0.003 2  -2 2 -2  -2 2 2  2 2 2  2 2 -2  -2 -0.003 -2  -2 2 -2  2 2 -2  2 -0.003 -2  -2 -0.003 2  2 -0.003 2  2 2 2  -2 2 2 ]
             "integer indices" [ 0 1 2 0 2 3  4 5 6 4 6 7  8 9 10 8 10 11  12 13 14 12 14 15  16 17 18 16 18 19  20 21 22 20 22 23 ]
     AttributeEnd
 
@@ -991,7 +991,7 @@ fn spotlights_of_pbrt_are_chosen_by_their_power() {
                 intensity = 1, inner_angle = 20, outer_angle = 20 }\n";
     let text = pbrt(spot);
     insta::assert_snapshot!(part(&text, "Integrator", "\nWorldBegin"), @r##"Integrator "volpath" "integer maxdepth" [ 1000000 ] "string lightsampler" [ "power" ]"##);
-    insta::assert_snapshot!(part(&text, "LightSource", "\"float coneangle"), @r##"LightSource "spot" "point3 from" [ 0 3 0 ] "point3 to" [ 0 2 0 ] "rgb I" [ 1 1 1 ] "##);
+    insta::assert_snapshot!(part(&text, "LightSource", "\"float coneangle"), @r##"LightSource "spot" "point3 from" [ 0 3 0 ] "point3 to" [ 0 0 0 ] "rgb I" [ 1 1 1 ] "##);
     assert!(text.contains("# Light scattered more than 1000000 times is left out."));
     let point = "[[radiative.light]]\npoint = { position = [0, 3, 0], intensity = 1 }\n";
     assert!(!pbrt(point).contains("lightsampler"));
@@ -1136,6 +1136,42 @@ fn what_pbrts_numbers_lose_is_refused() {
     // What does not scatter has no phase function to clamp.
     pbrt(&sharp.replace("sigma_s", "sigma_a"));
     pbrt(&thick.replace("5000", "2500"));
+}
+
+/// Boundaries keep a share of the scene's reach from each other, and directions survive rounding, in
+/// every unit of length that pbrt's normals can be calculated in.
+#[test]
+fn another_unit_of_length_is_the_same_scene_of_pbrt() {
+    let file =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes/hard/g8-scaled-down.toml");
+    let tiny = std::fs::read_to_string(&file).unwrap();
+    let scene = |text: &str| Scene::parse(text, &file).unwrap();
+    let refusal = export(&scene(&tiny), Format::Pbrt, "tiny").unwrap_err();
+    let said = refusal.to_string();
+    assert!(
+        said.contains("pbrt's 32-bit normals take lengths from 9e-10 to 5e8"),
+        "{said}"
+    );
+    assert!(!said.contains("overlap"), "{said}");
+    // A million times as large, with a millionth of the coefficients: 2^-20 of the unit.
+    let larger = [
+        ("e-13", "e-7"),
+        ("e-12", "e-6"),
+        ("549755813888", "549755.813888"),
+        ("1099511627776", "1099511.627776"),
+        ("2199023255552", "2199023.255552"),
+    ]
+    .iter()
+    .fold(tiny, |text, (from, to)| text.replace(from, to));
+    let text = export(&scene(&larger), Format::Pbrt, "small").unwrap();
+    check_pbrt(&text);
+    // Far from the eye a unit is less than a rounding to 32 bits.
+    let huge = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes/hard/g8-scaled-up.toml");
+    let refusal = export(&Scene::load(&huge).unwrap(), Format::Pbrt, "huge").unwrap_err();
+    assert!(
+        refusal.to_string().contains("pbrt's 32-bit normals"),
+        "{refusal}"
+    );
 }
 
 // --- Refusals -----------------------------------------------------------------------------------

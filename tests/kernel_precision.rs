@@ -17,10 +17,12 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use volref::geometry::{Aabb, Ray, Solid, Sphere};
 use volref::math::rng::{Purpose, Stream};
-use volref::math::sampling::{Equiangular, free_flight, truncated_free_flight};
+use volref::math::sampling::{
+    Equiangular, free_flight, optical_distance, truncated_optical_distance,
+};
 use volref::math::{self, Sum, exp2};
 use volref::media::*;
-use volref::render::classified::compositing::{BackToFront, FrontToBack, Layers, Order};
+use volref::render::classified::compositing::{BackToFront, CompositingOrder, FrontToBack, Layers};
 use volref::volume::{Centring, Grid, GridDensity, Interpolation, Lattice};
 
 const INPUTS: u32 = 100_000;
@@ -244,34 +246,36 @@ fn s2_phase_function_and_distribution() {
     distribution.is_within_bounds("distribution");
 }
 
-/// A flight: the logarithm 2 and a quotient. A truncated one: the share `v` of collisions is off
-/// by a product, a function and a product, 4; the logarithm has the condition
-/// `v/((1 − v)(−ln(1 − v)))` in it, which grows without bound towards the end of a deep medium.
+/// A flight: the logarithm, 2, and a quotient. A truncated one: the share `v` of collisions is off by a function
+/// and a product, 3; the logarithm has the condition `v/((1 − v)(−ln(1 − v)))` in it, which grows without bound towards the end of a deep medium.
 #[test]
 fn e6_free_flight() {
-    let (mut free, mut truncated) = (WorstRay::default(), WorstRay::default());
+    let [mut optical, mut free, mut truncated] = std::array::from_fn(|_| WorstRay::default());
     for [drawn, kind, size, depth] in inputs(5) {
-        let sigma = octaves(-30.0, 30.0, size);
         let u = share(drawn, kind);
         if u == 0.0 {
             continue;
         }
-        let exact = -ln_1p(&big(-u)) / big(sigma);
+        let exact = -ln_1p(&big(-u));
+        optical.see(optical_distance(u), &exact, 2.0, u);
+        let sigma = octaves(-30.0, 30.0, size);
+        let exact = exact / big(sigma);
         free.see(free_flight(sigma, u).unwrap(), &exact, 3.0, (sigma, u));
 
         // Near the very end the condition is that of no digit at all.
         let u = u.min(1.0 - 1e-6);
-        let length = octaves(-40.0, 6.0, depth) / sigma;
-        let grown = exp_m1(&(big(sigma) * big(length)));
+        let depth = octaves(-40.0, 6.0, depth);
+        let grown = exp_m1(&big(depth));
         let collided = big(u) * &grown / (big(1.0) + &grown);
         let passed = -ln_1p(&-&collided);
         let condition = &collided / ((big(1.0) - &collided) * &passed);
-        let roundings = 4.0 * rounded(&condition) + 3.0;
-        let found = truncated_free_flight(sigma, length, u);
-        truncated.see(found, &(passed / big(sigma)), roundings, (sigma, length, u));
+        let roundings = 3.0 * rounded(&condition) + 2.0;
+        let found = truncated_optical_distance(opacity(depth), u);
+        truncated.see(found, &passed, roundings, (depth, u));
     }
+    optical.is_within_bounds("optical_distance");
     free.is_within_bounds("free_flight");
-    truncated.is_within_bounds("truncated_free_flight");
+    truncated.is_within_bounds("truncated_optical_distance");
 }
 
 fn vector([x, y, z]: [f64; 3]) -> DVec3 {

@@ -11,7 +11,7 @@ use std::process::Command;
 use volref::compare::{Conditions, Deterministic, Judgement, Picture, judge};
 use volref::exchange::{Export, Format, bundle, export};
 use volref::film::Film;
-use volref::render::{Plan, render};
+use volref::render::{Sampling, plans, render};
 use volref::scene::{Model, Scene};
 
 fn root() -> &'static Path {
@@ -72,8 +72,8 @@ fn vector(value: &Value) -> [f64; 3] {
 }
 
 fn film(scene: &Scene) -> Film {
-    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
-    render(scene, &plans, &|| {}).unwrap().film
+    let rendering = render(&plans(scene), Sampling::default(), &|| {});
+    rendering.unwrap().film
 }
 
 fn deterministic(reference: &Film, test: &Film) -> Judgement {

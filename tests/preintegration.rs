@@ -13,7 +13,7 @@ use volref::math::{exp, ln, ln_1p};
 use volref::media::{
     Appearance, Colormap, TransferFunction, TransferOpacity, TransferPoint, TransferPoints,
 };
-use volref::render::classified::compositing::{FrontToBack, Layers, Order};
+use volref::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
 
 fn table(points: Vec<TransferPoint>, reference_length: f64) -> TransferFunction {
     TransferFunction {

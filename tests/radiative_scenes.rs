@@ -5,7 +5,9 @@ use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;
 use volref::geometry::{Boundary, Emitter, Luminous, Ray, Shape, Solid, Surface};
+use volref::media::{Asymmetry, Draine, Droplets, Phase};
 use volref::optics::{Light, Material, Sides};
+use volref::render::{Effect, Plan};
 use volref::scene::format::json_schema;
 use volref::scene::{Model, Radiative, SCENE, Scattering, Scene, SceneError};
 
@@ -132,7 +134,7 @@ fn what_is_left_out_has_defaults() {
     assert!(scene.panels[0].inputs.is_empty());
     let medium = &read.media[0].medium;
     assert_eq!(medium.emission, DVec3::ZERO);
-    assert_eq!(medium.phase.0.g(), 0.0);
+    assert_eq!(medium.phase, Phase::ISOTROPIC);
     assert!(matches!(read.media[0].boundary, Some(Boundary::Box(_))));
     assert!(matches!(read.objects[0].shape, Shape::Sphere(_)));
     // Black, but legal.
@@ -384,13 +386,13 @@ fn bounces() {
         ("[radiative]", "[radiative]\nscattering = \"twice\""),
     ]), @r#"
     6:15: `max_bounces` must lie in [2, 67108863], got 1
-        `radiative.max_bounces`: How often light may be scattered at most, with `scattering = "multiple"`. Left out: any number of times.
+        `radiative.max_bounces`: Scattering order at most, with `scattering = "multiple"`. Left out: any number of times.
     6:15: `max_bounces` must lie in [2, 67108863], got 67108864
-        `radiative.max_bounces`: How often light may be scattered at most, with `scattering = "multiple"`. Left out: any number of times.
+        `radiative.max_bounces`: Scattering order at most, with `scattering = "multiple"`. Left out: any number of times.
     7:15: `max_bounces` means nothing to single scattering
         remove it, or set `scattering = "multiple"`
     6:14: `scattering` takes one of "none", "single", "multiple", got "twice"
-        `radiative.scattering`: How often light may be scattered on its way to the eye, by media and surfaces together: never, once, or any number of times.
+        `radiative.scattering`: Scattering order of light on its way to the eye, bounces of media and surfaces together: none, one, or any number.
     "#);
 }
 
@@ -547,6 +549,50 @@ fn the_block_of_the_source() {
 }
 
 #[test]
+fn phase_functions() {
+    let phase = |text: &str| {
+        let text = edited(&[(COEFFICIENTS, &format!("{COEFFICIENTS}\n{text}"))]);
+        radiative(&parse(&text).unwrap(), 0).media[0].medium.phase
+    };
+    let asymmetry = |g| Asymmetry::new(g).unwrap();
+    let draine = |g, alpha| Phase::Draine(Draine::new(asymmetry(g), alpha).unwrap());
+    assert_eq!(phase("g = 0.5"), Phase::henyey_greenstein(asymmetry(0.5)));
+    assert_eq!(phase("draine = {}"), draine(0.0, 1.0));
+    assert_eq!(phase("draine = { g = -0.2, alpha = 3 }"), draine(-0.2, 3.0));
+    let droplets = Phase::Droplets(Droplets::new(12.0).unwrap());
+    assert_eq!(phase("droplets = { diameter = 12 }"), droplets);
+
+    let with = |text: &str| {
+        let text = format!("{COEFFICIENTS}\n{text}");
+        said_about(&edited(&[(COEFFICIENTS, &text)]))
+    };
+    let wrong = [
+        with("draine = { g = 1 }"),
+        with("draine = { alpha = -0.5 }"),
+        with("droplets = {}"),
+        with("droplets = { diameter = 0.5 }"),
+        with("g = 0.5\ndraine = {}"),
+    ];
+    insta::assert_snapshot!(wrong.concat());
+}
+
+/// The plan says which phase function scatters.
+#[test]
+fn the_plan_names_the_phase_function() {
+    let text = edited(&[(COEFFICIENTS, &format!("{COEFFICIENTS}\ndraine = {{}}"))]);
+    let scene = parse(&text).unwrap();
+    let plan = Plan::new(&scene.panels[0]);
+    let mut decisions = plan.decisions.iter();
+    let decision = decisions.find(|decision| decision.effect == Effect::AnisotropicPhase);
+    let reason = &decision.unwrap().why;
+    assert_eq!(
+        reason.reason,
+        "a medium that scatters has the phase function Rayleigh"
+    );
+    assert_eq!(reason.field.as_deref(), Some("radiative.medium[0].draine"));
+}
+
+#[test]
 fn densities_that_are_none() {
     let with = |text: &str| said_about(&edited(&[(BOX, &format!("{BOX}\n{text}"))]));
     let bare = |text: &str| said_about(&edited(&[(BOX, text)]));
@@ -663,7 +709,7 @@ fn matter() {
     9:13: unknown key `reflectence` in [radiative.surface[0].diffuse]
         did you mean `reflectance`?
     9:35: `sides` takes one of "front", "both", got "back"
-        `radiative.surface[0].emitter.sides`: Which sides emit light; the front of a closed shape is its outside.
+        `radiative.surface[0].emitter.sides`: Sides that emit; the front of a closed shape is its outside.
     9:24: `radiance` must not be negative, got [-1, -1, -1]
         `radiative.surface[0].emitter.radiance`: Linear radiance, the same in every direction.
     "#);
@@ -788,7 +834,7 @@ fn places() {
         did you mean `rotate`?
     8:7: the box is flat: it has no inside, as glass needs
         give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
-    9:9: a sphere that emits light cannot be stretched to an ellipsoid
+    9:9: an emitting sphere cannot be stretched to an ellipsoid
         scale by the same factor along x, y and z, or give a mesh of the ellipsoid
     8:10: the area of this light is inf, beyond the range of numbers
         choose other units of length
@@ -919,15 +965,15 @@ fn parts_that_make_no_picture_together() {
     insta::assert_snapshot!(all, @r#"
     6:15: `environment` shines from infinitely far away, and a medium fills all space: none of that light arrives
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
-    13:12: a medium that fills all space, emits light and takes none away is infinitely bright
+    13:12: a medium that fills all space and emits without absorbing is infinitely bright
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it absorption in every channel that it emits in
-    13:12: a medium that fills all space, emits light and takes none away is infinitely bright
+    13:12: a medium that fills all space and emits without absorbing is infinitely bright
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it absorption in every channel that it emits in
-    13:11: a medium that fills all space and scatters without absorbing keeps scattering light for ever
+    13:11: a medium that fills all space and scatters without absorbing scatters light for ever
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
-    13:11: a medium that fills all space and scatters without absorbing keeps scattering light for ever
+    13:11: a medium that fills all space and scatters without absorbing scatters light for ever
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
-    14:10: a medium that fills all space and scatters without absorbing keeps scattering light for ever
+    14:10: a medium that fills all space and scatters without absorbing scatters light for ever
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
     16:15: a directional light shines from infinitely far away, and a medium fills all space: none of that light arrives
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots

@@ -175,7 +175,7 @@ fn what_it_must_reject() {
             true => pixel.map(|value| value * 1.15),
             false => pixel,
         }),
-        "begins at (8, 8)",
+        "from column 8 and row 8",
     );
     assert_rejected(
         "one hot pixel",
@@ -222,11 +222,16 @@ fn too_little_noise_is_suspicious() {
     let reference = sampled(1, 256, exponential, truth);
     // The first half of the samples is the same.
     let shared = sampled(1, 200, exponential, truth);
-    assert_rejected("common random numbers", &reference, &shared, "in common");
+    assert_rejected(
+        "common random numbers",
+        &reference,
+        &shared,
+        "too little noise",
+    );
     let smoothed = edited(&sampled(2, 256, exponential, truth), |i, pixel| {
         [0, 1, 2].map(|c| 0.6 * reference.radiance()[i][c] + 0.4 * pixel[c])
     });
-    assert_rejected("smoothed", &reference, &smoothed, "in common");
+    assert_rejected("smoothed", &reference, &smoothed, "too little noise");
     let loud = sampled(2, 256, exponential, truth);
     let variance = loud.noise().unwrap().variance();
     let quiet = |scale: f32| {
@@ -240,7 +245,12 @@ fn too_little_noise_is_suspicious() {
         "it is the same image, not an independent estimate",
     );
     assert_rejected("a silent copy", &loud, &silent(&loud), "the same image");
-    assert_rejected("overstated noise", &reference, &quiet(8.0), "in common");
+    assert_rejected(
+        "overstated noise",
+        &reference,
+        &quiet(8.0),
+        "too little noise",
+    );
     // Of n samples that are among the N of the reference, the differences have (N − n)/(N + n)
     // times the noise of independent ones: with few of them that is nothing to speak of.
     let few = judged(&reference, &sampled(1, 40, exponential, truth));
@@ -513,7 +523,7 @@ fn the_worst_block_has_a_limit_beside_it() {
             .parse()
             .unwrap()
     };
-    let (worst, limit) = (number("the worst is off by"), number("up to"));
+    let (worst, limit) = (number("worst block off by"), number("up to"));
     // Holm's first level for 108 blocks and channels, a millionth by eight, is 6.5 standard errors
     // of a normal number, and Student's t of 960 degrees not much more.
     assert!(worst < limit && (6.0..7.5).contains(&limit), "{reason}");

@@ -19,10 +19,10 @@ use glam::DVec3;
 use std::ops::ControlFlow::{Break, Continue};
 use test_ray::{DEPTH, LENGTH, TRANSMITTANCE, smooth};
 use volref::geometry::Span;
-use volref::math::rng::{Purpose, Stream};
+use volref::math::rng::Stream;
 use volref::math::{Moments, exp, exp_m1};
 use volref::media::estimators::{delta_tracking_variance, ratio_tracking_variance};
-use volref::render::radiative::tracker::Numbers;
+use volref::render::radiative::sampler::{Row, Sampler, SamplerRow};
 use volref::render::radiative::tracking::*;
 
 const SAMPLES: u32 = 400_000;
@@ -43,21 +43,25 @@ struct TrackedPiece {
     high: f64,
 }
 
-impl Bounded for TrackedCurve<'_> {
-    fn next_stretch(&mut self) -> Option<Bounds> {
+impl Iterator for TrackedCurve<'_> {
+    type Item = MajorantSegment;
+
+    fn next(&mut self) -> Option<MajorantSegment> {
         let piece = self.pieces.get(self.next)?;
         self.next += 1;
-        Some(Bounds {
+        Some(MajorantSegment {
             span: Span {
                 near: piece.near,
                 far: piece.far,
             },
-            low: DVec3::splat(piece.low),
-            high: DVec3::splat(piece.high),
-            glow: DVec3::ZERO,
+            minorant: DVec3::splat(piece.low),
+            majorant: DVec3::splat(piece.high),
+            emission: DVec3::ZERO,
         })
     }
+}
 
+impl Majorants for TrackedCurve<'_> {
     fn extinction(&mut self, t: f64) -> DVec3 {
         DVec3::splat((self.sigma)(t))
     }
@@ -72,13 +76,12 @@ struct TrackedResult {
     violations: u64,
 }
 
-fn run(mut estimate: impl FnMut(&mut Numbers, &mut Effort) -> f64) -> TrackedResult {
+fn run(mut estimate: impl FnMut(&mut SamplerRow<'_>, &mut Effort) -> f64) -> TrackedResult {
     let mut effort = Effort::default();
     let values: Vec<f64> = (0..SAMPLES)
         .map(|sample| {
-            let stream = Stream::new(7, 0, sample);
-            let mut chance = Numbers::new(&stream, 0, Purpose::Tracking);
-            estimate(&mut chance, &mut effort)
+            let mut sampler = Sampler::new(Stream::new(7, 0, sample));
+            estimate(&mut sampler.tentative(Row::Transmittance), &mut effort)
         })
         .collect();
     let mut estimates = Moments::default();
@@ -96,18 +99,18 @@ fn run(mut estimate: impl FnMut(&mut Numbers, &mut Effort) -> f64) -> TrackedRes
 }
 
 fn by_delta(sigma: &dyn Fn(f64) -> f64, pieces: &[TrackedPiece]) -> TrackedResult {
-    run(|chance, effort| {
+    run(|numbers, effort| {
         let mut curve = TrackedCurve {
             sigma,
             pieces,
             next: 0,
         };
-        let first = chance.tentative();
+        let first = numbers.next();
         match delta_tracking(
             &mut curve,
             0,
             first,
-            chance,
+            numbers,
             &mut DVec3::ONE.clone(),
             effort,
         ) {
@@ -122,13 +125,13 @@ fn by_ratio(
     pieces: &[TrackedPiece],
     (control, small): (Control, Small),
 ) -> TrackedResult {
-    run(|chance, effort| {
+    run(|numbers, effort| {
         let mut curve = TrackedCurve {
             sigma,
             pieces,
             next: 0,
         };
-        ratio_tracking(&mut curve, control, small, chance, effort).x
+        ratio_tracking(&mut curve, control, small, numbers, effort).x
     })
 }
 
@@ -227,7 +230,7 @@ fn ratio_tracking_on_the_smooth_ray() {
     agrees("ratio", &plain, TRANSMITTANCE, variance);
     costs("ratio", &plain, high * LENGTH);
 
-    let residual = by_ratio(&smooth, &pieces, (Control::LowerBound, Small::Kept));
+    let residual = by_ratio(&smooth, &pieces, (Control::Minorant, Small::Kept));
     let rest = |t: f64| (smooth(t) - low) * (smooth(t) - low) / (high - low);
     let variance = TRANSMITTANCE * TRANSMITTANCE * exp_m1(along(rest));
     assert!((variance - 1.26e-4).abs() < 5e-7, "{variance:e}");
@@ -290,7 +293,7 @@ fn bounds_piece_by_piece() {
     );
     costs("ratio", &ratio, over(&|_, piece| piece.high));
 
-    let residual = by_ratio(&sigma, &pieces, (Control::LowerBound, Small::Kept));
+    let residual = by_ratio(&sigma, &pieces, (Control::Minorant, Small::Kept));
     let rest = |t: f64, piece: &TrackedPiece| match piece.high - piece.low {
         0.0 => 0.0,
         range => (sigma(t) - piece.low) * (sigma(t) - piece.low) / range,
@@ -304,7 +307,7 @@ fn bounds_piece_by_piece() {
     );
 
     // Thinned estimates are noisier and cheaper, and have the same mean.
-    let thinned = by_ratio(&sigma, &pieces, (Control::LowerBound, Small::Thinned));
+    let thinned = by_ratio(&sigma, &pieces, (Control::Minorant, Small::Thinned));
     let spread = thinned.estimates.variance().unwrap();
     agrees("thinned", &thinned, mean, spread);
     assert!(spread > variance && thinned.lookups < residual.lookups);

@@ -19,9 +19,9 @@ use volref::geometry::Span;
 use volref::math::rng::{Purpose, Stream};
 use volref::math::{Moments, Sum, exp};
 use volref::media::estimators::ratio_tracking_variance;
-use volref::render::radiative::tracker::Numbers;
+use volref::render::radiative::sampler::{Row, Sampler};
 use volref::render::radiative::tracking::{
-    Bounded, Bounds, Control, Effort, Small, ratio_tracking,
+    Control, Effort, MajorantSegment, Majorants, Small, ratio_tracking,
 };
 
 const SAMPLES: u32 = 400_000;
@@ -140,22 +140,26 @@ fn a_constant_extinction_is_free_of_noise() {
     }
 }
 
-/// One stretch with one bound.
+/// One segment with one majorant.
 struct MarchedCurve {
     span: Option<Span>,
     high: f64,
 }
 
-impl Bounded for MarchedCurve {
-    fn next_stretch(&mut self) -> Option<Bounds> {
-        Some(Bounds {
+impl Iterator for MarchedCurve {
+    type Item = MajorantSegment;
+
+    fn next(&mut self) -> Option<MajorantSegment> {
+        Some(MajorantSegment {
             span: self.span.take()?,
-            low: DVec3::ZERO,
-            high: DVec3::splat(self.high),
-            glow: DVec3::ZERO,
+            minorant: DVec3::ZERO,
+            majorant: DVec3::splat(self.high),
+            emission: DVec3::ZERO,
         })
     }
+}
 
+impl Majorants for MarchedCurve {
     fn extinction(&mut self, t: f64) -> DVec3 {
         DVec3::splat(smooth(t))
     }
@@ -169,7 +173,8 @@ fn less_noise_than_ratio_tracking_at_the_same_cost() {
     let mut effort = Effort::default();
     let ratio: Moments = (0..SAMPLES)
         .map(|sample| {
-            let mut chance = Numbers::new(&Stream::new(11, 0, sample), 0, Purpose::Tracking);
+            let mut sampler = Sampler::new(Stream::new(11, 0, sample));
+            let mut numbers = sampler.tentative(Row::Transmittance);
             let mut curve = MarchedCurve {
                 span: Some(Span {
                     near: 0.0,
@@ -178,7 +183,7 @@ fn less_noise_than_ratio_tracking_at_the_same_cost() {
                 high,
             };
             let nothing = Control::Nothing;
-            ratio_tracking(&mut curve, nothing, Small::Kept, &mut chance, &mut effort).x
+            ratio_tracking(&mut curve, nothing, Small::Kept, &mut numbers, &mut effort).x
         })
         .collect();
     let ratio_lookups = effort.lookups as f64 / f64::from(SAMPLES);

@@ -23,17 +23,16 @@ def seeds(seed, count):
 
 
 def summary(pictures):
-    """Their mean and the variance of it, or none where they agree but for rounding.
+    """Their mean and the variance of it: 0 in pixels that agree but for rounding, none if all do.
 
-    Who states noise is judged by it, and a picture without any has less than any statement.
+    Rounding is no noise. A gate that finds less noise than is stated cannot tell it from a picture
+    that was denoised, and allows for rounding by itself.
     """
     pictures = np.asarray(pictures, float)
     mean = pictures.mean(0)
     spread = pictures.var(0, ddof=1) / len(pictures)
-    rounding = (ROUNDING * mean) ** 2
-    if (spread <= rounding).all():
-        return mean, None
-    return mean, spread + rounding
+    variance = np.where(spread <= (ROUNDING * mean) ** 2, 0.0, spread)
+    return mean, variance if variance.any() else None
 
 
 def write(file, mean, variance, samples):

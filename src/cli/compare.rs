@@ -25,9 +25,8 @@ pub struct Arguments {
     // `help` lists the gates.
     #[arg(long, value_name = "GATE", value_parser = gate_named, help = gates_help())]
     gate: Option<&'static dyn ImageGate>,
-    /// Bias of the mean of the image that a pass of the stochastic gate must have been able to see,
-    /// in percent of that mean plus 0.001; where the images are too noisy for that, the verdict is
-    /// inconclusive (exit code 5)
+    /// Largest detectable bias of the mean of the image with which the stochastic gate passes, in
+    /// percent of that mean plus 0.001; noisier images are inconclusive (exit code 5)
     #[arg(
         long,
         value_name = "PERCENT",

@@ -6,7 +6,9 @@ use super::render::warnings_of_all;
 use super::{Outcome, progress};
 use crate::render::counters::Event;
 use crate::render::plan::{Approximation, Decision, Estimator, PlanError, Reason};
-use crate::render::{self, Amount, Bound, Counters, Effect, Expected, Footprint, Memory, Plan};
+use crate::render::{
+    self, Amount, Bound, Counters, Effect, Footprint, Memory, Plan, PredictedWork, Sampling,
+};
 use crate::scene::{Model, Origin, Panel, Scene};
 use indicatif::HumanBytes;
 use serde::Serialize;
@@ -52,7 +54,7 @@ impl FromStr for Forced {
 }
 
 /// The plan for `panel` with what is `forced`.
-fn plan_for(panel: &Panel, forced: &[Forced]) -> Result<Plan, PlanError> {
+fn plan_for<'s>(panel: &'s Panel, forced: &[Forced]) -> Result<Plan<'s>, PlanError> {
     let effects: Vec<Effect> = forced
         .iter()
         .flat_map(|forced| match forced {
@@ -83,8 +85,8 @@ struct ImageJson {
 }
 
 impl ImageJson {
-    fn of(scene: &Scene, plans: &[Plan]) -> ImageJson {
-        let Footprint { image, most } = render::footprint(scene, plans);
+    fn of(scene: &Scene, plans: &[Plan<'_>]) -> ImageJson {
+        let Footprint { image, most } = render::footprint(plans, Sampling::default());
         ImageJson {
             width: scene.width(),
             height: scene.height(),
@@ -120,7 +122,7 @@ struct PanelJson<'s> {
     rays: u64,
     /// By the names of the counters.
     expected: BTreeMap<&'static str, AmountJson>,
-    memory: &'s [Memory],
+    memory: Vec<Memory>,
     #[serde(skip_serializing_if = "Option::is_none")]
     counters: Option<Counters>,
 }
@@ -191,7 +193,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let work: Vec<Option<Counters>> = if arguments.counters {
         let advice = "a copy of the scene with fewer pixels or samples takes less";
         let bar = progress::image("counting", advice, &warnings_of_all(&plans));
-        let rendering = render::render_counted(&scene, &plans, &bar);
+        let rendering = render::render_counted(&plans, Sampling::default(), &bar);
         bar.finish_and_clear();
         let rendering =
             rendering.map_err(|error| Failure::new(Exit::BadInput, error.to_string(), None))?;
@@ -200,18 +202,17 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         vec![None; plans.len()]
     };
 
-    let expected = scene.panels.iter().zip(&plans);
-    let expected: Vec<_> = expected.map(|(panel, plan)| plan.expected(panel)).collect();
     let image = ImageJson::of(&scene, &plans);
     let mut text = image.text();
     let mut panels = Vec::new();
-    for (index, (panel, plan)) in scene.panels.iter().zip(&plans).enumerate() {
-        let (expected, work) = (&expected[index], &work[index]);
-        if scene.panels.len() > 1 {
+    for (index, (plan, work)) in plans.iter().zip(&work).enumerate() {
+        let panel = plan.panel;
+        let expected = plan.predicted_work(Sampling::default());
+        if plans.len() > 1 {
             let title = panel.title.as_deref().unwrap_or("untitled");
             text.push_str(&format!("panel {}: {title}\n", index + 1));
         }
-        text.push_str(&describe(panel, plan, expected, work.as_ref()));
+        text.push_str(&describe(plan, &expected, work.as_ref()));
         panels.push(PanelJson {
             title: panel.title.as_deref(),
             kernel: plan.kernel.to_string(),
@@ -224,9 +225,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             rays: expected.rays,
             expected: Event::ALL
                 .into_iter()
-                .map(|event| (event.name(), AmountJson::of(expected.of(event))))
+                .map(|event| (event.key(), AmountJson::of(expected.of(event))))
                 .collect(),
-            memory: &expected.memory,
+            memory: expected.memory,
             counters: *work,
         });
     }
@@ -254,7 +255,8 @@ fn defaults(panel: &Panel) -> impl Iterator<Item = DefaultJson<'_>> {
     })
 }
 
-fn describe(panel: &Panel, plan: &Plan, expected: &Expected, work: Option<&Counters>) -> String {
+fn describe(plan: &Plan<'_>, expected: &PredictedWork, work: Option<&Counters>) -> String {
+    let panel = plan.panel;
     let mut text = format!("kernel     {}\n", plan.kernel);
     let Estimator { method, why } = &plan.estimator;
     text.push_str(&format!("estimator  {method}: {why}\n"));
@@ -318,8 +320,8 @@ fn describe(panel: &Panel, plan: &Plan, expected: &Expected, work: Option<&Count
     text
 }
 
-/// The work that is expected, and beside it what was counted.
-fn describe_work(expected: &Expected, work: Option<&Counters>) -> String {
+/// Predicted work, and measured work beside it.
+fn describe_work(expected: &PredictedWork, work: Option<&Counters>) -> String {
     let rays = expected.rays;
     let a_ray = |count: u64| short(count as f64 / rays.max(1) as f64);
     let predicted = |event: Event| match expected.of(event) {
@@ -331,9 +333,9 @@ fn describe_work(expected: &Expected, work: Option<&Counters>) -> String {
         },
         Some(Amount { bound, count }) => format!("{bound} {}", a_ray(count)),
     };
-    let name = |event: Event| event.name().replace('_', " ");
+    let name = |event: Event| event.key().replace('_', " ");
     let Some(work) = work else {
-        // What is not done at all, and what nobody can tell, take a line each.
+        // Events that do not occur, and events without a prediction, take a line each.
         let named = |what: &str| -> Vec<String> {
             let those = Event::ALL
                 .into_iter()
@@ -361,7 +363,7 @@ fn describe_work(expected: &Expected, work: Option<&Counters>) -> String {
         "in all"
     );
     for event in Event::ALL {
-        let count = work.of(event);
+        let count = work[event];
         text.push_str(&format!(
             "  {:<26}  {:<16}  {:>12}  {count:>14}\n",
             name(event),

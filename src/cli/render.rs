@@ -7,7 +7,7 @@ use crate::film::Film;
 use crate::math;
 use crate::reference;
 use crate::render::plan::Reason;
-use crate::render::{self, Plan};
+use crate::render::{self, Plan, Sampling, Seed};
 use crate::scene::{Length, Model, Scene, samples};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -60,14 +60,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if let Some(step) = arguments.step {
         set_step(&mut scene, step)?;
     }
-    if let Some(samples) = arguments.spp {
-        scene.set_samples(samples);
-    }
-    if let Some(seed) = arguments.seed {
-        scene.set_seed(seed);
-    }
+    let sampling = Sampling {
+        samples: arguments.spp,
+        seed: arguments.seed.map_or(Seed::OfScene, Seed::Given),
+    };
     let start = Instant::now();
-    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
+    let plans = render::plans(&scene);
     let is_sampled = plans.iter().any(Plan::is_sampled);
     let film = with_threads(arguments.threads, || {
         let advice = match is_sampled {
@@ -75,11 +73,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             false => "fewer pixels in [film] take less",
         };
         let bar = progress::image("rendering", advice, &warnings_of_all(&plans));
-        let film = match arguments.reference {
-            true => reference::render(&scene).map_err(|error| error.to_string()),
-            false => render::render(&scene, &plans, &bar)
-                .map(|rendering| rendering.film)
-                .map_err(|error| error.to_string()),
+        let film = if arguments.reference {
+            reference::render(&scene, sampling).map_err(|error| error.to_string())
+        } else {
+            let rendering = render::render(&plans, sampling, &bar);
+            let film = rendering.map(|rendering| rendering.film);
+            film.map_err(|error| error.to_string())
         };
         bar.finish_and_clear();
         film
@@ -128,7 +127,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 
 /// What the plans of all panels warn of: what matters to one of several panels matters to the
 /// picture.
-pub fn warnings_of_all(plans: &[Plan]) -> Vec<&Reason> {
+pub fn warnings_of_all<'p>(plans: &'p [Plan<'_>]) -> Vec<&'p Reason> {
     let warnings = plans[0].warnings.iter();
     warnings
         .filter(|warning| plans.iter().all(|plan| plan.warnings.contains(warning)))

@@ -545,7 +545,7 @@ fn judge_all(
     let bar = progress::cases(cases.len());
     let next = AtomicUsize::new(0);
     let done = Mutex::new(Done {
-        judged: cases.iter().map(|_| None).collect(),
+        cases: cases.iter().map(|_| State::Open).collect(),
         said: 0,
     });
     std::thread::scope(|scope| {
@@ -561,7 +561,9 @@ fn judge_all(
                     let made = source.output(case);
                     let is_left_out =
                         arguments.only_present && matches!(made.output, Output::Missing(_));
-                    let judged = (!is_left_out).then(|| {
+                    let state = if is_left_out {
+                        State::LeftOut
+                    } else {
                         let mut judged = validate(case, store, made.output);
                         judged.result.seconds = start.elapsed().as_secs_f64();
                         judged.result.notes = made.notes;
@@ -570,11 +572,11 @@ fn judge_all(
                         judged.evidence.reproduce =
                             vec![arguments.selection.again("validate", &case.name, &words)];
                         judged.evidence.call = made.call;
-                        judged
-                    });
+                        State::Judged(Box::new(judged))
+                    };
                     bar.inc(1);
                     let mut done = done.lock().expect("no thread panicked");
-                    done.judged[index] = Some(judged);
+                    done.cases[index] = state;
                     bar.suspend(|| say_what_is_next(&mut done, said));
                 }
             });
@@ -582,22 +584,37 @@ fn judge_all(
     });
     bar.finish_and_clear();
     let done = done.into_inner().expect("no thread panicked");
-    done.judged.into_iter().flatten().flatten().collect()
+    let judged = done.cases.into_iter().filter_map(|case| match case {
+        State::Judged(judged) => Some(*judged),
+        State::Open | State::LeftOut => None,
+    });
+    judged.collect()
 }
 
-/// Cases that were judged.
+/// State of the cases to judge.
 struct Done {
-    /// By case; the inner value is empty where the case is left out.
-    judged: Vec<Option<Option<Judged>>>,
-    /// How many were said, or left out.
+    cases: Vec<State>,
+    /// Number of cases whose verdicts are printed, or that are left out.
     said: usize,
+}
+
+/// State of one case.
+enum State {
+    /// Not judged yet.
+    Open,
+    /// Without an image, and not asked for.
+    LeftOut,
+    /// With its verdict.
+    Judged(Box<Judged>),
 }
 
 /// Prints the verdicts that no case before them holds up.
 fn say_what_is_next(done: &mut MutexGuard<'_, Done>, said: &PrintedVerdicts) {
-    while let Some(Some(judged)) = done.judged.get(done.said) {
-        if let Some(judged) = judged {
-            said.verdict(&judged.result);
+    loop {
+        match done.cases.get(done.said) {
+            None | Some(State::Open) => return,
+            Some(State::LeftOut) => {}
+            Some(State::Judged(judged)) => said.verdict(&judged.result),
         }
         done.said += 1;
     }

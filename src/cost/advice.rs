@@ -207,7 +207,7 @@ fn command(parameter: Parameter, setting: &str, path: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cost::results::{ConvergenceOrder, Norms, OrderVerdict, WorkPerRay};
+    use crate::cost::results::{ConvergenceOrder, Event, MeanWork, Norms, OrderVerdict};
 
     /// Noise beyond what was measured is said to be so, next to a price list that reaches nothing.
     #[test]
@@ -215,10 +215,7 @@ mod tests {
         let level = |samples: u32| Level {
             setting: format!("{samples} samples"),
             value: f64::from(samples),
-            work: WorkPerRay {
-                random_draws: 10.0 * f64::from(samples),
-                ..WorkPerRay::default()
-            },
+            work: MeanWork::from([(Event::RandomDraw, 10.0 * f64::from(samples))]),
             error: Norms {
                 l2: 0.79 / f64::from(samples).sqrt(),
                 ..Norms::default()

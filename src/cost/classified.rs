@@ -7,10 +7,11 @@ use crate::media::{Appearance, TransferFunction};
 use crate::render::Counters;
 use crate::render::classified::compositing::{FrontToBack, Layers};
 use crate::render::classified::empty_space::{EmptySpace, Space};
-use crate::render::classified::field::{Field, Sampled};
-use crate::render::classified::ray_caster::{RayCaster, Shaded, Shading};
+use crate::render::classified::field::{GridField, ScalarField};
+use crate::render::classified::ray_caster::RayCaster;
+use crate::render::classified::shading::{Shaded, Shading};
 use crate::render::classified::steps::Steps;
-use crate::render::classified::volume_shadow::{Sample, Visibility, VolumeShadow};
+use crate::render::classified::volume_shadow::{SamplePoint, Visibility, VolumeShadow};
 use crate::render::counters::{Event, Work};
 use crate::scene::{Classified, Shadow};
 use crate::volume::{DensityField, GridDensity, Interpolation, relative_gradients};
@@ -44,7 +45,7 @@ trait Caster: Send + Sync {
 
 impl<F, S, V> Caster for RayCaster<'_, F, FrontToBack, S, V, EmptySpace>
 where
-    F: Field + Send,
+    F: ScalarField + Send,
     S: Shading + Send,
     V: Visibility + Send,
 {
@@ -281,7 +282,7 @@ fn caster<'s>(scene: &'s Classified, shade: Shade) -> impl Caster + 's {
         light: scene.light,
     });
     RayCaster {
-        field: Sampled::new(&scene.grid, scene.interpolation),
+        field: GridField::new(&scene.grid, scene.interpolation),
         order: FrontToBack,
         shading: AnyShading(shading),
         visibility,
@@ -297,11 +298,11 @@ fn caster<'s>(scene: &'s Classified, shade: Shade) -> impl Caster + 's {
 struct AnyShading(Option<Shaded>);
 
 impl Shading for AnyShading {
-    fn shade<F: Field, W: Work>(
+    fn shade<F: ScalarField, W: Work>(
         &self,
         colour: DVec3,
         field: &F,
-        place: &F::Place,
+        place: &F::Location,
         point: DVec3,
         ray: &Ray,
         work: &mut W,
@@ -321,9 +322,9 @@ enum AnyVisibility<'c> {
 }
 
 impl Visibility for AnyVisibility<'_> {
-    fn at<F: Field, S: Space, W: Work>(
+    fn at<F: ScalarField, S: Space, W: Work>(
         &self,
-        sample: Sample,
+        sample: SamplePoint,
         field: &F,
         space: &S,
         work: &mut W,
@@ -346,7 +347,13 @@ struct ExactShadow {
 }
 
 impl Visibility for ExactShadow {
-    fn at<F: Field, S: Space, W: Work>(&self, sample: Sample, _: &F, _: &S, work: &mut W) -> f64 {
+    fn at<F: ScalarField, S: Space, W: Work>(
+        &self,
+        sample: SamplePoint,
+        _: &F,
+        _: &S,
+        work: &mut W,
+    ) -> f64 {
         let to_light = self.light - sample.world;
         let Some(ray) = Ray::new(sample.world, to_light) else {
             return 1.0;

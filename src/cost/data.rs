@@ -12,7 +12,7 @@ use super::timing::Clock;
 use super::transmittance::{Crossings, MediumOnRay, RayThroughMedia};
 use crate::math::exp;
 use crate::media::Field;
-use crate::render::Counters;
+use crate::render::{Counters, Event};
 use crate::scene::Classified;
 use crate::volume::{Cell, Centring, Grid, GridDensity, Interpolation, Lattice};
 use glam::DVec3;
@@ -128,10 +128,7 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
                 let errors = errors.collect();
                 SettingOutcome {
                     errors,
-                    work: Counters {
-                        density_lookups: lookups,
-                        ..Counters::default()
-                    },
+                    work: Counters::from([(Event::DensityLookup, lookups)]),
                     rays: crossings.rays.len(),
                     channels: 1,
                 }

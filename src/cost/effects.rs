@@ -1,10 +1,10 @@
 //! What each effect costs by itself.
 
-use super::results::{EffectPrice, WorkPerRay};
+use super::results::{EffectPrice, MeanWork};
 use super::thumbnail;
 use super::timing::Clock;
-use crate::media::{Asymmetry, Coefficients, Density, HenyeyGreenstein};
-use crate::render::{Plan, RenderError, render, render_counted};
+use crate::media::{Coefficients, Density, Phase};
+use crate::render::{RenderError, Sampling, plans, render, render_counted};
 use crate::scene::{Classified, Model, Panel, Radiative, Scattering, Scene};
 use glam::DVec3;
 
@@ -18,10 +18,8 @@ const SAMPLES: u32 = 4;
 pub struct Variant {
     /// Which effects, in words.
     pub name: String,
-    /// A small image of it.
+    /// A small image of it, of one panel.
     pub scene: Scene,
-    /// The plan of its only panel.
-    pub plans: Vec<Plan>,
 }
 
 /// The effects of `panel`, each on alone upon what is there without any; the last is all of them.
@@ -31,9 +29,9 @@ pub fn variants(panel: &Panel) -> Vec<Variant> {
         Model::Radiative(scene) => of_radiative(scene),
         Model::Curve(_) => vec![],
     };
-    let small = |(name, model)| {
-        let (scene, plans) = thumbnail::scene(panel, model, SIDE, SAMPLES);
-        Variant { name, scene, plans }
+    let small = |(name, model)| Variant {
+        name,
+        scene: thumbnail::scene(panel, model, SIDE),
     };
     variants.into_iter().map(small).collect()
 }
@@ -43,22 +41,27 @@ pub fn prices(panel: &Panel, clock: &Clock) -> Result<Vec<EffectPrice>, RenderEr
     let [width, height] = thumbnail::thumbnail([panel.width, panel.height], SIDE);
     let pixels = width * height;
     let variants = variants(panel);
+    let sampling = Sampling::of_samples(SAMPLES);
+    let all_plans: Vec<_> = variants
+        .iter()
+        .map(|variant| plans(&variant.scene))
+        .collect();
     let mut prices = Vec::new();
-    for variant in &variants {
-        let made = render_counted(&variant.scene, &variant.plans, &|| ())?;
+    for (variant, plans) in variants.iter().zip(&all_plans) {
+        let made = render_counted(plans, sampling, &|| ())?;
         prices.push(EffectPrice {
             effect: variant.name.clone(),
-            work: WorkPerRay::per_ray(&made.work[0], pixels),
+            work: MeanWork::per_ray(&made.work[0], pixels),
             time: None,
             times_lookups: None,
         });
     }
-    let renders: Vec<Box<dyn Fn() + Sync + '_>> = variants
+    let renders: Vec<Box<dyn Fn() + Sync + '_>> = all_plans
         .iter()
-        .map(|Variant { scene, plans, .. }| -> Box<dyn Fn() + Sync> {
+        .map(|plans| -> Box<dyn Fn() + Sync> {
             Box::new(move || {
                 // It was rendered above, and refuses nothing that it did not then.
-                let _ = std::hint::black_box(render(scene, plans, &|| ()));
+                let _ = std::hint::black_box(render(plans, sampling, &|| ()));
             })
         })
         .collect();
@@ -115,7 +118,7 @@ fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
         let typical = body.density.as_ref().map_or(1.0, Density::typical);
         body.medium.coefficients = grey(&body.medium.coefficients, typical);
         body.medium.emission = DVec3::ZERO;
-        body.medium.phase = HenyeyGreenstein(Asymmetry::ISOTROPIC);
+        body.medium.phase = Phase::ISOTROPIC;
         body.density = None;
     }
     let named = |name: &str, scene: Radiative| (name.to_owned(), Model::Radiative(Box::new(scene)));
@@ -155,7 +158,7 @@ fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
         add("with multiple scattering", &|edited| {
             edited.scattering = scene.scattering
         });
-        if any(&|body| body.medium.phase != HenyeyGreenstein(Asymmetry::ISOTROPIC)) {
+        if any(&|body| body.medium.phase != Phase::ISOTROPIC) {
             add("with multiple scattering, anisotropic", &|edited| {
                 edited.scattering = scene.scattering;
                 each(edited, &|body, given| {

@@ -10,9 +10,9 @@ use super::unbiased_ray_marching;
 use crate::math::rng::{Purpose, Stream};
 use crate::math::{Moments, exp};
 use crate::media::estimators::{delta_tracking_variance, ratio_tracking_variance};
-use crate::render::radiative::tracker::Numbers;
+use crate::render::radiative::sampler::{Row, Sampler};
 use crate::render::radiative::tracking::{
-    Chance, Control, Effort, Small, delta_tracking, ratio_tracking,
+    Control, Effort, Small, TentativeNumbers, delta_tracking, ratio_tracking,
 };
 use glam::DVec3;
 use rayon::prelude::*;
@@ -62,33 +62,40 @@ impl TransmittanceEstimator {
 
     /// One estimate for `profile`, with the random numbers of `stream`.
     pub fn sample(self, profile: &Profile<'_>, stream: &Stream) -> EstimatorSample {
-        let mut chance = Numbers::new(stream, 0, Purpose::Tracking);
+        let mut sampler = Sampler::new(*stream);
+        let mut numbers = sampler.tentative(Row::Transmittance);
         let mut walk = profile.walk();
         let mut effort = Effort::default();
         let ratio = |control| (control, Small::Kept);
         let (control, small) = match self {
             TransmittanceEstimator::Delta => {
-                let first = chance.tentative();
+                let first = numbers.next();
                 let mut survived = DVec3::ONE;
-                let end =
-                    delta_tracking(&mut walk, 0, first, &mut chance, &mut survived, &mut effort);
+                let end = delta_tracking(
+                    &mut walk,
+                    0,
+                    first,
+                    &mut numbers,
+                    &mut survived,
+                    &mut effort,
+                );
                 return EstimatorSample {
                     value: if end.is_break() { 0.0 } else { 1.0 },
                     lookups: walk.lookups,
-                    draws: 2 * u64::from(chance.drawn),
+                    draws: sampler.given(),
                 };
             }
             TransmittanceEstimator::UnbiasedMarching => {
                 return by_unbiased_marching(profile, stream);
             }
             TransmittanceEstimator::Ratio => ratio(Control::Nothing),
-            TransmittanceEstimator::ResidualRatio => ratio(Control::LowerBound),
+            TransmittanceEstimator::ResidualRatio => ratio(Control::Minorant),
         };
-        let value = ratio_tracking(&mut walk, control, small, &mut chance, &mut effort);
+        let value = ratio_tracking(&mut walk, control, small, &mut numbers, &mut effort);
         EstimatorSample {
             value: value.x,
             lookups: walk.lookups,
-            draws: 2 * u64::from(chance.drawn),
+            draws: sampler.given(),
         }
     }
 

@@ -7,7 +7,6 @@
 //! errors, which repeat to the last bit; wall time is reported ([`timing`]) and never judged.
 
 pub mod advice;
-pub mod by_hand;
 pub mod classified;
 pub mod collocation;
 pub mod data;

@@ -1,7 +1,7 @@
 //! Extinction along one ray: what every estimator of its transmittance is given.
 
 use crate::geometry::Span;
-use crate::render::radiative::tracking::{Bounded, Bounds};
+use crate::render::radiative::tracking::{MajorantSegment, Majorants};
 use glam::DVec3;
 
 /// Extinction along a ray, in one channel.
@@ -118,18 +118,22 @@ pub struct ProfileWalk<'p> {
     pub lookups: u64,
 }
 
-impl Bounded for ProfileWalk<'_> {
-    fn next_stretch(&mut self) -> Option<Bounds> {
+impl Iterator for ProfileWalk<'_> {
+    type Item = MajorantSegment;
+
+    fn next(&mut self) -> Option<MajorantSegment> {
         let segment = self.profile.segments.get(self.next)?;
         self.next += 1;
-        Some(Bounds {
+        Some(MajorantSegment {
             span: segment.span,
-            low: DVec3::splat(segment.low),
-            high: DVec3::splat(segment.high),
-            glow: DVec3::ZERO,
+            minorant: DVec3::splat(segment.low),
+            majorant: DVec3::splat(segment.high),
+            emission: DVec3::ZERO,
         })
     }
+}
 
+impl Majorants for ProfileWalk<'_> {
     fn extinction(&mut self, t: f64) -> DVec3 {
         DVec3::splat((self.profile.extinction)(t, &mut self.lookups))
     }

@@ -1,7 +1,9 @@
 //! What was found out about a scene, ready to be printed and drawn.
 
 use crate::render::Counters;
-use serde::Serialize;
+pub use crate::render::Event;
+use serde::{Serialize, Serializer};
+use std::ops::{Index, IndexMut};
 
 /// What accuracy costs in one scene, or in one panel of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -100,7 +102,7 @@ pub struct Level {
     /// As a number: a length, or a number of samples.
     pub value: f64,
     /// Work for each ray (or pixel), mean over them.
-    pub work: WorkPerRay,
+    pub work: MeanWork,
     /// Error, relative to the root mean square of the reference.
     pub error: Norms,
     /// The same over those rays alone on which theory expects an order, where these are not all.
@@ -111,63 +113,81 @@ pub struct Level {
     pub time: Option<Times>,
 }
 
-/// Work for each ray, mean over all.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct WorkPerRay {
-    /// Densities looked up, on the way to lights as well.
-    pub density_lookups: f64,
-    /// Gradients looked up.
-    pub gradient_lookups: f64,
-    /// Cells or blocks walked.
-    pub cells_walked: f64,
-    /// Rays towards lights.
-    pub shadow_rays: f64,
-    /// Values of a phase function.
-    pub phase_evaluations: f64,
-    /// Collisions with nothing.
-    pub null_collisions: f64,
-    /// Rays tested against a surface.
-    pub surface_tests: f64,
-    /// Random numbers.
-    pub random_draws: f64,
-}
+/// Work of a ray, mean over all rays, by event.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MeanWork([f64; Event::COUNT]);
 
-impl WorkPerRay {
-    /// The counts of `rays` rays.
-    pub fn per_ray(counters: &Counters, rays: usize) -> WorkPerRay {
-        let each = |count: u64| count as f64 / rays as f64;
-        WorkPerRay {
-            density_lookups: each(counters.density_lookups),
-            gradient_lookups: each(counters.gradient_lookups),
-            cells_walked: each(counters.cells_walked),
-            shadow_rays: each(counters.shadow_rays),
-            phase_evaluations: each(counters.phase_evaluations),
-            null_collisions: each(counters.null_collisions),
-            surface_tests: each(counters.surface_tests),
-            random_draws: each(counters.random_draws),
-        }
+impl MeanWork {
+    /// The events that are reported; studies of single integrals count no others.
+    pub const REPORTED: [Event; 8] = [
+        Event::DensityLookup,
+        Event::GradientLookup,
+        Event::CellWalked,
+        Event::ShadowRay,
+        Event::PhaseEvaluation,
+        Event::NullCollision,
+        Event::SurfaceTest,
+        Event::RandomDraw,
+    ];
+
+    /// The counts of `rays` rays, for each of them.
+    pub fn per_ray(counters: &Counters, rays: usize) -> MeanWork {
+        MeanWork(Event::ALL.map(|event| counters[event] as f64 / rays as f64))
     }
 
     /// The number by which settings are compared: look-ups of densities and gradients, or random
     /// numbers where nothing is looked up.
     pub fn price(&self) -> f64 {
-        let lookups = self.density_lookups + self.gradient_lookups;
+        let lookups = self[Event::DensityLookup] + self[Event::GradientLookup];
         if lookups > 0.0 {
             lookups
         } else {
-            self.random_draws
+            self[Event::RandomDraw]
         }
     }
 
-    /// What [`WorkPerRay::price`] counts.
+    /// What [`MeanWork::price`] counts.
     pub fn counted(&self) -> Counted {
-        if self.density_lookups + self.gradient_lookups > 0.0 {
+        if self[Event::DensityLookup] + self[Event::GradientLookup] > 0.0 {
             Counted::Lookups
-        } else if self.random_draws > 0.0 {
+        } else if self[Event::RandomDraw] > 0.0 {
             Counted::RandomNumbers
         } else {
             Counted::Nothing
         }
+    }
+}
+
+impl Index<Event> for MeanWork {
+    type Output = f64;
+
+    fn index(&self, event: Event) -> &f64 {
+        &self.0[event as usize]
+    }
+}
+
+impl IndexMut<Event> for MeanWork {
+    fn index_mut(&mut self, event: Event) -> &mut f64 {
+        &mut self.0[event as usize]
+    }
+}
+
+/// The given means; of all other events 0.
+impl<const N: usize> From<[(Event, f64); N]> for MeanWork {
+    fn from(means: [(Event, f64); N]) -> MeanWork {
+        let mut work = MeanWork::default();
+        for (event, mean) in means {
+            work[event] = mean;
+        }
+        work
+    }
+}
+
+/// A map from the keys of the [reported](MeanWork::REPORTED) events to their means.
+impl Serialize for MeanWork {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let means = MeanWork::REPORTED.map(|event| (event.key(), self[event]));
+        serializer.collect_map(means)
     }
 }
 
@@ -400,7 +420,7 @@ pub struct EffectPrice {
     /// What is simulated.
     pub effect: String,
     /// Work for each pixel.
-    pub work: WorkPerRay,
+    pub work: MeanWork,
     /// Time for each pixel.
     pub time: Option<Times>,
     /// Look-ups relative to the first of the list.

@@ -7,7 +7,7 @@ use super::study::{PlannedSweep, Setting, SettingOutcome, run_sweeps};
 use super::thumbnail;
 use super::timing::Clock;
 use crate::film::Film;
-use crate::render::{RenderError, render, render_counted};
+use crate::render::{RenderError, Sampling, Seed, plans, render, render_counted};
 use crate::scene::Panel;
 
 /// Pixels of the larger side of the image.
@@ -22,14 +22,20 @@ const REFERENCE: u32 = 4096;
 
 /// The image of `panel`, by samples per pixel; random numbers from `seed`.
 pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderError> {
-    let with = |samples: u32, seed: u64| {
-        let (mut scene, plans) = thumbnail::scene(panel, panel.model.clone(), SIDE, samples);
-        scene.set_seed(seed);
-        (scene, plans)
+    let scene = thumbnail::scene(panel, panel.model.clone(), SIDE);
+    let plans = plans(&scene);
+    let plans = plans.as_slice();
+    let sampling = |samples: u32, seed: u64| Sampling {
+        samples: Some(samples),
+        seed: Seed::Given(seed),
     };
     // Seeds of their own, so that no setting shares random numbers with another.
-    let (scene, plans) = with(REFERENCE, seed.wrapping_add(1 << 32));
-    let film = render(&scene, &plans, &|| ())?.film;
+    let film = render(
+        plans,
+        sampling(REFERENCE, seed.wrapping_add(1 << 32)),
+        &|| (),
+    )?
+    .film;
     let (width, height) = (film.width(), film.height());
     let right: Vec<f64> = values(&film);
     let scale = root_mean_square(right.iter().copied());
@@ -40,18 +46,16 @@ pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderErr
     let bound = ((squares / right.len() as f64).sqrt() / scale).max(f64::from(f32::EPSILON));
     let right = &right;
     let numbered = SAMPLES.iter().enumerate();
-    let scenes: Vec<_> = numbered
-        .map(|(index, &samples)| (samples, with(samples, seed.wrapping_add(index as u64))))
-        .collect();
-    let settings = scenes.iter().map(|(samples, (scene, plans))| Setting {
+    let settings = numbered.map(|(index, &samples)| Setting {
         name: match samples {
             1 => "1 sample".to_owned(),
             _ => format!("{samples} samples"),
         },
-        value: f64::from(*samples),
+        value: f64::from(samples),
         run: Box::new(move || {
             // What cannot be rendered has no errors, which is no error of 0.
-            let Ok(made) = render_counted(scene, plans, &|| ()) else {
+            let sampling = sampling(samples, seed.wrapping_add(index as u64));
+            let Ok(made) = render_counted(plans, sampling, &|| ()) else {
                 return SettingOutcome::default();
             };
             let errors = values(&made.film).into_iter().zip(right);

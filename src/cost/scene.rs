@@ -7,7 +7,7 @@ use super::timing::Clock;
 use super::transmittance::{self, Crossings, RayThroughMedia};
 use super::{advice, data, effects, image, pixels, samples};
 use crate::render::radiative::effects::Everything;
-use crate::render::radiative::intersection::Surroundings;
+use crate::render::radiative::scene_context::SceneContext;
 use crate::render::{Plan, RenderError};
 use crate::scene::{Classified, Compositing, Model, Panel, Radiative, Scene};
 use std::path::Path;
@@ -204,7 +204,7 @@ fn of_radiative(
 ) -> Result<(), CostError> {
     let size = [panel.width, panel.height];
     let clock = &options.clock;
-    let around: Surroundings<'_, Everything> = Surroundings::new(scene, false);
+    let around: SceneContext<'_, Everything> = SceneContext::new(scene, false);
     if let Some(crossings) = transmittance::crossings(&around, size) {
         report("transmittance");
         let study = transmittance::study(&crossings, options.seed, clock);

@@ -3,7 +3,7 @@
 
 use super::norms::Errors;
 use super::order::{ExpectedOrder, order};
-use super::results::{Level, Norms, Offer, Parameter, Price, Reference, Study, Sweep, WorkPerRay};
+use super::results::{Level, MeanWork, Norms, Offer, Parameter, Price, Reference, Study, Sweep};
 use super::timing::Clock;
 use crate::render::Counters;
 
@@ -101,7 +101,7 @@ pub fn run_sweeps(
             levels[at].push(Level {
                 setting: setting.name.clone(),
                 value: setting.value,
-                work: WorkPerRay::per_ray(&outcome.work, rays),
+                work: MeanWork::per_ray(&outcome.work, rays),
                 error: norms(&outcome.errors),
                 error_of_order,
                 single_precision: single,

@@ -1,7 +1,6 @@
 //! A smaller image of a scene: its shape is what is kept, and every cost is one of each ray.
 
 use crate::geometry::{Camera, Ray};
-use crate::render::Plan;
 use crate::scene::{Model, Panel, Scene};
 
 /// The size of a smaller image of the same shape, its larger side `most` pixels.
@@ -21,12 +20,10 @@ pub fn rays(camera: &Camera, size: [usize; 2]) -> Vec<Ray> {
         .collect()
 }
 
-/// `panel` with another `model` as a scene of its own, of at most `most` pixels a side, and its
-/// plan; with this many samples per pixel, where it is sampled.
-pub fn scene(panel: &Panel, model: Model, most: usize, samples: u32) -> (Scene, Vec<Plan>) {
-    let size = thumbnail([panel.width, panel.height], most);
-    let mut scene = Scene::of(Panel::of(model, size));
-    scene.set_samples(samples);
-    let plans = scene.panels.iter().map(Plan::new).collect();
-    (scene, plans)
+/// `panel` with another `model` as a scene of its own, of at most `most` pixels a side.
+pub fn scene(panel: &Panel, model: Model, most: usize) -> Scene {
+    Scene::of(Panel::of(
+        model,
+        thumbnail([panel.width, panel.height], most),
+    ))
 }

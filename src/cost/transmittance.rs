@@ -18,11 +18,10 @@ use crate::render::Counters;
 use crate::render::classified::steps::Steps;
 use crate::render::counters::{Event, Uncounted, Work};
 use crate::render::radiative::effects::Everything;
-use crate::render::radiative::intersection::Surroundings;
-use crate::render::radiative::majorants::Passage;
-use crate::render::radiative::media::{Media, Medium, Set, members};
-use crate::render::radiative::segments::MediaPath;
-use crate::render::radiative::tracking::Bounded;
+use crate::render::radiative::media::{Set, members};
+use crate::render::radiative::ray_majorants::RayMajorants;
+use crate::render::radiative::scene_context::SceneContext;
+use crate::render::radiative::segments::MediumSegments;
 use crate::volume::{FractalParameters, Interpolation};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -162,10 +161,10 @@ impl Ends {
 
 /// Those of `around`, for an image of `size` pixels in full; none if nothing varies.
 pub fn crossings<'s>(
-    around: &'s Surroundings<'s, Everything>,
+    around: &'s SceneContext<'s, Everything>,
     size: [usize; 2],
 ) -> Option<Crossings<'s>> {
-    let (scene, media) = (around.scene, &around.media);
+    let (scene, media) = (around.radiative, &around.media);
     let first = media.all().iter().find_map(|medium| medium.density)?;
     let densities = || media.all().iter().filter_map(|medium| medium.density);
     let side = match densities().all(|density| density.is_integrable()) {
@@ -230,20 +229,20 @@ fn detail(noise: &FractalParameters) -> f64 {
 
 /// What `ray` crosses before it meets a surface.
 fn crossing<'s>(
-    around: &'s Surroundings<'s, Everything>,
+    around: &'s SceneContext<'s, Everything>,
     collocation: &Collocation,
     pixel: [usize; 2],
     ray: Ray,
 ) -> Option<RayThroughMedia<'s>> {
     let media = &around.media;
-    let met = around.nearest(&ray, &mut Uncounted);
-    let end = met.map_or(f64::INFINITY, |(_, hit)| hit.t);
-    let mut path = MediaPath::default();
-    path.lay(media, &ray, end);
-    // Segments that follow one another, from the first on which something varies.
+    let nearest = around.intersect(&ray, &mut Uncounted);
+    let end = nearest.map_or(f64::INFINITY, |nearest| nearest.hit.t);
+    let mut segments = MediumSegments::default();
+    segments.build(media, &ray, end);
+    // Segments that follow one another, from the first with a heterogeneous medium.
     let mut pieces: Vec<(Span, Set)> = Vec::new();
-    for segment in path.stretches() {
-        let set = segment.set & varying(media);
+    for segment in segments.all() {
+        let set = media.heterogeneous(segment.set);
         let follows = pieces
             .last()
             .is_none_or(|(span, _)| span.far == segment.span.near);
@@ -268,16 +267,14 @@ fn crossing<'s>(
     }
     let mut segments = Vec::new();
     let mut kinks: Vec<f64> = Vec::new();
-    let mut strands = Vec::new();
+    let mut heterogeneous = Vec::new();
     for (span, set) in &pieces {
-        let mut passage = Passage::new(media, *set, &ray, *span, &mut strands);
-        while let Some(bounds) = passage.next_stretch() {
-            segments.push(BoundedSegment {
-                span: bounds.span,
-                low: bounds.low[channel],
-                high: bounds.high[channel],
-            });
-        }
+        let majorants = RayMajorants::new(media, *set, &ray, *span, &mut heterogeneous);
+        segments.extend(majorants.map(|segment| BoundedSegment {
+            span: segment.span,
+            low: segment.minorant[channel],
+            high: segment.majorant[channel],
+        }));
     }
     let mut integrable = true;
     let mut parts = Vec::new();
@@ -345,12 +342,6 @@ fn crossing<'s>(
         (crossing.depth, crossing.depth_error) = (light.depth, light.depth_error);
     }
     Some(crossing)
-}
-
-/// The heterogeneous media that take light away.
-fn varying(media: &Media<'_>) -> Set {
-    let varies = |(index, medium): (usize, &Medium<'_>)| medium.density.map(|_| 1 << index);
-    media.all().iter().enumerate().filter_map(varies).sum()
 }
 
 /// Transmittance of the rays of `crossings`, by rule, jitter and chance; random numbers from

@@ -10,7 +10,7 @@ mod volume;
 
 use super::{Export, Format, Refusal};
 use crate::media::{TransferPoint, TransferPoints};
-use crate::render::classified::curve::Layout;
+use crate::render::classified::curve::PlotLayout;
 use crate::scene::{Model, Panel, Scene};
 use crate::volume::Grid;
 use inline_arrays::to_json;
@@ -69,7 +69,7 @@ fn content(panel: &Panel, raw: &mut RawFiles) -> Result<Content, Refusal> {
             Ok(Content::Volume(Box::new(BundleVolume::new(scene, file))))
         }
         Model::Curve(curve) => {
-            let layout = Layout::new(curve, panel.width, panel.height);
+            let layout = PlotLayout::new(curve, panel.width, panel.height);
             let file = raw.backdrop(&layout.backdrop);
             Ok(Content::Plot(Box::new(BundlePlot::new(
                 curve, &layout, file,

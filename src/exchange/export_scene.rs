@@ -21,12 +21,20 @@ pub(super) struct ExportScene<'s> {
     pub view: ExportView,
     /// The largest coordinate of anything, in magnitude.
     pub reach: f64,
+    /// The distance that boundaries of media keep from each other and from surfaces.
+    pub gap: f64,
 }
 
 impl<'s> ExportScene<'s> {
-    /// That of `scene`, which is the model of `panel`. What neither format can say goes to
-    /// `faults`.
-    pub(super) fn of(panel: &Panel, scene: &'s Radiative, faults: &mut Faults) -> ExportScene<'s> {
+    /// That of `scene`, which is the model of `panel`. `gap` is the distance that boundaries keep in
+    /// a scene of a given reach: more than the renderer moves the starts of rays off a surface. What
+    /// neither format can say goes to `faults`.
+    pub(super) fn of(
+        panel: &Panel,
+        scene: &'s Radiative,
+        gap: fn(f64) -> f64,
+        faults: &mut Faults,
+    ) -> ExportScene<'s> {
         let view = ExportView::of(&scene.camera);
         let [objects, lights] = names(panel, scene);
         let objects: Vec<_> = (scene.objects.iter().zip(objects))
@@ -84,14 +92,15 @@ impl<'s> ExportScene<'s> {
             [width, height],
             [0.5 * width, 0.5 * height],
         ]
-        .map(|film_point| scene.camera.ray_through(film_point, size));
-        let nested_media = NestedMedia::of(scene, &surfaces, &sight, reach, faults);
+        .map(|key| scene.camera.ray_through(key, size));
+        let nested_media = NestedMedia::of(scene, &surfaces, &sight, reach, gap(reach), faults);
         ExportScene {
             objects,
             area_lights,
             nested_media,
             view,
             reach,
+            gap: gap(reach),
         }
     }
 }

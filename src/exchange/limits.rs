@@ -5,6 +5,7 @@ use super::forms::Form;
 use super::nested_media::{NestedMedium, key_of};
 use super::refusal::Faults;
 use glam::DVec3;
+use std::ops::RangeInclusive;
 
 /// The rounding of a number of 32 bits, relative to it.
 const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
@@ -15,6 +16,13 @@ const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
 /// and once more when the scene is moved to the eye (`cameras.cpp`, `CameraTransform`). Both faces
 /// of a body together are off by 2⁻²² of the coordinates: 1/64 of the smallest extent.
 const SMALLEST: f64 = 1.0 / (1 << 16) as f64;
+
+/// The lengths with which pbrt can calculate. Normals are cross products of edges or derivatives,
+/// divided by their lengths (`shapes.h`, `Triangle::InteractionFromIntersection`;
+/// `interaction.h`, `SurfaceInteraction`), so that fourth powers of lengths are to be normal numbers
+/// of 32 bits, from 2⁻¹²⁶ to 2¹²⁸: of a triangle |a × b|² ≥ 2⁻¹²⁶ and, of a ball, (2π² r²)² < 2¹²⁸, which is
+/// r < 2²⁹·⁸. Beyond, normals are 0 or no numbers; before, a triangle counts as degenerate.
+const LENGTHS: RangeInclusive<f64> = 1.0 / (1 << 30) as f64..=(1 << 29) as f64;
 
 /// The largest |g|: beyond, pbrt takes this one (`util/scattering.h`, `HenyeyGreenstein`;
 /// `util/sampling.cpp`, `SampleHenyeyGreenstein`).
@@ -38,6 +46,14 @@ pub(super) fn check(export: &ExportScene, faults: &mut Faults) {
                 reach * ROUNDING
             );
             faults.add(key, what);
+        } else if !(LENGTHS.contains(&extent) && reach <= *LENGTHS.end()) {
+            let what = format!(
+                "an extent of {extent:.3e} at coordinates up to {reach:.3e}: pbrt's 32-bit normals take \
+                 lengths from {:.0e} to {:.0e}; choose another unit of length",
+                LENGTHS.start(),
+                LENGTHS.end()
+            );
+            faults.add(key, what);
         }
     };
     for (key, form, _) in &export.objects {
@@ -56,7 +72,7 @@ pub(super) fn check(export: &ExportScene, faults: &mut Faults) {
     }
     for nested in &export.nested_media.list {
         let key = key_of(nested.index);
-        let g = nested.medium.phase.0.g();
+        let g = nested.medium.phase.mean_cosine();
         let scatters = nested.medium.coefficients.sigma_s() != DVec3::ZERO;
         if scatters && g.abs() > SHARPEST {
             let what = format!("g = {g}: pbrt takes any beyond {SHARPEST} as {SHARPEST}");

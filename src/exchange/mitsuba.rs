@@ -21,11 +21,12 @@ use super::export_scene::{ExportScene, most_bounces};
 use super::files::{ply, vol};
 use super::forms::Form;
 use super::mixture::Mixture;
-use super::nested_media::{GAP, NestedMedium, PlacedGrid, key_of};
+use super::nested_media::{NestedMedium, PlacedGrid, key_of};
 use super::refusal::Faults;
-use super::view::degrees;
+use super::view::{ahead, degrees};
 use super::{Export, Format, Refusal};
 use crate::geometry::{Aabb, Transform};
+use crate::media::Phase;
 use crate::optics::{Light, Material, Sides};
 use crate::scene::{Panel, Radiative};
 use crate::volume::Interpolation;
@@ -39,13 +40,19 @@ const BEHIND: f64 = 1e-5;
 /// a surface, so below this that is more than a thousandth of the scene.
 const SMALLEST: f64 = 0.1;
 
+/// The distance of boundaries in a scene of this reach: five times that of the starts of rays off a
+/// surface, 1500 roundings (2⁻²⁴) of 1 + the largest coordinate.
+fn gap(reach: f64) -> f64 {
+    5e-4 * (1.0 + reach)
+}
+
 /// The names of the channels in files and in `-Dchannel=`.
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 /// The scene as XML, with its grids and meshes beside it.
 pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Export, Refusal> {
     let mut faults = Faults::default();
-    let export = ExportScene::of(panel, scene, &mut faults);
+    let export = ExportScene::of(panel, scene, gap, &mut faults);
     if export.reach < SMALLEST {
         let what = format!(
             "coordinates of at most {}: Mitsuba's rays start 9e-5 off a surface; choose a smaller \
@@ -57,6 +64,14 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
     for nested in &export.nested_media.list {
         if nested.medium.emission != DVec3::ZERO {
             faults.add(key_of(nested.index), "a medium that emits light");
+        }
+        let scatters = nested.medium.coefficients.sigma_s() != DVec3::ZERO;
+        if scatters && phase(0, &nested.medium.phase).is_none() {
+            let what = format!(
+                "the phase function {}: Mitsuba has those of Henyey and Greenstein and of Rayleigh",
+                nested.medium.phase
+            );
+            faults.add(key_of(nested.index), what);
         }
     }
     let mut writer = MitsubaWriter {
@@ -193,7 +208,7 @@ impl MitsubaWriter<'_> {
             .map(|nested| key_of(nested.index))
             .collect();
         if !moved.is_empty() {
-            let offset = GAP * (1.0 + export.reach);
+            let offset = export.gap;
             self.notes.push(format!(
                 "Faces of {} that lie in surfaces stand {offset:.3e} behind them, where no ray sees \
                  it.",
@@ -274,7 +289,7 @@ impl MitsubaWriter<'_> {
                         self.notes.push(note.to_owned());
                     }
                 }
-                let target = light.position + light.axis();
+                let target = ahead(light.position, light.axis());
                 let parts = [
                     look_at(light.position, target, across(light.axis())),
                     rgb("intensity", light.intensity),
@@ -422,15 +437,15 @@ fn medium(id: &str, mixture: &Mixture, volume: &Option<String>, channel: Option<
 }
 
 /// Phase functions, the first blended with the rest of them.
-fn phases(depth: usize, parts: &[(f64, DVec3)], weights: &[f64]) -> String {
-    let (Some(((g, _), others)), Some((weight, rest))) =
+fn phases(depth: usize, parts: &[(Phase, DVec3)], weights: &[f64]) -> String {
+    let (Some(((first, _), others)), Some((weight, rest))) =
         (parts.split_first(), weights.split_first())
     else {
         // Nothing scatters.
-        return phase(depth, 0.0);
+        return phase(depth, &Phase::ISOTROPIC).unwrap_or_default();
     };
     if others.is_empty() {
-        return phase(depth, *g);
+        return phase(depth, first).unwrap_or_default();
     }
     let left: f64 = rest.iter().sum();
     let share = if left > 0.0 {
@@ -441,7 +456,7 @@ fn phases(depth: usize, parts: &[(f64, DVec3)], weights: &[f64]) -> String {
     let blended = [
         // The weight is that of the second of the two.
         typed("float", "weight", share),
-        phase(depth + 1, *g),
+        phase(depth + 1, first).unwrap_or_default(),
         phases(depth + 1, others, rest),
     ];
     element(depth, "phase", "blendphase", "", &blended)
@@ -456,11 +471,19 @@ fn commented(text: &str) -> String {
     text
 }
 
-fn phase(depth: usize, g: f64) -> String {
-    if g == 0.0 {
-        return "<phase type=\"isotropic\"/>".to_owned();
+/// A phase function, if Mitsuba has it.
+fn phase(depth: usize, phase: &Phase) -> Option<String> {
+    match phase {
+        phase if phase.is_isotropic() => Some("<phase type=\"isotropic\"/>".to_owned()),
+        Phase::HenyeyGreenstein(phase) => {
+            let g = typed("float", "g", phase.0.g());
+            Some(element(depth, "phase", "hg", "", &[g]))
+        }
+        Phase::Draine(phase) if phase.is_rayleigh() => {
+            Some("<phase type=\"rayleigh\"/>".to_owned())
+        }
+        Phase::Draine(_) | Phase::Droplets(_) => None,
     }
-    element(depth, "phase", "hg", "", &[typed("float", "g", g)])
 }
 
 fn is_grey(v: DVec3) -> bool {

@@ -1,6 +1,7 @@
 //! Media at one place.
 
 use super::nested_media::NestedMedium;
+use crate::media::Phase;
 use glam::DVec3;
 
 /// Homogeneous media that add up.
@@ -11,8 +12,8 @@ pub(super) struct Mixture {
     pub sigma_s: DVec3,
     /// Radiance emitted per length, by channel.
     pub emission: DVec3,
-    /// What of it is scattered by which phase function: g, and scattering by channel.
-    pub parts: Vec<(f64, DVec3)>,
+    /// Scattering by channel, by phase function.
+    pub parts: Vec<(Phase, DVec3)>,
 }
 
 impl Mixture {
@@ -33,10 +34,10 @@ impl Mixture {
             if scattering == DVec3::ZERO {
                 continue;
             }
-            let g = layer.medium.phase.0.g();
-            match mixture.parts.iter_mut().find(|(other, _)| *other == g) {
+            let phase = layer.medium.phase;
+            match mixture.parts.iter_mut().find(|(other, _)| *other == phase) {
                 Some((_, sum)) => *sum += scattering,
-                None => mixture.parts.push((g, scattering)),
+                None => mixture.parts.push((phase, scattering)),
             }
         }
         mixture

@@ -13,10 +13,6 @@ use crate::scene::{Body, Radiative};
 use crate::volume::{DensityField, GridDensity};
 use glam::DVec3;
 
-/// Boundaries keep this distance from each other and from surfaces, times 1 + the largest
-/// coordinate. Mitsuba starts rays 9e-5 times that off a surface; pbrt's distances are smaller.
-pub(super) const GAP: f64 = 5e-4;
-
 /// Places nearer to each other than this, times the largest coordinate, are one.
 const SAME: f64 = 1e-6;
 
@@ -71,18 +67,19 @@ pub(super) struct NestedMedia<'s> {
 
 impl<'s> NestedMedia<'s> {
     /// The media of `scene`, whose surfaces are `surfaces`; `sight` are the rays through the corners
-    /// and the middle of the image, `reach` is the largest coordinate of anything. What cannot be
-    /// said goes to `faults`.
+    /// and the middle of the image, `reach` is the largest coordinate of anything. Boundaries keep
+    /// the distance `gap` from each other and from surfaces. What cannot be said goes to `faults`.
     pub(super) fn of(
         scene: &'s Radiative,
         surfaces: &[BoundarySurface],
         sight: &[Ray],
         reach: f64,
+        gap: f64,
         faults: &mut Faults,
     ) -> NestedMedia<'s> {
         let contacts = Contacts {
             surfaces,
-            gap: GAP * (1.0 + reach),
+            gap,
             same: SAME * reach,
         };
         let mut list = Vec::new();

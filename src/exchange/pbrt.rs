@@ -39,11 +39,12 @@ use super::files::ply;
 use super::forms::Form;
 use super::limits;
 use super::mixture::Mixture;
-use super::nested_media::{GAP, NestedMedium, PlacedGrid, key_of};
+use super::nested_media::{NestedMedium, PlacedGrid, key_of};
 use super::refusal::Faults;
-use super::view::degrees;
+use super::view::{ahead, degrees};
 use super::{Export, Format, Refusal};
 use crate::geometry::Transform;
+use crate::media::Phase;
 use crate::optics::{Light, Material, Sides};
 use crate::scene::{Panel, Radiative, Scattering};
 use crate::volume::Interpolation;
@@ -52,6 +53,14 @@ use std::fmt::{Display, LowerExp};
 
 /// The names of the channels in files.
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+
+/// The distance of boundaries in a scene of this reach. pbrt starts rays off a surface by the error
+/// bound of the place, at most 7 roundings (2⁻²⁴) of its coordinates from the eye, 2√3 times the reach
+/// (`shapes.h`, `ray.h`, `OffsetRayOrigin`): 1.5e-6 of the reach, in every unit of length. What is
+/// beyond that keeps the boundaries of large scenes where Mitsuba has them.
+fn gap(reach: f64) -> f64 {
+    5e-4 * reach
+}
 
 /// So many bounces are as good as any number: of the light that a white half-space returns, of the
 /// order of n^-1/2 is scattered more than n times, here a thousandth; of light that is absorbed or
@@ -69,7 +78,7 @@ MakeNamedMaterial \"mirror\" \"string type\" [ \"conductor\" ] \"float roughness
 /// The scene in one file, or one for each channel, with its meshes beside it.
 pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Export, Refusal> {
     let mut faults = Faults::default();
-    let export = ExportScene::of(panel, scene, &mut faults);
+    let export = ExportScene::of(panel, scene, gap, &mut faults);
     check(scene, &export, &mut faults);
     limits::check(&export, &mut faults);
     let orders = ScatteringOrders::of(scene, &export, &mut faults);
@@ -132,6 +141,13 @@ fn check(scene: &Radiative, export: &ExportScene, faults: &mut Faults) {
     }
     for (at, nested) in export.nested_media.list.iter().enumerate() {
         let key = key_of(nested.index);
+        let scatters = nested.medium.coefficients.sigma_s() != DVec3::ZERO;
+        let phase = nested.medium.phase;
+        if scatters && !matches!(phase, Phase::HenyeyGreenstein(_)) {
+            let what =
+                format!("the phase function {phase}: pbrt has that of Henyey and Greenstein");
+            faults.add(&key, what);
+        }
         if let Some(grid) = &nested.grid {
             if grid.density.interpolation() == Interpolation::Nearest {
                 faults.add(&key, "a grid with the value of the nearest node");
@@ -304,7 +320,7 @@ impl PbrtWriter<'_, '_> {
             .filter(|nested| nested.moved);
         let moved: Vec<String> = nested_media.map(|nested| key_of(nested.index)).collect();
         if !moved.is_empty() {
-            let offset = GAP * (1.0 + export.reach);
+            let offset = export.gap;
             self.line(&format!(
                 "# Faces of {} that lie in surfaces stand {offset:.3e} behind them, where no ray sees \
                  it.",
@@ -358,7 +374,8 @@ impl PbrtWriter<'_, '_> {
             let mixture = Mixture::of(&layers);
             let [sigma_a, sigma_s] = self.orders.coefficients(&mixture);
             let emission = self.orders.emission_per_absorption(&mixture);
-            let g = mixture.parts.first().map_or(0.0, |(g, _)| *g);
+            let phase = mixture.parts.first().map(|(phase, _)| phase);
+            let g = phase.map_or(0.0, Phase::mean_cosine);
             let coefficients = format!(
                 "{} {} {}",
                 self.rgb("sigma_a", sigma_a),
@@ -438,7 +455,7 @@ impl PbrtWriter<'_, '_> {
             Light::Spot(light) => {
                 let intensity = self.rgb("I", light.intensity);
                 let from = point("from", light.position);
-                let to = point("to", light.position + light.axis());
+                let to = point("to", ahead(light.position, light.axis()));
                 let angle = float("coneangle", degrees(light.outer()));
                 let edge = float("conedeltaangle", 0.0);
                 format!("LightSource \"spot\" {from} {to} {intensity} {angle} {edge}")

@@ -8,7 +8,7 @@ use glam::DVec3;
 pub(super) struct ExportView {
     /// Where it stands.
     pub eye: DVec3,
-    /// A point it looks at, at distance 1.
+    /// A point it looks at, as [`ahead`] of it.
     pub target: DVec3,
     /// The direction that points up in the image, perpendicular to the line of sight.
     pub up: DVec3,
@@ -24,7 +24,7 @@ impl ExportView {
         let (upper, lower) = (top.direction, bottom.direction);
         ExportView {
             eye: middle.origin,
-            target: middle.origin + middle.direction,
+            target: ahead(middle.origin, middle.direction),
             up: (upper - lower).normalize(),
             vertical_fov: degrees(atan2(upper.cross(lower).length(), upper.dot(lower))),
         }
@@ -39,6 +39,17 @@ impl ExportView {
         let across = crate::math::tan(half) * width as f64 / height as f64;
         degrees(2.0 * atan2(across, 1.0))
     }
+}
+
+/// A point of the ray from `origin` along the unit vector `direction`, at the distance of the largest
+/// coordinate of `origin` in magnitude, or 1 from the world's origin. Both points rounded to 32 bits,
+/// their difference is off by a few roundings, whatever the unit of length.
+pub(super) fn ahead(origin: DVec3, direction: DVec3) -> DVec3 {
+    let distance = match origin.abs().max_element() {
+        0.0 => 1.0,
+        reach => reach,
+    };
+    origin + distance * direction
 }
 
 /// Degrees, to twelve digits after the point: what conversions to radians and back have left of
@@ -60,11 +71,17 @@ mod tests {
         assert_eq!(view.eye, eye);
         // Unit vectors, a few roundings each.
         let forward = (target - eye).normalize();
-        assert!((view.target - eye - forward).length() < 8.0 * f64::EPSILON * eye.length());
+        let expected = eye + 11.5 * forward;
+        assert!((view.target - expected).length() < 16.0 * f64::EPSILON * eye.length());
         assert!(view.up.dot(forward).abs() < 8.0 * f64::EPSILON);
         assert!(view.up.y > 0.99);
         assert!((view.vertical_fov - 37.0).abs() < 1e-11);
         assert_eq!(view.shorter_fov(4, 3), view.vertical_fov);
+        // Where 1 is less than a rounding of the eye to 32 bits, the target is no less another point.
+        let far = Camera::new(1e12 * eye, 1e12 * target, DVec3::Y, 37_f64.to_radians()).unwrap();
+        let far = ExportView::of(&far);
+        let rounded = far.target.as_vec3() - far.eye.as_vec3();
+        assert!((rounded.as_dvec3().normalize() - forward).length() < 1e-6);
         // Half as wide as high: half the tangent.
         let half = crate::math::tan(0.5 * view.shorter_fov(1, 2).to_radians());
         let expected = 0.5 * crate::math::tan(18.5_f64.to_radians());

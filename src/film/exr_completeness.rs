@@ -3,7 +3,6 @@
 //! zeros where two places of the table of blocks lead to one block.
 
 use super::FilmError;
-use super::exr_file::unreadable;
 use exr::block::chunk::{CompressedBlock, TileCoordinates};
 use exr::block::reader::ChunksReader;
 use exr::math::Vec2;
@@ -13,6 +12,20 @@ use std::io::Cursor;
 
 /// Attributes of a header that are windows.
 const WINDOWS: [&[u8]; 2] = [b"displayWindow", b"dataWindow"];
+
+/// The error for a file that the `exr` crate refuses.
+pub(super) fn unreadable(error: exr::error::Error) -> FilmError {
+    let reason = match error.to_string().as_str() {
+        // The words of the crate for the end of a file before the end of the image.
+        "invalid: reference to missing bytes" => "the file ends too early".to_owned(),
+        "invalid: file identifier missing" => "it does not begin like one".to_owned(),
+        other => other.to_owned(),
+    };
+    FilmError::Unreadable {
+        format: "EXR",
+        reason,
+    }
+}
 
 /// Fails where a window of any part ends before it begins.
 ///
@@ -72,6 +85,9 @@ fn check_window(name: &[u8], value: &[u8]) -> Result<(), FilmError> {
 /// Fails where a block of pixels is missing, of any part and resolution, or where the table leads
 /// to one of another resolution than it says. Nothing is unpacked.
 pub(super) fn check_blocks(bytes: &[u8]) -> Result<(), FilmError> {
+    // Two walks: the reader gives blocks without the entry of the table that led to them, so that
+    // entries exchanged between two resolutions show only where those of the largest, the only ones
+    // that the decoder follows, are followed by themselves.
     let whole = |tile: &TileCoordinates| tile.level_index == Vec2(0, 0);
     check_blocks_of(bytes, &|_| true)?;
     check_blocks_of(bytes, &whole)

@@ -5,7 +5,7 @@
 //! layers offer the others; of several parts many programs read the first only.
 
 use super::error::{check_claim, check_size};
-use super::exr_completeness::{check_blocks, check_windows};
+use super::exr_completeness::{check_blocks, check_windows, unreadable};
 use super::exr_layers::{Colours, ExrPart, ExrParts, main_layer, name_of, samples_of};
 use super::{Film, FilmError, Noise};
 use crate::decoder;
@@ -27,19 +27,6 @@ const SAMPLES: &str = "samples.Y";
 const NO_COUNT: &str = "there are variances, but no channel samples.Y: of how many samples a \
                         pixel? Write that number into it, the same everywhere; or give several \
                         renderings of other seeds in place of variances";
-
-pub(super) fn unreadable(error: exr::error::Error) -> FilmError {
-    let reason = match error.to_string().as_str() {
-        // The words of the crate for the end of a file before the end of the image.
-        "invalid: reference to missing bytes" => "the file ends too early".to_owned(),
-        "invalid: file identifier missing" => "it does not begin like one".to_owned(),
-        other => other.to_owned(),
-    };
-    FilmError::Unreadable {
-        format: "EXR",
-        reason,
-    }
-}
 
 pub(super) fn encode(film: &Film) -> Result<Vec<u8>, FilmError> {
     let channel = |name: &str, values: Vec<f32>| AnyChannel::new(name, FlatSamples::F32(values));

@@ -1,9 +1,8 @@
 //! Axis-aligned boxes.
 
-use super::hit::RELATIVE_CLEARANCE;
+use super::ray::ahead;
 use super::shape_error::finite;
-use super::surface::ahead;
-use super::{Hit, Ray, ShapeError, Side, Solid, Span, Surface, SurfacePoint};
+use super::{Ray, ShapeError, Span};
 use glam::DVec3;
 
 /// A box with faces at `min` and `max`. Each axis is half open: a ray lying *in* a face belongs
@@ -91,9 +90,9 @@ pub fn longest_axis(v: DVec3) -> usize {
 
 /// Where a line goes in or out of a box.
 #[derive(Clone, Copy)]
-struct FacePassage {
-    t: f64,
-    axis: usize,
+pub(super) struct FacePassage {
+    pub t: f64,
+    pub axis: usize,
 }
 
 impl Aabb {
@@ -101,7 +100,7 @@ impl Aabb {
     ///
     /// Neither is widened by a tolerance: a line that only touches an edge has a segment of length
     /// 0 at most, in which nothing is lost.
-    fn passages(&self, ray: &Ray) -> Option<[FacePassage; 2]> {
+    pub(super) fn passages(&self, ray: &Ray) -> Option<[FacePassage; 2]> {
         let mut near = FacePassage {
             t: f64::NEG_INFINITY,
             axis: 0,
@@ -137,62 +136,6 @@ impl Aabb {
         }
         (near.t <= far.t).then_some([near, far])
     }
-
-    /// The point where the ray passes the maximum (`upper`) or minimum face of an axis: exactly
-    /// in that face, and not beyond its edges.
-    ///
-    /// So the point needs no clearance for itself. A ray that starts off the face by more than
-    /// a rounding of its coordinate is on the right side of it in [`passages`](Aabb::passages),
-    /// where the sign of `face − origin` is exact.
-    fn point(&self, ray: &Ray, passage: FacePassage, upper: bool) -> SurfacePoint {
-        let mut position = ray.at(passage.t).clamp(self.min, self.max);
-        let mut normal = DVec3::ZERO;
-        let (face, outward) = if upper {
-            (self.max, 1.0)
-        } else {
-            (self.min, -1.0)
-        };
-        position[passage.axis] = face[passage.axis];
-        normal[passage.axis] = outward;
-        SurfacePoint {
-            position,
-            normal,
-            clearance: RELATIVE_CLEARANCE * self.reach(),
-        }
-    }
-}
-
-impl Surface for Aabb {
-    fn bounds(&self) -> Aabb {
-        *self
-    }
-
-    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
-        let [near, far] = self.passages(ray)?;
-        let (passage, side) = if near.t > 0.0 {
-            (near, Side::Front)
-        } else {
-            (far, Side::Back)
-        };
-        if !(passage.t > 0.0 && passage.t < limit) {
-            return None;
-        }
-        let forward = ray.direction[passage.axis] > 0.0;
-        let upper = forward == (side == Side::Back);
-        Some(Hit {
-            t: passage.t,
-            point: self.point(ray, passage, upper),
-            side,
-            face: passage.axis + if upper { 3 } else { 0 },
-            uv: [0.0; 2],
-        })
-    }
-}
-
-impl Solid for Aabb {
-    fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
-        spans.extend(self.span(ray));
-    }
 }
 
 #[cfg(test)]
@@ -225,46 +168,6 @@ mod tests {
         assert_eq!(span([0.5, 0.5, 0.0], [0.0, 0.0, 1.0]), Some((0.0, 1.0)));
         assert_eq!(span([0.5, 0.5, 0.0], [0.0, 0.0, -1.0]), Some((0.0, 0.0)));
         assert_eq!(span([0.5, 0.5, 3.0], [0.0, 0.0, 1.0]), None);
-    }
-
-    #[test]
-    fn g5_flat_boxes_hold_nothing_and_inverted_ones_are_refused() {
-        let flat = Aabb::new(DVec3::ZERO, DVec3::new(1.0, 0.0, 1.0)).unwrap();
-        let lengths = |towards: DVec3| {
-            let ray = Ray::new(DVec3::new(0.5, -1.0, 0.5), towards).unwrap();
-            flat.spans(&ray).iter().map(Span::length).sum::<f64>()
-        };
-        assert_eq!(lengths(DVec3::Y), 0.0);
-        assert_eq!(lengths(DVec3::X), 0.0);
-        let along = Ray::new(DVec3::new(-1.0, 0.0, 0.5), DVec3::X).unwrap();
-        assert!(flat.spans(&along).is_empty());
-        let refused = Aabb::new(DVec3::ONE, DVec3::new(2.0, 0.5, 2.0));
-        assert!(matches!(refused, Err(ShapeError::Inverted { .. })));
-        assert!(Aabb::new(DVec3::splat(f64::NAN), DVec3::ONE).is_err());
-        assert!(Aabb::new(DVec3::splat(-1e308), DVec3::splat(1e308)).is_err());
-    }
-
-    #[test]
-    fn hits_name_the_face_and_lie_in_it() {
-        let hit = |origin: [f64; 3], direction: [f64; 3]| {
-            let ray = Ray::new(origin.into(), direction.into()).unwrap();
-            let hit = UNIT.hit(&ray, f64::INFINITY).unwrap();
-            (hit.t, hit.face, hit.side, hit.point.normal)
-        };
-        let up = [0.0, 0.0, 1.0];
-        assert_eq!(
-            hit([0.5, 0.5, -1.0], up),
-            (1.0, 2, Side::Front, DVec3::NEG_Z)
-        );
-        assert_eq!(hit([0.5, 0.5, 0.5], up), (0.5, 5, Side::Back, DVec3::Z));
-        assert_eq!(
-            hit([2.0, 0.5, 0.5], [-1.0, 0.0, 0.0]),
-            (1.0, 3, Side::Front, DVec3::X)
-        );
-        assert_eq!(
-            hit([0.5, 0.5, 0.5], [-1.0, 0.0, 0.0]),
-            (0.5, 0, Side::Back, DVec3::NEG_X)
-        );
     }
 
     #[test]

@@ -80,7 +80,7 @@ impl Solid for ClosedMesh {
                 }
             } else {
                 if depth == 1 {
-                    spans.extend(super::surface::ahead(entered, crossing.t));
+                    spans.extend(super::ray::ahead(entered, crossing.t));
                 }
                 depth -= 1;
             }

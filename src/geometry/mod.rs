@@ -7,6 +7,7 @@
 //! leaves a surface without meeting it again is [`SurfacePoint`]'s.
 
 mod aabb;
+mod aabb_surface;
 mod bvh;
 mod camera;
 mod closed_mesh;

@@ -83,6 +83,13 @@ pub fn length_of(v: DVec3) -> f64 {
     (v * factor).length() / factor
 }
 
+/// The part of a segment of line from `near` to `far` with `t ≥ 0`, if there is one.
+pub(super) fn ahead(near: f64, far: f64) -> Option<Span> {
+    // Not `max`, which may return a zero of either sign where both are zeros.
+    let near = if near > 0.0 { near } else { 0.0 };
+    (near <= far).then_some(Span { near, far })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

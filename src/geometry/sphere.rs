@@ -1,8 +1,8 @@
 //! Spheres.
 
 use super::hit::RELATIVE_CLEARANCE;
+use super::ray::ahead;
 use super::shape_error::finite;
-use super::surface::ahead;
 use super::{
     Aabb, Emitter, Hit, Ray, ShapeError, Side, Solid, Span, Surface, SurfacePoint, direction_of,
 };

@@ -48,10 +48,3 @@ pub trait Emitter: Surface {
         1.0 / self.area()
     }
 }
-
-/// The part of a segment of line from `near` to `far` with `t ≥ 0`, if there is one.
-pub(super) fn ahead(near: f64, far: f64) -> Option<Span> {
-    // Not `max`, which may return a zero of either sign where both are zeros.
-    let near = if near > 0.0 { near } else { 0.0 };
-    (near <= far).then_some(Span { near, far })
-}

@@ -11,12 +11,14 @@ use crate::media::Field;
 use crate::media::{
     Appearance, Asymmetry, TransferFunction, TransferPoint, TransferPoints, opacity, source_factor,
 };
-use crate::render::classified::compositing::{FrontToBack, Layers, Order};
+use crate::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
 use crate::render::classified::steps::Steps;
 use crate::render::counters::Uncounted;
+use crate::render::radiative::context::Scratch;
 use crate::render::radiative::effects::Everything;
-use crate::render::radiative::path_tracer::{PathTracer, Scratch};
-use crate::render::{Effect, Plan, State, render};
+use crate::render::radiative::path_tracer::PathTracer;
+use crate::render::radiative::sampler::Sampler;
+use crate::render::{Effect, Plan, Sampling, State, render};
 use crate::scene::{Classified, Model, Radiative, Scene};
 use crate::volume::{Blob, ConstantDensity};
 use glam::DVec3;
@@ -194,11 +196,11 @@ fn a4_threads_and_orders(margin: &mut Margin) {
     let mut pixel = |index: usize| {
         let mut moments = [Moments::default(); 3];
         for sample in 0..scene.samples {
-            let random = Stream::new(scene.seed, index as u32, sample);
-            let [x, y] = random.pair(0, Purpose::Camera, 0);
+            let mut sampler = Sampler::new(Stream::new(scene.seed, index as u32, sample));
+            let [x, y] = sampler.pair(Purpose::Camera, 0);
             let film_point = [(index % width) as f64 + x, (index / width) as f64 + y];
             let ray = scene.camera.ray_through(film_point, SIZE);
-            let radiance = tracer.radiance(ray, &random, &mut scratch, &mut Uncounted);
+            let radiance = tracer.radiance(ray, sampler, &mut scratch, &mut Uncounted);
             let channels = radiance.unwrap_or(DVec3::NAN).to_array();
             moments
                 .iter_mut()
@@ -325,8 +327,9 @@ fn a6_null_effects(margin: &mut Margin) {
     for (name, model) in models {
         let scene = picture(model);
         let panel = &scene.panels[0];
-        let by = |plan: Plan| {
-            render(&scene, &[plan], &|| ()).map(|rendering| rendering.film.pixel_hash())
+        let by = |plan: Plan<'_>| {
+            render(&[plan], Sampling::default(), &|| ())
+                .map(|rendering| rendering.film.pixel_hash())
         };
         let plan = Plan::new(panel);
         let bare = by(plan.clone());

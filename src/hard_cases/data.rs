@@ -14,17 +14,19 @@ use crate::media::{
     Appearance, Field, Phong, TransferFunction, TransferPoint, TransferPoints, optical_depth,
     transmittance,
 };
-use crate::render::classified::compositing::{FrontToBack, Layers, Order};
-use crate::render::classified::empty_space::Unexplored;
-use crate::render::classified::field::Sampled;
-use crate::render::classified::ray_caster::{RayCaster, Unshaded};
+use crate::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
+use crate::render::classified::empty_space::NoSkipping;
+use crate::render::classified::field::GridField;
+use crate::render::classified::ray_caster::RayCaster;
+use crate::render::classified::shading::Unshaded;
 use crate::render::classified::steps::Steps;
 use crate::render::classified::volume_shadow::Unshadowed;
 use crate::render::counters::Uncounted;
 use crate::render::radiative::effects::Everything;
-use crate::render::radiative::intersection::Surroundings;
-use crate::render::radiative::tracker::Tracker;
-use crate::render::{Effect, Plan, render_counted};
+use crate::render::radiative::sampler::Sampler;
+use crate::render::radiative::scene_context::SceneContext;
+use crate::render::radiative::tracker::{Tracker, TrackerScratch};
+use crate::render::{Effect, Event, Plan, Sampling, render_counted};
 use crate::scene::{Classified, Model};
 use crate::volume::{
     Centring, DensityField, Grid, GridDensity, GridError, Interpolation, Lattice, LoadOptions,
@@ -270,7 +272,7 @@ fn d6_empty_space(margin: &mut Margin) {
                 .radiance()
                 .iter()
                 .all(|&pixel| pixel == [1.0; 3]);
-            (sky, rendering.work[0].density_lookups)
+            (sky, rendering.work[0][Event::DensityLookup])
         })
     };
     let empty = grid([33, 9, 9], DVec3::splat(1.0 / 16.0), |_| 0.0);
@@ -338,13 +340,13 @@ fn d7_bright_voxel_on_a_border(margin: &mut Margin) {
     let seen = straight(&body(0.0), &view).x;
     margin.within("by integrals", seen, right, 64.0 * U * right);
     let scene = body(1.0);
-    let around = Surroundings::<Everything>::new(&scene, false);
-    let mut tracker = Tracker::default();
+    let around = SceneContext::<Everything>::new(&scene, false);
+    let mut scratch = TrackerScratch::default();
     let by_ratio = (0..SAMPLES).map(|sample| {
-        tracker.at_turn(&Stream::new(3, 0, sample), 0);
-        around
-            .visibility(&view, f64::INFINITY, &mut tracker, &mut Uncounted)
-            .x
+        let mut work = Uncounted;
+        let sampler = Sampler::new(Stream::new(3, 0, sample));
+        let mut tracker = Tracker::new(sampler, &mut scratch, &mut work);
+        around.visibility(&view, f64::INFINITY, &mut tracker).x
     });
     margin.sampled(
         "by ratio tracking",
@@ -354,7 +356,7 @@ fn d7_bright_voxel_on_a_border(margin: &mut Margin) {
     );
     let [by_delta, ..] = sampled(&scene, Some(0), SAMPLES, view);
     margin.sampled("by delta tracking", &by_delta, right, 0.0);
-    margin.exact("violations of the bound", tracker.take_violations(), 0);
+    margin.exact("violations of the bound", scratch.take_violations(), 0);
 }
 
 fn d8_discontinuous_density(margin: &mut Margin) {
@@ -423,7 +425,7 @@ fn d9_voxels_that_are_no_densities(margin: &mut Margin) {
             named.contains("(1, 2, 3)") && named.to_lowercase().contains(text)
         });
         margin.holds(
-            format_args!("{text} is refused by place and value: {named:?}"),
+            format_args!("{text} is refused by node and value: {named:?}"),
             is_named,
         );
         let options = LoadOptions {
@@ -652,8 +654,8 @@ fn d14_zero_gradient_and_touched_surfaces(margin: &mut Margin) {
         };
         let scene = scene_of(Model::Classified(Box::new(volume)), [8, 8]);
         let plan = Plan::forcing(&scene.panels[0], forced).ok()?;
-        let rendering = render_counted(&scene, &[plan], &|| ()).ok()?;
-        let asked = rendering.work[0].gradient_lookups > 0;
+        let rendering = render_counted(&[plan], Sampling::default(), &|| ()).ok()?;
+        let asked = rendering.work[0][Event::GradientLookup] > 0;
         Some((rendering.film.pixel_hash(), asked))
     };
     let forced = [Effect::GradientShading, Effect::Heterogeneity];
@@ -687,11 +689,11 @@ fn d14_zero_gradient_and_touched_surfaces(margin: &mut Margin) {
         ("equal to a voxel", exact, 1.3, true),
     ] {
         let caster = RayCaster {
-            field: Sampled::new(&grid, Trilinear),
+            field: GridField::new(&grid, Trilinear),
             order: FrontToBack,
             shading: Unshaded,
             visibility: Unshadowed,
-            space: Unexplored,
+            space: NoSkipping,
             transfer_function: &surface,
             // From z = 0 on: the third sample lies at 2 exactly.
             step: 0.8,

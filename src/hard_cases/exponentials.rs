@@ -5,15 +5,15 @@ use super::margin::Margin;
 use super::scenes::*;
 use crate::geometry::Span;
 use crate::math::Sum;
-use crate::math::sampling::free_flight;
-use crate::media::emission::constant_source;
+use crate::math::sampling::{free_flight, optical_distance};
+use crate::media::emission::constant_emission;
 use crate::media::{
     Appearance, Coefficients, TransferFunction, TransferPoint, TransferPoints, collision_weight,
     escape_weight, opacity, optical_depth, over_length, source_factor, transmittance,
 };
-use crate::render::Plan;
-use crate::render::classified::compositing::{FrontToBack, Layers, Order};
+use crate::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
 use crate::render::classified::steps::Steps;
+use crate::render::{Event, Plan};
 use crate::scene::{Classified, Compositing, Model};
 use glam::DVec3;
 
@@ -110,10 +110,11 @@ fn e2_very_thick_media(margin: &mut Margin) {
     margin.exact("depth 10^6", transmittance(1e6), 0.0);
     let source = 0.7;
     for depth in [700.0, 745.0, 746.0, 1e6, f64::INFINITY] {
-        margin.exact(
+        margin.roundings(
             format_args!("source, depth {depth:e}"),
-            constant_source(source, depth),
+            constant_emission(source, 1.0, depth),
             source,
+            2.0,
         );
     }
     // Seen by the renderer: a body in equilibrium with that source, before a sky of another.
@@ -202,8 +203,8 @@ fn e6_free_flight_at_the_ends(margin: &mut Margin) {
     for sigma in [0.25, 1.0, 3.0] {
         margin.exact(
             format_args!("sigma {sigma}, u = 0"),
-            free_flight(sigma, 0.0),
-            Some(0.0),
+            flight(sigma, 0.0),
+            0.0,
         );
         let right = 36.736_800_569_677_1 / sigma;
         margin.roundings(
@@ -213,8 +214,11 @@ fn e6_free_flight_at_the_ends(margin: &mut Margin) {
             4.0,
         );
     }
-    margin.exact("nothing to collide with", free_flight(0.0, 0.5), None);
-    margin.exact("nothing, by the other zero", free_flight(-0.0, 0.0), None);
+    for (nothing, u) in [(0.0, 0.5), (-0.0, 0.0)] {
+        margin.exact("nothing to collide with", free_flight(nothing, u), None);
+        let collides = optical_distance(u) < optical_depth(nothing, f64::INFINITY);
+        margin.holds(format_args!("no collision, sigma {nothing:?}"), !collides);
+    }
     margin.roundings(
         "sigma 1e-300",
         flight(1e-300, 0.5),
@@ -223,8 +227,8 @@ fn e6_free_flight_at_the_ends(margin: &mut Margin) {
     );
     margin.exact(
         "the least sigma",
-        free_flight(f64::from_bits(1), LAST),
-        Some(f64::INFINITY),
+        flight(f64::from_bits(1), LAST),
+        f64::INFINITY,
     );
 }
 
@@ -329,16 +333,16 @@ fn e9_early_termination(margin: &mut Margin) {
                 Model::Classified(Box::new(volume(compositing, fog))),
                 [3, 3],
             );
-            let plan = Plan::new(&scene.panels[0]);
-            (rendered(&scene), plan)
+            let approximations = Plan::new(&scene.panels[0]).approximations;
+            (rendered(&scene), approximations)
         };
         let (Ok(whole), _) = plan(Compositing::FrontToBack) else {
             return margin.holds("the whole has a picture", false);
         };
-        let (Ok(ended), plan) = plan(Compositing::EarlyTermination(below)) else {
+        let (Ok(ended), approximations) = plan(Compositing::EarlyTermination(below)) else {
             return margin.holds("the rest has a picture", false);
         };
-        let stated = plan.approximations.first().map_or(0.0, |early| early.bias);
+        let stated = approximations.first().map_or(0.0, |early| early.bias);
         margin.exact("stated bias", stated, below * source);
         let pixels = ended.film.radiance().iter().zip(whole.film.radiance());
         for (ended, whole) in pixels.flat_map(|(a, b)| a.iter().zip(b)) {
@@ -349,7 +353,7 @@ fn e9_early_termination(margin: &mut Margin) {
                 stated,
             );
         }
-        let saved = ended.work[0].density_lookups < whole.work[0].density_lookups;
+        let saved = ended.work[0][Event::DensityLookup] < whole.work[0][Event::DensityLookup];
         margin.holds(format_args!("look-ups are saved behind {fog}"), saved);
     }
     // Not asked for, nothing is left out.

@@ -7,12 +7,11 @@ use crate::geometry::{Ray, Rectangle, Shape, direction_of};
 use crate::math::quadrature::integrate;
 use crate::math::rng::{Purpose, Stream};
 use crate::math::sampling::{
-    Cone, Equiangular, LightOnRay, cosine_hemisphere, cosine_hemisphere_pdf, disc, disc_pdf,
-    free_flight, free_flight_pdf, sphere, triangle, truncated_free_flight,
-    truncated_free_flight_pdf,
+    Cone, Equiangular, LightOnRay, cosine_hemisphere, cosine_hemisphere_pdf, sphere,
+    truncated_free_flight_pdf, truncated_optical_distance,
 };
 use crate::math::{Frame, Moments, Sum, atan2, cos, pow, sin};
-use crate::media::{Asymmetry, Deflection, Field, HenyeyGreenstein};
+use crate::media::{Asymmetry, Deflection, Field, HenyeyGreenstein, opacity};
 use crate::optics::{Directional, Light, Material, Point, Spot};
 use crate::render::RenderError;
 use crate::render::radiative::line_of_sight::TOLERANCE;
@@ -576,15 +575,11 @@ fn s9_spotlight_edge_and_warps(margin: &mut Margin) {
             cosine_hemisphere_pdf(cosine_hemisphere([u, v]).z),
         );
         pdf("a cone", cone.pdf());
-        pdf("a disc", disc_pdf(2.0));
-        pdf(
-            "a flight",
-            free_flight_pdf(2.0, free_flight(2.0, u).unwrap_or(f64::NAN)),
-        );
-        let t = truncated_free_flight(2.0, 3.0, u);
+        let colliding = opacity(6.0);
+        let depth = truncated_optical_distance(colliding, u);
         pdf(
             "a flight with an end",
-            truncated_free_flight_pdf(2.0, 3.0, t),
+            truncated_free_flight_pdf(2.0, depth, colliding),
         );
         let light = Equiangular::new(1e-6, 1.0, f64::INFINITY).expect("beside the ray");
         pdf("a place before a light", light.pdf(light.place(u)));
@@ -606,23 +601,11 @@ fn s9_spotlight_edge_and_warps(margin: &mut Margin) {
                 8.0 * U,
             );
         }
-        let within = disc([u, v]).length() <= 1.0 + 8.0 * U;
-        margin.holds(format_args!("disc at {u}, {v}"), within);
-        let corners = triangle([u, v]);
-        margin.holds(
-            format_args!("triangle at {u}, {v}"),
-            corners.iter().all(|&weight| weight >= 0.0),
-        );
-        margin.within(
-            format_args!("triangle at {u}, {v}"),
-            corners.iter().sum(),
-            1.0,
-            8.0 * U,
-        );
-        let t = truncated_free_flight(2.0, 3.0, u);
+        let depth = truncated_optical_distance(opacity(6.0), u);
         margin.holds(
             format_args!("flight with an end at {u}"),
-            (0.0..=3.0).contains(&t),
+            // Its condition at the end is 67: see truncated_optical_distance.
+            (0.0..=6.0 * (1.0 + 204.0 * U)).contains(&depth),
         );
     }
 }

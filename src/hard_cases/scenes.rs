@@ -4,15 +4,17 @@ use crate::geometry::{Aabb, Boundary, Camera, Ray, Sphere};
 use crate::math::Moments;
 use crate::math::rng::{Purpose, Stream};
 use crate::media::{
-    Appearance, Asymmetry, Coefficients, Colormap, Density, Field, HenyeyGreenstein, Homogeneous,
-    Phong, TransferFunction, TransferOpacity,
+    Appearance, Asymmetry, Coefficients, Colormap, Density, Field, Homogeneous, Phase, Phong,
+    TransferFunction, TransferOpacity,
 };
 use crate::render::counters::Uncounted;
+use crate::render::radiative::context::Scratch;
 use crate::render::radiative::effects::Everything;
-use crate::render::radiative::intersection::Surroundings;
 use crate::render::radiative::line_of_sight::{LineOfSight, TOLERANCE};
-use crate::render::radiative::path_tracer::{PathTracer, Scratch};
-use crate::render::{Plan, RenderError, Rendering, render_counted};
+use crate::render::radiative::path_tracer::PathTracer;
+use crate::render::radiative::sampler::Sampler;
+use crate::render::radiative::scene_context::SceneContext;
+use crate::render::{RenderError, Rendering, Sampling, plans, render_counted};
 use crate::scene::{
     Body, Classified, Compositing, Model, Panel, Radiative, Scattering, Scene, Shadow,
 };
@@ -73,7 +75,7 @@ pub fn coloured(sigma_a: DVec3, sigma_s: DVec3, g: Asymmetry) -> Homogeneous {
     Homogeneous {
         coefficients: Coefficients::new(sigma_a, sigma_s).expect("coefficients"),
         emission: DVec3::ZERO,
-        phase: HenyeyGreenstein(g),
+        phase: Phase::henyey_greenstein(g),
     }
 }
 
@@ -142,12 +144,11 @@ pub fn scattered_once_within(tolerance: f64, scene: &Radiative, ray: &Ray) -> DV
 
 fn line_of_sight(scene: &Radiative, ray: &Ray, scattered: bool, tolerance: f64) -> DVec3 {
     let renderer = LineOfSight::<Everything> {
-        around: Surroundings::new(scene, false),
-        turned: scattered,
+        scene: SceneContext::new(scene, false),
+        scattering: scattered,
         tolerance,
     };
-    let (mut lit, mut tracker) = Default::default();
-    renderer.radiance(ray, &mut lit, &mut tracker, &mut Uncounted)
+    renderer.radiance(ray, &mut Scratch::default(), &mut Uncounted)
 }
 
 /// What path number `sample` brings back along `ray`, scattered `limit` times at most.
@@ -159,8 +160,8 @@ pub fn paths<'s>(
     let tracer = PathTracer::<Everything>::new(scene, limit, false);
     let mut scratch = Scratch::default();
     move |sample| {
-        let random = Stream::new(scene.seed, 0, sample);
-        let radiance = tracer.radiance(ray, &random, &mut scratch, &mut Uncounted);
+        let sampler = Sampler::new(Stream::new(scene.seed, 0, sample));
+        let radiance = tracer.radiance(ray, sampler, &mut scratch, &mut Uncounted);
         // A path without an end brings back nothing that could be compared.
         radiance.unwrap_or(DVec3::NAN)
     }
@@ -193,8 +194,7 @@ pub fn bits(scene: &Scene) -> Option<String> {
 }
 
 pub fn rendered(scene: &Scene) -> Result<Rendering, RenderError> {
-    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
-    render_counted(scene, &plans, &|| ())
+    render_counted(&plans(scene), Sampling::default(), &|| ())
 }
 
 /// A classified volume, bumpy, lit and shadowed, seen by a camera in front of it.

@@ -2,11 +2,12 @@
 
 use super::scenes::LAST;
 use crate::geometry::Span;
-use crate::math::rng::{Purpose, Stream};
+use crate::math::rng::Stream;
 use crate::math::{Moments, sin};
-use crate::render::radiative::tracker::Numbers;
+use crate::render::radiative::sampler::{Row, Sampler, SamplerRow};
 use crate::render::radiative::tracking::{
-    Bounded, Bounds, Chance, Control, Effort, Small, Tentative, delta_tracking, ratio_tracking,
+    Control, Effort, MajorantSegment, Majorants, Small, Tentative, TentativeNumbers,
+    delta_tracking, ratio_tracking,
 };
 use glam::DVec3;
 
@@ -29,23 +30,27 @@ struct CurvedExtinction<'f> {
     done: bool,
 }
 
-impl Bounded for CurvedExtinction<'_> {
-    fn next_stretch(&mut self) -> Option<Bounds> {
+impl Iterator for CurvedExtinction<'_> {
+    type Item = MajorantSegment;
+
+    fn next(&mut self) -> Option<MajorantSegment> {
         if self.done {
             return None;
         }
         self.done = true;
-        Some(Bounds {
+        Some(MajorantSegment {
             span: Span {
                 near: 0.0,
                 far: LENGTH,
             },
-            low: DVec3::ZERO,
-            high: DVec3::splat(self.bound),
-            glow: DVec3::ZERO,
+            minorant: DVec3::ZERO,
+            majorant: DVec3::splat(self.bound),
+            emission: DVec3::ZERO,
         })
     }
+}
 
+impl Majorants for CurvedExtinction<'_> {
     fn extinction(&mut self, t: f64) -> DVec3 {
         DVec3::splat((self.sigma)(t))
     }
@@ -57,11 +62,14 @@ pub struct Estimates {
     pub violations: u64,
 }
 
-fn estimates(samples: u32, mut one: impl FnMut(&mut Numbers, &mut Effort) -> f64) -> Estimates {
+fn estimates(
+    samples: u32,
+    mut one: impl FnMut(&mut SamplerRow<'_>, &mut Effort) -> f64,
+) -> Estimates {
     let mut effort = Effort::default();
     let values = (0..samples).map(|sample| {
-        let mut chance = Numbers::new(&Stream::new(7, 0, sample), 0, Purpose::Tracking);
-        one(&mut chance, &mut effort)
+        let mut sampler = Sampler::new(Stream::new(7, 0, sample));
+        one(&mut sampler.tentative(Row::Transmittance), &mut effort)
     });
     let moments = Moments::from_iter(values);
     Estimates {
@@ -72,15 +80,15 @@ fn estimates(samples: u32, mut one: impl FnMut(&mut Numbers, &mut Effort) -> f64
 
 /// By delta tracking: 1 for a flight that is not stopped, else 0.
 pub fn by_delta(sigma: &dyn Fn(f64) -> f64, bound: f64, samples: u32) -> Estimates {
-    estimates(samples, |chance, effort| {
+    estimates(samples, |numbers, effort| {
         let mut curve = CurvedExtinction {
             sigma,
             bound,
             done: false,
         };
-        let first = chance.tentative();
+        let first = numbers.next();
         let mut survived = DVec3::ONE;
-        let flight = delta_tracking(&mut curve, 0, first, chance, &mut survived, effort);
+        let flight = delta_tracking(&mut curve, 0, first, numbers, &mut survived, effort);
         f64::from(u8::from(flight.is_continue()))
     })
 }
@@ -92,33 +100,40 @@ struct Even {
     done: bool,
 }
 
-impl Bounded for Even {
-    fn next_stretch(&mut self) -> Option<Bounds> {
+impl Iterator for Even {
+    type Item = MajorantSegment;
+
+    fn next(&mut self) -> Option<MajorantSegment> {
         let span = Span {
             near: 0.0,
             far: LENGTH,
         };
-        let bounds = Bounds {
+        let segment = MajorantSegment {
             span,
-            low: DVec3::ZERO,
-            high: DVec3::splat(self.bound),
-            glow: DVec3::ZERO,
+            minorant: DVec3::ZERO,
+            majorant: DVec3::splat(self.bound),
+            emission: DVec3::ZERO,
         };
         let first = !std::mem::replace(&mut self.done, true);
-        first.then_some(bounds)
+        first.then_some(segment)
     }
+}
 
+impl Majorants for Even {
     fn extinction(&mut self, _: f64) -> DVec3 {
         self.sigma
     }
 }
 
-/// The last of all random numbers, every time, a tenth of a mean way apart.
+/// The last of all random numbers, every time, at a tenth of the mean optical distance.
 struct LastNumber;
 
-impl Chance for LastNumber {
-    fn tentative(&mut self) -> Tentative {
-        Tentative { way: 0.1, u: LAST }
+impl TentativeNumbers for LastNumber {
+    fn next(&mut self) -> Tentative {
+        Tentative {
+            optical_distance: 0.1,
+            u: LAST,
+        }
     }
 }
 
@@ -131,7 +146,7 @@ pub fn by_last_number(sigma: DVec3, bound: f64) -> (bool, DVec3) {
         done: false,
     };
     let (mut survived, mut effort) = (DVec3::ONE, Effort::default());
-    let first = LastNumber.tentative();
+    let first = LastNumber.next();
     let flight = delta_tracking(
         &mut even,
         0,
@@ -145,12 +160,12 @@ pub fn by_last_number(sigma: DVec3, bound: f64) -> (bool, DVec3) {
 
 /// By ratio tracking.
 pub fn by_ratio(sigma: &dyn Fn(f64) -> f64, bound: f64, samples: u32) -> Estimates {
-    estimates(samples, |chance, effort| {
+    estimates(samples, |numbers, effort| {
         let mut curve = CurvedExtinction {
             sigma,
             bound,
             done: false,
         };
-        ratio_tracking(&mut curve, Control::Nothing, Small::Kept, chance, effort).x
+        ratio_tracking(&mut curve, Control::Nothing, Small::Kept, numbers, effort).x
     })
 }

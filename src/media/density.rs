@@ -1,4 +1,4 @@
-//! How much of a medium is where.
+//! Densities of heterogeneous media.
 
 use super::profiles::{ExponentialProfile, GaussianProfile, LinearProfile};
 use crate::geometry::{Aabb, Ray, Span, Transform};
@@ -50,7 +50,7 @@ impl DensityField for Field {
     }
 }
 
-/// A field in the place where a medium has it.
+/// A density function placed in the box of a medium.
 #[derive(Clone, Debug)]
 pub struct Density {
     field: Field,
@@ -99,7 +99,7 @@ impl Density {
         density
     }
 
-    /// Another field in the place of this one.
+    /// The same with another function.
     pub fn with_field(&self, field: Field) -> Density {
         Density::new(field, self.medium, self.to_world)
     }
@@ -124,7 +124,7 @@ impl Density {
         self.constant
     }
 
-    /// Whether it is 0 everywhere.
+    /// Density 0 everywhere.
     pub fn is_nothing(&self) -> bool {
         self.range.high == 0.0
     }
@@ -228,12 +228,12 @@ impl Density {
         (span.near < span.far).then_some((line, span))
     }
 
-    /// The blocks that `line` passes on the segment `span`, which is in the box.
+    /// The blocks that `line` passes over `span`, which is in the box.
     pub fn walk(&self, line: &Line, span: Span) -> Walk {
         self.blocks().walk(line.origin, line.direction, span)
     }
 
-    /// Whether [`Density::integral`] knows.
+    /// Has an integral along lines: [`Density::integral`].
     pub fn is_integrable(&self) -> bool {
         !matches!(self.field, Field::Noise(_))
     }
@@ -281,7 +281,7 @@ impl Density {
         }
     }
 
-    /// Appends the places on `line`, over `span`, between which a rule of few points sees all of
+    /// Appends the points on `line`, over `span`, between which a rule of few points sees all of
     /// the density: where it has a kink, and where it falls to next to nothing.
     pub fn append_kinks(&self, line: &Line, span: Span, kinks: &mut Vec<f64>) {
         match &self.field {
@@ -304,9 +304,12 @@ impl Density {
                 let rate = ExponentialProfile::along(&self.from(line, span.near), layer, 1.0).rate;
                 let cuts = [1.0, 8.0, 64.0, 745.0].map(|heights| heights / rate.abs());
                 // From the denser end on.
-                kinks.extend(cuts.map(|distance| match rate < 0.0 {
-                    true => span.far - distance,
-                    false => span.near + distance,
+                kinks.extend(cuts.map(|distance| {
+                    if rate < 0.0 {
+                        span.far - distance
+                    } else {
+                        span.near + distance
+                    }
                 }));
             }
             Field::Constant(_) | Field::Noise(_) => {}

@@ -18,9 +18,3 @@ pub fn ratio_tracking_variance(depth: f64, squared_over_majorant: f64) -> f64 {
     let transmitted = transmittance(depth);
     transmitted * transmitted * exp_m1(squared_over_majorant)
 }
-
-/// Number of independent samples with the given relative variance, `variance/mean²`, that brings
-/// the relative standard error of their mean down to `error > 0`.
-pub fn samples_for_relative_error(relative_variance: f64, error: f64) -> f64 {
-    relative_variance / (error * error)
-}

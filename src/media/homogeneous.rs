@@ -1,9 +1,9 @@
-//! A homogeneous medium: the same coefficients everywhere.
+//! A homogeneous medium.
 
-use super::{Coefficients, HenyeyGreenstein};
+use super::{Coefficients, Phase};
 use glam::DVec3;
 
-/// A medium whose properties do not depend on the place.
+/// A medium with the same properties at every point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Homogeneous {
     /// Absorption and scattering, per world length.
@@ -11,6 +11,6 @@ pub struct Homogeneous {
     /// Emitted radiance per world length, `j`; finite and not negative. In thermal equilibrium
     /// it is `sigma_a` times the radiance of a black body.
     pub emission: DVec3,
-    /// Where scattered light goes.
-    pub phase: HenyeyGreenstein,
+    /// Directions of scattered light.
+    pub phase: Phase,
 }

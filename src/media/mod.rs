@@ -2,9 +2,13 @@
 
 mod coefficients;
 mod colormap;
+mod deflection;
 mod density;
+mod draine;
+mod droplets;
 pub mod emission;
 pub mod estimators;
+mod henyey_greenstein;
 mod homogeneous;
 mod opacity;
 mod optical_depth;
@@ -18,11 +22,15 @@ pub use coefficients::{
     Coefficients, InvalidCoefficient, collision_weight, escape_weight, sampled_channel,
 };
 pub use colormap::Colormap;
+pub use deflection::{Asymmetry, AsymmetryOutOfRange, Deflection};
 pub use density::{Density, Field, Line};
+pub use draine::{AlphaOutOfRange, Draine};
+pub use droplets::{DiameterOutOfRange, Droplets};
+pub use henyey_greenstein::HenyeyGreenstein;
 pub use homogeneous::Homogeneous;
 pub use opacity::{TransferOpacity, over_length};
 pub use optical_depth::{opacity, optical_depth, source_factor, transmittance};
-pub use phase::{Asymmetry, AsymmetryOutOfRange, Deflection, HenyeyGreenstein};
+pub use phase::Phase;
 pub use phong::Phong;
 pub use transfer_function::{Appearance, TransferFunction};
 pub use transfer_points::{TransferPoint, TransferPoints, TransferPointsError};

@@ -1,200 +1,87 @@
-//! Where light goes when it is scattered.
+//! Phase functions: the directions of scattered light.
 
-use std::f64::consts::{PI, TAU};
-use thiserror::Error;
+use super::deflection::{Asymmetry, Deflection};
+use super::draine::Draine;
+use super::droplets::Droplets;
+use super::henyey_greenstein::HenyeyGreenstein;
+use std::fmt;
 
-/// The parameter `g` of a phase function, its mean cosine: −1 < g < 1, positive forward.
+/// The phase function of a medium.
+///
+/// A new one has a file beside this one, a variant here, a key in the scene (`PHASE` in
+/// `scene/radiative/phases.rs`) and a line in each exporter that can say it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Asymmetry(f64);
+pub enum Phase {
+    /// Henyey & Greenstein 1941; isotropic at `g = 0`.
+    HenyeyGreenstein(HenyeyGreenstein),
+    /// Draine 2003; Rayleigh's at `g = 0`, `α = 1`.
+    Draine(Draine),
+    /// Droplets of water, Jendersie & d'Eon 2023.
+    Droplets(Droplets),
+}
 
-/// `g` does not lie strictly between −1 and 1.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("the asymmetry g must lie strictly between -1 and 1, got {0}")]
-pub struct AsymmetryOutOfRange(pub f64);
-
-impl Asymmetry {
+impl Phase {
     /// Scatters into every direction alike.
-    pub const ISOTROPIC: Asymmetry = Asymmetry(0.0);
+    pub const ISOTROPIC: Phase = Phase::HenyeyGreenstein(HenyeyGreenstein(Asymmetry::ISOTROPIC));
 
-    /// Checks `g`.
-    ///
-    /// # Errors
-    ///
-    /// At ±1 light is not scattered into directions at all, but goes straight on or back; those,
-    /// what lies beyond and NaN are refused.
-    pub fn new(g: f64) -> Result<Asymmetry, AsymmetryOutOfRange> {
-        if g.abs() < 1.0 {
-            Ok(Asymmetry(g))
-        } else {
-            Err(AsymmetryOutOfRange(g))
-        }
+    /// The Henyey–Greenstein function of mean cosine `g`.
+    pub fn henyey_greenstein(g: Asymmetry) -> Phase {
+        Phase::HenyeyGreenstein(HenyeyGreenstein(g))
     }
 
-    /// `g` itself.
-    pub fn g(self) -> f64 {
-        self.0
-    }
-}
-
-/// A deflection, by the cosine of the angle between the directions of travel before and after: 1 is
-/// straight on.
-///
-/// A cosine near ±1 has no digits left for the angle, so the distances from both are kept too.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Deflection {
-    /// `cos θ`, in [−1, 1].
-    pub cos: f64,
-    /// `1 − cos θ`, in [0, 2].
-    pub one_minus_cos: f64,
-    /// `1 + cos θ`, in [0, 2].
-    pub one_plus_cos: f64,
-}
-
-impl Deflection {
-    /// The deflection with the given cosine, in [−1, 1]. Exactly that: the differences from ±1 are
-    /// rounded once at most.
-    pub fn from_cos(cos: f64) -> Deflection {
-        Deflection {
-            cos,
-            one_minus_cos: 1.0 - cos,
-            one_plus_cos: 1.0 + cos,
-        }
-    }
-
-    /// `sin θ ≥ 0`.
-    pub fn sin(&self) -> f64 {
-        (self.one_minus_cos * self.one_plus_cos).sqrt()
-    }
-
-    fn mirrored(self) -> Deflection {
-        Deflection {
-            cos: -self.cos,
-            one_minus_cos: self.one_plus_cos,
-            one_plus_cos: self.one_minus_cos,
-        }
-    }
-}
-
-/// The phase function `p = (1 − g²) / (4π (1 + g² − 2g cos θ)^(3/2))`, per steradian.
-///
-/// `θ` lies between the directions of travel before and after scattering; `g > 0` is forward.
-/// Integrates to 1 over the sphere, with mean cosine `g`. At `g = 0` every formula below is
-/// exact, so isotropic scattering needs no code of its own: the same bits come out.
-///
-/// Source: Henyey & Greenstein 1941, ApJ 93, 70–83.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HenyeyGreenstein(pub Asymmetry);
-
-impl HenyeyGreenstein {
     /// The phase function at a deflection, per steradian; also the density with which
-    /// [`HenyeyGreenstein::deflection`] chooses that direction. Relative error at most 14 · 2^-53;
-    /// measured on 100 000 pairs of `g` and a cosine: at most 4.6 ulp.
+    /// [`Phase::deflection`] samples that direction.
     pub fn per_steradian(&self, deflection: &Deflection) -> f64 {
-        let g = self.0.g();
-        let squared = self.squared_distance(deflection);
-        ((1.0 - g) * (1.0 + g) / squared) / (4.0 * PI * squared.sqrt())
+        match self {
+            Phase::HenyeyGreenstein(phase) => phase.per_steradian(deflection),
+            Phase::Draine(phase) => phase.per_steradian(deflection),
+            Phase::Droplets(phase) => phase.per_steradian(deflection),
+        }
     }
 
-    /// Density of the cosine on [−1, 1]: `2π p`.
-    pub fn pdf(&self, deflection: &Deflection) -> f64 {
-        TAU * self.per_steradian(deflection)
-    }
-
-    /// Probability that the cosine is at most that of `deflection`:
-    /// `(1 − g)(1 + cos θ) / (r (1 + g + r))`, `r² = 1 + g² − 2g cos θ`.
-    ///
-    /// The textbook's difference of reciprocals, `(1 − g²)/2g · (1/r − 1/(1 + g))`, brought to
-    /// one fraction: nothing cancels, and nothing is divided by `g`. Relative error at most
-    /// 12 · 2^-53; measured on 100 000 pairs of `g` and a cosine: at most 5.6 ulp.
-    pub fn cdf(&self, deflection: &Deflection) -> f64 {
-        let g = self.0.g();
-        let r = self.squared_distance(deflection).sqrt();
-        (1.0 - g) * deflection.one_plus_cos / (r * (1.0 + g + r))
-    }
-
-    /// The deflection that a share `u` of all scattered light stays below in its cosine: the inverse
-    /// of [`HenyeyGreenstein::cdf`]. Rises with `u`, from straight back at 0 to straight on at 1.
-    ///
-    /// In units of 2^-53 the distances from ±1 are off by at most 13, relatively; the cosine itself,
-    /// apart from a rounding of it and one of `2u − 1`, by 13 of the difference of these two. Measured
-    /// on 100 000 pairs of `g` and `u`, either of them close to its ends in half: 7.1 (and 7.1 ulp)
-    /// and 4.2.
+    /// The deflection that belongs to `u`, uniform in [0, 1).
     pub fn deflection(&self, u: f64) -> Deflection {
-        let g = self.0.g();
-        let (below, above, balance) = (u, 1.0 - u, 2.0 * u - 1.0);
-        if g >= 0.0 {
-            forward(g, below, above, balance)
-        } else {
-            // 1 − g + 2gu would cancel.
-            forward(-g, above, below, -balance).mirrored()
+        match self {
+            Phase::HenyeyGreenstein(phase) => phase.deflection(u),
+            Phase::Draine(phase) => phase.deflection(u),
+            Phase::Droplets(phase) => phase.deflection(u),
         }
     }
 
-    /// `1 + g² − 2g cos θ`, from the end that the peak is at: both terms are positive.
-    fn squared_distance(&self, deflection: &Deflection) -> f64 {
-        let g = self.0.g().abs();
-        let from_peak = if self.0.g() >= 0.0 {
-            deflection.one_minus_cos
-        } else {
-            deflection.one_plus_cos
-        };
-        (1.0 - g) * (1.0 - g) + 2.0 * g * from_peak
+    /// Mean cosine of the deflection.
+    pub fn mean_cosine(&self) -> f64 {
+        match self {
+            Phase::HenyeyGreenstein(phase) => phase.0.g(),
+            Phase::Draine(phase) => phase.mean_cosine(),
+            Phase::Droplets(phase) => phase.mean_cosine(),
+        }
+    }
+
+    /// Scatters into every direction alike, to the bit.
+    pub fn is_isotropic(&self) -> bool {
+        match self {
+            Phase::HenyeyGreenstein(phase) => phase.0.g() == 0.0,
+            Phase::Draine(phase) => phase.alpha() == 0.0 && phase.asymmetry().g() == 0.0,
+            Phase::Droplets(_) => false,
+        }
+    }
+
+    /// The same function of other asymmetries: `edit` of each that it has.
+    pub fn with_asymmetry(&self, edit: impl Fn(Asymmetry) -> Asymmetry) -> Phase {
+        match self {
+            Phase::HenyeyGreenstein(phase) => Phase::henyey_greenstein(edit(phase.0)),
+            Phase::Draine(phase) => Phase::Draine(phase.with_asymmetry(edit)),
+            Phase::Droplets(phase) => Phase::Droplets(phase.with_asymmetry(edit)),
+        }
     }
 }
 
-/// The inverse for `g ≥ 0` at `u`, with `above = 1 − u` and `balance = 2u − 1`, which the caller
-/// forms where they are exact. With `D = 1 − g + 2gu`:
-///
-/// ```text
-/// 1 − cos θ = 2 (1 − g)² (1 − u) (1 + gu) / D²
-/// 1 + cos θ = 2 (1 + g)² u (1 − g + gu) / D²
-///     cos θ = 2u − 1 + 2gu (1 − u) ((1 − g)(3 + g) + 4gu) / D²
-/// ```
-///
-/// No factor is a difference except `1 − g` and `1 − u`, of numbers that are given.
-fn forward(g: f64, u: f64, above: f64, balance: f64) -> Deflection {
-    let gap = 1.0 - g;
-    let gu = g * u;
-    let denominator = gap + 2.0 * gu;
-    let back = gap / denominator;
-    let ahead = (1.0 + g) / denominator;
-    let shift = 2.0 * gu * above * (gap * (3.0 + g) + 4.0 * gu) / (denominator * denominator);
-    Deflection {
-        cos: (balance + shift).clamp(-1.0, 1.0),
-        one_minus_cos: 2.0 * (back * back) * (above * (1.0 + gu)),
-        one_plus_cos: 2.0 * (ahead * ahead) * (u * (gap + gu)),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn asymmetry_is_checked() {
-        assert_eq!(Asymmetry::new(0.9).map(Asymmetry::g), Ok(0.9));
-        for g in [1.0, -1.0, 1.5, f64::INFINITY] {
-            assert_eq!(Asymmetry::new(g), Err(AsymmetryOutOfRange(g)));
+impl fmt::Display for Phase {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Phase::HenyeyGreenstein(phase) => write!(f, "Henyey–Greenstein, g = {}", phase.0.g()),
+            Phase::Draine(phase) => phase.fmt(f),
+            Phase::Droplets(phase) => phase.fmt(f),
         }
-        assert!(Asymmetry::new(f64::NAN).is_err());
-    }
-
-    #[test]
-    fn isotropic_scattering_is_exact() {
-        let phase = HenyeyGreenstein(Asymmetry::ISOTROPIC);
-        for i in 0..=64 {
-            let u = f64::from(i) / 64.0;
-            let deflection = phase.deflection(u);
-            assert_eq!(deflection, Deflection::from_cos(2.0 * u - 1.0));
-            assert_eq!(phase.per_steradian(&deflection), 1.0 / (4.0 * PI));
-            assert_eq!(phase.cdf(&deflection), u);
-        }
-    }
-
-    #[test]
-    fn forward_is_positive() {
-        let phase = HenyeyGreenstein(Asymmetry::new(0.5).unwrap());
-        let at = |cos| phase.per_steradian(&Deflection::from_cos(cos));
-        assert!(at(1.0) > at(0.0) && at(0.0) > at(-1.0));
     }
 }

@@ -2,7 +2,7 @@
 //! form.
 
 use crate::geometry::Ray;
-use crate::math::{erf, erfc, exp, ln_1p};
+use crate::math::{erf, erfc, exp};
 use crate::media::{optical_depth, source_factor};
 use crate::volume::{ExponentialLayer, LinearRamp};
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
@@ -45,20 +45,6 @@ impl LinearProfile {
     pub fn optical_depth(&self, near: f64, far: f64) -> f64 {
         (self.start + self.slope * ((near + far) / 2.0)) * (far - near)
     }
-
-    /// Distance from `t = 0` at which the optical depth reaches `depth ≥ 0`; `None` if the
-    /// extinction falls to 0 before.
-    ///
-    /// `2τ / (σ₀ + √(σ₀² + 2kτ))`, the root of the quadratic in which nothing cancels where the
-    /// slope is small or positive.
-    pub fn distance(&self, depth: f64) -> Option<f64> {
-        if depth == 0.0 {
-            return Some(0.0);
-        }
-        let extinction_there_squared = self.start * self.start + 2.0 * self.slope * depth;
-        let divisor = self.start + extinction_there_squared.max(0.0).sqrt();
-        (extinction_there_squared >= 0.0 && divisor > 0.0).then(|| 2.0 * depth / divisor)
-    }
 }
 
 /// Extinction `start·e^(−rate·t)`, per length: the atmosphere along a straight line, with
@@ -90,22 +76,6 @@ impl ExponentialProfile {
         }
         let length = far - near;
         optical_depth(at_near, length) * source_factor(exponent(self.rate, length))
-    }
-
-    /// Distance from `t = 0` at which the optical depth reaches `depth ≥ 0`:
-    /// `−ln(1 − rate·τ/start)/rate`; `None` if all there is along the ray is less.
-    pub fn distance(&self, depth: f64) -> Option<f64> {
-        if depth == 0.0 {
-            return Some(0.0);
-        }
-        if self.start == 0.0 {
-            return None;
-        }
-        if self.rate == 0.0 {
-            return Some(depth / self.start);
-        }
-        let share = self.rate * depth / self.start;
-        (share < 1.0).then(|| -ln_1p(-share) / self.rate)
     }
 }
 
@@ -152,40 +122,16 @@ mod tests {
     use glam::DVec3;
 
     #[test]
-    fn a_falling_extinction_can_run_out() {
-        let falling = LinearProfile {
-            start: 1.0,
-            slope: -0.5,
-        };
-        // All of it is the triangle of height 1 over length 2.
-        assert_eq!(falling.distance(1.0), Some(2.0));
-        assert_eq!(falling.distance(1.0_f64.next_up()), None);
+    fn endless_and_empty_profiles() {
         let thinning = ExponentialProfile {
             start: 2.0,
             rate: 0.5,
         };
         assert_eq!(thinning.optical_depth(0.0, f64::INFINITY), 4.0);
-        assert_eq!(thinning.distance(4.0), None);
-    }
-
-    #[test]
-    fn vacuum_is_never_crossed_to_any_depth_but_none() {
-        let linear = LinearProfile {
-            start: 0.0,
-            slope: 0.0,
-        };
         let level = ExponentialProfile {
             start: 0.0,
             rate: 0.0,
         };
-        assert_eq!(
-            (linear.distance(0.0), linear.distance(0.1)),
-            (Some(0.0), None)
-        );
-        assert_eq!(
-            (level.distance(0.0), level.distance(0.1)),
-            (Some(0.0), None)
-        );
         assert_eq!(level.optical_depth(0.0, f64::INFINITY), 0.0);
     }
 

@@ -1,10 +1,23 @@
 //! Media along a ray.
 
 use crate::geometry::{Ray, Solid, Span, Surface};
+use crate::media::Phase;
 use crate::scene::Body;
 use glam::DVec3;
 
-/// The parts of a ray inside media, each with its medium. Media may overlap.
+/// A medium at a point; coefficients and emission per length and channel.
+pub struct Properties {
+    /// Extinction.
+    pub sigma_t: DVec3,
+    /// Scattering.
+    pub sigma_s: DVec3,
+    /// Emitted radiance.
+    pub emission: DVec3,
+    /// Phase function.
+    pub phase: Phase,
+}
+
+/// The parts of a ray inside media. Media may overlap.
 pub struct Segments<'s> {
     ray: Ray,
     segments: Vec<(Span, &'s Body)>,
@@ -14,18 +27,16 @@ impl<'s> Segments<'s> {
     /// Segments of `ray` up to distance `end`, which may be infinite.
     pub fn along(ray: &Ray, end: f64, media: &'s [Body]) -> Segments<'s> {
         let mut segments = Vec::new();
-        for medium in media.iter().filter(|medium| !is_vacuum(medium)) {
-            let spans = match &medium.boundary {
-                Some(boundary) => boundary.spans(ray),
-                None => vec![Span {
-                    near: 0.0,
-                    far: end,
-                }],
+        for body in media.iter().filter(|body| !is_vacuum(body)) {
+            let unbounded = Span {
+                near: 0.0,
+                far: end,
             };
-            for Span { near, far } in spans {
+            let boundary = body.boundary.as_ref();
+            for Span { near, far } in boundary.map_or(vec![unbounded], |shape| shape.spans(ray)) {
                 let far = far.min(end);
                 if near < far {
-                    segments.push((Span { near, far }, medium));
+                    segments.push((Span { near, far }, body));
                 }
             }
         }
@@ -44,53 +55,56 @@ impl<'s> Segments<'s> {
         })
     }
 
-    /// The media at distance `t`, and their densities there: factors on coefficients and emission.
-    pub fn at(&self, t: f64) -> impl Iterator<Item = (&'s Body, f64)> {
+    /// The media at distance `t`.
+    pub fn at(&self, t: f64) -> Vec<Properties> {
         let point = self.ray.at(t);
-        let inside = self
-            .segments
-            .iter()
-            .filter(move |(span, _)| span.near <= t && t < span.far);
-        inside.map(move |(_, medium)| (*medium, density(medium, point)))
+        let mut media = Vec::new();
+        for (span, body) in &self.segments {
+            if span.near <= t && t < span.far {
+                let field = body.density.as_ref();
+                let density = field.map_or(1.0, |field| field.looked_up_at(point, &mut 0));
+                media.push(Properties {
+                    sigma_t: body.medium.coefficients.sigma_t() * density,
+                    sigma_s: body.medium.coefficients.sigma_s() * density,
+                    emission: body.medium.emission * density,
+                    phase: body.medium.phase,
+                });
+            }
+        }
+        media
     }
 
     /// Extinction of all media at distance `t`, per length and channel.
     pub fn extinction(&self, t: f64) -> DVec3 {
-        let media = self.at(t);
-        media
-            .map(|(medium, density)| medium.medium.coefficients.sigma_t() * density)
-            .sum()
+        self.at(t).iter().map(|medium| medium.sigma_t).sum()
     }
 }
 
-/// Whether a medium neither attenuates nor emits: tracking through one without a boundary would
+/// Whether a medium neither attenuates nor emits. Tracking through one without a boundary would
 /// never end.
-fn is_vacuum(Body { medium, .. }: &Body) -> bool {
+fn is_vacuum(body: &Body) -> bool {
+    let medium = &body.medium;
     medium.coefficients.sigma_t() == DVec3::ZERO && medium.emission == DVec3::ZERO
-}
-
-/// Density of a medium at a world point.
-fn density(medium: &Body, point: DVec3) -> f64 {
-    let field = medium.density.as_ref();
-    field.map_or(1.0, |field| field.looked_up_at(point, &mut 0))
 }
 
 /// A rate of collisions, per length, that no extinction exceeds, at any point in any channel.
 ///
-/// At least one collision per crossing of a medium on average, however thin the medium: paths
-/// collect light at collisions.
+/// Not below one over the size of a medium, however thin it is, since paths collect light at
+/// collisions; not 0 in one that only emits.
 pub fn majorant(media: &[Body]) -> f64 {
-    let of_medium = |medium: &Body| {
-        let density = medium
+    let mut majorant = 0.0;
+    for body in media.iter().filter(|body| !is_vacuum(body)) {
+        let density = body
             .density
             .as_ref()
             .map_or(1.0, |field| field.range().high);
-        let extinction = medium.medium.coefficients.sigma_t().max_element() * density;
-        let size = medium
-            .boundary
-            .as_ref()
-            .map(|shape| shape.bounds().size().max_element());
-        extinction.max(size.map_or(0.0, |size| 1.0 / size))
-    };
-    media.iter().map(of_medium).sum()
+        let extinction = body.medium.coefficients.sigma_t().max_element() * density;
+        let least = match &body.boundary {
+            Some(boundary) => 1.0 / boundary.bounds().size().max_element(),
+            None if extinction == 0.0 => 1.0,
+            None => 0.0,
+        };
+        majorant += extinction.max(least);
+    }
+    majorant
 }

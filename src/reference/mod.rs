@@ -3,7 +3,7 @@
 //! [`ray_caster`] renders classified volumes, [`path_tracer`] surfaces, media and lights. They are
 //! the obvious programs, one line of the method after the other, without anything clever:
 //! [`render`](crate::render) is the fast program, and is tested against them. Classified volumes
-//! agree to the bit, sampled images by the stochastic gate (`tests/reference.rs`).
+//! agree to the bit, sampled images within their noise (`tests/reference.rs`).
 
 mod media;
 pub mod path_tracer;
@@ -12,10 +12,11 @@ pub mod ray_caster;
 mod vertex;
 
 use crate::film::Film;
+use crate::render::Sampling;
 use crate::scene::{Model, Scene};
 use thiserror::Error;
 
-/// A scene without a reference rendering.
+/// The reason why a scene has no reference image.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ReferenceError {
     /// A panel that simulates no light.
@@ -23,7 +24,7 @@ pub enum ReferenceError {
         "the scene plots a transfer function; there is no light in it for --reference to follow"
     )]
     Plot,
-    /// A path without an end.
+    /// A path that does not end.
     #[error(
         "a path of pixel ({column}, {row}) drew 2^26 random numbers and had no end: the plain path \
          tracer cannot render this scene; render it without --reference"
@@ -47,14 +48,19 @@ pub enum ReferenceError {
 }
 
 /// The image of `scene`, its panels side by side.
-pub fn render(scene: &Scene) -> Result<Film, ReferenceError> {
+pub fn render(scene: &Scene, sampling: Sampling) -> Result<Film, ReferenceError> {
     let mut films = Vec::new();
     for panel in &scene.panels {
         let size = [panel.width, panel.height];
         films.push(match &panel.model {
             Model::Classified(scene) => ray_caster::render(scene, size),
             Model::Radiative(scene) => {
-                let film = path_tracer::render(scene, size, scene.samples, scene.seed);
+                let film = path_tracer::render(
+                    scene,
+                    size,
+                    sampling.samples_of(scene),
+                    sampling.seed_of(scene),
+                );
                 film.map_err(|pixel| ReferenceError::Endless {
                     column: pixel % panel.width,
                     row: pixel / panel.width,

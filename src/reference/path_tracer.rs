@@ -1,27 +1,34 @@
 //! The path tracer for surfaces, media and lights, as plainly as it can be written.
 //!
-//! Radiance along a ray obeys the radiative transfer equation (Chandrasekhar 1950, §I.7). Over a
-//! ray from `x` into direction `ω`, up to a surface at distance `d`:
+//! Radiance `L(x, ω)`, seen from `x` along `ω`, obeys the radiative transfer equation (Chandrasekhar
+//! 1950, §I.7), here with a phase function `p` whose integral is 1. With a surface at distance `d`:
 //!
 //! ```text
 //! L(x, ω) = ∫₀ᵈ T(t) [ j + σ_s ∫ p(ω, ω') L(x + tω, ω') dω' ] dt + T(d) L_surface
 //! T(t)    = exp(−∫₀ᵗ σ_t ds),  σ_t = σ_a + σ_s
 //! ```
 //!
-//! with emission `j`, phase function `p`, and at the surface the rendering equation (Kajiya 1986).
-//! A path is a random walk backwards from the eye, whose mean is `L`:
+//! `j` is the emission per length and `L_surface` what the surface emits and reflects (Kajiya 1986);
+//! without a surface `d` is infinite, and `L_surface` the radiance of the environment. Emission and
+//! coefficients of media that overlap add up, for each colour channel. The radiance that a random
+//! walk from the eye collects has the mean `L`:
 //!
-//! - Delta tracking finds collisions. Their rate is the majorant `σ̄`, at least `σ_t` everywhere; a
-//!   collision scatters in a medium, or is null and changes nothing. Weights carry absorption and
-//!   the differences between colour channels (Kutz et al. 2017, "Spectral and decomposition
-//!   tracking for rendering heterogeneous volumes").
-//! - Next-event estimation adds the light that arrives straight from a light, at surfaces and at
-//!   every collision; ratio tracking estimates its transmittance (Novák et al. 2014, "Residual
-//!   ratio tracking for estimating attenuation in participating media").
-//! - An area light is found by chance as well: multiple importance sampling weights both ways
-//!   (Veach & Guibas 1995). A point light in a medium is sampled by equal angles along the ray,
-//!   since `1/r²` at collisions has no variance (Kulla & Fajardo 2012).
+//! - Delta tracking finds collisions `tₖ`. Their rate is the majorant `σ̄`, at least `σ_t`
+//!   everywhere, so that `Σ f(tₖ)/σ̄` has the mean `∫ f(t) T(t) dt`, with the weights that null
+//!   collisions and absorption give a path. A collision either scatters in a medium or is null.
+//!   (Kutz et al. 2017, "Spectral and decomposition tracking for rendering heterogeneous volumes".)
+//! - Next-event estimation adds the light that arrives straight from the lights, at surfaces and at
+//!   every collision, null ones too; ratio tracking estimates its transmittance (Novák et al. 2014,
+//!   "Residual ratio tracking for estimating attenuation in participating media").
+//! - An area light is hit by chance as well: multiple importance sampling weights both ways (Veach &
+//!   Guibas 1995, "Optimally combining sampling techniques for Monte Carlo rendering"). A point
+//!   light in a medium is sampled by equal angles along the ray, since `1/r²` at collisions has
+//!   infinite variance (Kulla & Fajardo 2012, "Importance sampling techniques for path tracing in
+//!   participating media").
 //! - Russian roulette ends paths that carry little.
+//!
+//! A scene limits the bounces of a path, those by mirrors and glass included. Point, spot and
+//! directional lights reach a point on straight lines only, never by a mirror or through glass.
 
 use super::media::{Segments, majorant};
 use super::random::Random;
@@ -35,8 +42,8 @@ use crate::scene::{AreaLight, Object, Radiative, Scattering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// The image of `scene`: mean radiance of `samples` paths through each pixel, at least two, and the
-/// variance of that mean. Fails with the number of a pixel one of whose paths has no end.
+/// The image of `scene`: mean radiance of `samples` paths through each pixel, and the variance of
+/// that mean. Fails with the index of a pixel one of whose paths has no end.
 pub fn render(scene: &Radiative, size: [usize; 2], samples: u32, seed: u64) -> Result<Film, usize> {
     let tracer = PathTracer {
         scene,
@@ -66,7 +73,7 @@ pub fn render(scene: &Radiative, size: [usize; 2], samples: u32, seed: u64) -> R
 
 struct PathTracer<'s> {
     scene: &'s Radiative,
-    /// Rate of collisions, per length.
+    /// Rate of collisions `σ̄`, per length, the same everywhere.
     majorant: f64,
 }
 
@@ -90,7 +97,7 @@ enum Target<'s> {
 impl<'s> PathTracer<'s> {
     /// Radiance that one path brings back along `ray`.
     fn radiance(&self, ray: Ray, random: &mut Random) -> DVec3 {
-        let limit = match self.scene.scattering {
+        let max_bounces = match self.scene.scattering {
             Scattering::None => 0,
             Scattering::Single => 1,
             Scattering::Multiple(limit) => limit.unwrap_or(u32::MAX),
@@ -102,8 +109,8 @@ impl<'s> PathTracer<'s> {
             radiance: DVec3::ZERO,
             may_scatter: true,
         };
-        for scatterings in 0..=limit {
-            path.may_scatter = scatterings < limit;
+        for bounce in 0..=max_bounces {
+            path.may_scatter = bounce < max_bounces;
             let hit = self.hit(&path.ray);
             let end = hit.as_ref().map_or(f64::INFINITY, |(_, hit)| hit.t);
             let segments = Segments::along(&path.ray, end, &self.scene.media);
@@ -131,7 +138,7 @@ impl<'s> PathTracer<'s> {
             };
             (path.ray, path.pdf) = (ray, pdf);
             path.throughput *= weight;
-            // Russian roulette.
+            // Russian roulette. A number is drawn in any case, so that no path is endless.
             let survival = path.throughput.max_element().min(1.0);
             if random.is_exhausted() || random.next() >= survival {
                 break;
@@ -166,23 +173,22 @@ impl<'s> PathTracer<'s> {
             if t.is_nan() || t >= span.far {
                 return None;
             }
-            // What the collision may be, and at which rate: scattering in a medium, or null.
+            // The events that the collision may be, by their rates: scattering in a medium, or null.
             let mut events = Vec::new();
-            for (medium, density) in segments.at(t) {
-                let emission = medium.medium.emission * density;
-                path.radiance += path.throughput * emission / self.majorant;
-                let sigma_s = medium.medium.coefficients.sigma_s() * density;
-                let vertex = Vertex::in_medium(&path.ray, t, medium.medium.phase);
-                if path.may_scatter && sigma_s != DVec3::ZERO {
+            for medium in segments.at(t) {
+                path.radiance += path.throughput * medium.emission / self.majorant;
+                let vertex = Vertex::in_medium(&path.ray, t, medium.phase);
+                if path.may_scatter && medium.sigma_s != DVec3::ZERO {
                     let light = self.direct_light(&vertex, random);
-                    path.radiance += path.throughput * sigma_s * light / self.majorant;
+                    path.radiance += path.throughput * medium.sigma_s * light / self.majorant;
                 }
-                events.push((sigma_s, Some(vertex)));
+                events.push((medium.sigma_s, Some(vertex)));
             }
             let null = self.majorant - segments.extinction(t);
             events.push((null.max(DVec3::ZERO), None));
 
-            // One of them, in proportion to what it carries of all channels together.
+            // One of them, with a probability in proportion to throughput times rate, summed over the
+            // channels. Absorption is no event: it is in the weight.
             let carried = |rate: DVec3| (path.throughput * rate).element_sum();
             let all: f64 = events.iter().map(|(rate, _)| carried(*rate)).sum();
             let mut left = random.next() * all;
@@ -191,8 +197,9 @@ impl<'s> PathTracer<'s> {
                 left -= carried(*rate);
                 left < 0.0
             });
-            let Some((rate, vertex)) = events.into_iter().nth(chosen.unwrap_or(0)) else {
-                path.throughput = DVec3::ZERO; // absorbed
+            let chosen = chosen.unwrap_or(0); // none by rounding
+            let Some((rate, vertex)) = events.into_iter().nth(chosen) else {
+                path.throughput = DVec3::ZERO; // no channel goes on
                 return None;
             };
             path.throughput *= rate / self.majorant * (all / carried(rate));
@@ -237,14 +244,14 @@ impl<'s> PathTracer<'s> {
         self.transmittance(ray, end, random)
     }
 
-    /// Radiance scattered at `vertex` of the light that arrives straight from the lights. Point
-    /// lights at a vertex in a medium are left to [`PathTracer::point_lights_along`].
+    /// Direct light scattered at `vertex`. In a medium, point and spot lights are left to
+    /// [`PathTracer::point_lights_along`].
     fn direct_light(&self, vertex: &Vertex, random: &mut Random) -> DVec3 {
         let mut radiance = DVec3::ZERO;
         for light in &self.scene.lights {
             let in_medium = matches!(vertex.scattering, Scatterer::Phase(_));
             if !in_medium || light.position().is_none() {
-                radiance += self.light(vertex, light, random);
+                radiance += self.from_light(vertex, light, random);
             }
         }
         for light in &self.scene.area_lights {
@@ -264,8 +271,8 @@ impl<'s> PathTracer<'s> {
         radiance
     }
 
-    /// Radiance scattered at `vertex` of the light of a point, spot or directional light.
-    fn light(&self, vertex: &Vertex, light: &Light, random: &mut Random) -> DVec3 {
+    /// Light of a point, spot or directional light scattered at `vertex`.
+    fn from_light(&self, vertex: &Vertex, light: &Light, random: &mut Random) -> DVec3 {
         let connection = match light {
             Light::Point(point) => vertex.point.towards_point(point.position),
             Light::Spot(spot) => vertex.point.towards_point(spot.position),
@@ -283,7 +290,7 @@ impl<'s> PathTracer<'s> {
     }
 
     /// Radiance of point and spot lights scattered once into `ray`, estimated at one point for each
-    /// light, chosen by equal angles as seen from it.
+    /// light by equiangular sampling.
     fn point_lights_along(&self, ray: &Ray, segments: &Segments, random: &mut Random) -> DVec3 {
         let mut radiance = DVec3::ZERO;
         let Some(span) = segments.span() else {
@@ -300,10 +307,9 @@ impl<'s> PathTracer<'s> {
             };
             let from_foot = angles.place(random.next());
             let t = foot + from_foot;
-            for (medium, density) in segments.at(t) {
-                let sigma_s = medium.medium.coefficients.sigma_s() * density;
-                let vertex = Vertex::in_medium(ray, t, medium.medium.phase);
-                let scattered = sigma_s * self.light(&vertex, light, random);
+            for medium in segments.at(t) {
+                let vertex = Vertex::in_medium(ray, t, medium.phase);
+                let scattered = medium.sigma_s * self.from_light(&vertex, light, random);
                 let transmittance = self.transmittance(ray, t, random);
                 radiance += scattered * transmittance / angles.pdf(from_foot);
             }
@@ -333,7 +339,7 @@ impl<'s> PathTracer<'s> {
                 let ratio = if outside { 1.0 / index } else { index };
                 let fresnel = split(path.ray.direction, normal, ratio);
                 match fresnel.refracted {
-                    // Refraction changes solid angles, and with them radiance.
+                    // L/n² is constant across refraction.
                     Some(refracted) if random.next() >= fresnel.reflectance => {
                         (refracted, DVec3::splat(ratio * ratio))
                     }

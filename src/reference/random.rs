@@ -2,7 +2,7 @@
 
 use crate::math::rng::{Purpose, Stream};
 
-/// Numbers for one path, at most. Where that is not enough, nothing ends the path.
+/// Numbers for one path, at most. A path that draws all of them is reported as endless.
 const MOST: u32 = 1 << 26;
 
 /// The random numbers of one path.

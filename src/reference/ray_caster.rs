@@ -1,23 +1,29 @@
 //! The ray caster for classified volumes, as plainly as it can be written.
 //!
-//! The transfer function gives every density along a ray a colour `c` and an extinction `σ`. The
-//! ray sees the volume-rendering integral (Max 1995, eq. 8) over its span inside the volume, in
-//! front of the background `B`:
+//! A ray sees the volume-rendering integral over its span inside the volume, in front of the
+//! background `B` (Max 1995, §4): at distance `t` the volume has an extinction `σ` and, towards the
+//! eye, a colour `c`.
 //!
 //! ```text
 //! L = ∫ c(t) σ(t) T(t) dt + B T(end),     T(t) = exp(−∫₀ᵗ σ(s) ds)
 //! ```
 //!
-//! A sum over steps of length `h` replaces the integral. The density in the middle of a step
-//! stands for the whole step, whose opacity `a` follows from the opacity `a₀` that the transfer
-//! function states over the length `h₀` (Levoy 1988, eq. 1–3):
+//! A sum over steps of length `h` replaces the integral; the middle of a step stands for all of it.
+//! The transfer function states the opacity `a₀ = 1 − exp(−σ h₀)` of each density over a reference
+//! length `h₀`, from which that of a step of any length follows (Levoy 1988):
 //!
 //! ```text
 //! L = Σᵢ cᵢ aᵢ Tᵢ + B Tₙ,     Tᵢ = Π (1 − aⱼ) over j < i,     a = 1 − (1 − a₀)^(h/h₀)
+//! c = shade(colour(d)) · strength(d) · visibility
 //! ```
 //!
+//! The density `d` is interpolated in the grid. `shade` is Phong's model with minus the density
+//! gradient as normal, if the scene asks for it; `strength` is `d²` for the formula of the
+//! ray-casting assignment ([`TransferOpacity`](crate::media::TransferOpacity)) and 1 for a table of
+//! points; `visibility` is the share of light that reaches the sample through the volume.
+//!
 //! Sources: Levoy 1988, "Display of surfaces from volume data"; Max 1995, "Optical models for
-//! direct volume rendering".
+//! direct volume rendering"; Porter & Duff 1984, "Compositing digital images".
 
 use crate::film::Film;
 use crate::geometry::{Ray, Span, direction_of, length_of};
@@ -28,7 +34,8 @@ use crate::volume::{Cell, Grid, Reconstruction, relative_gradients};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// The image of `scene`: radiance and opacity, one ray through the centre of each pixel.
+/// The image of `scene`: radiance, background included, and the opacity of the volume in front of
+/// it; one ray through the centre of each pixel.
 pub fn render(scene: &Classified, [width, height]: [usize; 2]) -> Film {
     let volume = Volume {
         scene,
@@ -46,7 +53,8 @@ pub fn render(scene: &Classified, [width, height]: [usize; 2]) -> Film {
     Film::with_opacity(width, height, pixels)
 }
 
-/// A scene and the density gradient at every node of its grid.
+/// A scene, and the density gradient at every node of its grid, in a unit of the grid's own: shading
+/// uses the direction alone.
 struct Volume<'s> {
     scene: &'s Classified,
     gradients: Grid<[f32; 3]>,
@@ -56,7 +64,7 @@ struct Volume<'s> {
 struct Composite {
     /// Associated colour: multiplied by opacity.
     colour: DVec3,
-    /// Share of the light from behind that is held back.
+    /// Share of the light from behind that is absorbed.
     opacity: f64,
     /// Share of the light from behind that passes.
     transparency: f64,
@@ -106,8 +114,10 @@ impl Volume<'_> {
                 seen.opacity += opacity * seen.transparency;
             }
             seen.transparency = passed;
+            // A thin volume keeps the digits of its opacity in the sum; the sum of a thick one could
+            // exceed 1 by rounding, where the difference cannot.
             if passed < 0.5 {
-                seen.opacity = 1.0 - passed; // never above 1, as the sum may be by rounding
+                seen.opacity = 1.0 - passed;
             }
             if let Compositing::EarlyTermination(below) = scene.compositing
                 && passed < below
@@ -129,9 +139,9 @@ impl Volume<'_> {
         phong.shade(colour, gradient, to_light, -ray.direction)
     }
 
-    /// Share of the light that reaches `point` through the volume: `exp(−S/100)` by the formula of
-    /// the assignment, `S` the sum of densities over reference lengths; by a table of points the
-    /// transparency of all samples.
+    /// Transmittance from `point` to the light. With the formula of the assignment
+    /// `min(1, exp(−S/100))`, `S` the sum of densities over steps of the reference length; with a
+    /// table the product of `1 − a` over all steps.
     fn visibility(&self, point: DVec3, nodes: DVec3) -> f64 {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let to_light = scene.light - point;
@@ -164,7 +174,8 @@ impl Volume<'_> {
     }
 }
 
-/// Number of steps of length `step` over `span`, the last one shorter.
+/// Number of steps of length `step` over `span`; the last one ends with the span. At least one where
+/// the span has a length, even if the quotient underflows.
 fn step_count(span: Span, step: f64) -> usize {
     let count = (span.length() / step).ceil() as usize;
     if span.length() > 0.0 {
@@ -174,7 +185,8 @@ fn step_count(span: Span, step: f64) -> usize {
     }
 }
 
-/// Middle and length of step `index` of `count`. By the index, since adding up lengths drifts.
+/// Distance of the middle of step `index` of `count`, and the length of the step. Computed from the
+/// index: sums of lengths accumulate rounding errors.
 fn sample(span: Span, step: f64, count: usize, index: usize) -> (f64, f64) {
     if index + 1 < count {
         return (span.near + (index as f64 + 0.5) * step, step);

@@ -4,7 +4,7 @@ use super::random::Random;
 use crate::geometry::{Hit, Ray, SurfacePoint};
 use crate::math::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
 use crate::math::{Frame, cos, sin};
-use crate::media::{Deflection, HenyeyGreenstein};
+use crate::media::{Deflection, Phase};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -22,7 +22,7 @@ pub struct Vertex {
 #[derive(Clone, Copy)]
 pub enum Scatterer {
     /// By a phase function.
-    Phase(HenyeyGreenstein),
+    Phase(Phase),
     /// By Lambert's law, with a reflectance by channel.
     Diffuse(DVec3),
 }
@@ -40,7 +40,7 @@ pub struct Scattered {
 
 impl Vertex {
     /// A collision at distance `t` of `ray`.
-    pub fn in_medium(ray: &Ray, t: f64, phase: HenyeyGreenstein) -> Vertex {
+    pub fn in_medium(ray: &Ray, t: f64, phase: Phase) -> Vertex {
         Vertex {
             point: SurfacePoint {
                 position: ray.at(t),

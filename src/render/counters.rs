@@ -1,119 +1,102 @@
-//! Counting work, compiled in only when asked for.
+//! Counters of work, compiled in only when asked for.
 
 use super::plan::Effect;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+use std::ops::{Index, IndexMut};
 
-/// Units of work a kernel can count.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Event {
-    /// Density of a field at a point.
-    DensityLookup,
-    /// Stored gradient at a point.
-    GradientLookup,
-    /// Gradient of a node, computed to be stored.
-    GradientComputed,
-    /// A cell or block of a grid asked whether it is empty.
-    CellWalked,
-    /// A ray towards a light, to see how much of it arrives.
-    ShadowRay,
-    /// Value of a phase function that prefers a direction.
-    PhaseEvaluation,
-    /// A tentative collision of a flight with no matter.
-    NullCollision,
-    /// A ray tested against a surface.
-    SurfaceTest,
-    /// A random number.
-    RandomDraw,
-    /// What a stretch of matter lets through: an exponential, or a power of a transparency.
-    Attenuation,
-    /// The same for a second and third channel of colour.
-    ChannelAttenuation,
-    /// What a place or stretch of matter sends out.
-    EmissionTerm,
-    /// Light turned for the first time on its way from the eye.
-    FirstTurn,
-    /// Light turned once more.
-    FurtherTurn,
+/// Defines [`Event`] from one list: of each event the meaning, the name, the JSON key, and the
+/// effects that do such work.
+macro_rules! events {
+    ($($(#[$meaning:meta])* $event:ident, $key:literal, [$($effect:ident),+];)+) => {
+        /// A unit of work that kernels count.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Event {
+            $($(#[$meaning])* $event,)+
+        }
+
+        impl Event {
+            /// Number of events.
+            pub const COUNT: usize = Event::ALL.len();
+
+            /// All events, in the order in which reports list them.
+            pub const ALL: [Event; [$($key),+].len()] = [$(Event::$event),+];
+
+            /// The JSON key of the event's counter.
+            pub fn key(self) -> &'static str {
+                match self {
+                    $(Event::$event => $key,)+
+                }
+            }
+
+            /// The effects that do this work: none of it is done where none of them is simulated.
+            pub fn effects(self) -> &'static [Effect] {
+                match self {
+                    $(Event::$event => &[$(Effect::$effect),+],)+
+                }
+            }
+        }
+    };
 }
 
-impl Event {
-    /// All of them, in the order in which they are listed.
-    pub const ALL: [Event; 14] = [
-        Event::DensityLookup,
-        Event::GradientLookup,
-        Event::GradientComputed,
-        Event::CellWalked,
-        Event::ShadowRay,
-        Event::PhaseEvaluation,
-        Event::NullCollision,
-        Event::SurfaceTest,
-        Event::RandomDraw,
-        Event::Attenuation,
-        Event::ChannelAttenuation,
-        Event::EmissionTerm,
-        Event::FirstTurn,
-        Event::FurtherTurn,
+events! {
+    /// Density read from a grid or evaluated, shadow rays included.
+    DensityLookup, "density_lookups", [Heterogeneity];
+
+    /// Stored gradient interpolated at a point.
+    GradientLookup, "gradient_lookups", [GradientShading];
+
+    /// Gradient of a node, computed to be stored.
+    GradientComputed, "gradients_computed", [GradientShading];
+
+    /// Cell or block of a grid that a ray enters: its emptiness or majorant is read.
+    CellWalked, "cells_walked", [Heterogeneity];
+
+    /// Ray towards a light, for the transmittance or the shadow on it.
+    ShadowRay, "shadow_rays", [MediumShadow, SurfaceShadow];
+
+    /// Value of an anisotropic phase function.
+    PhaseEvaluation, "phase_evaluations", [AnisotropicPhase];
+
+    /// Null collision of a tracking method.
+    NullCollision, "null_collisions", [Heterogeneity];
+
+    /// Intersection test of a ray with a surface.
+    SurfaceTest, "surface_tests", [Surfaces];
+
+    /// Random number. (A density without an integral is tracked even if it only absorbs.)
+    RandomDraw, "random_draws", [SingleScattering, MultipleScattering, Heterogeneity];
+
+    /// Transmittance of a medium segment or opacity of a sample: an exponential or a power.
+    /// (Extinction is absorption and scattering together.)
+    Attenuation, "attenuations", [
+        Absorption, Emission, SingleScattering, MultipleScattering, MediumShadow
     ];
 
-    /// The name of its counter in JSON.
-    pub fn name(self) -> &'static str {
-        match self {
-            Event::DensityLookup => "density_lookups",
-            Event::GradientLookup => "gradient_lookups",
-            Event::GradientComputed => "gradients_computed",
-            Event::CellWalked => "cells_walked",
-            Event::ShadowRay => "shadow_rays",
-            Event::PhaseEvaluation => "phase_evaluations",
-            Event::NullCollision => "null_collisions",
-            Event::SurfaceTest => "surface_tests",
-            Event::RandomDraw => "random_draws",
-            Event::Attenuation => "attenuations",
-            Event::ChannelAttenuation => "channel_attenuations",
-            Event::EmissionTerm => "emission_terms",
-            Event::FirstTurn => "first_turns",
-            Event::FurtherTurn => "further_turns",
-        }
-    }
+    /// The same for the second and third colour channels.
+    ChannelAttenuation, "channel_attenuations", [ChromaticCoefficients];
 
-    /// The effects that do this work: where none of them is simulated, it is done not once.
-    pub fn effects(self) -> &'static [Effect] {
-        use Effect::*;
-        match self {
-            Event::DensityLookup | Event::CellWalked | Event::NullCollision => &[Heterogeneity],
-            Event::GradientLookup | Event::GradientComputed => &[GradientShading],
-            Event::ShadowRay => &[MediumShadow, SurfaceShadow],
-            Event::PhaseEvaluation => &[AnisotropicPhase],
-            Event::SurfaceTest => &[Surfaces],
-            // Noise that only absorbs is tracked too.
-            Event::RandomDraw => &[SingleScattering, MultipleScattering, Heterogeneity],
-            // Extinction is absorption and scattering together.
-            Event::Attenuation => &[
-                Absorption,
-                Emission,
-                SingleScattering,
-                MultipleScattering,
-                MediumShadow,
-            ],
-            Event::ChannelAttenuation => &[ChromaticCoefficients],
-            Event::EmissionTerm => &[Emission],
-            Event::FirstTurn => &[SingleScattering],
-            Event::FurtherTurn => &[MultipleScattering],
-        }
-    }
+    /// Emission of a sample or of a medium segment.
+    EmissionTerm, "emission_terms", [Emission];
+
+    /// First scattering or reflection on a path from the eye.
+    FirstScattering, "first_scatterings", [SingleScattering];
+
+    /// Scattering or reflection of second or higher order.
+    FurtherScattering, "further_scatterings", [MultipleScattering];
 }
 
-/// Something that is told of every unit of work. Kernels are compiled once for each
-/// implementation: told to [`Uncounted`], they count nothing and spend nothing on it.
+/// A counter of work. Kernels are compiled once for each implementation; with [`Uncounted`],
+/// counting costs nothing.
 pub trait Work: Clone + Default + Send {
-    /// That many units of work were done.
+    /// Counts `times` units of work.
     fn count_times(&mut self, event: Event, times: u64);
 
-    /// One unit of work was done.
+    /// Counts one unit of work.
     fn count(&mut self, event: Event) {
         self.count_times(event, 1);
     }
 
-    /// The numbers of another row of pixels.
+    /// Adds the counts of another row of pixels.
     fn add(&mut self, other: &Self);
 }
 
@@ -126,74 +109,50 @@ impl Work for Uncounted {
     fn add(&mut self, _: &Self) {}
 }
 
-/// How often each unit of work was done. The same on every run, for any number of threads.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Counters {
-    /// Densities looked up in a grid, shadow rays included.
-    pub density_lookups: u64,
-    /// Gradients looked up in a grid.
-    pub gradient_lookups: u64,
-    /// Gradients computed for the nodes of a grid.
-    pub gradients_computed: u64,
-    /// Blocks of a grid asked whether they are empty.
-    pub cells_walked: u64,
-    /// Rays towards a light, to see how much of it arrives.
-    pub shadow_rays: u64,
-    /// Values of a phase function that prefers a direction.
-    pub phase_evaluations: u64,
-    /// Collisions of a tracking method with no matter.
-    pub null_collisions: u64,
-    /// Rays tested against a surface.
-    pub surface_tests: u64,
-    /// Random numbers drawn.
-    pub random_draws: u64,
-    /// What stretches of matter let through, in one channel.
-    pub attenuations: u64,
-    /// The same for the second and third channel.
-    pub channel_attenuations: u64,
-    /// What places and stretches of matter send out.
-    pub emission_terms: u64,
-    /// Light turned for the first time on its way from the eye.
-    pub first_turns: u64,
-    /// Light turned once more.
-    pub further_turns: u64,
+/// Units of work done, by event. The same on every run, for any number of threads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters([u64; Event::COUNT]);
+
+impl Index<Event> for Counters {
+    type Output = u64;
+
+    fn index(&self, event: Event) -> &u64 {
+        &self.0[event as usize]
+    }
 }
 
-impl Counters {
-    /// How often `event` was counted.
-    pub fn of(&self, event: Event) -> u64 {
-        let mut counters = *self;
-        *counters.counter(event)
-    }
-
-    fn counter(&mut self, event: Event) -> &mut u64 {
-        match event {
-            Event::DensityLookup => &mut self.density_lookups,
-            Event::GradientLookup => &mut self.gradient_lookups,
-            Event::GradientComputed => &mut self.gradients_computed,
-            Event::CellWalked => &mut self.cells_walked,
-            Event::ShadowRay => &mut self.shadow_rays,
-            Event::PhaseEvaluation => &mut self.phase_evaluations,
-            Event::NullCollision => &mut self.null_collisions,
-            Event::SurfaceTest => &mut self.surface_tests,
-            Event::RandomDraw => &mut self.random_draws,
-            Event::Attenuation => &mut self.attenuations,
-            Event::ChannelAttenuation => &mut self.channel_attenuations,
-            Event::EmissionTerm => &mut self.emission_terms,
-            Event::FirstTurn => &mut self.first_turns,
-            Event::FurtherTurn => &mut self.further_turns,
-        }
+impl IndexMut<Event> for Counters {
+    fn index_mut(&mut self, event: Event) -> &mut u64 {
+        &mut self.0[event as usize]
     }
 }
 
 impl Work for Counters {
     fn count_times(&mut self, event: Event, times: u64) {
-        *self.counter(event) += times;
+        self[event] += times;
     }
 
     fn add(&mut self, other: &Counters) {
-        for event in Event::ALL {
-            *self.counter(event) += other.of(event);
+        for (count, more) in self.0.iter_mut().zip(other.0) {
+            *count += more;
         }
+    }
+}
+
+/// The given counts; of all other events 0.
+impl<const N: usize> From<[(Event, u64); N]> for Counters {
+    fn from(counts: [(Event, u64); N]) -> Counters {
+        let mut counters = Counters::default();
+        for (event, count) in counts {
+            counters.count_times(event, count);
+        }
+        counters
+    }
+}
+
+/// A map from the [keys](Event::key) of the events to their counts.
+impl Serialize for Counters {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(Event::ALL.map(|event| (event.key(), self[event])))
     }
 }

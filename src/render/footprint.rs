@@ -2,16 +2,16 @@
 
 use super::plan::{Kernel, Plan};
 use super::radiative::path_tracer::Fault;
+use super::sampling::Sampling;
 use crate::math::Moments;
-use crate::scene::{Model, Panel, Scene};
 
-/// Bytes that an image takes.
+/// Memory of an image, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Footprint {
     /// The finished image: radiance, and opacity or variance.
     pub image: u64,
-    /// Most that is held at a time while it is rendered and written as EXR, what is made for it
-    /// (gradients, bounds) with it. The scene and its volumes come to this.
+    /// Peak while it is rendered and written as EXR, with what is made for it (gradients,
+    /// majorants). The scene and its volumes are not counted.
     pub most: u64,
 }
 
@@ -19,26 +19,27 @@ pub struct Footprint {
 const RADIANCE: usize = size_of::<[f32; 3]>();
 const OPACITY: usize = size_of::<f32>();
 
-/// The memory that the image of `scene` takes by the `plans` of its panels.
-pub fn footprint(scene: &Scene, plans: &[Plan]) -> Footprint {
-    let panels = || scene.panels.iter().zip(plans);
-    let of_pixels = |panel: &Panel, bytes: usize| {
-        let pixels = (panel.width * panel.height) as u64;
+/// The memory of the image of `plans`.
+pub fn footprint(plans: &[Plan<'_>], sampling: Sampling) -> Footprint {
+    let of_pixels = |plan: &Plan<'_>, bytes: usize| {
+        let pixels = (plan.panel.width * plan.panel.height) as u64;
         pixels.saturating_mul(bytes as u64)
     };
-    let films = panels().map(|(panel, plan)| of_pixels(panel, of_film(panel, plan)));
+    let of_film = |plan: &Plan<'_>| of_film(plan, sampling);
+    let films = plans.iter().map(|plan| of_pixels(plan, of_film(plan)));
     let image: u64 = films.sum();
-    let making = panels().map(|(panel, plan)| {
-        let beside = plan.made_beside(panel);
-        let beside: usize = beside.iter().map(|memory| memory.bytes).sum();
-        of_pixels(panel, while_rendered(panel, plan)).saturating_add(beside as u64)
+    let making = plans.iter().map(|plan| {
+        let beside = plan.made_beside().into_iter();
+        let beside: usize = beside.map(|memory| memory.bytes).sum();
+        of_pixels(plan, while_rendered(plan, of_film(plan))).saturating_add(beside as u64)
     });
     // Each of the panels is held until the last is made.
     let rendering = image.saturating_add(making.max().unwrap_or(0));
     // Put side by side, as channels of `f32` with the number of samples among them, and as the
     // bytes of the file, which may be no smaller.
-    let samples: u64 = panels()
-        .map(|(panel, _)| of_pixels(panel, size_of::<u32>()))
+    let samples: u64 = plans
+        .iter()
+        .map(|plan| of_pixels(plan, size_of::<u32>()))
         .sum();
     let writing = image.saturating_mul(3).saturating_add(2 * samples);
     Footprint {
@@ -48,26 +49,26 @@ pub fn footprint(scene: &Scene, plans: &[Plan]) -> Footprint {
 }
 
 /// Bytes of a pixel of the finished panel.
-fn of_film(panel: &Panel, plan: &Plan) -> usize {
-    match (&panel.model, plan.kernel) {
-        (Model::Radiative(scene), Kernel::PathTracer { .. }) if scene.samples > 1 => 2 * RADIANCE,
-        (Model::Radiative(_), _) => RADIANCE,
-        _ => RADIANCE + OPACITY,
+fn of_film(plan: &Plan<'_>, sampling: Sampling) -> usize {
+    match plan.kernel {
+        Kernel::PathTracer { .. } if plan.samples(sampling) > 1 => 2 * RADIANCE,
+        Kernel::PathTracer { .. } | Kernel::LineOfSight { .. } => RADIANCE,
+        Kernel::Curve(_) | Kernel::Background(_) | Kernel::RayCaster { .. } => RADIANCE + OPACITY,
     }
 }
 
 /// Bytes of a pixel that are held at most while the panel is rendered, beside those before it:
-/// all rows and what they are put together to, or that and what becomes of it.
-fn while_rendered(panel: &Panel, plan: &Plan) -> usize {
+/// all rows and the image they are put together to, or that image and its film.
+fn while_rendered(plan: &Plan<'_>, film: usize) -> usize {
     let (pixel, between) = match plan.kernel {
         Kernel::PathTracer { .. } => (
             size_of::<Result<[Moments; 3], Fault>>(),
             size_of::<[Moments; 3]>(),
         ),
         // The plot is drawn in `f64`.
-        Kernel::Curve => (size_of::<[f64; 3]>(), size_of::<[f32; 4]>()),
+        Kernel::Curve(_) => (size_of::<[f64; 3]>(), size_of::<[f32; 4]>()),
         Kernel::LineOfSight { .. } => (size_of::<Result<[f32; 3], Fault>>(), 0),
-        _ => (size_of::<[f32; 4]>(), 0),
+        Kernel::RayCaster { .. } | Kernel::Background(_) => (size_of::<[f32; 4]>(), 0),
     };
-    (2 * pixel).max(pixel + between + of_film(panel, plan))
+    (2 * pixel).max(pixel + between + film)
 }

@@ -1,21 +1,8 @@
-//! How long an image will take, measured by a few of its pixels.
+//! Forecast of the time that an image takes, from a few of its pixels.
 
-use super::pixels::steps_of;
+use super::progress::Forecast;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
-
-/// How long a panel will take.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Forecast {
-    /// Seconds, on all threads together.
-    pub seconds: f64,
-    /// Threads.
-    pub threads: usize,
-    /// Pixels of the panel.
-    pub pixels: u64,
-    /// Samples of each; 1 where it is not sampled.
-    pub samples: u32,
-}
 
 /// Pixels that are measured, at most. Of rays whose costs spread as widely as they are long, the
 /// mean of so many is known to 1/√256 = 6 %.
@@ -24,27 +11,26 @@ const MOST_PROBES: usize = 256;
 /// Of the rays of an image this share, at most, is cast twice.
 const SHARE: u64 = 16;
 
-impl Forecast {
-    /// The steps of the panel that a [`Watch`](super::Watch) is told of.
-    pub fn steps(&self) -> u64 {
-        steps_of(self.pixels, self.samples)
-    }
-
-    /// Of a panel of `pixels` with `samples` each, where `probes` of its rays took `seconds` of
-    /// one thread.
-    fn new(pixels: u64, samples: u32, threads: usize, (seconds, probes): (f64, usize)) -> Forecast {
-        let rays = pixels as f64 * f64::from(samples);
-        Forecast {
-            seconds: seconds / probes.max(1) as f64 * rays / threads.max(1) as f64,
-            threads,
-            pixels,
-            samples,
-        }
+/// Of a panel of `pixels` with `samples` each, where `probes` of its rays took `seconds` of
+/// one thread.
+fn extrapolated(
+    pixels: u64,
+    samples: u32,
+    threads: usize,
+    (seconds, probes): (f64, usize),
+) -> Forecast {
+    let rays = pixels as f64 * f64::from(samples);
+    Forecast {
+        seconds: seconds / probes.max(1) as f64 * rays / threads.max(1) as f64,
+        threads,
+        pixels,
+        samples,
     }
 }
 
-/// Measures `probe`, which casts one ray through a pixel, all over an image of `size`, for `most`
-/// at most and the ray that is under way then; nothing of an image of a few rays.
+/// The forecast of an image of `size`, from the times that `probe` takes for one ray through each
+/// of some pixels: measured for `most`, and until the ray under way then is done. None for an
+/// image of a few rays.
 pub(super) fn forecast(
     size: [usize; 2],
     samples: u32,
@@ -74,7 +60,7 @@ pub(super) fn forecast(
     let threads = measured.len();
     let sum = |(a, b): (f64, usize), (c, d): (f64, usize)| (a + c, b + d);
     let measured = measured.into_iter().fold((0.0, 0), sum);
-    Some(Forecast::new(pixels, samples, threads, measured))
+    Some(extrapolated(pixels, samples, threads, measured))
 }
 
 /// The pixel that is measured as `index`: any number of the first are spread evenly over the image.
@@ -97,7 +83,7 @@ mod tests {
     #[test]
     fn seconds_are_those_of_a_ray_times_rays_over_threads() {
         // 10⁹ samples of 256² pixels, 2 µs each, on two threads.
-        let forecast = Forecast::new(1 << 16, 1_000_000_000, 2, (512e-6, 256));
+        let forecast = extrapolated(1 << 16, 1_000_000_000, 2, (512e-6, 256));
         assert!((forecast.seconds - 65_536.0e3).abs() < 1.0, "{forecast:?}");
         assert_eq!(
             (forecast.pixels, forecast.samples),
@@ -123,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn of_a_few_rays_nothing_is_measured_and_time_is_kept() {
+    fn an_image_of_a_few_rays_is_not_measured_and_the_limit_is_kept() {
         let never = |_: [usize; 2]| panic!("a probe");
         assert_eq!(forecast([3, 5], 1, Duration::MAX, &never), None);
         // Without time, one ray.

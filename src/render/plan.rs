@@ -1,4 +1,4 @@
-//! What a scene calls for, decided once per image.
+//! The effects that a scene calls for, decided once per image.
 //!
 //! The [`Plan`] is the only way from a scene to a kernel. For each effect it says whether it is
 //! simulated and why; the kernel is compiled for exactly that. It is made from the values of the
@@ -11,22 +11,23 @@
 //! | surfaces | there is one | there is none | |
 //! | absorption | a medium has `sigma_a` above 0; some value of a volume has an opacity | `sigma_a` is 0 in every medium, or every density; every value, by the range of the grid, has opacity 0 | |
 //! | emission | a medium has `emission`; some value has an opacity | as absorption | |
-//! | single scattering | something turns light (a medium has `sigma_s`, a surface reflects), and there is light to turn | nothing turns light, or there is no light | `scattering = "none"` |
+//! | single scattering | something scatters light (a medium has `sigma_s`, a surface reflects), and there is light to scatter | nothing scatters light, or there is no light | `scattering = "none"` |
 //! | multiple scattering | the same | the same | `scattering = "none"` or `"single"`; beyond `max_bounces` |
-//! | medium shadow | a medium takes light away between a light and what turns it; `[classified.shadow]` and an opacity | nothing is turned, or no light but the environment is there, or no medium takes light away; every value has opacity 0 | no `[classified.shadow]` |
-//! | surface shadow | a surface stands somewhere, and light is turned | nothing is turned, or no light but the environment is there, or there is no surface | |
+//! | medium shadow | a medium attenuates light between a light and what scatters it; `[classified.shadow]` and an opacity | nothing is scattered, or no light but the environment is there, or no medium absorbs or scatters; every value has opacity 0 | no `[classified.shadow]` |
+//! | surface shadow | a surface stands somewhere, and light is scattered | nothing is scattered, or no light but the environment is there, or there is no surface | |
 //! | gradient shading | `[classified.phong]`, and the density has a gradient | the grid is constant, or no axis has three nodes; ambient 1, diffuse 0, specular 0; every value has opacity 0 | no `[classified.phong]` |
-//! | heterogeneity | the density of a medium that does anything differs from place to place; the values of a volume do | every density is constant (a grid by its range); every value has opacity 0 | |
+//! | heterogeneity | the density of a medium with any coefficient or emission varies in space; the values of a volume do | every density is constant (a grid by its range); every value has opacity 0 | |
 //! | chromatic coefficients | `sigma_a` or `sigma_s` of a medium differs between channels | all three are equal in every medium | |
-//! | anisotropic phase | a medium that scatters has `g` other than 0 | `g` is 0, or `sigma_s` is, in every medium; light is not turned | |
+//! | anisotropic phase | a medium that scatters has `g` other than 0 | `g` is 0, or `sigma_s` is, in every medium; light is not scattered | |
 //!
 //! A grid of one value is a homogeneous medium to every kernel, equal to it up to rounding.
 //!
 //! What a model does not have (surfaces in a classified volume, gradient shading in media) is elided
 //! too. An effect that is null can be [forced](Plan::forcing): the same bits for more work. Which work
-//! belongs to which effect stands in [`Event::effects`](super::counters::Event::effects). What was asked for
-//! and cannot matter is a [warning](Plan::warnings).
+//! belongs to which effect stands in [`Event::effects`](super::counters::Event::effects). A key
+//! without any effect is a [warning](Plan::warnings).
 
+mod canonical_text;
 mod classified;
 mod decision;
 mod effect;
@@ -36,42 +37,45 @@ mod radiative;
 
 pub use decision::{Decision, Reason};
 pub use effect::{Effect, State};
-pub use kernel::{FieldKind, Kernel, Parts};
+pub use kernel::{FieldKind, Kernel, RadiativeFeatures, RayCasterFeatures};
 pub use method::{Estimator, Method};
 
-use crate::scene::{Model, Panel};
-use decision::{Decisions, Finding};
+use super::sampling::Sampling;
+use crate::scene::{Curve, Model, Panel, Scene};
+use decision::{Decisions, EffectFinding};
 use serde::Serialize;
 
-/// A part of an effect that is left out because the scene asks for it, and what that may cost.
+/// A part of an effect that is left out because the scene asks for it, with the bound on its bias.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Approximation {
-    /// What is left out, in words.
+    /// The part left out, in words.
     pub without: String,
     /// The key of the scene behind it.
     pub field: &'static str,
     /// The line of the scene file on which it stands.
     pub line: Option<usize>,
-    /// No channel of a pixel is off by more, nor its opacity by more than the share.
+    /// Largest error of a channel of a pixel, radiance.
     pub bias: f64,
 }
 
-/// What is simulated, and by which kernel.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+/// The effects simulated in a panel, and the kernel that renders it.
+#[derive(Clone, Debug)]
+pub struct Plan<'s> {
+    /// The panel that is rendered.
+    pub panel: &'s Panel,
     /// A decision for each of [`Effect::ALL`].
     pub decisions: Vec<Decision>,
-    /// What is left out of effects that are simulated, because the scene asks for it.
+    /// Parts of simulated effects that are left out because the scene asks for it.
     pub approximations: Vec<Approximation>,
-    /// What the scene file asks for and cannot matter, or takes longer than it may seem.
+    /// Keys of the scene file without any effect, and media that take longer than they may seem.
     pub warnings: Vec<Reason>,
-    /// How the radiance of a pixel is found.
+    /// The estimator of a pixel's radiance.
     pub estimator: Estimator,
     /// The code that renders the image.
-    pub kernel: Kernel,
+    pub kernel: Kernel<'s>,
 }
 
-/// Why a plan cannot be had.
+/// Reason for which a plan cannot be had.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PlanError {
     /// The scene does not ask for the effect; forcing it would be another picture.
@@ -86,19 +90,24 @@ pub enum PlanError {
     },
 }
 
-impl Plan {
+/// The plans for the panels of `scene`: everything provably null is elided.
+pub fn plans(scene: &Scene) -> Vec<Plan<'_>> {
+    scene.panels.iter().map(Plan::new).collect()
+}
+
+impl<'s> Plan<'s> {
     /// The plan for `panel`: everything provably null is elided.
-    pub fn new(panel: &Panel) -> Plan {
+    pub fn new(panel: &'s Panel) -> Plan<'s> {
         Plan::forcing(panel, &[]).expect("nothing is forced")
     }
 
     /// The plan for `panel` with the effects in `forced` simulated although they are provably
     /// null: same bits, more work. Fails for an effect that is not null but absent.
-    pub fn forcing(panel: &Panel, forced: &[Effect]) -> Result<Plan, PlanError> {
+    pub fn forcing(panel: &'s Panel, forced: &[Effect]) -> Result<Plan<'s>, PlanError> {
         let plan = match &panel.model {
-            Model::Curve(_) => curve_plan(panel),
-            Model::Radiative(scene) => radiative::plan(scene, forced, &panel.places),
-            Model::Classified(scene) => classified::plan(scene, forced, &panel.places),
+            Model::Curve(curve) => curve_plan(panel, curve),
+            Model::Radiative(scene) => radiative::plan(panel, scene, forced),
+            Model::Classified(scene) => classified::plan(panel, scene, forced),
         };
         for decision in &plan.decisions {
             if forced.contains(&decision.effect) && decision.state != State::On {
@@ -155,22 +164,20 @@ impl Plan {
             .collect()
     }
 
-    /// The plan as text that changes with anything it covers: the kernel and the state of every
-    /// effect. Goldens keep its hash, so none can silently come to cover other physics.
-    pub fn canonical_text(&self) -> String {
-        // The structure of the kernel, not the words it is described with.
-        let mut text = format!("{:?}\n", self.kernel);
-        for decision in &self.decisions {
-            text.push_str(&format!("{} {}\n", decision.effect, decision.state));
+    /// Samples per pixel with `sampling`; 1 where the image is not sampled.
+    pub(super) fn samples(&self, sampling: Sampling) -> u32 {
+        match self.kernel {
+            Kernel::PathTracer { scene, .. } => sampling.samples_of(scene),
+            _ => 1,
         }
-        text
     }
 }
 
-fn curve_plan(panel: &Panel) -> Plan {
+fn curve_plan<'s>(panel: &'s Panel, curve: &'s Curve) -> Plan<'s> {
     const NO_LIGHT: &str = "a plot of the transfer function has no light";
-    let decisions = Decisions::new(|_| Finding::Absent(NO_LIGHT), &[], &panel.places);
+    let decisions = Decisions::new(|_| EffectFinding::Absent(NO_LIGHT), &[], &panel.places);
     Plan {
+        panel,
         decisions: decisions.0,
         approximations: vec![],
         warnings: vec![],
@@ -178,6 +185,6 @@ fn curve_plan(panel: &Panel) -> Plan {
             method: Method::Plot,
             why: Reason::of("curve", NO_LIGHT, &panel.places),
         },
-        kernel: Kernel::Curve,
+        kernel: Kernel::Curve(curve),
     }
 }

@@ -1,34 +1,35 @@
-//! Work that can be told before it is done: from the geometry of rays, steps and cells, without a
-//! look at any density.
+//! Work predicted before it is done: from the geometry of rays, steps and cells, without any
+//! density look-up.
 
 use super::classified::steps::Steps;
 use super::counters::{Event, Uncounted};
-use super::plan::{FieldKind, Kernel, Plan};
-use super::radiative::intersection::Surroundings;
+use super::plan::{FieldKind, Kernel, Plan, RadiativeFeatures, RayCasterFeatures};
 use super::radiative::media::tracked;
-use super::radiative::{effects::Everything, segments::MediaPath};
+use super::radiative::scene_context::SceneContext;
+use super::radiative::{effects::Everything, segments::MediumSegments};
+use super::sampling::Sampling;
 use crate::geometry::{Camera, Ray, Solid, Span, length_of};
 use crate::math::Moments;
 use crate::media::{Density, Field};
-use crate::scene::{Classified, Compositing, Model, Panel, Radiative};
+use crate::scene::{Classified, Compositing, Panel, Radiative};
 use crate::volume::Interpolation;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;
 
-/// What an image will take.
+/// Predicted work and memory of an image.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Expected {
+pub struct PredictedWork {
     /// Rays from the eye.
     pub rays: u64,
-    /// Units of work of the whole image; of what is not in the list, nothing is known beforehand.
+    /// Units of work of the whole image; of events not in the list, nothing is known beforehand.
     pub work: Vec<(Event, Amount)>,
     /// Memory beside the scene and the image.
     pub memory: Vec<Memory>,
 }
 
-impl Expected {
-    /// How often `event` will be counted; none where nothing is known beforehand.
+impl PredictedWork {
+    /// The predicted count of `event`; none where nothing is known beforehand.
     pub fn of(&self, event: Event) -> Option<Amount> {
         let mut known = self.work.iter().filter(|(known, _)| *known == event);
         known.next().map(|(_, amount)| *amount)
@@ -38,24 +39,24 @@ impl Expected {
 /// A number of units of work.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Amount {
-    /// How it stands to what will be counted.
+    /// Relation to the measured count.
     pub bound: Bound,
     /// The number.
     pub count: u64,
 }
 
-/// How a number that is told stands to the one that will be counted.
+/// How a predicted count relates to the measured one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bound {
-    /// It is the same.
+    /// Equal.
     Exactly,
-    /// It is no less.
+    /// Equal or larger.
     AtMost,
-    /// It is no more.
+    /// Equal or smaller.
     AtLeast,
-    /// It is near: told by some of the rays of a large image.
+    /// Near: extrapolated from some of the rays of a large image.
     About,
-    /// It is no less, or next to it: told by some of the rays of a large image.
+    /// Equal, larger or near: extrapolated from some of the rays of a large image.
     AboutAtMost,
 }
 
@@ -71,215 +72,215 @@ impl fmt::Display for Bound {
     }
 }
 
-/// Something that is made for an image and kept while it is rendered.
+/// Memory of something that is made for an image and kept while it is rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Memory {
-    /// What it is.
+    /// Its contents.
     pub what: &'static str,
     /// Its size.
     pub bytes: usize,
 }
 
-/// The one of them that is made of pixels.
+/// The one that holds pixels.
 const MOMENTS: &str = "moments of the samples";
 
-/// Rays that are looked at: those of an image of 256 × 256 pixels.
+/// Rays that a prediction looks at: those of an image of 256 × 256 pixels.
 const MOST_RAYS: usize = 1 << 16;
 
-/// Samples of all of them whose way to the light is looked at; beyond, it is taken to be the longest.
+/// Samples whose shadow rays a prediction looks at; beyond, each is taken to be the longest.
 const MOST_SAMPLES: u64 = 1 << 26;
 
-impl Plan {
-    /// The work and memory that the image of `panel` takes by this plan, as far as they follow
-    /// from closed forms.
-    pub fn expected(&self, panel: &Panel) -> Expected {
-        let pixels = (panel.width * panel.height) as u64;
-        let rays = match &panel.model {
-            Model::Radiative(scene) if self.is_sampled() => {
-                pixels.saturating_mul(scene.samples.into())
-            }
-            _ => pixels,
-        };
+impl Plan<'_> {
+    /// The work and memory that the image takes with `sampling`, as far as closed forms tell.
+    pub fn predicted_work(&self, sampling: Sampling) -> PredictedWork {
+        let pixels = (self.panel.width * self.panel.height) as u64;
+        let rays = pixels.saturating_mul(self.samples(sampling).into());
         let nothing = |event: &Event| !self.may_do(*event);
         let nothing = Event::ALL.into_iter().filter(nothing);
         let mut work: Vec<_> = nothing.map(|event| (event, exactly(0))).collect();
-        let known = match (&panel.model, self.kernel) {
-            (Model::Classified(scene), Kernel::RayCaster { .. }) => self.of_casting(panel, scene),
-            (Model::Radiative(scene), Kernel::LineOfSight { .. }) => {
-                self.of_lines(panel, scene, rays)
-            }
-            (Model::Radiative(scene), _) => of_paths(scene, rays),
-            _ => vec![],
+        let known = match self.kernel {
+            Kernel::Curve(_) | Kernel::Background(_) => vec![],
+            Kernel::RayCaster { scene, features } => of_casting(self.panel, scene, features),
+            Kernel::LineOfSight {
+                scene,
+                features,
+                scatters,
+            } => of_lines(self.panel, scene, features, scatters),
+            Kernel::PathTracer { scene, .. } => of_paths(scene, rays),
         };
         work.extend(known.into_iter().filter(|(event, _)| self.may_do(*event)));
         work.sort_by_key(|(event, _)| *event as usize);
-        Expected {
+        PredictedWork {
             rays,
             work,
-            memory: self.memory(panel),
+            memory: self.memory(),
         }
     }
 
     /// Whether any work of this kind is done: some effect that does it is simulated, or is omitted
-    /// in part only. Up to a limit, light is turned more than once; and what scatters dims what lies
-    /// behind it, though what it would turn towards the eye is left out or nothing.
+    /// in part only. Up to a limit, light is scattered more than once; and a scattering medium
+    /// attenuates light from behind even where in-scattering is omitted.
     pub fn may_do(&self, event: Event) -> bool {
         let in_part = match (event, self.kernel) {
-            (Event::FurtherTurn, Kernel::PathTracer { limit, .. }) => limit >= Some(2),
+            (Event::FurtherScattering, Kernel::PathTracer { max_order, .. }) => {
+                max_order >= Some(2)
+            }
             (
                 Event::Attenuation,
-                Kernel::LineOfSight { parts, .. } | Kernel::PathTracer { parts, .. },
-            ) => parts.media,
-            // Where heterogeneity was forced: code for varying densities, along the line of sight,
-            // knows every phase function.
-            (Event::PhaseEvaluation, Kernel::LineOfSight { parts, turned }) => {
-                turned && parts.heterogeneous
-            }
-            // Where nothing turns light, and turning it more than once was forced.
-            (Event::FirstTurn, Kernel::LineOfSight { turned, .. }) => turned,
+                Kernel::LineOfSight { features, .. } | Kernel::PathTracer { features, .. },
+            ) => features.media,
+            // Where heterogeneity was forced: the code for heterogeneous media, along the line of
+            // sight, evaluates every phase function.
+            (
+                Event::PhaseEvaluation,
+                Kernel::LineOfSight {
+                    features, scatters, ..
+                },
+            ) => scatters && features.heterogeneous,
+            // Where nothing scatters light, and multiple scattering was forced.
+            (Event::FirstScattering, Kernel::LineOfSight { scatters, .. }) => scatters,
             // Where the volume is transparent, and an effect was forced.
-            (Event::DensityLookup, Kernel::RayCaster { field, .. }) => field != FieldKind::Constant,
+            (Event::DensityLookup, Kernel::RayCaster { features, .. }) => {
+                features.field != FieldKind::Constant
+            }
             (Event::Attenuation | Event::EmissionTerm, Kernel::RayCaster { .. }) => true,
             _ => false,
         };
         in_part || event.effects().iter().any(|&effect| self.is_on(effect))
     }
 
-    fn of_casting(&self, panel: &Panel, scene: &Classified) -> Vec<(Event, Amount)> {
-        let Kernel::RayCaster {
-            field,
-            compositing,
-            shadow,
-            skip_empty,
-            ..
-        } = self.kernel
-        else {
-            return vec![];
-        };
-        let early = matches!(compositing, Compositing::EarlyTermination(_));
-        let of_ray = |ray: &Ray| {
-            let samples = samples(scene, ray);
-            let towards_light = if shadow { shadow_steps(scene, ray) } else { 0 };
-            [samples, towards_light]
-        };
-        let (part, [samples, towards_light]) = over_rays(panel, scene.camera, of_ray);
-        let taken = match (skip_empty || early, part) {
-            (false, false) => Bound::Exactly,
-            (false, true) => Bound::About,
-            (true, false) => Bound::AtMost,
-            (true, true) => Bound::AboutAtMost,
-        };
-        // A sample without opacity asks for no light, and one in the light itself sends no ray.
-        let at_most = if part {
-            Bound::AboutAtMost
-        } else {
-            Bound::AtMost
-        };
-        let lookups = match field {
-            FieldKind::Constant => exactly(0),
-            _ if towards_light == 0 => amount(taken, samples),
-            _ => amount(at_most, samples.saturating_add(towards_light)),
-        };
-        let cells = match skip_empty {
-            true => amount(at_most, samples.saturating_add(towards_light)),
-            false => exactly(0),
-        };
-        vec![
-            (Event::DensityLookup, lookups),
-            (Event::NullCollision, exactly(0)),
-            (Event::CellWalked, cells),
-            (Event::RandomDraw, exactly(0)),
-            (Event::Attenuation, amount(taken, samples)),
-            (Event::EmissionTerm, amount(at_most, samples)),
-            (Event::GradientLookup, amount(at_most, samples)),
-            (
-                Event::GradientComputed,
-                exactly(scene.grid.lattice().node_count() as u64),
-            ),
-            (Event::ShadowRay, amount(at_most, samples)),
-        ]
-    }
-
-    fn of_lines(&self, panel: &Panel, scene: &Radiative, rays: u64) -> Vec<(Event, Amount)> {
-        let Kernel::LineOfSight { parts, turned } = self.kernel else {
-            return vec![];
-        };
-        let around = Surroundings::<Everything>::for_integrals(scene, false);
-        let surfaces = surfaces(scene) * rays;
-        let tests = if turned {
-            Bound::AtLeast
-        } else {
-            Bound::Exactly
-        };
-        let mut work = vec![
-            (Event::CellWalked, exactly(0)),
-            (Event::NullCollision, exactly(0)),
-            (Event::RandomDraw, exactly(0)),
-            (Event::SurfaceTest, amount(tests, surfaces)),
-        ];
-        if !turned && parts.media && !parts.emission {
-            work.push((Event::Attenuation, exactly(rays)));
-            work.push((Event::ChannelAttenuation, exactly(2 * rays)));
-        }
-        if !turned && parts.heterogeneous {
-            let of_ray = |ray: &Ray| line_lookups(&around, ray, parts.emission);
-            let (part, [lookups, unknown]) = over_rays(panel, scene.camera, of_ray);
-            if unknown > 0 {
-                return work;
-            }
-            let bound = if part { Bound::About } else { Bound::Exactly };
-            work.push((Event::DensityLookup, amount(bound, lookups)));
-        }
-        work
-    }
-
-    /// What is made for the image and kept beside its pixels: nothing that only an effect needs
-    /// which is off.
-    pub(super) fn made_beside(&self, panel: &Panel) -> Vec<Memory> {
-        let mut memory = self.memory(panel);
+    /// Memory kept beside the pixels of the image: nothing that only an omitted effect needs.
+    pub(super) fn made_beside(&self) -> Vec<Memory> {
+        let mut memory = self.memory();
         memory.retain(|memory| memory.what != MOMENTS);
         memory
     }
 
-    /// What is made for the image: nothing that only an effect needs which is off.
-    fn memory(&self, panel: &Panel) -> Vec<Memory> {
+    /// Memory made for the image: nothing that only an omitted effect needs.
+    fn memory(&self) -> Vec<Memory> {
         let mut memory = Vec::new();
         let mut add = |what, bytes| memory.push(Memory { what, bytes });
-        let pixels = panel.width * panel.height;
-        match (&panel.model, self.kernel) {
-            (
-                Model::Classified(scene),
-                Kernel::RayCaster {
-                    shading,
-                    skip_empty,
-                    ..
-                },
-            ) => {
+        match self.kernel {
+            Kernel::RayCaster { scene, features } => {
                 let lattice = scene.grid.lattice();
-                if shading {
+                if features.shading {
                     add(
                         "gradients of the nodes",
                         lattice.node_count() * size_of::<[f32; 3]>(),
                     );
                 }
-                if skip_empty {
+                if features.skip_empty {
                     add(
-                        "distances to what is not empty",
+                        "distances to non-empty blocks",
                         super::classified::empty_space::bytes(lattice),
                     );
                 }
             }
-            (Model::Radiative(scene), Kernel::PathTracer { .. }) => {
+            Kernel::PathTracer { scene, .. } => {
                 let bytes = tracked(&scene.media).map(Density::bytes_for_blocks).sum();
                 if bytes > 0 {
-                    add("bounds on densities", bytes);
+                    add("majorants of densities", bytes);
                 }
+                let pixels = self.panel.width * self.panel.height;
                 add(MOMENTS, pixels * size_of::<[Moments; 3]>());
             }
-            _ => {}
+            Kernel::Curve(_) | Kernel::Background(_) | Kernel::LineOfSight { .. } => {}
         }
         memory
     }
+}
+
+fn of_casting(
+    panel: &Panel,
+    scene: &Classified,
+    features: RayCasterFeatures,
+) -> Vec<(Event, Amount)> {
+    let RayCasterFeatures {
+        field,
+        compositing,
+        shadow,
+        skip_empty,
+        ..
+    } = features;
+    let early = matches!(compositing, Compositing::EarlyTermination(_));
+    let of_ray = |ray: &Ray| {
+        let samples = samples(scene, ray);
+        let shadow_samples = if shadow { shadow_steps(scene, ray) } else { 0 };
+        [samples, shadow_samples]
+    };
+    let (part, [samples, shadow_samples]) = over_rays(panel, scene.camera, of_ray);
+    let relation = match (skip_empty || early, part) {
+        (false, false) => Bound::Exactly,
+        (false, true) => Bound::About,
+        (true, false) => Bound::AtMost,
+        (true, true) => Bound::AboutAtMost,
+    };
+    // A sample without opacity casts no shadow ray, nor does one at the light's position.
+    let at_most = if part {
+        Bound::AboutAtMost
+    } else {
+        Bound::AtMost
+    };
+    let lookups = match field {
+        FieldKind::Constant => exactly(0),
+        _ if shadow_samples == 0 => amount(relation, samples),
+        _ => amount(at_most, samples.saturating_add(shadow_samples)),
+    };
+    let cells = if skip_empty {
+        amount(at_most, samples.saturating_add(shadow_samples))
+    } else {
+        exactly(0)
+    };
+    vec![
+        (Event::DensityLookup, lookups),
+        (Event::NullCollision, exactly(0)),
+        (Event::CellWalked, cells),
+        (Event::RandomDraw, exactly(0)),
+        (Event::Attenuation, amount(relation, samples)),
+        (Event::EmissionTerm, amount(at_most, samples)),
+        (Event::GradientLookup, amount(at_most, samples)),
+        (
+            Event::GradientComputed,
+            exactly(scene.grid.lattice().node_count() as u64),
+        ),
+        (Event::ShadowRay, amount(at_most, samples)),
+    ]
+}
+
+fn of_lines(
+    panel: &Panel,
+    scene: &Radiative,
+    features: RadiativeFeatures,
+    scatters: bool,
+) -> Vec<(Event, Amount)> {
+    let rays = (panel.width * panel.height) as u64;
+    let around = SceneContext::<Everything>::for_integrals(scene, false);
+    let surfaces = surfaces(scene) * rays;
+    let tests = if scatters {
+        Bound::AtLeast
+    } else {
+        Bound::Exactly
+    };
+    let mut work = vec![
+        (Event::CellWalked, exactly(0)),
+        (Event::NullCollision, exactly(0)),
+        (Event::RandomDraw, exactly(0)),
+        (Event::SurfaceTest, amount(tests, surfaces)),
+    ];
+    if !scatters && features.media && !features.emission {
+        work.push((Event::Attenuation, exactly(rays)));
+        work.push((Event::ChannelAttenuation, exactly(2 * rays)));
+    }
+    if !scatters && features.heterogeneous {
+        let of_ray = |ray: &Ray| line_lookups(&around, ray, features.emission);
+        let (part, [lookups, unknown]) = over_rays(panel, scene.camera, of_ray);
+        if unknown > 0 {
+            return work;
+        }
+        let bound = if part { Bound::About } else { Bound::Exactly };
+        work.push((Event::DensityLookup, amount(bound, lookups)));
+    }
+    work
 }
 
 /// Samples of the eye's ray.
@@ -324,17 +325,17 @@ fn shadow_steps(scene: &Classified, ray: &Ray) -> u64 {
 }
 
 /// Look-ups for the optical depth along `ray` up to the nearest surface and, with `emission`, for
-/// what media send out on it; and how many stretches there are whose look-ups are not known.
-fn line_lookups(around: &Surroundings<'_, Everything>, ray: &Ray, emission: bool) -> [u64; 2] {
-    let end = around.nearest(ray, &mut Uncounted);
-    let end = end.map_or(f64::INFINITY, |(_, hit)| hit.t);
+/// the emission of its media; and the number of segments whose look-ups are not known.
+fn line_lookups(around: &SceneContext<'_, Everything>, ray: &Ray, emission: bool) -> [u64; 2] {
+    let nearest = around.intersect(ray, &mut Uncounted);
+    let end = nearest.map_or(f64::INFINITY, |nearest| nearest.hit.t);
     let mut lookups = 0;
     let mut spans = Vec::new();
     for medium in around
         .media
         .all()
         .iter()
-        .filter(|medium| !medium.is_nothing())
+        .filter(|medium| !medium.is_vacuum())
     {
         let (Some(density), Some(boundary)) = (medium.density, medium.boundary) else {
             continue;
@@ -351,15 +352,15 @@ fn line_lookups(around: &Surroundings<'_, Everything>, ray: &Ray, emission: bool
     }
     let mut unknown = 0;
     if emission {
-        let mut path = MediaPath::default();
-        path.lay(&around.media, ray, end);
-        for stretch in path.stretches() {
-            if !around.media.varies(stretch.set) {
+        let mut segments = MediumSegments::default();
+        segments.build(&around.media, ray, end);
+        for segment in segments.all() {
+            if around.media.heterogeneous(segment.set) == 0 {
                 continue;
             }
-            let medium = around.media.medium(stretch.set.trailing_zeros() as usize);
-            match (stretch.set.count_ones(), medium.density) {
-                (1, Some(density)) => lookups += cell_lookups(density, ray, stretch.span),
+            let medium = around.media.medium(segment.set.trailing_zeros() as usize);
+            match (segment.set.count_ones(), medium.density) {
+                (1, Some(density)) => lookups += cell_lookups(density, ray, segment.span),
                 _ => unknown += 1,
             }
         }
@@ -387,7 +388,7 @@ fn cell_lookups(density: &Density, ray: &Ray, span: Span) -> u64 {
 
 fn of_paths(scene: &Radiative, rays: u64) -> Vec<(Event, Amount)> {
     vec![
-        // The place in the pixel.
+        // The position in the pixel.
         (
             Event::RandomDraw,
             amount(Bound::AtLeast, rays.saturating_mul(2)),
@@ -403,8 +404,8 @@ fn surfaces(scene: &Radiative) -> u64 {
     (scene.objects.len() + scene.area_lights.len()) as u64
 }
 
-/// Sums `of_ray` over the rays through the pixels; of a large image over some of them, for all.
-/// Tells whether it did.
+/// The sums of `of_ray` over the rays through the pixels, for a large image extrapolated from some
+/// of them; and whether they are extrapolated.
 fn over_rays(
     panel: &Panel,
     camera: Camera,

@@ -8,7 +8,7 @@ use super::format::{Absent, Key, Kind, Literal, Rule, Table};
 use super::places::{Lines, Places};
 use super::radiative::RADIATIVE;
 use super::reader::{Document, Origin, Reader, Reading, overridden};
-use super::sampling::{SAMPLING, Sampling};
+use super::sampling::{SAMPLING, SamplingTable};
 use super::transfer_function::{OpacityByValue, TRANSFER_FUNCTION, read_transfer_function};
 use super::{Classified, Curve, Radiative, SceneError};
 use crate::regular_file;
@@ -245,34 +245,10 @@ impl Scene {
         text
     }
 
-    /// Sets the samples per pixel of every panel that may need random numbers. The canonical
-    /// text stays: it is about what the scene file says.
-    pub fn set_samples(&mut self, samples: u32) {
-        for radiative in self.radiative_mut() {
-            radiative.samples = samples;
-        }
-    }
-
-    /// Sets the seed of every panel that may need random numbers; canonical text as in
-    /// [`Scene::set_samples`].
-    pub fn set_seed(&mut self, seed: u64) {
-        for radiative in self.radiative_mut() {
-            radiative.seed = seed;
-        }
-    }
-
     /// The seed of the first panel that may need random numbers.
     pub fn seed(&self) -> Option<u64> {
         self.panels.iter().find_map(|panel| match &panel.model {
             Model::Radiative(radiative) => Some(radiative.seed),
-            Model::Classified(_) | Model::Curve(_) => None,
-        })
-    }
-
-    fn radiative_mut(&mut self) -> impl Iterator<Item = &mut Radiative> {
-        let panels = self.panels.iter_mut();
-        panels.filter_map(|panel| match &mut panel.model {
-            Model::Radiative(radiative) => Some(&mut **radiative),
             Model::Classified(_) | Model::Curve(_) => None,
         })
     }
@@ -412,7 +388,7 @@ fn read_radiative(
         let help = "give [camera] with `eye`, where it stands, and `target`, what it looks at";
         return Err(reader.mistake_here(message, help));
     };
-    let sampling = Sampling::read(&root.table_or_default("sampling", &empty)?)?;
+    let sampling = SamplingTable::read(&root.table_or_default("sampling", &empty)?)?;
     Radiative::read(reader, &camera, sampling, files)
 }
 

@@ -1,9 +1,10 @@
-//! Light in surroundings: surfaces, participating media, lights, and who looks at it.
+//! Scenes of surfaces, participating media and lights.
 
 mod contradictions;
 mod densities;
 mod lights;
 mod media;
+mod phases;
 mod shape_transform;
 mod shapes;
 mod surfaces;
@@ -13,7 +14,7 @@ use super::camera::View;
 use super::files::Files;
 use super::format::{Absent, Key, Kind, Literal, Range, Table};
 use super::reader::Reader;
-use super::sampling::Sampling;
+use super::sampling::SamplingTable;
 use crate::geometry::{Boundary, Camera, Luminous, Shape};
 use crate::media::{Coefficients, Density, Homogeneous};
 use crate::optics::{Light, Material, Sides};
@@ -30,14 +31,14 @@ pub(super) const RADIATIVE: Table = Table {
             name: "scattering",
             kind: Kind::Choice(&["none", "single", "multiple"]),
             absent: Absent::Default(Literal::Text("multiple")),
-            doc: "How often light may be scattered on its way to the eye, by media and surfaces together: never, once, or any number of times.",
+            doc: "Scattering order of light on its way to the eye, bounces of media and surfaces together: none, one, or any number.",
         },
         Key {
             name: "max_bounces",
             // A stream of random numbers counts the bounces of a path in 26 bits.
             kind: Kind::Count(2, (1 << 26) - 1),
             absent: Absent::Nothing,
-            doc: "How often light may be scattered at most, with `scattering = \"multiple\"`. Left out: any number of times.",
+            doc: "Scattering order at most, with `scattering = \"multiple\"`. Left out: any number of times.",
         },
         Key {
             name: "environment",
@@ -67,13 +68,13 @@ pub(super) const RADIATIVE: Table = Table {
     rules: &[],
 };
 
-/// How often light may be scattered on its way from a light to the eye, by media and surfaces
-/// together. To cross the boundary of a medium does not count.
+/// Scattering order of light on its way from a light to the eye: bounces of media and surfaces
+/// together. The boundary of a medium is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scattering {
-    /// Never: lights are seen straight, through what absorbs.
+    /// None: lights are seen straight, through what absorbs.
     None,
-    /// Once at most.
+    /// At most one.
     Single,
     /// Any number of times, or up to a limit of at least 2.
     Multiple(Option<u32>),
@@ -84,7 +85,7 @@ pub enum Scattering {
 pub struct Object {
     /// Where it is.
     pub shape: Shape,
-    /// What it does to light.
+    /// Its material.
     pub material: Material,
 }
 
@@ -104,22 +105,21 @@ pub struct AreaLight {
 pub struct Body {
     /// The closed shape it fills; without one it fills all space.
     pub boundary: Option<Boundary>,
-    /// What it is made of, where its density is 1. Where bodies overlap, their coefficients and
-    /// emissions add up.
+    /// Its properties at density 1. Where bodies overlap, their coefficients and emissions add up.
     pub medium: Homogeneous,
-    /// How its density differs from place to place, as a factor on coefficients and emission; 1
-    /// everywhere without. There is a boundary, if there is one.
+    /// Its density, a factor on coefficients and emission; 1 everywhere without. A medium with a
+    /// density has a boundary.
     pub density: Option<Density>,
 }
 
 /// Surfaces, participating media and lights.
 #[derive(Clone, Debug)]
 pub struct Radiative {
-    /// How often light may be scattered.
+    /// Scattering order.
     pub scattering: Scattering,
     /// Surfaces that reflect or refract.
     pub objects: Vec<Object>,
-    /// Surfaces that emit light.
+    /// Surfaces that emit.
     pub area_lights: Vec<AreaLight>,
     /// Media; at most [`Radiative::MOST_MEDIA`].
     pub media: Vec<Body>,
@@ -136,8 +136,8 @@ pub struct Radiative {
 }
 
 impl Body {
-    /// The medium, if it is provably the same everywhere in the body: it has no density, or one
-    /// that is constant and leaves its coefficients in the range of numbers.
+    /// The medium, if it is provably homogeneous: it has no density, or one that is constant and
+    /// leaves its coefficients in the range of numbers.
     pub fn even(&self) -> Option<Homogeneous> {
         let Some(density) = &self.density else {
             return Some(self.medium);
@@ -178,7 +178,7 @@ impl Radiative {
     pub(super) fn read(
         reader: &Reader<'_, '_>,
         camera: &Reader<'_, '_>,
-        sampling: Sampling,
+        sampling: SamplingTable,
         files: &mut Files<'_>,
     ) -> Result<Radiative, Box<SceneError>> {
         let View {

@@ -37,15 +37,15 @@ pub(super) const SAMPLING: Table = Table {
 
 /// What `[sampling]` says.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sampling {
+pub(super) struct SamplingTable {
     pub samples: u32,
     pub seed: u64,
 }
 
-impl Sampling {
-    pub(super) fn read(reader: &Reader<'_, '_>) -> Result<Sampling, Box<SceneError>> {
+impl SamplingTable {
+    pub(super) fn read(reader: &Reader<'_, '_>) -> Result<SamplingTable, Box<SceneError>> {
         let samples = reader.count("samples")?;
-        Ok(Sampling {
+        Ok(SamplingTable {
             samples: u32::try_from(samples).expect("at most MOST_SAMPLES"),
             seed: reader.count("seed")?,
         })

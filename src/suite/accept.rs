@@ -7,7 +7,7 @@ use super::verify::judge_quick;
 use super::{Cache, Case, CaseSampling, GoldenError, Quick, Store, StoreError};
 use crate::compare::{Conditions, Exact, Picture, judge, stochastic};
 use crate::film::Film;
-use crate::render::{self, Plan};
+use crate::render::{self, plans};
 use crate::scene::Scene;
 use miette::Diagnostic;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -222,7 +222,6 @@ fn incomplete(case: &Case, reason: impl ToString) -> AcceptError {
 struct Task<'c> {
     case: &'c Case,
     scene: Scene,
-    plans: Vec<Plan>,
     /// The picture of the golden, and before it the quick one of a stochastic case.
     renderings: Vec<RenderTask>,
 }
@@ -249,7 +248,7 @@ impl<'c> Task<'c> {
         cache: &Cache,
     ) -> Result<Task<'c>, AcceptError> {
         let scene = case.load_scene().map_err(|error| incomplete(case, error))?;
-        let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
+        let plans = plans(&scene);
         check_class(renderer, case, &plans).map_err(|reason| incomplete(case, reason))?;
         let renderings = match case.sampling {
             None => vec![CaseRendering::Only],
@@ -274,7 +273,6 @@ impl<'c> Task<'c> {
         Ok(Task {
             case,
             scene,
-            plans,
             renderings,
         })
     }
@@ -316,7 +314,7 @@ impl<'c> Task<'c> {
                 steps: AtomicU64::new(0),
                 done: AtomicU64::new(0),
             };
-            let film = render_case(renderer, &self.scene, &self.plans, *rendering, &progress)
+            let film = render_case(renderer, &plans(&self.scene), *rendering, &progress)
                 .map_err(|reason| incomplete(self.case, reason))?;
             if let Some(key) = key {
                 cache.put(&self.case.name, key, &film);
@@ -379,9 +377,8 @@ fn prepare(
     store: &Store,
     reason: &str,
 ) -> Result<(Change, GoldenFiles), AcceptError> {
-    let Task {
-        case, scene, plans, ..
-    } = task;
+    let Task { case, scene, .. } = task;
+    let plans = plans(scene);
     let mut damaged = false;
     let old = match Golden::read(store, case) {
         Ok(golden) => Some(golden),
@@ -395,7 +392,7 @@ fn prepare(
     let same_file = |old: &Golden| {
         old.provenance.case == case.name
             && old.provenance.scene == scene_hash(scene)
-            && old.provenance.plan == plan_hash(plans)
+            && old.provenance.plan == plan_hash(&plans)
             && old.provenance.exposure == case.exposure
             && old.provenance.inputs == input_hashes(scene)
             && old.provenance.quick == quick
@@ -420,7 +417,7 @@ fn prepare(
     let replaces = old
         .map(|golden| golden.provenance.pixels)
         .unwrap_or_default();
-    let files = Golden::encode(case, scene, plans, &golden, quick, reason, replaces)
+    let files = Golden::encode(case, scene, &plans, &golden, quick, reason, replaces)
         .map_err(|error| incomplete(case, error))?;
     Ok((change, files))
 }

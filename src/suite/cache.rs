@@ -43,7 +43,7 @@ impl Cache {
     pub(super) fn key(
         &self,
         scene: &Scene,
-        plans: &[Plan],
+        plans: &[Plan<'_>],
         rendering: CaseRendering,
     ) -> Option<String> {
         let executable = self.executable.as_ref()?;

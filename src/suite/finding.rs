@@ -6,7 +6,7 @@ use super::{
     Case, CaseResult, CaseSampling, Cause, Evidence, Golden, GoldenError, Quick, Store, Verdict,
 };
 use crate::compare::Gate;
-use crate::render::Plan;
+use crate::render::{Plan, plans};
 use crate::scene::Scene;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -62,7 +62,6 @@ impl CaseFinding {
 #[derive(Debug)]
 pub(super) struct CheckedGolden {
     pub scene: Scene,
-    pub plans: Vec<Plan>,
     pub golden: Golden,
 }
 
@@ -83,22 +82,22 @@ impl CheckedGolden {
         let scene = case
             .load_scene()
             .map_err(|error| bad_input(error.to_string()))?;
-        let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
-        check_class(renderer, case, &plans).map_err(bad_input)?;
+        check_class(renderer, case, &plans(&scene)).map_err(bad_input)?;
         let golden = Golden::read(store, case).map_err(|error| match error {
             GoldenError::Missing => {
                 CaseFinding::new(Verdict::Missing, Cause::Golden, error.to_string())
             }
             error => bad_golden(error.to_string()),
         })?;
-        match stale(case, &scene, &plans, &golden) {
+        match stale(case, &scene, &golden) {
             Some(reason) => Err(bad_golden(reason)),
-            None => Ok(CheckedGolden {
-                scene,
-                plans,
-                golden,
-            }),
+            None => Ok(CheckedGolden { scene, golden }),
         }
+    }
+
+    /// The plans of the scene.
+    pub fn plans(&self) -> Vec<Plan<'_>> {
+        plans(&self.scene)
     }
 
     /// Where the golden came from, to be read by people.
@@ -139,7 +138,7 @@ impl CheckedGolden {
     fn without(&self) -> String {
         let spaced = |names: Vec<String>| names.join(", ").replace('-', " ");
         let omitted: Vec<String> = self
-            .plans
+            .plans()
             .iter()
             .map(|plan| spaced(plan.omitted().iter().map(ToString::to_string).collect()))
             .collect();
@@ -165,7 +164,7 @@ impl CheckedGolden {
 pub(super) const MARGIN: f64 = 4.0;
 
 /// Why the golden is one of another case, scene or plan.
-fn stale(case: &Case, scene: &Scene, plans: &[Plan], golden: &Golden) -> Option<String> {
+fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
     let provenance = &golden.provenance;
     let (width, height) = (scene.width(), scene.height());
     let size = (golden.film.width(), golden.film.height());
@@ -177,7 +176,7 @@ fn stale(case: &Case, scene: &Scene, plans: &[Plan], golden: &Golden) -> Option<
     }
     let what = if provenance.scene != scene_hash(scene) {
         "the scene has changed since the golden was accepted"
-    } else if provenance.plan != plan_hash(plans) {
+    } else if provenance.plan != plan_hash(&plans(scene)) {
         "the plan has changed since the golden was accepted: what is simulated, or by which kernel"
     } else if provenance.quick.is_some() != case.sampling.is_some() {
         "the class of the case has changed since the golden was accepted"

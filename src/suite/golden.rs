@@ -154,7 +154,7 @@ pub(super) fn scene_hash(scene: &Scene) -> String {
 }
 
 /// Hash of the plans of all panels.
-pub(super) fn plan_hash(plans: &[Plan]) -> String {
+pub(super) fn plan_hash(plans: &[Plan<'_>]) -> String {
     let text: Vec<_> = plans.iter().map(Plan::canonical_text).collect();
     hash(text.join("\n").as_bytes())
 }
@@ -229,7 +229,7 @@ impl Golden {
     pub(super) fn encode(
         case: &Case,
         scene: &Scene,
-        plans: &[Plan],
+        plans: &[Plan<'_>],
         film: &Film,
         quick: Option<Quick>,
         reason: &str,

@@ -88,7 +88,10 @@ pub(super) fn likeness_with(
         let case = cases.iter().find(|case| case.name == judged.result.name);
         let Some(case) = case else { continue };
         match judged.result.cause {
-            Cause::Mismatch => failing.extend(ComparedCase::new(index, case, judged, scenes)),
+            Cause::Mismatch => {
+                let suspect = ComparedCase::new(index, case, judged, scenes);
+                failing.extend(suspect.filter(|suspect| !suspect.is_another_exposure));
+            }
             Cause::None | Cause::Undecided => passing.push((index, *case)),
             _ => {}
         }

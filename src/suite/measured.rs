@@ -6,13 +6,18 @@
 
 use super::Case;
 use super::likeness::Cells;
-use crate::compare::{Conditions, Deterministic, Picture, judge};
+use crate::compare::flip::SrgbImage;
+use crate::compare::{Conditions, Deterministic, Perceptual, Picture, judge};
 use crate::film::Film;
 use crate::math;
 use std::collections::BTreeSet;
 
 /// What was measured of `picture`, an image of `case` that failed: sentences without a full stop.
 pub(super) fn measured(case: &Case, golden: &Film, picture: &Picture) -> Vec<String> {
+    if let Picture::Codes(codes) = picture {
+        let factor = exposure_factor(case, golden, codes);
+        return factor.map(another_exposure).into_iter().collect();
+    }
     let Some(test) = comparable(golden, picture) else {
         return Vec::new();
     };
@@ -31,14 +36,72 @@ pub(super) fn is_simple(case: &Case, golden: &Film, picture: &Picture) -> bool {
     comparable(golden, picture).is_some_and(|test| simple_map(case, golden, test).is_some())
 }
 
-/// The radiance of `picture`, where it has the size of the golden and every value is a number.
+/// Whether `picture` is an 8-bit image of the golden at another exposure. In a file made for a
+/// display that is what a plain factor means first.
+pub(super) fn is_another_exposure(case: &Case, golden: &Film, picture: &Picture) -> bool {
+    match picture {
+        Picture::Codes(codes) => exposure_factor(case, golden, codes).is_some(),
+        Picture::Radiance(_) => false,
+    }
+}
+
+/// The radiance that 8-bit codes stand for, at `exposure` stops.
+pub(super) fn decoded(codes: &SrgbImage, exposure: f64) -> Film {
+    let scale = math::exp2(-exposure);
+    let decode = |code: u8| (scale * math::srgb_to_linear(f64::from(code) / 255.0)) as f32;
+    let pixels = codes.pixels().iter().map(|pixel| pixel.map(decode));
+    Film::new(codes.width(), codes.height(), pixels.collect())
+}
+
+/// The factor that makes of the golden what the perceptual gate cannot tell from `codes`.
+fn exposure_factor(case: &Case, golden: &Film, codes: &SrgbImage) -> Option<f64> {
+    let test = decoded(codes, case.exposure);
+    if !is_comparable(golden, &test) {
+        return None;
+    }
+    let saturated = |index: usize, channel: usize| codes.pixels()[index][channel] == u8::MAX;
+    let Map::Scaled(factor) = Fits::of_values(golden, &test, |i, c| !saturated(i, c))?.scaled()
+    else {
+        return None;
+    };
+    if !(factor > 0.0 && factor.is_finite()) {
+        return None;
+    }
+    let scaled = Picture::Radiance(Map::Scaled(factor).of(golden));
+    let test = Picture::Codes(codes.clone());
+    let conditions = Conditions {
+        exposure: case.exposure,
+        ..Conditions::default()
+    };
+    let judgement = judge(&Perceptual, &scaled, &test, &conditions);
+    judgement
+        .is_ok_and(|judgement| judgement.passed)
+        .then_some(factor)
+}
+
+fn another_exposure(factor: f64) -> String {
+    let stops = math::ln(factor) / std::f64::consts::LN_2;
+    let sign = if stops < 0.0 { "−" } else { "+" };
+    format!(
+        "the image is the golden × {}, an exposure of {sign}{:.2} stops",
+        number(factor),
+        stops.abs()
+    )
+}
+
+/// The radiance of `picture`, where it can be compared with the golden's.
 fn comparable<'p>(golden: &Film, picture: &'p Picture) -> Option<&'p Film> {
     let Picture::Radiance(test) = picture else {
         return None;
     };
+    is_comparable(golden, test).then_some(test)
+}
+
+/// Whether the films have one size and every value is a number.
+fn is_comparable(golden: &Film, test: &Film) -> bool {
     let same_size = (golden.width(), golden.height()) == (test.width(), test.height());
     let is_number = |film: &Film| film.radiance().as_flattened().iter().all(|x| x.is_finite());
-    (same_size && is_number(golden) && is_number(test)).then_some(test)
+    same_size && is_number(golden) && is_number(test)
 }
 
 /// A map of every value of an image.
@@ -171,14 +234,27 @@ struct Fits([[f64; 5]; 3]);
 
 impl Fits {
     fn new(golden: &Film, test: &Film) -> Option<Fits> {
+        Fits::of_values(golden, test, |_, _| true)
+    }
+
+    /// Of the values, by pixel and channel, that are `wanted`.
+    fn of_values(
+        golden: &Film,
+        test: &Film,
+        wanted: impl Fn(usize, usize) -> bool,
+    ) -> Option<Fits> {
         let values = golden.radiance().as_flattened();
         let mean = values.iter().map(|x| f64::from(x.abs())).sum::<f64>() / values.len() as f64;
         if !(mean > 0.0 && mean.is_finite()) {
             return None;
         }
         let mut sums = [[0.0; 5]; 3];
-        for (golden, test) in golden.radiance().iter().zip(test.radiance()) {
+        let pixels = golden.radiance().iter().zip(test.radiance());
+        for (index, (golden, test)) in pixels.enumerate() {
             for (c, sums) in sums.iter_mut().enumerate() {
+                if !wanted(index, c) {
+                    continue;
+                }
                 let (a, b) = (f64::from(golden[c]), f64::from(test[c]));
                 // By relative differences, but not those of what is next to black.
                 let weight = 1.0 / ((a.abs() + mean) * (a.abs() + mean));
@@ -357,6 +433,31 @@ mod tests {
         );
         assert_eq!(said(|x, _| 0.0 * x), "");
         assert_eq!(said(|x, _| if x > 0.4 { 1.3 * x } else { x }), "");
+    }
+
+    /// A PNG of another exposure, saturated or not; shadows of another depth are none.
+    #[test]
+    fn exposures_are_measured_in_8_bits() {
+        let case = case("figures/figure-1");
+        let golden = golden();
+        let said = |map: &dyn Fn(f64) -> f64| {
+            let edited = |pixel: &[f32; 3]| pixel.map(|x| map(f64::from(x)) as f32);
+            let pixels = golden.radiance().iter().map(edited).collect();
+            let codes = Film::new(32, 24, pixels).srgb_codes(case.exposure);
+            let codes = Picture::Codes(SrgbImage::new(32, 24, codes).unwrap());
+            let said = measured(&case, &golden, &codes).join("; ");
+            assert_eq!(
+                !said.is_empty(),
+                is_another_exposure(&case, &golden, &codes)
+            );
+            said
+        };
+        // Codes are rounded: 0.1 % of a mean over 2304 values.
+        assert!(said(&|x| 0.5 * x).starts_with("the image is the golden × 0.5"));
+        assert!(said(&|x| 0.5 * x).ends_with(", an exposure of −1.00 stops"));
+        assert!(said(&|x| 4.0 * x).ends_with(", an exposure of +2.00 stops"));
+        assert_eq!(said(&|x| if x > 0.4 { 0.5 * x } else { x }), "");
+        assert_eq!(said(&|_| 0.0), "");
     }
 
     #[test]

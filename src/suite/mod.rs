@@ -16,6 +16,7 @@ mod other_renderer;
 mod outputs;
 mod rendering;
 mod results;
+mod row_name;
 mod rows;
 #[cfg(test)]
 mod sampled_tests;
@@ -39,7 +40,8 @@ pub use naming::{Naming, naming};
 pub use other_renderer::{CommandTemplate, Keeper, Kept, Ran, TemplateError, keep, run, stop_all};
 pub use outputs::{Found, OutputError, Outputs, UnknownFile};
 pub use results::{CaseResult, Cause, Summary, Verdict, metric_meaning};
-pub use rows::{ANALYTIC, Analytic, ERROR_OF_TOLERANCE, HARD, row_name, verify_row};
+pub use row_name::{HARD, row_name};
+pub use rows::{ANALYTIC, Analytic, ERROR_OF_TOLERANCE, verify_row};
 pub use self_test::{
     BenignTrials, MistakeTrials, Rejection, SelfTest, SelfTestExtent, Step, Trial, self_test,
     self_test_steps,

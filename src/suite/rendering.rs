@@ -8,8 +8,7 @@
 
 use super::Case;
 use crate::film::Film;
-use crate::render::{self, Plan, RenderError};
-use crate::scene::{Model, Scene};
+use crate::render::{self, Plan, RenderError, Seed};
 
 /// Added to the seed of every panel for the converged rendering.
 const CONVERGED: u64 = 1 << 63;
@@ -43,34 +42,29 @@ impl CaseRendering {
         }
     }
 
-    /// `scene` with samples and seed of this rendering.
-    fn of(self, scene: &Scene) -> Scene {
-        let mut scene = scene.clone();
-        if self == CaseRendering::Only {
-            return scene;
+    /// Samples and random numbers of this rendering.
+    fn sampling(self) -> render::Sampling {
+        match self {
+            CaseRendering::Only => render::Sampling::default(),
+            CaseRendering::Quick(samples) => render::Sampling::of_samples(samples),
+            CaseRendering::Converged(samples) => render::Sampling {
+                samples: Some(samples),
+                seed: Seed::Replicate(CONVERGED),
+            },
         }
-        scene.set_samples(self.samples());
-        if let CaseRendering::Converged(_) = self {
-            for panel in &mut scene.panels {
-                if let Model::Radiative(radiative) = &mut panel.model {
-                    radiative.seed = radiative.seed.wrapping_add(CONVERGED);
-                }
-            }
-        }
-        scene
     }
 }
 
 /// Makes the pictures of cases.
 pub(super) trait Renderer {
     /// Whether random numbers are used.
-    fn is_sampled(&self, plans: &[Plan]) -> bool;
+    fn is_sampled(&self, plans: &[Plan<'_>]) -> bool;
 
-    /// The picture of a scene that already has its samples and seeds.
+    /// The picture of the panels of `plans`.
     fn render(
         &self,
-        scene: &Scene,
-        plans: &[Plan],
+        plans: &[Plan<'_>],
+        sampling: render::Sampling,
         progress: render::Progress<'_>,
     ) -> Result<Film, RenderError>;
 }
@@ -79,30 +73,29 @@ pub(super) trait Renderer {
 pub(super) struct ReferenceRenderer;
 
 impl Renderer for ReferenceRenderer {
-    fn is_sampled(&self, plans: &[Plan]) -> bool {
+    fn is_sampled(&self, plans: &[Plan<'_>]) -> bool {
         plans.iter().any(Plan::is_sampled)
     }
 
     fn render(
         &self,
-        scene: &Scene,
-        plans: &[Plan],
+        plans: &[Plan<'_>],
+        sampling: render::Sampling,
         progress: render::Progress<'_>,
     ) -> Result<Film, RenderError> {
-        render::render(scene, plans, progress).map(|rendering| rendering.film)
+        render::render(plans, sampling, progress).map(|rendering| rendering.film)
     }
 }
 
 /// One rendering of a case.
 pub(super) fn render_case(
     renderer: &dyn Renderer,
-    scene: &Scene,
-    plans: &[Plan],
+    plans: &[Plan<'_>],
     rendering: CaseRendering,
     progress: render::Progress<'_>,
 ) -> Result<Film, String> {
     let film = renderer
-        .render(&rendering.of(scene), plans, progress)
+        .render(plans, rendering.sampling(), progress)
         .map_err(|error| error.to_string())?;
     if rendering != CaseRendering::Only && film.noise().is_none() {
         return Err(
@@ -118,7 +111,7 @@ pub(super) fn render_case(
 pub(super) fn check_class(
     renderer: &dyn Renderer,
     case: &Case,
-    plans: &[Plan],
+    plans: &[Plan<'_>],
 ) -> Result<(), String> {
     match (case.sampling.is_some(), renderer.is_sampled(plans)) {
         (true, true) | (false, false) => Ok(()),

@@ -1,15 +1,13 @@
 //! The rows of the catalogue of hard cases, as results of the suite.
 
+use super::row_name::{HARD, row_name};
 use super::{Case, CaseResult, Cause, Evidence, Judged, Suite, SuiteError, Verdict};
 use crate::compare::{Gate, Metric};
 use crate::hard_cases::{Row, rows};
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-/// The family of the catalogue. A suite with cases of it has the rows, too.
-pub const HARD: &str = "hard";
-
-/// The class of rows in results, and the name of their gate.
+/// The class of rows in results.
 pub const ANALYTIC: &str = "analytic";
 
 /// The number by which results say how far from a known answer they are, as a share of what they
@@ -37,11 +35,6 @@ impl Gate for Analytic {
              exact, 1 the edge.",
         )]
     }
-}
-
-/// `hard/G1`.
-pub fn row_name(row: &Row) -> String {
-    format!("{HARD}/{}", row.id)
 }
 
 impl Suite {

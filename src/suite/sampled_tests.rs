@@ -5,8 +5,8 @@ use super::rendering::Renderer;
 use super::verify::verify_with;
 use super::{AcceptError, Accepted, Cache, CaseResult, Change, Golden, Store, Suite, Verdict};
 use crate::film::Film;
-use crate::render::{Plan, Progress, RenderError};
-use crate::scene::{Model, Scene};
+use crate::render::{Plan, Progress, RenderError, Sampling};
+use crate::scene::Model;
 use std::cell::RefCell;
 
 const SCENE: &str = include_str!("../../fixtures/scenes/smoke/cornell.toml");
@@ -35,19 +35,26 @@ impl ExtraNoise {
 }
 
 impl Renderer for ExtraNoise {
-    fn is_sampled(&self, _: &[Plan]) -> bool {
+    fn is_sampled(&self, _: &[Plan<'_>]) -> bool {
         true
     }
 
-    fn render(&self, scene: &Scene, _: &[Plan], _: Progress<'_>) -> Result<Film, RenderError> {
-        let Model::Radiative(radiative) = &scene.panels[0].model else {
+    fn render(
+        &self,
+        plans: &[Plan<'_>],
+        sampling: Sampling,
+        _: Progress<'_>,
+    ) -> Result<Film, RenderError> {
+        let panel = plans[0].panel;
+        let Model::Radiative(radiative) = &panel.model else {
             panic!("not the scene of this test")
         };
-        let (samples, seed) = (radiative.samples, radiative.seed);
+        let samples = sampling.samples_of(radiative);
+        let seed = sampling.seed_of(radiative);
         self.calls.borrow_mut().push((samples, seed));
         let bias = if samples < 400 { self.bias } else { 0.0 };
         let (mut means, mut variances) = (Vec::new(), Vec::new());
-        for pixel in 0..(scene.width() * scene.height()) as u32 {
+        for pixel in 0..(panel.width * panel.height) as u32 {
             let number = |sample: u32| {
                 let mut bytes = vec![self.variant];
                 bytes.extend(seed.to_le_bytes());
@@ -63,7 +70,7 @@ impl Renderer for ExtraNoise {
             means.push([mean as f32 + bias; 3]);
             variances.push([(squares / (n - 1.0) / n) as f32; 3]);
         }
-        let (width, height) = (scene.width(), scene.height());
+        let (width, height) = (panel.width, panel.height);
         Ok(Film::with_noise(width, height, means, variances, samples))
     }
 }
@@ -168,7 +175,7 @@ fn other_bits_fail_and_say_whether_the_picture_is_the_same() {
     for (renderer, words) in [
         (
             rewritten,
-            "but against 400 samples: nothing is off beyond noise",
+            "but against 400 samples: no difference beyond noise",
         ),
         (wrong, "and against 400 samples: the image is too bright"),
     ] {

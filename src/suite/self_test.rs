@@ -11,7 +11,7 @@ use super::{Case, Judged, Store, Verdict};
 use crate::compare::Picture;
 use crate::film::Film;
 use crate::math::rng::{Purpose, Stream};
-use crate::render::{Plan, render};
+use crate::render::{Sampling, Seed, plans, render};
 use crate::scene::Scene;
 use half::f16;
 use serde::Serialize;
@@ -262,11 +262,13 @@ impl<'c> Subject<'c> {
 /// `scene` rendered as another renderer would that is built like the reference. Seeds differ from
 /// run to run; scenes without random numbers have none.
 fn picture(scene: &Scene, samples: u32, run: u64) -> Option<Film> {
-    let mut scene = scene.clone();
-    scene.set_samples(samples);
-    scene.set_seed(scene.seed().unwrap_or(0).wrapping_add(SEED + run));
-    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
-    render(&scene, &plans, &|| ()).ok().map(|made| made.film)
+    let seed = scene.seed().unwrap_or(0).wrapping_add(SEED + run);
+    let sampling = Sampling {
+        samples: Some(samples),
+        seed: Seed::Given(seed),
+    };
+    let made = render(&plans(scene), sampling, &|| ());
+    made.ok().map(|made| made.film)
 }
 
 /// What each case makes of `mistake`.

@@ -121,10 +121,9 @@ fn judged(
         (true, None) => CaseFinding::new(Verdict::Pass, Cause::None, judgement.reason),
     };
     if gate.depends_on_exposure() {
-        finding.reason.push_str(&format!(
-            "; the case is seen at an exposure of {} stops",
-            case.exposure
-        ));
+        finding
+            .reason
+            .push_str(&format!("; exposure of the case: {} stops", case.exposure));
     }
     finding.reason.push_str(&checked.omissions());
     finding.metrics = judgement.metrics;

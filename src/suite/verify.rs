@@ -49,14 +49,8 @@ pub(super) fn verify_with(
         let rendering = quick.map_or(CaseRendering::Only, |quick| {
             CaseRendering::Quick(quick.samples)
         });
-        let film = render_case(
-            renderer,
-            &checked.scene,
-            &checked.plans,
-            rendering,
-            progress,
-        )
-        .map_err(|reason| CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason))?;
+        let film = render_case(renderer, &checked.plans(), rendering, progress)
+            .map_err(|reason| CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason))?;
         let mut finding = match quick {
             None => compare(&checked, &film),
             Some(quick) => compare_sampled(&checked, quick, &film),

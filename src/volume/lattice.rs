@@ -33,10 +33,10 @@ pub enum Centring {
 pub enum LatticeError {
     /// An axis without nodes.
     #[error("a grid of {0} × {1} × {2} nodes has no node")]
-    Empty(usize, usize, usize),
+    Empty(u64, u64, u64),
     /// More nodes than [`Lattice::MOST_NODES`].
     #[error("a grid of {0} × {1} × {2} nodes is too large: at most 2³¹ nodes are accepted")]
-    TooLarge(usize, usize, usize),
+    TooLarge(u64, u64, u64),
     /// A spacing that is zero, negative, not finite, or so small that its inverse is not.
     #[error(
         "the node spacing must be positive and finite on every axis, and not below 2.3e-308, \
@@ -60,13 +60,7 @@ impl Lattice {
 
     /// A lattice of `nodes` (x, y, z), `spacing` apart in world units, the first at `first`.
     pub fn new(nodes: [usize; 3], spacing: DVec3, first: DVec3) -> Result<Lattice, LatticeError> {
-        let [nx, ny, nz] = nodes;
-        let count = nx.checked_mul(ny).and_then(|plane| plane.checked_mul(nz));
-        match count {
-            Some(0) => return Err(LatticeError::Empty(nx, ny, nz)),
-            Some(1..=Self::MOST_NODES) => {}
-            _ => return Err(LatticeError::TooLarge(nx, ny, nz)),
-        }
+        Lattice::check_count(nodes.map(|count| count as u64))?;
         let usable = |spacing: &f64| spacing.is_normal() && *spacing > 0.0;
         if !spacing.to_array().iter().all(usable) {
             return Err(LatticeError::Spacing(spacing));
@@ -81,6 +75,18 @@ impl Lattice {
             centring: Centring::Nodes,
         };
         lattice.with_centring(Centring::Nodes)
+    }
+
+    /// Whether a lattice may have so many nodes (x, y, z). As in files, whose numbers may be beyond
+    /// those of this machine.
+    pub(super) fn check_count(nodes: [u64; 3]) -> Result<(), LatticeError> {
+        const MOST: u64 = Lattice::MOST_NODES as u64;
+        let [nx, ny, nz] = nodes;
+        match nx.checked_mul(ny).and_then(|plane| plane.checked_mul(nz)) {
+            Some(0) => Err(LatticeError::Empty(nx, ny, nz)),
+            Some(1..=MOST) => Ok(()),
+            _ => Err(LatticeError::TooLarge(nx, ny, nz)),
+        }
     }
 
     /// The same nodes, with the faces of the box where `centring` puts them.
@@ -176,7 +182,7 @@ mod tests {
             Err(LatticeError::Empty(..))
         ));
         assert!(matches!(
-            lattice([1 << 40, 1 << 20, 1], 1.0),
+            lattice([1 << (usize::BITS - 4), 1 << 20, 1], 1.0),
             Err(LatticeError::TooLarge(..))
         ));
         assert!(matches!(

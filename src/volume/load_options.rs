@@ -1,6 +1,6 @@
 //! What the reader of a volume file is left to decide.
 
-use super::{Centring, NonFinite, Orientation, Splatting};
+use super::{Centring, Orientation, Splatting};
 
 /// How a file becomes a grid, where the file leaves it open or the caller knows better.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,4 +38,16 @@ impl From<Splatting> for LoadOptions {
             detached_anywhere: false,
         }
     }
+}
+
+/// What stands for a sample that is no finite number.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum NonFinite {
+    /// Nothing does: an error names the voxel.
+    #[default]
+    Refused,
+    /// This value.
+    Replaced(f32),
+    /// It stays as it is. For reports on a file: neither rendering nor resampling is defined.
+    Kept,
 }

@@ -45,7 +45,7 @@ pub use interpolation::{
 };
 pub use lattice::{Centring, Lattice, LatticeError};
 pub use layers::{ConstantDensity, ExponentialLayer, LayerError, LinearRamp};
-pub use load_options::LoadOptions;
+pub use load_options::{LoadOptions, NonFinite};
 pub use mitsuba_vol::{MitsubaVol, VolError, read_vol, write_vol};
 pub use nifti::{Nifti, NiftiError, read_nifti};
 pub use noise_range::NOISE_BOUND;
@@ -56,7 +56,7 @@ pub use perlin::perlin_noise;
 pub use point_cloud::PointCloud;
 pub use raw_volume::{BareSamples, RawVolume, RawVolumeError};
 pub use reader::{Stored, VolumeReader};
-pub use samples::{Element, Encoding, Endian, Layout, NonFinite, SamplesError};
+pub use samples::{Element, Encoding, Endian, Layout, SamplesError};
 pub use source::{FileRead, VolumeSource};
 pub use splat::{SplatError, Splatting, splat, splat_weights};
 pub use walk::{Visit, Walk};

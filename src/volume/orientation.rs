@@ -1,6 +1,6 @@
 //! The axes of a stored grid against those of the world.
 
-use super::{Centring, Lattice, LatticeError, LoadOptions, SamplesError};
+use super::{Centring, Lattice, LatticeError};
 use crate::geometry::{length_of, longest_axis};
 use crate::math::atan2;
 use glam::DVec3;
@@ -63,6 +63,15 @@ pub enum OrientationError {
     Parallel(usize, usize, char),
 }
 
+/// Why stored samples cannot become a grid.
+#[derive(Debug, Error)]
+pub(super) enum PlacementError {
+    #[error(transparent)]
+    Lattice(#[from] LatticeError),
+    #[error(transparent)]
+    Orientation(#[from] OrientationError),
+}
+
 /// How stored samples become a grid.
 pub(super) struct Placement {
     /// Where the nodes lie.
@@ -78,9 +87,15 @@ const OFF_AXIS: f64 = 1e-5;
 
 impl Axes {
     /// The lattice of the samples, and the order they take in it.
-    pub(super) fn placement(&self, options: &LoadOptions) -> Result<Placement, SamplesError> {
-        let centring = options.centring.unwrap_or(self.centring);
-        let as_stored = |spacing| -> Result<Placement, SamplesError> {
+    ///
+    /// The faces of the box lie by `centring`, if given, in place of what the file says.
+    pub(super) fn placement(
+        &self,
+        centring: Option<Centring>,
+        orientation: Orientation,
+    ) -> Result<Placement, PlacementError> {
+        let centring = centring.unwrap_or(self.centring);
+        let as_stored = |spacing| -> Result<Placement, PlacementError> {
             let lattice = Lattice::new(self.sizes, spacing, self.first)?;
             Ok(Placement {
                 lattice: lattice.with_centring(centring)?,
@@ -92,7 +107,7 @@ impl Axes {
             AxisSteps::Directed(steps) => steps,
         };
         let lengths = DVec3::from_array(steps.map(length_of));
-        if options.orientation == Orientation::AsStored {
+        if orientation == Orientation::AsStored {
             return as_stored(lengths);
         }
         if !lengths.to_array().iter().all(|length| length.is_normal()) {
@@ -197,7 +212,7 @@ mod tests {
     }
 
     fn error(steps: [DVec3; 3]) -> String {
-        let placement = axes(steps).placement(&LoadOptions::default());
+        let placement = axes(steps).placement(None, Orientation::World);
         placement.err().unwrap().to_string()
     }
 
@@ -221,7 +236,7 @@ mod tests {
                     unit[order[axis]] * (sign(axis) * (axis + 1) as f64)
                 });
                 let axes = axes(steps);
-                let placement = axes.placement(&LoadOptions::default()).unwrap();
+                let placement = axes.placement(None, Orientation::World).unwrap();
                 let values = placement.put((0..12).map(|v| v as f32).collect(), axes.sizes);
                 let lattice = placement.lattice;
                 for (index, value) in values.into_iter().enumerate() {
@@ -254,12 +269,8 @@ mod tests {
 
     #[test]
     fn axes_as_stored_keep_their_lengths() {
-        let options = LoadOptions {
-            orientation: Orientation::AsStored,
-            ..LoadOptions::default()
-        };
         let axes = axes([DVec3::new(3.0, 4.0, 0.0), -DVec3::Z, DVec3::Y]);
-        let placement = axes.placement(&options).unwrap();
+        let placement = axes.placement(None, Orientation::AsStored).unwrap();
         assert_eq!(placement.lattice.nodes(), [2, 3, 2]);
         assert_eq!(placement.lattice.spacing(), DVec3::new(5.0, 1.0, 1.0));
         assert_eq!(placement.lattice.first(), axes.first);
@@ -269,7 +280,7 @@ mod tests {
     #[test]
     fn the_rounding_of_headers_is_no_turn() {
         let off = DVec3::new(2.0, 1e-5, -1e-6);
-        let placement = axes([off, DVec3::Y, DVec3::Z]).placement(&LoadOptions::default());
+        let placement = axes([off, DVec3::Y, DVec3::Z]).placement(None, Orientation::World);
         assert_eq!(
             placement.unwrap().lattice.spacing(),
             DVec3::new(2.0, 1.0, 1.0)

@@ -20,7 +20,8 @@ use super::reader::{Stored, VolumeReader};
 use super::samples::{check_sizes, read_grid};
 use super::source::VolumeSource;
 use super::{
-    Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions, SamplesError,
+    Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions, Orientation,
+    SamplesError,
 };
 use glam::DVec3;
 use serde::Deserialize;
@@ -196,7 +197,7 @@ impl RawVolume {
             first: DVec3::from_array(description.origin.unwrap_or_default()),
             centring: centring.unwrap_or_default(),
         };
-        if let Err(error) = axes.placement(&LoadOptions::default()) {
+        if let Err(error) = axes.placement(None, Orientation::World) {
             let span = description.spacing.as_ref().map(Spanned::span);
             return Err(at(span, &error.to_string()));
         }

@@ -4,8 +4,8 @@
 //! all formats. A header is held against the length of the file before memory is asked for, and
 //! where a file is compressed, memory grows with what has arrived.
 
-use super::orientation::{Axes, OrientationError};
-use super::{Grid, Lattice, LatticeError, LoadOptions};
+use super::orientation::{Axes, OrientationError, PlacementError};
+use super::{Grid, Lattice, LatticeError, LoadOptions, NonFinite};
 use crate::decoder::Guarded;
 use std::io::{self, BufRead, Read};
 use thiserror::Error;
@@ -93,18 +93,6 @@ pub enum Encoding {
     Gzip,
     /// As decimal numbers with blanks or commas between them.
     Text,
-}
-
-/// What stands for a sample that is no finite number.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum NonFinite {
-    /// Nothing does: an error names the voxel.
-    #[default]
-    Refused,
-    /// This value.
-    Replaced(f32),
-    /// It stays as it is. For reports on a file: neither rendering nor resampling is defined.
-    Kept,
 }
 
 /// How a file holds the samples of a grid.
@@ -267,11 +255,22 @@ fn read_as(
     options: &LoadOptions,
     read: impl FnOnce(&mut Samples<'_>) -> Result<(), SamplesError>,
 ) -> Result<Grid<f32>, SamplesError> {
-    let placement = layout.axes.placement(options)?;
+    let placement = layout
+        .axes
+        .placement(options.centring, options.orientation)?;
     let mut samples = Samples::new(layout, options);
     read(&mut samples)?;
     let values = placement.put(samples.values, layout.axes.sizes);
     Ok(Grid::new(placement.lattice, values).expect("one value per node"))
+}
+
+impl From<PlacementError> for SamplesError {
+    fn from(error: PlacementError) -> SamplesError {
+        match error {
+            PlacementError::Lattice(error) => error.into(),
+            PlacementError::Orientation(error) => error.into(),
+        }
+    }
 }
 
 /// Deflate cannot do better than 1032 to 1: 258 bytes from two bits.
@@ -521,10 +520,11 @@ pub(super) fn fill(source: &mut impl Read, bytes: &mut [u8]) -> io::Result<usize
     Ok(filled)
 }
 
-/// Checks that a file may have `sizes` samples: what [`Lattice::new`] says about nodes.
+/// Checks that a file may have `sizes` samples: what [`Lattice::check_count`] says about nodes, none
+/// of which is beyond 2³¹ then.
 pub(super) fn check_sizes(sizes: [u64; 3]) -> Result<[usize; 3], LatticeError> {
-    let nodes = sizes.map(|size| usize::try_from(size).unwrap_or(usize::MAX));
-    Lattice::new(nodes, glam::DVec3::ONE, glam::DVec3::ZERO).map(|_| nodes)
+    Lattice::check_count(sizes)?;
+    Ok(sizes.map(|size| size as usize))
 }
 
 #[cfg(test)]

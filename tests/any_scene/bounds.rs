@@ -3,7 +3,7 @@
 use crate::check::{SAMPLES, SIDE};
 use volref::geometry::{Surface, length_of};
 use volref::optics::Material;
-use volref::render::Counters;
+use volref::render::{Counters, Event};
 use volref::scene::{Body, Classified, Model, Panel, Radiative, Scattering};
 
 /// Rays from the eye.
@@ -96,27 +96,28 @@ fn deepest(scene: &Radiative) -> f64 {
     scene.media.iter().map(depth).sum()
 }
 
-/// Bounds on the work of a picture.
-pub struct Bounds {
-    of: [(&'static str, f64); 9],
-}
+/// Bounds on the work of a picture; nothing else that has a counter here is done.
+pub struct Bounds(Vec<(Event, f64)>);
 
 impl Bounds {
     /// Refuses work beyond the bounds.
     pub fn check(&self, work: &Counters) -> Result<(), String> {
-        let done = [
-            work.density_lookups,
-            work.gradient_lookups,
-            work.gradients_computed,
-            work.cells_walked,
-            work.shadow_rays,
-            work.phase_evaluations,
-            work.null_collisions,
-            work.surface_tests,
-            work.random_draws,
+        const BOUNDED: [Event; 9] = [
+            Event::DensityLookup,
+            Event::GradientLookup,
+            Event::GradientComputed,
+            Event::CellWalked,
+            Event::ShadowRay,
+            Event::PhaseEvaluation,
+            Event::NullCollision,
+            Event::SurfaceTest,
+            Event::RandomDraw,
         ];
-        for ((what, bound), done) in self.of.iter().zip(done) {
-            if done as f64 > *bound {
+        for event in BOUNDED {
+            let bound = self.0.iter().find(|(of, _)| *of == event);
+            let bound = bound.map_or(0.0, |(_, bound)| *bound);
+            if work[event] as f64 > bound {
+                let (done, what) = (work[event], event.key());
                 return Err(format!("{done} {what}, where {bound} are the most"));
             }
         }
@@ -124,27 +125,10 @@ impl Bounds {
     }
 }
 
-fn bounds(of: [f64; 9]) -> Bounds {
-    let names = [
-        "density look-ups",
-        "gradient look-ups",
-        "gradients",
-        "cells",
-        "shadow rays",
-        "phase evaluations",
-        "null collisions",
-        "surface tests",
-        "random numbers",
-    ];
-    Bounds {
-        of: std::array::from_fn(|index| (names[index], of[index])),
-    }
-}
-
 /// Bounds on the work of a picture, by what its loops run over.
 pub fn most_work(panel: &Panel) -> Bounds {
     match &panel.model {
-        Model::Curve(_) => bounds([0.0; 9]),
+        Model::Curve(_) => Bounds(Vec::new()),
         Model::Classified(scene) => of_ray_caster(scene),
         Model::Radiative(scene) => of_paths(scene),
     }
@@ -157,7 +141,13 @@ fn of_ray_caster(scene: &Classified) -> Bounds {
     let samples = RAYS * steps;
     let all = samples * (1.0 + to_light);
     let nodes = scene.grid.lattice().node_count() as f64;
-    bounds([all, samples, nodes, all, samples, 0.0, 0.0, 0.0, 0.0])
+    Bounds(vec![
+        (Event::DensityLookup, all),
+        (Event::GradientLookup, samples),
+        (Event::GradientComputed, nodes),
+        (Event::CellWalked, all),
+        (Event::ShadowRay, samples),
+    ])
 }
 
 /// Per turn of a path there is one ray on; per light with a position one place on it, two places
@@ -180,15 +170,13 @@ fn of_paths(scene: &Radiative) -> Bounds {
     // gap before and after.
     let blocks = (3.0 * 33.0 + 3.0) * (8.0 * media + 1.0);
     let lookups = lines * media * (collisions + 2.0 * blocks + 2.0);
-    bounds([
-        lookups,
-        0.0,
-        0.0,
-        lines * media * blocks,
-        connections,
-        (rays + 2.0 * connections) * media,
-        lines * collisions,
-        surfaces * (lines + connections),
-        lines * 2.0 * (collisions + 8.0),
+    Bounds(vec![
+        (Event::DensityLookup, lookups),
+        (Event::CellWalked, lines * media * blocks),
+        (Event::ShadowRay, connections),
+        (Event::PhaseEvaluation, (rays + 2.0 * connections) * media),
+        (Event::NullCollision, lines * collisions),
+        (Event::SurfaceTest, surfaces * (lines + connections)),
+        (Event::RandomDraw, lines * 2.0 * (collisions + 8.0)),
     ])
 }

@@ -5,7 +5,7 @@ use crate::scenes::Written;
 use rayon::ThreadPool;
 use std::path::Path;
 use volref::film::Film;
-use volref::render::{Plan, RenderError, render, render_counted};
+use volref::render::{RenderError, Sampling, plans, render, render_counted};
 use volref::scene::{Scene, SceneError};
 
 /// Pixels along each side, at most: a scene that asks for more is rendered as small as that.
@@ -55,15 +55,14 @@ pub fn check(
         panel.width = panel.width.min(SIDE);
         panel.height = panel.height.min(SIDE);
     }
-    scene.set_samples(SAMPLES);
-    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
+    let (plans, sampling) = (plans(&scene), Sampling::of_samples(SAMPLES));
     let [panel] = &*scene.panels else {
         return Err("a scene of one panel has others".into());
     };
     if too_long(panel) {
         return Ok(Outcome::TooLong);
     }
-    let film = match one.install(|| render(&scene, &plans, &|| {})) {
+    let film = match one.install(|| render(&plans, sampling, &|| {})) {
         Ok(rendering) => rendering.film,
         Err(error) => return is_the_scenes_fault(&error).map(|()| Outcome::NotShown),
     };
@@ -71,7 +70,7 @@ pub fn check(
     // To count costs as much again, and so do other threads: a share of the scenes, the same in
     // every run, is enough.
     if written.text.len().is_multiple_of(4) {
-        let counted = three.install(|| render_counted(&scene, &plans, &|| {}));
+        let counted = three.install(|| render_counted(&plans, sampling, &|| {}));
         let counted = counted.map_err(|error| format!("counted, it is refused: {error}"))?;
         if counted.film.pixel_hash() != film.pixel_hash() {
             return Err("three threads, and counting, give another image".into());

@@ -2,7 +2,7 @@
 //! now.
 
 use std::path::Path;
-use volref::render::{Plan, RenderError, render};
+use volref::render::{RenderError, Sampling, plans, render};
 use volref::scene::Scene;
 
 fn scene(text: &str) -> Scene {
@@ -18,8 +18,7 @@ fn refusal(text: &str) -> String {
 /// What is said of a scene that cannot be shown.
 fn unshown(text: &str) -> RenderError {
     let scene = scene(text);
-    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
-    render(&scene, &plans, &|| {}).unwrap_err()
+    render(&plans(&scene), Sampling::default(), &|| {}).unwrap_err()
 }
 
 const CAMERA: &str = "film = { width = 8, height = 8 }\n\
@@ -204,8 +203,7 @@ fn scattering_that_all_but_vanishes() {
                  sigma_a = 4\n\
                  sigma_s = 5e-324\n";
     let scene = scene(&seen(faint));
-    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
-    render(&scene, &plans, &|| {}).unwrap();
+    render(&plans(&scene), Sampling::default(), &|| {}).unwrap();
 }
 
 /// Over a stretch of 5e-324 tentative collisions came infinitely often, and none of them any
@@ -218,8 +216,7 @@ fn an_emission_that_is_next_to_nothing_long() {
                 sigma_a = 1\n\
                 emission = 1\n";
     let scene = scene(&seen(flat).replace("eye = [0, 0, 4], target = [0, 0, 0]", INSIDE));
-    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
-    render(&scene, &plans, &|| {}).unwrap();
+    render(&plans(&scene), Sampling::default(), &|| {}).unwrap();
 }
 
 const INSIDE: &str = "eye = [0, 0, 0], target = [0, 0, -1]";

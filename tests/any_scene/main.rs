@@ -6,21 +6,27 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/watch.rs"]
+mod watch;
 
 mod bounds;
 mod check;
 mod choices;
 mod found;
 mod scenes;
-mod watch;
 
 use check::{Outcome, check, pools};
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestCaseError, TestRunner};
 use std::cell::RefCell;
+use std::time::Duration;
 
 /// Scenes tried unless `VOLREF_SCENES` asks for another number.
 const SCENES: u32 = 10_000;
+
+/// Longest time for one scene. Those that are rendered take milliseconds; the bounds of their work,
+/// seconds.
+const PATIENCE: Duration = Duration::from_secs(300);
 
 #[test]
 fn any_valid_scene_makes_an_image_or_is_refused() {
@@ -38,7 +44,7 @@ fn any_valid_scene_makes_an_image_or_is_refused() {
     let lists = prop::collection::vec(any::<u32>(), 0..400);
     let written = lists.prop_map(|list| scenes::written(&list));
     let result = TestRunner::new(config).run(&written, |written| {
-        let _watched = watch::during(&written.text);
+        let _watched = watch::during(&written.text, PATIENCE);
         let outcome = check(&written, folder.path(), &pools).map_err(TestCaseError::fail)?;
         outcomes.borrow_mut().push(outcome);
         Ok(())

@@ -7,6 +7,7 @@
 
 mod kinds;
 mod mutation;
+#[path = "../common/watch.rs"]
 mod watch;
 
 use kinds::{KINDS, Kind, Workshop};
@@ -61,7 +62,9 @@ fn broken_inputs_are_read_or_refused() {
         let file = kept.join(format!("{}-{seed}-{index}", kind.name));
         // Before it is read: memory that runs out, or a stack, ends this process too.
         std::fs::write(kept.join("under-way"), &bytes).unwrap();
-        let _watched = watch::during(format!("{} {index} of seed {seed}", kind.name));
+        // In `target/mutants/under-way`. Its command has a limit of its own.
+        let name = format!("{} {index} of seed {seed}", kind.name);
+        let _watched = watch::during(name, 2 * PATIENCE);
         let start = Instant::now();
         let read = catch_unwind(AssertUnwindSafe(|| (kind.read)(&workshop, &bytes)));
         tally.slowest = tally.slowest.max(start.elapsed());

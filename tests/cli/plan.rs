@@ -181,7 +181,7 @@ point = { position = [3, 3, 3], intensity = 1 }
         .collect();
     assert_eq!(notes.len(), 5);
     assert!(
-        notes[0].contains("scattering asked, but sigma_s is 0"),
+        notes[0].contains("scattering has no effect: sigma_s is 0"),
         "{}",
         notes[0]
     );

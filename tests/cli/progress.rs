@@ -89,10 +89,10 @@ fn a_render_of_many_samples() {
 fn a_render_without_an_end() {
     let folder = Folder::new();
     folder.write("deep.toml", format!("{FOG}sigma_s = 65536\nsigma_a = 0\n"));
-    let note = "note: light that gets deep into this medium is turned about 2.1e9 times, as its \
-                middle is 6.554e4 mean free paths deep and little is absorbed; rendering may \
-                fail, at a path of 2^26 turns; `max_bounces = 10000` bounds the work, and leaves \
-                out what is turned more often  (radiative.medium[0].sigma_s, line 11)";
+    let note = "note: light deep inside this medium is scattered about 2.1e9 times, as its middle \
+                is 6.554e4 mean free paths deep and little is absorbed; rendering may fail, at a \
+                path of 2^26 scatterings; `max_bounces = 10000` bounds the work, and leaves out \
+                scattering of higher order  (radiative.medium[0].sigma_s, line 11)";
     let render = ["render", "deep.toml", "-o", "deep.exr", "--spp", "1000000"];
     said(folder.command(&render), &[note]);
     let run = folder.volref(&["plan", "deep.toml"]);

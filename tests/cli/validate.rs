@@ -426,6 +426,20 @@ fn factors_and_levels_are_said() {
     );
 }
 
+/// A PNG of half the brightness was written at another exposure: no mistake of the catalogue.
+#[test]
+fn another_exposure_is_said() {
+    let folder = with_images();
+    let golden = film(&folder, "golden/smoke/shadow.exr");
+    folder.remove("out/smoke/shadow.exr");
+    folder.write("out/smoke/shadow.png", scaled(&golden, 0.5).to_png(0.0));
+    let run = folder.volref(&["validate", "shadow", "--outputs", "out"]);
+    assert_eq!(run.code, 1);
+    let said = ", an exposure of −1.0";
+    assert!(run.stdout.contains(said), "{}", run.stdout);
+    assert!(!run.stdout.contains("looks like"), "{}", run.stdout);
+}
+
 /// The mistake is named in the result of the case and for all together, with what to do.
 #[test]
 fn mistakes_are_named() {
@@ -657,6 +671,45 @@ fn scenes_that_cannot_be_exported() {
             .contains("classified volume"),
         "{found}"
     );
+}
+
+/// The report's command line judges the same suite again, by the same renderer, samples and seed.
+#[test]
+fn a_report_says_how_it_is_reproduced() {
+    let folder = Folder::with_goldens();
+    let renderer = env!("CARGO_BIN_EXE_volref");
+    let command = format!("'{renderer}' render {{scene}} -o {{output}}");
+    let suite = folder.path("").display().to_string();
+    let arguments = [
+        "--suite", &suite, "--run", &command, "--spp", "8", "--seed", "3",
+    ];
+    let report = ["validate", "smoke/plain", "--report", "report"];
+    let run = folder.volref(&[&report[..], &arguments].concat());
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let page = folder.text("report/index.html");
+    let (_, after) = page.split_once("<h3>Reproduce</h3>").unwrap();
+    let (_, line) = after.split_once("<pre>").unwrap();
+    let (line, _) = line.split_once("</pre>").unwrap();
+    let line = [
+        ("&#x2f;", "/"),
+        ("&#x27;", "'"),
+        ("&quot;", "\""),
+        ("&amp;", "&"),
+    ]
+    .iter()
+    .fold(line.to_owned(), |line, (code, letter)| {
+        line.replace(code, letter)
+    });
+    let words = shell_words::split(&line).unwrap();
+    assert_eq!(words[..3], ["volref", "validate", "smoke/plain"], "{line}");
+    for pair in arguments.chunks(2) {
+        assert!(
+            words.windows(2).any(|words| words == pair),
+            "{pair:?} in {line}"
+        );
+    }
+    let again: Vec<&str> = words[1..].iter().map(String::as_str).collect();
+    assert_eq!(folder.volref(&again).code, 0, "{line}");
 }
 
 #[test]

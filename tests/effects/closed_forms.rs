@@ -5,10 +5,11 @@ use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
 use volref::geometry::{Aabb, Boundary, Camera};
-use volref::media::{Asymmetry, Coefficients, Density, Field, HenyeyGreenstein, Homogeneous};
+use volref::math::rng::{Purpose, Stream};
+use volref::media::{Coefficients, Density, Field, Homogeneous, Phase};
 use volref::render::counters::Event;
 use volref::render::plan::Kernel;
-use volref::render::{Bound, Counters, Plan};
+use volref::render::{Bound, Counters, Plan, Sampling};
 use volref::scene::{Body, Model, Panel, Radiative, Scattering, Scene};
 use volref::volume::{Grid, GridDensity, Interpolation, Lattice};
 
@@ -29,7 +30,7 @@ fn grid_scene(
         medium: Homogeneous {
             coefficients,
             emission: DVec3::splat(emission),
-            phase: HenyeyGreenstein(Asymmetry::ISOTROPIC),
+            phase: Phase::ISOTROPIC,
         },
         density: Some(Density::new(field, bounds, None)),
     };
@@ -140,19 +141,18 @@ proptest! {
         let emission = if emits { 0.5 } else { 0.0 };
         let scene = grid_scene(uneven(lattice), interpolation, (0.3, 0.0, emission), camera);
         let plan = plan(&scene);
-        let (_, work) = rendered(&scene, &plan);
+        let (_, work) = rendered(&plan);
         let [planes, rays] = planes_crossed(&camera, bounds, first, spacing, cells);
         let times = if emits { 2 } else { 1 };
-        prop_assert_eq!(work.density_lookups, times * looks * (planes + rays));
-        let expected = plan.expected(&scene.panels[0]);
+        prop_assert_eq!(work[Event::DensityLookup], times * looks * (planes + rays));
+        let expected = plan.predicted_work(Sampling::default());
         let told = expected.of(Event::DensityLookup).unwrap();
-        prop_assert_eq!(told.count, work.density_lookups);
-        prop_assert_eq!(work, Counters {
-            density_lookups: work.density_lookups,
-            attenuations: work.attenuations,
-            emission_terms: if emits { rays } else { 0 },
-            ..Counters::default()
-        });
+        prop_assert_eq!(told.count, work[Event::DensityLookup]);
+        prop_assert_eq!(work, Counters::from([
+            (Event::DensityLookup, work[Event::DensityLookup]),
+            (Event::Attenuation, work[Event::Attenuation]),
+            (Event::EmissionTerm, if emits { rays } else { 0 }),
+        ]));
     }
 
     /// However light is followed, nothing is looked up in what is the same everywhere.
@@ -168,10 +168,10 @@ proptest! {
         let grid = Arc::new(Grid::new(lattice, values).unwrap());
         let medium = (0.5 * (1.0 - albedo), 0.5 * albedo, 0.1);
         let scene = grid_scene(grid, Interpolation::Trilinear, medium, camera);
-        let (_, work) = rendered(&scene, &plan(&scene));
-        prop_assert_eq!(work.density_lookups, 0);
-        prop_assert_eq!(work.cells_walked, 0);
-        prop_assert_eq!(work.null_collisions, 0);
+        let (_, work) = rendered(&plan(&scene));
+        prop_assert_eq!(work[Event::DensityLookup], 0);
+        prop_assert_eq!(work[Event::CellWalked], 0);
+        prop_assert_eq!(work[Event::NullCollision], 0);
     }
 }
 
@@ -183,7 +183,7 @@ fn an_empty_grid_takes_nothing() {
     let camera = camera(lattice.bounds(), [0.2, 0.3, -2.0], [0.5, 0.4, 0.6]);
     for medium in [(0.3, 0.0, 0.0), (0.1, 0.4, 0.0), (0.1, 0.4, 1.0)] {
         let scene = grid_scene(empty(), Interpolation::Trilinear, medium, camera);
-        let (film, work) = rendered(&scene, &plan(&scene));
+        let (film, work) = rendered(&plan(&scene));
         assert_eq!(work, Counters::default());
         assert!(film.radiance().iter().all(|pixel| *pixel == [1.0; 3]));
     }
@@ -203,17 +203,79 @@ fn the_empty_part_of_a_grid_takes_nothing_but_cells() {
     let scene = grid_scene(grid, Interpolation::Trilinear, (0.1, 0.4, 0.0), camera);
     let plan = plan(&scene);
     assert!(matches!(plan.kernel, Kernel::PathTracer { .. }));
-    let (film, work) = rendered(&scene, &plan);
+    let (film, work) = rendered(&plan);
     assert!(film.radiance().iter().all(|pixel| *pixel == [1.0; 3]));
-    assert!(work.cells_walked > 0);
-    let drawn = work.random_draws;
-    let expected = Counters {
-        cells_walked: work.cells_walked,
-        random_draws: drawn,
-        attenuations: work.attenuations,
-        ..Counters::default()
-    };
+    assert!(work[Event::CellWalked] > 0);
+    // Every ray meets the box; none has a second tentative collision.
+    let [samples, meeting] = sampled_rays(&scene, lattice.bounds());
+    assert_eq!(meeting, samples);
+    let expected = Counters::from([
+        (Event::CellWalked, work[Event::CellWalked]),
+        (Event::RandomDraw, 2 * samples + 2 * meeting),
+        (Event::Attenuation, work[Event::Attenuation]),
+    ]);
     assert_eq!(work, expected);
+}
+
+/// Camera rays of all samples, and those of them that meet `bounds`: counted with the numbers of
+/// the generator itself.
+fn sampled_rays(scene: &Scene, bounds: Aabb) -> [u64; 2] {
+    let panel = &scene.panels[0];
+    let Model::Radiative(radiative) = &panel.model else {
+        panic!("no scene of media");
+    };
+    let size = [panel.width, panel.height];
+    let [mut rays, mut meeting] = [0, 0];
+    for pixel in 0..panel.width * panel.height {
+        for sample in 0..radiative.samples {
+            let stream = Stream::new(radiative.seed, pixel as u32, sample);
+            let [x, y] = stream.pair(0, Purpose::Camera, 0);
+            let place = [(pixel % size[0]) as f64 + x, (pixel / size[0]) as f64 + y];
+            let ray = radiative.camera.ray_through(place, size);
+            let to = |face: DVec3| (face - ray.origin) / ray.direction;
+            let (a, b) = (to(bounds.min), to(bounds.max));
+            let (near, far) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
+            rays += 1;
+            meeting += u64::from(near < far);
+        }
+    }
+    [rays, meeting]
+}
+
+/// Tracking of what is so thin that no estimate is cut by roulette takes, on every ray that meets
+/// the medium, a pair of numbers for the first tentative collision of the emission, of the flight
+/// and of the transmittance, and another after each look-up.
+#[test]
+fn tracking_takes_a_pair_of_numbers_for_every_look_up_and_one_for_every_end() {
+    for (emission, rows) in [(0.0, 2), (0.1, 3)] {
+        let scene = parsed(&format!(
+            "[film]\nwidth = 12\nheight = 10\n\
+             [camera]\neye = [0.35, 0.4, -3.2]\ntarget = [0.12, 0.1, 0.1]\nvertical_fov = 50\n\
+             [sampling]\nsamples = 8\n[radiative]\nenvironment = 1\n\
+             [[radiative.medium]]\nbox = {{ min = [-1, -1, -1], max = [1, 1, 1] }}\n\
+             noise = {{}}\nsigma_a = 0.05\nemission = {emission}\n"
+        ));
+        let plan = plan(&scene);
+        assert!(matches!(
+            plan.kernel,
+            Kernel::PathTracer {
+                max_order: Some(0),
+                ..
+            }
+        ));
+        let bounds = Aabb {
+            min: DVec3::NEG_ONE,
+            max: DVec3::ONE,
+        };
+        let [rays, meeting] = sampled_rays(&scene, bounds);
+        assert!(0 < meeting && meeting < rays);
+        let (_, work) = rendered(&plan);
+        assert!(work[Event::DensityLookup] > 0);
+        assert_eq!(
+            work[Event::RandomDraw],
+            2 * rays + 2 * rows * meeting + 2 * work[Event::DensityLookup]
+        );
+    }
 }
 
 /// The same for a classified volume, whose opaque corner the rays do not meet; and one without an
@@ -232,23 +294,22 @@ fn the_transparent_part_of_a_volume_takes_nothing_but_cells() {
         )
     };
     let scene = parsed(&text("0"));
-    let (_, work) = rendered(&scene, &plan(&scene));
+    let (_, work) = rendered(&plan(&scene));
     let nodes = match &scene.panels[0].model {
         Model::Classified(scene) => scene.grid.lattice().node_count(),
         _ => unreachable!(),
     };
-    assert!(work.cells_walked > 0);
-    let expected = Counters {
-        cells_walked: work.cells_walked,
-        gradients_computed: nodes as u64,
-        ..Counters::default()
-    };
+    assert!(work[Event::CellWalked] > 0);
+    let expected = Counters::from([
+        (Event::CellWalked, work[Event::CellWalked]),
+        (Event::GradientComputed, nodes as u64),
+    ]);
     assert_eq!(work, expected);
 
     let scene = parsed(&text("8"));
     let plan = Plan::new(&scene.panels[0]);
-    assert_eq!(plan.kernel, Kernel::Background);
-    let (_, work) = rendered(&scene, &plan);
+    assert!(matches!(plan.kernel, Kernel::Background(_)));
+    let (_, work) = rendered(&plan);
     assert_eq!(work, Counters::default());
     let said: Vec<_> = plan
         .warnings
@@ -259,9 +320,9 @@ fn the_transparent_part_of_a_volume_takes_nothing_but_cells() {
     assert_eq!(
         said,
         [
-            format!("shading asked, but {nothing}"),
-            format!("a shadow asked, but {nothing}"),
-            format!("early termination asked, but {nothing}"),
+            format!("shading has no effect: {nothing}"),
+            format!("the shadow has no effect: {nothing}"),
+            format!("early termination has no effect: {nothing}"),
         ]
     );
 }
@@ -280,14 +341,14 @@ fn a_large_image_is_told_of_by_some_of_its_rays() {
         "[radiative]\nenvironment = 1\n[[radiative.medium]]\n",
     ));
     let plan = plan(&scene);
-    let (_, work) = rendered(&scene, &plan);
+    let (_, work) = rendered(&plan);
     let told = plan
-        .expected(&scene.panels[0])
+        .predicted_work(Sampling::default())
         .of(Event::DensityLookup)
         .unwrap();
     assert_eq!(told.bound, Bound::About);
     // Every second ray of every second row: the sums differ by what lies along the outline of the
     // grid, some hundred rays of ten thousand.
-    let (told, counted) = (told.count as f64, work.density_lookups as f64);
+    let (told, counted) = (told.count as f64, work[Event::DensityLookup] as f64);
     assert!((told - counted).abs() <= 0.02 * counted, "{told} {counted}");
 }

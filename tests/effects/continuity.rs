@@ -18,7 +18,7 @@ const SMALL: [f64; 2] = [1e-300, 1e-12];
 fn fades_in(what: &str, slope: f64, scene: impl Fn(f64) -> String) {
     let film = |coefficient: f64| {
         let scene = parsed(&scene(coefficient));
-        rendered(&scene, &plan(&scene)).0
+        rendered(&plan(&scene)).0
     };
     let without = film(0.0);
     for small in SMALL {
@@ -43,7 +43,7 @@ fn fades_in(what: &str, slope: f64, scene: impl Fn(f64) -> String) {
 fn fades_in_on_average(what: &str, scene: impl Fn(f64) -> String) {
     let film = |coefficient: f64| {
         let scene = parsed(&scene(coefficient));
-        rendered(&scene, &plan(&scene)).0
+        rendered(&plan(&scene)).0
     };
     let mean = |film: &Film| {
         let values = film.radiance().iter().map(|pixel| f64::from(pixel[1]));

@@ -1,12 +1,12 @@
 //! Memory that only an effect needs is not taken where it is off.
 
 use crate::scenes::{parsed, plan, rendered};
-use volref::render::Plan;
+use volref::render::{Event, Plan, Sampling};
 use volref::scene::{Model, Scene};
 
-/// What an image takes beside the scene and itself, by the plan.
-fn told(scene: &Scene) -> Vec<&'static str> {
-    let expected = plan(scene).expected(&scene.panels[0]);
+/// Memory of an image beside the scene and itself, by the plan.
+fn reported(scene: &Scene) -> Vec<&'static str> {
+    let expected = plan(scene).predicted_work(Sampling::default());
     expected.memory.iter().map(|memory| memory.what).collect()
 }
 
@@ -21,7 +21,7 @@ fn medium(keys: &str) -> String {
 
 /// Bytes of the bounds that tracking needs, after the image has been made.
 fn bytes_of_bounds(scene: &Scene) -> usize {
-    rendered(scene, &plan(scene));
+    rendered(&plan(scene));
     let Model::Radiative(scene) = &scene.panels[0].model else {
         panic!("a scene of media");
     };
@@ -34,7 +34,7 @@ fn no_bounds_on_densities_without_tracking() {
     for quiet in ["sigma_a = 1", "emission = 1", "sigma_a = 2\nemission = 1"] {
         let scene = parsed(&medium(quiet));
         assert_eq!(bytes_of_bounds(&scene), 0, "{quiet}");
-        assert_eq!(told(&scene), [""; 0], "{quiet}");
+        assert_eq!(reported(&scene), [""; 0], "{quiet}");
     }
     // Among paths, too, what only absorbs is an integral along a line.
     let floor = "sigma_a = 1\n[[radiative.surface]]\n\
@@ -42,13 +42,13 @@ fn no_bounds_on_densities_without_tracking() {
     let scene = parsed(&medium(floor));
     assert!(plan(&scene).is_sampled());
     assert_eq!(bytes_of_bounds(&scene), 0);
-    assert_eq!(told(&scene), ["moments of the samples"]);
+    assert_eq!(reported(&scene), ["moments of the samples"]);
     let scene = parsed(&medium("sigma_s = 1"));
     // A block of eight cells a side.
     assert_eq!(bytes_of_bounds(&scene), 16);
     assert_eq!(
-        told(&scene),
-        ["bounds on densities", "moments of the samples"]
+        reported(&scene),
+        ["majorants of densities", "moments of the samples"]
     );
 }
 
@@ -56,9 +56,12 @@ fn no_bounds_on_densities_without_tracking() {
 fn no_moments_without_random_numbers() {
     for (keys, sampled) in [("sigma_a = 1", false), ("sigma_s = 1", true)] {
         let scene = parsed(&medium(keys));
-        let (film, _) = rendered(&scene, &plan(&scene));
+        let (film, _) = rendered(&plan(&scene));
         assert_eq!(film.noise().is_some(), sampled, "{keys}");
-        assert_eq!(told(&scene).contains(&"moments of the samples"), sampled);
+        assert_eq!(
+            reported(&scene).contains(&"moments of the samples"),
+            sampled
+        );
     }
 }
 
@@ -80,10 +83,10 @@ fn no_gradients_without_shading() {
         ("[classified.phong]\n", 6 * 6 * 6),
     ] {
         let scene = parsed(&text(phong));
-        let (_, work) = rendered(&scene, &Plan::new(&scene.panels[0]));
-        assert_eq!(work.gradients_computed, computed);
+        let (_, work) = rendered(&Plan::new(&scene.panels[0]));
+        assert_eq!(work[Event::GradientComputed], computed);
         assert_eq!(
-            told(&scene).contains(&"gradients of the nodes"),
+            reported(&scene).contains(&"gradients of the nodes"),
             computed > 0
         );
     }

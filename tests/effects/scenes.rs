@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use volref::film::Film;
-use volref::render::{Bound, Counters, Plan, render_counted};
+use volref::render::{Bound, Counters, Plan, Sampling, render_counted};
 use volref::scene::Scene;
 
 /// A scene by the text of its file, which stands in a folder of the fixtures.
@@ -16,30 +16,35 @@ pub fn parsed(text: &str) -> Scene {
 }
 
 /// The plan of the only picture of a scene.
-pub fn plan(scene: &Scene) -> Plan {
+pub fn plan(scene: &Scene) -> Plan<'_> {
     Plan::new(&scene.panels[0])
 }
 
-/// The image and the work of the only picture of a scene.
+/// The image by a plan, and its work.
 #[track_caller]
-pub fn rendered(scene: &Scene, plan: &Plan) -> (Film, Counters) {
-    let rendering = render_counted(scene, std::slice::from_ref(plan), &|| ());
+pub fn rendered(plan: &Plan<'_>) -> (Film, Counters) {
+    let plans = std::slice::from_ref(plan);
+    let rendering = render_counted(plans, Sampling::default(), &|| ());
     let rendering = rendering.unwrap_or_else(|error| panic!("{error}"));
     (rendering.film, rendering.work[0])
 }
 
-/// What is told beforehand holds.
+/// The predicted work holds.
 #[track_caller]
-pub fn as_told(what: &str, scene: &Scene, plan: &Plan, work: &Counters) {
-    for (event, amount) in plan.expected(&scene.panels[0]).work {
-        let (counted, told) = (work.of(event), amount.count);
+pub fn as_predicted(what: &str, plan: &Plan<'_>, work: &Counters) {
+    for (event, amount) in plan.predicted_work(Sampling::default()).work {
+        let (counted, predicted) = (work[event], amount.count);
         let holds = match amount.bound {
-            Bound::Exactly => counted == told,
-            Bound::AtMost => counted <= told,
-            Bound::AtLeast => counted >= told,
+            Bound::Exactly => counted == predicted,
+            Bound::AtMost => counted <= predicted,
+            Bound::AtLeast => counted >= predicted,
             Bound::About | Bound::AboutAtMost => false,
         };
-        assert!(holds, "{what}: {counted} {}, told {amount:?}", event.name());
+        assert!(
+            holds,
+            "{what}: {counted} {}, predicted {amount:?}",
+            event.key()
+        );
     }
 }
 

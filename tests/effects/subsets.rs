@@ -2,19 +2,18 @@
 //! everything.
 
 use crate::scenes::{
-    Classified, Density, Light, Radiative, Shading, Turns, as_told, parsed, plan, rendered,
+    Classified, Density, Light, Radiative, Shading, Turns, as_predicted, parsed, plan, rendered,
 };
 use std::collections::BTreeSet;
 use volref::film::Film;
 use volref::render::counters::Event;
-use volref::render::plan::{FieldKind, Kernel, Parts};
+use volref::render::plan::{FieldKind, Kernel, RadiativeFeatures, RayCasterFeatures};
 use volref::render::{Counters, Effect, Plan, State};
-use volref::scene::Scene;
 
 /// Everything on.
-const ALL_PARTS: Parts = Parts {
+const ALL_FEATURES: RadiativeFeatures = RadiativeFeatures {
     media: true,
-    null_media: true,
+    vacuum_media: true,
     surfaces: true,
     emission: true,
     chromatic: true,
@@ -23,15 +22,21 @@ const ALL_PARTS: Parts = Parts {
 };
 
 /// The same plan by the most general code.
-fn general(plan: &Plan) -> Plan {
+fn general<'s>(plan: &Plan<'s>) -> Plan<'s> {
     let kernel = match plan.kernel {
-        Kernel::LineOfSight { turned, .. } => Kernel::LineOfSight {
-            parts: ALL_PARTS,
-            turned,
+        Kernel::LineOfSight {
+            scene, scatters, ..
+        } => Kernel::LineOfSight {
+            scene,
+            features: ALL_FEATURES,
+            scatters,
         },
-        Kernel::PathTracer { limit, .. } => Kernel::PathTracer {
-            parts: ALL_PARTS,
-            limit,
+        Kernel::PathTracer {
+            scene, max_order, ..
+        } => Kernel::PathTracer {
+            scene,
+            features: ALL_FEATURES,
+            max_order,
         },
         other => other,
     };
@@ -43,11 +48,11 @@ fn general(plan: &Plan) -> Plan {
 
 /// The work by a plan, whose picture must be `film` to the bit.
 #[track_caller]
-fn same_bits(what: &str, scene: &Scene, film: &Film, plan: &Plan) -> Counters {
-    let (other, work) = rendered(scene, plan);
+fn same_bits(what: &str, film: &Film, plan: &Plan<'_>) -> Counters {
+    let (other, work) = rendered(plan);
     assert!(
         bits(film) == bits(&other),
-        "{what}: {:?} makes another picture",
+        "{what}: {} makes another picture",
         plan.kernel
     );
     work
@@ -67,7 +72,7 @@ fn bits(film: &Film) -> Vec<u32> {
 #[track_caller]
 fn off_is_off(what: &str, plan: &Plan, work: &Counters) {
     for event in Event::ALL.into_iter().filter(|&event| !plan.may_do(event)) {
-        assert_eq!(work.of(event), 0, "{what}: {}, though off", event.name());
+        assert_eq!(work[event], 0, "{what}: {}, though off", event.key());
     }
 }
 
@@ -79,12 +84,12 @@ fn media_surfaces_and_lights() {
         let scene = parsed(&made_of.text());
         let plan = plan(&scene);
         let what = format!("{made_of:?}");
-        let (film, work) = rendered(&scene, &plan);
-        same_bits(&what, &scene, &film, &general(&plan));
+        let (film, work) = rendered(&plan);
+        same_bits(&what, &film, &general(&plan));
         off_is_off(&what, &plan, &work);
-        as_told(&what, &scene, &plan, &work);
+        as_predicted(&what, &plan, &work);
         as_made(&made_of, &plan);
-        kernels.insert(format!("{:?}", plan.kernel));
+        kernels.insert(plan.kernel.to_string());
         lit += usize::from(film.radiance().iter().any(|pixel| *pixel != [0.0; 3]));
     }
     // Where there is nothing but an absorber and a lamp, all is black; most scenes are not.
@@ -153,26 +158,27 @@ fn classified_volumes() {
         let scene = parsed(&made_of.text());
         let plan = plan(&scene);
         let what = format!("{made_of:?}");
-        let Kernel::RayCaster { compositing, .. } = plan.kernel else {
-            panic!("{what}: {:?}", plan.kernel);
+        let Kernel::RayCaster { scene, features } = plan.kernel else {
+            panic!("{what}: {}", plan.kernel);
+        };
+        let features = RayCasterFeatures {
+            field: match made_of.nearest {
+                true => FieldKind::Nearest,
+                false => FieldKind::Trilinear,
+            },
+            shading: made_of.shading != Shading::None,
+            shadow: made_of.shadow,
+            skip_empty: false,
+            ..features
         };
         let most = Plan {
-            kernel: Kernel::RayCaster {
-                field: match made_of.nearest {
-                    true => FieldKind::Nearest,
-                    false => FieldKind::Trilinear,
-                },
-                compositing,
-                shading: made_of.shading != Shading::None,
-                shadow: made_of.shadow,
-                skip_empty: false,
-            },
+            kernel: Kernel::RayCaster { scene, features },
             ..plan.clone()
         };
-        let (film, work) = rendered(&scene, &plan);
-        same_bits(&what, &scene, &film, &most);
+        let (film, work) = rendered(&plan);
+        same_bits(&what, &film, &most);
         off_is_off(&what, &plan, &work);
-        kernels.insert(format!("{:?}", plan.kernel));
+        kernels.insert(plan.kernel.to_string());
     }
     assert_eq!(kernels.len(), 54);
 }
@@ -213,20 +219,16 @@ fn that_work_when_forced(texts: impl Iterator<Item = String>) -> BTreeSet<Effect
     let mut seen = BTreeSet::new();
     for text in texts {
         let scene = parsed(&text);
-        let (film, work) = rendered(&scene, &plan(&scene));
+        let (film, work) = rendered(&plan(&scene));
         for effect in Plan::null_effects(&scene.panels[0]) {
             let forced = Plan::forcing(&scene.panels[0], &[effect]).unwrap();
-            let more = same_bits(&text, &scene, &film, &forced);
-            as_told(&text, &scene, &forced, &more);
+            let more = same_bits(&text, &film, &forced);
+            as_predicted(&text, &forced, &more);
             for event in Event::ALL {
-                assert!(
-                    more.of(event) >= work.of(event),
-                    "{effect}: {more:?}\n{text}"
-                );
+                assert!(more[event] >= work[event], "{effect}: {more:?}\n{text}");
             }
             let mut own = Event::ALL.into_iter();
-            if own.any(|event| event.effects().contains(&effect) && more.of(event) > work.of(event))
-            {
+            if own.any(|event| event.effects().contains(&effect) && more[event] > work[event]) {
                 seen.insert(effect);
             }
         }

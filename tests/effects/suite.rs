@@ -1,11 +1,11 @@
 //! Every scene of the suite, small.
 
-use crate::scenes::{as_told, rendered};
+use crate::scenes::{as_predicted, rendered};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use volref::render::counters::Event;
 use volref::render::{Effect, Plan, State};
-use volref::scene::{Panel, Scene};
+use volref::scene::{Model, Panel, Scene};
 
 /// Pixels of the larger side: what is asked of an image is asked of each of its rays.
 const SIDE: usize = 8;
@@ -33,41 +33,43 @@ fn pictures() -> impl Iterator<Item = (String, Scene)> {
         panels.map(move |(index, panel)| {
             let larger = panel.width.max(panel.height);
             let small = |side: usize| (side * SIDE).div_ceil(larger).max(1);
-            let panel = Panel {
+            let mut panel = Panel {
                 width: small(panel.width),
                 height: small(panel.height),
                 ..panel
             };
-            let mut scene = Scene::of(panel);
-            scene.set_samples(2);
+            if let Model::Radiative(scene) = &mut panel.model {
+                scene.samples = 2;
+            }
+            let scene = Scene::of(panel);
             let name = path.file_stem().unwrap().display();
             (format!("{name}, panel {}", index + 1), scene)
         })
     })
 }
 
-/// Also: what is told beforehand holds.
+/// Also: the predicted work holds.
 #[test]
 fn what_is_off_does_no_work() {
     let done: Vec<_> = Event::ALL.iter().map(|_| AtomicU64::new(0)).collect();
     let mut pictures_with_something_off = 0;
     for (name, scene) in pictures() {
         let plan = Plan::new(&scene.panels[0]);
-        let (_, work) = rendered(&scene, &plan);
+        let (_, work) = rendered(&plan);
         pictures_with_something_off +=
             usize::from(Effect::ALL.iter().any(|&effect| !plan.is_on(effect)));
         for event in Event::ALL {
-            let counted = work.of(event);
+            let counted = work[event];
             done[event as usize].fetch_add(counted, Ordering::Relaxed);
             if !plan.may_do(event) {
-                assert_eq!(counted, 0, "{name}: {}, though off", event.name());
+                assert_eq!(counted, 0, "{name}: {}, though off", event.key());
             }
             let null = |effect: &Effect| plan.state(*effect) == State::Elided;
             if event.effects().iter().all(null) {
-                assert_eq!(counted, 0, "{name}: {}, though null", event.name());
+                assert_eq!(counted, 0, "{name}: {}, though null", event.key());
             }
         }
-        as_told(&name, &scene, &plan, &work);
+        as_predicted(&name, &plan, &work);
     }
     assert!(pictures_with_something_off > 100);
     for event in Event::ALL {
@@ -75,7 +77,7 @@ fn what_is_off_does_no_work() {
         assert!(
             done > 0,
             "no scene of the suite shows that {} are counted",
-            event.name()
+            event.key()
         );
     }
 }
@@ -87,16 +89,16 @@ fn forced_effects_change_no_bit() {
     for (name, scene) in pictures() {
         let panel = &scene.panels[0];
         let null = Plan::null_effects(panel);
-        let (film, work) = rendered(&scene, &Plan::new(panel));
+        let (film, work) = rendered(&Plan::new(panel));
         let alone = null.iter().map(|&effect| vec![effect]);
         for effects in alone.chain([null.clone()]) {
             let plan = Plan::forcing(panel, &effects).unwrap();
-            let (forced, more) = rendered(&scene, &plan);
+            let (forced, more) = rendered(&plan);
             let same = film.pixel_hash() == forced.pixel_hash();
             assert!(same, "{name}: {effects:?} forced change the picture");
             for event in Event::ALL {
-                let (more, less) = (more.of(event), work.of(event));
-                let what = event.name();
+                let (more, less) = (more[event], work[event]);
+                let what = event.key();
                 assert!(
                     more >= less,
                     "{name}: {effects:?} forced: {more} {what}, not {less}"

@@ -5,16 +5,17 @@ use glam::DVec3;
 use proptest::prelude::*;
 use volref::geometry::Camera;
 use volref::render::plan::Kernel;
-use volref::render::{Counters, Plan};
+use volref::render::{Counters, Event, Plan};
 use volref::scene::Classified;
 use volref::volume::Lattice;
 
 fn with_leaps(scene: &Classified, leap: bool, size: usize) -> (Vec<[u32; 4]>, Counters) {
-    let mut plan = Plan::new(&scenes::panel(scene, size));
-    if let Kernel::RayCaster { skip_empty, .. } = &mut plan.kernel {
-        *skip_empty = leap;
+    let panel = scenes::panel(scene, size);
+    let mut plan = Plan::new(&panel);
+    if let Kernel::RayCaster { features, .. } = &mut plan.kernel {
+        features.skip_empty = leap;
     }
-    let (film, work) = scenes::render_by(scene, plan, size);
+    let (film, work) = scenes::render_by(plan);
     (scenes::bits(&film), work)
 }
 
@@ -26,11 +27,11 @@ proptest! {
         let (bits, leaping) = with_leaps(&scene, true, 5);
         let (same, walking) = with_leaps(&scene, false, 5);
         prop_assert_eq!(bits, same);
-        prop_assert!(leaping.density_lookups <= walking.density_lookups);
+        prop_assert!(leaping[Event::DensityLookup] <= walking[Event::DensityLookup]);
         // Only what is seen is shaded and lit, and leaps pass over nothing that is seen.
-        prop_assert_eq!(leaping.gradient_lookups, walking.gradient_lookups);
-        prop_assert_eq!(leaping.shadow_rays, walking.shadow_rays);
-        prop_assert_eq!(walking.cells_walked, 0);
+        prop_assert_eq!(leaping[Event::GradientLookup], walking[Event::GradientLookup]);
+        prop_assert_eq!(leaping[Event::ShadowRay], walking[Event::ShadowRay]);
+        prop_assert_eq!(walking[Event::CellWalked], 0);
     }
 }
 
@@ -48,5 +49,5 @@ fn a_lone_voxel_is_found_and_the_rest_is_leapt_over() {
     assert_eq!(bits, same);
     assert_ne!(bits[65 * 32 + 32][3], 0);
     // Samples near the voxel alone: two blocks each way out of sixteen, along a few rays.
-    assert!(leaping.density_lookups * 100 < walking.density_lookups);
+    assert!(leaping[Event::DensityLookup] * 100 < walking[Event::DensityLookup]);
 }

@@ -5,8 +5,8 @@ use glam::DVec3;
 use proptest::prelude::*;
 use volref::math;
 use volref::media::Phong;
-use volref::render::{Plan, render};
-use volref::scene::{Scene, Shadow};
+use volref::render::{Plan, Sampling, render};
+use volref::scene::Shadow;
 use volref::volume::Lattice;
 
 proptest! {
@@ -63,7 +63,7 @@ proptest! {
         }
         let panel = scenes::panel(&scene, 4);
         let plan = Plan::new(&panel);
-        let result = render(&Scene::of(panel), &[plan], &|| ());
+        let result = render(&[plan], Sampling::default(), &|| ());
         // A scene too bright for f32 is refused when it is read; the renderer must not panic.
         if let Err(reason) = scene.check_brightness() {
             prop_assert!(largest > 1e15, "{reason}");

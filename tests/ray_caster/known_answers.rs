@@ -12,10 +12,11 @@ use serde_json::Value;
 use volref::geometry::Ray;
 use volref::media::{TransferFunction, over_length};
 use volref::render::Counters;
-use volref::render::classified::compositing::{BackToFront, FrontToBack, Layers, Order};
-use volref::render::classified::empty_space::Unexplored;
-use volref::render::classified::field::Field;
-use volref::render::classified::ray_caster::{RayCaster, Unshaded};
+use volref::render::classified::compositing::{BackToFront, CompositingOrder, FrontToBack, Layers};
+use volref::render::classified::empty_space::NoSkipping;
+use volref::render::classified::field::ScalarField;
+use volref::render::classified::ray_caster::RayCaster;
+use volref::render::classified::shading::Unshaded;
 use volref::render::classified::volume_shadow::Unshadowed;
 use volref::render::counters::Work;
 use volref::volume::{Grid, Lattice};
@@ -130,7 +131,7 @@ fn sequences() {
     }
 }
 
-fn put_together<O: Order + Default>(samples: &[(f64, f64)]) -> Layers {
+fn put_together<O: CompositingOrder + Default>(samples: &[(f64, f64)]) -> Layers {
     (0..samples.len()).fold(Layers::default(), |layers, done| {
         let (opacity, colour) = samples[O::index(done, samples.len())];
         O::add(layers, DVec3::splat(colour * opacity), opacity)
@@ -144,8 +145,8 @@ struct Extinction<S> {
     sigma: S,
 }
 
-impl<S: Fn(f64) -> f64 + Sync> Field for Extinction<S> {
-    type Place = DVec3;
+impl<S: Fn(f64) -> f64 + Sync> ScalarField for Extinction<S> {
+    type Location = DVec3;
 
     fn lattice(&self) -> &Lattice {
         &self.lattice
@@ -165,7 +166,10 @@ impl<S: Fn(f64) -> f64 + Sync> Field for Extinction<S> {
 }
 
 /// A ray through a slab of the entry's `length`, in its number of `steps`.
-fn march<O: Order + Default>(entry: &Value, sigma: impl Fn(f64) -> f64 + Sync) -> Layers {
+fn march<O: CompositingOrder + Default>(
+    entry: &Value,
+    sigma: impl Fn(f64) -> f64 + Sync,
+) -> Layers {
     let length = input(entry, "length");
     let lattice = Lattice::new([2, 2, 2], DVec3::new(1.0, 1.0, length), DVec3::ZERO).unwrap();
     let transfer_function = TransferFunction {
@@ -177,7 +181,7 @@ fn march<O: Order + Default>(entry: &Value, sigma: impl Fn(f64) -> f64 + Sync) -
         order: O::default(),
         shading: Unshaded,
         visibility: Unshadowed,
-        space: Unexplored,
+        space: NoSkipping,
         transfer_function: &transfer_function,
         step: length / input(entry, "steps"),
         bounds: lattice.bounds(),

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use volref::geometry::Camera;
-use volref::render::{Plan, render};
+use volref::render::{Sampling, plans, render};
 use volref::scene::{Model, Scene};
 
 const NODES: [usize; 3] = [5, 7, 4];
@@ -56,8 +56,8 @@ fn light(scene: &Scene) -> DVec3 {
 }
 
 fn image(scene: &Scene) -> Vec<[f32; 4]> {
-    let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
-    let film = render(scene, &plans, &|| ()).unwrap().film;
+    let rendering = render(&plans(scene), Sampling::default(), &|| ());
+    let film = rendering.unwrap().film;
     let opacity = film.opacity().unwrap_or_default().iter().copied();
     let radiance = film.radiance().iter();
     radiance

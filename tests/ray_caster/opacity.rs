@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use volref::geometry::Ray;
 use volref::math;
 use volref::media::over_length;
-use volref::render::classified::compositing::{FrontToBack, Order};
+use volref::render::classified::compositing::{CompositingOrder, FrontToBack};
 use volref::scene::{Classified, Compositing};
 use volref::volume::{Interpolation, Lattice};
 

@@ -8,7 +8,7 @@ use volref::geometry::{Camera, Ray};
 use volref::math;
 use volref::media::{Appearance, TransferPoint, TransferPoints, over_length};
 use volref::render::plan::Kernel;
-use volref::render::{Effect, Plan, State};
+use volref::render::{Effect, Event, Plan, State};
 use volref::scene::{Classified, Shadow};
 use volref::volume::{Interpolation, Lattice};
 
@@ -178,28 +178,29 @@ proptest! {
     #[test]
     fn leaping_changes_no_bit(scene in any_scene()) {
         let by = |leap: bool| {
-            let mut plan = Plan::new(&scenes::panel(&scene, 5));
-            if let Kernel::RayCaster { skip_empty, .. } = &mut plan.kernel {
-                *skip_empty = leap;
+            let panel = scenes::panel(&scene, 5);
+            let mut plan = Plan::new(&panel);
+            if let Kernel::RayCaster { features, .. } = &mut plan.kernel {
+                features.skip_empty = leap;
             }
-            let (film, work) = scenes::render_by(&scene, plan, 5);
+            let (film, work) = scenes::render_by(plan);
             (scenes::bits(&film), work)
         };
         let ((bits, leaping), (same, walking)) = (by(true), by(false));
         prop_assert_eq!(bits, same);
-        prop_assert!(leaping.density_lookups <= walking.density_lookups);
+        prop_assert!(leaping[Event::DensityLookup] <= walking[Event::DensityLookup]);
     }
 
     #[test]
     fn forced_effects_change_no_bit(scene in any_scene()) {
         let panel = scenes::panel(&scene, 4);
         let plan = Plan::new(&panel);
-        let bits = scenes::bits(&scenes::render_by(&scene, plan.clone(), 4).0);
+        let bits = scenes::bits(&scenes::render_by(plan.clone()).0);
         for effect in Effect::ALL {
             if plan.state(effect) == State::Elided
                 && let Ok(forced) = Plan::forcing(&panel, &[effect])
             {
-                let (film, _) = scenes::render_by(&scene, forced, 4);
+                let (film, _) = scenes::render_by(forced);
                 prop_assert_eq!(scenes::bits(&film), bits.clone(), "{}", effect);
             }
         }
@@ -229,14 +230,15 @@ fn air_of_any_value_is_leapt_over() {
     scene.transfer_function.appearance = table(&[(-500.0, 0.0), (300.0, 1.0)]);
     scene.camera = Camera::new(DVec3::new(20.0, 40.0, -100.0), centre, DVec3::Y, 0.5).unwrap();
     let (_, work) = scenes::rendered(&scene, 33);
-    let mut plan = Plan::new(&scenes::panel(&scene, 33));
-    let Kernel::RayCaster { skip_empty, .. } = &mut plan.kernel else {
+    let panel = scenes::panel(&scene, 33);
+    let mut plan = Plan::new(&panel);
+    let Kernel::RayCaster { features, .. } = &mut plan.kernel else {
         panic!("not rendered by the ray caster")
     };
-    assert!(*skip_empty);
-    *skip_empty = false;
-    let (_, walking) = scenes::render_by(&scene, plan, 33);
-    assert!(work.density_lookups * 10 < walking.density_lookups);
+    assert!(features.skip_empty);
+    features.skip_empty = false;
+    let (_, walking) = scenes::render_by(plan);
+    assert!(work[Event::DensityLookup] * 10 < walking[Event::DensityLookup]);
 }
 
 /// What lies in the way of the light lets through what it would let through towards the eye.

@@ -7,13 +7,14 @@ use volref::film::Film;
 use volref::geometry::{Camera, Ray};
 use volref::math;
 use volref::media::{Appearance, Colormap, Phong, TransferFunction, TransferOpacity};
-use volref::render::classified::compositing::{BackToFront, FrontToBack, Layers, Order};
-use volref::render::classified::empty_space::Unexplored;
-use volref::render::classified::field::{Field, Sampled};
-use volref::render::classified::ray_caster::{RayCaster, Shaded, Shading, Unshaded};
+use volref::render::classified::compositing::{BackToFront, CompositingOrder, FrontToBack, Layers};
+use volref::render::classified::empty_space::NoSkipping;
+use volref::render::classified::field::{GridField, ScalarField};
+use volref::render::classified::ray_caster::RayCaster;
+use volref::render::classified::shading::{Shaded, Shading, Unshaded};
 use volref::render::classified::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
-use volref::render::{Counters, Effect, Plan, render_counted};
-use volref::scene::{Classified, Compositing, Model, Panel, Scene, Shadow};
+use volref::render::{Counters, Plan, Sampling, render_counted};
+use volref::scene::{Classified, Compositing, Model, Panel, Shadow};
 use volref::volume::{Grid, Interpolation, Lattice, Nearest, Trilinear, relative_gradients};
 
 /// `2^exponent`, exactly.
@@ -225,21 +226,15 @@ pub fn panel(scene: &Classified, size: usize) -> Panel {
     Panel::of(Model::Classified(Box::new(scene.clone())), [size; 2])
 }
 
-/// The image of `scene` by `plan`, `size` pixels wide and high, and the work done.
-pub fn render_by(scene: &Classified, plan: Plan, size: usize) -> (Film, Counters) {
-    let scene = Scene::of(panel(scene, size));
-    let rendering = render_counted(&scene, &[plan], &|| ()).unwrap();
+/// The image by `plan`, and the work done.
+pub fn render_by(plan: Plan<'_>) -> (Film, Counters) {
+    let rendering = render_counted(&[plan], Sampling::default(), &|| ()).unwrap();
     (rendering.film, rendering.work[0])
 }
 
 /// The image of `scene` by its own plan.
 pub fn rendered(scene: &Classified, size: usize) -> (Film, Counters) {
-    render_by(scene, Plan::new(&panel(scene, size)), size)
-}
-
-/// The plan of `scene` with `forced` effects.
-pub fn forced(scene: &Classified, effects: &[Effect]) -> Plan {
-    Plan::forcing(&panel(scene, 1), effects).unwrap()
+    render_by(Plan::new(&panel(scene, size)))
 }
 
 /// The bits of every pixel.
@@ -262,12 +257,12 @@ pub fn rays(scene: &Classified, size: usize) -> Vec<Ray> {
 /// What `rays` see in full precision, without leaps over empty space.
 pub fn layers(scene: &Classified, rays: &[Ray]) -> Vec<Layers> {
     match scene.interpolation {
-        Interpolation::Nearest => with_order(scene, rays, Sampled::new(&scene.grid, Nearest)),
-        Interpolation::Trilinear => with_order(scene, rays, Sampled::new(&scene.grid, Trilinear)),
+        Interpolation::Nearest => with_order(scene, rays, GridField::new(&scene.grid, Nearest)),
+        Interpolation::Trilinear => with_order(scene, rays, GridField::new(&scene.grid, Trilinear)),
     }
 }
 
-fn with_order<F: Field>(scene: &Classified, rays: &[Ray], field: F) -> Vec<Layers> {
+fn with_order<F: ScalarField>(scene: &Classified, rays: &[Ray], field: F) -> Vec<Layers> {
     match scene.compositing {
         Compositing::FrontToBack => with_shading::<F, FrontToBack>(scene, rays, field),
         Compositing::BackToFront => with_shading::<F, BackToFront>(scene, rays, field),
@@ -275,7 +270,7 @@ fn with_order<F: Field>(scene: &Classified, rays: &[Ray], field: F) -> Vec<Layer
     }
 }
 
-fn with_shading<F: Field, O: Order + Default>(
+fn with_shading<F: ScalarField, O: CompositingOrder + Default>(
     scene: &Classified,
     rays: &[Ray],
     field: F,
@@ -293,7 +288,7 @@ fn with_shading<F: Field, O: Order + Default>(
     }
 }
 
-fn with_visibility<F: Field, O: Order + Default, S: Shading>(
+fn with_visibility<F: ScalarField, O: CompositingOrder + Default, S: Shading>(
     scene: &Classified,
     rays: &[Ray],
     field: F,
@@ -313,7 +308,7 @@ fn with_visibility<F: Field, O: Order + Default, S: Shading>(
     }
 }
 
-fn with_all<F: Field, O: Order + Default, S: Shading, V: Visibility>(
+fn with_all<F: ScalarField, O: CompositingOrder + Default, S: Shading, V: Visibility>(
     scene: &Classified,
     rays: &[Ray],
     field: F,
@@ -325,7 +320,7 @@ fn with_all<F: Field, O: Order + Default, S: Shading, V: Visibility>(
         order: O::default(),
         shading,
         visibility,
-        space: Unexplored,
+        space: NoSkipping,
         transfer_function: &scene.transfer_function,
         step: scene.step,
         bounds: scene.grid.lattice().bounds(),

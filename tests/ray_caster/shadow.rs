@@ -5,10 +5,10 @@ use glam::DVec3;
 use proptest::prelude::*;
 use volref::math;
 use volref::media::TransferFunction;
-use volref::render::Counters;
-use volref::render::classified::empty_space::Unexplored;
-use volref::render::classified::field::{Field, Sampled};
-use volref::render::classified::volume_shadow::{Sample, Visibility, VolumeShadow};
+use volref::render::classified::empty_space::NoSkipping;
+use volref::render::classified::field::{GridField, ScalarField};
+use volref::render::classified::volume_shadow::{SamplePoint, Visibility, VolumeShadow};
+use volref::render::{Counters, Event};
 use volref::scene::Shadow;
 use volref::volume::{Cell, Grid, Lattice, Trilinear};
 
@@ -24,14 +24,14 @@ fn visibility(grid: &Grid<f32>, shadow: Shadow, light: DVec3, at: DVec3) -> (f64
         bounds: lattice.bounds(),
         transfer_function: &transfer_function,
     };
-    let sample = Sample {
+    let sample = SamplePoint {
         world: at,
         nodes: lattice.to_nodes(at),
     };
     let mut work = Counters::default();
-    let field = Sampled::new(grid, Trilinear);
+    let field = GridField::new(grid, Trilinear);
     assert_eq!(field.lattice(), lattice);
-    (visibility.at(sample, &field, &Unexplored, &mut work), work)
+    (visibility.at(sample, &field, &NoSkipping, &mut work), work)
 }
 
 proptest! {
@@ -73,8 +73,8 @@ proptest! {
         // The eighth is a power of two, so both sums round alike; then a quotient and exp.
         let expected = math::exp(-sum / 100.0).min(1.0);
         prop_assert!((visible - expected).abs() <= 4.0 * U, "{visible} {expected}");
-        prop_assert_eq!(work.shadow_rays, 1);
-        prop_assert_eq!(work.density_lookups, count);
+        prop_assert_eq!(work[Event::ShadowRay], 1);
+        prop_assert_eq!(work[Event::DensityLookup], count);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::cost_samples::{costs, extremes, machine, small};
 use crate::samples::HOSTILE;
 use roxmltree::{Document, Node};
-use volref::cost::results::{Cost, Parameter, Recommendation};
+use volref::cost::results::{Cost, Event, Parameter, Recommendation};
 use volref::report::{CostPage, cost_csv, cost_html, cost_json, cost_text, work_precision_svg};
 
 pub fn page(costs: &[Cost]) -> String {
@@ -245,7 +245,7 @@ fn what_is_counted_is_named() {
     let mut cost = small();
     let study = &mut cost.studies[0];
     for level in study.sweeps.iter_mut().flat_map(|sweep| &mut sweep.levels) {
-        level.work.random_draws = std::mem::take(&mut level.work.density_lookups);
+        level.work[Event::RandomDraw] = std::mem::take(&mut level.work[Event::DensityLookup]);
     }
     let svg = work_precision_svg(study);
     assert!(svg.contains("random numbers a ray") && !svg.contains("look-ups"));
@@ -256,7 +256,7 @@ fn what_is_counted_is_named() {
         "{text}"
     );
     assert!(!text.contains("look-ups"), "{text}");
-    cost.studies[0].sweeps[0].levels[0].work.density_lookups = 1.0;
+    cost.studies[0].sweeps[0].levels[0].work[Event::DensityLookup] = 1.0;
     let svg = work_precision_svg(&cost.studies[0]);
     assert!(svg.contains("look-ups or random numbers a ray"));
 }

@@ -102,10 +102,7 @@ impl Marching {
                 Level {
                     setting: format!("{step} voxels"),
                     value: 0.02 * step,
-                    work: WorkPerRay {
-                        density_lookups: lookups,
-                        ..WorkPerRay::default()
-                    },
+                    work: MeanWork::from([(Event::DensityLookup, lookups)]),
                     error: norms(l2),
                     error_of_order: None,
                     single_precision: Some(norms(single)),
@@ -140,11 +137,13 @@ fn sampling(estimator: &str, deviation: f64, lookups: f64, power: f64, looks: bo
             Level {
                 setting: format!("{samples} {}", if at == 0 { "sample" } else { "samples" }),
                 value: samples,
-                work: WorkPerRay {
-                    density_lookups: if looks { samples * lookups } else { 0.0 },
-                    random_draws: samples * lookups * 2.0,
-                    ..WorkPerRay::default()
-                },
+                work: MeanWork::from([
+                    (
+                        Event::DensityLookup,
+                        if looks { samples * lookups } else { 0.0 },
+                    ),
+                    (Event::RandomDraw, samples * lookups * 2.0),
+                ]),
                 error: Norms {
                     l1: 0.8 * l2,
                     l2,
@@ -226,10 +225,7 @@ fn transmittance() -> Study {
         levels: vec![Level {
             setting: "2 points a cell".to_owned(),
             value: 0.0,
-            work: WorkPerRay {
-                density_lookups: lookups,
-                ..WorkPerRay::default()
-            },
+            work: MeanWork::from([(Event::DensityLookup, lookups)]),
             error: Norms {
                 l1: error,
                 l2: error,
@@ -486,16 +482,15 @@ fn effects() -> Vec<EffectPrice> {
         let all = lookups + 40.0 * shadow_rays;
         EffectPrice {
             effect: effect.to_owned(),
-            work: WorkPerRay {
-                density_lookups: all,
-                gradient_lookups: if at == 2 { 60.0 } else { 0.0 },
-                cells_walked: 31.0,
-                shadow_rays,
-                phase_evaluations: phases,
-                null_collisions: if at == 4 { 140.0 } else { 0.0 },
-                surface_tests: 0.0,
-                random_draws: if at == 4 { 700.0 } else { 0.0 },
-            },
+            work: MeanWork::from([
+                (Event::DensityLookup, all),
+                (Event::GradientLookup, if at == 2 { 60.0 } else { 0.0 }),
+                (Event::CellWalked, 31.0),
+                (Event::ShadowRay, shadow_rays),
+                (Event::PhaseEvaluation, phases),
+                (Event::NullCollision, if at == 4 { 140.0 } else { 0.0 }),
+                (Event::RandomDraw, if at == 4 { 700.0 } else { 0.0 }),
+            ]),
             time: Some(times(1.1e-8 * all, at)),
             times_lookups: Some(all / 60.0),
         }
@@ -550,7 +545,7 @@ pub fn small() -> Cost {
         marching("left", 1.0, 4).sweep(),
     ];
     for level in sweeps.iter_mut().flat_map(|sweep| &mut sweep.levels) {
-        let lookups = level.work.density_lookups;
+        let lookups = level.work[Event::DensityLookup];
         level.single_precision = None;
         level.time = Some(Times {
             runs: 10,
@@ -611,7 +606,7 @@ pub fn machine() -> Machine {
 /// Values at the edge of what may come: errors that are zero or no number, work that was not
 /// counted, sweeps of one setting or of none.
 pub fn extremes() -> Cost {
-    let level = |l2: f64, work: WorkPerRay| Level {
+    let level = |l2: f64, work: MeanWork| Level {
         setting: "only one".to_owned(),
         value: 1.0,
         work,
@@ -625,14 +620,8 @@ pub fn extremes() -> Cost {
         single_precision: None,
         time: None,
     };
-    let looked = |density_lookups: f64| WorkPerRay {
-        density_lookups,
-        ..WorkPerRay::default()
-    };
-    let drawn = |random_draws: f64| WorkPerRay {
-        random_draws,
-        ..WorkPerRay::default()
-    };
+    let looked = |lookups: f64| MeanWork::from([(Event::DensityLookup, lookups)]);
+    let drawn = |draws: f64| MeanWork::from([(Event::RandomDraw, draws)]);
     let sweep =
         |estimator: &str, parameter: Parameter, levels: Vec<Level>, verdict: OrderVerdict| Sweep {
             estimator: estimator.to_owned(),

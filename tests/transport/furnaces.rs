@@ -14,6 +14,7 @@ use volref::geometry::{
 };
 use volref::math::rng::{Purpose, Stream};
 use volref::math::sampling;
+use volref::media::{Asymmetry, Draine, Droplets, Homogeneous, Phase};
 use volref::optics::{Material, Sides};
 use volref::scene::{AreaLight, Radiative};
 
@@ -317,6 +318,41 @@ fn s4_an_enclosure_that_emits() {
         } else {
             agrees("S4 emitting enclosure", &found, expected, 0.0);
         }
+    }
+}
+
+/// Phase functions: a direction sampled with another density than it is weighted by would not
+/// return the radiance of an enclosure that paths both hit and connect to.
+#[test]
+fn phase_functions_in_an_enclosure_that_emits() {
+    let phases = [
+        Phase::Draine(Draine::new(Asymmetry::ISOTROPIC, 1.0).unwrap()),
+        Phase::Draine(Draine::new(Asymmetry::new(-0.6).unwrap(), 5.0).unwrap()),
+        Phase::Droplets(Droplets::new(8.0).unwrap()),
+    ];
+    for phase in phases {
+        let fog = Homogeneous {
+            phase,
+            ..grey(1.5, 1.0, 0.0)
+        };
+        let furnace = Radiative {
+            media: vec![within(unit_ball(), fog)],
+            environment: DVec3::ONE,
+            ..empty()
+        };
+        let ray = ray(DVec3::new(0.3, 0.2, 2.0), DVec3::NEG_Z);
+        every_path_returns_one(&phase.to_string(), &furnace, |_| ray);
+        let scene = Radiative {
+            area_lights: vec![AreaLight {
+                shape: Luminous::Sphere(Sphere::new(DVec3::ZERO, 2.5).unwrap()),
+                radiance: DVec3::ONE,
+                sides: Sides::Both,
+            }],
+            environment: DVec3::ZERO,
+            ..furnace
+        };
+        let [found, ..] = sampled(&scene, None, (58, SAMPLES), |_| ray);
+        agrees(&phase.to_string(), &found, 1.0, 0.0);
     }
 }
 

@@ -11,11 +11,13 @@ use volref::math::rng::Stream;
 use volref::math::{Moments, exp};
 use volref::media::{Coefficients, Density, Field, Homogeneous};
 use volref::optics::{Material, Sides};
-use volref::render::Counters;
+use volref::render::radiative::context::Scratch;
 use volref::render::radiative::effects::{Everything, Only};
-use volref::render::radiative::intersection::Surroundings;
-use volref::render::radiative::path_tracer::{PathTracer, Scratch};
-use volref::render::radiative::tracker::Tracker;
+use volref::render::radiative::path_tracer::PathTracer;
+use volref::render::radiative::sampler::Sampler;
+use volref::render::radiative::scene_context::SceneContext;
+use volref::render::radiative::tracker::{Tracker, TrackerScratch};
+use volref::render::{Counters, Event};
 use volref::scene::{AreaLight, Body, Radiative};
 use volref::volume::{
     Blob, Centring, ConstantDensity, DensityField, ExponentialLayer, Grid, GridDensity,
@@ -397,17 +399,22 @@ fn empty_blocks() {
     let view = ray(DVec3::new(0.5, 0.1, 4.0), DVec3::NEG_Z);
     for sample in 0..100 {
         let random = Stream::new(1, 0, sample);
-        let light = tracer.radiance(view, &random, &mut Scratch::default(), &mut work);
+        let light = tracer.radiance(
+            view,
+            Sampler::new(random),
+            &mut Scratch::default(),
+            &mut work,
+        );
         assert_eq!(light, Ok(DVec3::splat(0.3)));
     }
-    assert_eq!(work.density_lookups, 0);
-    assert!(work.cells_walked > 0);
+    assert_eq!(work[Event::DensityLookup], 0);
+    assert!(work[Event::CellWalked] > 0);
 
     let nothing = lit(vec![in_cube(
         field(grid([9; 3], |_| 0.0)),
         grey(5.0, 0.8, 0.0),
     )]);
-    let media = Surroundings::<Everything>::new(&nothing, false);
+    let media = SceneContext::<Everything>::new(&nothing, false);
     assert_eq!(media.media.count(), 0);
 }
 
@@ -442,18 +449,19 @@ fn a_spike_on_the_border_of_two_blocks() {
     assert!((exact - exp(-depth)).abs() <= 1e-6, "{exact}");
 
     let scene = background(body(1.0));
-    let around = Surroundings::<Everything>::new(&scene, false);
-    let (mut tracker, mut work) = (Tracker::default(), Counters::default());
+    let around = SceneContext::<Everything>::new(&scene, false);
+    let (mut scratch, mut work) = (TrackerScratch::default(), Counters::default());
     let mut moments = Moments::default();
     for sample in 0..SAMPLES {
-        tracker.at_turn(&Stream::new(3, 0, sample), 0);
-        let share = around.visibility(&view, f64::INFINITY, &mut tracker, &mut work);
+        let sampler = Sampler::new(Stream::new(3, 0, sample));
+        let mut tracker = Tracker::new(sampler, &mut scratch, &mut work);
+        let share = around.visibility(&view, f64::INFINITY, &mut tracker);
         moments.add(share.x);
     }
     agrees("spike by ratio tracking", &moments, exact, 0.0);
     let unturned = sampled(&scene, Some(0), (4, SAMPLES), |_| view);
     agrees("spike by delta tracking", &unturned[0], exact, 0.0);
-    assert_eq!(tracker.take_violations(), 0);
+    assert_eq!(scratch.take_violations(), 0);
 }
 
 /// Hard case D5 and cells: world lengths count, and fields of cells reach half a cell beyond

@@ -7,10 +7,12 @@ use volref::math::rng::{Purpose, Stream};
 use volref::media::{Coefficients, Field, Homogeneous};
 use volref::optics::{Material, Sides};
 use volref::render::counters::Uncounted;
+use volref::render::radiative::context::Scratch;
 use volref::render::radiative::effects::{Effects, Everything, Only};
-use volref::render::radiative::path_tracer::{PathTracer, Scratch};
-use volref::render::{Effect, Plan, render};
-use volref::scene::{AreaLight, Body, Model, Panel, Radiative, Scattering, Scene};
+use volref::render::radiative::path_tracer::PathTracer;
+use volref::render::radiative::sampler::Sampler;
+use volref::render::{Effect, Plan, Sampling, render};
+use volref::scene::{AreaLight, Body, Model, Panel, Radiative, Scattering};
 
 const SIZE: usize = 16;
 
@@ -73,7 +75,7 @@ fn paths<E: Effects>(scene: &Radiative, null_media: bool) -> Vec<[u64; 3]> {
         let random = Stream::new(scene.seed, 0, sample);
         let [x, y] = random.pair(0, Purpose::Camera, 0);
         let ray = camera().ray_through([x, y], [1, 1]);
-        let radiance = tracer.radiance(ray, &random, &mut scratch, &mut Uncounted);
+        let radiance = tracer.radiance(ray, Sampler::new(random), &mut scratch, &mut Uncounted);
         radiance.unwrap().to_array().map(f64::to_bits)
     };
     (0..400).map(path).collect()
@@ -176,9 +178,8 @@ fn panel(radiative: Radiative) -> Panel {
     Panel::of(Model::Radiative(Box::new(radiative)), [SIZE; 2])
 }
 
-fn film(panel: &Panel, plan: Plan) -> Vec<u8> {
-    let scene = Scene::of(panel.clone());
-    let rendering = render(&scene, &[plan], &|| {}).unwrap();
+fn film(plan: Plan<'_>) -> Vec<u8> {
+    let rendering = render(&[plan], Sampling::default(), &|| {}).unwrap();
     rendering.film.to_exr().unwrap()
 }
 
@@ -187,17 +188,14 @@ fn film(panel: &Panel, plan: Plan) -> Vec<u8> {
 fn force_all(radiative: Radiative) -> Vec<Effect> {
     let panel = panel(radiative);
     let plan = Plan::new(&panel);
-    let bare = film(&panel, plan.clone());
+    let bare = film(plan.clone());
     let null = Plan::null_effects(&panel);
     for &effect in &null {
         let forced = Plan::forcing(&panel, &[effect]).unwrap();
-        assert!(
-            film(&panel, forced) == bare,
-            "{effect} forced changes the film"
-        );
+        assert!(film(forced) == bare, "{effect} forced changes the film");
     }
     let all = Plan::forcing(&panel, &null).unwrap();
-    assert!(film(&panel, all) == bare, "all forced change the film");
+    assert!(film(all) == bare, "all forced change the film");
     null
 }
 

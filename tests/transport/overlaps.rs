@@ -6,7 +6,7 @@ use crate::statistics::*;
 use glam::DVec3;
 use volref::geometry::{Luminous, Sphere};
 use volref::math::Moments;
-use volref::media::{Asymmetry, Coefficients, HenyeyGreenstein, Homogeneous};
+use volref::media::{Asymmetry, Coefficients, Homogeneous, Phase};
 use volref::optics::Sides;
 use volref::scene::{AreaLight, Radiative};
 
@@ -88,7 +88,7 @@ fn phase_functions_in_proportion() {
             coefficients: Coefficients::new(a.sigma_a() + b.sigma_a(), a.sigma_s() + b.sigma_s())
                 .unwrap(),
             emission: DVec3::ZERO,
-            phase: HenyeyGreenstein(Asymmetry::new(g).unwrap()),
+            phase: Phase::henyey_greenstein(Asymmetry::new(g).unwrap()),
         };
         Radiative {
             media: vec![within(cube(), medium)],
@@ -207,7 +207,7 @@ fn s10_a_strongly_coloured_medium() {
     let medium = Homogeneous {
         coefficients: Coefficients::new(DVec3::ZERO, DVec3::new(1e-3, 1.0, 1e3)).unwrap(),
         emission: DVec3::ZERO,
-        phase: HenyeyGreenstein(Asymmetry::ISOTROPIC),
+        phase: Phase::ISOTROPIC,
     };
     let scene = Radiative {
         media: vec![within(cuboid(DVec3::ZERO, DVec3::ONE), medium)],

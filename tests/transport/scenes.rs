@@ -6,7 +6,7 @@ use glam::DVec3;
 use std::sync::Arc;
 use volref::geometry::{Aabb, Boundary, Camera, Ray, Rectangle, Shape, Sphere};
 use volref::math::{cos, sin};
-use volref::media::{Asymmetry, Coefficients, Density, Field, HenyeyGreenstein, Homogeneous};
+use volref::media::{Asymmetry, Coefficients, Density, Field, Homogeneous, Phase};
 use volref::optics::{Directional, Light, Material, Point};
 use volref::scene::{Body, Object, Radiative, Scattering};
 use volref::volume::{Blob, Grid, GridDensity, Interpolation, Lattice};
@@ -33,7 +33,7 @@ pub fn grey(sigma_t: f64, albedo: f64, g: f64) -> Homogeneous {
         coefficients: Coefficients::new(DVec3::splat(sigma_t - sigma_s), DVec3::splat(sigma_s))
             .unwrap(),
         emission: DVec3::ZERO,
-        phase: HenyeyGreenstein(Asymmetry::new(g).unwrap()),
+        phase: Phase::henyey_greenstein(Asymmetry::new(g).unwrap()),
     }
 }
 

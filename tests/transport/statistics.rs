@@ -6,10 +6,12 @@ use volref::geometry::Ray;
 use volref::math::Moments;
 use volref::math::rng::Stream;
 use volref::render::counters::Uncounted;
+use volref::render::radiative::context::Scratch;
 use volref::render::radiative::effects::{Effects, Everything};
-use volref::render::radiative::intersection::Surroundings;
 use volref::render::radiative::line_of_sight::LineOfSight;
-use volref::render::radiative::path_tracer::{PathTracer, Scratch};
+use volref::render::radiative::path_tracer::PathTracer;
+use volref::render::radiative::sampler::Sampler;
+use volref::render::radiative::scene_context::SceneContext;
 use volref::scene::Radiative;
 
 /// How many standard errors a sampled mean may be off. Of a thousand sound comparisons one in
@@ -28,16 +30,11 @@ pub fn straight(scene: &Radiative, ray: &Ray) -> DVec3 {
 
 fn line_of_sight(scene: &Radiative, ray: &Ray, turned: bool) -> DVec3 {
     let renderer = LineOfSight::<Everything> {
-        around: Surroundings::new(scene, false),
-        turned,
+        scene: SceneContext::new(scene, false),
+        scattering: turned,
         tolerance: 1e-14,
     };
-    renderer.radiance(
-        ray,
-        &mut Default::default(),
-        &mut Default::default(),
-        &mut Uncounted,
-    )
+    renderer.radiance(ray, &mut Scratch::default(), &mut Uncounted)
 }
 
 /// Paths through a scene, one for each sample number.
@@ -67,9 +64,9 @@ impl<'s, E: Effects> Paths<'s, E> {
     pub fn radiance(&mut self, sample: u32, ray: impl Fn(&Stream) -> Ray) -> DVec3 {
         let random = Stream::new(self.seed, 0, sample);
         let ray = ray(&random);
-        let radiance = self
-            .tracer
-            .radiance(ray, &random, &mut self.scratch, &mut Uncounted);
+        let radiance =
+            self.tracer
+                .radiance(ray, Sampler::new(random), &mut self.scratch, &mut Uncounted);
         radiance.expect("no path is endless")
     }
 }

@@ -1,7 +1,8 @@
 //! The amount of noise: do the squares of the differences sum to the variances?
 
 use super::super::significance::chi_square_two_sided;
-use super::blocks::{Block, Channel, Comparison};
+use super::blocks::{Block, Channel};
+use super::comparison::Comparison;
 use super::variance::unstated;
 use super::{Metrics, finite};
 
@@ -62,9 +63,9 @@ pub(super) fn judge_amount(
             Some(_) => "that one image alone states",
         };
         return Some(format!(
-            "the differences are only {amount:.2} times the noise {stated}: have the images random \
-             numbers in common, is one smoothed or denoised, or are its samples so well spread \
-             that it overstates its variance?"
+            "too little noise: differences of {amount:.2} times the variance {stated}; possible causes: \
+             common random numbers, smoothing or denoising, a variance overstated for stratified \
+             samples"
         ));
     }
     let [Some(a), Some(b)] = comparison.numbers() else {
@@ -74,8 +75,7 @@ pub(super) fn judge_amount(
     let (amount, count) = mean_ratio(blocks, guarded)?;
     (a.min(b) >= ENOUGH && amount > AMOUNT && probability(amount, count) <= level).then(|| {
         format!(
-            "the differences are {amount:.2} times the noise that the images state: pixels differ \
-             beyond it"
+            "too much noise: differences of {amount:.2} times the variance that the images state"
         )
     })
 }

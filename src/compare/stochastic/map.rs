@@ -1,6 +1,7 @@
 //! Numbers of all blocks of an image.
 
-use super::blocks::{Comparison, DARK, parts};
+use super::blocks::{DARK, parts};
+use super::comparison::Comparison;
 use super::{block_deviation, finite};
 use crate::compare::BlockMap;
 use crate::film::Film;

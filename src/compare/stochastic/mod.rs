@@ -71,6 +71,7 @@
 
 mod amount;
 mod blocks;
+mod comparison;
 mod map;
 mod neighbours;
 mod pixels;
@@ -90,7 +91,8 @@ use super::significance::{deviation, holm, two_sided, two_sided_estimated};
 use crate::film::Film;
 use crate::math;
 use amount::judge_amount;
-use blocks::{Block, Channel, Comparison};
+use blocks::{Block, Channel};
+use comparison::Comparison;
 use neighbours::judge_neighbours;
 use pixels::PixelDifferences;
 use resolution::Limits;
@@ -166,7 +168,7 @@ const METRICS: [Metric; 23] = [
     ),
     (
         "rejected_blocks",
-        "Of these, how many are off by more than noise; 0 passes.",
+        "Blocks and channels that differ beyond noise; 0 passes.",
     ),
     (
         "worst_block_z",
@@ -191,22 +193,21 @@ const METRICS: [Metric; 23] = [
     ),
     (
         "smallest_visible_bias",
-        "An image that is wrong on the whole by this share of its brightness would have been seen; \
-         smaller mistakes would not.",
+        "Detectable bias of the mean, as a share of the brightness of the image: a larger one is \
+         rejected.",
     ),
     (
         "smallest_visible_block_bias",
-        "A block that is wrong by this share of its brightness would have been seen; smaller \
-         mistakes would not.",
+        "Detectable bias of nine blocks in ten, as a share of the brightness of the block: a larger \
+         one is rejected.",
     ),
     (
         "times_the_samples_that_would_decide",
-        "With this many times the samples per pixel the image would show the bias that is to be \
-         seen.",
+        "Factor on the samples per pixel at which the required bias becomes detectable.",
     ),
     (
         "samples_that_would_decide",
-        "Samples per pixel, of all renderings together, that would show it.",
+        "Samples per pixel, of all renderings together, at which it becomes detectable.",
     ),
     (
         "far_pixels",
@@ -332,24 +333,24 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
         .and_then(|promise| limits.undecided(promise));
     let noise = || {
         format!(
-            "of {} blocks and channels the worst is off by {:.1} standard errors, and among so \
-             many up to {:.1} may be chance",
-            comparison.asked(),
+            "worst block off by {:.1} standard errors, of up to {:.1} by chance among {} blocks and \
+             channels",
             finite(worst.deviation().abs()),
             limits.of_block(worst.block, worst.channel),
+            comparison.asked(),
         )
     };
     let reason = match (undecided, promise) {
         (Some(undecided), Some(promise)) => format!(
-            "too noisy to decide: of the mean, no bias below {} would have been seen, and {} is \
-             to be; {undecided}; nothing is off beyond noise: {}",
+            "too noisy to decide: detectable bias of the mean {}, required {}; {undecided}; no \
+             difference beyond noise: {}",
             percent(mean_resolution),
             percent(promise),
             noise()
         ),
         _ if passed => format!(
-            "nothing is off beyond noise; a bias of {} of the mean, or of {} of nine blocks in ten, \
-             would have been seen; {}",
+            "no difference beyond noise; detectable bias {} of the mean, {} in nine blocks of ten; \
+             {}",
             percent(mean_resolution),
             percent(resolution),
             noise()
@@ -483,16 +484,15 @@ impl<'c> WorstBlock<'c> {
         let (off, pixels) = (channel.difference.value, self.block.pixels() as f64);
         (rejected > 0).then(|| {
             format!(
-                "{rejected} of {} blocks and channels are off by more than noise; the worst block, \
-                 of {} × {} pixels, begins at ({}, {}), column and row from the top left: its {} \
-                 is too {}, {}",
+                "{rejected} of {} blocks and channels differ beyond noise; the worst, {} × {} pixels \
+                 from column {} and row {}, is too {} in {}: {}",
                 self.probabilities.len(),
                 self.block.columns.len(),
                 self.block.rows.len(),
                 corner[0],
                 corner[1],
-                colour(self.channel),
                 side(off),
+                colour(self.channel),
                 means(channel.radiance / pixels, off / pixels, self.deviation()),
             )
         })
@@ -520,7 +520,7 @@ fn block_deviation(channel: &Channel) -> f64 {
 fn standard_errors(deviation: f64) -> String {
     match deviation.abs() {
         size if size < BOUNDLESS => format!("{size:.1} standard errors"),
-        _ => "where there is no noise at all".to_owned(),
+        _ => "without any noise".to_owned(),
     }
 }
 

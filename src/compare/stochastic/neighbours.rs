@@ -27,7 +27,8 @@
 
 use super::super::significance::holm;
 use super::Metrics;
-use super::blocks::{BLOCK, Block, Channel, Comparison};
+use super::blocks::{BLOCK, Block, Channel};
+use super::comparison::Comparison;
 use crate::film::Film;
 use crate::math::{self, Moments};
 
@@ -197,20 +198,19 @@ impl Together {
     ) -> Option<String> {
         let [across, down] = self.0;
         let found = format!(
-            "neighbouring pixels are off together (correlation {across:.2} across, {down:.2} down; \
-             of pixels sampled independently 0)"
+            "differences of neighbouring pixels are correlated ({across:.2} across, {down:.2} down; \
+             independent samples: 0)"
         );
         if is_smooth(comparison, rejected) {
             return Some(format!(
-                "{found}, each with those next to it: too smooth for noise; is the image denoised, \
-                 smoothed or filtered over more than a pixel, or do pixels share random numbers?"
+                "{found}: too smooth for noise; possible causes: denoising, smoothing, a filter wider \
+                 than a pixel, random numbers shared by pixels"
             ));
         }
         (!is_biased).then(|| {
             format!(
-                "{found}, though no block alone is off by more than noise: whole regions are too \
-                 bright or too dark, edges lie elsewhere, or a denoiser left the noise of regions \
-                 in common"
+                "{found}, and no block differs beyond noise: regions too bright or too dark, displaced \
+                 edges, or noise that a denoiser spread over regions"
             )
         })
     }

@@ -2,7 +2,8 @@
 
 use super::super::significance::{at_least, deviation, holm};
 use super::Metrics;
-use super::blocks::{Comparison, Difference};
+use super::blocks::Difference;
+use super::comparison::Comparison;
 use crate::math;
 
 /// A pixel beyond this many standard errors is counted.
@@ -59,8 +60,8 @@ impl PixelDifferences {
         metrics.push(("far_pixels", most as f64));
         (holm(&probabilities, level) > 0).then(|| {
             format!(
-                "{most} of {} pixels are off by more than {FAR} standard errors; whatever the \
-                 shape of the noise, one in {} may be",
+                "{most} of {} pixels are off by more than {FAR} standard errors; noise of any \
+                 distribution puts at most one in {} there",
                 self.values,
                 FAR * FAR
             )

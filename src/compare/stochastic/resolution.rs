@@ -1,6 +1,7 @@
 //! The smallest bias that would have been seen, and what it takes to see a smaller one.
 
-use super::blocks::{Block, Comparison};
+use super::blocks::Block;
+use super::comparison::Comparison;
 use super::finite;
 use super::variance::Stated;
 use crate::compare::advice::{Advice, Undecided};

@@ -1,7 +1,7 @@
 //! The plot of a transfer function in words and numbers.
 
 use super::BundlePoint;
-use crate::render::classified::curve::Layout;
+use crate::render::classified::curve::PlotLayout;
 use crate::scene::Curve;
 use serde::Serialize;
 
@@ -62,7 +62,7 @@ enum Curves {
 
 impl BundlePlot {
     /// The description of the plot of `curve`, whose backdrop stands in `file`.
-    pub(super) fn new(curve: &Curve, layout: &Layout, file: String) -> BundlePlot {
+    pub(super) fn new(curve: &Curve, layout: &PlotLayout, file: String) -> BundlePlot {
         BundlePlot {
             backdrop: Backdrop {
                 file,
@@ -83,7 +83,7 @@ impl BundlePlot {
                           drawn upon",
             },
             line: PlotLine {
-                half_width: Layout::HALF_WIDTH,
+                half_width: PlotLayout::HALF_WIDTH,
                 coverage: match curve {
                     Curve::Formula { .. } => {
                         "share of the pixel with centre (x, y) that the curve of f covers: with \
@@ -113,8 +113,8 @@ impl Curves {
             Curve::Formula { opacity, .. } => Curves::Formula {
                 floor: opacity.floor,
                 transparency: "T(d) = min(1, max(0, (exp(-d^2) - floor)/(1 - floor)))",
-                opacity_colour: Layout::opacity_colour(),
-                transparency_colour: Layout::transparency_colour(),
+                opacity_colour: PlotLayout::opacity_colour(),
+                transparency_colour: PlotLayout::transparency_colour(),
                 order: "first the curve of the opacity 1 - T(d), then over it that of T(d)",
             },
             Curve::Points(points) => Curves::Table {
@@ -122,7 +122,7 @@ impl Curves {
                 opacity: "a0(d) goes in straight lines between the opacities of the points, \
                           colour(d) likewise, both constant beyond the outermost; of two points \
                           at one value, the later holds at the value itself",
-                line_colour: Layout::line_colour(),
+                line_colour: PlotLayout::line_colour(),
                 order: "first, where y > Y(a0(d(x))) and the pixel lies on no axis (x is not left, \
                         y is not bottom), pixel = min(1, colour(d(x))); then the line over it",
             },

@@ -28,8 +28,7 @@ pub fn cosine_hemisphere_pdf(cos: f64) -> f64 {
     cos.max(0.0) / PI
 }
 
-/// The directions within a half-angle about +z: what a spotlight emits, or a distant sphere
-/// looks like.
+/// The directions within a half-angle about +z: the light of a spotlight, or of a distant sphere.
 ///
 /// Held as `1 − cos` of the half-angle, in which a cone of any width keeps its digits:
 /// `sin²(θ/2)` times 2. The cosine alone takes every cone below 1e-8 rad for none.

@@ -3,7 +3,7 @@
 use crate::math::{atan2, cos, sin};
 use thiserror::Error;
 
-/// Places on a segment of a ray, chosen so that equal angles seen from a point light are equally
+/// Points on a segment of a ray, sampled so that equal angles seen from a point light are equally
 /// likely. Their density is in proportion to one over the squared distance to the light: what is
 /// left of the integrand is smooth, and constant in a thin isotropic medium.
 ///
@@ -51,11 +51,11 @@ impl Equiangular {
         })
     }
 
-    /// The place that a share `u` of the angle lies before, in [near, far].
+    /// The point that a share `u` of the angle lies before, in [near, far].
     ///
-    /// A place `t` far from the light is seen under a small angle and has few digits: it is off by at
+    /// A point `t` far from the light is seen under a small angle and has few digits: it is off by at
     /// most `(9φ + 10)(D² + t²)/D · 2^-53`, at the angle `φ` from the near end; turned back from an
-    /// end that is infinite, by `(5φ + 6)(D² + t²)/D · 2^-53`. Measured on 100 000 places each: 0.22
+    /// end that is infinite, by `(5φ + 6)(D² + t²)/D · 2^-53`. Measured on 100 000 points each: 0.22
     /// and 0.36 of that.
     pub fn place(&self, u: f64) -> f64 {
         let place = if self.distance == 0.0 {
@@ -75,7 +75,7 @@ impl Equiangular {
 
     /// Density of [`Equiangular::place`] at `t` in [near, far], per length:
     /// `D / (θ (D² + t²))`, with θ the angle of the whole segment. Relative error at most 12 · 2^-53;
-    /// measured on 100 000 places: at most 4.7 ulp.
+    /// measured on 100 000 points: at most 4.7 ulp.
     pub fn pdf(&self, t: f64) -> f64 {
         if self.distance == 0.0 {
             // near·far/((far − near) t²)

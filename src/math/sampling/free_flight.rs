@@ -1,43 +1,39 @@
-//! Distances to the next collision in a homogeneous medium.
+//! Distances to the next collision.
 
-use crate::math::{exp, exp_m1, ln_1p};
+use crate::math::{exp, ln_1p};
 
-/// Distance at which a share `u` of all flights has collided: `−ln(1 − u)/σ`, exponentially
-/// distributed. `None` without extinction: no collision, ever.
+/// Optical distance to the next collision, exponentially distributed of mean 1: `−ln(1 − u)`. In a
+/// homogeneous medium the distance is this over its extinction.
 ///
-/// Domain: `sigma_t ≥ 0` per length, `u` in [0, 1). 0 at `u = 0`; at most `36.74/σ`. A distance
-/// beyond the range of numbers is infinite, beyond every exit. Relative error at most 3 · 2^-53;
-/// measured on 100 000 pairs: at most 1.5 ulp.
+/// Domain: `u` in [0, 1). 0 at `u = 0`; at most 36.74. Relative error at most 2 · 2^-53, one ulp of
+/// the logarithm; measured on 100 000 numbers: at most 0.84 ulp.
+pub fn optical_distance(u: f64) -> f64 {
+    -ln_1p(-u)
+}
+
+/// Distance to the next collision in a homogeneous medium, `−ln(1 − u)/σ`; `None` without
+/// extinction: no collision, ever.
+///
+/// Domain: `sigma_t ≥ 0` per length, `u` in [0, 1). A distance beyond the range of numbers is
+/// infinite, beyond every exit. Relative error at most 3 · 2^-53; measured on 100 000 pairs: at most
+/// 1.5 ulp.
 pub fn free_flight(sigma_t: f64, u: f64) -> Option<f64> {
-    (sigma_t > 0.0).then(|| -ln_1p(-u) / sigma_t)
+    (sigma_t > 0.0).then(|| optical_distance(u) / sigma_t)
 }
 
-/// Density of [`free_flight`] at distance `t`, per length: `σ e^(−σt)`.
-pub fn free_flight_pdf(sigma_t: f64, t: f64) -> f64 {
-    sigma_t * exp(-(sigma_t * t))
-}
-
-/// [`free_flight`] of those flights alone that collide before `length`: a distance in
-/// [0, length]. Without extinction the limit of ever thinner media, uniform.
+/// [`optical_distance`] of those flights alone that collide before an optical depth `τ`, with the
+/// probability `colliding = 1 − e^(−τ)`.
 ///
-/// Domain: `sigma_t ≥ 0`; `length > 0`, finite where `sigma_t = 0`; `u` in [0, 1).
-///
-/// Towards the end of a deep medium the distance depends on the last digits of the share `v` of all
-/// flights that collide before it, with the condition `κ = v/((1 − v)(−ln(1 − v)))`. Relative error
-/// at most `(4κ + 3) · 2^-53`; measured on 100 000 flights: 0.58 of that.
-pub fn truncated_free_flight(sigma_t: f64, length: f64, u: f64) -> f64 {
-    if sigma_t == 0.0 {
-        return u * length;
-    }
-    let colliding = -exp_m1(-(sigma_t * length));
-    // Rounding can step over the end by a last place.
-    (-ln_1p(-(u * colliding)) / sigma_t).min(length)
+/// Domain: `colliding` in (0, 1], `u` in [0, 1). Towards the end of a deep medium the distance
+/// depends on the last digits of the share `v = u · colliding` of all flights that collide before
+/// it, with the condition `κ = v/((1 − v)(−ln(1 − v)))`. With `colliding` off by one ulp, relative
+/// error at most `(3κ + 2) · 2^-53`; measured on 100 000 flights: 0.7 of that.
+pub fn truncated_optical_distance(colliding: f64, u: f64) -> f64 {
+    optical_distance(u * colliding)
 }
 
-/// Density of [`truncated_free_flight`] at `t` in [0, length], per length.
-pub fn truncated_free_flight_pdf(sigma_t: f64, length: f64, t: f64) -> f64 {
-    if sigma_t == 0.0 {
-        return 1.0 / length;
-    }
-    free_flight_pdf(sigma_t, t) / -exp_m1(-(sigma_t * length))
+/// Density, per length, of the distance that belongs to [`truncated_optical_distance`]:
+/// `σ e^(−τ)/colliding` where the extinction is `sigma_t` and the optical depth `depth`.
+pub fn truncated_free_flight_pdf(sigma_t: f64, depth: f64, colliding: f64) -> f64 {
+    sigma_t * exp(-depth) / colliding
 }

@@ -1,5 +1,4 @@
-//! Warps: from uniform numbers in [0, 1) to directions, points and distances, with their
-//! densities.
+//! Warps: from uniform numbers in [0, 1) to directions and distances, with their densities.
 //!
 //! Every warp stays finite and inside its domain at both ends of the random range, `u = 0` and
 //! `u = 1 − 2^-53`, where its density is positive.
@@ -8,12 +7,10 @@ mod directions;
 mod equiangular;
 mod free_flight;
 mod heuristic;
-mod surfaces;
 
 pub use directions::{Cone, cosine_hemisphere, cosine_hemisphere_pdf, sphere, sphere_pdf};
 pub use equiangular::{Equiangular, LightOnRay};
 pub use free_flight::{
-    free_flight, free_flight_pdf, truncated_free_flight, truncated_free_flight_pdf,
+    free_flight, optical_distance, truncated_free_flight_pdf, truncated_optical_distance,
 };
 pub use heuristic::power_heuristic;
-pub use surfaces::{disc, disc_pdf, triangle};

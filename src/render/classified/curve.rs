@@ -4,7 +4,7 @@
 
 use crate::math;
 use crate::media::TransferPoints;
-use crate::render::pixels::Pixels;
+use crate::render::progress::Progress;
 use crate::scene::Curve;
 use embedded_graphics::mono_font::{MonoTextStyle, ascii::FONT_6X12};
 use embedded_graphics::pixelcolor::BinaryColor;
@@ -26,17 +26,20 @@ const TICK: f64 = 0.2;
 /// Half the width of a curve, pixels.
 const HALF_WIDTH: f64 = 1.1;
 
-/// Draws `curve` into an image of `width` × `height` pixels, opacity 1.
-pub(in crate::render) fn draw(curve: &Curve, image: &Pixels<'_>) -> Vec<[f32; 4]> {
-    let (width, height) = (image.width, image.height);
-    let plot = Plot::new(curve, width, height);
+/// The plot of `curve` in an image of `width` × `height` pixels, opacity 1.
+pub(in crate::render) fn draw(
+    curve: &Curve,
+    [width, height]: [usize; 2],
+    progress: Progress<'_>,
+) -> Vec<[f32; 4]> {
+    let plot = PlotAxes::new(curve, width, height);
     let mut pixels = plot.backdrop(width, height);
     pixels
         .par_iter_mut()
         .enumerate()
         .for_each(|(index, pixel)| {
             *pixel = plot.with_curves(*pixel, centre(index, width));
-            image.progress.step();
+            progress.step();
         });
     pixels
         .iter()
@@ -44,17 +47,16 @@ pub(in crate::render) fn draw(curve: &Curve, image: &Pixels<'_>) -> Vec<[f32; 4]
         .collect()
 }
 
-/// What somebody must know who is to draw the same plot without our font: where the axes lie,
-/// and all of the picture but its curves.
+/// The plot without its curves, for readers without our font: axes and backdrop.
 #[derive(Clone, Debug)]
-pub struct Layout {
+pub struct PlotLayout {
     /// Left end of the axis of densities, pixels from the left edge of the image.
     pub left: f64,
     /// Its right end, likewise.
     pub right: f64,
-    /// Where value 1 lies, pixels from the top edge of the image.
+    /// Position of value 1, pixels from the top edge of the image.
     pub top: f64,
-    /// Where value 0 lies, likewise.
+    /// Position of value 0, likewise.
     pub bottom: f64,
     /// Density at the left end.
     pub from: f64,
@@ -64,15 +66,15 @@ pub struct Layout {
     pub backdrop: Vec<[f32; 3]>,
 }
 
-impl Layout {
+impl PlotLayout {
     /// Half the width of a curve, pixels.
     pub const HALF_WIDTH: f64 = HALF_WIDTH;
 
     /// The layout of the plot of `curve` in an image of `width` × `height` pixels.
-    pub fn new(curve: &Curve, width: usize, height: usize) -> Layout {
-        let plot = Plot::new(curve, width, height);
+    pub fn new(curve: &Curve, width: usize, height: usize) -> PlotLayout {
+        let plot = PlotAxes::new(curve, width, height);
         let backdrop = plot.backdrop(width, height);
-        Layout {
+        PlotLayout {
             left: plot.left,
             right: plot.right,
             top: plot.top,
@@ -107,21 +109,21 @@ fn centre(index: usize, width: usize) -> [f64; 2] {
     [index % width, index / width].map(|place| place as f64 + 0.5)
 }
 
-/// The axes: where density and value lie in the image, in pixels from its top left corner.
-struct Plot<'c> {
+/// The axes of the plot: densities and values to pixels from the top left corner of the image.
+struct PlotAxes<'c> {
     left: f64,
     right: f64,
     top: f64,
     bottom: f64,
     from: f64,
     to: f64,
-    /// Where the lines of the grid stand on the axis of densities, and what is written there.
+    /// Lines of the grid on the axis of densities, with their labels.
     ticks: Vec<(f64, String)>,
     curve: &'c Curve,
 }
 
-impl Plot<'_> {
-    fn new(curve: &Curve, width: usize, height: usize) -> Plot<'_> {
+impl PlotAxes<'_> {
+    fn new(curve: &Curve, width: usize, height: usize) -> PlotAxes<'_> {
         let (from, to, ticks) = match curve {
             Curve::Formula { densities, .. } => {
                 let ticks = ticks(*densities).map(|d| (d, format!("{d:.1}")));
@@ -133,7 +135,7 @@ impl Plot<'_> {
             }
         };
         // Room for the labels; whole pixels, so that the frame falls on pixel centres.
-        Plot {
+        PlotAxes {
             left: 26.5,
             right: (width as f64 - 10.5).max(27.5),
             top: 8.5,
@@ -255,7 +257,7 @@ impl Plot<'_> {
 
     fn label(&self, pixels: &mut [[f64; 3]], width: usize, height: usize) {
         let mut ink = |text: &str, x: f64, y: f64, colour: [u8; 3], align: Alignment| {
-            let mut canvas = Canvas {
+            let mut canvas = PlotCanvas {
                 pixels,
                 width,
                 height,
@@ -359,20 +361,20 @@ fn blend(below: [f64; 3], above: [f64; 3], coverage: f64) -> [f64; 3] {
 }
 
 /// Where the font's pixels go.
-struct Canvas<'p> {
+struct PlotCanvas<'p> {
     pixels: &'p mut [[f64; 3]],
     width: usize,
     height: usize,
     colour: [f64; 3],
 }
 
-impl OriginDimensions for Canvas<'_> {
+impl OriginDimensions for PlotCanvas<'_> {
     fn size(&self) -> Size {
         Size::new(self.width as u32, self.height as u32)
     }
 }
 
-impl DrawTarget for Canvas<'_> {
+impl DrawTarget for PlotCanvas<'_> {
     type Color = BinaryColor;
     type Error = Infallible;
 

@@ -1,7 +1,7 @@
-//! Samples that need not be taken, because everything around them is transparent.
+//! Empty-space skipping.
 //!
-//! A sample whose opacity is exactly 0 changes no bit of the image. Where a whole
-//! neighbourhood of the grid is that transparent, its samples are passed over unseen.
+//! A sample whose opacity is exactly 0 changes no bit of the image. In a block of cells whose
+//! values all have opacity 0, and in the blocks around it, samples are not taken.
 
 use crate::media::TransferFunction;
 use crate::render::counters::{Event, Work};
@@ -9,18 +9,18 @@ use crate::volume::{Grid, Lattice, Scalar};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Tells how far a ray can go without meeting anything.
+/// Empty-space skipping along a ray.
 pub trait Space: Sync {
-    /// How many samples, from the one at `point` on, are certainly transparent. `point` is in
+    /// Number of samples, from the one at `point` on, that are certainly transparent. `point` is in
     /// node units; from sample to sample no coordinate changes by more than `reach`.
     fn transparent_samples<W: Work>(&self, point: DVec3, reach: f64, work: &mut W) -> usize;
 }
 
-/// Knows nothing: every sample is taken.
+/// No skipping: every sample is taken.
 #[derive(Clone, Copy, Debug)]
-pub struct Unexplored;
+pub struct NoSkipping;
 
-impl Space for Unexplored {
+impl Space for NoSkipping {
     fn transparent_samples<W: Work>(&self, _: DVec3, _: f64, _: &mut W) -> usize {
         0
     }
@@ -29,17 +29,17 @@ impl Space for Unexplored {
 /// Cells along the edge of a block.
 const BLOCK: usize = 4;
 
-/// For each block of 4³ cells, how many blocks away the nearest one is that holds anything.
+/// For each block of 4³ cells, its distance to the nearest block that is not transparent.
 #[derive(Clone, Debug)]
 pub struct EmptySpace {
     blocks: [usize; 3],
-    /// Chebyshev distance in blocks: 0 for a block that holds something; of a block at
-    /// distance `n`, all neighbours fewer than `n` blocks away on every axis are empty.
+    /// Chebyshev distance in blocks: 0 for a block that is not transparent; around a block at
+    /// distance `n`, all blocks fewer than `n` away on every axis are transparent.
     distance: Vec<u8>,
 }
 
 impl EmptySpace {
-    /// Explores `grid` as `transfer_function` sees it.
+    /// The transparent blocks of `grid` by `transfer_function`.
     pub fn of<T: Scalar>(grid: &Grid<T>, transfer_function: &TransferFunction) -> EmptySpace {
         let blocks = blocks(grid.lattice());
         let mut space = EmptySpace {
@@ -70,7 +70,7 @@ impl EmptySpace {
         (k * self.blocks[1] + j) * self.blocks[0] + i
     }
 
-    /// Two sweeps, each taking over the distances of the neighbours swept before.
+    /// Two sweeps, each of which hands distances on to the neighbours swept after.
     /// Source: Rosenfeld & Pfaltz 1968, Pattern Recognition 1, 33–61.
     fn measure_distances(&mut self) {
         let count = self.distance.len();
@@ -102,14 +102,14 @@ impl EmptySpace {
     }
 }
 
-/// How many blocks there are along each axis.
+/// Number of blocks along each axis.
 fn blocks(lattice: &Lattice) -> [usize; 3] {
     lattice
         .nodes()
         .map(|nodes| (nodes - 1).div_ceil(BLOCK).max(1))
 }
 
-/// Bytes that the [`EmptySpace`] of a grid takes.
+/// Memory of the [`EmptySpace`] of a grid, bytes.
 pub(in crate::render) fn bytes(lattice: &Lattice) -> usize {
     blocks(lattice).iter().product()
 }
@@ -148,7 +148,7 @@ impl Space for EmptySpace {
         if distance <= 1 {
             return distance;
         }
-        // Everything within this many nodes is empty. Half a node is kept back: sample
+        // Everything within this many nodes is transparent. Half a node is kept back: sample
         // positions are rounded, but by less than that for an eye nearer than 2⁵⁰ nodes.
         let clear = ((distance - 1) * BLOCK) as f64 - 0.5;
         1 + (clear / reach) as usize

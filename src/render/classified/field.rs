@@ -1,4 +1,4 @@
-//! The scalar field along a ray, by one way of reconstruction.
+//! The scalar field along a ray, and its reconstruction between nodes.
 
 use crate::geometry::Ray;
 use crate::render::counters::{Event, Work};
@@ -41,79 +41,84 @@ impl NodePath {
 }
 
 /// A scalar field with gradients, reconstructed from a lattice.
-pub trait Field: Sync {
-    /// Where a point lies: found once, used for density and gradient.
-    type Place;
+pub trait ScalarField: Sync {
+    /// Location of a point in the lattice: found once, used for density and gradient.
+    type Location;
 
     /// The lattice below the field.
     fn lattice(&self) -> &Lattice;
 
-    /// The place of `point`, in node units.
-    fn locate(&self, point: DVec3) -> Self::Place;
+    /// The location of `point`, given in node units.
+    fn locate(&self, point: DVec3) -> Self::Location;
 
-    /// Density at a place.
-    fn density<W: Work>(&self, place: &Self::Place, work: &mut W) -> f64;
+    /// Density at a location.
+    fn density<W: Work>(&self, location: &Self::Location, work: &mut W) -> f64;
 
-    /// Stored gradient at a place, reconstructed like the density, in the unit it is stored in.
+    /// Stored gradient at a location, reconstructed like the density, in the unit it is stored in.
     fn gradient<W: Work>(
         &self,
         gradients: &Grid<[f32; 3]>,
-        place: &Self::Place,
+        location: &Self::Location,
         work: &mut W,
     ) -> DVec3;
 }
 
-/// A grid between its nodes, by one way of reconstruction.
+/// A grid, reconstructed between its nodes.
 #[derive(Clone, Copy, Debug)]
-pub struct Sampled<'g, R> {
+pub struct GridField<'g, R> {
     grid: &'g Grid<f32>,
     reconstruction: R,
 }
 
-impl<'g, R: Reconstruction> Sampled<'g, R> {
-    /// `grid` as `reconstruction` sees it.
-    pub fn new(grid: &'g Grid<f32>, reconstruction: R) -> Sampled<'g, R> {
-        Sampled {
+impl<'g, R: Reconstruction> GridField<'g, R> {
+    /// `grid`, by `reconstruction`.
+    pub fn new(grid: &'g Grid<f32>, reconstruction: R) -> GridField<'g, R> {
+        GridField {
             grid,
             reconstruction,
         }
     }
 }
 
-impl<R: Reconstruction> Field for Sampled<'_, R> {
-    type Place = Cell;
+impl<R: Reconstruction> ScalarField for GridField<'_, R> {
+    type Location = Cell;
 
     fn lattice(&self) -> &Lattice {
         self.grid.lattice()
     }
 
-    // Always, here and below: as calls, with a cell handed over in memory, these were a tenth of all
-    // that the ray caster does (scripts/instructions.sh).
+    // Always, here and below: as calls, with a cell handed over in memory, these took a tenth of the
+    // ray caster's instructions (scripts/instructions.sh).
     #[inline(always)]
     fn locate(&self, point: DVec3) -> Cell {
         Cell::around(self.grid.lattice(), point)
     }
 
     #[inline(always)]
-    fn density<W: Work>(&self, place: &Cell, work: &mut W) -> f64 {
+    fn density<W: Work>(&self, location: &Cell, work: &mut W) -> f64 {
         work.count(Event::DensityLookup);
-        self.reconstruction.read(self.grid, place)
+        self.reconstruction.read(self.grid, location)
     }
 
     #[inline(always)]
-    fn gradient<W: Work>(&self, gradients: &Grid<[f32; 3]>, place: &Cell, work: &mut W) -> DVec3 {
+    fn gradient<W: Work>(
+        &self,
+        gradients: &Grid<[f32; 3]>,
+        location: &Cell,
+        work: &mut W,
+    ) -> DVec3 {
         work.count(Event::GradientLookup);
-        self.reconstruction.read(gradients, place)
+        self.reconstruction.read(gradients, location)
     }
 }
 
-/// A grid that holds the same density everywhere: known without looking. Interpolation of
-/// equal numbers is exact, so this is the same field to the last bit.
+/// A grid with the same density at every node, without look-ups. Interpolation of equal numbers is
+/// exact, so this is the same field to the last bit.
 #[derive(Clone, Copy, Debug)]
-pub struct Constant<'g>(pub &'g Lattice, pub f64);
+pub struct ConstantField<'g>(pub &'g Lattice, pub f64);
 
-impl Field for Constant<'_> {
-    type Place = DVec3;
+impl ScalarField for ConstantField<'_> {
+    type Location = DVec3;
 
     fn lattice(&self) -> &Lattice {
         self.0

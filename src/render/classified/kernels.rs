@@ -1,74 +1,65 @@
-//! The one place where a plan becomes code: each choice picks a type, and the last call
-//! compiles the ray caster for the types picked.
+//! The kernels of the ray caster: each feature of a plan picks a type, and the last call compiles
+//! the ray caster for the types picked.
 
-use super::compositing::{BackToFront, EarlyTermination, FrontToBack, Order};
-use super::empty_space::{EmptySpace, Space, Unexplored};
-use super::field::{Constant, Field, Sampled};
-use super::ray_caster::{RayCaster, Shaded, Shading, Unshaded};
+use super::compositing::{BackToFront, CompositingOrder, EarlyTermination, FrontToBack};
+use super::empty_space::{EmptySpace, NoSkipping, Space};
+use super::field::{ConstantField, GridField, ScalarField};
+use super::ray_caster::RayCaster;
+use super::shading::{Shaded, Shading, Unshaded};
 use super::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
 use crate::render::counters::{Event, Work};
 use crate::render::pixels::{Pixels, rows};
-use crate::render::plan::FieldKind;
+use crate::render::plan::{FieldKind, RayCasterFeatures};
 use crate::scene::{Classified, Compositing};
 use crate::volume::{Nearest, Node, Trilinear, relative_gradients};
 use std::marker::PhantomData;
 
-/// The parts of a ray caster, as a plan names them.
-#[derive(Clone, Copy)]
-pub(in crate::render) struct Parts {
-    pub field: FieldKind,
-    pub compositing: Compositing,
-    pub shading: bool,
-    pub shadow: bool,
-    pub skip_empty: bool,
-}
-
-/// Something to be done with a ray caster.
-trait Use {
-    /// What comes of it.
+/// A task for a ray caster of any types.
+trait Task {
+    /// The result.
     type Output;
 
-    /// Does it with a `caster` made of these types.
-    fn with<F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space>(
+    /// Does the task with `caster`.
+    fn with<F: ScalarField, O: CompositingOrder + Sync, S: Shading, V: Visibility, E: Space>(
         self,
         caster: RayCaster<'_, F, O, S, V, E>,
     ) -> Self::Output;
 }
 
-/// Renders `scene` with the ray caster made of `parts`.
+/// The pixels of `scene` by the ray caster with `features`.
 pub(in crate::render) fn cast<W: Work>(
     scene: &Classified,
-    parts: Parts,
+    features: RayCasterFeatures,
     pixels: &Pixels<'_>,
 ) -> (Vec<[f32; 4]>, W) {
-    let task = Image {
+    let task = RenderTask {
         scene,
         pixels,
         work: PhantomData,
     };
-    let (image, mut work): (_, W) = with_parts(scene, parts, task);
-    if parts.shading && scene.phong.is_some() {
+    let (image, mut work): (_, W) = with_features(scene, features, task);
+    if features.shading && scene.phong.is_some() {
         let nodes = scene.grid.lattice().node_count() as u64;
         work.count_times(Event::GradientComputed, nodes);
     }
     (image, work)
 }
 
-/// An image of a scene, to be rendered by the ray caster compiled for it.
-struct Image<'p, W> {
+/// The image of a scene.
+struct RenderTask<'p, W> {
     scene: &'p Classified,
     pixels: &'p Pixels<'p>,
     work: PhantomData<W>,
 }
 
-impl<W: Work> Use for Image<'_, W> {
+impl<W: Work> Task for RenderTask<'_, W> {
     type Output = (Vec<[f32; 4]>, W);
 
-    fn with<F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space>(
+    fn with<F: ScalarField, O: CompositingOrder + Sync, S: Shading, V: Visibility, E: Space>(
         self,
         caster: RayCaster<'_, F, O, S, V, E>,
     ) -> Self::Output {
-        let Image { scene, pixels, .. } = self;
+        let RenderTask { scene, pixels, .. } = self;
         let size = [pixels.width, pixels.height];
         rows(
             pixels,
@@ -82,39 +73,44 @@ impl<W: Work> Use for Image<'_, W> {
     }
 }
 
-/// Does `task` with the ray caster of `scene` made of `parts`.
-fn with_parts<T: Use>(scene: &Classified, parts: Parts, task: T) -> T::Output {
+/// The result of `task` with the ray caster of `scene` with `features`.
+fn with_features<T: Task>(scene: &Classified, features: RayCasterFeatures, task: T) -> T::Output {
     let grid = &*scene.grid;
-    match parts.field {
-        FieldKind::Trilinear => with_order(scene, parts, task, Sampled::new(grid, Trilinear)),
-        FieldKind::Nearest => with_order(scene, parts, task, Sampled::new(grid, Nearest)),
+    match features.field {
+        FieldKind::Trilinear => with_order(scene, features, task, GridField::new(grid, Trilinear)),
+        FieldKind::Nearest => with_order(scene, features, task, GridField::new(grid, Nearest)),
         FieldKind::Constant => with_order(
             scene,
-            parts,
+            features,
             task,
-            Constant(grid.lattice(), grid.values()[0].value()),
+            ConstantField(grid.lattice(), grid.values()[0].value()),
         ),
     }
 }
 
-fn with_order<T: Use, F: Field>(scene: &Classified, parts: Parts, task: T, field: F) -> T::Output {
-    match parts.compositing {
-        Compositing::FrontToBack => with_shading(scene, parts, task, field, FrontToBack),
-        Compositing::BackToFront => with_shading(scene, parts, task, field, BackToFront),
+fn with_order<T: Task, F: ScalarField>(
+    scene: &Classified,
+    features: RayCasterFeatures,
+    task: T,
+    field: F,
+) -> T::Output {
+    match features.compositing {
+        Compositing::FrontToBack => with_shading(scene, features, task, field, FrontToBack),
+        Compositing::BackToFront => with_shading(scene, features, task, field, BackToFront),
         Compositing::EarlyTermination(below) => {
-            with_shading(scene, parts, task, field, EarlyTermination { below })
+            with_shading(scene, features, task, field, EarlyTermination { below })
         }
     }
 }
 
-fn with_shading<T: Use, F: Field, O: Order + Sync>(
+fn with_shading<T: Task, F: ScalarField, O: CompositingOrder + Sync>(
     scene: &Classified,
-    parts: Parts,
+    features: RayCasterFeatures,
     task: T,
     field: F,
     order: O,
 ) -> T::Output {
-    match scene.phong.filter(|_| parts.shading) {
+    match scene.phong.filter(|_| features.shading) {
         Some(phong) => {
             let gradients = relative_gradients(&*scene.grid);
             let shading = Shaded {
@@ -122,21 +118,21 @@ fn with_shading<T: Use, F: Field, O: Order + Sync>(
                 gradients,
                 light: scene.light,
             };
-            with_visibility(scene, parts, task, field, order, shading)
+            with_visibility(scene, features, task, field, order, shading)
         }
-        None => with_visibility(scene, parts, task, field, order, Unshaded),
+        None => with_visibility(scene, features, task, field, order, Unshaded),
     }
 }
 
-fn with_visibility<T: Use, F: Field, O: Order + Sync, S: Shading>(
+fn with_visibility<T: Task, F: ScalarField, O: CompositingOrder + Sync, S: Shading>(
     scene: &Classified,
-    parts: Parts,
+    features: RayCasterFeatures,
     task: T,
     field: F,
     order: O,
     shading: S,
 ) -> T::Output {
-    match scene.shadow.filter(|_| parts.shadow) {
+    match scene.shadow.filter(|_| features.shadow) {
         Some(shadow) => {
             let bounds = scene.grid.lattice().bounds();
             let visibility = VolumeShadow {
@@ -145,30 +141,37 @@ fn with_visibility<T: Use, F: Field, O: Order + Sync, S: Shading>(
                 bounds,
                 transfer_function: &scene.transfer_function,
             };
-            with_space(scene, parts, task, field, order, shading, visibility)
+            with_space(scene, features, task, field, order, shading, visibility)
         }
-        None => with_space(scene, parts, task, field, order, shading, Unshadowed),
+        None => with_space(scene, features, task, field, order, shading, Unshadowed),
     }
 }
 
-fn with_space<T: Use, F: Field, O: Order + Sync, S: Shading, V: Visibility>(
+fn with_space<T: Task, F: ScalarField, O: CompositingOrder + Sync, S: Shading, V: Visibility>(
     scene: &Classified,
-    parts: Parts,
+    features: RayCasterFeatures,
     task: T,
     field: F,
     order: O,
     shading: S,
     visibility: V,
 ) -> T::Output {
-    if parts.skip_empty {
+    if features.skip_empty {
         let space = EmptySpace::of(&*scene.grid, &scene.transfer_function);
         with_all(scene, task, field, order, shading, visibility, space)
     } else {
-        with_all(scene, task, field, order, shading, visibility, Unexplored)
+        with_all(scene, task, field, order, shading, visibility, NoSkipping)
     }
 }
 
-fn with_all<T: Use, F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space>(
+fn with_all<
+    T: Task,
+    F: ScalarField,
+    O: CompositingOrder + Sync,
+    S: Shading,
+    V: Visibility,
+    E: Space,
+>(
     scene: &Classified,
     task: T,
     field: F,
@@ -201,10 +204,10 @@ mod tests {
     /// The name of the type that is picked.
     struct Name;
 
-    impl Use for Name {
+    impl Task for Name {
         type Output = String;
 
-        fn with<F: Field, O: Order + Sync, S: Shading, V: Visibility, E: Space>(
+        fn with<F: ScalarField, O: CompositingOrder + Sync, S: Shading, V: Visibility, E: Space>(
             self,
             caster: RayCaster<'_, F, O, S, V, E>,
         ) -> String {
@@ -234,14 +237,14 @@ mod tests {
         for field in fields {
             for compositing in orders {
                 for switches in 0..8 {
-                    let parts = Parts {
+                    let features = RayCasterFeatures {
                         field,
                         compositing,
                         shading: switches & 1 != 0,
                         shadow: switches & 2 != 0,
                         skip_empty: switches & 4 != 0,
                     };
-                    kernels.insert(with_parts(classified, parts, Name));
+                    kernels.insert(with_features(classified, features, Name));
                 }
             }
         }

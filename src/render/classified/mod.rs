@@ -9,5 +9,6 @@ pub mod empty_space;
 pub mod field;
 pub(super) mod kernels;
 pub mod ray_caster;
+pub mod shading;
 pub mod steps;
 pub mod volume_shadow;

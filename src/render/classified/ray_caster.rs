@@ -1,94 +1,44 @@
-//! The reference ray caster for classified volumes: what one ray sees.
+//! The loop along one ray through a classified volume, for any kernel.
+//!
+//! ```text
+//! C = Σᵢ Lᵢ aᵢ Tᵢ,     Tᵢ = Π (1 − aⱼ) over the samples j before i
+//! ```
+//!
+//! The density of sample `i` is interpolated and classified: `aᵢ` is its opacity over its step,
+//! `Lᵢ` its shaded colour times the visibility of the light. The parts have a file each: [`steps`
+//! ](super::steps), [`field`](super::field), [`shading`](super::shading), [`volume_shadow`
+//! ](super::volume_shadow), [`compositing`](super::compositing). What they leave out where a scene
+//! does not call for it changes no bit.
 //!
 //! Source: Levoy 1988, "Display of surfaces from volume data"; Max 1995, "Optical models for
 //! direct volume rendering".
 
-use super::compositing::{Layers, Order};
+use super::compositing::{CompositingOrder, Layers};
 use super::empty_space::Space;
-use super::field::{Field, NodePath};
+use super::field::{NodePath, ScalarField};
+use super::shading::Shading;
 use super::steps::Steps;
-use super::volume_shadow::{Sample, Visibility};
-use crate::geometry::{Aabb, Ray, direction_of};
-use crate::media::{Phong, TransferFunction};
+use super::volume_shadow::{SamplePoint, Visibility};
+use crate::geometry::{Aabb, Ray};
+use crate::media::TransferFunction;
 use crate::render::counters::{Event, Work};
-use crate::volume::Grid;
 use glam::DVec3;
 
-/// Colours samples by their surroundings.
-pub trait Shading: Sync {
-    /// The colour of the light that a sample of unshaded `colour` sends back along `ray`.
-    fn shade<F: Field, W: Work>(
-        &self,
-        colour: DVec3,
-        field: &F,
-        place: &F::Place,
-        point: DVec3,
-        ray: &Ray,
-        work: &mut W,
-    ) -> DVec3;
-}
-
-/// The colour as it is; no gradient is looked at.
-#[derive(Clone, Copy, Debug)]
-pub struct Unshaded;
-
-impl Shading for Unshaded {
-    fn shade<F: Field, W: Work>(
-        &self,
-        colour: DVec3,
-        _: &F,
-        _: &F::Place,
-        _: DVec3,
-        _: &Ray,
-        _: &mut W,
-    ) -> DVec3 {
-        colour
-    }
-}
-
-/// Phong shading by stored gradients.
-#[derive(Clone, Debug)]
-pub struct Shaded {
-    /// Weights of the reflection model.
-    pub phong: Phong,
-    /// Gradients at the nodes, in any unit: only their directions matter.
-    pub gradients: Grid<[f32; 3]>,
-    /// World position of the light.
-    pub light: DVec3,
-}
-
-impl Shading for Shaded {
-    fn shade<F: Field, W: Work>(
-        &self,
-        colour: DVec3,
-        field: &F,
-        place: &F::Place,
-        point: DVec3,
-        ray: &Ray,
-        work: &mut W,
-    ) -> DVec3 {
-        let gradient = field.gradient(&self.gradients, place, work);
-        // A light inside the sample itself shines from nowhere: only ambient light is left.
-        let to_light = direction_of(self.light - point).unwrap_or(DVec3::ZERO);
-        self.phong.shade(colour, gradient, to_light, -ray.direction)
-    }
-}
-
-/// Everything a ray needs to know. The parts are types, so that a scene's image is rendered by
-/// code compiled for exactly the effects it asks for.
+/// A ray caster. Its parts are types, so that an image is rendered by code compiled for exactly the
+/// effects that the scene asks for.
 #[derive(Clone, Debug)]
 pub struct RayCaster<'c, F, O, S, V, E> {
-    /// Density between the nodes.
+    /// Density, reconstructed between the nodes.
     pub field: F,
     /// Order of compositing.
     pub order: O,
-    /// Colour by gradient.
+    /// Shading by the gradient.
     pub shading: S,
-    /// Light by what lies in its way.
+    /// Visibility of the light.
     pub visibility: V,
-    /// Regions known to be transparent.
+    /// Empty-space skipping.
     pub space: E,
-    /// What a value of the field looks like.
+    /// Opacity and colour by density.
     pub transfer_function: &'c TransferFunction,
     /// Distance between samples, world units.
     pub step: f64,
@@ -96,8 +46,10 @@ pub struct RayCaster<'c, F, O, S, V, E> {
     pub bounds: Aabb,
 }
 
-impl<F: Field, O: Order, S: Shading, V: Visibility, E: Space> RayCaster<'_, F, O, S, V, E> {
-    /// The samples of `ray`, put together.
+impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Space>
+    RayCaster<'_, F, O, S, V, E>
+{
+    /// The samples of `ray`, composited.
     pub fn layers<W: Work>(&self, ray: &Ray, work: &mut W) -> Layers {
         self.layers_by(self.step, ray, work)
     }
@@ -115,25 +67,25 @@ impl<F: Field, O: Order, S: Shading, V: Visibility, E: Space> RayCaster<'_, F, O
         while done < steps.count() {
             let (t, length) = steps.sample(O::index(done, steps.count()));
             let nodes = path.at(t);
-            let transparent = self.space.transparent_samples(nodes, reach, work);
-            if transparent > 0 {
-                done += transparent;
+            let skipped = self.space.transparent_samples(nodes, reach, work);
+            if skipped > 0 {
+                done += skipped;
                 continue;
             }
             done += 1;
 
-            let place = self.field.locate(nodes);
-            let density = self.field.density(&place, work);
+            let location = self.field.locate(nodes);
+            let density = self.field.density(&location, work);
             work.count(Event::Attenuation);
             let opacity = self.transfer_function.opacity(density, length);
             if opacity == 0.0 {
                 continue; // adds exactly nothing, whatever its colour
             }
-            let sample = Sample {
+            let sample = SamplePoint {
                 world: ray.at(t),
                 nodes,
             };
-            let radiance = self.source(ray, sample, &place, density, work);
+            let radiance = self.source(ray, sample, &location, density, work);
             layers = O::add(layers, radiance * opacity, opacity);
             if self.order.is_over(&layers) {
                 break;
@@ -142,12 +94,12 @@ impl<F: Field, O: Order, S: Shading, V: Visibility, E: Space> RayCaster<'_, F, O
         layers
     }
 
-    /// The light that an opaque sample of `density` sends back along `ray`.
+    /// Radiance of an opaque sample of `density`, as seen along `ray`.
     fn source<W: Work>(
         &self,
         ray: &Ray,
-        sample: Sample,
-        place: &F::Place,
+        sample: SamplePoint,
+        location: &F::Location,
         density: f64,
         work: &mut W,
     ) -> DVec3 {
@@ -155,21 +107,21 @@ impl<F: Field, O: Order, S: Shading, V: Visibility, E: Space> RayCaster<'_, F, O
         let colour = self.transfer_function.colour(density);
         let shaded = self
             .shading
-            .shade(colour, &self.field, place, sample.world, ray, work);
+            .shade(colour, &self.field, location, sample.world, ray, work);
         let visibility = self.visibility.at(sample, &self.field, &self.space, work);
         shaded * (self.transfer_function.strength(density) * visibility)
     }
 
-    /// What there is at the world point `world` of `ray`: the density, and the light that an
-    /// opaque sample would send back; none where it is transparent.
+    /// Density at the world point `world` of `ray`, and the radiance of an opaque sample there; 0
+    /// where it is transparent.
     pub fn at<W: Work>(&self, ray: &Ray, world: DVec3, work: &mut W) -> (f64, DVec3) {
         let nodes = self.field.lattice().to_nodes(world);
-        let place = self.field.locate(nodes);
-        let density = self.field.density(&place, work);
+        let location = self.field.locate(nodes);
+        let density = self.field.density(&location, work);
         if self.transfer_function.reference_opacity(density) == 0.0 {
             return (density, DVec3::ZERO);
         }
-        let sample = Sample { world, nodes };
-        (density, self.source(ray, sample, &place, density, work))
+        let sample = SamplePoint { world, nodes };
+        (density, self.source(ray, sample, &location, density, work))
     }
 }

@@ -1,4 +1,4 @@
-//! Where a ray is sampled.
+//! Positions of the samples of a ray.
 
 use crate::geometry::Span;
 

@@ -1,7 +1,7 @@
-//! How much light reaches a sample through the volume.
+//! Visibility of the light from a sample, through the volume.
 
 use super::empty_space::Space;
-use super::field::{Field, NodePath};
+use super::field::{NodePath, ScalarField};
 use super::steps::Steps;
 use crate::geometry::{Aabb, Ray, Span, length_of};
 use crate::math;
@@ -10,33 +10,39 @@ use crate::render::counters::{Event, Work};
 use crate::scene::Shadow;
 use glam::DVec3;
 
-/// What a sample asks for its light.
+/// Visibility of the light from samples.
 pub trait Visibility: Sync {
-    /// Share of the light that arrives at a sample, in [0, 1].
-    fn at<F: Field, S: Space, W: Work>(
+    /// Share of the light that reaches a sample, in [0, 1].
+    fn at<F: ScalarField, S: Space, W: Work>(
         &self,
-        sample: Sample,
+        sample: SamplePoint,
         field: &F,
         space: &S,
         work: &mut W,
     ) -> f64;
 }
 
-/// A place in the volume.
+/// The position of a sample.
 #[derive(Clone, Copy, Debug)]
-pub struct Sample {
+pub struct SamplePoint {
     /// World position.
     pub world: DVec3,
     /// Position in node units.
     pub nodes: DVec3,
 }
 
-/// No shadow: all light arrives, and nothing is traced.
+/// No shadow: visibility 1, without a shadow ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Unshadowed;
 
 impl Visibility for Unshadowed {
-    fn at<F: Field, S: Space, W: Work>(&self, _: Sample, _: &F, _: &S, _: &mut W) -> f64 {
+    fn at<F: ScalarField, S: Space, W: Work>(
+        &self,
+        _: SamplePoint,
+        _: &F,
+        _: &S,
+        _: &mut W,
+    ) -> f64 {
         1.0
     }
 }
@@ -44,13 +50,13 @@ impl Visibility for Unshadowed {
 /// The volume shadow.
 ///
 /// With the formula of the ray-casting assignment it is the assignment's, `min(1, exp(−S/100))`,
-/// `S` the sum of the densities met on the way to the light: the integral of density in units of
+/// `S` the sum of the densities towards the light: the integral of density in units of
 /// `reference_step`, sampled every `step`. Refining the step converges, and at
 /// `step = reference_step` it is the source's plain sum.
 ///
-/// A sum means nothing for the values of a scan, which may be negative, or high where the table
-/// of points makes them transparent. There the light that arrives is what the opacities let
-/// through, each stated over `reference_step`: `Π (1 − a)^(step/reference_step)`.
+/// The values of a scan have no such sum: they may be negative, or high where the table of points
+/// makes them transparent. With a table the visibility is the transmittance of the opacities, each
+/// stated over `reference_step`: `Π (1 − a)^(step/reference_step)`.
 #[derive(Clone, Copy, Debug)]
 pub struct VolumeShadow<'c> {
     /// Steps of the shadow ray.
@@ -59,14 +65,14 @@ pub struct VolumeShadow<'c> {
     pub light: DVec3,
     /// Extent of the volume.
     pub bounds: Aabb,
-    /// What a value looks like.
+    /// Opacity by value.
     pub transfer_function: &'c TransferFunction,
 }
 
 impl Visibility for VolumeShadow<'_> {
-    fn at<F: Field, S: Space, W: Work>(
+    fn at<F: ScalarField, S: Space, W: Work>(
         &self,
-        sample: Sample,
+        sample: SamplePoint,
         field: &F,
         space: &S,
         work: &mut W,
@@ -87,28 +93,28 @@ impl Visibility for VolumeShadow<'_> {
         let path = NodePath::from(sample.nodes, ray.direction, field.lattice());
         let reach = path.reach(self.shadow.step);
         let reference = self.shadow.reference_step;
-        let (mut sum, mut through) = (0.0, 1.0);
+        let (mut sum, mut transmittance) = (0.0, 1.0);
         let mut done = 0;
         while done < steps.count() {
             let (t, length) = steps.sample(done);
             let point = path.at(t);
-            let transparent = space.transparent_samples(point, reach, work);
-            if transparent > 0 {
-                done += transparent;
+            let skipped = space.transparent_samples(point, reach, work);
+            if skipped > 0 {
+                done += skipped;
                 continue;
             }
             let value = field.density(&field.locate(point), work);
             match &self.transfer_function.appearance {
                 Appearance::Formula { .. } => sum += value * length,
                 Appearance::Points(points) => {
-                    through *= 1.0 - over_length(points.opacity(value), length / reference);
-                    if through == 0.0 {
+                    transmittance *= 1.0 - over_length(points.opacity(value), length / reference);
+                    if transmittance == 0.0 {
                         return 0.0; // nothing behind it matters
                     }
                 }
             }
             done += 1;
         }
-        math::exp(-(sum / reference) / 100.0).min(1.0) * through
+        math::exp(-(sum / reference) / 100.0).min(1.0) * transmittance
     }
 }

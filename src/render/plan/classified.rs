@@ -1,11 +1,11 @@
-//! What a classified volume calls for.
+//! The plan for a classified volume.
 
 use super::{
-    Approximation, Decisions, Effect, Estimator, FieldKind, Finding, Kernel, Method, Plan, Reason,
-    State,
+    Approximation, Decisions, Effect, EffectFinding, Estimator, FieldKind, Kernel, Method, Plan,
+    RayCasterFeatures, Reason, State,
 };
 use crate::media::{Appearance, Phong};
-use crate::scene::{Classified, Compositing, Places};
+use crate::scene::{Classified, Compositing, Panel, Places};
 use crate::volume::Interpolation;
 
 const TRANSFER_FUNCTION: &str = "transfer_function";
@@ -16,10 +16,11 @@ const LIGHT: &str = "classified.light";
 const EARLY_TERMINATION: &str = "classified.early_termination";
 
 /// The plan for a classified volume.
-pub(super) fn plan(scene: &Classified, forced: &[Effect], places: &Places) -> Plan {
-    use Finding::{Absent, NotAsked};
-    let null = |field: &str, reason: String| Finding::Null(field.to_owned(), reason);
-    let matters = |field: &str, reason: String| Finding::Matters(field.to_owned(), reason);
+pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect]) -> Plan<'s> {
+    let places = &panel.places;
+    use EffectFinding::{Absent, NotAsked};
+    let null = |field: &str, reason: String| EffectFinding::Null(field.to_owned(), reason);
+    let matters = |field: &str, reason: String| EffectFinding::Matters(field.to_owned(), reason);
     let (least, most) = scene.grid.range();
     let constant = least == most;
     // Grids hold `f32`, whose digits are the shorter ones.
@@ -31,15 +32,15 @@ pub(super) fn plan(scene: &Classified, forced: &[Effect], places: &Places) -> Pl
             "densities",
             format!("every density, up to {shortest_most}, has opacity 0"),
             format!("densities up to {shortest_most}"),
-            "the colormap sends out light",
-            "densities darken what lies behind",
+            "the colormap emits light",
+            "densities attenuate light",
         ),
         Appearance::Points(_) => (
             "values",
             format!("every value, from {shortest_least} to {shortest_most}, has opacity 0"),
             format!("values from {shortest_least} to {shortest_most}"),
-            "the colours of the points send out light",
-            "opacities darken what lies behind",
+            "the colours of the points emit light",
+            "opacities attenuate light",
         ),
     };
     let nothing = || nothing.clone();
@@ -91,14 +92,14 @@ pub(super) fn plan(scene: &Classified, forced: &[Effect], places: &Places) -> Pl
 
     let (kernel, method, why) = if !Effect::ALL.into_iter().any(on) {
         let why = Reason::of(TRANSFER_FUNCTION, nothing(), places);
-        (Kernel::Background, Method::Background, why)
+        (Kernel::Background(scene), Method::Background, why)
     } else {
         let field = match scene.interpolation {
             _ if constant && !on(Effect::Heterogeneity) => FieldKind::Constant,
             Interpolation::Nearest => FieldKind::Nearest,
             Interpolation::Trilinear => FieldKind::Trilinear,
         };
-        let kernel = Kernel::RayCaster {
+        let features = RayCasterFeatures {
             field,
             compositing: scene.compositing,
             shading: on(Effect::GradientShading),
@@ -109,11 +110,13 @@ pub(super) fn plan(scene: &Classified, forced: &[Effect], places: &Places) -> Pl
                 && !constant
                 && transfer_function.may_be_transparent_between(least, most),
         };
-        let reason = "a classified volume is what its samples, a step apart, put together";
+        let kernel = Kernel::RayCaster { scene, features };
+        let reason = "a classified volume is the composite of its samples, a step apart";
         let why = Reason::of("classified.step", reason, places);
         (kernel, Method::RayCasting, why)
     };
     Plan {
+        panel,
         approximations: match kernel {
             Kernel::RayCaster { .. } => early_termination(scene, places).into_iter().collect(),
             _ => vec![],
@@ -125,7 +128,7 @@ pub(super) fn plan(scene: &Classified, forced: &[Effect], places: &Places) -> Pl
     }
 }
 
-/// What the file asks for and cannot matter.
+/// Keys of the file without any effect.
 fn warnings(scene: &Classified, decisions: &Decisions, places: &Places) -> Vec<Reason> {
     let mut warnings = Vec::new();
     let mut warn = |key: &str, message: String| {
@@ -135,30 +138,33 @@ fn warnings(scene: &Classified, decisions: &Decisions, places: &Places) -> Vec<R
     };
     for (effect, key, what) in [
         (Effect::GradientShading, PHONG, "shading"),
-        (Effect::MediumShadow, SHADOW, "a shadow"),
+        (Effect::MediumShadow, SHADOW, "the shadow"),
         (Effect::Absorption, EARLY_TERMINATION, "early termination"),
     ] {
         let decision = decisions.of(effect);
         if decision.state == State::Elided {
-            warn(key, format!("{what} asked, but {}", decision.why.reason));
+            warn(
+                key,
+                format!("{what} has no effect: {}", decision.why.reason),
+            );
         }
     }
     let on = |effect| decisions.is_on(effect);
     let lights = |phong: Phong| phong.diffuse != 0.0 || phong.specular != 0.0;
     let lit = on(Effect::GradientShading) && scene.phong.is_some_and(lights);
     if !lit && !on(Effect::MediumShadow) {
-        let message = "a light asked, but nothing is shaded by it and nothing throws a shadow";
+        let message = "the light has no effect: nothing is shaded by it or casts a shadow";
         warn(LIGHT, message.to_owned());
     }
     warnings
 }
 
-/// By what rays that are ended early may be off: less than the share that is still let through, of
-/// the brightest radiance there is.
+/// Bias of early ray termination: at most the transmittance at which a ray ends, times the
+/// brightest radiance of the scene.
 fn early_termination(scene: &Classified, places: &Places) -> Option<Approximation> {
     match scene.compositing {
         Compositing::EarlyTermination(below) => Some(Approximation {
-            without: format!("light behind what lets through less than {below}"),
+            without: format!("light behind a transmittance below {below}"),
             field: EARLY_TERMINATION,
             line: places.line(EARLY_TERMINATION),
             bias: below * scene.brightest(),

@@ -1,4 +1,4 @@
-//! What is decided about each effect, and the place in the scene that decides it.
+//! The decision about each effect, and the key of the scene behind it.
 
 use super::{Effect, State};
 use crate::scene::Places;
@@ -8,18 +8,18 @@ use std::fmt;
 /// The decision about one effect.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Decision {
-    /// Which effect.
+    /// The effect.
     pub effect: Effect,
     /// Whether it is simulated.
     pub state: State,
     /// Whether it is simulated only because it was forced: it is provably null.
     pub forced: bool,
-    /// Why.
+    /// The reason.
     #[serde(flatten)]
     pub why: Reason,
 }
 
-/// Why something is as it is.
+/// A reason, with the key of the scene behind it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Reason {
     /// In words.
@@ -45,7 +45,7 @@ impl Reason {
         }
     }
 
-    /// `reason`, whatever the scene says.
+    /// `reason`, independent of any key.
     pub(super) fn always(reason: impl Into<String>) -> Reason {
         Reason {
             reason: reason.into(),
@@ -66,13 +66,13 @@ impl fmt::Display for Reason {
     }
 }
 
-/// What is known about one effect of a scene.
-pub(super) enum Finding {
-    /// The model has no such thing.
+/// What the scene says about one effect.
+pub(super) enum EffectFinding {
+    /// The model does not have it.
     Absent(&'static str),
-    /// It could be asked for, under this key, and is not.
+    /// Possible under this key, but not asked for.
     NotAsked(&'static str),
-    /// It is there, but this key leaves it out, for this reason.
+    /// Present, but left out by this key, for this reason.
     LeftOut(String, String),
     /// Asked for under this key, and it matters.
     Matters(String, String),
@@ -84,16 +84,16 @@ pub(super) enum Finding {
 pub(super) struct Decisions(pub Vec<Decision>);
 
 impl Decisions {
-    /// What follows from what is known about each effect, with those in `forced` simulated
-    /// although they are null.
+    /// The decisions that follow from `finding`; effects in `forced` are simulated although they
+    /// are null.
     pub fn new(
-        finding: impl Fn(Effect) -> Finding,
+        finding: impl Fn(Effect) -> EffectFinding,
         forced: &[Effect],
         places: &Places,
     ) -> Decisions {
         let decide = |effect| {
             let finding = finding(effect);
-            let forced = forced.contains(&effect) && matches!(finding, Finding::Null(..));
+            let forced = forced.contains(&effect) && matches!(finding, EffectFinding::Null(..));
             let (state, why) = decide(finding, forced, places);
             Decision {
                 effect,
@@ -117,19 +117,21 @@ impl Decisions {
     }
 }
 
-fn decide(finding: Finding, forced: bool, places: &Places) -> (State, Reason) {
+fn decide(finding: EffectFinding, forced: bool, places: &Places) -> (State, Reason) {
     match finding {
-        Finding::Absent(reason) => (State::Elided, Reason::always(reason)),
-        Finding::NotAsked(field) => {
+        EffectFinding::Absent(reason) => (State::Elided, Reason::always(reason)),
+        EffectFinding::NotAsked(field) => {
             let reason = format!("not asked for: the scene has no [{field}]");
             (State::Omitted, Reason::of(field, reason, places))
         }
-        Finding::LeftOut(field, reason) => (State::Omitted, Reason::of(field, reason, places)),
-        Finding::Matters(field, reason) => (State::On, Reason::of(field, reason, places)),
-        Finding::Null(field, reason) if forced => {
+        EffectFinding::LeftOut(field, reason) => {
+            (State::Omitted, Reason::of(field, reason, places))
+        }
+        EffectFinding::Matters(field, reason) => (State::On, Reason::of(field, reason, places)),
+        EffectFinding::Null(field, reason) if forced => {
             let reason = format!("forced, although null: {reason}");
             (State::On, Reason::of(field, reason, places))
         }
-        Finding::Null(field, reason) => (State::Elided, Reason::of(field, reason, places)),
+        EffectFinding::Null(field, reason) => (State::Elided, Reason::of(field, reason, places)),
     }
 }

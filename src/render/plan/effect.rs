@@ -4,31 +4,31 @@ use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
 
-/// Something light does on its way to the eye.
+/// An effect of light transport or of classified shading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Effect {
     /// Surfaces around or inside the volume.
     Surfaces,
-    /// Light taken away by the volume.
+    /// Absorption by the volume.
     Absorption,
-    /// Light sent out by the volume.
+    /// Emission by the volume.
     Emission,
-    /// Light turned once from a source towards the eye.
+    /// Light scattered or reflected once between its source and the eye.
     SingleScattering,
-    /// Light turned more than once.
+    /// Light scattered or reflected more than once.
     MultipleScattering,
-    /// Light taken away by the volume between a light and a point.
+    /// Attenuation by the volume between a light and a point.
     MediumShadow,
-    /// Light blocked by a surface between a light and a point.
+    /// Occlusion by a surface between a light and a point.
     SurfaceShadow,
-    /// Colour by the gradient of the field.
+    /// Shading by the gradient of the field.
     GradientShading,
-    /// A field that differs from place to place.
+    /// A heterogeneous density or field.
     Heterogeneity,
     /// Coefficients that differ between red, green and blue.
     ChromaticCoefficients,
-    /// Scattering that prefers a direction.
+    /// An anisotropic phase function.
     AnisotropicPhase,
 }
 

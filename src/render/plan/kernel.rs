@@ -1,91 +1,85 @@
-//! The code that renders an image, by the parts it is compiled for.
+//! The code that renders an image, by what it is compiled for.
 
-use crate::scene::Compositing;
+use crate::scene::{Classified, Compositing, Curve, Radiative};
 use std::fmt;
 
-/// The code that renders an image.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kernel {
+/// The code that renders an image, and the model that it renders.
+#[derive(Clone, Copy, Debug)]
+pub enum Kernel<'s> {
     /// A plot; no light is simulated.
-    Curve,
+    Curve(&'s Curve),
     /// Nothing lies before the background.
-    Background,
-    /// The ray caster, compiled for these parts.
+    Background(&'s Classified),
+    /// The ray caster.
     RayCaster {
-        /// Reconstruction of the density.
-        field: FieldKind,
-        /// Order of compositing.
-        compositing: Compositing,
-        /// Phong shading.
-        shading: bool,
-        /// Volume shadow.
-        shadow: bool,
-        /// Leaps over regions known to be transparent.
-        skip_empty: bool,
+        /// The model rendered.
+        scene: &'s Classified,
+        /// The features it is compiled for.
+        features: RayCasterFeatures,
     },
     /// Closed forms and integrals along the line of sight, without random numbers.
     LineOfSight {
-        /// What it is compiled for.
-        parts: Parts,
-        /// Whether light is turned, once.
-        turned: bool,
+        /// The model rendered.
+        scene: &'s Radiative,
+        /// The features it is compiled for.
+        features: RadiativeFeatures,
+        /// Whether light is scattered, once.
+        scatters: bool,
     },
     /// Path tracing.
     PathTracer {
-        /// What it is compiled for.
-        parts: Parts,
-        /// How often light is turned at most, if there is a limit.
-        limit: Option<u32>,
+        /// The model rendered.
+        scene: &'s Radiative,
+        /// The features it is compiled for.
+        features: RadiativeFeatures,
+        /// Highest scattering order, if there is a limit.
+        max_order: Option<u32>,
     },
 }
 
-/// Parts of the kernels for surfaces and participating media.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub struct Parts {
+/// Features that the ray caster is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayCasterFeatures {
+    /// Reconstruction of the density.
+    pub field: FieldKind,
+    /// Order of compositing.
+    pub compositing: Compositing,
+    /// Phong shading.
+    pub shading: bool,
+    /// Volume shadow.
+    pub shadow: bool,
+    /// Empty-space skipping: samples in transparent blocks are not taken.
+    pub skip_empty: bool,
+}
+
+/// Features that the kernels for surfaces and participating media are compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RadiativeFeatures {
     /// Media.
     pub media: bool,
-    /// Media of no matter are asked where they are, like others.
-    pub null_media: bool,
+    /// Vacuum media, without extinction and emission, are treated like others.
+    pub vacuum_media: bool,
     /// Surfaces.
     pub surfaces: bool,
-    /// Light that media send out.
+    /// Emission by media.
     pub emission: bool,
     /// Coefficients that differ between channels.
     pub chromatic: bool,
-    /// Phase functions that prefer a direction.
+    /// Anisotropic phase functions.
     pub anisotropic: bool,
-    /// Media whose density differs from place to place.
+    /// Heterogeneous media.
     pub heterogeneous: bool,
 }
 
-/// Part of the [canonical text](super::Plan::canonical_text) by which goldens know the plan they were
-/// made by: a part that goldens of old know nothing of shows only where it is on.
-impl fmt::Debug for Parts {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut parts = f.debug_struct("Parts");
-        parts
-            .field("media", &self.media)
-            .field("null_media", &self.null_media)
-            .field("surfaces", &self.surfaces)
-            .field("emission", &self.emission)
-            .field("chromatic", &self.chromatic)
-            .field("anisotropic", &self.anisotropic);
-        if self.heterogeneous {
-            parts.field("heterogeneous", &true);
-        }
-        parts.finish()
-    }
-}
-
-impl fmt::Display for Parts {
+impl fmt::Display for RadiativeFeatures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let names = [
             (self.surfaces, "surfaces"),
             (self.media, "media"),
             (self.emission, "emission"),
             (self.chromatic, "colour"),
-            (self.anisotropic, "anisotropic scattering"),
-            (self.heterogeneous, "varying density"),
+            (self.anisotropic, "anisotropic phase"),
+            (self.heterogeneous, "heterogeneous"),
         ];
         let names: Vec<_> = names
             .iter()
@@ -97,7 +91,7 @@ impl fmt::Display for Parts {
     }
 }
 
-/// How a kernel comes by densities.
+/// Reconstruction of densities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FieldKind {
     /// Value of the nearest node.
@@ -108,69 +102,64 @@ pub enum FieldKind {
     Constant,
 }
 
-impl fmt::Display for Kernel {
+impl fmt::Display for Kernel<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Kernel::RayCaster {
-            field,
-            compositing,
-            shading,
-            shadow,
-            skip_empty,
-        } = self
-        else {
-            return match self {
-                Kernel::Curve => f.write_str("plot of the transfer function"),
-                Kernel::LineOfSight {
-                    parts,
-                    turned: false,
-                } => {
-                    write!(f, "line of sight: {parts}, light not turned")
+        match self {
+            Kernel::Curve(_) => f.write_str("plot of the transfer function"),
+            Kernel::Background(_) => f.write_str("background only"),
+            Kernel::RayCaster { features, .. } => write!(f, "ray caster: {features}"),
+            Kernel::LineOfSight {
+                features, scatters, ..
+            } => {
+                let scattering = if *scatters {
+                    "single scattering"
+                } else {
+                    "no scattering"
+                };
+                write!(f, "line of sight: {features}, {scattering}")
+            }
+            Kernel::PathTracer {
+                features,
+                max_order,
+                ..
+            } => {
+                write!(f, "path tracer: {features}, ")?;
+                match max_order {
+                    None => f.write_str("scattering of any order"),
+                    Some(0) => f.write_str("no scattering"),
+                    Some(1) => f.write_str("single scattering"),
+                    Some(order) => write!(f, "scattering up to order {order}"),
                 }
-                Kernel::LineOfSight {
-                    parts,
-                    turned: true,
-                } => {
-                    write!(f, "line of sight: {parts}, light turned once")
-                }
-                Kernel::PathTracer {
-                    parts,
-                    limit: Some(0),
-                } => {
-                    write!(f, "path tracer: {parts}, light not turned")
-                }
-                Kernel::PathTracer { parts, limit: None } => {
-                    write!(f, "path tracer: {parts}, any number of turns")
-                }
-                Kernel::PathTracer {
-                    parts,
-                    limit: Some(limit),
-                } => {
-                    write!(f, "path tracer: {parts}, up to {limit} turns")
-                }
-                _ => f.write_str("background only"),
-            };
-        };
-        let field = match field {
+            }
+        }
+    }
+}
+
+impl fmt::Display for RayCasterFeatures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self.field {
             FieldKind::Nearest => "nearest",
             FieldKind::Trilinear => "trilinear",
             FieldKind::Constant => "constant density",
-        };
-        let order = match compositing {
-            Compositing::FrontToBack => "front to back".to_owned(),
-            Compositing::EarlyTermination(below) => format!("front to back down to {below}"),
-            Compositing::BackToFront => "back to front".to_owned(),
-        };
-        write!(f, "ray caster: {field}, {order}")?;
-        f.write_str(if *shading { ", Phong" } else { ", unshaded" })?;
-        f.write_str(if *shadow {
-            ", volume shadow"
-        } else {
-            ", no shadow"
         })?;
-        f.write_str(if *skip_empty {
-            ", leaps over empty space"
-        } else {
-            ", every sample"
-        })
+        match self.compositing {
+            Compositing::FrontToBack => f.write_str(", front to back")?,
+            Compositing::EarlyTermination(below) => write!(f, ", front to back down to {below}")?,
+            Compositing::BackToFront => f.write_str(", back to front")?,
+        }
+        let words = [
+            if self.shading { "Phong" } else { "unshaded" },
+            if self.shadow {
+                "volume shadow"
+            } else {
+                "no shadow"
+            },
+            if self.skip_empty {
+                "empty-space skipping"
+            } else {
+                "every sample"
+            },
+        ];
+        write!(f, ", {}", words.join(", "))
     }
 }

@@ -1,20 +1,20 @@
-//! How the radiance of a pixel is found.
+//! The estimator of a pixel's radiance.
 
 use super::Reason;
 use serde::Serialize;
 use std::fmt;
 
-/// The estimator of a plan: the cheapest that is exact for what the scene asks, and why.
+/// The estimator of a plan: the cheapest that is exact for what the scene asks, with the reason.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Estimator {
-    /// What it does.
+    /// The method.
     pub method: Method,
-    /// Why nothing simpler would do, or why nothing more is needed.
+    /// The reason why nothing simpler would do, or why nothing more is needed.
     #[serde(flatten)]
     pub why: Reason,
 }
 
-/// A way to find the radiance of a pixel, from the cheapest on.
+/// A method to estimate the radiance of a pixel, the cheapest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
@@ -22,9 +22,9 @@ pub enum Method {
     Plot,
     /// The background, everywhere.
     Background,
-    /// Samples along the ray through the middle of the pixel, put together in their order.
+    /// Compositing of samples along the ray through the pixel's centre.
     RayCasting,
-    /// A closed form along each stretch of that ray; through a grid, cell by cell.
+    /// A closed form on each segment of that ray; through a grid, cell by cell.
     ClosedForm,
     /// An integral along that ray, to a tolerance.
     Quadrature,

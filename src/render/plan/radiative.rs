@@ -1,15 +1,18 @@
-//! What a scene of surfaces, media and lights calls for.
+//! The plan for a scene of surfaces, media and lights.
 
 mod contents;
 mod findings;
 mod walks;
 
-use super::{Decisions, Effect, Estimator, Finding, Kernel, Method, Parts, Plan, Reason};
-use crate::scene::{Places, Radiative, Scattering};
+use super::{
+    Decisions, Effect, EffectFinding, Estimator, Kernel, Method, Plan, RadiativeFeatures, Reason,
+};
+use crate::scene::{Panel, Radiative, Scattering};
 use contents::{Contents, DENSITY, SCATTERING};
 
 /// The plan for a scene of surfaces, media and lights: the cheapest kernel that is exact for it.
-pub(super) fn plan(scene: &Radiative, forced: &[Effect], places: &Places) -> Plan {
+pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Radiative, forced: &[Effect]) -> Plan<'s> {
+    let places = &panel.places;
     let contents = Contents::of(scene, places);
     let decisions = Decisions::new(|effect| contents.finding(effect), forced, places);
     let on = |effect| decisions.is_on(effect);
@@ -22,29 +25,30 @@ pub(super) fn plan(scene: &Radiative, forced: &[Effect], places: &Places) -> Pla
         Effect::Heterogeneity,
         Effect::MediumShadow,
     ];
-    let null_media = of_media.into_iter().any(|effect| forced.contains(&effect));
-    let parts = Parts {
-        media: contents.extinction || contents.emission.is_some() || null_media,
-        null_media,
+    let vacuum_media = of_media.into_iter().any(|effect| forced.contains(&effect));
+    let features = RadiativeFeatures {
+        media: contents.extinction || contents.emission.is_some() || vacuum_media,
+        vacuum_media,
         surfaces: on(Effect::Surfaces),
         emission: on(Effect::Emission),
         chromatic: on(Effect::ChromaticCoefficients),
         anisotropic: on(Effect::AnisotropicPhase),
         heterogeneous: on(Effect::Heterogeneity),
     };
-    let turned = on(Effect::SingleScattering) || on(Effect::MultipleScattering);
-    let (kernel, mut why) = contents.kernel(parts, turned);
+    let scatters = on(Effect::SingleScattering) || on(Effect::MultipleScattering);
+    let (kernel, mut why) = contents.kernel(features, scatters);
     let method = match kernel {
-        Kernel::LineOfSight { turned: false, .. } if !contents.glow_is_integrated() => {
-            Method::ClosedForm
-        }
+        Kernel::LineOfSight {
+            scatters: false, ..
+        } if !contents.emission_is_integrated() => Method::ClosedForm,
         Kernel::LineOfSight { .. } => Method::Quadrature,
         _ => Method::PathTracing,
     };
-    if turned && !contents.light_is_turned() {
+    if scatters && !contents.is_scattered() {
         why.reason = format!("forced, although {}", why.reason);
     }
     Plan {
+        panel,
         approximations: vec![],
         warnings: contents.warnings(&decisions),
         estimator: Estimator { method, why },
@@ -53,91 +57,104 @@ pub(super) fn plan(scene: &Radiative, forced: &[Effect], places: &Places) -> Pla
     }
 }
 
-impl Contents<'_> {
-    /// The cheapest kernel that is exact, and why it is that one. By what there is, not by what is
-    /// forced: the path tracer looks through other places of a pixel than its centre.
-    fn kernel(&self, parts: Parts, turned: bool) -> (Kernel, Reason) {
+impl<'s> Contents<'s> {
+    /// The cheapest kernel that is exact, with the reason. Forced effects do not count: the path
+    /// tracer samples the whole pixel, not its centre.
+    fn kernel(&self, features: RadiativeFeatures, scatters: bool) -> (Kernel<'s>, Reason) {
         let because = |field: String, reason: &str| Reason::of(field, reason, self.places);
-        let line_of_sight = Kernel::LineOfSight { parts, turned };
-        if !self.light_is_turned() {
-            let scattering = match self.nothing_turns() {
-                Finding::Null(field, _) if !self.turns() => field,
+        let scene = self.scene;
+        let line_of_sight = Kernel::LineOfSight {
+            scene,
+            features,
+            scatters,
+        };
+        if !self.is_scattered() {
+            let scattering = match self.no_scattering() {
+                EffectFinding::Null(field, _) if !self.scatters() => field,
                 _ => SCATTERING.to_owned(),
             };
             return match self.heterogeneous.first() {
                 Some(&index) if !self.integrable => (
                     Kernel::PathTracer {
-                        parts,
-                        limit: Some(0),
+                        scene,
+                        features,
+                        max_order: Some(0),
                     },
                     because(
                         self.key_of(index, DENSITY),
-                        "light is not turned, but noise has no integral along a line: it is tracked",
+                        "no scattering, but noise has no integral along a line: it is tracked",
                     ),
                 ),
-                Some(&index) if self.glow_is_integrated() => (
+                Some(&index) if self.emission_is_integrated() => (
                     line_of_sight,
                     because(
                         self.key_of(index, DENSITY),
-                        "light is not turned, and where what glows overlaps another medium, one \
-                         of them varying, what it sends is integrated",
+                        "no scattering, and emission is integrated where its medium overlaps \
+                         another and one of them is heterogeneous",
                     ),
                 ),
                 Some(&index) => (
                     line_of_sight,
                     because(
                         self.key_of(index, DENSITY),
-                        "light is not turned, and every density has an integral along a line",
+                        "no scattering, and every density has an integral along a line",
                     ),
                 ),
                 None => (
                     line_of_sight,
                     because(
                         scattering,
-                        "light is not turned, and all is the same along each stretch of a line",
+                        "no scattering, and media are homogeneous along each segment of a line",
                     ),
                 ),
             };
         }
         let asked = because;
         match self.scene.scattering {
-            Scattering::Multiple(limit) => (
-                Kernel::PathTracer { parts, limit },
+            Scattering::Multiple(max_order) => (
+                Kernel::PathTracer {
+                    scene,
+                    features,
+                    max_order,
+                },
                 asked(
                     SCATTERING.to_owned(),
-                    "light turned more than once is an integral over paths of any length",
+                    "multiple scattering is an integral over paths of any length",
                 ),
             ),
             _ if self.is_one_integral() => (
                 line_of_sight,
                 asked(
                     SCATTERING.to_owned(),
-                    "light from lights without extent, turned once, is one integral along the line \
+                    "single scattering from lights without extent is one integral along the line \
                      of sight",
                 ),
             ),
             _ => (
                 Kernel::PathTracer {
-                    parts,
-                    limit: Some(1),
+                    scene,
+                    features,
+                    max_order: Some(1),
                 },
                 asked(SCATTERING.to_owned(), self.why_no_integral()),
             ),
         }
     }
 
-    /// Why light turned once is more than one integral along the line of sight.
+    /// The reason why single scattering is more than one integral along the line of sight.
     fn why_no_integral(&self) -> &'static str {
         if !self.scene.area_lights.is_empty() || self.environment {
-            "light turned once comes from lights with extent: an integral over directions too"
+            "single scattering from lights with extent is an integral over directions too"
         } else if self.emission.is_some() {
-            "light turned once comes from media that glow: an integral over space too"
+            "single scattering from emissive media is an integral over space too"
         } else if !self.heterogeneous.is_empty() {
-            "light is turned once where the density differs from place to place: it is tracked"
+            "single scattering in a heterogeneous medium: free flights are tracked"
         } else if self.scattering.is_some() && !self.scene.objects.is_empty() {
-            "surfaces throw shadows into media, too narrow for an integral to be sure to meet them"
+            "surfaces cast shadows into media that may be too narrow for quadrature"
+        } else if self.mesh_shades() {
+            "a mesh casts shadows into media that may be too narrow for quadrature"
         } else {
-            "mirrors and glass turn light in one direction only, which no integral meets"
+            "mirrors and glass reflect and refract into single directions, which quadrature misses"
         }
     }
 }

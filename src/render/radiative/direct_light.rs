@@ -1,10 +1,9 @@
-//! Light that reaches a vertex straight from a light.
+//! Direct light: next-event estimation at a vertex.
 
 use super::effects::Effects;
-use super::intersection::Surroundings;
-use super::sampler::Draws;
-use super::scattering::Vertex;
+use super::scene_context::SceneContext;
 use super::tracker::Tracker;
+use super::vertex::Vertex;
 use crate::geometry::{Emitter, Hit, Ray, Side};
 use crate::math::rng::Purpose;
 use crate::math::sampling::power_heuristic;
@@ -13,14 +12,13 @@ use crate::render::counters::Work;
 use crate::scene::AreaLight;
 use glam::DVec3;
 
-impl<E: Effects> Surroundings<'_, E> {
-    /// Radiance sent back from `vertex` for what arrives there from a light without extent.
-    pub fn by_light<W: Work>(
+impl<E: Effects> SceneContext<'_, E> {
+    /// Radiance scattered at `vertex` of the direct light of `light`, which has no extent.
+    pub fn direct_light<W: Work>(
         &self,
         vertex: &Vertex,
         light: &Light,
-        tracker: &mut Tracker,
-        work: &mut W,
+        tracker: &mut Tracker<'_, W>,
     ) -> DVec3 {
         let (position, strength) = (light.position(), light.strength_towards(vertex.point()));
         if strength == DVec3::ZERO {
@@ -33,76 +31,73 @@ impl<E: Effects> Surroundings<'_, E> {
             _ => position.and_then(|position| vertex.towards_point(position)),
         };
         let Some((ray, distance)) = connection else {
-            // The vertex is where the light stands: nothing is as improbable.
+            // The vertex is the position of the light: an event of probability 0.
             return DVec3::ZERO;
         };
         let irradiance = match position {
             Some(_) => strength / (distance * distance),
             None => strength,
         };
-        let response = vertex.response::<E, W>(&self.media, ray.direction, work);
+        let response = self.response(vertex, ray.direction, tracker.work);
         if response.value == DVec3::ZERO {
             return DVec3::ZERO;
         }
-        response.value * irradiance * self.visibility(&ray, distance, tracker, work)
+        response.value * irradiance * self.visibility(&ray, distance, tracker)
     }
 
-    /// Radiance sent back from `vertex` for what arrives there from the area light with number
-    /// `index`: one point of the light, weighted against [`Vertex::turn`] meeting it by itself.
-    pub fn by_area_light<W: Work>(
+    /// Radiance scattered at `vertex` of the direct light of the area light with number `index`:
+    /// one point of the light, weighted against [`SceneContext::scatter`] hitting it.
+    pub fn direct_area_light<W: Work>(
         &self,
         vertex: &Vertex,
         index: usize,
-        draws: &Draws<'_>,
-        tracker: &mut Tracker,
-        work: &mut W,
+        tracker: &mut Tracker<'_, W>,
     ) -> DVec3 {
-        let light = &self.scene.area_lights[index];
+        let light = &self.radiative.area_lights[index];
         if light.radiance == DVec3::ZERO {
             return DVec3::ZERO;
         }
-        let point = light
-            .shape
-            .sample(draws.pair(Purpose::LightPoint, index, work));
+        let numbers = tracker.sampler.pair(Purpose::LightPoint, index);
+        let point = light.shape.sample(numbers);
         let Some((ray, distance)) = vertex.towards(&point) else {
             return DVec3::ZERO;
         };
         let cosine = -ray.direction.dot(point.normal);
-        let lit = match light.sides {
+        let emits = match light.sides {
             Sides::Front => cosine > 0.0,
             Sides::Both => cosine != 0.0,
         };
-        if !lit {
+        if !emits {
             return DVec3::ZERO;
         }
-        let response = vertex.response::<E, W>(&self.media, ray.direction, work);
+        let response = self.response(vertex, ray.direction, tracker.work);
         if response.value == DVec3::ZERO {
             return DVec3::ZERO;
         }
         let pdf = solid_angle_pdf(light, distance, cosine);
         let weight = power_heuristic(pdf, response.pdf);
-        let visible = self.visibility(&ray, distance, tracker, work);
-        response.value * light.radiance * visible * (weight / pdf)
+        let visibility = self.visibility(&ray, distance, tracker);
+        response.value * light.radiance * visibility * (weight / pdf)
     }
 }
 
-/// Radiance that an area light sends back along a ray that met it at `hit`.
-pub fn radiance_of(light: &AreaLight, hit: &Hit) -> DVec3 {
+/// Radiance that an area light emits back along a ray that hit it.
+pub fn emitted_radiance(light: &AreaLight, hit: &Hit) -> DVec3 {
     match (light.sides, hit.side) {
         (Sides::Both, _) | (_, Side::Front) => light.radiance,
         (Sides::Front, Side::Back) => DVec3::ZERO,
     }
 }
 
-/// The weight of having met the light at `hit` by a turn with the density `pdf`, against having
-/// chosen that point of the light.
-pub fn weight_of_meeting(light: &AreaLight, ray: &Ray, hit: &Hit, pdf: f64) -> f64 {
+/// Weight of a light hit by a direction of density `scattered_pdf`, against direct light from
+/// that point.
+pub fn weight_of_hit(light: &AreaLight, ray: &Ray, hit: &Hit, scattered_pdf: f64) -> f64 {
     let cosine = ray.direction.dot(hit.point.normal);
-    power_heuristic(pdf, solid_angle_pdf(light, hit.t, cosine))
+    power_heuristic(scattered_pdf, solid_angle_pdf(light, hit.t, cosine))
 }
 
-/// Density of a point chosen on the light, per steradian, as seen from `distance`, where
-/// the normal there and the direction to it have that cosine.
+/// Density of a point sampled on the light, per steradian, seen from `distance` under the cosine
+/// `cosine` to its normal.
 fn solid_angle_pdf(light: &AreaLight, distance: f64, cosine: f64) -> f64 {
     light.shape.pdf() * (distance * distance) / cosine.abs()
 }

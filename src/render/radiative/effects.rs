@@ -1,18 +1,18 @@
-//! Which effects a kernel is compiled for.
+//! Effects that a kernel is compiled for.
 
 /// Effects as constants: what is off is not in the compiled code at all.
 pub trait Effects: Sync {
-    /// Media that turn, take away or send out light.
+    /// Media that scatter, absorb or emit light.
     const MEDIA: bool;
     /// Surfaces.
     const SURFACES: bool;
-    /// Media that send out light.
+    /// Media that emit.
     const EMISSION: bool;
     /// Coefficients that differ between channels.
     const CHROMATIC: bool;
-    /// Phase functions that prefer a direction.
+    /// Anisotropic phase functions.
     const ANISOTROPIC: bool;
-    /// Media whose density differs from place to place.
+    /// Heterogeneous media.
     const HETEROGENEOUS: bool;
 }
 

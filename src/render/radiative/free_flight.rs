@@ -1,176 +1,153 @@
-//! How far light flies through media before it is turned.
+//! Free flight: distances to the next collision.
 
+use super::context::PathContext;
 use super::effects::Effects;
-use super::majorants::Passage;
-use super::media::{Matter, Media, Set, over, transmittance};
-use super::segments::{MediaPath, Stretch};
-use super::tracker::{Numbers, Tracker};
-use super::tracking::{Chance, Collided, Tentative, delta_tracking};
-use crate::geometry::{Ray, Span};
-use crate::media::{self, optical_depth};
+use super::media::{Media, Set};
+use super::medium::over;
+use super::ray_majorants::RayMajorants;
+use super::sampler::Row;
+use super::scene_context::SceneContext;
+use super::segments::MediumSegment;
+use super::tracker::Tracker;
+use super::tracking::{RealCollision, Tentative, TentativeNumbers, delta_tracking};
+use crate::geometry::Ray;
+use crate::math::rng::Purpose;
+use crate::media::{self, optical_depth, sampled_channel};
 use crate::render::counters::{Event, Work};
 use glam::DVec3;
 use std::ops::ControlFlow;
 
-/// A place on a ray where light is turned.
+/// A collision with a medium that scatters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Collision {
     /// Distance from the origin of the ray.
     pub t: f64,
-    /// By channel, what a unit of light coming from there is worth, divided by the density of
-    /// the place: `σ_s T / p`.
+    /// `σ_s T / p` by channel, with `p` the density of the distance.
     pub weight: DVec3,
     /// The media there.
     pub set: Set,
 }
 
-/// What became of a flight through media.
+/// The end of a flight through media.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Flight {
-    /// It ended here.
+    /// A collision.
     Collided(Collision),
-    /// It reached the end of the ray. By channel, transmittance divided by the probability.
+    /// The end of the ray. By channel, transmittance over probability.
     Escaped(DVec3),
 }
 
-/// What lies behind a flight.
+/// The media that a flight has passed.
 #[derive(Clone, Copy, Debug)]
-struct Crossed {
-    /// Optical depth, by channel, of what scatters and is the same everywhere.
+struct Passed {
+    /// Optical depth, by channel, of the homogeneous media that scatter.
     depth: DVec3,
     /// By channel, up to a common factor, the probability of the null collisions.
     survived: DVec3,
-    /// Optical depth, by channel, of what only absorbs and is the same everywhere.
-    dimmed: DVec3,
+    /// Optical depth, by channel, of the homogeneous media that only absorb.
+    absorbing: DVec3,
 }
 
-impl MediaPath {
-    /// Samples where `ray`, along which `media` lie as this path, collides with matter that
-    /// scatters. `chance` chooses the distance; `channel` is the channel by which it is chosen, by
-    /// [`media::sampled_channel`] from `throughput`, what the path carries.
+impl<E: Effects> SceneContext<'_, E> {
+    /// Samples the collision of a path with media that scatter along its ray.
     ///
-    /// In a chromatic medium the density is the mean of those of the three channels in that
-    /// proportion, so that the channels of a path together never carry more than at its
-    /// beginning. In a grey medium the weight of a collision is the albedo, and what escapes has
-    /// the weight 1, both exactly, but for what only absorbs.
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "a step of an estimator, and memory to work in"
-    )]
-    pub fn flight<E: Effects, W: Work>(
-        &self,
-        media: &Media<'_>,
-        ray: &Ray,
-        (channel, throughput): (usize, DVec3),
-        chance: &mut Numbers,
-        tracker: &mut Tracker,
-        work: &mut W,
-    ) -> Flight {
-        let mut next = chance.tentative();
-        // How deep in what is the same everywhere the flight ends.
-        let mut goal = next.way;
-        let mut crossed = Crossed {
+    /// In a chromatic medium the density is the mean of those of the three channels in the
+    /// proportion of the throughput, so that the channels of a path together never carry more than
+    /// at its beginning. In a grey medium the weight of a collision is the albedo, and that of an
+    /// escape 1, both exactly, but for media that only absorb.
+    pub fn flight<W: Work>(&self, path: &mut PathContext<'_, W>) -> Flight {
+        if !E::MEDIA || path.segments.all().is_empty() {
+            return Flight::Escaped(DVec3::ONE);
+        }
+        let PathContext {
+            ray,
+            throughput,
+            segments,
+            tracker,
+            ..
+        } = path;
+        let (ray, segments): (&Ray, &_) = (ray, segments);
+        let channel = if E::CHROMATIC {
+            sampled_channel(*throughput, tracker.sampler.one(Purpose::Channel))
+        } else {
+            0
+        };
+        let mut next = tracker.sampler.tentative(Row::FreeFlight).next();
+        // Optical depth of the homogeneous media at which the flight ends.
+        let mut goal = next.optical_distance;
+        let mut passed = Passed {
             depth: DVec3::ZERO,
             survived: DVec3::ONE,
-            dimmed: DVec3::ZERO,
+            absorbing: DVec3::ZERO,
         };
-        for stretch in self.stretches() {
-            // What rounding leaves below nothing is nothing.
-            let rest = (goal - crossed.depth[channel]).max(0.0);
-            if E::HETEROGENEOUS && media.varying_in(stretch.set)[0] != 0 {
-                next.way = rest;
-                let tracked = (stretch, next, channel);
-                match track(media, ray, tracked, chance, &mut crossed, tracker, work) {
-                    ControlFlow::Break((Collided { t, extinction }, sigma_s)) => {
-                        let dimmed = self.dimmed::<E, W>(
-                            media,
-                            ray,
-                            t,
-                            crossed.dimmed + stretch.matter.dimming * (t - stretch.span.near),
-                            tracker,
-                            work,
-                        );
-                        let weight = crossed.collision::<E>(throughput, extinction);
+        for segment in segments.all() {
+            // A rest below 0 is a rounding.
+            let rest = (goal - passed.depth[channel]).max(0.0);
+            if E::HETEROGENEOUS && self.has_heterogeneous_scatterer(segment.set) {
+                next.optical_distance = rest;
+                let survived = &mut passed.survived;
+                match track(&self.media, ray, segment, channel, next, survived, tracker) {
+                    ControlFlow::Break((RealCollision { t, extinction }, sigma_s)) => {
+                        let into = t - segment.span.near;
+                        let absorbing = passed.absorbing + segment.properties.absorbing * into;
+                        let transmittance =
+                            self.absorbing_transmittance(segments, ray, t, absorbing, tracker);
+                        let weight = passed.collision_weight::<E>(*throughput, extinction);
                         return Flight::Collided(Collision {
                             t,
-                            weight: weight * dimmed * quotient(sigma_s, extinction),
-                            set: stretch.set,
+                            weight: weight * transmittance * quotient(sigma_s, extinction),
+                            set: segment.set,
                         });
                     }
                     ControlFlow::Continue(left) => {
                         next = left;
-                        goal = crossed.depth[channel] + left.way;
+                        goal = passed.depth[channel] + left.optical_distance;
                     }
                 }
-                crossed.dimmed += over(stretch.matter.dimming, stretch.span.length());
+                let length = segment.span.length();
+                passed.absorbing += over(segment.properties.absorbing, length);
                 continue;
             }
-            let Matter {
-                sigma_t,
-                sigma_s,
-                dimming,
-                ..
-            } = stretch.matter;
-            let length = stretch.span.length();
-            let whole = optical_depth(sigma_t[channel], length);
-            if rest < whole {
+            let properties = segment.properties;
+            let sigma_t = properties.sigma_t;
+            let length = segment.span.length();
+            if rest < optical_depth(sigma_t[channel], length) {
                 let into = rest / sigma_t[channel];
-                let t = (stretch.span.near + into).min(stretch.span.far);
-                let dimmed = crossed.dimmed + dimming * into;
-                let dimmed = self.dimmed::<E, W>(media, ray, t, dimmed, tracker, work);
-                crossed.depth += over(sigma_t, into);
-                let weight = crossed.collision::<E>(throughput, sigma_t);
+                let t = (segment.span.near + into).min(segment.span.far);
+                let absorbing = passed.absorbing + properties.absorbing * into;
+                let transmittance =
+                    self.absorbing_transmittance(segments, ray, t, absorbing, tracker);
+                passed.depth += over(sigma_t, into);
+                let weight = passed.collision_weight::<E>(*throughput, sigma_t);
                 return Flight::Collided(Collision {
                     t,
-                    weight: weight * dimmed * quotient(sigma_s, sigma_t),
-                    set: stretch.set,
+                    weight: weight * transmittance * quotient(properties.sigma_s, sigma_t),
+                    set: segment.set,
                 });
             }
-            crossed.depth += over(sigma_t, length);
-            crossed.dimmed += over(dimming, length);
+            passed.depth += over(sigma_t, length);
+            passed.absorbing += over(properties.absorbing, length);
         }
         let weight = if E::CHROMATIC {
-            media::escape_weight(throughput, crossed.depth, crossed.survived)
+            media::escape_weight(*throughput, passed.depth, passed.survived)
         } else {
             DVec3::ONE
         };
         let end = f64::INFINITY;
-        let dimmed = self.dimmed::<E, W>(media, ray, end, crossed.dimmed, tracker, work);
-        Flight::Escaped(weight * dimmed)
+        let transmittance =
+            self.absorbing_transmittance(segments, ray, end, passed.absorbing, tracker);
+        Flight::Escaped(weight * transmittance)
     }
 
-    /// The share of light, by channel, that media which only absorb let through up to distance
-    /// `t`: those that are the same everywhere by their depth, the others along this path.
-    fn dimmed<E: Effects, W: Work>(
-        &self,
-        media: &Media<'_>,
-        ray: &Ray,
-        t: f64,
-        depth: DVec3,
-        tracker: &mut Tracker,
-        work: &mut W,
-    ) -> DVec3 {
-        let mut share = transmittance::<E, W>(depth, work);
-        if !E::HETEROGENEOUS || !media.vary() {
-            return share;
-        }
-        for stretch in self.stretches() {
-            let [_, absorbing] = media.varying_in(stretch.set);
-            let span = Span {
-                near: stretch.span.near,
-                far: stretch.span.far.min(t),
-            };
-            if absorbing != 0 && span.near < span.far {
-                share *= media.through::<E, W>(absorbing, ray, span, tracker, work);
-            }
-        }
-        share
+    fn has_heterogeneous_scatterer(&self, set: Set) -> bool {
+        let heterogeneous = self.media.heterogeneous(set);
+        heterogeneous != 0 && self.media.scattering(heterogeneous) != 0
     }
 }
 
-impl Crossed {
-    /// Weight, by channel, of a collision where the extinction is `sigma_t`, but for the albedo.
-    fn collision<E: Effects>(&self, throughput: DVec3, sigma_t: DVec3) -> DVec3 {
+impl Passed {
+    /// Weight, by channel, of a collision where the extinction is `sigma_t`, without the albedo.
+    fn collision_weight<E: Effects>(&self, throughput: DVec3, sigma_t: DVec3) -> DVec3 {
         if E::CHROMATIC {
             media::collision_weight(throughput, sigma_t, self.depth, self.survived)
         } else {
@@ -179,28 +156,37 @@ impl Crossed {
     }
 }
 
-/// Flies over a stretch on which the density varies: with what scatters there, and its scattering
-/// coefficient where it collides.
+/// Delta tracking over a segment with heterogeneous media: the collision with its scattering
+/// coefficient, or the rest of the optical distance.
 fn track<W: Work>(
     media: &Media<'_>,
     ray: &Ray,
-    (stretch, first, channel): (&Stretch, Tentative, usize),
-    chance: &mut Numbers,
-    crossed: &mut Crossed,
-    tracker: &mut Tracker,
-    work: &mut W,
-) -> ControlFlow<(Collided, DVec3), Tentative> {
-    let set = media.scattering_in(stretch.set);
-    let (strands, _, effort) = tracker.parts();
-    let mut passage = Passage::new(media, set, ray, stretch.span, strands);
-    let survived = &mut crossed.survived;
+    segment: &MediumSegment,
+    channel: usize,
+    first: Tentative,
+    survived: &mut DVec3,
+    tracker: &mut Tracker<'_, W>,
+) -> ControlFlow<(RealCollision, DVec3), Tentative> {
+    let scratch = &mut *tracker.scratch;
+    let set = media.scattering(segment.set);
+    let mut majorants =
+        RayMajorants::new(media, set, ray, segment.span, &mut scratch.heterogeneous);
+    let effort = &mut scratch.effort;
     let before = effort.lookups;
-    let end = delta_tracking(&mut passage, channel, first, chance, survived, effort);
+    let end = delta_tracking(
+        &mut majorants,
+        channel,
+        first,
+        &mut tracker.sampler.tentative(Row::FreeFlight),
+        survived,
+        effort,
+    );
     let real = u64::from(end.is_break());
+    let work = &mut *tracker.work;
     work.count_times(Event::NullCollision, effort.lookups - before - real);
-    passage.count(work);
+    majorants.count_work(work);
     match end {
-        ControlFlow::Break(collided) => ControlFlow::Break((collided, passage.sigma_s())),
+        ControlFlow::Break(collision) => ControlFlow::Break((collision, majorants.sigma_s())),
         ControlFlow::Continue(left) => ControlFlow::Continue(left),
     }
 }

@@ -1,15 +1,18 @@
 //! The one place where a plan for surfaces and media becomes code: each part of the plan picks a
 //! constant, and the last call compiles the renderer for the constants picked.
 
+use super::context::Scratch;
 use super::effects::{Effects, Everything, Only};
-use super::intersection::Surroundings;
 use super::line_of_sight::{LineOfSight, TOLERANCE};
-use super::path_tracer::{Fault, PathTracer, Scratch};
+use super::path_tracer::{Fault, PathTracer};
+use super::sampler::Sampler;
+use super::scene_context::SceneContext;
 use crate::math::Moments;
 use crate::math::rng::{Purpose, Stream};
-use crate::render::counters::{Event, Work};
-use crate::render::pixels::{Pixels, SAMPLES_A_STEP, rows};
-use crate::render::plan::Parts;
+use crate::render::counters::Work;
+use crate::render::pixels::{Pixels, rows};
+use crate::render::plan::RadiativeFeatures;
+use crate::render::progress::SAMPLES_A_STEP;
 use crate::scene::Radiative;
 use glam::DVec3;
 use std::marker::PhantomData;
@@ -17,18 +20,18 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Something to be run by code compiled for certain effects.
 pub(in crate::render) trait Run {
-    /// What comes of it.
+    /// Its result.
     type Output;
 
-    /// Whether light may be turned where a density varies.
-    const TURNS_WHERE_IT_VARIES: bool;
+    /// Light may be scattered in heterogeneous media.
+    const SCATTERS_IN_HETEROGENEOUS: bool;
 
     /// Runs it for the effects `E`.
     fn run<E: Effects>(self) -> Self::Output;
 }
 
 /// Runs `task` by the code compiled for `parts`.
-pub(in crate::render) fn with_parts<R: Run>(parts: Parts, task: R) -> R::Output {
+pub(in crate::render) fn with_parts<R: Run>(parts: RadiativeFeatures, task: R) -> R::Output {
     // Unit tests are spared compiling all of it once more: the general code gives the same bits,
     // as tests/transport shows.
     if cfg!(test) {
@@ -37,9 +40,9 @@ pub(in crate::render) fn with_parts<R: Run>(parts: Parts, task: R) -> R::Output 
     with_special_parts(parts, task)
 }
 
-fn with_special_parts<R: Run>(parts: Parts, task: R) -> R::Output {
+fn with_special_parts<R: Run>(parts: RadiativeFeatures, task: R) -> R::Output {
     if parts.heterogeneous {
-        return with_varying_media(parts, task);
+        return with_heterogeneous_media(parts, task);
     }
     match (parts.media, parts.surfaces) {
         (false, false) => task.run::<Only<false, false, false, false, false, false>>(),
@@ -49,11 +52,11 @@ fn with_special_parts<R: Run>(parts: Parts, task: R) -> R::Output {
     }
 }
 
-/// Following light through what varies costs far more than to find that there are no surfaces: no
-/// code is compiled without them.
-fn with_varying_media<R: Run>(parts: Parts, task: R) -> R::Output {
-    // Where nothing is turned, it makes no difference how.
-    if parts.anisotropic || !R::TURNS_WHERE_IT_VARIES {
+/// Tracking light through heterogeneous media costs far more than to find that there are no
+/// surfaces: no code is compiled without them.
+fn with_heterogeneous_media<R: Run>(parts: RadiativeFeatures, task: R) -> R::Output {
+    // Without scattering there is no phase function.
+    if parts.anisotropic || !R::SCATTERS_IN_HETEROGENEOUS {
         match (parts.emission, parts.chromatic) {
             (false, false) => task.run::<Only<true, true, false, false, true, true>>(),
             (false, true) => task.run::<Only<true, true, false, true, true, true>>(),
@@ -70,7 +73,7 @@ fn with_varying_media<R: Run>(parts: Parts, task: R) -> R::Output {
     }
 }
 
-fn with_emission<R: Run, const SURFACES: bool>(parts: Parts, task: R) -> R::Output {
+fn with_emission<R: Run, const SURFACES: bool>(parts: RadiativeFeatures, task: R) -> R::Output {
     if parts.emission {
         with_colour::<R, SURFACES, true>(parts, task)
     } else {
@@ -79,7 +82,7 @@ fn with_emission<R: Run, const SURFACES: bool>(parts: Parts, task: R) -> R::Outp
 }
 
 fn with_colour<R: Run, const SURFACES: bool, const EMISSION: bool>(
-    parts: Parts,
+    parts: RadiativeFeatures,
     task: R,
 ) -> R::Output {
     match (parts.chromatic, parts.anisotropic) {
@@ -93,7 +96,7 @@ fn with_colour<R: Run, const SURFACES: bool, const EMISSION: bool>(
 /// Renders a scene by integrals along the line of sight.
 pub(in crate::render) struct ByLineOfSight<'p, W> {
     pub scene: &'p Radiative,
-    pub parts: Parts,
+    pub parts: RadiativeFeatures,
     pub turned: bool,
     pub pixels: &'p Pixels<'p>,
     pub work: PhantomData<W>,
@@ -102,21 +105,21 @@ pub(in crate::render) struct ByLineOfSight<'p, W> {
 impl<W: Work> Run for ByLineOfSight<'_, W> {
     type Output = (Vec<Result<[f32; 3], Fault>>, W);
 
-    const TURNS_WHERE_IT_VARIES: bool = false;
+    const SCATTERS_IN_HETEROGENEOUS: bool = false;
 
     fn run<E: Effects>(self) -> Self::Output {
         let renderer = LineOfSight::<E> {
-            around: Surroundings::for_integrals(self.scene, self.parts.null_media),
-            turned: self.turned,
+            scene: SceneContext::for_integrals(self.scene, self.parts.vacuum_media),
+            scattering: self.turned,
             tolerance: TOLERANCE,
         };
         let size = [self.pixels.width, self.pixels.height];
         rows(
             self.pixels,
-            Default::default,
-            |pixel, _, (path, tracker), work: &mut W| {
+            Scratch::default,
+            |pixel, _, scratch, work: &mut W| {
                 let ray = self.scene.camera.ray(pixel, size);
-                let radiance = renderer.radiance(&ray, path, tracker, work);
+                let radiance = renderer.radiance(&ray, scratch, work);
                 finite(radiance).map(|radiance| radiance.as_vec3().to_array())
             },
         )
@@ -126,8 +129,9 @@ impl<W: Work> Run for ByLineOfSight<'_, W> {
 /// Renders a scene by tracing paths, each through a random place of its pixel.
 pub(in crate::render) struct ByPathTracing<'p, W> {
     pub scene: &'p Radiative,
-    pub parts: Parts,
+    pub parts: RadiativeFeatures,
     pub limit: Option<u32>,
+    pub seed: u64,
     pub pixels: &'p Pixels<'p>,
     pub work: PhantomData<W>,
 }
@@ -136,11 +140,11 @@ impl<W: Work> Run for ByPathTracing<'_, W> {
     /// By pixel, the moments of its samples by channel.
     type Output = (Vec<Result<[Moments; 3], Fault>>, W);
 
-    const TURNS_WHERE_IT_VARIES: bool = true;
+    const SCATTERS_IN_HETEROGENEOUS: bool = true;
 
     fn run<E: Effects>(self) -> Self::Output {
         let scene = self.scene;
-        let tracer = PathTracer::<E>::new(scene, self.limit, self.parts.null_media);
+        let tracer = PathTracer::<E>::new(scene, self.limit, self.parts.vacuum_media);
         let size = [self.pixels.width, self.pixels.height];
         let edge = self.pixels.edge();
         let given_up = GivenUp::default();
@@ -154,12 +158,11 @@ impl<W: Work> Run for ByPathTracing<'_, W> {
                 }
                 let mut moments = [Moments::default(); 3];
                 for sample in 0..samples {
-                    let random = Stream::new(scene.seed, index, sample);
-                    work.count_times(Event::RandomDraw, 2);
-                    let [x, y] = random.pair(0, Purpose::Camera, 0);
+                    let mut sampler = Sampler::new(Stream::new(self.seed, index, sample));
+                    let [x, y] = sampler.pair(Purpose::Camera, 0);
                     let place = [column as f64 + edge * x, row as f64 + edge * y];
                     let ray = scene.camera.ray_through(place, size);
-                    let radiance = tracer.radiance(ray, &random, scratch, work);
+                    let radiance = tracer.radiance(ray, sampler, scratch, work);
                     if radiance == Err(Fault::Endless) {
                         given_up.at(index);
                     }
@@ -180,9 +183,10 @@ impl<W: Work> Run for ByPathTracing<'_, W> {
 /// Light that is brighter than any number could be made no mean of: with what is darker it would
 /// be no number at all.
 fn finite(radiance: DVec3) -> Result<DVec3, Fault> {
-    match radiance.to_array().contains(&f64::INFINITY) {
-        true => Err(Fault::Infinite),
-        false => Ok(radiance),
+    if radiance.to_array().contains(&f64::INFINITY) {
+        Err(Fault::Infinite)
+    } else {
+        Ok(radiance)
     }
 }
 
@@ -216,22 +220,22 @@ mod tests {
     use std::collections::BTreeSet;
 
     /// The name of the effects that are picked.
-    struct Name<const TURNS: bool>;
+    struct Name<const SCATTERS: bool>;
 
-    impl<const TURNS: bool> Run for Name<TURNS> {
+    impl<const SCATTERS: bool> Run for Name<SCATTERS> {
         type Output = &'static str;
 
-        const TURNS_WHERE_IT_VARIES: bool = TURNS;
+        const SCATTERS_IN_HETEROGENEOUS: bool = SCATTERS;
 
         fn run<E: Effects>(self) -> &'static str {
             type_name::<E>()
         }
     }
 
-    fn kernels<const TURNS: bool>() -> usize {
-        let choices = (0..64).map(|switches| Parts {
+    fn kernels<const SCATTERS: bool>() -> usize {
+        let choices = (0..64).map(|switches| RadiativeFeatures {
             media: switches & 1 != 0,
-            null_media: false,
+            vacuum_media: false,
             surfaces: switches & 2 != 0,
             emission: switches & 4 != 0,
             chromatic: switches & 8 != 0,
@@ -239,7 +243,7 @@ mod tests {
             heterogeneous: switches & 32 != 0,
         });
         let kernels: BTreeSet<_> = choices
-            .map(|parts| with_special_parts(parts, Name::<TURNS>))
+            .map(|parts| with_special_parts(parts, Name::<SCATTERS>))
             .collect();
         assert!(kernels.contains(type_name::<Everything>()));
         kernels.len()

@@ -1,17 +1,19 @@
-//! Light turned once at most, without random numbers: integrals along the line of sight.
+//! Single scattering without random numbers: integrals along the line of sight.
 //!
-//! What media emit and take away is a closed form on each stretch. What they turn into the line
-//! of sight from a light without extent is an integral along it, evaluated to a tolerance.
+//! Emission and absorption of media are a closed form on each segment. Single scattering of a light
+//! without extent is an integral along the line of sight, evaluated to a tolerance.
 
-use super::direct_light::radiance_of;
+use super::context::Scratch;
+use super::direct_light::emitted_radiance;
 use super::effects::Effects;
-use super::intersection::{Met, Surroundings};
-use super::media::transmittance;
-use super::scattering::Vertex;
-use super::segments::{MediaPath, Stretch};
-use super::single_scattering::{Place, edges, lit_span};
+use super::intersection::SurfaceIndex;
+use super::scene_context::SceneContext;
+use super::segments::{MediumSegment, MediumSegments};
+use super::shadow_edges::{Source, shadow_edges};
+use super::single_scattering::{ScatteringPoint, edges, lit_span};
 use super::specular::facing;
 use super::tracker::Tracker;
+use super::vertex::Vertex;
 use crate::geometry::{Ray, Span};
 use crate::math::quadrature::integrate;
 use crate::math::sampling::Equiangular;
@@ -21,11 +23,11 @@ use glam::DVec3;
 
 /// Light along the line of sight, for the effects `E`.
 pub struct LineOfSight<'s, E> {
-    /// What is looked at. Where light is turned, lights have no extent and surfaces are diffuse;
-    /// where media turn it, there are none, whose shadows could be too narrow to be found.
-    pub around: Surroundings<'s, E>,
-    /// Whether light is turned at all.
-    pub turned: bool,
+    /// The scene. Where light is scattered, lights have no extent and surfaces are diffuse;
+    /// where media scatter, there are no surfaces, whose shadows could be too narrow to be found.
+    pub scene: SceneContext<'s, E>,
+    /// Light is scattered, once.
+    pub scattering: bool,
     /// Error of an integral relative to its value.
     pub tolerance: f64,
 }
@@ -33,118 +35,111 @@ pub struct LineOfSight<'s, E> {
 /// Relative error of an integral in an image: a hundredth of the last bit of 32-bit radiance.
 pub const TOLERANCE: f64 = 6e-10;
 
-/// Pieces that an integral begins with where several media may shade one another: a shadow that
-/// is narrower than what lies between the points of a single rule would go unseen. One of a
-/// four-hundredth of a stretch still can.
+/// Pieces that an integral begins with where several media may shade one another, between the
+/// [edges](shadow_edges) of their shadows. A mesh of which parts are narrower than a four-hundredth
+/// of a piece could be missed: a plan has no integrals for those.
 const PIECES_WITH_SHADOWS: usize = 16;
 
-/// Optical depths at which a stretch is cut. A rule of few points, laid over all of a dense
-/// stretch, would find it dark: what is lit lies before the first of them.
+/// Optical depths at which a segment is cut. A rule of few points, laid over all of a dense
+/// segment, would find it dark: its lit part lies before the first of them.
 const CUTS: [f64; 4] = [1.0, 8.0, 64.0, 746.0];
 
 impl<E: Effects> LineOfSight<'_, E> {
-    /// Radiance that comes back along `ray`.
-    pub fn radiance<W: Work>(
-        &self,
-        ray: &Ray,
-        path: &mut MediaPath,
-        tracker: &mut Tracker,
-        work: &mut W,
-    ) -> DVec3 {
-        let scene = self.around.scene;
-        let met = self.around.nearest(ray, work);
-        let end = met.as_ref().map_or(f64::INFINITY, |(_, hit)| hit.t);
+    /// Radiance along `ray`.
+    pub fn radiance<W: Work>(&self, ray: &Ray, scratch: &mut Scratch, work: &mut W) -> DVec3 {
+        let segments = &mut scratch.segments;
+        let tracker = &mut Tracker::for_integrals(&mut scratch.tracker, work);
+        let (scene, radiative) = (&self.scene, self.scene.radiative);
+        let intersection = scene.intersect(ray, tracker.work);
         let mut radiance = DVec3::ZERO;
-        let mut through = DVec3::ONE;
+        let mut transmittance = DVec3::ONE;
         if E::MEDIA {
-            let media = &self.around.media;
-            let varies = E::HETEROGENEOUS && media.vary();
-            // Their depth alone is known without the stretches that they lie on.
-            if E::EMISSION || self.turned || !varies {
-                path.lay(media, ray, end);
+            let end = intersection.map_or(f64::INFINITY, |nearest| nearest.hit.t);
+            let heterogeneous = scene.is_heterogeneous();
+            // The optical depth alone needs no segments.
+            if E::EMISSION || self.scattering || !heterogeneous {
+                segments.build(&scene.media, ray, end);
             }
-            if varies {
-                let depth = media.depth(ray, end, &mut tracker.spans, work);
-                through = transmittance::<E, W>(depth, work);
+            if heterogeneous {
+                let spans = &mut tracker.scratch.spans;
+                let depth = scene.media.optical_depth(ray, end, spans, tracker.work);
+                transmittance = scene.closed_transmittance(depth, tracker.work);
                 if E::EMISSION {
                     radiance +=
-                        path.emitted_by_quadrature::<E, W>(media, ray, self.tolerance, work);
+                        scene.integrated_emission(segments, ray, self.tolerance, tracker.work);
                 }
             } else {
-                through = transmittance::<E, W>(path.depth(), work);
+                transmittance = scene.closed_transmittance(segments.optical_depth(), tracker.work);
                 if E::EMISSION {
-                    radiance += path.emitted::<E, W>(work);
+                    radiance += scene.closed_emission(segments, tracker.work);
                 }
             }
-            if self.turned {
-                let lights = scene.lights.iter();
+            if self.scattering {
+                let lights = radiative.lights.iter();
                 for light in lights.filter(|light| light.strength() != DVec3::ZERO) {
-                    radiance += self.turned_by_media(light, path, ray, tracker, work);
+                    radiance += self.single_scattering(light, segments, ray, tracker);
                 }
             }
         }
-        let behind = match met {
-            None => scene.environment,
-            Some((Met::AreaLight(index), hit)) => radiance_of(&scene.area_lights[index], &hit),
-            Some((Met::Object(index), hit)) => match scene.objects[index].material {
-                Material::Diffuse(reflectance) if self.turned => {
+        let Some(nearest) = intersection else {
+            return radiance + transmittance * radiative.environment;
+        };
+        let behind = match nearest.surface {
+            SurfaceIndex::AreaLight(index) => {
+                emitted_radiance(&radiative.area_lights[index], &nearest.hit)
+            }
+            SurfaceIndex::Object(index) => match radiative.objects[index].material {
+                Material::Diffuse(reflectance) if self.scattering => {
                     let vertex = Vertex::Diffuse {
-                        point: hit.point,
-                        normal: facing(&hit),
+                        point: nearest.hit.point,
+                        normal: facing(&nearest.hit),
                         reflectance,
                     };
-                    self.turned_at(&vertex, tracker, work)
+                    self.reflected(&vertex, tracker)
                 }
                 _ => DVec3::ZERO,
             },
         };
-        radiance + through * behind
+        radiance + transmittance * behind
     }
 
-    /// Radiance that a surface makes of what the lights send there.
-    fn turned_at<W: Work>(&self, vertex: &Vertex, tracker: &mut Tracker, work: &mut W) -> DVec3 {
-        work.count(Event::FirstTurn);
-        let lights = self.around.scene.lights.iter();
+    /// Radiance that a surface reflects of direct light.
+    fn reflected<W: Work>(&self, vertex: &Vertex, tracker: &mut Tracker<'_, W>) -> DVec3 {
+        tracker.work.count(Event::FirstScattering);
+        let lights = self.scene.radiative.lights.iter();
         lights.fold(DVec3::ZERO, |sum, light| {
-            sum + self.around.by_light(vertex, light, tracker, work)
+            sum + self.scene.direct_light(vertex, light, tracker)
         })
     }
 
-    /// Radiance that the media make, by one turn, of what `light` sends them.
-    fn turned_by_media<W: Work>(
+    /// Single scattering of `light` in the media along `ray`.
+    fn single_scattering<W: Work>(
         &self,
         light: &Light,
-        path: &MediaPath,
+        segments: &MediumSegments,
         ray: &Ray,
-        tracker: &mut Tracker,
-        work: &mut W,
+        tracker: &mut Tracker<'_, W>,
     ) -> DVec3 {
-        let Some(lit) = lit_span(path, ray, light) else {
+        let Some(lit) = lit_span(segments, ray, light) else {
             return DVec3::ZERO;
         };
-        let edges = edges(light, ray);
+        let mut edges = edges(light, ray);
+        edges.extend(self.shadow_edges(light, ray));
         let mut radiance = DVec3::ZERO;
-        for stretch in path
-            .stretches()
-            .iter()
-            .filter(|stretch| stretch.matter.scatters())
-        {
+        let scattering = |segment: &&MediumSegment| segment.properties.scatters();
+        for segment in segments.all().iter().filter(scattering) {
             let span = Span {
-                near: stretch.span.near.max(lit.near),
-                far: stretch.span.far.min(lit.far),
+                near: segment.span.near.max(lit.near),
+                far: segment.span.far.min(lit.far),
             };
             let mut at = |t: f64| {
-                let (depths, _) = path.depths_to(t);
-                let place = Place {
-                    t,
-                    pdf: 1.0,
-                    depths,
-                    stretch,
-                };
-                work.count(Event::FirstTurn);
-                self.around.scattered_at(ray, &place, light, tracker, work)
+                let (depths, _) = segments.depths_to(t);
+                let point = ScatteringPoint::new(t, 1.0, depths, segment);
+                tracker.work.count(Event::FirstScattering);
+                self.scene
+                    .in_scattered_radiance(ray, &point, light, tracker)
             };
-            for [near, far] in pieces(stretch, span, &edges) {
+            for [near, far] in pieces(segment, span, &edges) {
                 radiance += match light.position() {
                     // By the angle at which the light sees the ray: in it, the integrand is
                     // smooth however near the ray passes, and the end may be infinitely far away.
@@ -171,8 +166,25 @@ impl<E: Effects> LineOfSight<'_, E> {
         radiance
     }
 
+    /// Edges of the shadows that media throw onto one another along `ray`.
+    fn shadow_edges(&self, light: &Light, ray: &Ray) -> Vec<f64> {
+        let media = self.scene.media.all();
+        let source = match light {
+            Light::Directional(light) => Source::Towards(-light.direction),
+            Light::Point(light) => Source::At(light.position),
+            Light::Spot(light) => Source::At(light.position),
+        };
+        if media.len() < 2 {
+            return vec![];
+        }
+        let casting = media.iter().filter(|medium| !medium.is_vacuum());
+        let boundaries = casting.filter_map(|medium| medium.boundary);
+        let edges = boundaries.flat_map(|boundary| shadow_edges(boundary, ray, source));
+        edges.collect()
+    }
+
     fn integral(&self, mut f: impl FnMut(f64) -> DVec3, [from, to]: [f64; 2]) -> DVec3 {
-        let pieces = match self.around.media.count() {
+        let pieces = match self.scene.media.count() {
             0 | 1 => 1,
             _ => PIECES_WITH_SHADOWS,
         };
@@ -183,11 +195,11 @@ impl<E: Effects> LineOfSight<'_, E> {
     }
 }
 
-/// `span` of a stretch, cut at [`CUTS`] and where light has an edge; what lies deeper than the last
-/// of the cuts shines through no more.
-fn pieces(stretch: &Stretch, span: Span, edges: &[f64]) -> Vec<[f64; 2]> {
-    let extinction = (stretch.matter.sigma_t + stretch.matter.dimming).max_element();
-    let cuts = CUTS.map(|depth| stretch.span.near + depth / extinction);
+/// `span` of a segment, cut at [`CUTS`] and where light has an edge; nothing is seen from behind
+/// the last of the cuts.
+fn pieces(segment: &MediumSegment, span: Span, edges: &[f64]) -> Vec<[f64; 2]> {
+    let extinction = segment.properties.extinction().max_element();
+    let cuts = CUTS.map(|depth| segment.span.near + depth / extinction);
     let all = cuts.into_iter().chain(edges.iter().copied());
     let inside = all.filter(|&t| span.near < t && t < span.far);
     let mut ends = vec![span.near];

@@ -1,183 +1,82 @@
-//! A stretch of a ray through media whose density differs from place to place.
+//! A heterogeneous medium along a ray: majorants block by block, densities in between.
 
-use super::media::{Media, Set, members};
-use super::tracking::{Bounded, Bounds};
 use crate::geometry::{Aabb, Ray, Span};
-use crate::media::Line;
-use crate::render::counters::{Event, Work};
+use crate::media::{Density, Line};
 use crate::volume::{DensityField, DensityRange, Visit, Walk};
-use glam::DVec3;
 
-/// The media of a set along a stretch of a ray, block by block of each of them.
-#[derive(Debug)]
-pub struct Passage<'m, 's> {
-    media: &'m Media<'s>,
-    /// What the media of one density are together.
-    even: Sums,
-    /// Those of varying density; memory of the tracker.
-    strands: &'m mut Vec<Strand>,
-    rest: Span,
-    lookups: u64,
-    blocks: u64,
-}
-
-/// Extinction, scattering and emission, per length and channel.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sums {
-    sigma_t: DVec3,
-    sigma_s: DVec3,
-    emission: DVec3,
-}
-
-/// A medium of varying density along a ray.
+/// The blocks of one heterogeneous medium along a ray.
 #[derive(Clone, Debug)]
-pub struct Strand {
-    medium: usize,
+pub struct HeterogeneousSegment {
+    /// Index of the medium among those of the scene.
+    pub medium: usize,
     line: Line,
     walk: Walk,
-    /// The visit to a block that the ray has not come to yet.
-    coming: Option<Visit>,
-    /// Where the present block, or gap, ends.
-    until: f64,
-    /// Bounds on the density up to there.
-    range: DensityRange,
+    /// The visit to the block behind the present gap.
+    next_visit: Option<Visit>,
+    /// Distance at which the present block, or gap, ends.
+    pub end: f64,
+    /// Range of the density up to there.
+    pub range: DensityRange,
     /// The present block, in the coordinates of the field.
     block: Aabb,
     /// The density last looked up.
-    density: f64,
+    pub density: f64,
 }
 
-impl<'m, 's> Passage<'m, 's> {
-    /// The media in `set` along `ray` over `span`, which lies within all of them.
+impl HeterogeneousSegment {
+    /// The medium with index `medium`, of this `density`, along `ray` over `span`, which lies in
+    /// it; `None` where the span misses the box of the density.
     pub fn new(
-        media: &'m Media<'s>,
-        set: Set,
+        medium: usize,
+        density: &Density,
         ray: &Ray,
         span: Span,
-        strands: &'m mut Vec<Strand>,
-    ) -> Passage<'m, 's> {
-        strands.clear();
-        let mut even = Sums::default();
-        for index in members(set) {
-            let medium = media.medium(index);
-            let Some(density) = medium.density else {
-                even.sigma_t += medium.sigma_t();
-                even.sigma_s += medium.unit.sigma_s;
-                even.emission += medium.unit.emission;
-                continue;
-            };
-            let Some((line, inside)) = density.along(ray, span) else {
-                continue;
-            };
-            strands.push(Strand {
-                medium: index,
-                line,
-                walk: density.walk(&line, inside),
-                coming: None,
-                until: span.near,
-                range: DensityRange::of(0.0),
-                block: *density.blocks().bounds(),
-                density: 0.0,
-            });
-        }
-        Passage {
-            media,
-            even,
-            strands,
-            rest: span,
-            lookups: 0,
-            blocks: 0,
-        }
-    }
-
-    /// Tells of the densities looked up and the blocks walked.
-    pub fn count<W: Work>(&self, work: &mut W) {
-        work.count_times(Event::DensityLookup, self.lookups);
-        work.count_times(Event::CellWalked, self.blocks);
-    }
-
-    /// Scattering, by channel, where the extinction was last looked up.
-    pub fn sigma_s(&self) -> DVec3 {
-        self.strands.iter().fold(self.even.sigma_s, |sum, strand| {
-            sum + self.media.medium(strand.medium).unit.sigma_s * strand.density
+    ) -> Option<HeterogeneousSegment> {
+        let (line, inside) = density.along(ray, span)?;
+        Some(HeterogeneousSegment {
+            medium,
+            line,
+            walk: density.walk(&line, inside),
+            next_visit: None,
+            end: span.near,
+            range: DensityRange::of(0.0),
+            block: *density.blocks().bounds(),
+            density: 0.0,
         })
     }
 
-    /// Emission, by channel, where the extinction was last looked up.
-    pub fn emission(&self) -> DVec3 {
-        self.strands.iter().fold(self.even.emission, |sum, strand| {
-            sum + self.media.medium(strand.medium).unit.emission * strand.density
-        })
-    }
-}
-
-impl Bounded for Passage<'_, '_> {
-    fn next_stretch(&mut self) -> Option<Bounds> {
-        let Span { near, mut far } = self.rest;
-        if near >= far {
-            return None;
-        }
-        let (mut low, mut high) = (self.even.sigma_t, self.even.sigma_t);
-        let mut glow = self.even.emission;
-        for strand in self.strands.iter_mut() {
-            let medium = self.media.medium(strand.medium);
-            if strand.until <= near {
-                self.blocks += 1;
-                strand.advance(near, medium.density.expect("a strand varies"));
-            }
-            far = far.min(strand.until);
-            let sigma_t = medium.sigma_t();
-            low += sigma_t * strand.range.low;
-            high += sigma_t * strand.range.high;
-            glow += medium.unit.emission * strand.range.high;
-        }
-        self.rest.near = far;
-        Some(Bounds {
-            span: Span { near, far },
-            low,
-            high,
-            glow,
-        })
-    }
-
-    fn extinction(&mut self, t: f64) -> DVec3 {
-        let mut sigma_t = self.even.sigma_t;
-        for strand in self.strands.iter_mut() {
-            let medium = self.media.medium(strand.medium);
-            strand.density = if strand.range.high == 0.0 {
-                0.0
-            } else {
-                self.lookups += 1;
-                let density = medium.density.expect("a strand varies");
-                // Roundings must not move a point to the next block, whose bounds are others.
-                let point = strand.line.at(t).clamp(strand.block.min, strand.block.max);
-                density.field().density(point)
-            };
-            sigma_t += medium.sigma_t() * strand.density;
-        }
-        sigma_t
-    }
-}
-
-impl Strand {
-    /// Goes on to the block, or gap, that begins at `at`.
-    fn advance(&mut self, at: f64, density: &crate::media::Density) {
+    /// Goes on to the block, or gap, that begins at distance `t`.
+    pub fn advance(&mut self, t: f64, density: &Density) {
         let blocks = density.blocks();
-        match self.coming.take().or_else(|| self.walk.next()) {
-            Some(visit) if visit.span.near > at => {
+        match self.next_visit.take().or_else(|| self.walk.next()) {
+            Some(visit) if visit.span.near > t => {
                 self.range = DensityRange::of(0.0);
-                self.until = visit.span.near;
-                self.coming = Some(visit);
+                self.end = visit.span.near;
+                self.next_visit = Some(visit);
             }
             Some(visit) => {
                 self.range = blocks.range_in(visit.cell);
                 self.block = blocks.cell_bounds(visit.cell);
-                self.until = visit.span.far;
+                self.end = visit.span.far;
             }
             None => {
                 self.range = DensityRange::of(0.0);
-                self.until = f64::INFINITY;
+                self.end = f64::INFINITY;
             }
         }
+    }
+
+    /// Looks up `density` at distance `t`, which lies in the present block; a block of density 0
+    /// needs no look-up. Adds to `lookups`.
+    pub fn look_up(&mut self, t: f64, density: &Density, lookups: &mut u64) -> f64 {
+        self.density = if self.range.high == 0.0 {
+            0.0
+        } else {
+            *lookups += 1;
+            // Roundings must not move a point to the next block, whose majorant is another.
+            let point = self.line.at(t).clamp(self.block.min, self.block.max);
+            density.field().density(point)
+        };
+        self.density
     }
 }

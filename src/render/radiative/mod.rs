@@ -2,6 +2,7 @@
 //!
 //! [`PathTracer::radiance`](path_tracer::PathTracer::radiance) is the loop along one path.
 
+pub mod context;
 pub mod direct_light;
 pub mod effects;
 pub mod emission;
@@ -12,11 +13,18 @@ pub mod light_vertices;
 pub mod line_of_sight;
 pub mod majorants;
 pub mod media;
+pub mod medium;
 pub mod path_tracer;
+pub mod ray_majorants;
 pub mod sampler;
 pub mod scattering;
+pub mod scene_context;
 pub mod segments;
+pub mod shadow_edges;
 pub mod single_scattering;
 pub mod specular;
 pub mod tracker;
 pub mod tracking;
+pub mod transmittance;
+pub mod vertex;
+pub mod visibility;

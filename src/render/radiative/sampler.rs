@@ -1,27 +1,155 @@
-//! The random numbers of one turn of one path.
+//! The random numbers of one path.
 
+use super::tracking::{Tentative, TentativeNumbers};
 use crate::math::rng::{Purpose, Stream};
-use crate::render::counters::{Event, Work};
+use crate::math::sampling::optical_distance;
 
-/// The random numbers of the turn with number `bounce`, counted as they are drawn.
-#[derive(Clone, Copy, Debug)]
-pub struct Draws<'r> {
-    /// The numbers of the path.
-    pub random: &'r Stream,
-    /// Turns before this one.
-    pub bounce: u32,
+/// Gives every random number that a path uses, and counts it.
+///
+/// The count is one addition beside the hundred operations that make a number, so it needs no
+/// kernel of its own: [`Sampler::given`] goes into the counters at the end of the path.
+#[derive(Clone, Debug)]
+pub struct Sampler {
+    stream: Stream,
+    bounce: u32,
+    /// Pairs given at this bounce, by [`Row`].
+    rows: [u32; 3],
+    given: u64,
 }
 
-impl Draws<'_> {
+/// Tentative collisions that share one row of numbers: every bounce begins each row anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Row {
+    /// Of the free flight.
+    FreeFlight,
+    /// Of emission along the ray.
+    Emission,
+    /// Of all transmittances estimated at the bounce, in the order of the estimates.
+    Transmittance,
+}
+
+impl Row {
+    fn purpose(self) -> Purpose {
+        match self {
+            Row::FreeFlight => Purpose::FreeFlight,
+            Row::Emission => Purpose::Emission,
+            Row::Transmittance => Purpose::Tracking,
+        }
+    }
+}
+
+impl Sampler {
+    /// Bounces lie below this.
+    pub const BOUNCES: u32 = Stream::BOUNCES;
+
+    /// The numbers of `stream`, from the first bounce on.
+    pub fn new(stream: Stream) -> Sampler {
+        Sampler {
+            stream,
+            bounce: 0,
+            rows: [0; 3],
+            given: 0,
+        }
+    }
+
+    /// A sampler for integrals, which use no random numbers.
+    pub fn for_integrals() -> Sampler {
+        Sampler::new(Stream::new(0, 0, 0))
+    }
+
+    /// Goes on with the numbers of `bounce`.
+    pub fn begin_bounce(&mut self, bounce: u32) {
+        self.bounce = bounce;
+        self.rows = [0; 3];
+    }
+
     /// A number for `purpose`, uniform in [0, 1).
-    pub fn one<W: Work>(&self, purpose: Purpose, work: &mut W) -> f64 {
-        work.count(Event::RandomDraw);
-        self.random.uniform(self.bounce, purpose, 0)
+    pub fn one(&mut self, purpose: Purpose) -> f64 {
+        self.given += 1;
+        self.stream.uniform(self.bounce, purpose, 0)
     }
 
     /// The `index`-th pair of numbers for `purpose`, each uniform in [0, 1).
-    pub fn pair<W: Work>(&self, purpose: Purpose, index: usize, work: &mut W) -> [f64; 2] {
-        work.count_times(Event::RandomDraw, 2);
-        self.random.pair(self.bounce, purpose, index as u32)
+    pub fn pair(&mut self, purpose: Purpose, index: usize) -> [f64; 2] {
+        self.given += 2;
+        self.stream.pair(self.bounce, purpose, index as u32)
+    }
+
+    /// The tentative collisions of `row`, from the first that has not been given.
+    pub fn tentative(&mut self, row: Row) -> SamplerRow<'_> {
+        SamplerRow { sampler: self, row }
+    }
+
+    /// Numbers given so far.
+    pub fn given(&self) -> u64 {
+        self.given
+    }
+}
+
+/// A [`Row`] of a [`Sampler`].
+#[derive(Debug)]
+pub struct SamplerRow<'s> {
+    sampler: &'s mut Sampler,
+    row: Row,
+}
+
+impl TentativeNumbers for SamplerRow<'_> {
+    fn next(&mut self) -> Tentative {
+        let index = &mut self.sampler.rows[self.row as usize];
+        let pair = *index;
+        // Media too deep for it are refused on load: see scene/radiative/media.rs.
+        *index = index.wrapping_add(1);
+        let [distance, u] = self.sampler.pair(self.row.purpose(), pair as usize);
+        Tentative {
+            optical_distance: optical_distance(distance),
+            u,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_number_is_counted() {
+        let stream = Stream::new(7, 1, 2);
+        let mut sampler = Sampler::new(stream);
+        sampler.begin_bounce(3);
+        assert_eq!(
+            sampler.one(Purpose::Roulette),
+            stream.uniform(3, Purpose::Roulette, 0)
+        );
+        assert_eq!(
+            sampler.pair(Purpose::LightPoint, 5),
+            stream.pair(3, Purpose::LightPoint, 5)
+        );
+        assert_eq!(sampler.given(), 3);
+    }
+
+    /// A row goes on where it was left, beside the others, and begins anew at every bounce.
+    #[test]
+    fn rows_go_on_within_a_bounce() {
+        let stream = Stream::new(7, 1, 2);
+        let mut sampler = Sampler::new(stream);
+        let expected = |bounce, purpose, index| {
+            let [distance, u] = stream.pair(bounce, purpose, index);
+            Tentative {
+                optical_distance: optical_distance(distance),
+                u,
+            }
+        };
+        for bounce in [0, 1] {
+            sampler.begin_bounce(bounce);
+            for index in [0, 1] {
+                for row in [Row::FreeFlight, Row::Emission, Row::Transmittance] {
+                    assert_eq!(
+                        sampler.tentative(row).next(),
+                        expected(bounce, row.purpose(), index)
+                    );
+                }
+            }
+        }
+        assert_eq!(sampler.given(), 24);
     }
 }

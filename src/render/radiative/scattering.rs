@@ -1,56 +1,36 @@
-//! A place where a path is turned, and what it does to the light that arrives there.
+//! Scattering at a vertex: the phase functions of media, the reflectance of diffuse surfaces.
 
 use super::effects::Effects;
-use super::media::{Media, Set};
-use super::sampler::Draws;
-use crate::geometry::{Ray, SurfacePoint};
+use super::media::{Set, members};
+use super::sampler::Sampler;
+use super::scene_context::SceneContext;
+use super::tracker::Tracker;
+use super::vertex::Vertex;
+use crate::geometry::Ray;
 use crate::math::rng::Purpose;
 use crate::math::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
 use crate::math::{Frame, cos, sin};
-use crate::media::{Deflection, HenyeyGreenstein};
+use crate::media::{Deflection, Density, Phase};
 use crate::render::counters::{Event, Work};
 use glam::DVec3;
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 
-/// A place where a path is turned into a range of directions.
-#[derive(Clone, Copy, Debug)]
-pub enum Vertex {
-    /// A collision in media.
-    Medium {
-        /// World point.
-        point: DVec3,
-        /// Direction of the path that arrived.
-        direction: DVec3,
-        /// The media there.
-        set: Set,
-    },
-    /// A point of a diffuse surface.
-    Diffuse {
-        /// The point.
-        point: SurfacePoint,
-        /// Unit normal on the side that the path arrived from.
-        normal: DVec3,
-        /// Share of light reflected, by channel.
-        reflectance: DVec3,
-    },
-}
-
-/// What a vertex does to light from one direction.
+/// The response of a vertex to light from one direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Response {
-    /// By channel, radiance sent back along the path for a unit of radiance that arrives, per
-    /// steradian: the phase function, or the reflectance over π times the cosine.
+    /// By channel, radiance scattered back along the path per radiance that arrives, per steradian:
+    /// the phase function, or the reflectance over π times the cosine.
     pub value: DVec3,
-    /// Density with which [`Vertex::turn`] chooses the direction, per steradian; of overlapping
-    /// media, which it chooses by what the path carries, one that stands in for it. Weights of
-    /// ways to find the same light use it on all sides, so they add up to 1 either way.
+    /// Density with which [`SceneContext::scatter`] samples the direction, per steradian; of
+    /// overlapping media, which it chooses by the throughput, one that stands in for it. All
+    /// weights of multiple importance sampling use it, so they add up to 1 either way.
     pub pdf: f64,
 }
 
-/// A direction that a path was turned into.
+/// A direction sampled at a vertex.
 #[derive(Clone, Copy, Debug)]
-pub struct Turn {
+pub struct Scattered {
     /// The ray that goes on.
     pub ray: Ray,
     /// By channel, response over density.
@@ -59,28 +39,15 @@ pub struct Turn {
     pub pdf: f64,
 }
 
-impl Vertex {
-    /// The place, world units.
-    pub fn point(&self) -> DVec3 {
-        match self {
-            Vertex::Medium { point, .. } => *point,
-            Vertex::Diffuse { point, .. } => point.position,
-        }
-    }
-
-    /// The response to light from `direction`, of length 1, seen from here.
-    pub fn response<E: Effects, W: Work>(
-        &self,
-        media: &Media<'_>,
-        direction: DVec3,
-        work: &mut W,
-    ) -> Response {
-        match self {
+impl<E: Effects> SceneContext<'_, E> {
+    /// The response of `vertex` to light from `direction`, of length 1, seen from there.
+    pub fn response<W: Work>(&self, vertex: &Vertex, direction: DVec3, work: &mut W) -> Response {
+        match vertex {
             Vertex::Medium {
                 point,
                 direction: arrived,
                 set,
-            } => scattered::<E, W>(media, (*set, *point), arrived.dot(direction), work),
+            } => self.medium_response(*set, *point, arrived.dot(direction), work),
             Vertex::Diffuse {
                 normal,
                 reflectance,
@@ -95,79 +62,45 @@ impl Vertex {
         }
     }
 
-    /// The ray from here to `target`, and its length.
-    pub fn towards_point(&self, target: DVec3) -> Option<(Ray, f64)> {
-        match self {
-            Vertex::Medium { point, .. } => {
-                let ray = Ray::new(*point, target - *point)?;
-                Some((ray, (target - *point).dot(ray.direction)))
-            }
-            Vertex::Diffuse { point, .. } => point.towards_point(target),
-        }
-    }
-
-    /// The ray from here to a point of a surface, and its length up to that surface.
-    pub fn towards(&self, target: &SurfacePoint) -> Option<(Ray, f64)> {
-        match self {
-            Vertex::Medium { point, .. } => {
-                let (back, length) = target.towards_point(*point)?;
-                let ray = Ray {
-                    origin: *point,
-                    direction: -back.direction,
-                };
-                Some((ray, length))
-            }
-            Vertex::Diffuse { point, .. } => point.towards(target),
-        }
-    }
-
-    /// The ray from here along `direction`, of length 1.
-    pub fn leave(&self, direction: DVec3) -> Option<Ray> {
-        match self {
-            Vertex::Medium { point, .. } => Ray::new(*point, direction),
-            Vertex::Diffuse { point, .. } => point.leave(direction),
-        }
-    }
-
-    /// Samples the direction in which a path that carries `throughput` goes on.
-    pub fn turn<E: Effects, W: Work>(
+    /// Samples the direction in which a path of `throughput` goes on from `vertex`.
+    pub fn scatter<W: Work>(
         &self,
-        media: &Media<'_>,
+        vertex: &Vertex,
         throughput: DVec3,
-        draws: &Draws<'_>,
-        work: &mut W,
-    ) -> Option<Turn> {
-        match self {
+        tracker: &mut Tracker<'_, W>,
+    ) -> Option<Scattered> {
+        let Tracker { sampler, work, .. } = tracker;
+        match vertex {
             Vertex::Medium {
                 point,
                 direction,
                 set,
             } => {
-                let place = (*set, *point);
-                let (phase, weight) = chosen_phase::<E, W>(media, place, throughput, draws, work);
-                let [u, v] = draws.pair(Purpose::PhaseDirection, 0, work);
-                let turn = if E::ANISOTROPIC {
+                let (phase, weight) = self.sample_phase(*set, *point, throughput, sampler, *work);
+                let [u, v] = sampler.pair(Purpose::PhaseDirection, 0);
+                let deflection = if E::ANISOTROPIC {
                     phase.deflection(u)
                 } else {
                     Deflection::from_cos(2.0 * u - 1.0)
                 };
                 let azimuth = TAU * v;
-                let sine = turn.sin();
-                let local = DVec3::new(sine * cos(azimuth), sine * sin(azimuth), turn.cos);
-                let towards = Frame::around(*direction).to_world(local);
-                let ray = self.leave(towards)?;
-                let pdf = scattered::<E, W>(media, place, turn.cos, work).pdf;
-                Some(Turn { ray, weight, pdf })
+                let sine = deflection.sin();
+                let local = DVec3::new(sine * cos(azimuth), sine * sin(azimuth), deflection.cos);
+                let ray = vertex.leave(Frame::around(*direction).to_world(local))?;
+                let pdf = self
+                    .medium_response(*set, *point, deflection.cos, *work)
+                    .pdf;
+                Some(Scattered { ray, weight, pdf })
             }
             Vertex::Diffuse {
                 normal,
                 reflectance,
                 ..
             } => {
-                let local = cosine_hemisphere(draws.pair(Purpose::Surface, 0, work));
-                let ray = self.leave(Frame::around(*normal).to_world(local))?;
+                let local = cosine_hemisphere(sampler.pair(Purpose::Surface, 0));
+                let ray = vertex.leave(Frame::around(*normal).to_world(local))?;
                 let pdf = cosine_hemisphere_pdf(local.z);
-                Some(Turn {
+                Some(Scattered {
                     ray,
                     weight: *reflectance,
                     pdf,
@@ -175,108 +108,135 @@ impl Vertex {
             }
         }
     }
-}
 
-/// Response of overlapping media: their phase functions in the proportion of their scattering.
-fn scattered<E: Effects, W: Work>(
-    media: &Media<'_>,
-    (set, point): (Set, DVec3),
-    cosine: f64,
-    work: &mut W,
-) -> Response {
-    let turn = Deflection::from_cos(cosine.clamp(-1.0, 1.0));
-    let value = |phase: HenyeyGreenstein| {
-        if E::ANISOTROPIC {
-            phase.per_steradian(&turn)
-        } else {
-            1.0 / (4.0 * PI)
+    /// Response of the media in `set` at `point`: their phase functions in the proportion of their
+    /// scattering.
+    fn medium_response<W: Work>(
+        &self,
+        set: Set,
+        point: DVec3,
+        cosine: f64,
+        work: &mut W,
+    ) -> Response {
+        let deflection = Deflection::from_cos(cosine.clamp(-1.0, 1.0));
+        let value = |phase: &Phase| {
+            if E::ANISOTROPIC {
+                phase.per_steradian(&deflection)
+            } else {
+                1.0 / (4.0 * PI)
+            }
+        };
+        let lookups = Cell::new(0);
+        let mut scatterers = self.scatterers(set, point, &lookups);
+        let Some((first, phase)) = scatterers.next() else {
+            return Response {
+                value: DVec3::ZERO,
+                pdf: 0.0,
+            };
+        };
+        count_evaluation::<E>(work);
+        let only = value(phase);
+        let (mut all, mut weighted) = (first, first * only);
+        let mut alone = true;
+        for (sigma_s, phase) in scatterers {
+            count_evaluation::<E>(work);
+            all += sigma_s;
+            weighted += sigma_s * value(phase);
+            alone = false;
         }
-    };
-    let lookups = Cell::new(0);
-    let mut scatterers = media.scatterers::<E>(set, point, &lookups);
-    let Some((first, phase)) = scatterers.next() else {
-        return Response {
-            value: DVec3::ZERO,
-            pdf: 0.0,
-        };
-    };
-    count_value::<E, W>(work);
-    let only = value(phase);
-    let (mut all, mut weighted) = (first, first * only);
-    let mut alone = true;
-    for (sigma_s, phase) in scatterers {
-        count_value::<E, W>(work);
-        all += sigma_s;
-        weighted += sigma_s * value(phase);
-        alone = false;
+        work.count_times(Event::DensityLookup, lookups.get());
+        // The point of the collision is rounded: it may lie where none of them is.
+        if alone || all == DVec3::ZERO {
+            return Response {
+                value: DVec3::splat(only),
+                pdf: only,
+            };
+        }
+        Response {
+            value: share(weighted, all),
+            pdf: (weighted.x + weighted.y + weighted.z) / (all.x + all.y + all.z),
+        }
     }
-    work.count_times(Event::DensityLookup, lookups.get());
-    // The place of the collision is rounded: it may lie where none of them is.
-    if alone || all == DVec3::ZERO {
-        return Response {
-            value: DVec3::splat(only),
-            pdf: only,
-        };
+
+    /// One of the overlapping media, sampled in the proportion of their scattering of the
+    /// throughput, and by channel its share of the scattering over its probability. So the channels
+    /// together carry as much as before, however often media are sampled.
+    fn sample_phase<W: Work>(
+        &self,
+        set: Set,
+        point: DVec3,
+        throughput: DVec3,
+        sampler: &mut Sampler,
+        work: &mut W,
+    ) -> (&Phase, DVec3) {
+        let lookups = Cell::new(0);
+        let mut scatterers = self.scatterers(set, point, &lookups);
+        let (first, phase) = scatterers
+            .next()
+            .expect("a collision is in a medium that scatters");
+        let all = scatterers.fold(first, |sum, (sigma_s, _)| sum + sigma_s);
+        let uncounted = Cell::new(0);
+        let alone = self.scatterers(set, point, &uncounted).nth(1).is_none();
+        if alone || all == DVec3::ZERO {
+            return (phase, DVec3::ONE);
+        }
+        let carried = |sigma_s: DVec3| throughput.dot(share(sigma_s, all));
+        if carried(all) == 0.0 {
+            // The point of the collision is rounded: it may lie where the scattering is of a colour
+            // that the path does not carry.
+            return (phase, DVec3::ONE);
+        }
+        let mut left = sampler.one(Purpose::Collision) * carried(all);
+        let (mut chosen, mut sigma_s) = (phase, first);
+        for (candidate, phase) in self.scatterers(set, point, &lookups) {
+            let carried = carried(candidate);
+            if carried == 0.0 {
+                continue;
+            }
+            (chosen, sigma_s) = (phase, candidate);
+            if left < carried {
+                break;
+            }
+            left -= carried;
+        }
+        work.count_times(Event::DensityLookup, lookups.get());
+        let weight = share(sigma_s, all) * (carried(all) / carried(sigma_s));
+        (chosen, weight)
     }
-    Response {
-        value: share(weighted, all),
-        pdf: (weighted.x + weighted.y + weighted.z) / (all.x + all.y + all.z),
+
+    /// Scattering coefficient and phase function of each medium in `set` that scatters, at the
+    /// world point `point`, which lies in all of them. Of one medium alone, the coefficient is
+    /// not looked up: it has nothing to be compared with. Adds to `lookups`.
+    fn scatterers(
+        &self,
+        set: Set,
+        point: DVec3,
+        lookups: &Cell<u64>,
+    ) -> impl Iterator<Item = (DVec3, &Phase)> {
+        // Not by the properties on a segment, which may vanish where the scattering does not.
+        let scatters = |&index: &usize| {
+            let medium = self.media.medium(index);
+            medium.unit.scatters() && !medium.density.is_some_and(Density::is_nothing)
+        };
+        let alone = !E::HETEROGENEOUS || members(set).filter(scatters).nth(1).is_none();
+        members(set).filter(scatters).map(move |index| {
+            let medium = self.media.medium(index);
+            if alone {
+                return (medium.unit.sigma_s, &medium.phase);
+            }
+            let mut count = lookups.get();
+            let sigma_s = medium.sigma_s(point, &mut count);
+            lookups.set(count);
+            (sigma_s, &medium.phase)
+        })
     }
 }
 
-/// Counts a value of a phase function; where every direction is alike there is none to compute.
-fn count_value<E: Effects, W: Work>(work: &mut W) {
+/// Counts the value of a phase function; an isotropic one is constant.
+fn count_evaluation<E: Effects>(work: &mut impl Work) {
     if E::ANISOTROPIC {
         work.count(Event::PhaseEvaluation);
     }
-}
-
-/// One of the overlapping media, chosen in the proportion of what they scatter of the throughput
-/// of the path, and by channel its share of the scattering over the probability of the choice.
-/// So the channels together carry as much as before, however often media are chosen.
-fn chosen_phase<E: Effects, W: Work>(
-    media: &Media<'_>,
-    (set, point): (Set, DVec3),
-    throughput: DVec3,
-    draws: &Draws<'_>,
-    work: &mut W,
-) -> (HenyeyGreenstein, DVec3) {
-    let lookups = Cell::new(0);
-    let mut scatterers = media.scatterers::<E>(set, point, &lookups);
-    let (first, phase) = scatterers
-        .next()
-        .expect("a collision is in matter that scatters");
-    let all = scatterers.fold(first, |sum, (sigma_s, _)| sum + sigma_s);
-    if media
-        .scatterers::<E>(set, point, &Cell::new(0))
-        .nth(1)
-        .is_none()
-        || all == DVec3::ZERO
-    {
-        return (phase, DVec3::ONE);
-    }
-    let carried = |sigma_s: DVec3| throughput.dot(share(sigma_s, all));
-    if carried(all) == 0.0 {
-        // The place of the collision is rounded: it may lie where what scatters is of a colour
-        // that the path does not carry.
-        return (phase, DVec3::ONE);
-    }
-    let mut left = draws.one(Purpose::Collision, work) * carried(all);
-    let (mut chosen, mut sigma_s) = (phase, first);
-    for (candidate, phase) in media.scatterers::<E>(set, point, &lookups) {
-        let carried = carried(candidate);
-        if carried == 0.0 {
-            continue;
-        }
-        (chosen, sigma_s) = (phase, candidate);
-        if left < carried {
-            break;
-        }
-        left -= carried;
-    }
-    work.count_times(Event::DensityLookup, lookups.get());
-    let weight = share(sigma_s, all) * (carried(all) / carried(sigma_s));
-    (chosen, weight)
 }
 
 /// `a/b` by channel; 0 where nothing scatters.

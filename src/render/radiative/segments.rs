@@ -1,78 +1,79 @@
-//! The matter along a ray: stretches within which nothing changes.
+//! The media along a ray: segments between their boundaries.
 //!
-//! Boundaries of media do not turn light here (their refractive index is that of what surrounds
+//! Boundaries of media do not refract here (their refractive index is that of what surrounds
 //! them), so a straight path crosses them all. It is cut where any medium begins or ends; in
 //! between, coefficients and emissions of the media that overlap add up. Nothing is remembered
 //! from one ray to the next: where a ray begins decides what it begins in, so no count of
 //! crossings can go wrong.
 //!
-//! A medium of varying density has no coefficients of its own on a stretch. There light is
-//! followed by [tracking](super::tracking), and what the stretch is said to be made of stands in
-//! for it where a density of choosing places is needed, which may be any.
+//! A heterogeneous medium has no coefficients of its own on a segment. There light is followed by
+//! [tracking](super::tracking), and the properties of the segment are those of a homogeneous medium
+//! by which points are sampled: any will do.
 
-use super::media::{Matter, Media, Set, over};
+use super::media::{Media, Set};
+use super::medium::{MediumProperties, over};
 use crate::geometry::{Ray, Solid, Span};
 use crate::media::optical_depth;
 use glam::DVec3;
 
-/// A stretch of a ray through the same matter.
+/// A segment of a ray within which no medium begins or ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretch {
-    /// From where to where, in world units from the origin of the ray.
+pub struct MediumSegment {
+    /// Distances from the origin of the ray.
     pub span: Span,
-    /// Its matter; where a density varies, with what stands in for it.
-    pub matter: Matter,
+    /// Properties of the media there; of heterogeneous ones those by which points are sampled.
+    pub properties: MediumProperties,
     /// The media there.
     pub set: Set,
 }
 
-/// Optical depths by channel from the origin of a ray to a place on it.
+/// Optical depths by channel from the origin of a ray to a point on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Depths {
+pub struct OpticalDepths {
     /// Of the media that scatter.
     pub scattering: DVec3,
     /// Of those that only absorb.
-    pub dimming: DVec3,
+    pub absorbing: DVec3,
 }
 
-impl Depths {
-    /// Of everything.
-    pub fn all(&self) -> DVec3 {
-        self.scattering + self.dimming
+impl OpticalDepths {
+    /// Of all media.
+    pub fn total(&self) -> DVec3 {
+        self.scattering + self.absorbing
     }
 }
 
 /// The media along one ray, in order; memory is kept from ray to ray.
 #[derive(Debug, Default)]
-pub struct MediaPath {
-    stretches: Vec<Stretch>,
+pub struct MediumSegments {
+    segments: Vec<MediumSegment>,
     edges: Vec<Edge>,
     spans: Vec<Span>,
 }
 
-/// Where a medium begins or ends.
+/// The beginning or end of a medium.
 #[derive(Clone, Copy, Debug)]
 struct Edge {
     t: f64,
     medium: usize,
 }
 
-impl MediaPath {
-    /// Lays `media` along `ray`, from its origin to `end`, which may be infinite.
-    pub fn lay(&mut self, media: &Media<'_>, ray: &Ray, end: f64) {
+impl MediumSegments {
+    /// Builds the segments of `media` along `ray`, from its origin to `end`, which may be infinite.
+    pub fn build(&mut self, media: &Media<'_>, ray: &Ray, end: f64) {
         self.edges.clear();
-        self.stretches.clear();
-        for (medium, body) in media.all().iter().enumerate() {
+        self.segments.clear();
+        for (index, medium) in media.all().iter().enumerate() {
             self.spans.clear();
-            match body.boundary {
+            match medium.boundary {
                 None => self.spans.push(Span {
                     near: 0.0,
                     far: end,
                 }),
                 Some(boundary) => boundary.append_spans(ray, &mut self.spans),
             }
-            if body.is_nothing() {
-                // Nothing begins here: a cut would round the depths of what goes on.
+            if medium.is_vacuum() {
+                // A cut here would round the depths of the others.
                 continue;
             }
             for span in &self.spans {
@@ -80,13 +81,16 @@ impl MediaPath {
                 if span.near < far {
                     self.edges.push(Edge {
                         t: span.near,
-                        medium,
+                        medium: index,
                     });
-                    self.edges.push(Edge { t: far, medium });
+                    self.edges.push(Edge {
+                        t: far,
+                        medium: index,
+                    });
                 }
             }
         }
-        // Two are the beginning and the end of one stretch, in this order.
+        // Two are the beginning and the end of one medium, in this order.
         if self.edges.len() > 2 {
             self.edges
                 .sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.medium.cmp(&b.medium)));
@@ -94,69 +98,69 @@ impl MediaPath {
         let (mut set, mut near) = (0, 0.0);
         for &Edge { t, medium } in &self.edges {
             if set != 0 && near < t {
-                self.stretches.push(Stretch {
+                self.segments.push(MediumSegment {
                     span: Span { near, far: t },
-                    matter: media.matter(set),
+                    properties: media.on_segment(set),
                     set,
                 });
             }
-            // A medium whose stretches touch ends and begins at one place: twice is not at all.
+            // A medium whose spans touch ends and begins at one distance: twice is not at all.
             set ^= 1 << medium;
             near = t;
         }
     }
 
-    /// The stretches, in order.
-    pub fn stretches(&self) -> &[Stretch] {
-        &self.stretches
+    /// The segments, in order.
+    pub fn all(&self) -> &[MediumSegment] {
+        &self.segments
     }
 
     /// Optical depth by channel over the whole ray.
-    pub fn depth(&self) -> DVec3 {
-        self.stretches.iter().map(Stretch::depth).sum()
+    pub fn optical_depth(&self) -> DVec3 {
+        self.segments.iter().map(MediumSegment::optical_depth).sum()
     }
 
-    /// Optical depths by channel up to distance `t`, and the stretch there, if there is matter.
-    pub fn depths_to(&self, t: f64) -> (Depths, Option<&Stretch>) {
-        let mut depths = Depths::default();
-        for stretch in &self.stretches {
-            if t < stretch.span.near {
+    /// Optical depths by channel up to distance `t`, and the segment there, if there is a medium.
+    pub fn depths_to(&self, t: f64) -> (OpticalDepths, Option<&MediumSegment>) {
+        let mut depths = OpticalDepths::default();
+        for segment in &self.segments {
+            if t < segment.span.near {
                 break;
             }
-            let inside = t < stretch.span.far;
-            let length = if inside { t } else { stretch.span.far } - stretch.span.near;
-            depths.scattering += over(stretch.matter.sigma_t, length);
-            depths.dimming += over(stretch.matter.dimming, length);
+            let inside = t < segment.span.far;
+            let length = if inside { t } else { segment.span.far } - segment.span.near;
+            depths.scattering += over(segment.properties.sigma_t, length);
+            depths.absorbing += over(segment.properties.absorbing, length);
             if inside {
-                return (depths, Some(stretch));
+                return (depths, Some(segment));
             }
         }
         (depths, None)
     }
 
-    /// Where the depth of the media that scatter, in one channel, reaches `goal`; the end of the
-    /// last of them where it does not.
-    pub fn place_at(&self, goal: f64, channel: usize) -> f64 {
-        let (mut depth, mut last) = (0.0, 0.0);
-        for stretch in self.stretches.iter().filter(|s| s.matter.scatters()) {
-            let sigma_t = stretch.matter.sigma_t[channel];
-            let Span { near, far } = stretch.span;
+    /// Distance at which the depth of the media that scatter reaches `depth` in one channel; the
+    /// end of the last of them where it does not.
+    pub fn distance_at(&self, depth: f64, channel: usize) -> f64 {
+        let (mut passed, mut last) = (0.0, 0.0);
+        for segment in self.segments.iter().filter(|s| s.properties.scatters()) {
+            let sigma_t = segment.properties.sigma_t[channel];
+            let Span { near, far } = segment.span;
             let whole = optical_depth(sigma_t, far - near);
-            let rest = (goal - depth).max(0.0);
+            let rest = (depth - passed).max(0.0);
             if rest < whole {
                 return (near + rest / sigma_t).min(far);
             }
-            depth += whole;
+            passed += whole;
             last = far;
         }
         last
     }
 
-    /// From where the first medium that scatters begins to where the last ends.
+    /// The span from the beginning of the first medium that scatters to the end of the last.
     pub fn scattering_span(&self) -> Option<Span> {
-        let mut scattering = self.stretches.iter().filter(|s| s.matter.scatters());
+        let mut scattering = self.segments.iter().filter(|s| s.properties.scatters());
         let first = scattering.next()?.span;
-        let last = scattering.next_back().map_or(first, |stretch| stretch.span);
+        let last = scattering.next_back().map_or(first, |segment| segment.span);
         Some(Span {
             near: first.near,
             far: last.far,
@@ -164,10 +168,9 @@ impl MediaPath {
     }
 }
 
-impl Stretch {
-    /// Optical depth, by channel, of the whole stretch.
-    pub fn depth(&self) -> DVec3 {
-        let extinction = self.matter.sigma_t + self.matter.dimming;
-        over(extinction, self.span.length())
+impl MediumSegment {
+    /// Optical depth, by channel, of the whole segment.
+    pub fn optical_depth(&self) -> DVec3 {
+        over(self.properties.extinction(), self.span.length())
     }
 }

@@ -1,8 +1,8 @@
-//! Light from a point that media turn into a ray, once, somewhere along it.
+//! Single scattering of a positioned light along a ray: equiangular sampling.
 //!
 //! Near the light the irradiance grows with one over the squared distance, and a path that
-//! collides near it by chance carries that factor: its variance has no bound. So the place on
-//! the ray is chosen for the light instead: by equal angles seen from it, which takes the factor
+//! collides near it by chance carries that factor: its variance has no bound. So a point of
+//! the ray is sampled for the light instead: by equal angles seen from it, which takes the factor
 //! away, or by free flight, which suits dense media, with equal probability; the sample is
 //! weighted by the mean of both densities.
 //!
@@ -10,30 +10,37 @@
 //! participating media", Computer Graphics Forum 31, 1519–1528.
 
 use super::effects::Effects;
-use super::intersection::Surroundings;
-use super::media::transmittance;
-use super::sampler::Draws;
-use super::scattering::Vertex;
-use super::segments::{Depths, MediaPath, Stretch};
+use super::media::Set;
+use super::scene_context::{PositionedLight, SceneContext};
+use super::segments::{MediumSegment, MediumSegments, OpticalDepths};
 use super::tracker::Tracker;
+use super::vertex::Vertex;
 use crate::geometry::{Ray, Span, direction_of};
-use crate::math::rng::Purpose;
-use crate::math::sampling::{Equiangular, LightOnRay};
-use crate::math::{exp, exp_m1, ln_1p};
+use crate::math::sampling::{
+    Equiangular, LightOnRay, truncated_free_flight_pdf, truncated_optical_distance,
+};
+use crate::media::opacity;
 use crate::optics::{Light, Spot};
 use crate::render::counters::Work;
 use glam::DVec3;
 use std::marker::PhantomData;
 
-/// The stretch of `ray` on which `light` shines on matter that scatters, if there is one.
-pub fn lit_span(path: &MediaPath, ray: &Ray, light: &Light) -> Option<Span> {
-    let matter = path.scattering_span()?;
+/// The span of `ray` on which `light` shines on media that scatter, if there is one.
+pub fn lit_span(segments: &MediumSegments, ray: &Ray, light: &Light) -> Option<Span> {
+    let scattering = segments.scattering_span()?;
     let lit = match light {
-        Light::Spot(spot) => within_cone(spot, ray, matter)?,
-        Light::Point(_) | Light::Directional(_) => matter,
+        Light::Spot(spot) => within_cone(spot, ray, scattering)?,
+        Light::Point(_) | Light::Directional(_) => scattering,
     };
     (lit.near < lit.far).then_some(lit)
 }
+
+/// Bound on the error of a root of the cone, relative to the lengths that it is made of.
+///
+/// The discriminant `B² − AC` is off by 8 roundings of its terms, the root by that over `2√(B² − AC)`:
+/// by less than 1e-9 where the discriminant is more than 2e-13 of its terms. Where it is less, the
+/// ray touches the cone, and less than 1e-6 of the lengths is lit.
+const MARGIN: f64 = 1e-9;
 
 /// The part of `span` in the cone of a spotlight, or a little more than it.
 ///
@@ -44,11 +51,11 @@ fn within_cone(spot: &Spot, ray: &Ray, span: Span) -> Option<Span> {
     if spot.cos_outer() <= 0.0 {
         return Some(span);
     }
-    let Roots {
+    let ConeRoots {
         roots,
         foot,
         distance,
-    } = Roots::new(spot, ray);
+    } = ConeRoots::new(spot, ray);
     let mut ends = [span.near, span.far, span.near, span.far];
     match roots {
         Some(roots) => {
@@ -79,17 +86,16 @@ fn within_cone(spot: &Spot, ray: &Ray, span: Span) -> Option<Span> {
     let mut inside = pieces.into_iter().filter(|&[near, far]| lit(near, far));
     let first = inside.next()?;
     let last = inside.next_back().unwrap_or(first);
-    // The roots are off by some roundings of the lengths involved, by more where the ray nearly
-    // touches the cone and next to nothing is lit: a little wider. What is not lit in there
-    // counts as dark.
-    let margin = 1e-9 * (foot.abs() + distance + first[0].abs());
+    // A little wider than the roots: what is not lit in there counts as dark.
+    let margin = MARGIN * (foot.abs() + distance + first[0].abs());
     Some(Span {
         near: (first[0] - margin).max(span.near),
         far: (last[1] + margin).min(span.far),
     })
 }
 
-/// Where the light on `ray` begins or ends at the edge of the cone of `light`, to the last place.
+/// Distances at which the light on `ray` begins or ends at the edge of the cone of `light`, to the
+/// last place.
 ///
 /// An integral has to be cut there. A rule of some points, laid over light and a sliver of dark
 /// beside it, does not see the dark: its outermost point lies half a hundredth of the way inside.
@@ -97,27 +103,28 @@ pub fn edges(light: &Light, ray: &Ray) -> Vec<f64> {
     let Light::Spot(spot) = light else {
         return vec![];
     };
-    let Roots {
+    let ConeRoots {
         roots,
         foot,
         distance,
-    } = Roots::new(spot, ray);
+    } = ConeRoots::new(spot, ray);
     let Some([a, b]) = roots else {
         return vec![];
     };
     let [first, last] = [a.min(b), a.max(b)];
     // A root that is no number leaves the other alone.
-    let middle = match first.is_finite() && last.is_finite() {
-        true => first + 0.5 * (last - first),
-        false => f64::NAN,
+    let middle = if first.is_finite() && last.is_finite() {
+        first + 0.5 * (last - first)
+    } else {
+        f64::NAN
     };
     let edges = [first, last]
         .into_iter()
         .enumerate()
         .filter_map(|(index, root)| {
-            // As in `within_cone`, far more than roundings; but each stays on its side of the other. If
-            // light does not change in between, the ray only touches the cone.
-            let margin = 1e-9 * (foot.abs() + distance + root.abs());
+            // Each stays on its side of the other. If light does not change in between, the ray only
+            // touches the cone.
+            let margin = MARGIN * (foot.abs() + distance + root.abs());
             let (mut from, mut to) = match index {
                 0 => (root - margin, (root + margin).min(middle)),
                 _ => ((root - margin).max(middle), root + margin),
@@ -132,24 +139,25 @@ pub fn edges(light: &Light, ray: &Ray) -> Vec<f64> {
                 if !(from < middle && middle < to) {
                     return Some(to);
                 }
-                match shines_on(spot, ray, middle) == before {
-                    true => from = middle,
-                    false => to = middle,
+                if shines_on(spot, ray, middle) == before {
+                    from = middle;
+                } else {
+                    to = middle;
                 }
             }
         });
     edges.collect()
 }
 
-/// Whether `spot` shines on the place at distance `t`, were nothing in the way.
+/// `spot` shines on the point at distance `t`, without occlusion.
 fn shines_on(spot: &Spot, ray: &Ray, t: f64) -> bool {
-    // Where the light itself is the place, the ray leaves it along its direction.
+    // At the light itself the ray leaves it along its direction.
     let towards = direction_of(ray.at(t) - spot.position).unwrap_or(ray.direction);
     spot.falloff(towards) > 0.0
 }
 
-/// Where a line meets the cone of a spotlight, or the mirror image of it on the other side.
-struct Roots {
+/// Intersections of a line with the cone of a spotlight, or its mirror image on the other side.
+struct ConeRoots {
     /// Distances from the origin of the ray, in no order; numbers only where there are two. `None`
     /// where the line misses.
     roots: Option<[f64; 2]>,
@@ -159,8 +167,8 @@ struct Roots {
     distance: f64,
 }
 
-impl Roots {
-    fn new(spot: &Spot, ray: &Ray) -> Roots {
+impl ConeRoots {
+    fn new(spot: &Spot, ray: &Ray) -> ConeRoots {
         let c = spot.cos_outer();
         // Both measured from the foot of the perpendicular from the light, where v² is smallest.
         let foot = (spot.position - ray.origin).dot(ray.direction);
@@ -176,7 +184,7 @@ impl Roots {
             let sum = -(b + discriminant.sqrt().copysign(b));
             [foot + sum / a, foot + constant / sum]
         });
-        Roots {
+        ConeRoots {
             roots,
             foot,
             distance: v.length(),
@@ -184,153 +192,127 @@ impl Roots {
     }
 }
 
-/// How places on a ray are chosen for a light with a position.
-pub struct Places<'p, E> {
-    path: &'p MediaPath,
+/// Samples points on a ray for single scattering of a positioned light.
+pub struct ScatteringPointSampler<'p, E> {
+    segments: &'p MediumSegments,
     lit: Span,
     foot: f64,
     equiangular: Equiangular,
     flight: TruncatedFlight<E>,
 }
 
-/// A place on a ray, in matter that scatters. Where the density varies, depths and stretch tell
-/// how it was chosen, not what is there.
+/// A point on a ray, in media that scatter.
 #[derive(Clone, Copy, Debug)]
-pub struct Place<'p> {
+pub struct ScatteringPoint {
     /// Distance from the origin of the ray.
     pub t: f64,
-    /// Density with which it is chosen, per length.
+    /// Density with which it is sampled, per length.
     pub pdf: f64,
-    /// Optical depths up to there.
-    pub depths: Depths,
-    /// What is there.
-    pub stretch: &'p Stretch,
+    /// Optical depths of the homogeneous media up to there.
+    pub depths: OpticalDepths,
+    /// Scattering of the homogeneous media there.
+    pub sigma_s: DVec3,
+    /// The media there.
+    pub set: Set,
 }
 
-impl<'p, E: Effects> Places<'p, E> {
-    /// Places for `light`, which stands at `position`, on the `ray` along which media lie as
-    /// `path`. `None` where it shines on no matter that scatters.
+impl ScatteringPoint {
+    /// The point at distance `t` in `segment`.
+    pub fn new(t: f64, pdf: f64, depths: OpticalDepths, segment: &MediumSegment) -> Self {
+        ScatteringPoint {
+            t,
+            pdf,
+            depths,
+            sigma_s: segment.properties.sigma_s,
+            set: segment.set,
+        }
+    }
+}
+
+impl<'p, E: Effects> ScatteringPointSampler<'p, E> {
+    /// A sampler for `light` on `ray`, along which the media are `segments`. `None` where it shines
+    /// on no media that scatter.
     ///
     /// # Errors
     ///
     /// [`LightOnRay`] where the light lies on the ray.
     pub fn new(
-        path: &'p MediaPath,
+        segments: &'p MediumSegments,
         ray: &Ray,
-        light: &Light,
-        position: DVec3,
+        light: &PositionedLight<'_>,
     ) -> Result<Option<Self>, LightOnRay> {
-        let Some(lit) = lit_span(path, ray, light) else {
+        let Some(lit) = lit_span(segments, ray, light.light) else {
             return Ok(None);
         };
-        let foot = (position - ray.origin).dot(ray.direction);
-        let distance = (ray.at(foot) - position).length();
-        Ok(Some(Places {
-            path,
+        let foot = (light.position - ray.origin).dot(ray.direction);
+        let distance = (ray.at(foot) - light.position).length();
+        Ok(Some(ScatteringPointSampler {
+            segments,
             lit,
             foot,
             equiangular: Equiangular::new(distance, lit.near - foot, lit.far - foot)?,
-            flight: TruncatedFlight::new(path, lit),
+            flight: TruncatedFlight::new(segments, lit),
         }))
     }
 
-    /// The place that belongs to two numbers in [0, 1).
-    pub fn choose(&self, [choice, u]: [f64; 2]) -> Option<Place<'p>> {
+    /// The point that belongs to two numbers in [0, 1).
+    pub fn sample(&self, [choice, u]: [f64; 2]) -> Option<ScatteringPoint> {
         let t = if choice < 0.5 {
             self.foot + self.equiangular.place(u)
         } else {
-            // What is left of the choice chooses the channel.
-            self.flight.place(self.path, u, 2.0 * choice - 1.0)
+            // The rest of the choice chooses the channel.
+            self.flight.sample(self.segments, u, 2.0 * choice - 1.0)
         };
         self.at(t.clamp(self.lit.near, self.lit.far))
     }
 
-    /// The place at distance `t`, if it is one that can be chosen.
-    pub fn at(&self, t: f64) -> Option<Place<'p>> {
+    /// The point at distance `t`, if it is one that can be sampled.
+    pub fn at(&self, t: f64) -> Option<ScatteringPoint> {
         if !(self.lit.near <= t && t <= self.lit.far) {
             return None;
         }
-        let (depths, stretch) = self.path.depths_to(t);
-        let stretch = stretch.filter(|stretch| stretch.matter.scatters())?;
-        let by_flight = self.flight.pdf(&depths, stretch.matter.sigma_t);
-        Some(Place {
-            t,
-            pdf: 0.5 * (self.equiangular.pdf(t - self.foot) + by_flight),
-            depths,
-            stretch,
-        })
+        let (depths, segment) = self.segments.depths_to(t);
+        let segment = segment.filter(|segment| segment.properties.scatters())?;
+        let by_flight = self.flight.pdf(&depths, segment.properties.sigma_t);
+        let pdf = 0.5 * (self.equiangular.pdf(t - self.foot) + by_flight);
+        Some(ScatteringPoint::new(t, pdf, depths, segment))
     }
 }
 
-impl<E: Effects> Surroundings<'_, E> {
-    /// Chooses a place on `ray` for `light`, which stands at `position` and has number `index`,
-    /// and estimates the radiance that it sends into the ray there. `None` where it shines on
-    /// nothing there.
-    ///
-    /// # Errors
-    ///
-    /// [`LightOnRay`] where the light lies on the ray: the radiance has no bound.
-    #[allow(
-        clippy::type_complexity,
-        clippy::too_many_arguments,
-        reason = "a step of an estimator, and memory to work in"
-    )]
-    pub fn by_turning_into<'p, W: Work>(
-        &self,
-        path: &'p MediaPath,
-        ray: &Ray,
-        (light, position, index): (&Light, DVec3, usize),
-        draws: &Draws<'_>,
-        tracker: &mut Tracker,
-        work: &mut W,
-    ) -> Result<Option<(DVec3, Place<'p>)>, LightOnRay> {
-        let Some(places) = Places::<E>::new(path, ray, light, position)? else {
-            return Ok(None);
-        };
-        let Some(place) = places.choose(draws.pair(Purpose::LightDistance, index, work)) else {
-            return Ok(None);
-        };
-        let radiance = self.scattered_at(ray, &place, light, tracker, work);
-        Ok(Some((radiance / place.pdf, place)))
-    }
-
-    /// Radiance per length that `light` sends into the ray by one scattering at a place, as the
-    /// origin of the ray sees it.
-    pub fn scattered_at<W: Work>(
+impl<E: Effects> SceneContext<'_, E> {
+    /// Radiance per length that `light` contributes to `ray` by single scattering at `point`, seen
+    /// from the origin of the ray.
+    pub fn in_scattered_radiance<W: Work>(
         &self,
         ray: &Ray,
-        place: &Place<'_>,
+        point: &ScatteringPoint,
         light: &Light,
-        tracker: &mut Tracker,
-        work: &mut W,
+        tracker: &mut Tracker<'_, W>,
     ) -> DVec3 {
         let vertex = Vertex::Medium {
-            point: ray.at(place.t),
+            point: ray.at(point.t),
             direction: ray.direction,
-            set: place.stretch.set,
+            set: point.set,
         };
-        if !E::HETEROGENEOUS || !self.media.vary() {
-            let sent = self.by_light(&vertex, light, tracker, work);
-            let through = transmittance::<E, W>(place.depths.all(), work);
-            return sent * place.stretch.matter.sigma_s * through;
+        if !self.is_heterogeneous() {
+            let scattered = self.direct_light(&vertex, light, tracker);
+            let transmittance = self.closed_transmittance(point.depths.total(), tracker.work);
+            return scattered * point.sigma_s * transmittance;
         }
-        let sigma_s = self.media.sigma_s(place.stretch.set, vertex.point(), work);
+        let sigma_s = self.media.sigma_s(point.set, vertex.point(), tracker.work);
         if sigma_s == DVec3::ZERO {
             return DVec3::ZERO;
         }
-        let sent = self.by_light(&vertex, light, tracker, work);
-        let through = self
-            .media
-            .transmittance::<E, W>(ray, place.t, tracker, work);
-        sent * sigma_s * through
+        let scattered = self.direct_light(&vertex, light, tracker);
+        scattered * sigma_s * self.transmittance(ray, point.t, tracker)
     }
 }
 
-/// Free flight of those alone that collide on a stretch of the ray; in chromatic media by one of
+/// Free flight of those alone that collide on a span of the ray; in chromatic media by one of
 /// the channels that can, all equally likely.
 struct TruncatedFlight<E> {
     before: DVec3,
-    /// Probability, by channel, of a collision on the stretch.
+    /// Probability, by channel, of a collision on the span.
     colliding: DVec3,
     /// Channels in which it is not 0.
     channels: f64,
@@ -338,13 +320,13 @@ struct TruncatedFlight<E> {
 }
 
 impl<E: Effects> TruncatedFlight<E> {
-    fn new(path: &MediaPath, lit: Span) -> Self {
-        let before = path.depths_to(lit.near).0.scattering;
-        let depth = path.depths_to(lit.far).0.scattering - before;
+    fn new(segments: &MediumSegments, lit: Span) -> Self {
+        let before = segments.depths_to(lit.near).0.scattering;
+        let depth = segments.depths_to(lit.far).0.scattering - before;
         let mut colliding = DVec3::ZERO;
         let mut channels = 0.0;
         for c in 0..Self::CHANNELS {
-            colliding[c] = -exp_m1(-depth[c]);
+            colliding[c] = opacity(depth[c]);
             channels += if colliding[c] > 0.0 { 1.0 } else { 0.0 };
         }
         TruncatedFlight {
@@ -358,7 +340,7 @@ impl<E: Effects> TruncatedFlight<E> {
     /// Channels that differ.
     const CHANNELS: usize = if E::CHROMATIC { 3 } else { 1 };
 
-    fn place(&self, path: &MediaPath, u: f64, choice: f64) -> f64 {
+    fn sample(&self, segments: &MediumSegments, u: f64, choice: f64) -> f64 {
         let mut nth = (choice * self.channels) as usize;
         let mut channel = 0;
         for c in 0..Self::CHANNELS {
@@ -370,16 +352,16 @@ impl<E: Effects> TruncatedFlight<E> {
                 nth -= 1;
             }
         }
-        let into = -ln_1p(-(u * self.colliding[channel]));
-        path.place_at(self.before[channel] + into, channel)
+        let into = truncated_optical_distance(self.colliding[channel], u);
+        segments.distance_at(self.before[channel] + into, channel)
     }
 
-    /// Density, per length, where the extinction of what scatters is `sigma_t` and the depths up
-    /// to there are `depths`.
-    fn pdf(&self, depths: &Depths, sigma_t: DVec3) -> f64 {
+    /// Density, per length, where the extinction of the media that scatter is `sigma_t` and the
+    /// depths up to there are `depths`.
+    fn pdf(&self, depths: &OpticalDepths, sigma_t: DVec3) -> f64 {
         let density = |c: usize| {
             let into = depths.scattering[c] - self.before[c];
-            sigma_t[c] * exp(-into) / self.colliding[c]
+            truncated_free_flight_pdf(sigma_t[c], into, self.colliding[c])
         };
         let mut colliding = (0..Self::CHANNELS).filter(|&c| self.colliding[c] > 0.0);
         let Some(first) = colliding.next().map(density) else {

@@ -1,9 +1,9 @@
-//! Light through matter that differs from place to place, by random numbers and bounds.
+//! Tracking: estimators of free flights and transmittances through heterogeneous media.
 //!
-//! Where the extinction along a ray has no integral at hand, it is compared with a bound that
-//! has: tentative collisions come as often as the bound `σ̄` says, and the extinction `σ ≤ σ̄` at
-//! each of them tells what it was. The walk from one to the next is written once; estimators
-//! differ in what they make of it. None has a bias, none has a step.
+//! Where the extinction along a ray has no integral at hand, it is compared with a majorant that
+//! has: tentative collisions have the density of the majorant `σ̄`, and the extinction `σ ≤ σ̄` at
+//! each of them decides what becomes of it. The walk from one to the next is written once;
+//! estimators differ in what they do there. None has a bias, none has a step.
 //!
 //! | estimator | variance | mean look-ups |
 //! |---|---|---|
@@ -11,204 +11,221 @@
 //! | ratio tracking | `T² (exp ∫ σ²/σ̄ dt − 1)` | `∫ σ̄ dt` |
 //! | residual ratio tracking, control `c` | the same with `σ − c` and `σ̄ − c` | `∫ (σ̄ − c) dt` |
 //!
-//! An extinction above its bound is a fault of the bound. It is counted, and whoever asked must
+//! An extinction above its majorant is a fault of the majorant. It is counted, and the caller must
 //! refuse the result: ratio tracking keeps its mean even then, delta tracking does not.
 //!
 //! Sources: Woodcock et al. 1965, ANL-7050, 557–579 (delta tracking); Novák, Selle & Jarosz 2014,
 //! "Residual ratio tracking for estimating attenuation in participating media", ACM TOG 33(6).
 
 use crate::geometry::Span;
-use crate::math::exp;
-use crate::media::optical_depth;
+use crate::media::{optical_depth, transmittance};
 use glam::DVec3;
 use std::ops::ControlFlow::{self, Break, Continue};
 
-/// A stretch of a ray, and bounds on the extinction over it, by channel.
+/// Bounds on the extinction, by channel, over a segment of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
-    /// The stretch.
+pub struct MajorantSegment {
+    /// The segment.
     pub span: Span,
-    /// No extinction is below.
-    pub low: DVec3,
-    /// None is above.
-    pub high: DVec3,
-    /// No emission is above.
-    pub glow: DVec3,
+    /// Lower bound on the extinction.
+    pub minorant: DVec3,
+    /// Upper bound on the extinction.
+    pub majorant: DVec3,
+    /// Upper bound on the emission.
+    pub emission: DVec3,
 }
 
-/// Extinction along a ray that is known by look-ups and bounds.
-pub trait Bounded {
-    /// The next stretch and bounds over it; stretches follow one another without gaps.
-    fn next_stretch(&mut self) -> Option<Bounds>;
-
-    /// Extinction at distance `t`, which lies on the stretch last returned, by channel.
+/// Extinction along a ray, known by look-ups and majorants. Segments follow one another without
+/// gaps.
+pub trait Majorants: Iterator<Item = MajorantSegment> {
+    /// Extinction at distance `t`, which lies on the segment last returned, by channel.
     fn extinction(&mut self, t: f64) -> DVec3;
 }
 
 /// The random numbers of one tentative collision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tentative {
-    /// How much of the bound, added up along the ray, lies before it: exponentially distributed,
-    /// of mean 1.
-    pub way: f64,
-    /// What becomes of it: uniform in [0, 1).
+    /// Optical distance of the majorant from the one before: exponentially distributed, of mean 1.
+    pub optical_distance: f64,
+    /// Uniform in [0, 1): decides between a real and a null collision.
     pub u: f64,
 }
 
 /// A source of random numbers for tentative collisions.
-pub trait Chance {
-    /// Those of the next.
-    fn tentative(&mut self) -> Tentative;
+pub trait TentativeNumbers {
+    /// The numbers of the next tentative collision.
+    fn next(&mut self) -> Tentative;
 }
 
-/// What a tracker had to do.
+/// Work of a tracker.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
     /// Look-ups of the extinction.
     pub lookups: u64,
-    /// Look-ups that found more than the bound.
+    /// Look-ups above the majorant.
     pub violations: u64,
 }
 
 impl Effort {
-    /// Notes a look-up on a stretch with these bounds.
-    pub fn note(&mut self, bounds: &Bounds, extinction: DVec3) {
+    /// Notes a look-up on `segment`.
+    pub fn note(&mut self, segment: &MajorantSegment, extinction: DVec3) {
         self.lookups += 1;
-        self.violations += u64::from(!extinction.cmple(bounds.high).all());
+        self.violations += u64::from(!extinction.cmple(segment.majorant).all());
     }
 }
 
-/// Visits tentative collisions along `matter`, in order: a Poisson process of density
-/// `rate(bounds)` per length, beginning with `first`. Ends where `visit` breaks, or with the
-/// matter: then with what is left of the way to the next of them.
-pub fn tentative_collisions<M: Bounded, B>(
-    matter: &mut M,
-    rate: impl Fn(&Bounds) -> f64,
+/// Visits tentative collisions along `majorants`, in order: a Poisson process of density
+/// `rate(segment)` per length, beginning with `first`. Ends where `visit` breaks, or with the
+/// last segment: then with the rest of the optical distance to the next of them.
+pub fn tentative_collisions<M: Majorants, B>(
+    majorants: &mut M,
+    rate: impl Fn(&MajorantSegment) -> f64,
     first: Tentative,
-    chance: &mut impl Chance,
-    mut visit: impl FnMut(&mut M, &Bounds, f64, f64) -> ControlFlow<B>,
+    numbers: &mut impl TentativeNumbers,
+    mut visit: impl FnMut(&mut M, &MajorantSegment, f64, f64) -> ControlFlow<B>,
 ) -> ControlFlow<B, Tentative> {
-    let Tentative { mut way, mut u } = first;
-    while let Some(bounds) = matter.next_stretch() {
-        let rate = rate(&bounds);
+    let Tentative {
+        mut optical_distance,
+        mut u,
+    } = first;
+    while let Some(segment) = majorants.next() {
+        let rate = rate(&segment);
         if rate == 0.0 {
-            // Nothing to be found here, and nothing is looked up.
+            // No collision here, and nothing is looked up.
             continue;
         }
-        let Span { mut near, far } = bounds.span;
+        let Span { mut near, far } = segment.span;
         loop {
             let whole = rate * (far - near);
-            if way >= whole {
-                way -= whole;
+            if optical_distance >= whole {
+                optical_distance -= whole;
                 break;
             }
-            near = (near + way / rate).min(far);
-            visit(matter, &bounds, near, u)?;
-            Tentative { way, u } = chance.tentative();
+            near = (near + optical_distance / rate).min(far);
+            visit(majorants, &segment, near, u)?;
+            Tentative {
+                optical_distance,
+                u,
+            } = numbers.next();
         }
     }
-    Continue(Tentative { way, u })
+    Continue(Tentative {
+        optical_distance,
+        u,
+    })
 }
 
-/// Where a flight collided.
+/// A real collision of delta tracking.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Collided {
+pub struct RealCollision {
     /// Distance along the ray.
     pub t: f64,
     /// Extinction there.
     pub extinction: DVec3,
 }
 
-/// Delta tracking: where a flight through `matter` collides, sampled by the extinction in
-/// `channel`; if it does not, what is left of the way to the next tentative collision.
+/// Delta tracking: the collision of a flight along `majorants`, sampled by the extinction in
+/// `channel`; without one, the rest of the optical distance to the next tentative collision.
 ///
 /// `survived` is multiplied, by channel, with the probability of all null collisions, had they
 /// been tested in that channel, relative to the channel in which it is largest; where channels do
 /// not differ, it is left alone.
-pub fn delta_tracking<M: Bounded>(
-    matter: &mut M,
+pub fn delta_tracking<M: Majorants>(
+    majorants: &mut M,
     channel: usize,
     first: Tentative,
-    chance: &mut impl Chance,
+    numbers: &mut impl TentativeNumbers,
     survived: &mut DVec3,
     effort: &mut Effort,
-) -> ControlFlow<Collided, Tentative> {
-    let rate = |bounds: &Bounds| bounds.high.max_element();
-    tentative_collisions(matter, rate, first, chance, |matter, bounds, t, u| {
-        let extinction = matter.extinction(t);
-        effort.note(bounds, extinction);
-        // Always so for u < 1 where the extinction is the whole rate: no collision is null there.
-        if u * rate(bounds) < extinction[channel] {
-            return Break(Collided { t, extinction });
-        }
-        if extinction != DVec3::splat(extinction.x) {
-            *survived *= (rate(bounds) - extinction).max(DVec3::ZERO);
-            *survived /= survived.max_element();
-        }
-        Continue(())
-    })
+) -> ControlFlow<RealCollision, Tentative> {
+    let rate = |segment: &MajorantSegment| segment.majorant.max_element();
+    tentative_collisions(
+        majorants,
+        rate,
+        first,
+        numbers,
+        |majorants, segment, t, u| {
+            let extinction = majorants.extinction(t);
+            effort.note(segment, extinction);
+            // Always so for u < 1 where the extinction is the whole rate: no collision is null there.
+            if u * rate(segment) < extinction[channel] {
+                return Break(RealCollision { t, extinction });
+            }
+            if extinction != DVec3::splat(extinction.x) {
+                *survived *= (rate(segment) - extinction).max(DVec3::ZERO);
+                *survived /= survived.max_element();
+            }
+            Continue(())
+        },
+    )
 }
 
-/// What ratio tracking takes for known, so that only the rest is left to chance.
+/// The control variate of ratio tracking: the extinction integrated in closed form, so that only
+/// the residual is left to chance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Control {
-    /// Nothing: plain ratio tracking.
+    /// None: plain ratio tracking.
     Nothing,
-    /// The lower bound of each stretch: residual ratio tracking.
-    LowerBound,
+    /// The minorant of each segment: residual ratio tracking.
+    Minorant,
 }
 
-/// What becomes of estimates that have become small.
+/// Treatment of estimates that have become small.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Small {
     /// They are carried to the end.
     Kept,
-    /// Most are given up, and those that are not are raised for it: noisier, and far cheaper in
-    /// dense matter.
+    /// Russian roulette: noisier, and far cheaper in dense media.
     Thinned,
 }
 
-/// Ratio tracking: an estimate of the transmittance of all of `matter`, by channel.
-pub fn ratio_tracking<M: Bounded>(
-    matter: &mut M,
+/// Ratio tracking: an estimate of the transmittance along all of `majorants`, by channel.
+pub fn ratio_tracking<M: Majorants>(
+    majorants: &mut M,
     control: Control,
     small: Small,
-    chance: &mut impl Chance,
+    numbers: &mut impl TentativeNumbers,
     effort: &mut Effort,
 ) -> DVec3 {
-    let known = |bounds: &Bounds| match control {
+    let known = |segment: &MajorantSegment| match control {
         Control::Nothing => DVec3::ZERO,
-        Control::LowerBound => bounds.low,
+        Control::Minorant => segment.minorant,
     };
-    let rate = |bounds: &Bounds| (bounds.high - known(bounds)).max_element();
-    let mut matter = Weighed {
-        matter,
+    let rate = |segment: &MajorantSegment| (segment.majorant - known(segment)).max_element();
+    let mut controlled = Controlled {
+        majorants,
         known,
         depth: DVec3::ZERO,
     };
     let mut ratio = DVec3::ONE;
-    let first = chance.tentative();
-    let end = tentative_collisions(&mut matter, rate, first, chance, |matter, bounds, t, u| {
-        let extinction = matter.extinction(t);
-        effort.note(bounds, extinction);
-        ratio *= DVec3::ONE - (extinction - known(bounds)) / rate(bounds);
-        match small {
-            Small::Kept => Continue(()),
-            Small::Thinned => thin(&mut ratio, u),
-        }
-    });
+    let first = numbers.next();
+    let end = tentative_collisions(
+        &mut controlled,
+        rate,
+        first,
+        numbers,
+        |majorants, segment, t, u| {
+            let extinction = majorants.extinction(t);
+            effort.note(segment, extinction);
+            ratio *= DVec3::ONE - (extinction - known(segment)) / rate(segment);
+            match small {
+                Small::Kept => Continue(()),
+                Small::Thinned => thin(&mut ratio, u),
+            }
+        },
+    );
     match end {
         Break(()) => DVec3::ZERO,
-        Continue(_) => ratio * DVec3::from_array(matter.depth.to_array().map(|depth| exp(-depth))),
+        Continue(_) => ratio * DVec3::from_array(controlled.depth.to_array().map(transmittance)),
     }
 }
 
-/// Estimates below this are given up with a probability. What is lost by it in noise is small
-/// against that of the paths which ask; what is gained is everything behind ten optical depths.
+/// Threshold of the roulette on estimates. The noise it adds is small against that of the paths
+/// that ask; it saves everything behind ten optical depths.
 const THIN: f64 = 0.1;
 
-/// Gives up an estimate that has become small, with a probability that `u`, uniform in [0, 1),
-/// decides, or raises it for not having been given up.
+/// Russian roulette on a small estimate: `u`, uniform in [0, 1), ends it, or raises it to the
+/// threshold.
 pub(in crate::render) fn thin(estimate: &mut DVec3, u: f64) -> ControlFlow<()> {
     let largest = estimate.abs().max_element();
     if largest < THIN {
@@ -220,26 +237,30 @@ pub(in crate::render) fn thin(estimate: &mut DVec3, u: f64) -> ControlFlow<()> {
     Continue(())
 }
 
-/// Adds up what is known of the stretches passed.
-struct Weighed<'m, M, K> {
-    matter: &'m mut M,
+/// Adds up the depth of the control along the segments passed.
+struct Controlled<'m, M, K> {
+    majorants: &'m mut M,
     known: K,
     depth: DVec3,
 }
 
-impl<M: Bounded, K: Fn(&Bounds) -> DVec3> Bounded for Weighed<'_, M, K> {
-    fn next_stretch(&mut self) -> Option<Bounds> {
-        let bounds = self.matter.next_stretch()?;
-        let known = (self.known)(&bounds);
+impl<M: Majorants, K: Fn(&MajorantSegment) -> DVec3> Iterator for Controlled<'_, M, K> {
+    type Item = MajorantSegment;
+
+    fn next(&mut self) -> Option<MajorantSegment> {
+        let segment = self.majorants.next()?;
+        let known = (self.known)(&segment);
         if known != DVec3::ZERO {
-            let length = bounds.span.length();
+            let length = segment.span.length();
             let depth = known.to_array().map(|known| optical_depth(known, length));
             self.depth += DVec3::from_array(depth);
         }
-        Some(bounds)
+        Some(segment)
     }
+}
 
+impl<M: Majorants, K: Fn(&MajorantSegment) -> DVec3> Majorants for Controlled<'_, M, K> {
     fn extinction(&mut self, t: f64) -> DVec3 {
-        self.matter.extinction(t)
+        self.majorants.extinction(t)
     }
 }

@@ -1,6 +1,6 @@
 //! The cost of accuracy for spreadsheets and plotting programs.
 
-use crate::cost::results::{Cost, Norms, Parameter, Times, WorkPerRay};
+use crate::cost::results::{Cost, Event, MeanWork, Norms, Parameter, Times};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -79,29 +79,10 @@ fn word(choice: impl Serialize) -> String {
     }
 }
 
-const WORK: [&str; 8] = [
-    "density_lookups",
-    "gradient_lookups",
-    "cells_walked",
-    "shadow_rays",
-    "phase_evaluations",
-    "null_collisions",
-    "surface_tests",
-    "random_draws",
-];
+const WORK: [Event; 8] = MeanWork::REPORTED;
 
-fn work(work: &WorkPerRay) -> [String; 8] {
-    [
-        work.density_lookups,
-        work.gradient_lookups,
-        work.cells_walked,
-        work.shadow_rays,
-        work.phase_evaluations,
-        work.null_collisions,
-        work.surface_tests,
-        work.random_draws,
-    ]
-    .map(number)
+fn work(work: &MeanWork) -> [String; 8] {
+    WORK.map(|event| number(work[event]))
 }
 
 const TIMES: [&str; 7] = [
@@ -146,7 +127,7 @@ fn sweeps(costs: &[Cost]) -> CsvTable {
         "setting",
         "value",
     ];
-    heads.extend(WORK);
+    heads.extend(WORK.map(Event::key));
     heads.extend(["l1", "l2", "max", "l2_uncertainty"]);
     heads.extend(["judged_l1", "judged_l2", "judged_max", "local_order"]);
     heads.extend(["f32_off_l1", "f32_off_l2", "f32_off_max", "reference_bound"]);
@@ -374,7 +355,7 @@ fn jitter(costs: &[Cost]) -> CsvTable {
 
 fn effects(costs: &[Cost]) -> CsvTable {
     let mut heads = vec!["effect"];
-    heads.extend(WORK);
+    heads.extend(WORK.map(Event::key));
     heads.push("times_lookups");
     heads.extend(TIMES);
     let mut file = CsvTable::new("effects", &heads);

@@ -3,8 +3,8 @@
 use super::table::{Column, ReportTable, TableCell, number, page_number, words as column_of_words};
 use super::words;
 use crate::cost::results::{
-    ConvergenceOrder, Counted, EffectPrice, EstimatorTable, JitterSplit, Norms, Offer, Study,
-    Sweep, ThicknessSweep, Times,
+    ConvergenceOrder, Counted, EffectPrice, EstimatorTable, Event, JitterSplit, Norms, Offer,
+    Study, Sweep, ThicknessSweep, Times,
 };
 
 /// A number that there may not be.
@@ -60,7 +60,7 @@ pub(super) fn sweep(study: &Study, sweep: &Sweep) -> ReportTable {
         && sweep
             .levels
             .iter()
-            .any(|level| level.work.random_draws > 0.0);
+            .any(|level| level.work[Event::RandomDraw] > 0.0);
     if has_doubt {
         columns.push(page_number("L2 ±"));
     }
@@ -92,8 +92,8 @@ pub(super) fn sweep(study: &Study, sweep: &Sweep) -> ReportTable {
         let mut row: Vec<TableCell> = vec![
             level.setting.as_str().into(),
             words::count(match by_random {
-                true => level.work.random_draws,
-                false => level.work.density_lookups + level.work.gradient_lookups,
+                true => level.work[Event::RandomDraw],
+                false => level.work[Event::DensityLookup] + level.work[Event::GradientLookup],
             })
             .into(),
             words::error(l1).into(),
@@ -119,7 +119,7 @@ pub(super) fn sweep(study: &Study, sweep: &Sweep) -> ReportTable {
             row.push(or_dash(single, |norms| words::error(norms.l2)));
         }
         if has_random {
-            row.push(words::count(level.work.random_draws).into());
+            row.push(words::count(level.work[Event::RandomDraw]).into());
         }
         if has_time {
             row.push(time(level.time.as_ref()));
@@ -456,14 +456,14 @@ pub(super) fn effects(effects: &[EffectPrice]) -> ReportTable {
         let work = &effect.work;
         let mut row: Vec<TableCell> = vec![
             effect.effect.as_str().into(),
-            words::count(work.density_lookups + work.gradient_lookups).into(),
+            words::count(work[Event::DensityLookup] + work[Event::GradientLookup]).into(),
             or_dash(effect.times_lookups, words::factor),
-            words::count(work.shadow_rays).into(),
-            words::count(work.phase_evaluations).into(),
-            words::count(work.null_collisions).into(),
-            words::count(work.cells_walked).into(),
-            words::count(work.surface_tests).into(),
-            words::count(work.random_draws).into(),
+            words::count(work[Event::ShadowRay]).into(),
+            words::count(work[Event::PhaseEvaluation]).into(),
+            words::count(work[Event::NullCollision]).into(),
+            words::count(work[Event::CellWalked]).into(),
+            words::count(work[Event::SurfaceTest]).into(),
+            words::count(work[Event::RandomDraw]).into(),
         ];
         if has_time {
             row.push(time(effect.time.as_ref()));

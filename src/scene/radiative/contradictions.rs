@@ -1,4 +1,4 @@
-//! What is valid part by part and makes no picture together.
+//! Checks across keys: valid parts that cannot be rendered together.
 
 use super::media::DEEPEST_TRACKED;
 use super::{AreaLight, Body, Object, Scattering};
@@ -46,12 +46,11 @@ impl SceneParts<'_, '_, '_> {
         let sigma_a = self.far_away(|body| body.medium.coefficients.sigma_a());
         let sigma_t = self.far_away(|body| body.medium.coefficients.sigma_t());
         for (reader, body) in self.unbounded() {
-            let glows = body.medium.emission.cmpgt(DVec3::ZERO);
-            if (glows & sigma_t.cmpeq(DVec3::ZERO)).any() {
+            let emits = body.medium.emission.cmpgt(DVec3::ZERO);
+            if (emits & sigma_t.cmpeq(DVec3::ZERO)).any() {
                 return Err(reader.mistake(
                     "emission",
-                    "a medium that fills all space, emits light and takes none away is \
-                     infinitely bright",
+                    "a medium that fills all space and emits without absorbing is infinitely bright",
                     format!("{BOUND_IT}; or give it absorption in every channel that it emits in"),
                 ));
             }
@@ -65,8 +64,8 @@ impl SceneParts<'_, '_, '_> {
                 };
                 return Err(reader.mistake(
                     key,
-                    "a medium that fills all space and scatters without absorbing keeps scattering light \
-                     for ever",
+                    "a medium that fills all space and scatters without absorbing scatters \
+                     light for ever",
                     format!(
                         "{BOUND_IT}; or give it some absorption in every channel that it \
                          scatters in; or limit `radiative.max_bounces`"

@@ -1,4 +1,4 @@
-//! How the density of a medium differs from place to place, as scenes give it.
+//! Densities of heterogeneous media, as scenes give them.
 
 use super::shapes::FARTHEST;
 use crate::media::Field;

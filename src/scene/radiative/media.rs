@@ -1,8 +1,8 @@
 //! Media: what fills a shape, or all space.
 
-use super::{Body, LARGEST_RADIANCE, densities, radiance, shape_transform, shapes};
+use super::{Body, LARGEST_RADIANCE, densities, phases, radiance, shape_transform, shapes};
 use crate::geometry::{Aabb, Surface, length_of};
-use crate::media::{Asymmetry, Coefficients, Density, Field, HenyeyGreenstein, Homogeneous};
+use crate::media::{Asymmetry, Coefficients, Density, Field, Homogeneous};
 use crate::scene::SceneError;
 use crate::scene::files::Files;
 use crate::scene::format::{Absent, Key, Kind, Literal, Range, Rule, Table};
@@ -56,12 +56,9 @@ pub(super) const MEDIUM: Table = Table {
             absent: Absent::Default(Literal::Vector([0.0; 3])),
             doc: "Radiance emitted per world length.",
         },
-        Key {
-            name: "g",
-            kind: Kind::Number(Range::open(-1.0, 1.0)),
-            absent: Absent::Default(Literal::Number(0.0)),
-            doc: "Mean cosine of the scattering angle (Henyey–Greenstein), between -1 and 1: positive is forward, 0 is every direction alike.",
-        },
+        phases::G,
+        phases::DRAINE,
+        phases::DROPLETS,
     ],
     rules: &[
         Rule::AtMostOne {
@@ -71,6 +68,10 @@ pub(super) const MEDIUM: Table = Table {
         Rule::AtMostOne {
             what: "density",
             keys: &densities::KEYS,
+        },
+        Rule::AtMostOne {
+            what: "phase function",
+            keys: &phases::KEYS,
         },
         Rule::Apart([
             &["procedural"],
@@ -90,26 +91,21 @@ pub(super) fn read(
     // What a medium is made of may bring the space that it fills. Where it does not, the space is
     // read first: the order in which keys are read is part of what goldens know of a scene.
     let varies = densities::KEYS.into_iter().find(|key| reader.has(key));
-    let (space, stuff) = match varies {
+    let (space, substance) = match varies {
         None => (
             shapes::space(reader, files, None)?,
-            Stuff::read(reader, files)?,
+            Substance::read(reader, files)?,
         ),
         Some(_) => {
-            let stuff = Stuff::read(reader, files)?;
-            (shapes::space(reader, files, stuff.own_box())?, stuff)
+            let substance = Substance::read(reader, files)?;
+            (
+                shapes::space(reader, files, substance.own_box())?,
+                substance,
+            )
         }
     };
     let emission = radiance(reader, "emission")?;
-    let g = reader.number("g")?;
-    if stuff.asymmetry.is_some() && reader.has("g") {
-        let message = "`g` is given twice: the procedural block has a phase function too";
-        return Err(reader.mistake("g", message, "keep one of the two"));
-    }
-    let asymmetry = match stuff.asymmetry {
-        Some(asymmetry) => asymmetry,
-        None => Asymmetry::new(g).map_err(|error| reader.error("g", error.to_string()))?,
-    };
+    let phase = phases::read(reader, substance.asymmetry)?;
     if let Some(space) = &space
         && varies.is_some()
         && !(space.bounds.size().is_finite() && space.bounds.size().max_element().is_normal())
@@ -118,7 +114,7 @@ pub(super) fn read(
         let help = "choose another unit of length";
         return Err(reader.mistake_here(message, help));
     }
-    let density = match (stuff.field, &space) {
+    let density = match (substance.field, &space) {
         (None, _) => None,
         (Some(field), Some(space)) => Some(Density::new(field, space.bounds, space.to_world)),
         (Some(_), None) => {
@@ -127,7 +123,7 @@ pub(super) fn read(
             return Err(reader.mistake(varies.expect("its density"), message, help));
         }
     };
-    let nothing = stuff.coefficients.sigma_t() == DVec3::ZERO && emission == DVec3::ZERO;
+    let nothing = substance.coefficients.sigma_t() == DVec3::ZERO && emission == DVec3::ZERO;
     if let (Some(key), true) = (varies, nothing) {
         let message = "the medium has a density and no coefficients: it does nothing to light";
         let help = "give it `sigma_a`, `sigma_s` or `emission`, those of density 1";
@@ -136,9 +132,9 @@ pub(super) fn read(
     let body = Body {
         boundary: space.map(|space| space.boundary),
         medium: Homogeneous {
-            coefficients: stuff.coefficients,
+            coefficients: substance.coefficients,
             emission,
-            phase: HenyeyGreenstein(asymmetry),
+            phase,
         },
         density,
     };
@@ -151,8 +147,8 @@ pub(super) fn read(
     Ok(body)
 }
 
-/// What a medium is made of, wherever it is.
-struct Stuff {
+/// The properties of a medium, wherever it is.
+struct Substance {
     /// Absorption and scattering of density 1.
     coefficients: Coefficients,
     /// Its density, if that varies.
@@ -161,10 +157,10 @@ struct Stuff {
     asymmetry: Option<Asymmetry>,
 }
 
-impl Stuff {
-    fn read(reader: &Reader<'_, '_>, files: &mut Files<'_>) -> Result<Stuff, Box<SceneError>> {
+impl Substance {
+    fn read(reader: &Reader<'_, '_>, files: &mut Files<'_>) -> Result<Substance, Box<SceneError>> {
         let Some(block) = densities::procedural(reader, files)? else {
-            return Ok(Stuff {
+            return Ok(Substance {
                 coefficients: coefficients(reader)?,
                 field: densities::field(reader, files)?,
                 asymmetry: None,
@@ -173,7 +169,7 @@ impl Stuff {
         for reading in &block.readings {
             reader.also("procedural", reading);
         }
-        Ok(Stuff {
+        Ok(Substance {
             coefficients: block.coefficients,
             field: Some(Field::Noise(block.density)),
             asymmetry: block.asymmetry,

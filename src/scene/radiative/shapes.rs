@@ -210,7 +210,7 @@ pub(super) fn shape(
     Ok(shape)
 }
 
-/// The shape of a surface that emits light.
+/// The shape of a surface that emits.
 pub(super) fn luminous(
     reader: &Reader<'_, '_>,
     files: &mut Files<'_>,
@@ -224,7 +224,7 @@ pub(super) fn luminous(
             let Some(factor) = transform.uniform_scale() else {
                 return Err(reader.mistake(
                     "scale",
-                    "a sphere that emits light cannot be stretched to an ellipsoid",
+                    "an emitting sphere cannot be stretched to an ellipsoid",
                     "scale by the same factor along x, y and z, or give a mesh of the ellipsoid",
                 ));
             };

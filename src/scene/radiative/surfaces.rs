@@ -68,7 +68,7 @@ pub(super) const SURFACE: Table = Table {
                         name: "sides",
                         kind: Kind::Choice(&["front", "both"]),
                         absent: Absent::Default(Literal::Text("front")),
-                        doc: "Which sides emit light; the front of a closed shape is its outside.",
+                        doc: "Sides that emit; the front of a closed shape is its outside.",
                     },
                 ],
                 rules: &[],

@@ -4,14 +4,13 @@ use super::cells::{Cells, Misfit};
 use super::clock::SearchClock;
 use super::hypothesis::Hypothesis;
 use super::prediction::{FIRST_LOOK, SECOND_LOOK, blocks, first_lattice, pixels_of, predicted};
-use crate::compare::flip::SrgbImage;
 use crate::compare::stochastic::BLOCK;
 use crate::compare::{Conditions, Deterministic, ImageGate, Perceptual, Picture, judge};
 use crate::film::Film;
 use crate::math;
-use crate::render::{Detail, Plan};
+use crate::render::Detail;
 use crate::scene::Scene;
-use crate::suite::measured::is_simple;
+use crate::suite::measured::{decoded, is_another_exposure, is_simple};
 use crate::suite::{Case, Judged};
 
 /// What a mistake may leave unexplained, where there is no noise: this share of the squared
@@ -34,6 +33,9 @@ pub(super) struct ComparedCase {
     pub name: String,
     /// Whether the image is the golden under a simple map of its values, which is said already.
     pub is_measured: bool,
+    /// Whether it is an 8-bit image at another exposure, which is said already and leaves nothing to
+    /// be explained.
+    pub is_another_exposure: bool,
     /// Judged by noise, in coarse cells; else pixel by pixel.
     pub is_sampled: bool,
     pub golden: Film,
@@ -80,7 +82,7 @@ impl ComparedCase {
             Picture::Radiance(film) => (film.clone(), None),
             Picture::Codes(codes) => {
                 let ceiling = math::exp2(-case.exposure);
-                (radiance(codes, case.exposure), Some(ceiling))
+                (decoded(codes, case.exposure), Some(ceiling))
             }
         };
         let is_number = |film: &Film| film.radiance().as_flattened().iter().all(|x| x.is_finite());
@@ -99,9 +101,8 @@ impl ComparedCase {
             test_cells.spread_noise_like(&golden_cells);
         }
         let scene = scenes(case)?;
-        let plans: Vec<Plan> = scene.panels.iter().map(Plan::new).collect();
         let widths: Vec<usize> = scene.panels.iter().map(|panel| panel.width).collect();
-        let (first, second) = match (is_sampled, blocks(&scene, &plans)) {
+        let (first, second) = match (is_sampled, blocks(&scene)) {
             (true, Some(blocks)) => ((blocks, FIRST_LOOK), (blocks, SECOND_LOOK)),
             (true, None) => (whole(FIRST_LOOK), whole(SECOND_LOOK)),
             (false, _) => {
@@ -115,6 +116,7 @@ impl ComparedCase {
             index,
             name: case.name.clone(),
             is_measured: is_simple(case, &golden, &picture),
+            is_another_exposure: is_another_exposure(case, &golden, &picture),
             is_sampled,
             from_golden: golden_cells.misfit(&test_cells, &golden_cells),
             golden,
@@ -287,7 +289,7 @@ impl ComparedCase {
             look = whole(look.1);
         }
         let mut film = match scene {
-            Some(scene) => predicted(&self.scene, scene, hypothesis, look, clock)?,
+            Some(scene) => predicted(&self.scene, &scene, hypothesis, look, clock)?,
             None => self.golden.clone(),
         };
         for mistake in of_the_image {
@@ -338,12 +340,4 @@ fn clamped(film: &Film, ceiling: Option<f64>) -> Film {
         }
         None => Film::new(width, height, radiance),
     }
-}
-
-/// The radiance that 8-bit codes stand for, at `exposure` stops.
-fn radiance(codes: &SrgbImage, exposure: f64) -> Film {
-    let scale = math::exp2(-exposure);
-    let decode = |code: u8| (scale * math::srgb_to_linear(f64::from(code) / 255.0)) as f32;
-    let pixels = codes.pixels().iter().map(|pixel| pixel.map(decode));
-    Film::new(codes.width(), codes.height(), pixels.collect())
 }

@@ -4,7 +4,7 @@ use super::clock::SearchClock;
 use super::hypothesis::Hypothesis;
 use crate::compare::stochastic::BLOCK;
 use crate::film::Film;
-use crate::render::{Detail, Plan, render_coarse};
+use crate::render::{Detail, Plan, Sampling, Seed, plans, render_coarse};
 use crate::scene::Scene;
 use crate::suite::golden::input_hashes;
 
@@ -33,11 +33,11 @@ pub(super) fn first_lattice(pixels: usize) -> Detail {
 
 /// Blocks, where path tracing can make a pixel of each, and their borders are those of the blocks
 /// of the whole image: panels stand side by side.
-pub(super) fn blocks(scene: &Scene, plans: &[Plan]) -> Option<Detail> {
+pub(super) fn blocks(scene: &Scene) -> Option<Detail> {
     let (last, before) = scene.panels.split_last()?;
     let is_large = last.width.min(last.height) >= BLOCK;
     let is_aligned = before.iter().all(|panel| panel.width.is_multiple_of(BLOCK));
-    let can = is_large && is_aligned && plans.iter().all(Plan::is_sampled);
+    let can = is_large && is_aligned && plans(scene).iter().all(Plan::is_sampled);
     can.then_some(Detail::Blocks(BLOCK))
 }
 
@@ -46,7 +46,7 @@ pub(super) fn blocks(scene: &Scene, plans: &[Plan]) -> Option<Detail> {
 /// rendered, or where the time is over.
 pub(super) fn predicted(
     scene: &Scene,
-    mut edited: Scene,
+    edited: &Scene,
     hypothesis: &Hypothesis,
     (detail, samples): (Detail, u32),
     clock: &SearchClock<'_>,
@@ -66,10 +66,11 @@ pub(super) fn predicted(
     if let Some(film) = key.as_ref().and_then(|key| clock.predictions().get(key)) {
         return Some(film);
     }
-    let plans: Vec<Plan> = edited.panels.iter().map(Plan::new).collect();
-    edited.set_samples(samples);
-    edited.set_seed(SEED);
-    let film = render_coarse(&edited, &plans, detail, &|| clock.is_over()).ok()?;
+    let sampling = Sampling {
+        samples: Some(samples),
+        seed: Seed::Given(SEED),
+    };
+    let film = render_coarse(&plans(edited), sampling, detail, &|| clock.is_over()).ok()?;
     if let Some(key) = key {
         clock.predictions().put(&key, &film);
     }
@@ -111,16 +112,14 @@ mod tests {
     use crate::scene::Model;
     use std::path::Path;
 
-    /// A scene of the suite with fewer pixels, and its plans.
-    fn small(name: &str, [width, height]: [usize; 2]) -> (Scene, Vec<Plan>) {
+    /// A scene of the suite with fewer pixels.
+    fn small(name: &str, [width, height]: [usize; 2]) -> Scene {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes");
         let mut scene = Scene::load(&root.join(name)).unwrap();
         for panel in &mut scene.panels {
             (panel.width, panel.height) = (width, height);
         }
-        scene.set_samples(16);
-        let plans = scene.panels.iter().map(Plan::new).collect();
-        (scene, plans)
+        scene
     }
 
     #[test]
@@ -131,19 +130,20 @@ mod tests {
             "figures/figure-2.toml",
             "smoke/cornell.toml",
         ] {
-            let (scene, plans) = small(name, [60, 44]);
-            let whole = render(&scene, &plans, &|| ()).unwrap().film;
+            let scene = small(name, [60, 44]);
+            let (plans, sampling) = (plans(&scene), Sampling::of_samples(16));
+            let whole = render(&plans, sampling, &|| ()).unwrap().film;
             let panels: Vec<usize> = scene.panels.iter().map(|panel| panel.width).collect();
             for every in [1, 2, 7] {
                 let detail = Detail::Lattice(every);
-                let lattice = render_coarse(&scene, &plans, detail, &|| false).unwrap();
+                let lattice = render_coarse(&plans, sampling, detail, &|| false).unwrap();
                 let expected = pixels_of(&whole, &panels, detail);
                 assert_eq!(lattice.radiance(), expected.radiance(), "{name} {every}");
                 assert_eq!(lattice.opacity(), expected.opacity(), "{name} {every}");
             }
             // A plot takes no time.
             if name != "figures/figure-2.toml" {
-                let stopped = render_coarse(&scene, &plans, Detail::Lattice(2), &|| true);
+                let stopped = render_coarse(&plans, sampling, Detail::Lattice(2), &|| true);
                 assert_eq!(stopped.err(), Some(RenderError::Stopped));
             }
         }
@@ -152,13 +152,12 @@ mod tests {
     /// Blocks leave out what is left over at the edges, and are the means of their pixels.
     #[test]
     fn a_block_is_the_mean_of_its_pixels() {
-        let (mut scene, plans) = small("smoke/cornell.toml", [19, 21]);
+        let scene = small("smoke/cornell.toml", [19, 21]);
         assert!(matches!(scene.panels[0].model, Model::Radiative(_)));
-        let detail = blocks(&scene, &plans).unwrap();
-        scene.set_samples(64);
-        let whole = render(&scene, &plans, &|| ()).unwrap().film;
-        scene.set_samples(64 * 64);
-        let coarse = render_coarse(&scene, &plans, detail, &|| false).unwrap();
+        let (plans, detail) = (plans(&scene), blocks(&scene).unwrap());
+        let of = Sampling::of_samples;
+        let whole = render(&plans, of(64), &|| ()).unwrap().film;
+        let coarse = render_coarse(&plans, of(64 * 64), detail, &|| false).unwrap();
         assert_eq!((coarse.width(), coarse.height()), (2, 2));
         let [whole, coarse] = [Cells::of_blocks(&whole), Cells::of_pixels(&coarse)];
         // Twelve squares: their mean is 1 within five times √(2/12).

@@ -1,7 +1,7 @@
 //! Mistakes about what media do to light.
 
 use super::{Edit, Mistake};
-use crate::media::{Asymmetry, Coefficients, HenyeyGreenstein};
+use crate::media::{Asymmetry, Coefficients};
 use crate::scene::{Body, Radiative, Scattering};
 use glam::DVec3;
 use std::f64::consts::{LN_2, LN_10};
@@ -130,9 +130,9 @@ fn bodies(scene: &mut Radiative, mut edit: impl FnMut(&mut Body)) -> bool {
 
 fn phases(scene: &mut Radiative, edit: fn(f64) -> f64) -> bool {
     bodies(scene, |body| {
-        let g = edit(body.medium.phase.0.g());
-        let g = Asymmetry::new(g).expect("no farther from 0 than it was");
-        body.medium.phase = HenyeyGreenstein(g);
+        let edit =
+            |g: Asymmetry| Asymmetry::new(edit(g.g())).expect("no farther from 0 than it was");
+        body.medium.phase = body.medium.phase.with_asymmetry(edit);
     })
 }
 

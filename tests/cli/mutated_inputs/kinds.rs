@@ -8,7 +8,7 @@ use volref::compare::Picture;
 use volref::exchange::{Format, export};
 use volref::film::Film;
 use volref::geometry::{ClosedMesh, Mesh};
-use volref::render::Plan;
+use volref::render::{Plan, Sampling};
 use volref::scene::{Scene, read_procedural};
 use volref::suite::{Golden, Store, Suite};
 use volref::volume::{LoadOptions, load};
@@ -54,10 +54,15 @@ fn files(folders: &[&str], ending: &str) -> Vec<Vec<u8>> {
 const IMAGES: [&str; 3] = ["fixtures/images", "fuzz/corpus/exr", "fuzz/corpus/png"];
 const VOLUMES: [&str; 2] = ["fixtures/volumes/formats", "fixtures/volumes/hard"];
 
+/// Files of the suite's families, in `fixtures/scenes` or `fixtures/cases`.
+fn of_families(folder: &str) -> Vec<Vec<u8>> {
+    let families = ["figures", "fog", "hard", "procedural", "smoke"];
+    let folders = families.map(|family| format!("{folder}/{family}"));
+    files(&folders.each_ref().map(String::as_str), ".toml")
+}
+
 fn scenes() -> Vec<Vec<u8>> {
-    let folders = ["figures", "fog", "hard", "procedural", "smoke"];
-    let folders = folders.map(|family| format!("fixtures/scenes/{family}"));
-    let scenes = files(&folders.each_ref().map(String::as_str), ".toml");
+    let scenes = of_families("fixtures/scenes");
     // Small things in the place of large ones, which take most of the time.
     let small = |scene: Vec<u8>| {
         let text = String::from_utf8(scene).unwrap();
@@ -70,12 +75,6 @@ fn scenes() -> Vec<Vec<u8>> {
     scenes.push(tiny.read("scene.toml"));
     scenes.push(tiny.read("curve.toml"));
     scenes
-}
-
-fn manifests() -> Vec<Vec<u8>> {
-    let folders = ["figures", "fog", "hard", "procedural", "smoke"];
-    let folders = folders.map(|family| format!("fixtures/cases/{family}"));
-    files(&folders.each_ref().map(String::as_str), ".toml")
 }
 
 /// The golden of `smoke/plain`, by its ending.
@@ -148,7 +147,7 @@ fn read_scene(workshop: &Workshop, bytes: &[u8]) -> Result<(), String> {
     let scene = Scene::parse(&text, &path).map_err(|error| error.to_string())?;
     for panel in &scene.panels {
         let plan = Plan::new(panel);
-        let _ = plan.expected(panel);
+        let _ = plan.predicted_work(Sampling::default());
         let _ = plan.canonical_text();
     }
     for format in ["mitsuba", "pbrt"] {
@@ -253,11 +252,22 @@ macro_rules! image {
     };
 }
 
-const OF_GOLDENS: &[&str] = &[
-    "verify smoke/plain",
-    "list --json",
-    "validate smoke/plain --outputs images --junit=golden/smoke/plain.toml",
-];
+macro_rules! golden {
+    ($name:literal, $place:literal, $seeds:expr, $repair:expr) => {
+        Kind {
+            name: $name,
+            seeds: $seeds,
+            repair: $repair,
+            read: |workshop, bytes| read_golden(workshop, $place, bytes),
+            place: $place,
+            commands: &[
+                "verify smoke/plain",
+                "list --json",
+                "validate smoke/plain --outputs images --junit=golden/smoke/plain.toml",
+            ],
+        }
+    };
+}
 
 /// All of them.
 pub const KINDS: &[Kind] = &[
@@ -274,7 +284,7 @@ pub const KINDS: &[Kind] = &[
     },
     Kind {
         name: "manifest",
-        seeds: manifests,
+        seeds: || of_families("fixtures/cases"),
         repair: as_it_is,
         read: read_manifest,
         place: "fixtures/cases/smoke/plain.toml",
@@ -284,38 +294,25 @@ pub const KINDS: &[Kind] = &[
             "list --json=fixtures/cases/smoke/plain.toml",
         ],
     },
-    Kind {
-        name: "golden.exr",
-        seeds: || golden(".exr"),
-        repair: as_it_is,
-        read: |workshop, bytes| read_golden(workshop, "golden/smoke/plain.exr", bytes),
-        place: "golden/smoke/plain.exr",
-        commands: OF_GOLDENS,
-    },
-    Kind {
-        name: "golden.png",
-        seeds: || golden(".png"),
-        repair: png,
-        read: |workshop, bytes| read_golden(workshop, "golden/smoke/plain.png", bytes),
-        place: "golden/smoke/plain.png",
-        commands: OF_GOLDENS,
-    },
-    Kind {
-        name: "golden.toml",
-        seeds: || golden(".toml"),
-        repair: as_it_is,
-        read: |workshop, bytes| read_golden(workshop, "golden/smoke/plain.toml", bytes),
-        place: "golden/smoke/plain.toml",
-        commands: OF_GOLDENS,
-    },
-    Kind {
-        name: "journal",
-        seeds: journals,
-        repair: as_it_is,
-        read: |workshop, bytes| read_golden(workshop, "golden/accept.journal", bytes),
-        place: "golden/accept.journal",
-        commands: OF_GOLDENS,
-    },
+    golden!(
+        "golden.exr",
+        "golden/smoke/plain.exr",
+        || golden(".exr"),
+        as_it_is
+    ),
+    golden!(
+        "golden.png",
+        "golden/smoke/plain.png",
+        || golden(".png"),
+        png
+    ),
+    golden!(
+        "golden.toml",
+        "golden/smoke/plain.toml",
+        || golden(".toml"),
+        as_it_is
+    ),
+    golden!("journal", "golden/accept.journal", journals, as_it_is),
     Kind {
         name: "procedural",
         seeds: || files(&["fuzz/corpus/procedural_xml"], ".xml"),

@@ -1,5 +1,6 @@
-//! What there is in a scene of surfaces, media and lights, by its exact values.
+//! Contents of a scene of surfaces, media and lights, by its exact values.
 
+use crate::geometry::Boundary;
 use crate::media::Density;
 use crate::optics::{Light, Material};
 use crate::scene::{Body, Places, Radiative, Scattering};
@@ -18,29 +19,29 @@ pub(super) const ABSORPTION: &[&str] = &["sigma_a", "sigma_t", "procedural"];
 pub(super) const BY_ALBEDO: &[&str] = &["sigma_a", "albedo", "procedural"];
 pub(super) const SCATTERS: &[&str] = &["sigma_s", "albedo", "procedural"];
 pub(super) const EMISSION: &[&str] = &["emission"];
-pub(super) const PHASE: &[&str] = &["g", "procedural"];
+pub(super) const PHASE: &[&str] = &["g", "draine", "droplets", "procedural"];
 pub(super) const DENSITY: &[&str] = &Radiative::DENSITY_KEYS;
 
-/// What there is in a scene. Media are those that have any density.
+/// Contents of a scene. Media are those that have any density.
 pub(super) struct Contents<'s> {
     pub scene: &'s Radiative,
     pub places: &'s Places,
-    /// How many media there are.
+    /// Number of media.
     pub media: usize,
     pub surfaces: usize,
     /// The first medium that absorbs.
     pub absorption: Option<usize>,
-    /// Whether any medium takes light away.
+    /// Whether any medium absorbs or scatters.
     pub extinction: bool,
     /// The first medium that scatters.
     pub scattering: Option<usize>,
-    /// The first medium that sends out light.
+    /// The first medium that emits light.
     pub emission: Option<usize>,
     /// The first medium whose coefficients differ between channels, and the keys of those.
     pub chromatic: Option<(usize, &'static [&'static str])>,
-    /// The first medium that scatters and prefers a direction.
+    /// The first medium that scatters anisotropically.
     pub anisotropic: Option<usize>,
-    /// Media whose density differs from place to place.
+    /// Heterogeneous media.
     pub heterogeneous: Vec<usize>,
     /// Whether each of those densities has an integral along lines.
     pub integrable: bool,
@@ -53,7 +54,7 @@ pub(super) struct Contents<'s> {
 
 impl<'s> Contents<'s> {
     pub fn of(scene: &'s Radiative, places: &'s Places) -> Contents<'s> {
-        // A medium whose density is 0 everywhere is as good as none.
+        // A medium whose density is 0 everywhere counts as none.
         let is_there = |(_, body): &(usize, &Body)| {
             let density = body.density.as_ref();
             density.is_none_or(|density| !density.is_nothing())
@@ -65,7 +66,7 @@ impl<'s> Contents<'s> {
         };
         let any = |value: DVec3| value != DVec3::ZERO;
         let differs = |value: DVec3| value.x != value.y || value.y != value.z;
-        let takes = |body: &Body| any(body.medium.coefficients.sigma_t());
+        let attenuates = |body: &Body| any(body.medium.coefficients.sigma_t());
         let scatters = |body: &Body| any(body.medium.coefficients.sigma_s());
         let emits = |body: &Body| any(body.medium.emission);
         let chromatic = there().find_map(|(index, body)| {
@@ -81,10 +82,11 @@ impl<'s> Contents<'s> {
             };
             Some((index, keys))
         });
-        // Of a medium that is nothing, its density says nothing.
-        let varies = |body: &Body| body.even().is_none() && (takes(body) || emits(body));
+        // The density of a vacuum medium does not matter.
+        let is_heterogeneous =
+            |body: &Body| body.even().is_none() && (attenuates(body) || emits(body));
         let heterogeneous: Vec<usize> = there()
-            .filter(|(_, body)| varies(body))
+            .filter(|(_, body)| is_heterogeneous(body))
             .map(|(index, _)| index)
             .collect();
         let densities = heterogeneous
@@ -95,11 +97,11 @@ impl<'s> Contents<'s> {
             media: there().count(),
             surfaces: scene.objects.len() + scene.area_lights.len(),
             absorption: first(&|body| any(body.medium.coefficients.sigma_a())),
-            extinction: first(&takes).is_some(),
+            extinction: first(&attenuates).is_some(),
             scattering: first(&scatters),
             emission: first(&emits),
             chromatic,
-            anisotropic: first(&|body| scatters(body) && body.medium.phase.0.g() != 0.0),
+            anisotropic: first(&|body| scatters(body) && !body.medium.phase.is_isotropic()),
             integrable: densities.into_iter().all(Density::is_integrable),
             heterogeneous,
             reflection: scene.objects.iter().any(|object| match object.material {
@@ -114,27 +116,26 @@ impl<'s> Contents<'s> {
         }
     }
 
-    /// Whether anything turns light that is there.
-    pub fn turns(&self) -> bool {
+    /// Whether there is light, and anything to scatter or reflect it.
+    pub fn scatters(&self) -> bool {
         let light = self.lights || self.environment || self.emission.is_some();
         (self.scattering.is_some() || self.reflection) && light
     }
 
-    /// Whether what media send out is more than a closed form: several lie in one place, perhaps,
-    /// and the density of one varies.
-    pub fn glow_is_integrated(&self) -> bool {
+    /// Whether emission has no closed form: media may overlap, and one of them is heterogeneous.
+    pub fn emission_is_integrated(&self) -> bool {
         self.emission.is_some() && !self.heterogeneous.is_empty() && self.media > 1
     }
 
-    /// Whether light is turned in this picture.
-    pub fn light_is_turned(&self) -> bool {
-        self.scene.scattering != Scattering::None && self.turns()
+    /// Whether light is scattered or reflected in this picture.
+    pub fn is_scattered(&self) -> bool {
+        self.scene.scattering != Scattering::None && self.scatters()
     }
 
-    /// Whether what light does by one turn is an integral along the line of sight that finds all
-    /// of it: lights have no extent, and there is either matter that scatters, all of it in the
-    /// open, or diffuse surfaces. (The shadow that a surface throws into a medium may be too
-    /// narrow for an integral to meet it.)
+    /// Whether single scattering is one integral along the line of sight that misses nothing:
+    /// lights have no extent, and there are either scattering media without surfaces or diffuse
+    /// surfaces. (The shadow that a surface or a mesh casts into a medium may be too narrow for
+    /// quadrature.)
     pub fn is_one_integral(&self) -> bool {
         let objects = &self.scene.objects;
         let diffuse = |material| matches!(material, Material::Diffuse(_));
@@ -144,6 +145,18 @@ impl<'s> Contents<'s> {
             && self.heterogeneous.is_empty()
             && (objects.is_empty() || self.scattering.is_none())
             && objects.iter().all(|object| diffuse(object.material))
+            && !self.mesh_shades()
+    }
+
+    /// One of several media is a mesh, which may throw shadows into those that scatter.
+    pub fn mesh_shades(&self) -> bool {
+        let is_mesh = |body: &Body| {
+            matches!(
+                body.boundary,
+                Some(Boundary::Mesh(_) | Boundary::PlacedMesh(_))
+            )
+        };
+        self.scattering.is_some() && self.media > 1 && self.scene.media.iter().any(is_mesh)
     }
 
     /// The first of `keys` that the file gives for medium `index`; of a scene without a file, the

@@ -1,23 +1,23 @@
-//! What is known about each effect of a scene of surfaces, media and lights.
+//! What a scene of surfaces, media and lights says about each effect.
 
-use super::super::{Decisions, Effect, Finding, Reason, State};
+use super::super::{Decisions, Effect, EffectFinding, Reason, State};
 use super::contents::*;
 use super::walks;
 use crate::math::rng::Stream;
-use crate::media::Density;
+use crate::media::{Density, Phase};
 use crate::scene::{Body, Scattering};
 use glam::DVec3;
 
 impl Contents<'_> {
-    /// What is known about an effect.
-    pub fn finding(&self, effect: Effect) -> Finding {
-        use Finding::{Absent, Null};
+    /// The finding for an effect.
+    pub fn finding(&self, effect: Effect) -> EffectFinding {
+        use EffectFinding::{Absent, Null};
         match effect {
             Effect::Surfaces => self.of_surfaces(),
             Effect::SingleScattering => self.of_single_scattering(),
             Effect::MultipleScattering => self.of_multiple_scattering(),
             Effect::MediumShadow | Effect::SurfaceShadow
-                if !(self.light_is_turned() && self.lights) =>
+                if !(self.is_scattered() && self.lights) =>
             {
                 self.no_ray_to_a_light()
             }
@@ -26,16 +26,18 @@ impl Contents<'_> {
             Effect::GradientShading => Absent("media are not shaded"),
             _ if self.media == 0 => Null(
                 MEDIUM.to_owned(),
-                match self.scene.media.is_empty() {
-                    true => "the scene has no media".to_owned(),
-                    false => "the density is 0 everywhere in every medium".to_owned(),
+                if self.scene.media.is_empty() {
+                    "the scene has no media".to_owned()
+                } else {
+                    "the density is 0 everywhere in every medium".to_owned()
                 },
             ),
             Effect::Absorption => self.of_a_medium(
                 self.absorption,
-                match self.absorption.is_none() && self.extinction {
-                    true => BY_ALBEDO,
-                    false => ABSORPTION,
+                if self.absorption.is_none() && self.extinction {
+                    BY_ALBEDO
+                } else {
+                    ABSORPTION
                 },
                 "a medium has sigma_a above 0",
                 "sigma_a is 0 in every medium",
@@ -56,15 +58,15 @@ impl Contents<'_> {
                     "coefficients are the same for all channels",
                 )
             }
-            // However light would be turned: it is not.
-            Effect::AnisotropicPhase if !self.turns() => self.nothing_turns(),
-            Effect::AnisotropicPhase if !self.light_is_turned() => {
-                Null(SCATTERING.to_owned(), "light is never turned".to_owned())
-            }
+            Effect::AnisotropicPhase if !self.scatters() => self.no_scattering(),
+            Effect::AnisotropicPhase if !self.is_scattered() => Null(
+                SCATTERING.to_owned(),
+                "the scene asks for no scattering".to_owned(),
+            ),
             Effect::AnisotropicPhase => self.of_a_medium(
                 self.anisotropic,
                 PHASE,
-                "a medium that scatters has g other than 0",
+                &self.anisotropic_phase(),
                 match self.scattering {
                     None => "no medium scatters",
                     Some(_) => "g is 0 wherever light is scattered",
@@ -74,61 +76,81 @@ impl Contents<'_> {
     }
 
     /// An effect that is on by the medium `index`, or null in all of them.
-    fn of_a_medium(&self, index: Option<usize>, keys: &[&str], on: &str, null: &str) -> Finding {
+    fn of_a_medium(
+        &self,
+        index: Option<usize>,
+        keys: &[&str],
+        on: &str,
+        null: &str,
+    ) -> EffectFinding {
         match index {
-            Some(index) => Finding::Matters(self.key_of(index, keys), on.to_owned()),
-            None => Finding::Null(self.none_has(keys), null.to_owned()),
+            Some(index) => EffectFinding::Matters(self.key_of(index, keys), on.to_owned()),
+            None => EffectFinding::Null(self.none_has(keys), null.to_owned()),
         }
     }
 
-    fn of_surfaces(&self) -> Finding {
+    /// The phase function of the first medium that scatters anisotropically.
+    fn anisotropic_phase(&self) -> String {
+        let phase = self
+            .anisotropic
+            .map(|index| self.scene.media[index].medium.phase);
+        match phase {
+            None | Some(Phase::HenyeyGreenstein(_)) => {
+                "a medium that scatters has g other than 0".to_owned()
+            }
+            Some(phase) => format!("a medium that scatters has the phase function {phase}"),
+        }
+    }
+
+    fn of_surfaces(&self) -> EffectFinding {
         let surfaces = SURFACE.to_owned();
         match self.surfaces {
-            0 => Finding::Null(surfaces, "the scene has no surfaces".to_owned()),
-            1 => Finding::Matters(surfaces, "one surface".to_owned()),
-            many => Finding::Matters(surfaces, format!("{many} surfaces")),
+            0 => EffectFinding::Null(surfaces, "the scene has no surfaces".to_owned()),
+            1 => EffectFinding::Matters(surfaces, "one surface".to_owned()),
+            many => EffectFinding::Matters(surfaces, format!("{many} surfaces")),
         }
     }
 
-    fn of_heterogeneity(&self) -> Finding {
+    fn of_heterogeneity(&self) -> EffectFinding {
         match self.heterogeneous[..] {
-            [] => Finding::Null(
+            [] => EffectFinding::Null(
                 match self.scene.media[..] {
                     [Body { density: None, .. }] => format!("{MEDIUM}[0]"),
                     _ => self.none_has(DENSITY),
                 },
-                "every medium that takes or gives light is homogeneous".to_owned(),
+                "every medium that attenuates or emits light is homogeneous".to_owned(),
             ),
-            [index] => Finding::Matters(
+            [index] => EffectFinding::Matters(
                 self.key_of(index, DENSITY),
                 match self.scene.media[index].density.as_ref() {
                     Some(density) if density.constant().is_some() => {
                         "the density is constant, but too small or large to be multiplied with \
                          the coefficients"
                     }
-                    _ => "the density of a medium differs from place to place",
+                    _ => "the density of a medium is heterogeneous",
                 }
                 .to_owned(),
             ),
-            [first, ..] => Finding::Matters(
+            [first, ..] => EffectFinding::Matters(
                 self.key_of(first, DENSITY),
                 format!(
-                    "the densities of {} media differ from place to place",
+                    "the densities of {} media are heterogeneous",
                     self.heterogeneous.len()
                 ),
             ),
         }
     }
 
-    /// Why nothing turns light, and the key behind that.
-    pub fn nothing_turns(&self) -> Finding {
+    /// The reason why nothing scatters light, and the key behind it.
+    pub fn no_scattering(&self) -> EffectFinding {
         let media = &self.scene.media;
         let scatters = |body: &Body| body.medium.coefficients.sigma_s() != DVec3::ZERO;
         let albedo = format!("{MEDIUM}[0].albedo");
-        let null = |field: &str, reason: &str| Finding::Null(field.to_owned(), reason.to_owned());
+        let null =
+            |field: &str, reason: &str| EffectFinding::Null(field.to_owned(), reason.to_owned());
         match media[..] {
             _ if self.scattering.is_some() || self.reflection => {
-                null(LIGHT, "the scene has no light that could be turned")
+                null(LIGHT, "the scene has no light to scatter")
             }
             [] => null(MEDIUM, "there is no medium, and no surface reflects"),
             _ if media.iter().any(scatters) => null(
@@ -152,101 +174,102 @@ impl Contents<'_> {
         }
     }
 
-    /// Why no light is asked how much of it arrives.
-    fn no_ray_to_a_light(&self) -> Finding {
+    /// The reason why no shadow rays are cast.
+    fn no_ray_to_a_light(&self) -> EffectFinding {
         let (field, reason) = match () {
-            _ if !self.turns() => return self.nothing_turns(),
-            _ if !self.light_is_turned() => (SCATTERING, "light is never turned"),
+            _ if !self.scatters() => return self.no_scattering(),
+            _ if !self.is_scattered() => (SCATTERING, "the scene asks for no scattering"),
             _ => (
                 LIGHT,
-                "there is no light but the environment and what glows",
+                "there is no light but the environment and emissive media",
             ),
         };
-        Finding::Null(field.to_owned(), reason.to_owned())
+        EffectFinding::Null(field.to_owned(), reason.to_owned())
     }
 
-    fn of_single_scattering(&self) -> Finding {
-        if !self.turns() {
-            return self.nothing_turns();
+    fn of_single_scattering(&self) -> EffectFinding {
+        if !self.scatters() {
+            return self.no_scattering();
         }
         if self.scene.scattering == Scattering::None {
-            let reason = "not asked for: light is never turned";
-            return Finding::LeftOut(SCATTERING.to_owned(), reason.to_owned());
+            let reason = "not asked for: no scattering";
+            return EffectFinding::LeftOut(SCATTERING.to_owned(), reason.to_owned());
         }
         let reason = match (self.scattering.is_some(), self.reflection) {
             (true, true) => "media scatter and surfaces reflect",
             (true, false) => "a medium scatters",
             (false, _) => "a surface reflects",
         };
-        Finding::Matters(SCATTERING.to_owned(), reason.to_owned())
+        EffectFinding::Matters(SCATTERING.to_owned(), reason.to_owned())
     }
 
-    fn of_multiple_scattering(&self) -> Finding {
-        if !self.turns() {
-            return self.nothing_turns();
+    fn of_multiple_scattering(&self) -> EffectFinding {
+        if !self.scatters() {
+            return self.no_scattering();
         }
-        let left_out = |field: &str, reason: String| Finding::LeftOut(field.to_owned(), reason);
+        let left_out =
+            |field: &str, reason: String| EffectFinding::LeftOut(field.to_owned(), reason);
         match self.scene.scattering {
-            Scattering::None => left_out(
-                SCATTERING,
-                "not asked for: light is never turned".to_owned(),
-            ),
+            Scattering::None => left_out(SCATTERING, "not asked for: no scattering".to_owned()),
             Scattering::Single => left_out(
                 SCATTERING,
-                "not asked for: light is turned once at most".to_owned(),
+                "not asked for: single scattering only".to_owned(),
             ),
             Scattering::Multiple(Some(limit)) => left_out(
                 MAX_BOUNCES,
-                format!("beyond {limit} turns: light turned more often is left out"),
+                format!("scattering beyond order {limit} is left out"),
             ),
             Scattering::Multiple(None) => {
-                Finding::Matters(SCATTERING.to_owned(), "any number of turns".to_owned())
+                EffectFinding::Matters(SCATTERING.to_owned(), "scattering of any order".to_owned())
             }
         }
     }
 
-    fn of_medium_shadow(&self) -> Finding {
+    fn of_medium_shadow(&self) -> EffectFinding {
         if !self.extinction {
-            return Finding::Null(
+            return EffectFinding::Null(
                 self.none_has(ABSORPTION),
-                "no medium takes light away".to_owned(),
+                "no medium absorbs or scatters".to_owned(),
             );
         }
         let index = self.absorption.or(self.scattering);
         let keys = self.absorption.map_or(SCATTERS, |_| ABSORPTION);
-        Finding::Matters(
+        EffectFinding::Matters(
             self.key_of(index.unwrap_or(0), keys),
-            "media take light away on its way from a light".to_owned(),
+            "media attenuate light on its way from a light".to_owned(),
         )
     }
 
-    fn of_surface_shadow(&self) -> Finding {
+    fn of_surface_shadow(&self) -> EffectFinding {
         let surfaces = SURFACE.to_owned();
         match self.surfaces {
-            0 => Finding::Null(surfaces, "the scene has no surfaces".to_owned()),
-            _ => Finding::Matters(surfaces, "surfaces stand in the way of lights".to_owned()),
+            0 => EffectFinding::Null(surfaces, "the scene has no surfaces".to_owned()),
+            _ => EffectFinding::Matters(surfaces, "surfaces may occlude lights".to_owned()),
         }
     }
 
-    /// The media in which paths take more turns than anyone waits for, and that many.
+    /// The media in which paths scatter more often than anyone waits for, with the expected number.
     fn long_walks(&self) -> Vec<(usize, f64, &Body)> {
         let is_bounded = match self.scene.scattering {
             Scattering::Multiple(limit) => {
-                limit.is_some_and(|limit| f64::from(limit) <= walks::MANY_TURNS)
+                limit.is_some_and(|limit| f64::from(limit) <= walks::MANY_SCATTERINGS)
             }
             _ => true,
         };
-        if is_bounded || !self.light_is_turned() {
+        if is_bounded || !self.is_scattered() {
             return Vec::new();
         }
         let bodies = self.scene.media.iter().enumerate();
         bodies
-            .map(|(index, body)| (index, walks::turns_from_the_middle(self.scene, body), body))
-            .filter(|(_, turns, _)| *turns > walks::MANY_TURNS)
+            .map(|(index, body)| {
+                let order = walks::scatterings_from_the_middle(self.scene, body);
+                (index, order, body)
+            })
+            .filter(|(_, order, _)| *order > walks::MANY_SCATTERINGS)
             .collect()
     }
 
-    /// What the file asks for and cannot matter, or takes longer than it may seem.
+    /// Keys of the file without any effect, and media that take longer than they may seem.
     pub fn warnings(&self, decisions: &Decisions) -> Vec<Reason> {
         let mut warnings = Vec::new();
         let mut warn = |key: String, message: String| {
@@ -259,11 +282,11 @@ impl Contents<'_> {
             let reason = &single.why.reason;
             warn(
                 SCATTERING.to_owned(),
-                format!("scattering asked, but {reason}"),
+                format!("scattering has no effect: {reason}"),
             );
             warn(
                 MAX_BOUNCES.to_owned(),
-                format!("max_bounces asked, but {reason}"),
+                format!("max_bounces has no effect: {reason}"),
             );
         }
         for (index, body) in self.scene.media.iter().enumerate() {
@@ -272,57 +295,64 @@ impl Contents<'_> {
             if coefficients.sigma_t() == DVec3::ZERO && emission == DVec3::ZERO {
                 warn(
                     at,
-                    "a medium asked, but its coefficients and emission are 0".to_owned(),
+                    "this medium has no effect: its coefficients and emission are 0".to_owned(),
                 );
             } else if body.density.as_ref().is_some_and(Density::is_nothing) {
                 warn(
                     at,
-                    "a medium asked, but its density is 0 everywhere".to_owned(),
+                    "this medium has no effect: its density is 0 everywhere".to_owned(),
                 );
-            } else if body.medium.phase.0.g() != 0.0 {
-                let why_not = match coefficients.sigma_s() == DVec3::ZERO {
-                    true => "sigma_s (or albedo) of this medium is 0",
-                    false if !self.light_is_turned() => "light is not turned here",
-                    false => continue,
+            } else if !body.medium.phase.is_isotropic() {
+                let why_not = if coefficients.sigma_s() == DVec3::ZERO {
+                    "this medium does not scatter"
+                } else if !self.is_scattered() {
+                    "no light is scattered in this scene"
+                } else {
+                    continue;
                 };
-                warn(format!("{at}.g"), format!("g asked, but {why_not}"));
+                let key = self.key_of(index, &PHASE[..3]);
+                let name = key.rsplit('.').next().unwrap_or_default();
+                warn(key.clone(), format!("{name} has no effect: {why_not}"));
             }
         }
-        for (index, turns, body) in self.long_walks() {
+        for (index, order, body) in self.long_walks() {
             let key = self.key_of(index, SCATTERS);
             let depth = walks::depth_of_the_middle(self.scene, body);
-            let far = match depth.is_finite() {
-                true => format!("its middle is {depth:.3e} mean free paths deep"),
-                false => "it has no end".to_owned(),
+            let far = if depth.is_finite() {
+                format!("its middle is {depth:.3e} mean free paths deep")
+            } else {
+                "it has no end".to_owned()
             };
-            let often = match turns.is_finite() {
-                true => format!("about {turns:.1e} times"),
-                false => "without end".to_owned(),
+            let often = if order.is_finite() {
+                format!("about {order:.1e} times")
+            } else {
+                "without end".to_owned()
             };
             let endless = self.scene.scattering == Scattering::Multiple(None);
-            let gives_up = match endless && turns > f64::from(Stream::BOUNCES) {
-                true => "; rendering may fail, at a path of 2^26 turns",
-                false => "",
+            let gives_up = if endless && order > f64::from(Stream::BOUNCES) {
+                "; rendering may fail, at a path of 2^26 scatterings"
+            } else {
+                ""
             };
             warn(
                 key,
                 format!(
-                    "light that gets deep into this medium is turned {often}, as {far} and little \
-                     is absorbed{gives_up}; `max_bounces = {}` bounds the work, and leaves out what \
-                     is turned more often",
-                    walks::MANY_TURNS
+                    "light deep inside this medium is scattered {often}, as {far} and little is \
+                     absorbed{gives_up}; `max_bounces = {}` bounds the work, and leaves out \
+                     scattering of higher order",
+                    walks::MANY_SCATTERINGS
                 ),
             );
         }
         for (index, light) in self.scene.lights.iter().enumerate() {
             let at = format!("radiative.light[{index}]");
             if light.strength() == DVec3::ZERO {
-                warn(at, "a light asked, but it is dark".to_owned());
-            } else if !self.light_is_turned() {
+                warn(at, "this light has no effect: it is dark".to_owned());
+            } else if !self.is_scattered() {
                 warn(
                     at,
-                    "a light asked, but nothing turns its light towards the eye, and a light \
-                     without extent is not seen itself"
+                    "this light has no effect: nothing scatters its light towards the eye, and a \
+                     light without extent is not seen itself"
                         .to_owned(),
                 );
             }

@@ -1,4 +1,4 @@
-//! Random walks of light through thick matter.
+//! Random walks of light through thick media.
 
 use crate::geometry::{Aabb, Surface};
 use crate::media::Density;
@@ -6,37 +6,37 @@ use crate::scene::{Body, Radiative};
 use crate::volume::DensityField;
 use glam::DVec3;
 
-/// Paths with more turns than this are warned of. A turn takes a tenth of a microsecond and more,
+/// Scattering orders above this are warned of. A scattering takes a tenth of a microsecond and more,
 /// so such a path takes milliseconds, and an image of 256 × 256 pixels with 64 samples, were all of
 /// its paths like that, hours.
-pub(super) const MANY_TURNS: f64 = 1e4;
+pub(super) const MANY_SCATTERINGS: f64 = 1e4;
 
-/// How often light is turned, on average, that sets out in the middle of `body`, before it leaves
-/// or is absorbed: an estimate within a factor of two where it is many turns, and infinite where
-/// nothing ends the walk.
+/// Mean scattering order of light from the middle of `body` until it leaves or is absorbed: an
+/// estimate within a factor of two where the order is high, and infinite where nothing ends the
+/// walk.
 ///
 /// *It leaves.* Where scattering dominates, light diffuses: it moves by `1 / (sigma_s (1 − g))`
 /// between directions that have nothing to do with each other, a diffusion coefficient of
 /// `D = 1 / (3 sigma_s (1 − g))` for each unit of path (Ishimaru 1978, *Wave Propagation and
 /// Scattering in Random Media*, chapter 9). The mean path from the centre of a ball of radius `R` to
 /// its surface solves `D ∇²L = −1`: `L = R² / 6D`, and between planes at `±h` it is `h² / 2D`. One
-/// turn for each `1 / sigma_s` makes `(1 − g) τ² / 2` and `3 (1 − g) τ² / 2` turns, `τ = sigma_s R` or
+/// scattering per `1 / sigma_s` makes `(1 − g) τ² / 2` and `3 (1 − g) τ² / 2` of them, `τ = sigma_s R` or
 /// `sigma_s h`. Both, and about a box, are `3 (1 − g) / 2 / Σ 1/τᵢ²` over half the extents `τᵢ` along
-/// the axes. Light that enters from outside mostly leaves again at once, after `4/3 τ` turns on average
+/// the axes. Light that enters from outside mostly leaves again at once, after `4/3 τ` scatterings on average
 /// in a ball; it is one path in some `τ` that gets to the middle, and those take the time.
 ///
 /// *It is absorbed.* A path goes on for certain until it carries half of what it began with, which
-/// takes `ln 2 / (1 − albedo)` turns, and from there with a probability of `albedo` a turn:
+/// takes `ln 2 / (1 − albedo)` scatterings, and from there with a probability of `albedo` each:
 /// `1 / (1 − albedo)` more.
 ///
 /// The rates at which it comes to an end add up.
-pub(super) fn turns_from_the_middle(scene: &Radiative, body: &Body) -> f64 {
+pub(super) fn scatterings_from_the_middle(scene: &Radiative, body: &Body) -> f64 {
     let coefficients = body.medium.coefficients;
     let density = body.density.as_ref().map_or(1.0, mean);
     let scattered = coefficients.sigma_s() * density;
     let absorbed = coefficients.sigma_a() * density + absorbed_everywhere(scene, body);
     let half = 0.5 * extent(scene, body);
-    let g = body.medium.phase.0.g();
+    let g = body.medium.phase.mean_cosine();
     (0..3)
         .map(|channel| {
             let sigma_s = scattered[channel];
@@ -51,15 +51,15 @@ pub(super) fn turns_from_the_middle(scene: &Radiative, body: &Body) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The shortest way from the middle of `body` to its faces, in mean free paths.
+/// Shortest distance from the middle of `body` to its faces, in mean free paths.
 pub(super) fn depth_of_the_middle(scene: &Radiative, body: &Body) -> f64 {
     let density = body.density.as_ref().map_or(1.0, mean);
     let sigma_s = body.medium.coefficients.sigma_s().max_element() * density;
     0.5 * extent(scene, body).min_element() * sigma_s
 }
 
-/// Where light may be: the box of the body; of one that fills all space that of the surfaces, which
-/// may be a room.
+/// Extent of the walk: the box of the body; for one that fills all space that of the surfaces,
+/// which may be a room.
 fn extent(scene: &Radiative, body: &Body) -> DVec3 {
     if let Some(boundary) = &body.boundary {
         return boundary.bounds().size();
@@ -106,7 +106,7 @@ fn mean(density: &Density) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::{Plan, render_counted};
+    use crate::render::{Event, Sampling, plans, render_counted};
     use crate::scene::{Model, Scene};
     use std::path::Path;
 
@@ -123,12 +123,12 @@ mod tests {
         let Model::Radiative(radiative) = &scene.panels[0].model else {
             unreachable!()
         };
-        turns_from_the_middle(radiative, &radiative.media[0])
+        scatterings_from_the_middle(radiative, &radiative.media[0])
     }
 
     /// The eye is in the middle, and what it looks at leaves or is absorbed.
     #[test]
-    fn turns_that_are_counted_are_those_that_were_told() {
+    fn counted_scatterings_are_those_estimated() {
         const BALL: &str = "sphere = { centre = [0, 0, 0], radius = 1 }";
         const BOX: &str = "box = { min = [-1, -1, -1], max = [1, 1, 1] }";
         const PLATE: &str = "box = { min = [-9, -9, -1], max = [9, 9, 1] }";
@@ -142,16 +142,17 @@ mod tests {
             ("sigma_t = 300\nalbedo = 0.97", BALL),
         ] {
             let scene = scene("environment = 1", &format!("{medium}\n{shape}"));
-            let plan = Plan::new(&scene.panels[0]);
-            let work = render_counted(&scene, &[plan], &|| ()).unwrap().work[0];
-            let counted = (work.first_turns + work.further_turns) as f64 / 512.0;
-            let told = estimate(&scene);
+            let rendering = render_counted(&plans(&scene), Sampling::default(), &|| ());
+            let work = rendering.unwrap().work[0];
+            let counted =
+                (work[Event::FirstScattering] + work[Event::FurtherScattering]) as f64 / 512.0;
+            let estimate = estimate(&scene);
             // Diffusion leaves out the last free flight, a tenth here, and from the middle of a
-            // box the corners are farther than its faces: told too few, and here between 0.68 and
+            // box the corners are farther than its faces: estimates are low, here between 0.68 and
             // 0.98 of what is counted. 512 walks of a spread like their mean are known to 5 %.
             assert!(
-                (0.55..1.2).contains(&(told / counted)),
-                "{medium} {shape}: told {told}, counted {counted}"
+                (0.55..1.2).contains(&(estimate / counted)),
+                "{medium} {shape}: estimated {estimate}, counted {counted}"
             );
         }
     }
@@ -165,7 +166,7 @@ mod tests {
         assert_eq!(of("", "sigma_s = 0\nsigma_a = 1"), 0.0);
         let endless = "sigma_s = 1\nsigma_a = 0";
         assert_eq!(of("max_bounces = 20000", endless), f64::INFINITY);
-        // What other matter takes, and the walls of a room, bound it.
+        // Absorption by other media, and the walls of a room, bound it.
         let beside = format!("{endless}\n[[radiative.medium]]\nsigma_a = 1");
         assert!(of("max_bounces = 20000", &beside) < 4.0);
         let room = format!(

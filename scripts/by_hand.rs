@@ -5,22 +5,22 @@
 //! (`scripts/instructions.rs`). They stand in the library because a loop beside the kernels is
 //! optimised as they are, and one in a program of its own is not: small functions are not inlined
 //! into another crate. Like the kernels they call the camera, the grid, the transfer function,
-//! the random numbers. Each returns the bits that [`render`](crate::render::render) does.
+//! the random numbers. Each returns the bits that [`render`](volref::render::render) does.
 
-use crate::film::Film;
-use crate::geometry::{Aabb, Boundary, Camera, Ray, Span, length_of};
-use crate::math::rng::{Purpose, Stream};
-use crate::math::{Frame, Moments, cos, exp, ln_1p, sin};
-use crate::media::{Deflection, Density, Field, optical_depth, source_factor};
-use crate::optics::Light;
-use crate::render::classified::empty_space::{EmptySpace, Space};
-use crate::render::classified::field::NodePath;
-use crate::render::classified::steps::Steps;
-use crate::render::counters::Uncounted;
-use crate::scene::{Classified, Radiative, Scattering};
-use crate::volume::{Cell, relative_gradients};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
+use volref::film::Film;
+use volref::geometry::{Aabb, Boundary, Camera, Ray, Span, length_of};
+use volref::math::rng::{Purpose, Stream};
+use volref::math::{Frame, Moments, cos, exp, ln_1p, sin};
+use volref::media::{Deflection, Density, Field, optical_depth, source_factor};
+use volref::optics::Light;
+use volref::render::classified::empty_space::{EmptySpace, Space};
+use volref::render::classified::field::NodePath;
+use volref::render::classified::steps::Steps;
+use volref::render::counters::Uncounted;
+use volref::scene::{Classified, Radiative, Scattering};
+use volref::volume::{Cell, relative_gradients};
 
 /// Columns and rows of an image.
 pub type Size = [usize; 2];

@@ -1,0 +1,143 @@
+//! Two images, block by block, with their noise completed.
+
+use super::super::significance::deviation;
+use super::blocks::{Block, Total, Variance, parts};
+use super::variance::{NoiseShape, Stated, unstated};
+use crate::film::Film;
+
+/// Two images of one size, at least one of which states its noise.
+pub(super) struct Comparison<'f> {
+    /// Reference and test image.
+    pub films: [&'f Film; 2],
+    /// Row by row from the top.
+    pub blocks: Vec<Block>,
+    /// What they say of their noise.
+    pub stated: [Stated; 2],
+    /// How the variances were completed.
+    pub shape: NoiseShape,
+    /// Probability with which noise that is not stated may be underestimated.
+    level: f64,
+}
+
+impl<'f> Comparison<'f> {
+    /// `level` is the probability with which the noise of an image that does not state it may be
+    /// underestimated.
+    pub fn new(reference: &'f Film, test: &'f Film, level: f64) -> Comparison<'f> {
+        let films = [reference, test];
+        let mut blocks = Vec::new();
+        for rows in parts(reference.height()) {
+            for columns in parts(reference.width()) {
+                blocks.push(Block::new(films, columns, rows.clone()));
+            }
+        }
+        Comparison::completed(films, films.map(Stated::by), blocks, level, 1.0)
+    }
+
+    /// With the variances of `blocks` from what is stated and from how differences spread, of a test
+    /// image with `times` the samples that it was looked at with.
+    fn completed(
+        films: [&'f Film; 2],
+        stated: [Stated; 2],
+        mut blocks: Vec<Block>,
+        level: f64,
+        times: f64,
+    ) -> Comparison<'f> {
+        let shape = NoiseShape::new(stated, &blocks, level, times);
+        for block in &mut blocks {
+            for channel in &mut block.channels {
+                channel.variance = Variance {
+                    own: match unstated(stated) {
+                        None => channel.stated,
+                        Some(silent) => {
+                            let mut own = channel.stated;
+                            own[silent] = (channel.spread - own[1 - silent]).max(0.0);
+                            own
+                        }
+                    },
+                    guard: shape.guard(channel.stated),
+                };
+            }
+        }
+        Comparison {
+            films,
+            blocks,
+            stated,
+            shape,
+            level,
+        }
+    }
+
+    /// As far as variances go, what this would be with `times` the samples in the test image: its
+    /// noise is that much smaller, and that of the reference stays.
+    pub fn with_samples(&self, times: f64) -> Comparison<'f> {
+        let reference = self.shape.share_of_reference;
+        let mut blocks = self.blocks.clone();
+        for channel in blocks.iter_mut().flat_map(|block| &mut block.channels) {
+            channel.stated[1] /= times;
+            channel.spread *= reference + (1.0 - reference) / times;
+        }
+        let [of_reference, of_test] = self.stated;
+        let stated = [of_reference, of_test.times(times)];
+        Comparison::completed(self.films, stated, blocks, self.level, times)
+    }
+
+    /// Blocks and channels, of which each is asked for a bias.
+    pub fn asked(&self) -> usize {
+        3 * self.blocks.len()
+    }
+
+    /// Degrees of freedom of the variance of a block that is its [own](Variance::own): one less
+    /// than samples for each pixel, or one less than pixels where it is taken from their spread.
+    /// Of two images' the smaller number, which Welch's exceeds.
+    pub fn degrees(&self, block: &Block) -> f64 {
+        let pixels = block.pixels() as f64;
+        match self.numbers() {
+            [Some(a), Some(b)] => pixels * f64::from(a.min(b) - 1),
+            _ => (pixels - 1.0).max(1.0),
+        }
+    }
+
+    /// Numbers that the variances of reference and test image are the spread of, where they state
+    /// their noise.
+    pub fn numbers(&self) -> [Option<u32>; 2] {
+        self.films
+            .map(|film| film.noise().map(|noise| noise.samples()))
+    }
+
+    /// The channels of the whole image.
+    pub fn totals(&self) -> [Total; 3] {
+        let mut totals = [Total::default(); 3];
+        for block in &self.blocks {
+            for (total, channel) in totals.iter_mut().zip(&block.channels) {
+                total.difference.add(channel.difference);
+                total.own += channel.variance.own();
+                for (sum, stated) in total.stated.iter_mut().zip(channel.stated) {
+                    *sum += stated;
+                }
+            }
+        }
+        totals
+    }
+
+    /// How far the whole image is off, in standard errors. Where one image does not state its
+    /// noise and is the brighter one, by its own variance alone: k rare events make it brighter by
+    /// √k of the standard errors that they cause themselves, at most.
+    pub fn deviation(&self, total: &Total) -> f64 {
+        let beyond = total.difference.beyond_rounding();
+        let is_brighter = match unstated(self.stated) {
+            Some(0) => beyond < 0.0,
+            Some(_) => beyond > 0.0,
+            None => false,
+        };
+        let variance = match is_brighter {
+            true => total.own,
+            false => self.variance_of_whole(total),
+        };
+        deviation(beyond, variance)
+    }
+
+    /// The larger variance of the whole image, own or guard.
+    pub fn variance_of_whole(&self, total: &Total) -> f64 {
+        total.own.max(self.shape.guard_of_whole(total.stated))
+    }
+}

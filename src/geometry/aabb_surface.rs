@@ -1,0 +1,113 @@
+//! The faces of an axis-aligned box as a surface, and its inside as a solid.
+
+use super::aabb::FacePassage;
+use super::hit::RELATIVE_CLEARANCE;
+use super::{Aabb, Hit, Ray, Side, Solid, Span, Surface, SurfacePoint};
+use glam::DVec3;
+
+impl Surface for Aabb {
+    fn bounds(&self) -> Aabb {
+        *self
+    }
+
+    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+        let [near, far] = self.passages(ray)?;
+        let (passage, side) = if near.t > 0.0 {
+            (near, Side::Front)
+        } else {
+            (far, Side::Back)
+        };
+        if !(passage.t > 0.0 && passage.t < limit) {
+            return None;
+        }
+        let forward = ray.direction[passage.axis] > 0.0;
+        let upper = forward == (side == Side::Back);
+        Some(Hit {
+            t: passage.t,
+            point: point(self, ray, passage, upper),
+            side,
+            face: passage.axis + if upper { 3 } else { 0 },
+            uv: [0.0; 2],
+        })
+    }
+}
+
+impl Solid for Aabb {
+    fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
+        spans.extend(self.span(ray));
+    }
+}
+
+/// The point where the ray passes the maximum (`upper`) or minimum face of an axis: exactly
+/// in that face, and not beyond its edges.
+///
+/// So the point needs no clearance for itself. A ray that starts off the face by more than
+/// a rounding of its coordinate is on the right side of it in [`passages`](Aabb::passages),
+/// where the sign of `face − origin` is exact.
+fn point(bounds: &Aabb, ray: &Ray, passage: FacePassage, upper: bool) -> SurfacePoint {
+    let mut position = ray.at(passage.t).clamp(bounds.min, bounds.max);
+    let mut normal = DVec3::ZERO;
+    let (face, outward) = if upper {
+        (bounds.max, 1.0)
+    } else {
+        (bounds.min, -1.0)
+    };
+    position[passage.axis] = face[passage.axis];
+    normal[passage.axis] = outward;
+    SurfacePoint {
+        position,
+        normal,
+        clearance: RELATIVE_CLEARANCE * bounds.reach(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::ShapeError;
+
+    const UNIT: Aabb = Aabb {
+        min: DVec3::ZERO,
+        max: DVec3::ONE,
+    };
+
+    #[test]
+    fn g5_flat_boxes_hold_nothing_and_inverted_ones_are_refused() {
+        let flat = Aabb::new(DVec3::ZERO, DVec3::new(1.0, 0.0, 1.0)).unwrap();
+        let lengths = |towards: DVec3| {
+            let ray = Ray::new(DVec3::new(0.5, -1.0, 0.5), towards).unwrap();
+            flat.spans(&ray).iter().map(Span::length).sum::<f64>()
+        };
+        assert_eq!(lengths(DVec3::Y), 0.0);
+        assert_eq!(lengths(DVec3::X), 0.0);
+        let along = Ray::new(DVec3::new(-1.0, 0.0, 0.5), DVec3::X).unwrap();
+        assert!(flat.spans(&along).is_empty());
+        let refused = Aabb::new(DVec3::ONE, DVec3::new(2.0, 0.5, 2.0));
+        assert!(matches!(refused, Err(ShapeError::Inverted { .. })));
+        assert!(Aabb::new(DVec3::splat(f64::NAN), DVec3::ONE).is_err());
+        assert!(Aabb::new(DVec3::splat(-1e308), DVec3::splat(1e308)).is_err());
+    }
+
+    #[test]
+    fn hits_name_the_face_and_lie_in_it() {
+        let hit = |origin: [f64; 3], direction: [f64; 3]| {
+            let ray = Ray::new(origin.into(), direction.into()).unwrap();
+            let hit = UNIT.hit(&ray, f64::INFINITY).unwrap();
+            (hit.t, hit.face, hit.side, hit.point.normal)
+        };
+        let up = [0.0, 0.0, 1.0];
+        assert_eq!(
+            hit([0.5, 0.5, -1.0], up),
+            (1.0, 2, Side::Front, DVec3::NEG_Z)
+        );
+        assert_eq!(hit([0.5, 0.5, 0.5], up), (0.5, 5, Side::Back, DVec3::Z));
+        assert_eq!(
+            hit([2.0, 0.5, 0.5], [-1.0, 0.0, 0.0]),
+            (1.0, 3, Side::Front, DVec3::X)
+        );
+        assert_eq!(
+            hit([0.5, 0.5, 0.5], [-1.0, 0.0, 0.0]),
+            (0.5, 0, Side::Back, DVec3::NEG_X)
+        );
+    }
+}

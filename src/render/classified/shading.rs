@@ -1,0 +1,70 @@
+//! Shading of samples by the gradient of the density.
+//!
+//! Source: Phong 1975, "Illumination for computer generated pictures"; Levoy 1988.
+
+use super::field::ScalarField;
+use crate::geometry::{Ray, direction_of};
+use crate::media::Phong;
+use crate::render::counters::Work;
+use crate::volume::Grid;
+use glam::DVec3;
+
+/// Shading of samples.
+pub trait Shading: Sync {
+    /// The colour of a sample at world `point`, of unshaded `colour`, as seen along `ray`.
+    fn shade<F: ScalarField, W: Work>(
+        &self,
+        colour: DVec3,
+        field: &F,
+        location: &F::Location,
+        point: DVec3,
+        ray: &Ray,
+        work: &mut W,
+    ) -> DVec3;
+}
+
+/// No shading: the colour as it is, without a gradient look-up.
+#[derive(Clone, Copy, Debug)]
+pub struct Unshaded;
+
+impl Shading for Unshaded {
+    fn shade<F: ScalarField, W: Work>(
+        &self,
+        colour: DVec3,
+        _: &F,
+        _: &F::Location,
+        _: DVec3,
+        _: &Ray,
+        _: &mut W,
+    ) -> DVec3 {
+        colour
+    }
+}
+
+/// Phong shading by stored gradients.
+#[derive(Clone, Debug)]
+pub struct Shaded {
+    /// Weights of the reflection model.
+    pub phong: Phong,
+    /// Gradients at the nodes, in any unit: only directions matter.
+    pub gradients: Grid<[f32; 3]>,
+    /// World position of the light.
+    pub light: DVec3,
+}
+
+impl Shading for Shaded {
+    fn shade<F: ScalarField, W: Work>(
+        &self,
+        colour: DVec3,
+        field: &F,
+        location: &F::Location,
+        point: DVec3,
+        ray: &Ray,
+        work: &mut W,
+    ) -> DVec3 {
+        let gradient = field.gradient(&self.gradients, location, work);
+        // A light at the sample itself has no direction: only ambient light is left.
+        let to_light = direction_of(self.light - point).unwrap_or(DVec3::ZERO);
+        self.phong.shade(colour, gradient, to_light, -ray.direction)
+    }
+}

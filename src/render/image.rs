@@ -1,0 +1,389 @@
+//! From plans to an image: the kernel of each panel, and panels side by side.
+
+use super::classified::{curve, kernels as ray_caster};
+use super::counters::{Counters, Uncounted, Work};
+use super::error::RenderError;
+use super::footprint::{Footprint, footprint};
+use super::pixels::{Detail, Pixels};
+use super::plan::{Kernel, Plan};
+use super::progress::{Progress, steps_of};
+use super::radiative::kernels::{ByLineOfSight, ByPathTracing, with_parts};
+use super::radiative::path_tracer::Fault;
+use super::sampling::Sampling;
+use crate::film::Film;
+use crate::math::Moments;
+use crate::scene::{Classified, Radiative};
+use std::marker::PhantomData;
+
+/// A finished image.
+#[derive(Clone, Debug)]
+pub struct Rendering {
+    /// The panels, side by side.
+    pub film: Film,
+    /// Work done, panel by panel, where it was counted.
+    pub work: Vec<Counters>,
+}
+
+/// The image of the panels of `plans`, side by side. Its bits depend on nothing but the plans and
+/// the `sampling`: not on the number of threads, not on the build.
+pub fn render(
+    plans: &[Plan<'_>],
+    sampling: Sampling,
+    progress: Progress<'_>,
+) -> Result<Rendering, RenderError> {
+    render_with::<Uncounted>(plans, &Job::whole(sampling, progress))
+        .map(|(film, _)| Rendering { film, work: vec![] })
+}
+
+/// [`render`], counting work. Same bits.
+pub fn render_counted(
+    plans: &[Plan<'_>],
+    sampling: Sampling,
+    progress: Progress<'_>,
+) -> Result<Rendering, RenderError> {
+    render_with::<Counters>(plans, &Job::whole(sampling, progress))
+        .map(|(film, work)| Rendering { film, work })
+}
+
+/// A coarse image, made of fewer pixels or larger ones.
+///
+/// # Errors
+///
+/// Those of [`render`] for the pixels rendered, and [`RenderError::Stopped`] once `stopped` says
+/// so: it is asked before every row, from any thread.
+pub fn render_coarse(
+    plans: &[Plan<'_>],
+    sampling: Sampling,
+    detail: Detail,
+    stopped: &(dyn Fn() -> bool + Sync),
+) -> Result<Film, RenderError> {
+    let job = Job {
+        sampling,
+        detail,
+        stopped,
+        progress: &|| (),
+    };
+    render_with::<Uncounted>(plans, &job).map(|(film, _)| film)
+}
+
+/// The part of an image that is rendered, and with which samples.
+struct Job<'e> {
+    sampling: Sampling,
+    detail: Detail,
+    /// Whether to end early; asked before every row.
+    stopped: &'e (dyn Fn() -> bool + Sync),
+    progress: Progress<'e>,
+}
+
+impl<'e> Job<'e> {
+    fn whole(sampling: Sampling, progress: Progress<'e>) -> Job<'e> {
+        Job {
+            sampling,
+            detail: Detail::Whole,
+            stopped: &|| false,
+            progress,
+        }
+    }
+}
+
+fn render_with<W: Work>(plans: &[Plan<'_>], job: &Job<'_>) -> Result<(Film, Vec<W>), RenderError> {
+    let Footprint { most: bytes, .. } = footprint(plans, job.sampling);
+    if !has_memory(bytes) {
+        return Err(RenderError::Memory {
+            width: plans.iter().map(|plan| plan.panel.width).sum(),
+            height: plans
+                .iter()
+                .map(|plan| plan.panel.height)
+                .max()
+                .unwrap_or(0),
+            bytes,
+        });
+    }
+    let steps = plans.iter().map(|plan| steps(plan, job.sampling));
+    job.progress.begin(steps.sum());
+    let mut films = Vec::new();
+    let mut works = Vec::new();
+    for plan in plans {
+        let (film, work) = render_panel(plan, job)?;
+        films.push(film);
+        works.push(work);
+    }
+    let film = Film::side_by_side(&films);
+    match film.first_without_radiance() {
+        None => Ok((film, works)),
+        // Finite, or it had been refused before, but not as a number of 32 bits.
+        Some(([column, row], value)) if value.contains(&f32::INFINITY) => {
+            Err(RenderError::TooBright { column, row })
+        }
+        Some(([column, row], value)) => Err(RenderError::NoRadiance { column, row, value }),
+    }
+}
+
+/// Whether this many bytes can be had at once. They are given back untouched: it costs nothing, and
+/// is found out before the work and not after it.
+fn has_memory(bytes: u64) -> bool {
+    let mut memory: Vec<u8> = Vec::new();
+    usize::try_from(bytes).is_ok_and(|bytes| memory.try_reserve_exact(bytes).is_ok())
+}
+
+/// The steps of a panel that progress is reported by.
+fn steps(plan: &Plan<'_>, sampling: Sampling) -> u64 {
+    let pixels = (plan.panel.width * plan.panel.height) as u64;
+    match plan.kernel {
+        Kernel::Background(_) => 0,
+        _ => steps_of(pixels, plan.samples(sampling)),
+    }
+}
+
+fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<(Film, W), RenderError> {
+    let panel = plan.panel;
+    let pixels = Pixels {
+        width: panel.width,
+        height: panel.height,
+        samples: plan.samples(job.sampling),
+        detail: job.detail,
+        stopped: job.stopped,
+        progress: job.progress,
+    };
+    // Those of the film: the panel may have more.
+    let [width, height] = [panel.width, panel.height].map(|size| job.detail.places(size).len());
+    let finished = |pixels: usize| {
+        if pixels == width * height {
+            Ok(())
+        } else {
+            Err(RenderError::Stopped)
+        }
+    };
+    let (pixels, work) = match plan.kernel {
+        Kernel::Curve(plot) => {
+            let drawn = curve::draw(plot, [panel.width, panel.height], job.progress);
+            (pixels.those_rendered(&drawn), W::default())
+        }
+        Kernel::Background(scene) => (background(scene, &pixels), W::default()),
+        Kernel::RayCaster { scene, features } => ray_caster::cast(scene, features, &pixels),
+        Kernel::LineOfSight {
+            scene,
+            features,
+            scatters,
+        } => {
+            let task = ByLineOfSight {
+                scene,
+                parts: features,
+                turned: scatters,
+                pixels: &pixels,
+                work: PhantomData,
+            };
+            let (pixels, work) = with_parts(features, task);
+            finished(pixels.len())?;
+            let pixels = without_faults(scene, width, pixels)?;
+            return Ok((Film::new(width, height, pixels), work));
+        }
+        Kernel::PathTracer {
+            scene,
+            features,
+            max_order,
+        } => {
+            let task = ByPathTracing {
+                scene,
+                parts: features,
+                limit: max_order,
+                seed: job.sampling.seed_of(scene),
+                pixels: &pixels,
+                work: PhantomData,
+            };
+            let samples = pixels.samples;
+            let (pixels, work) = with_parts(features, task);
+            finished(pixels.len())?;
+            let pixels = without_faults(scene, width, pixels)?;
+            return Ok((mean_of_samples([width, height], samples, &pixels), work));
+        }
+    };
+    finished(pixels.len())?;
+    Ok((Film::with_opacity(width, height, pixels), work))
+}
+
+/// Whether a light stands anywhere in the scene whose radiance may have no bound.
+fn has_points(scene: &Radiative) -> bool {
+    scene.lights.iter().any(|light| light.position().is_some())
+}
+
+/// The pixels of an image `width` pixels wide, or the error of the first without a radiance, if any.
+fn without_faults<P>(
+    scene: &Radiative,
+    width: usize,
+    pixels: Vec<Result<P, Fault>>,
+) -> Result<Vec<P>, RenderError> {
+    let faults = || {
+        let faults = pixels.iter().enumerate();
+        faults.filter_map(|(index, pixel)| Some((index, *pixel.as_ref().err()?)))
+    };
+    let Some((index, fault)) = faults().next() else {
+        return Ok(pixels.into_iter().flatten().collect());
+    };
+    let (column, row) = (index % width, index / width);
+    Err(match fault {
+        Fault::Endless => RenderError::Endless { column, row },
+        Fault::Infinite if has_points(scene) => RenderError::Divergent { column, row },
+        Fault::Infinite => RenderError::TooBright { column, row },
+        Fault::Majorant(_) => RenderError::Majorant {
+            violations: faults()
+                .map(|(_, fault)| fault)
+                // Of the pixels behind one without an end, chance decides which are traced.
+                .take_while(|fault| *fault != Fault::Endless)
+                .map(|fault| match fault {
+                    Fault::Majorant(violations) => violations,
+                    Fault::Infinite | Fault::Endless => 0,
+                })
+                .sum(),
+            column,
+            row,
+        },
+    })
+}
+
+/// The film of the means and of their variances; of one sample each, of the means alone.
+fn mean_of_samples([width, height]: [usize; 2], samples: u32, pixels: &[[Moments; 3]]) -> Film {
+    let mean = |pixel: &[Moments; 3]| pixel.map(|channel| channel.mean() as f32);
+    let variance = |pixel: &[Moments; 3]| {
+        pixel.map(|channel| {
+            channel
+                .variance_of_mean()
+                .map_or(0.0, |variance| variance as f32)
+        })
+    };
+    let means = pixels.iter().map(mean).collect();
+    if samples < 2 {
+        return Film::new(width, height, means);
+    }
+    let variances = pixels.iter().map(variance).collect();
+    Film::with_noise(width, height, means, variances, samples)
+}
+
+fn background(scene: &Classified, pixels: &Pixels<'_>) -> Vec<[f32; 4]> {
+    let [r, g, b] = scene.background.as_vec3().to_array();
+    vec![[r, g, b, 0.0]; pixels.count()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Camera;
+    use crate::optics::{Light, Point};
+    use crate::render::plan::plans;
+    use crate::render::progress::{Forecast, Watch};
+    use crate::scene::{Scattering, Scene};
+    use glam::DVec3;
+    use std::sync::Mutex;
+    use std::sync::atomic::{AtomicU64, Ordering};
+    use std::time::Duration;
+
+    fn scene(lights: Vec<Light>) -> Radiative {
+        Radiative {
+            scattering: Scattering::Single,
+            objects: vec![],
+            area_lights: vec![],
+            media: vec![],
+            lights,
+            environment: DVec3::ZERO,
+            camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0).unwrap(),
+            samples: 2,
+            seed: 0,
+        }
+    }
+
+    /// An observer that counts calls and asks for forecasts.
+    #[derive(Default)]
+    struct Observer {
+        begun: AtomicU64,
+        steps: AtomicU64,
+        forecasts: Mutex<Vec<Forecast>>,
+    }
+
+    impl Watch for Observer {
+        fn begin(&self, steps: u64) {
+            self.begun.fetch_add(steps, Ordering::Relaxed);
+        }
+
+        fn step(&self) {
+            self.steps.fetch_add(1, Ordering::Relaxed);
+        }
+
+        fn may_measure(&self) -> Option<Duration> {
+            Some(Duration::from_secs(600))
+        }
+
+        fn measured(&self, forecast: &Forecast) {
+            self.forecasts.lock().unwrap().push(*forecast);
+        }
+    }
+
+    /// As many steps are reported as were announced, within pixels of many samples too; and a
+    /// forecast changes neither a bit of the image nor what is counted.
+    #[test]
+    fn steps_are_those_announced_and_measuring_leaves_no_trace() {
+        let fog = |samples: u32, scattering: &str| {
+            format!(
+                "[film]\nwidth = 6\nheight = 5\n[sampling]\nsamples = {samples}\n\
+                 [camera]\neye = [0, 0, -3]\ntarget = [0, 0, 0]\n\
+                 [radiative]\nenvironment = 1\nscattering = '{scattering}'\n\
+                 [[radiative.medium]]\nsphere = {{ centre = [0, 0, 0], radius = 1 }}\n\
+                 sigma_s = 1\nsigma_a = 0.5\n"
+            )
+        };
+        for (text, steps, samples) in [
+            (fog(1023, "multiple"), 30, 1023),
+            (fog(2048, "multiple"), 90, 2048),
+            (fog(4, "none"), 30, 1),
+        ] {
+            let scene = Scene::parse(&text, std::path::Path::new("scene.toml")).unwrap();
+            let plans = plans(&scene);
+            let observer = Observer::default();
+            let watched = render_counted(&plans, Sampling::default(), &observer).unwrap();
+            assert_eq!(observer.begun.into_inner(), steps);
+            assert_eq!(observer.steps.into_inner(), steps);
+            let forecasts = observer.forecasts.into_inner().unwrap();
+            assert_eq!(forecasts.len(), 1);
+            assert_eq!((forecasts[0].pixels, forecasts[0].samples), (30, samples));
+            assert_eq!(forecasts[0].steps(), steps);
+            assert!(forecasts[0].seconds > 0.0);
+            let alone = render_counted(&plans, Sampling::default(), &|| ()).unwrap();
+            assert_eq!(watched.film.pixel_hash(), alone.film.pixel_hash());
+            assert_eq!(watched.work, alone.work);
+        }
+    }
+
+    #[test]
+    fn violated_bounds_are_counted_over_all_pixels_and_refused() {
+        let mut pixels = vec![Ok(()); 8];
+        pixels[4] = Err(Fault::Majorant(2));
+        pixels[5] = Err(Fault::Majorant(40));
+        let expected = Err(RenderError::Majorant {
+            violations: 42,
+            column: 1,
+            row: 1,
+        });
+        assert_eq!(without_faults(&scene(vec![]), 3, pixels.clone()), expected);
+        // Whether what comes after a path without an end is traced is left to chance.
+        pixels[6] = Err(Fault::Endless);
+        pixels[7] = Err(Fault::Majorant(1));
+        assert_eq!(without_faults(&scene(vec![]), 3, pixels.clone()), expected);
+    }
+
+    #[test]
+    fn only_a_light_without_job_is_blamed_for_light_without_bound() {
+        let pixels = vec![Ok(()), Err(Fault::Infinite)];
+        let (column, row) = (1, 0);
+        assert_eq!(
+            without_faults(&scene(vec![]), 2, pixels.clone()),
+            Err(RenderError::TooBright { column, row })
+        );
+        let lamp = Light::Point(Point {
+            position: DVec3::ZERO,
+            intensity: DVec3::ONE,
+        });
+        assert_eq!(
+            without_faults(&scene(vec![lamp]), 2, pixels),
+            Err(RenderError::Divergent { column, row })
+        );
+    }
+}

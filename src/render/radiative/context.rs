@@ -1,0 +1,79 @@
+//! The state of a path on its way from the eye.
+
+use super::sampler::Sampler;
+use super::segments::MediumSegments;
+use super::tracker::{Tracker, TrackerScratch};
+use crate::geometry::Ray;
+use glam::DVec3;
+
+/// A path under way.
+#[derive(Debug)]
+pub struct PathContext<'c, W> {
+    /// The ray under way.
+    pub ray: Ray,
+    /// Share, by channel, of radiance along the ray that reaches the eye.
+    pub throughput: DVec3,
+    /// The bounce that the ray left from.
+    pub previous: PreviousBounce,
+    /// Bounces so far: the scattering order of light found next is one more.
+    pub depth: u32,
+    /// Bounces left within the limit of the scene.
+    pub bounces_left: u32,
+    /// The media along the ray.
+    pub segments: &'c mut MediumSegments,
+    /// Memory for the media along a connection to a light vertex.
+    pub connection: &'c mut MediumSegments,
+    /// Random numbers, memory and counters.
+    pub tracker: Tracker<'c, W>,
+}
+
+/// The choice of a direction that a ray left in.
+#[derive(Clone, Copy, Debug)]
+pub enum PreviousBounce {
+    /// The eye, a mirror or glass: no other sampler finds a light along the ray.
+    Specular,
+    /// A direction with this density, per steradian.
+    Scattered(f64),
+}
+
+/// Memory kept from path to path.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    /// The media along the ray under way.
+    pub segments: MediumSegments,
+    connection: MediumSegments,
+    /// Memory of estimates along rays.
+    pub tracker: TrackerScratch,
+}
+
+impl<'c, W> PathContext<'c, W> {
+    /// A path that begins at the eye along `ray`, of `limit` bounces at most, with the random
+    /// numbers of `sampler`.
+    pub fn new(
+        ray: Ray,
+        limit: u32,
+        sampler: Sampler,
+        scratch: &'c mut Scratch,
+        work: &'c mut W,
+    ) -> Self {
+        PathContext {
+            ray,
+            throughput: DVec3::ONE,
+            previous: PreviousBounce::Specular,
+            depth: 0,
+            bounces_left: limit,
+            segments: &mut scratch.segments,
+            connection: &mut scratch.connection,
+            tracker: Tracker::new(sampler, &mut scratch.tracker, work),
+        }
+    }
+
+    /// Goes on along `ray` by one bounce.
+    pub fn go_on(&mut self, ray: Ray, previous: PreviousBounce) {
+        self.ray = ray;
+        self.previous = previous;
+        self.depth += 1;
+        self.bounces_left -= 1;
+        self.tracker.sampler.begin_bounce(self.depth);
+    }
+}

@@ -1,0 +1,68 @@
+//! A scene prepared for rendering.
+
+use super::effects::Effects;
+use super::media::Media;
+use crate::optics::Light;
+use crate::scene::Radiative;
+use glam::DVec3;
+use std::marker::PhantomData;
+
+/// A scene and its media, for kernels compiled for the effects `E`.
+#[derive(Debug)]
+pub struct SceneContext<'s, E> {
+    /// The scene.
+    pub radiative: &'s Radiative,
+    /// Its media.
+    pub media: Media<'s>,
+    effects: PhantomData<E>,
+}
+
+/// A light that shines from a point.
+#[derive(Clone, Copy, Debug)]
+pub struct PositionedLight<'s> {
+    /// The light.
+    pub light: &'s Light,
+    /// Its position, world units.
+    pub position: DVec3,
+    /// Its index among the lights of the scene.
+    pub index: usize,
+}
+
+impl<'s, E: Effects> SceneContext<'s, E> {
+    /// `scene` prepared for random paths. With `vacuum`, media that change nothing are looked for
+    /// along rays like others.
+    pub fn new(scene: &'s Radiative, vacuum: bool) -> Self {
+        SceneContext::with(scene, Media::new(&scene.media, vacuum))
+    }
+
+    /// `scene` prepared for integrals along the line of sight.
+    pub fn for_integrals(scene: &'s Radiative, vacuum: bool) -> Self {
+        SceneContext::with(scene, Media::for_integrals(&scene.media, vacuum))
+    }
+
+    fn with(radiative: &'s Radiative, media: Media<'s>) -> Self {
+        SceneContext {
+            radiative,
+            media,
+            effects: PhantomData,
+        }
+    }
+
+    /// Heterogeneous media, where the kernel is compiled for them.
+    pub fn is_heterogeneous(&self) -> bool {
+        E::HETEROGENEOUS && self.media.has_heterogeneous()
+    }
+
+    /// The lights that shine from a point.
+    pub fn positioned_lights(&self) -> impl Iterator<Item = PositionedLight<'s>> + use<'s, E> {
+        let lights = self.radiative.lights.iter().enumerate();
+        let shining = lights.filter(|(_, light)| light.strength() != DVec3::ZERO);
+        shining.filter_map(|(index, light)| {
+            Some(PositionedLight {
+                light,
+                position: light.position()?,
+                index,
+            })
+        })
+    }
+}

@@ -1,0 +1,249 @@
+//! Edges of the shadows that media throw onto a ray.
+//!
+//! Towards a light the transmittance of other media is smooth between the points of a ray whose
+//! connection passes an edge of a body. A rule of few points that straddled a narrow shadow would not
+//! see it, so integrals along the line of sight are cut there.
+//!
+//! All happens in the plane through ray and light: it cuts a box in a polygon and a sphere in a
+//! circle. The lines from the light through the corners of the one, and along the tangents of the
+//! other, meet the ray at the edges.
+
+use crate::geometry::{Aabb, Boundary, Placed, Ray, Sphere, Surface, Transform, direction_of};
+use glam::{DVec2, DVec3};
+
+/// The direction or position of a light without extent.
+#[derive(Clone, Copy, Debug)]
+pub enum Source {
+    /// World point.
+    At(DVec3),
+    /// Unit direction towards a light infinitely far away.
+    Towards(DVec3),
+}
+
+/// The plane through a ray and a light.
+struct Plane {
+    /// Origin of the ray, and of the coordinates in the plane.
+    origin: DVec3,
+    /// The ray, and the side of the light.
+    axes: [DVec3; 2],
+    normal: DVec3,
+    source: PlaneSource,
+}
+
+/// The light in coordinates of the plane.
+#[derive(Clone, Copy)]
+enum PlaneSource {
+    At(DVec2),
+    Towards(DVec2),
+}
+
+/// Distances along `ray` at which the shadow of `boundary` in the light of `source` may begin, end or
+/// have a kink, in no order. Of a mesh, those of the box around it.
+pub fn shadow_edges(boundary: &Boundary, ray: &Ray, source: Source) -> Vec<f64> {
+    match boundary {
+        Boundary::Sphere(sphere) => of_sphere(sphere, ray, source),
+        Boundary::Box(bounds) => of_box(bounds, ray, source),
+        Boundary::Mesh(mesh) => of_box(&mesh.bounds(), ray, source),
+        Boundary::PlacedSphere(placed) => placed_edges(placed, ray, source, of_sphere),
+        Boundary::PlacedBox(placed) => placed_edges(placed, ray, source, of_box),
+        Boundary::PlacedMesh(placed) => placed_edges(placed, ray, source, |mesh, ray, source| {
+            of_box(&mesh.bounds(), ray, source)
+        }),
+    }
+}
+
+/// The edges of a placed shape, found in its own space: straight lines stay straight.
+fn placed_edges<S: Surface>(
+    placed: &Placed<S>,
+    ray: &Ray,
+    source: Source,
+    edges: impl Fn(&S, &Ray, Source) -> Vec<f64>,
+) -> Vec<f64> {
+    let to_world: &Transform = placed.to_world();
+    let Some((object_ray, scale)) = to_world.ray_to_object(ray) else {
+        return vec![];
+    };
+    let source = match source {
+        Source::At(position) => Source::At(to_world.inverse().point(position)),
+        Source::Towards(direction) => {
+            let Some(direction) = direction_of(to_world.inverse().direction(direction)) else {
+                return vec![];
+            };
+            Source::Towards(direction)
+        }
+    };
+    let mut edges = edges(placed.shape(), &object_ray, source);
+    for t in &mut edges {
+        *t /= scale;
+    }
+    edges
+}
+
+fn of_box(bounds: &Aabb, ray: &Ray, source: Source) -> Vec<f64> {
+    let Some(plane) = Plane::new(ray, source) else {
+        return vec![];
+    };
+    let corner = |index: usize| {
+        let pick = |axis: usize| [bounds.min, bounds.max][index >> axis & 1][axis];
+        DVec3::new(pick(0), pick(1), pick(2))
+    };
+    let edges = (0..8).flat_map(|from| {
+        let ends = [1, 2, 4].map(|axis| from | axis);
+        ends.into_iter()
+            .filter(move |to| *to != from)
+            .map(move |to| [from, to])
+    });
+    let crossings = edges.filter_map(|ends| plane.crossing(ends.map(corner)));
+    crossings.filter_map(|point| plane.shadow(point)).collect()
+}
+
+fn of_sphere(sphere: &Sphere, ray: &Ray, source: Source) -> Vec<f64> {
+    let Some(plane) = Plane::new(ray, source) else {
+        return vec![];
+    };
+    let height = plane.normal.dot(sphere.centre() - plane.origin);
+    let squared = (sphere.radius() - height) * (sphere.radius() + height);
+    if squared <= 0.0 {
+        return vec![];
+    }
+    let (centre, radius) = (plane.coordinates(sphere.centre()), squared.sqrt());
+    // Where the two tangents touch the circle.
+    let touching = match plane.source {
+        PlaneSource::Towards(direction) => {
+            [1.0, -1.0].map(|side| centre + side * radius * direction.perp())
+        }
+        PlaneSource::At(light) => {
+            let towards = light - centre;
+            let distance = towards.length();
+            if distance <= radius {
+                return vec![];
+            }
+            let towards = towards / distance;
+            let along = radius * radius / distance;
+            let aside = ((radius - along) * (radius + along)).max(0.0).sqrt();
+            [1.0, -1.0].map(|side| centre + along * towards + side * aside * towards.perp())
+        }
+    };
+    let shadows = touching.into_iter().filter_map(|point| plane.shadow(point));
+    shadows.collect()
+}
+
+impl Plane {
+    /// `None` where the light lies on the line of the ray, whose connections all pass along it.
+    fn new(ray: &Ray, source: Source) -> Option<Plane> {
+        let along = ray.direction;
+        let towards = match source {
+            Source::At(position) => position - ray.origin,
+            Source::Towards(direction) => direction,
+        };
+        let aside = direction_of(towards - along * towards.dot(along))?;
+        let local = DVec2::new(towards.dot(along), towards.dot(aside));
+        Some(Plane {
+            origin: ray.origin,
+            axes: [along, aside],
+            normal: along.cross(aside),
+            source: match source {
+                Source::At(_) => PlaneSource::At(local),
+                Source::Towards(_) => PlaneSource::Towards(local),
+            },
+        })
+    }
+
+    fn coordinates(&self, point: DVec3) -> DVec2 {
+        let offset = point - self.origin;
+        DVec2::new(offset.dot(self.axes[0]), offset.dot(self.axes[1]))
+    }
+
+    /// The point at which the line between two points crosses the plane.
+    fn crossing(&self, [a, b]: [DVec3; 2]) -> Option<DVec2> {
+        let [above, below] = [a, b].map(|point| self.normal.dot(point - self.origin));
+        if (above > 0.0) == (below > 0.0) {
+            return None;
+        }
+        Some(self.coordinates(a + (b - a) * (above / (above - below))))
+    }
+
+    /// Distance on the ray of the shadow of a point between ray and light.
+    fn shadow(&self, point: DVec2) -> Option<f64> {
+        let t = match self.source {
+            PlaneSource::At(light) if 0.0 < point.y && point.y < light.y => {
+                light.x + (point.x - light.x) * (light.y / (light.y - point.y))
+            }
+            PlaneSource::Towards(direction) if point.y > 0.0 => {
+                point.x - point.y * (direction.x / direction.y)
+            }
+            _ => return None,
+        };
+        t.is_finite().then_some(t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ray() -> Ray {
+        Ray::new(DVec3::ZERO, DVec3::X).unwrap()
+    }
+
+    fn sorted(mut edges: Vec<f64>) -> Vec<f64> {
+        edges.sort_unstable_by(f64::total_cmp);
+        edges.dedup();
+        edges
+    }
+
+    /// A box half-way between ray and light throws a shadow of twice its width.
+    #[test]
+    fn a_box_before_a_point() {
+        let bounds = Aabb::new(DVec3::new(4.0, 2.0, -1.0), DVec3::new(5.0, 2.0, 1.0)).unwrap();
+        let light = Source::At(DVec3::new(4.5, 4.0, 0.0));
+        let edges = sorted(shadow_edges(&Boundary::Box(bounds), &ray(), light));
+        assert_eq!(edges, [3.5, 5.5]);
+        // One behind the light, or behind the ray, throws none.
+        for light in [1.0, -4.0] {
+            let light = Source::At(DVec3::new(4.5, light, 0.0));
+            assert!(shadow_edges(&Boundary::Box(bounds), &ray(), light).is_empty());
+        }
+        let beside = Ray::new(DVec3::Z * 3.0, DVec3::X).unwrap();
+        let light = Source::At(DVec3::new(4.5, 4.0, 3.0));
+        assert!(shadow_edges(&Boundary::Box(bounds), &beside, light).is_empty());
+    }
+
+    #[test]
+    fn a_box_and_a_ball_before_a_far_light() {
+        let bounds = Aabb::new(DVec3::new(4.0, 2.0, -1.0), DVec3::new(5.0, 3.0, 1.0)).unwrap();
+        let light = Source::Towards(DVec3::new(-0.6, 0.8, 0.0));
+        let edges = sorted(shadow_edges(&Boundary::Box(bounds), &ray(), light));
+        for (found, expected) in edges.iter().zip([5.5, 6.25, 6.5, 7.25]) {
+            assert!((found - expected).abs() < 1e-14, "{edges:?}");
+        }
+        // A ball of radius 1 is as wide as 2/sin on the ray.
+        let ball = Sphere::new(DVec3::new(4.0, 2.0, 0.6), 1.0).unwrap();
+        let edges = sorted(shadow_edges(&Boundary::Sphere(ball), &ray(), light));
+        for (found, expected) in edges.iter().zip([4.5, 6.5]) {
+            assert!((found - expected).abs() < 1e-14, "{edges:?}");
+        }
+    }
+
+    /// Tangents of a circle from a point: seen from twice its radius, at 30° from its centre.
+    #[test]
+    fn a_ball_before_a_point() {
+        let ball = Sphere::new(DVec3::new(2.0, 1.0, 0.0), 0.5).unwrap();
+        let light = Source::At(DVec3::new(2.0, 2.0, 0.0));
+        let edges = sorted(shadow_edges(&Boundary::Sphere(ball), &ray(), light));
+        let half = 2.0 / 3.0_f64.sqrt();
+        for (found, expected) in edges.iter().zip([2.0 - half, 2.0 + half]) {
+            assert!((found - expected).abs() < 1e-14, "{edges:?}");
+        }
+        let placed = Placed::new(
+            Sphere::new(DVec3::ZERO, 1.0).unwrap(),
+            Transform::scale(DVec3::splat(0.5))
+                .unwrap()
+                .then(&Transform::translation(DVec3::new(2.0, 1.0, 0.0)).unwrap()),
+        );
+        let again = sorted(shadow_edges(&Boundary::PlacedSphere(placed), &ray(), light));
+        for (found, expected) in again.iter().zip(&edges) {
+            assert!((found - expected).abs() < 1e-14, "{again:?}");
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Transmittance of media along a ray, in three forms: closed, integrated and estimated.
+//!
+//! | medium | form |
+//! |---|---|
+//! | homogeneous | closed: `e^(−σt)` |
+//! | heterogeneous, absorbing only, of a density with an integral | integrated: `e^(−σ ∫ρ dt)` |
+//! | any other | estimated by residual ratio tracking |
+
+use super::effects::Effects;
+use super::media::{Media, Set, members};
+use super::medium::over;
+use super::ray_majorants::RayMajorants;
+use super::sampler::Row;
+use super::scene_context::SceneContext;
+use super::segments::MediumSegments;
+use super::tracker::Tracker;
+use super::tracking::{Control, Small, ratio_tracking};
+use crate::geometry::{Ray, Solid, Span};
+use crate::media;
+use crate::render::counters::{Event, Work};
+use glam::DVec3;
+
+impl<E: Effects> SceneContext<'_, E> {
+    /// Transmittance of the optical depth `depth`, by channel; one exponential where all channels
+    /// are the same.
+    pub fn closed_transmittance<W: Work>(&self, depth: DVec3, work: &mut W) -> DVec3 {
+        work.count(Event::Attenuation);
+        if E::CHROMATIC {
+            work.count_times(Event::ChannelAttenuation, 2);
+            DVec3::from_array(depth.to_array().map(media::transmittance))
+        } else {
+            DVec3::splat(media::transmittance(depth.x))
+        }
+    }
+
+    /// Transmittance, by channel, of all media from the origin of `ray` to distance `end`.
+    pub fn transmittance<W: Work>(
+        &self,
+        ray: &Ray,
+        end: f64,
+        tracker: &mut Tracker<'_, W>,
+    ) -> DVec3 {
+        if !self.is_heterogeneous() {
+            let spans = &mut tracker.scratch.spans;
+            let depth = self.media.optical_depth(ray, end, spans, tracker.work);
+            return self.closed_transmittance(depth, tracker.work);
+        }
+        let mut depth = DVec3::ZERO;
+        let mut estimate = DVec3::ONE;
+        for medium in self.media.all() {
+            if medium.density.is_some() && medium.is_vacuum() {
+                // No random number may be drawn for it.
+                continue;
+            }
+            let Some(boundary) = medium.boundary else {
+                depth += over(medium.sigma_t(), end);
+                continue;
+            };
+            let mut spans = std::mem::take(&mut tracker.scratch.spans);
+            spans.clear();
+            boundary.append_spans(ray, &mut spans);
+            for &Span { near, far } in spans.iter().filter(|span| span.near < end) {
+                let span = Span {
+                    near,
+                    far: far.min(end),
+                };
+                if medium.density.is_none() {
+                    depth += over(medium.sigma_t(), span.length());
+                } else {
+                    let set = 1 << medium.index;
+                    estimate *= self.heterogeneous_transmittance(set, ray, span, tracker);
+                }
+            }
+            tracker.scratch.spans = spans;
+        }
+        estimate * self.closed_transmittance(depth, tracker.work)
+    }
+
+    /// Transmittance, by channel, of the media that only absorb along `ray` up to distance `t`:
+    /// of the homogeneous ones their optical `depth` is given, the others lie on `segments`.
+    pub fn absorbing_transmittance<W: Work>(
+        &self,
+        segments: &MediumSegments,
+        ray: &Ray,
+        t: f64,
+        depth: DVec3,
+        tracker: &mut Tracker<'_, W>,
+    ) -> DVec3 {
+        let mut transmittance = self.closed_transmittance(depth, tracker.work);
+        if !self.is_heterogeneous() {
+            return transmittance;
+        }
+        for segment in segments.all() {
+            let heterogeneous = self.media.heterogeneous(segment.set);
+            let absorbing = heterogeneous & !self.media.scattering(heterogeneous);
+            let span = Span {
+                near: segment.span.near,
+                far: segment.span.far.min(t),
+            };
+            if absorbing != 0 && span.near < span.far {
+                transmittance *= self.heterogeneous_transmittance(absorbing, ray, span, tracker);
+            }
+        }
+        transmittance
+    }
+
+    /// Transmittance, by channel, of the heterogeneous media in `set` along `ray` over `span`,
+    /// which lies in all of them.
+    fn heterogeneous_transmittance<W: Work>(
+        &self,
+        set: Set,
+        ray: &Ray,
+        span: Span,
+        tracker: &mut Tracker<'_, W>,
+    ) -> DVec3 {
+        let mut depth = DVec3::ZERO;
+        let mut estimated = 0;
+        for index in members(set) {
+            let medium = self.media.medium(index);
+            if medium.is_integrable() && !medium.unit.scatters() {
+                let column = medium.column(ray, span, tracker.work);
+                depth += over(medium.sigma_t(), column);
+            } else {
+                estimated |= 1 << index;
+            }
+        }
+        let integrated = self.closed_transmittance(depth, tracker.work);
+        if estimated == 0 {
+            return integrated;
+        }
+        integrated * estimated_transmittance(&self.media, estimated, ray, span, tracker)
+    }
+}
+
+/// An estimate of the transmittance, by channel, of the media in `set` along `ray` over `span`,
+/// which lies in all of them.
+fn estimated_transmittance<W: Work>(
+    media: &Media<'_>,
+    set: Set,
+    ray: &Ray,
+    span: Span,
+    tracker: &mut Tracker<'_, W>,
+) -> DVec3 {
+    let scratch = &mut *tracker.scratch;
+    let mut majorants = RayMajorants::new(media, set, ray, span, &mut scratch.heterogeneous);
+    let transmittance = ratio_tracking(
+        &mut majorants,
+        Control::Minorant,
+        Small::Thinned,
+        &mut tracker.sampler.tentative(Row::Transmittance),
+        &mut scratch.effort,
+    );
+    majorants.count_work(tracker.work);
+    transmittance
+}

@@ -1,0 +1,72 @@
+//! A vertex of a path: a collision in media, or a point of a diffuse surface.
+
+use super::media::Set;
+use crate::geometry::{Ray, SurfacePoint};
+use glam::DVec3;
+
+/// A vertex that scatters into a range of directions.
+#[derive(Clone, Copy, Debug)]
+pub enum Vertex {
+    /// A collision in media.
+    Medium {
+        /// World point.
+        point: DVec3,
+        /// Direction of the path that arrived.
+        direction: DVec3,
+        /// The media there.
+        set: Set,
+    },
+    /// A point of a diffuse surface.
+    Diffuse {
+        /// The point.
+        point: SurfacePoint,
+        /// Unit normal on the side that the path arrived from.
+        normal: DVec3,
+        /// Share of light reflected, by channel.
+        reflectance: DVec3,
+    },
+}
+
+impl Vertex {
+    /// World point.
+    pub fn point(&self) -> DVec3 {
+        match self {
+            Vertex::Medium { point, .. } => *point,
+            Vertex::Diffuse { point, .. } => point.position,
+        }
+    }
+
+    /// The ray from here to `target`, and its length.
+    pub fn towards_point(&self, target: DVec3) -> Option<(Ray, f64)> {
+        match self {
+            Vertex::Medium { point, .. } => {
+                let ray = Ray::new(*point, target - *point)?;
+                Some((ray, (target - *point).dot(ray.direction)))
+            }
+            Vertex::Diffuse { point, .. } => point.towards_point(target),
+        }
+    }
+
+    /// The ray from here to a point of a surface, and its length up to that surface.
+    pub fn towards(&self, target: &SurfacePoint) -> Option<(Ray, f64)> {
+        match self {
+            Vertex::Medium { point, .. } => {
+                let (back, length) = target.towards_point(*point)?;
+                let ray = Ray {
+                    origin: *point,
+                    direction: -back.direction,
+                };
+                Some((ray, length))
+            }
+            Vertex::Diffuse { point, .. } => point.towards(target),
+        }
+    }
+
+    /// The ray from here along `direction`, of length 1.
+    pub fn leave(&self, direction: DVec3) -> Option<Ray> {
+        match self {
+            Vertex::Medium { point, .. } => Ray::new(*point, direction),
+            Vertex::Diffuse { point, .. } => point.leave(direction),
+        }
+    }
+}

@@ -1,0 +1,11 @@
+//! Names of the rows of the catalogue of hard cases.
+
+use crate::hard_cases::Row;
+
+/// The family of the catalogue. A suite with cases of it has the rows, too.
+pub const HARD: &str = "hard";
+
+/// `hard/G1`.
+pub fn row_name(row: &Row) -> String {
+    format!("{HARD}/{}", row.id)
+}
