@@ -150,7 +150,7 @@ pub fn absorbing_grid(scene: &Radiative, size: Size) -> Film {
     })
 }
 
-/// A box of the same matter everywhere, grey, that absorbs and sends out light, before the
+/// A box of the same matter everywhere, grey, that absorbs and emits light, before the
 /// environment.
 pub fn glowing_box(scene: &Radiative, size: Size) -> Film {
     let body = &scene.media[0];

@@ -9,12 +9,12 @@ use thiserror::Error;
 #[cfg(not(panic = "unwind"))]
 compile_error!("a decoder that panics must not end the process: build with panic = \"unwind\"");
 
-/// A decoder panicked. What it was told to read is broken, in a way it does not expect.
+/// A decoder panicked. Its input is broken, in a way it does not expect.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("the decoder stopped: {0}")]
 pub struct Stopped(String);
 
-/// Letters of a panic that are told: enough for any message of a slice or an arithmetic.
+/// Letters of a panic that are reported: enough for any message of a slice or an arithmetic.
 const MOST_LETTERS: usize = 200;
 
 thread_local! {

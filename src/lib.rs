@@ -32,7 +32,7 @@
 //! T(t)    = exp(−∫₀^t σ_t dt'),  σ_t = σ_a + σ_s
 //! ```
 //!
-//! with `j` the emission and `p` the phase function; the surface sends out light, or reflects and
+//! with `j` the emission and `p` the phase function; the surface emits light, or reflects and
 //! refracts what arrives there. Solved by the cheapest method that is exact for what the scene
 //! asks: closed forms and integrals along the line of sight ([`render::radiative::line_of_sight`]), else path
 //! tracing ([`render::radiative::path_tracer`]). Where coefficients differ from place to place, they are a

@@ -67,7 +67,7 @@ impl From<ReadError> for io::Error {
     }
 }
 
-/// Opens a regular file for reading, and tells its length in bytes. Never waits: a named pipe
+/// Opens a regular file for reading; with its length in bytes. Never waits: a named pipe
 /// without a writer would be waited for, and a device may never end.
 pub fn open(path: &Path) -> Result<(File, u64), OpenError> {
     check_kind(path)?;
@@ -107,13 +107,13 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>, ReadError> {
 
 /// What tells a file from all others, by whatever names and links it is reached.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Identity(Number);
+pub struct Identity(FileNumber);
 
 #[cfg(unix)]
-type Number = (u64, u64);
+type FileNumber = (u64, u64);
 /// Elsewhere the path without links; hard links are two files then.
 #[cfg(not(unix))]
-type Number = std::path::PathBuf;
+type FileNumber = std::path::PathBuf;
 
 impl Identity {
     /// Of the file or folder at `path`, if there is one.

@@ -9,7 +9,10 @@ use proptest::prelude::*;
 use std::io::Cursor;
 use std::sync::LazyLock;
 use volref::compare::flip::SrgbImage;
-use volref::compare::{Gate, Judgement, Picture, judge};
+use volref::compare::{
+    Conditions, Deterministic, Exact, GATES, ImageGate, Judgement, Perceptual, Picture, judge,
+    metric_meaning,
+};
 use volref::film::{Film, FilmError};
 use volref::math::srgb_to_linear;
 
@@ -38,12 +41,16 @@ fn film(pixels: Vec<[f32; 3]>) -> Film {
     Film::new(SIZE, SIZE, pixels)
 }
 
-fn judged(gate: Gate, test: Vec<[f32; 3]>) -> Judgement {
+fn judged(gate: &'static dyn ImageGate, test: Vec<[f32; 3]>) -> Judgement {
     let (reference, test) = (
         Picture::Radiance(film(ball())),
         Picture::Radiance(film(test)),
     );
-    judge(gate, &reference, &test, 0.0).unwrap()
+    let judgement = judge(gate, &reference, &test, &Conditions::default()).unwrap();
+    for name in judgement.metrics.keys() {
+        assert!(metric_meaning(name).is_some(), "{name} has no meaning");
+    }
+    judgement
 }
 
 /// The nearest half-float, as an EXR file may hold.
@@ -61,15 +68,18 @@ fn sign(index: usize) -> f32 {
 }
 
 /// What was done to the image, the gates meant, and the result.
-type Row = (&'static str, &'static [Gate], Vec<[f32; 3]>);
+type FaultRow = (
+    &'static str,
+    &'static [&'static dyn ImageGate],
+    Vec<[f32; 3]>,
+);
 
 #[test]
 fn what_every_gate_must_reject() {
-    use Gate::{Deterministic, Exact, Perceptual};
     let mirrored = |i: usize| ball()[i / SIZE * SIZE + (SIZE - 1 - i % SIZE)];
-    let all = &[Exact, Deterministic, Perceptual][..];
-    let radiance = &[Exact, Deterministic][..];
-    let table: &[Row] = &[
+    let all: &[&'static dyn ImageGate] = &[&Exact, &Deterministic, &Perceptual];
+    let radiance: &[&'static dyn ImageGate] = &[&Exact, &Deterministic];
+    let table: &[FaultRow] = &[
         (
             "red and blue swapped",
             all,
@@ -123,7 +133,7 @@ fn what_every_gate_must_reject() {
         ),
         (
             "one value off by its last bit",
-            &[Exact],
+            &[&Exact],
             edited(|i, pixel| {
                 if i == 36 * SIZE + 24 {
                     pixel.map(f32::next_up)
@@ -138,7 +148,7 @@ fn what_every_gate_must_reject() {
             let judgement = judged(*gate, test.clone());
             assert!(
                 !judgement.passed,
-                "{gate} accepts: {fault}. {}",
+                "{gate:?} accepts: {fault}. {}",
                 judgement.reason
             );
             assert!(
@@ -151,15 +161,14 @@ fn what_every_gate_must_reject() {
 
 #[test]
 fn noise_that_gates_must_accept() {
-    use Gate::{Deterministic, Exact, Perceptual};
     let code = |i: usize, value: f32| {
         let codes = Film::new(1, 1, vec![[value; 3]]).srgb_codes(0.0)[0][0];
         let noisy = (f32::from(codes) + sign(i)).clamp(0.0, 255.0) / 255.0;
         srgb_to_linear(f64::from(noisy)) as f32
     };
-    let both = &[Deterministic, Perceptual][..];
-    let table: &[Row] = &[
-        ("nothing", &[Exact, Deterministic, Perceptual], ball()),
+    let both: &[&'static dyn ImageGate] = &[&Deterministic, &Perceptual];
+    let table: &[FaultRow] = &[
+        ("nothing", &[&Exact, &Deterministic, &Perceptual], ball()),
         (
             "rounding",
             both,
@@ -186,7 +195,7 @@ fn noise_that_gates_must_accept() {
         ),
         (
             "one code more or less",
-            &[Perceptual],
+            &[&Perceptual],
             edited(|i, pixel| pixel.map(|v| code(i, v))),
         ),
     ];
@@ -195,7 +204,7 @@ fn noise_that_gates_must_accept() {
             let judgement = judged(*gate, test.clone());
             assert!(
                 judgement.passed,
-                "{gate} rejects: {noise}. {}",
+                "{gate:?} rejects: {noise}. {}",
                 judgement.reason
             );
         }
@@ -205,15 +214,15 @@ fn noise_that_gates_must_accept() {
 /// Looked for before any gate, because no difference to NaN is above a limit.
 #[test]
 fn sizes_and_what_is_not_finite() {
-    for gate in Gate::ALL {
+    for gate in GATES {
         let right = Picture::Radiance(film(ball()));
         for (width, height) in [(SIZE, SIZE - 1), (SIZE / 2, 2 * SIZE), (1, 1)] {
             let other = Picture::Radiance(Film::new(width, height, vec![[0.5; 3]; width * height]));
             for (a, b) in [(&right, &other), (&other, &right)] {
-                let judgement = judge(gate, a, b, 0.0).unwrap();
+                let judgement = judge(gate, a, b, &Conditions::default()).unwrap();
                 assert!(
                     !judgement.passed && judgement.reason.contains("size differs"),
-                    "{gate}"
+                    "{gate:?}"
                 );
             }
         }
@@ -226,8 +235,8 @@ fn sizes_and_what_is_not_finite() {
                 // Equal in every bit, and still no image.
                 (&broken, &broken, "the reference"),
             ] {
-                let judgement = judge(gate, reference, test, 0.0).unwrap();
-                assert!(!judgement.passed, "{gate} accepts {value} in {whose}");
+                let judgement = judge(gate, reference, test, &Conditions::default()).unwrap();
+                assert!(!judgement.passed, "{gate:?} accepts {value} in {whose}");
                 let said = &judgement.reason;
                 assert!(said.contains(whose) && said.contains("(6, 1)"), "{said}");
                 assert_eq!(judgement.metrics["non_finite_pixels"], 1.0);
@@ -248,7 +257,7 @@ fn places_of_what_is_not_finite() {
             true => [f32::NAN; 3],
             false => pixel,
         });
-        let judgement = judged(Gate::Deterministic, pixels);
+        let judgement = judged(&Deterministic, pixels);
         let said = &judgement.reason;
         assert!(
             said.contains(&format!("{broken} of 9216 pixels of the test image")),
@@ -265,9 +274,14 @@ fn codes_are_judged_by_how_they_look_only() {
     let codes = Picture::Codes(SrgbImage::new(SIZE, SIZE, codes).unwrap());
     let radiance = Picture::Radiance(film(ball()));
     for (a, b) in [(&codes, &codes), (&codes, &radiance), (&radiance, &codes)] {
-        assert!(judge(Gate::Perceptual, a, b, 0.0).unwrap().passed);
-        for gate in [Gate::Exact, Gate::Deterministic] {
-            assert!(judge(gate, a, b, 0.0).is_err());
+        assert!(
+            judge(&Perceptual, a, b, &Conditions::default())
+                .unwrap()
+                .passed
+        );
+        let of_radiance: [&dyn ImageGate; 2] = [&Exact, &Deterministic];
+        for gate in of_radiance {
+            assert!(judge(gate, a, b, &Conditions::default()).is_err());
         }
     }
 }

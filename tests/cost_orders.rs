@@ -20,10 +20,10 @@ use volref::cost::estimators::table;
 use volref::cost::jitter::Jitter;
 use volref::cost::marching::Scheme;
 use volref::cost::norms::Errors;
-use volref::cost::order::{Expected, order};
-use volref::cost::profile::{Profile, Stretch};
+use volref::cost::order::{ExpectedOrder, order};
+use volref::cost::profile::{BoundedSegment, Profile};
 use volref::cost::results::{Norms, OrderVerdict};
-use volref::cost::rules::Rule;
+use volref::cost::rules::StepRule;
 use volref::cost::timing::Clock;
 use volref::cost::{Options, cost};
 use volref::geometry::{Ray, Span};
@@ -57,7 +57,7 @@ fn here(t: f64) -> Here {
 
 fn smooth_ray() -> Profile<'static> {
     Profile {
-        stretches: vec![Stretch {
+        segments: vec![BoundedSegment {
             span: Span {
                 near: 0.0,
                 far: 2.0,
@@ -84,7 +84,7 @@ fn one(error: f64) -> Norms {
 /// Requires an order, of what is known to `bound`.
 #[track_caller]
 fn falls_as(what: &str, expected: f64, values: &[f64], errors: &[Norms], bound: f64) {
-    let found = order(values, errors, Expected::of_step(expected), bound);
+    let found = order(values, errors, ExpectedOrder::of_step(expected), bound);
     println!(
         "{what}: order {:.3} of {expected}, of the largest error {:.3}",
         found.fitted.unwrap_or(f64::NAN),
@@ -96,7 +96,7 @@ fn falls_as(what: &str, expected: f64, values: &[f64], errors: &[Norms], bound: 
 #[test]
 fn rules_for_the_depth_of_a_smooth_ray() {
     let ray = smooth_ray();
-    for rule in Rule::ALL {
+    for rule in StepRule::ALL {
         let errors = STEPS.map(|step| one((rule.depth(&ray, step).0 - DEPTH) / DEPTH));
         falls_as(rule.name(), rule.order(), &STEPS, &errors, 1e-15);
         let errors = STEPS.map(|step| one(exp(DEPTH - rule.depth(&ray, step).0) - 1.0));
@@ -151,7 +151,7 @@ fn estimators_keep_what_is_predicted_of_them() {
 #[test]
 fn a_constant_extinction_is_marched_without_noise() {
     let ray = Profile {
-        stretches: vec![Stretch {
+        segments: vec![BoundedSegment {
             span: Span {
                 near: 0.0,
                 far: 2.0,
@@ -176,8 +176,8 @@ fn a_constant_extinction_is_marched_without_noise() {
 #[test]
 fn trapezoid_and_midpoint_err_to_opposite_sides() {
     let ray = smooth_ray();
-    let error = |rule: Rule| rule.depth(&ray, 1.0 / 256.0).0 - DEPTH;
-    let ratio = error(Rule::Trapezoid) / error(Rule::Midpoint);
+    let error = |rule: StepRule| rule.depth(&ray, 1.0 / 256.0).0 - DEPTH;
+    let ratio = error(StepRule::Trapezoid) / error(StepRule::Midpoint);
     // The next term is h² smaller: some 1e-5 of it.
     assert!((ratio + 2.0).abs() < 1e-3, "{ratio}");
 }
@@ -185,8 +185,8 @@ fn trapezoid_and_midpoint_err_to_opposite_sides() {
 #[test]
 fn rules_look_where_they_say() {
     let ray = smooth_ray();
-    let lookups = |rule: Rule| rule.depth(&ray, 0.25).1;
-    assert_eq!(Rule::ALL.map(lookups), [8, 8, 9, 17, 16]);
+    let lookups = |rule: StepRule| rule.depth(&ray, 0.25).1;
+    assert_eq!(StepRule::ALL.map(lookups), [8, 8, 9, 17, 16]);
 }
 
 #[test]
@@ -262,7 +262,7 @@ fn across_a_jump_every_rule_has_order_one() {
     let places: Vec<f64> = (0..4000)
         .map(|i| 0.3 + 1.4 * f64::from(i) / 4000.0 + 1e-5)
         .collect();
-    for rule in Rule::ALL {
+    for rule in StepRule::ALL {
         let errors = STEPS.map(|step| {
             let mut errors = Errors::default();
             for &place in &places {
@@ -319,7 +319,7 @@ fn through(grid: &Arc<Grid<f32>>, interpolation: Interpolation, ray: Ray) -> Pro
     let density = GridDensity::new(grid.clone(), interpolation);
     let span = density.bounds().span(&ray).unwrap();
     Profile {
-        stretches: vec![Stretch {
+        segments: vec![BoundedSegment {
             span,
             low: 0.0,
             high: 2.0,
@@ -376,7 +376,7 @@ fn rules_on_a_grid() {
                 light.depth
             );
         }
-        for rule in Rule::ALL {
+        for rule in StepRule::ALL {
             let errors = STEPS_IN_CELLS.map(|step| {
                 let mut errors = Errors::default();
                 for (ray, exact) in rays.iter().zip(&exact) {
@@ -429,11 +429,11 @@ fn finer_data() {
     };
     let trilinear = pointwise(Interpolation::Trilinear);
     falls_as("trilinear, in points", 2.0, &spacings(), &trilinear, 1e-9);
-    let found = order(&spacings(), &trilinear, Expected::of_step(2.0), 1e-9);
+    let found = order(&spacings(), &trilinear, ExpectedOrder::of_step(2.0), 1e-9);
     assert!((found.fitted_max.unwrap() - 2.0).abs() <= 0.2);
     let nearest = pointwise(Interpolation::Nearest);
     falls_as("nearest, in points", 1.0, &spacings(), &nearest, 1e-9);
-    let found = order(&spacings(), &nearest, Expected::of_step(1.0), 1e-9);
+    let found = order(&spacings(), &nearest, ExpectedOrder::of_step(1.0), 1e-9);
     assert!((found.fitted_max.unwrap() - 1.0).abs() <= 0.2);
 
     let rays = rays();
@@ -456,7 +456,7 @@ fn finer_data() {
     // Errors of neighbouring cells cancel along an oblique ray: better than order 1, by an amount
     // that depends on the rays.
     let nearest = depths(Interpolation::Nearest);
-    let found = order(&spacings(), &nearest, Expected::NOTHING, 1e-9);
+    let found = order(&spacings(), &nearest, ExpectedOrder::NOTHING, 1e-9);
     let fitted = found.fitted.unwrap();
     println!("nearest, in depths: order {fitted:.3}");
     assert!((1.1..2.1).contains(&fitted), "{fitted}");
@@ -595,7 +595,7 @@ fn finer_pixels() {
                 ..*error
             })
             .collect();
-        order(&sizes, &small, Expected::of_step(expected), 1e-12)
+        order(&sizes, &small, ExpectedOrder::of_step(expected), 1e-12)
             .fitted
             .unwrap()
     };
@@ -617,18 +617,18 @@ fn orders_in_a_scene_with_a_grid() {
     let costs = cost(&scene, &options, &|_| ()).unwrap();
     let study = &costs[0].studies[0];
     assert_eq!(study.name, "transmittance");
-    for ladder in &study.ladders {
-        println!("{}: {:?}", ladder.estimator, ladder.order);
+    for sweep in &study.sweeps {
+        println!("{}: {:?}", sweep.estimator, sweep.order);
         let allowed = [
             OrderVerdict::AsExpected,
             OrderVerdict::TooFewRays,
             OrderVerdict::NothingExpected,
         ];
-        assert!(allowed.contains(&ladder.order.verdict), "{ladder:?}");
+        assert!(allowed.contains(&sweep.order.verdict), "{sweep:?}");
     }
-    let exact = study.ladders.last().unwrap();
+    let exact = study.sweeps.last().unwrap();
     assert_eq!(
-        exact.rungs[0].error.max, 0.0,
+        exact.levels[0].error.max, 0.0,
         "cell by cell is the reference"
     );
     let estimators = costs[0].estimators.as_ref().unwrap();
@@ -637,7 +637,7 @@ fn orders_in_a_scene_with_a_grid() {
     }
     // Coarser data are worse, and the nearest node is worse than what lies between nodes.
     let data = &costs[0].studies[1];
-    let error = |ladder: usize, rung: usize| data.ladders[ladder].rungs[rung].error.l2;
+    let error = |sweep: usize, level: usize| data.sweeps[sweep].levels[level].error.l2;
     assert!(error(0, 0) > error(0, 5) && error(1, 0) > error(1, 6));
     assert!(error(0, 5) < error(1, 5));
 }

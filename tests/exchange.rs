@@ -41,7 +41,7 @@ fn pbrt(body: &str) -> String {
 fn faults(body: &str, format: Format) -> String {
     let refusal = write(body, format).unwrap_err();
     assert_eq!(refusal.format, format);
-    assert!(refusal.to_string().contains(&refusal.faults[0].place));
+    assert!(refusal.to_string().contains(&refusal.faults[0].key));
     let faults = refusal.faults.iter().map(ToString::to_string);
     faults.collect::<Vec<_>>().join("\n")
 }
@@ -399,7 +399,7 @@ fn the_suite() {
     procedural/absorbing-grid pbrt: absorbing-grid.red.pbrt, absorbing-grid.green.pbrt, absorbing-grid.blue.pbrt
     procedural/coloured mitsuba: coloured.xml, coloured.medium0.vol, coloured.red.xml, coloured.green.xml, coloured.blue.xml
     procedural/coloured pbrt: coloured.red.pbrt, coloured.green.pbrt, coloured.blue.pbrt
-    procedural/emissive-grid mitsuba: mitsuba cannot say radiative.medium[0]: a medium that sends out light
+    procedural/emissive-grid mitsuba: mitsuba cannot say radiative.medium[0]: a medium that emits light
     procedural/emissive-grid pbrt: emissive-grid.red.pbrt, emissive-grid.green.pbrt, emissive-grid.blue.pbrt
     procedural/gain-0.1 mitsuba: mitsuba cannot say radiative.medium[0]: fractal noise
     procedural/gain-0.1 pbrt: pbrt cannot say radiative.medium[0]: fractal noise
@@ -992,7 +992,7 @@ fn spotlights_of_pbrt_are_chosen_by_their_power() {
     let text = pbrt(spot);
     insta::assert_snapshot!(part(&text, "Integrator", "\nWorldBegin"), @r##"Integrator "volpath" "integer maxdepth" [ 1000000 ] "string lightsampler" [ "power" ]"##);
     insta::assert_snapshot!(part(&text, "LightSource", "\"float coneangle"), @r##"LightSource "spot" "point3 from" [ 0 3 0 ] "point3 to" [ 0 0 0 ] "rgb I" [ 1 1 1 ] "##);
-    assert!(text.contains("# Light turned more than 1000000 times is left out."));
+    assert!(text.contains("# Light scattered more than 1000000 times is left out."));
     let point = "[[radiative.light]]\npoint = { position = [0, 3, 0], intensity = 1 }\n";
     assert!(!pbrt(point).contains("lightsampler"));
 }
@@ -1063,7 +1063,7 @@ fn media_of_pbrt_shine_by_what_they_absorb() {
     }
 }
 
-/// pbrt adds what media send out only before the last turn.
+/// pbrt adds what media emit only before the last bounce.
 #[test]
 fn turns_of_emission_are_counted_as_pbrt_counts_them() {
     let glow = medium("sigma_a = 4\nsigma_s = 1\nemission = 2");
@@ -1098,9 +1098,7 @@ fn turns_of_emission_are_counted_as_pbrt_counts_them() {
     ] {
         let faults = faults(&lit(head), Format::Pbrt);
         assert!(
-            faults.starts_with(&format!(
-                "{key}: light that media send out beside other light"
-            )),
+            faults.starts_with(&format!("{key}: light that media emit beside other light")),
             "{faults}"
         );
     }
@@ -1126,7 +1124,7 @@ fn what_pbrts_numbers_lose_is_refused() {
         (
             &thick,
             "radiative.medium[0]: 1.7e4 mean free paths across it, where pbrt's 32-bit numbers \
-             tell places apart for 1e4; lower sigma_a and sigma_s, or make it smaller",
+             tell points apart for 1e4; lower sigma_a and sigma_s, or make it smaller",
         ),
     ] {
         assert_eq!(faults(body, Format::Pbrt), expected);
@@ -1247,12 +1245,12 @@ fn what_one_of_them_can_say_is_refused_by_the_other() {
     for (body, expected) in [
         (
             glow.as_str(),
-            "radiative.medium[0]: a medium that sends out light",
+            "radiative.medium[0]: a medium that emits light",
         ),
         (ellipsoid, "radiative.surface[0]: an ellipsoid"),
         (
             box_lamp,
-            "radiative.surface[0]: a box or mesh that sends out light on both sides",
+            "radiative.surface[0]: a box or mesh that emits light on both sides",
         ),
     ] {
         assert!(faults(body, Format::Mitsuba).starts_with(expected));

@@ -99,10 +99,10 @@ fn broken_variances_are_found() {
     assert_eq!(noisy(16).first_without_radiance(), None);
 }
 
-type Layers = Vec<(Option<&'static str>, Vec<(&'static str, f32)>)>;
+type NamedLayers = Vec<(Option<&'static str>, Vec<(&'static str, f32)>)>;
 
 /// An EXR file of 2 × 2 pixels of these constant channels, one part for each name.
-fn exr(layers: Layers) -> Vec<u8> {
+fn exr(layers: NamedLayers) -> Vec<u8> {
     let layers: Vec<_> = layers
         .into_iter()
         .map(|(name, channels)| {

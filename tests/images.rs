@@ -699,9 +699,9 @@ fn files_of_no_case_are_named() {
         "fog/<script>alert('1')<script>.png",
     ]);
     let outputs = Outputs::list(folder.path(), &CASES).unwrap();
-    let lines = outputs.strangers().iter().map(|stranger| {
-        let file = stranger.file.strip_prefix(folder.path()).unwrap();
-        format!("{} {}\n", file.display(), stranger.reason)
+    let lines = outputs.unknown_files().iter().map(|unknown| {
+        let file = unknown.file.strip_prefix(folder.path()).unwrap();
+        format!("{} {}\n", file.display(), unknown.reason)
     });
     insta::assert_snapshot!(lines.collect::<String>(), @r#"
     figure-1.1.2.exr belongs to no case: did you mean figures/figure-1?

@@ -29,13 +29,13 @@ const INPUTS: u32 = 100_000;
 
 /// The worst error of a formula: in last places of the result, and against its bound.
 #[derive(Default)]
-struct Worst {
+struct WorstRay {
     last_places: f64,
     of_bound: f64,
     at: String,
 }
 
-impl Worst {
+impl WorstRay {
     /// A result that may be off by `roundings · u`, relatively.
     fn see(&mut self, found: f64, exact: &Big, roundings: f64, at: impl std::fmt::Debug) {
         let bound = roundings * U * SECOND_ORDER * rounded(exact).abs();
@@ -55,7 +55,7 @@ impl Worst {
 
     #[track_caller]
     fn is_within_bounds(&self, what: &str) {
-        let Worst {
+        let WorstRay {
             last_places,
             of_bound,
             at,
@@ -113,8 +113,8 @@ fn many_digits_agree() {
 /// One function each, of a depth that is given: `2u`; a quotient more for the source factor.
 #[test]
 fn e1_to_e3_opacity_source_factor_and_transmittance() {
-    let (mut opacities, mut factors) = (Worst::default(), Worst::default());
-    let mut transmittances = Worst::default();
+    let (mut opacities, mut factors) = (WorstRay::default(), WorstRay::default());
+    let mut transmittances = WorstRay::default();
     for [u, v] in inputs(1) {
         // From 2^-60 to 2^7, with a random significand.
         let depth = octaves(-60.0, 6.0, u) * (1.0 + v);
@@ -135,7 +135,7 @@ fn e1_to_e3_opacity_source_factor_and_transmittance() {
 /// at most 1, in it, and is off by 2 more.
 #[test]
 fn e4_opacity_correction() {
-    let mut worst = Worst::default();
+    let mut worst = WorstRay::default();
     for [kind, u, v, w] in inputs(2) {
         let opacity = match (3.0 * kind) as u32 {
             0 => octaves(-60.0, 0.0, u),
@@ -186,9 +186,9 @@ fn asymmetry(kind: f64, u: f64) -> Asymmetry {
 ///   `D²` 5, the quotient 1: 13.
 #[test]
 fn s1_both_distances_of_the_cosine_from_one() {
-    let (mut minus, mut plus, mut of_shift) = (Worst::default(), Worst::default(), 0.0_f64);
+    let (mut minus, mut plus, mut of_shift) = (WorstRay::default(), WorstRay::default(), 0.0_f64);
     // What the row of the catalogue allows to either.
-    let mut row = Worst::default();
+    let mut row = WorstRay::default();
     for [kind, size, kind_of_share, drawn] in inputs(3) {
         let phase = HenyeyGreenstein(asymmetry(kind, size));
         let xi = share(drawn, kind_of_share);
@@ -229,7 +229,7 @@ fn s1_both_distances_of_the_cosine_from_one() {
 /// - Distribution: numerator 3; `r` 3, `1 + g + r` 4, their product 1; the quotient 1: 12.
 #[test]
 fn s2_phase_function_and_distribution() {
-    let (mut values, mut distribution) = (Worst::default(), Worst::default());
+    let (mut values, mut distribution) = (WorstRay::default(), WorstRay::default());
     let four_pi = Big::pi(120) * big(4.0);
     for [kind, size, v] in inputs(4) {
         let phase = HenyeyGreenstein(asymmetry(kind, size));
@@ -250,7 +250,7 @@ fn s2_phase_function_and_distribution() {
 /// and a product, 3; the logarithm has the condition `v/((1 − v)(−ln(1 − v)))` in it, which grows without bound towards the end of a deep medium.
 #[test]
 fn e6_free_flight() {
-    let [mut optical, mut free, mut truncated] = std::array::from_fn(|_| Worst::default());
+    let [mut optical, mut free, mut truncated] = std::array::from_fn(|_| WorstRay::default());
     for [drawn, kind, size, depth] in inputs(5) {
         let u = share(drawn, kind);
         if u == 0.0 {
@@ -285,7 +285,7 @@ fn vector([x, y, z]: [f64; 3]) -> DVec3 {
 /// A difference and a quotient: 2, whatever the angle.
 #[test]
 fn g_distances_to_the_faces_of_a_box() {
-    let (mut ends, mut hits) = (Worst::default(), 0);
+    let (mut ends, mut hits) = (WorstRay::default(), 0);
     for [a, b, c, d, e, f, g, h, i, size] in inputs(6) {
         let min = vector([a, b, c]) * 4.0;
         let edges = DVec3::new(
@@ -314,7 +314,7 @@ fn g_distances_to_the_faces_of_a_box() {
 /// the ray grazes: rays that know less than a quarter of half their chord are left out.
 #[test]
 fn g10_chords_of_a_sphere() {
-    let (mut all, mut plain, mut seen) = (Worst::default(), Worst::default(), 0);
+    let (mut all, mut plain, mut seen) = (WorstRay::default(), WorstRay::default(), 0);
     for [a, b, c, d, e, f, g, h, i, size] in inputs(7) {
         let radius = octaves(-3.0, 3.0, i);
         let sphere = Sphere::new(vector([a, b, c]) * 4.0, radius).unwrap();
@@ -379,10 +379,10 @@ fn a1_a_million_layers() {
         }
         let opacity = big(1.0) - through;
         for (name, layers) in [("front to back", front), ("back to front", back)] {
-            let mut worst = Worst::default();
+            let mut worst = WorstRay::default();
             worst.see_within(layers.opacity, &opacity, bound, depth);
             worst.is_within_bounds(&format!("opacity, {name}, depth {depth}"));
-            let mut worst = Worst::default();
+            let mut worst = WorstRay::default();
             worst.see_within(layers.colour.y, &colour, bound * colours, depth);
             worst.is_within_bounds(&format!("colour, {name}, depth {depth}"));
         }
@@ -393,7 +393,7 @@ fn a1_a_million_layers() {
 /// largest node coordinate on the way. A thousand rays each through a hundred grids.
 #[test]
 fn d2_integrals_of_grids() {
-    let (mut trilinear, mut nearest) = (Worst::default(), Worst::default());
+    let (mut trilinear, mut nearest) = (WorstRay::default(), WorstRay::default());
     let mut density: Option<GridDensity> = None;
     for (number, [a, b, c, d, e, f, g, h, i]) in inputs(9).enumerate() {
         if number % 1000 == 0 {
@@ -446,7 +446,7 @@ fn d2_integrals_of_grids() {
 /// `n²u²M`. The result rounds once.
 #[test]
 fn a3_compensated_sums() {
-    let mut worst = Worst::default();
+    let mut worst = WorstRay::default();
     for numbers in inputs::<16>(11) {
         // Terms of 60 octaves, and after them all the same with the other sign but two.
         let term =
@@ -479,8 +479,8 @@ fn a3_compensated_sums() {
 /// - Density: the angle 8; squares and sum, product, quotient 4: 12.
 #[test]
 fn s8_equiangular_sampling() {
-    let (mut angles, mut places) = (Worst::default(), Worst::default());
-    let (mut far_places, mut densities) = (Worst::default(), Worst::default());
+    let (mut angles, mut places) = (WorstRay::default(), WorstRay::default());
+    let (mut far_places, mut densities) = (WorstRay::default(), WorstRay::default());
     for [a, b, c, drawn, kind] in inputs(12) {
         let distance = octaves(-20.0, 10.0, a);
         let near = (4.0 * b - 2.0) * octaves(-5.0, 5.0, kind);

@@ -52,13 +52,13 @@ fn purpose() -> impl Strategy<Value = Purpose> {
     (0..Purpose::ALL.len()).prop_map(|i| Purpose::ALL[i])
 }
 
-type Use = (u32, u32, u32, Purpose, u32);
+type StreamUse = (u32, u32, u32, Purpose, u32);
 
-fn numbers_of((pixel, sample, bounce, purpose, pair): Use) -> [f64; 2] {
+fn numbers_of((pixel, sample, bounce, purpose, pair): StreamUse) -> [f64; 2] {
     Stream::new(11, pixel, sample).pair(bounce, purpose, pair)
 }
 
-fn any_use() -> impl Strategy<Value = Use> {
+fn any_use() -> impl Strategy<Value = StreamUse> {
     (
         any::<u32>(),
         any::<u32>(),

@@ -8,7 +8,7 @@ use serde_json::Value;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use volref::compare::{Gate, Judgement, Picture, judge};
+use volref::compare::{Conditions, Deterministic, Judgement, Picture, judge};
 use volref::exchange::{Export, Format, bundle, export};
 use volref::film::Film;
 use volref::render::{Sampling, plans, render};
@@ -78,7 +78,7 @@ fn film(scene: &Scene) -> Film {
 
 fn deterministic(reference: &Film, test: &Film) -> Judgement {
     let [reference, test] = [reference, test].map(|film| Picture::Radiance(film.clone()));
-    judge(Gate::Deterministic, &reference, &test, 0.0).unwrap()
+    judge(&Deterministic, &reference, &test, &Conditions::default()).unwrap()
 }
 
 /// The bundle as its reader sees it: a volume with everything on.
@@ -163,7 +163,7 @@ fn a_volume_in_words_and_numbers() {
           "position": [0.325, 5.505, -1.34],
           "kind": "a white point light of strength 1, without fall-off"
         },
-        "radiance": "a sample of value d sends out L = d^2 * shade(colour(d)) * v, ambient light and highlight included",
+        "radiance": "a sample of value d emits L = d^2 * shade(colour(d)) * v, ambient light and highlight included",
         "compositing": {
           "method": "front-to-back",
           "formula": "C = 0, A = 0; for each sample from the eye on, C = C + (1 - A)*a*L and A = A + (1 - A)*a; the pixel is C + (1 - A)*background"
@@ -317,7 +317,7 @@ fn a_bundle_says_only_what_applies() {
     let radiance = panel["radiance"].as_str().unwrap();
     assert_eq!(
         radiance,
-        "a sample of value d sends out L = colour(d) * v, ambient light and highlight included"
+        "a sample of value d emits L = colour(d) * v, ambient light and highlight included"
     );
 }
 

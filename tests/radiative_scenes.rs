@@ -441,7 +441,7 @@ fn coefficients() {
     13:5: `g` must lie in (-1, 1), got -1.5
         `radiative.medium[0].g`: Mean cosine of the scattering angle (Henyey–Greenstein), between -1 and 1: positive is forward, 0 is every direction alike.
     13:12: `emission` must not be negative, got [-1, -1, -1]
-        `radiative.medium[0].emission`: Radiance sent out per world length.
+        `radiative.medium[0].emission`: Radiance emitted per world length.
     "#);
 }
 
@@ -645,10 +645,10 @@ fn densities_that_are_none() {
         block("<medium type=\"procedural\">\n  <color name=\"sigma_a\" value=\"1 1\"/>\n</medium>"),
     ];
     insta::assert_snapshot!(all.concat(), @r#"
-    12:9: a medium of varying density fills no shape: it would have no end
+    12:9: a heterogeneous medium fills no shape: it would have no end
         give the medium a `box`, `sphere` or `mesh`
     12:17: none.vol: there is no such file
-        `radiative.medium[0].grid.file`: Point cloud (.obj) or grid (.bin, .vol, .nrrd, .nhdr, .nii, .nii.gz, or .toml that describes bare samples), relative to the folder of the scene.
+        `radiative.medium[0].grid.file`: Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.
     14:8: [radiative.medium[0]] has more than one density: `noise`, `blob`
         keep at most one of `noise`, `blob`
     15:11: [radiative.medium[0]] mixes `procedural` with `sigma_a`, `sigma_s`
@@ -988,11 +988,11 @@ fn parts_that_make_no_picture_together() {
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
     16:15: a directional light shines from infinitely far away, and a medium fills all space: none of that light arrives
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
-    17:9: light of a point light that a glass surface turns cannot be met by any path from the eye
+    17:9: light of a point light that a glass surface scatters cannot be met by any path from the eye
         use a small emitting sphere in place of the light, or a diffuse surface in place of the glass
-    17:8: light of a spot light that a mirror surface turns cannot be met by any path from the eye
+    17:8: light of a spot light that a mirror surface scatters cannot be met by any path from the eye
         use a small emitting sphere or rectangle in place of the light, or a diffuse surface in place of the mirror
-    17:15: light of a directional light that a mirror surface turns cannot be met by any path from the eye
+    17:15: light of a directional light that a mirror surface scatters cannot be met by any path from the eye
         use a far emitting sphere or the environment in place of the light, or a diffuse surface in place of the mirror
     "#);
 }
@@ -1212,7 +1212,7 @@ fn schema_and_reader_agree_on_keys_and_defaults() {
     let mut checked = 0;
     for (path, table) in found {
         // A scene that holds the table: entries of lists that have none of their own are made
-        // from the base, where only one shape and one kind of matter may stand.
+        // from the base, where only one shape and one material may stand.
         let mut base = as_json(BASE);
         let steps: Vec<&str> = path.split('/').filter(|step| !step.is_empty()).collect();
         if let ["surface" | "medium" | "light", "0", key, ..] = steps[..] {

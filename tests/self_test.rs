@@ -3,7 +3,7 @@
 
 use std::cell::Cell;
 use std::path::Path;
-use volref::suite::{Extent, Step, Store, Suite, self_test, self_test_steps};
+use volref::suite::{SelfTestExtent, Step, Store, Suite, self_test, self_test_steps};
 
 #[test]
 fn the_suite_catches_every_mistake() {
@@ -25,7 +25,7 @@ fn the_suite_catches_every_mistake() {
     let store = Store::open(suite.golden_folder());
     let done = Cell::new(0);
     let told = |step: Step<'_>| done.set(done.get() + usize::from(step == Step::Done));
-    let test = self_test(&cases, true, &store, Extent::Quick, &told);
+    let test = self_test(&cases, true, &store, SelfTestExtent::Quick, &told);
     assert_eq!(done.get(), self_test_steps(cases.len()));
     assert!(test.mistakes.len() >= 40);
     assert_eq!(test.uncaught, Vec::<&str>::new(), "caught by no case");

@@ -1,7 +1,9 @@
 //! The stochastic gate against the pairs it must reject and the noise it must accept.
 
-use volref::compare::stochastic::{Advice, FALSE_ALARM, Undecided, judge, judge_at, judge_case};
-use volref::compare::{Gate, Judgement, Picture, PictureError};
+use volref::compare::stochastic::{FALSE_ALARM, judge, judge_at, judge_case};
+use volref::compare::{
+    Advice, Conditions, Judgement, Picture, PictureError, Stochastic, Undecided, metric_meaning,
+};
 use volref::film::Film;
 use volref::math::rng::{Purpose, Stream};
 use volref::math::{Moments, ln};
@@ -17,7 +19,7 @@ fn truth(index: usize) -> [f64; 3] {
 }
 
 /// The shape of the noise: a random factor of mean 1 for a number uniform in [0, 1).
-type Shape = fn(f64) -> f64;
+type SampleShape = fn(f64) -> f64;
 
 fn even(u: f64) -> f64 {
     0.5 + u
@@ -33,7 +35,7 @@ fn rare(u: f64) -> f64 {
 }
 
 /// Means of `samples` samples of `truth` under noise, and their variances.
-fn sampled(seed: u64, samples: u32, shape: Shape, truth: impl Fn(usize) -> [f64; 3]) -> Film {
+fn sampled(seed: u64, samples: u32, shape: SampleShape, truth: impl Fn(usize) -> [f64; 3]) -> Film {
     let (mut means, mut variances) = (Vec::new(), Vec::new());
     for index in 0..SIDE * SIDE {
         let mut moments = Moments::default();
@@ -70,9 +72,22 @@ fn edited(film: &Film, edit: impl Fn(usize, [f32; 3]) -> [f32; 3]) -> Film {
 
 fn judged(reference: &Film, test: &Film) -> Judgement {
     let judgement = judge(reference, test, 1).unwrap();
-    assert_eq!(judgement.gate, Gate::Stochastic);
+    assert_eq!(judgement.gate.name(), "stochastic");
+    for name in judgement.metrics.keys() {
+        assert!(metric_meaning(name).is_some(), "{name} has no meaning");
+    }
     assert!(judgement.metrics.values().all(|value| value.is_finite()));
     judgement
+}
+
+/// Bias of the mean of the image that would have been seen.
+fn mean_resolution(judgement: &Judgement) -> f64 {
+    judgement.metrics["smallest_visible_bias"]
+}
+
+/// Bias of a block that would have been seen.
+fn block_resolution(judgement: &Judgement) -> f64 {
+    judgement.metrics["smallest_visible_block_bias"]
 }
 
 fn assert_rejected(fault: &str, reference: &Film, test: &Film, word: &str) {
@@ -89,7 +104,7 @@ fn assert_rejected(fault: &str, reference: &Film, test: &Film, word: &str) {
 
 #[test]
 fn honest_noise_passes() {
-    let shapes: [(&str, Shape, u32); 5] = [
+    let shapes: [(&str, SampleShape, u32); 5] = [
         ("even", even, 2),
         ("even", even, 64),
         ("exponential", exponential, 4),
@@ -305,14 +320,14 @@ fn incomparable_first() {
     assert!(matches!(both_silent, Err(PictureError::NeedsNoise)));
     let codes = Picture::Radiance(film.clone()).srgb(0.0).unwrap();
     let mixed = volref::compare::judge(
-        Gate::Stochastic,
+        &Stochastic,
         &Picture::Radiance(film),
         &Picture::Codes(codes),
-        0.0,
+        &Conditions::default(),
     );
     assert!(matches!(
         mixed,
-        Err(PictureError::NeedsRadiance(Gate::Stochastic))
+        Err(PictureError::NeedsRadiance("stochastic"))
     ));
 }
 
@@ -321,14 +336,14 @@ fn incomparable_first() {
 fn the_resolution_is_no_boast() {
     let reference = sampled(1, 256, even, truth);
     let test = sampled(2, 64, even, truth);
-    let resolution = judged(&reference, &test).resolution.unwrap();
+    let resolution = block_resolution(&judged(&reference, &test));
     assert!((1e-3..0.2).contains(&resolution), "{resolution}");
     let biased = sampled(2, 64, even, |i| {
         truth(i).map(|value| value + 2.0 * resolution * (value + 1e-3))
     });
     assert_rejected("twice the resolution", &reference, &biased, "blocks");
     let stricter = judge_at(&reference, &test, FALSE_ALARM / 1e6).unwrap();
-    assert!(stricter.resolution.unwrap() > resolution);
+    assert!(block_resolution(&stricter) > resolution);
 }
 
 /// An image of a third, drawn and copied, is called out only where the copied pixels are more
@@ -366,8 +381,8 @@ fn advised(judgement: &Judgement) -> Advice {
 #[test]
 fn advice_decides_in_every_form() {
     /// An image of so many samples, stated or not, whose renderings tell its noise.
-    type Form = fn(u64, u32, Shape) -> Film;
-    fn renderings(seed: u64, samples: u32, shape: Shape) -> Film {
+    type Form = fn(u64, u32, SampleShape) -> Film;
+    fn renderings(seed: u64, samples: u32, shape: SampleShape) -> Film {
         let one = |i: u64| silent(&sampled(4 * seed + i, samples / 4, shape, truth));
         Film::from_replicates(&[one(0), one(1), one(2), one(3)]).unwrap()
     }
@@ -396,13 +411,13 @@ fn advice_decides_in_every_form() {
         ),
     ];
     for (name, shape) in [
-        ("even", even as Shape),
+        ("even", even as SampleShape),
         ("exponential", exponential),
         ("rare", rare),
     ] {
         let reference = sampled(1, 2048, shape, truth);
         let stated = judged(&reference, &sampled(2, 32, shape, truth));
-        let promise = 0.5 * stated.mean_resolution.unwrap();
+        let promise = 0.5 * mean_resolution(&stated);
         for (form, has, words) in forms {
             let with = |seed, samples| {
                 let film = form(seed, samples, shape);
@@ -438,7 +453,7 @@ fn renderings_are_no_samples() {
     let one = |seed: u64| silent(&sampled(seed, 64, exponential, truth));
     let four = Film::from_replicates(&[one(2), one(3), one(4), one(5)]).unwrap();
     let [four, all] = [four, sampled(6, 256, exponential, truth)]
-        .map(|film| judged(&reference, &film).mean_resolution.unwrap());
+        .map(|film| mean_resolution(&judged(&reference, &film)));
     assert!((1.0..2.0).contains(&(four / all)), "{four} {all}");
 }
 
@@ -449,7 +464,7 @@ fn the_reference_may_be_in_the_way() {
     let test = sampled(2, 64, even, truth);
     let with = |reference: &Film, promise| judge_case(reference, &test, 1, promise).unwrap();
     let noisy = silent(&sampled(1, 64, even, truth));
-    let promise = 0.3 * judged(&noisy, &test).mean_resolution.unwrap();
+    let promise = 0.3 * mean_resolution(&judged(&noisy, &test));
     let hopeless = with(&noisy, promise);
     assert!(
         matches!(hopeless.undecided, Some(Undecided::Reference(_))),
@@ -463,7 +478,7 @@ fn the_reference_may_be_in_the_way() {
     );
     let exact = (0..SIDE * SIDE).map(|i| truth(i).map(|value| value as f32));
     let exact = Film::new(SIDE, SIDE, exact.collect());
-    let promise = 0.3 * judged(&exact, &test).mean_resolution.unwrap();
+    let promise = 0.3 * mean_resolution(&judged(&exact, &test));
     let times = advised(&with(&exact, promise)).times;
     // About 1/0.3², a little more for rounding, and up to twice that for safety.
     assert!((11.0..30.0).contains(&times), "{times}");
@@ -522,7 +537,7 @@ fn a_promise_that_was_not_kept() {
     let test = |samples| sampled(2, samples, even, truth);
     let with_promise = |test: &Film, promise| judge_case(&reference, test, 1, promise).unwrap();
 
-    let resolution = judged(&reference, &test(16)).mean_resolution.unwrap();
+    let resolution = mean_resolution(&judged(&reference, &test(16)));
     let kept = with_promise(&test(16), resolution);
     assert!(kept.passed && kept.undecided.is_none());
 
@@ -554,7 +569,7 @@ fn a_promise_that_was_not_kept() {
     let silent = with_promise(&silent(&test(16)), promise);
     let advice = advised(&silent);
     assert_eq!((advice.has, advice.samples()), (None, None));
-    let ratio = (silent.mean_resolution.unwrap() - rounding) / (promise - rounding);
+    let ratio = (mean_resolution(&silent) - rounding) / (promise - rounding);
     let factor = advice.times / (ratio * ratio);
     // Safety is twice the samples at most.
     assert!((0.9..2.2).contains(&factor), "{factor}");
@@ -566,9 +581,7 @@ fn a_promise_that_was_not_kept() {
     let Some(Undecided::Reference(bias)) = hopeless.undecided else {
         panic!("{:?}", hopeless.undecided);
     };
-    let much = judged(&reference, &sampled(2, 4096, even, truth))
-        .mean_resolution
-        .unwrap();
+    let much = mean_resolution(&judged(&reference, &sampled(2, 4096, even, truth)));
     // That one has the noise of both.
     let both = bias * 2.0_f64.sqrt();
     assert!((0.8..1.25).contains(&(much / both)), "{much} {both}");
@@ -585,7 +598,7 @@ fn a_promise_that_was_not_kept() {
 /// no noise, and half of the image does.
 #[test]
 fn a_light_that_most_blocks_miss() {
-    let lamp: Shape = |u| if u < 1e-3 { 500.5 } else { 0.5 };
+    let lamp: SampleShape = |u| if u < 1e-3 { 500.5 } else { 0.5 };
     let reference = sampled(1, 2048, lamp, truth);
     for seed in 10..14 {
         let test = sampled(seed, 8, lamp, truth);

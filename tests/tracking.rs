@@ -28,22 +28,22 @@ use volref::render::radiative::tracking::*;
 const SAMPLES: u32 = 400_000;
 
 /// Extinction along a ray as a function, with bounds piece by piece.
-struct Curve<'f> {
+struct TrackedCurve<'f> {
     sigma: &'f dyn Fn(f64) -> f64,
-    pieces: &'f [Piece],
+    pieces: &'f [TrackedPiece],
     next: usize,
 }
 
 /// From where to where, and bounds.
 #[derive(Clone, Copy)]
-struct Piece {
+struct TrackedPiece {
     near: f64,
     far: f64,
     low: f64,
     high: f64,
 }
 
-impl Iterator for Curve<'_> {
+impl Iterator for TrackedCurve<'_> {
     type Item = MajorantSegment;
 
     fn next(&mut self) -> Option<MajorantSegment> {
@@ -61,14 +61,14 @@ impl Iterator for Curve<'_> {
     }
 }
 
-impl Majorants for Curve<'_> {
+impl Majorants for TrackedCurve<'_> {
     fn extinction(&mut self, t: f64) -> DVec3 {
         DVec3::splat((self.sigma)(t))
     }
 }
 
 /// What many estimates came to.
-struct Found {
+struct TrackedResult {
     estimates: Moments,
     /// Of the fourth power of what the estimates are off from their mean.
     fourth: f64,
@@ -76,7 +76,7 @@ struct Found {
     violations: u64,
 }
 
-fn run(mut estimate: impl FnMut(&mut SamplerRow<'_>, &mut Effort) -> f64) -> Found {
+fn run(mut estimate: impl FnMut(&mut SamplerRow<'_>, &mut Effort) -> f64) -> TrackedResult {
     let mut effort = Effort::default();
     let values: Vec<f64> = (0..SAMPLES)
         .map(|sample| {
@@ -93,7 +93,7 @@ fn run(mut estimate: impl FnMut(&mut SamplerRow<'_>, &mut Effort) -> f64) -> Fou
         let squared = (value - estimates.mean()) * (value - estimates.mean());
         squared * squared
     };
-    Found {
+    TrackedResult {
         fourth: values.iter().map(fourth).sum::<f64>() / f64::from(SAMPLES),
         estimates,
         lookups: effort.lookups as f64 / f64::from(SAMPLES),
@@ -101,9 +101,9 @@ fn run(mut estimate: impl FnMut(&mut SamplerRow<'_>, &mut Effort) -> f64) -> Fou
     }
 }
 
-fn by_delta(sigma: &dyn Fn(f64) -> f64, pieces: &[Piece]) -> Found {
+fn by_delta(sigma: &dyn Fn(f64) -> f64, pieces: &[TrackedPiece]) -> TrackedResult {
     run(|numbers, effort| {
-        let mut curve = Curve {
+        let mut curve = TrackedCurve {
             sigma,
             pieces,
             next: 0,
@@ -125,11 +125,11 @@ fn by_delta(sigma: &dyn Fn(f64) -> f64, pieces: &[Piece]) -> Found {
 
 fn by_ratio(
     sigma: &dyn Fn(f64) -> f64,
-    pieces: &[Piece],
+    pieces: &[TrackedPiece],
     (control, small): (Control, Small),
-) -> Found {
+) -> TrackedResult {
     run(|numbers, effort| {
-        let mut curve = Curve {
+        let mut curve = TrackedCurve {
             sigma,
             pieces,
             next: 0,
@@ -142,7 +142,7 @@ fn by_ratio(
 ///
 /// The variance of a sample variance is `(μ₄ − σ⁴)/n`, but for terms of order `1/n²`.
 #[track_caller]
-fn agrees(what: &str, found: &Found, mean: f64, variance: f64) {
+fn agrees(what: &str, found: &TrackedResult, mean: f64, variance: f64) {
     let n = f64::from(SAMPLES);
     let error = (variance / n).sqrt();
     let off = found.estimates.mean() - mean;
@@ -161,7 +161,7 @@ fn agrees(what: &str, found: &Found, mean: f64, variance: f64) {
 }
 
 #[track_caller]
-fn costs(what: &str, found: &Found, lookups: f64) {
+fn costs(what: &str, found: &TrackedResult, lookups: f64) {
     println!("{what}: {} look-ups of {lookups}", found.lookups);
     assert!((found.lookups - lookups).abs() <= 0.05 * lookups, "{what}");
 }
@@ -181,8 +181,8 @@ fn depth_to(t: f64) -> f64 {
     1.5 * t + (1.0 - volref::math::cos(3.7 * t)) / 3.7 + 0.2 * t * t * t
 }
 
-fn whole(low: f64, high: f64) -> [Piece; 1] {
-    [Piece {
+fn whole(low: f64, high: f64) -> [TrackedPiece; 1] {
+    [TrackedPiece {
         near: 0.0,
         far: LENGTH,
         low,
@@ -260,7 +260,7 @@ fn bounds_piece_by_piece() {
             } else {
                 (low - 1e-4, high + 1e-4)
             };
-            Piece {
+            TrackedPiece {
                 near,
                 far,
                 low,
@@ -268,8 +268,8 @@ fn bounds_piece_by_piece() {
             }
         })
         .collect();
-    let over = |f: &dyn Fn(f64, &Piece) -> f64| -> f64 {
-        let inside = |piece: &Piece| integral(|t| f(t, piece), piece.near, piece.far);
+    let over = |f: &dyn Fn(f64, &TrackedPiece) -> f64| -> f64 {
+        let inside = |piece: &TrackedPiece| integral(|t| f(t, piece), piece.near, piece.far);
         pieces.iter().map(inside).sum()
     };
     let depth = 0.75 * 0.25 + DEPTH - depth_to(0.25);
@@ -297,7 +297,7 @@ fn bounds_piece_by_piece() {
     costs("ratio", &ratio, over(&|_, piece| piece.high));
 
     let residual = by_ratio(&sigma, &pieces, (Control::Minorant, Small::Kept));
-    let rest = |t: f64, piece: &Piece| match piece.high - piece.low {
+    let rest = |t: f64, piece: &TrackedPiece| match piece.high - piece.low {
         0.0 => 0.0,
         range => (sigma(t) - piece.low) * (sigma(t) - piece.low) / range,
     };
@@ -343,7 +343,7 @@ fn a_bound_that_is_too_small() {
 fn an_extinction_that_is_its_bound() {
     for high in [1.0_f64, 1.5, 2.0_f64.next_down(), 1e-300, 1e300] {
         for sigma in [high, high.next_down()] {
-            let pieces = [Piece {
+            let pieces = [TrackedPiece {
                 near: 0.0,
                 far: 3.0 / high,
                 low: 0.0,
@@ -392,7 +392,7 @@ fn known_answers() {
         let (sigma, high) = (entry.input("sigma_t"), entry.input("majorant"));
         let length = entry.input("length");
         let piece = |far| {
-            [Piece {
+            [TrackedPiece {
                 near: 0.0,
                 far,
                 low: 0.0,

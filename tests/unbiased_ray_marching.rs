@@ -141,12 +141,12 @@ fn a_constant_extinction_is_free_of_noise() {
 }
 
 /// One segment with one majorant.
-struct Curve {
+struct MarchedCurve {
     span: Option<Span>,
     high: f64,
 }
 
-impl Iterator for Curve {
+impl Iterator for MarchedCurve {
     type Item = MajorantSegment;
 
     fn next(&mut self) -> Option<MajorantSegment> {
@@ -159,7 +159,7 @@ impl Iterator for Curve {
     }
 }
 
-impl Majorants for Curve {
+impl Majorants for MarchedCurve {
     fn extinction(&mut self, t: f64) -> DVec3 {
         DVec3::splat(smooth(t))
     }
@@ -175,7 +175,7 @@ fn less_noise_than_ratio_tracking_at_the_same_cost() {
         .map(|sample| {
             let mut sampler = Sampler::new(Stream::new(11, 0, sample));
             let mut numbers = sampler.tentative(NumberRow::Transmittance);
-            let mut curve = Curve {
+            let mut curve = MarchedCurve {
                 span: Some(Span {
                     near: 0.0,
                     far: LENGTH,

@@ -100,15 +100,15 @@ fn what_is_no_volume_file() {
         ),
         (
             "smoke.vdb",
-            "smoke.vdb: not a volume by its extension: known are .obj (point cloud), .bin (course \
-             grid), .vol (Mitsuba), .nrrd and .nhdr, .nii and .nii.gz (NIfTI-1), and .toml \
-             (description of bare samples)",
+            "smoke.vdb: not a volume by its extension: known are .obj: point cloud (Wavefront OBJ); \
+             .bin: course grid; .vol: Mitsuba volume; .nrrd, .nhdr: NRRD; .nii, .nii.gz: NIfTI-1; \
+             .toml: bare samples, described in TOML",
         ),
         (
             "bare",
-            "bare: not a volume by its extension: known are .obj (point cloud), .bin (course \
-             grid), .vol (Mitsuba), .nrrd and .nhdr, .nii and .nii.gz (NIfTI-1), and .toml \
-             (description of bare samples)",
+            "bare: not a volume by its extension: known are .obj: point cloud (Wavefront OBJ); \
+             .bin: course grid; .vol: Mitsuba volume; .nrrd, .nhdr: NRRD; .nii, .nii.gz: NIfTI-1; \
+             .toml: bare samples, described in TOML",
         ),
     ] {
         assert_eq!(message(&folder, &folder.join(name)), expected);
@@ -576,7 +576,7 @@ fn check_cloud(bytes: &[u8]) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-fn check_splat(points: &[Point]) -> Result<(), TestCaseError> {
+fn check_splat(points: &[CloudPoint]) -> Result<(), TestCaseError> {
     match splat(points, SPLATTING) {
         Ok(grid) => {
             prop_assert!(grid.check_densities().is_ok());
@@ -669,9 +669,9 @@ proptest! {
     fn any_numbers_are_splatted_or_refused(
         numbers in prop::collection::vec((prop::array::uniform3(any::<f64>()), any::<f64>()), 0..9)
     ) {
-        let points: Vec<Point> = numbers
+        let points: Vec<CloudPoint> = numbers
             .into_iter()
-            .map(|(position, weight)| Point { position: position.into(), weight: weight.abs() })
+            .map(|(position, weight)| CloudPoint { position: position.into(), weight: weight.abs() })
             .collect();
         check_splat(&points)?;
     }

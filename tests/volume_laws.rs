@@ -60,18 +60,19 @@ fn sampled<T>(lattice: Lattice, field: impl Fn([usize; 3]) -> T) -> Grid<T> {
 
 // Splatting.
 
-fn cloud() -> impl Strategy<Value = Vec<Point>> {
+fn cloud() -> impl Strategy<Value = Vec<CloudPoint>> {
     // Tenths make clouds that are lattices, or nearly, by decimal numbers.
     let coordinate = prop_oneof![
         -10.0..10.0_f64,
         (-50..50_i32).prop_map(|tenths| f64::from(tenths) / 10.0)
     ];
     let weight = prop_oneof![Just(0.0), Just(1.0), 0.0..10.0_f64];
-    let point = (prop::array::uniform3(coordinate), weight).prop_map(|(position, weight)| Point {
-        position: position.into(),
-        weight,
-    });
-    let two_apart = |points: &Vec<Point>| {
+    let point =
+        (prop::array::uniform3(coordinate), weight).prop_map(|(position, weight)| CloudPoint {
+            position: position.into(),
+            weight,
+        });
+    let two_apart = |points: &Vec<CloudPoint>| {
         let first = points[0].position;
         points.iter().any(|point| point.position != first)
     };

@@ -4,7 +4,7 @@ use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use super::suite::{Selection, select, store};
 use super::{Outcome, progress};
-use crate::suite::{self, AcceptError, Cache, Change, StoreError, Watch};
+use crate::suite::{self, AcceptError, AcceptWatch, Cache, Change, StoreError};
 use serde_json::json;
 
 /// Render cases and make the results their goldens; look at the pictures before and after
@@ -31,7 +31,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     output::check(&[arguments.json.file()], &[])?;
     let cases = select(&suite, &arguments.cases)?;
     let in_ci = std::env::var_os("CI").is_some_and(|value| !value.is_empty());
-    let bar = Bar(progress::work());
+    let bar = AcceptBar(progress::work());
     let cache = Cache::open(suite.cache_folder());
     let (store, reason) = (store(&suite), &arguments.reason);
     let accepted = suite::accept(&cases, &store, &cache, reason, in_ci, &bar);
@@ -84,9 +84,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 }
 
 /// Shows how far the work has come.
-struct Bar(progress::Bar);
+struct AcceptBar(progress::Bar);
 
-impl Watch for Bar {
+impl AcceptWatch for AcceptBar {
     fn begin(&self, work: u64) {
         self.0.set_length(work);
     }

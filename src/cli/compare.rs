@@ -4,7 +4,10 @@ use super::Outcome;
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use crate::compare::flip::{DEFAULT_PIXELS_PER_DEGREE, flip, magma};
-use crate::compare::{Gate, Judgement, Picture, PictureError, judge, stochastic};
+use crate::compare::{
+    Conditions, GATES, Gate, ImageGate, Judgement, Picture, PictureError, default_gate, gate_named,
+    judge,
+};
 use crate::film::Film;
 use crate::report;
 use crate::suite::{CaseResult, Cause, MEAN_RESOLUTION, Verdict};
@@ -19,11 +22,9 @@ pub struct Arguments {
     reference: PathBuf,
     /// The image to judge
     test: PathBuf,
-    /// exact, deterministic, perceptual or stochastic (for noise) [default: for two images of
-    /// radiance stochastic where one of them states its noise, else deterministic; perceptual where
-    /// one is a .png]
-    #[arg(long, value_name = "GATE")]
-    gate: Option<Gate>,
+    // `help` lists the gates.
+    #[arg(long, value_name = "GATE", value_parser = gate_named, help = gates_help())]
+    gate: Option<&'static dyn ImageGate>,
     /// Largest detectable bias of the mean of the image with which the stochastic gate passes, in
     /// percent of that mean plus 0.001; noisier images are inconclusive (exit code 5)
     #[arg(
@@ -58,17 +59,13 @@ fn percent(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The gate for these images where none is named, and why, where that is not plain.
-fn default_gate(reference: &Picture, test: &Picture) -> (Gate, &'static str) {
-    let (Picture::Radiance(reference), Picture::Radiance(test)) = (reference, test) else {
-        return (Gate::Perceptual, "");
-    };
-    match [reference, test].map(|film| film.noise().is_some()) {
-        [true, true] => (Gate::Stochastic, ", since both images state their noise"),
-        [true, false] => (Gate::Stochastic, ", since the reference states its noise"),
-        [false, true] => (Gate::Stochastic, ", since the test image states its noise"),
-        [false, false] => (Gate::Deterministic, ""),
-    }
+/// Names of the gates, and the pairs that each is the default of.
+fn gates_help() -> String {
+    let default =
+        |gate: &dyn ImageGate| Some(format!("{} for {}", gate.name(), gate.default_for()?));
+    let defaults: Vec<String> = GATES.into_iter().filter_map(default).collect();
+    let names = GATES.map(Gate::name).join(", ");
+    format!("{names} [default: {}]", defaults.join("; "))
 }
 
 /// Runs the command.
@@ -90,16 +87,16 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         Some(gate) => (gate, ""),
         None => default_gate(&reference, &test),
     };
-    let judgement = match (gate, &reference, &test) {
-        (Gate::Stochastic, Picture::Radiance(reference), Picture::Radiance(test)) => {
-            stochastic::judge_case(reference, test, 1, arguments.resolution / 100.0)
-        }
-        _ => judge(gate, &reference, &test, arguments.exposure),
+    let conditions = Conditions {
+        exposure: arguments.exposure,
+        visible_bias: Some(arguments.resolution / 100.0),
+        ..Conditions::default()
     };
-    let judgement = judgement.map_err(|error| unreadable(error, Exit::BadInput))?;
+    let judgement = judge(gate, &reference, &test, &conditions)
+        .map_err(|error| unreadable(error, Exit::BadInput))?;
     let mut note = "";
     let codes = |picture: &Picture| matches!(picture, Picture::Codes(_));
-    if gate == Gate::Perceptual && codes(&reference) != codes(&test) {
+    if gate.depends_on_exposure() && codes(&reference) != codes(&test) {
         note = "\nradiance was turned into 8 bits at the exposure given with --exposure (default 0): it must be\nthe one the .png was made with\n";
     }
     if let Some(path) = &arguments.heatmap {
@@ -112,7 +109,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let result = result(&arguments.test, judgement, start.elapsed().as_secs_f64());
 
     let verdict = result.verdict.name();
-    let mut text = format!("{verdict}  ({gate} gate{why})\n{}\n", result.reason);
+    let mut text = format!(
+        "{verdict}  ({} gate{why})\n{}\n",
+        gate.name(),
+        result.reason
+    );
     if !result.metrics.is_empty() {
         text.push('\n');
     }

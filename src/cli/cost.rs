@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Show what accuracy costs in a scene: error against look-ups and time, knob by knob
+/// Show what accuracy costs in a scene: error against look-ups and time, by parameter
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Errors and counts of work are the same on every run; only times differ. \
@@ -21,8 +21,8 @@ pub struct Arguments {
     /// Scene files (TOML)
     #[arg(value_name = "SCENE", required = true)]
     scenes: Vec<PathBuf>,
-    /// Stop climbing after this long, for all scenes together, and say how far it got; what has
-    /// been begun is finished [default: climb all ladders]
+    /// Start no further level after this long, for all scenes together, and say how far it got; what has
+    /// been begun is finished [default: finish all sweeps]
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     budget: Option<f64>,
     /// Runs of each setting whose time is taken, 2 or more; 0 takes none
@@ -68,8 +68,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let mut costs: Vec<Cost> = Vec::new();
     for scene in &scenes {
         let name = scene.path.display().to_string();
-        let told = |what: &str| bar.set_message(format!("{name}: {what}"));
-        costs.extend(cost(scene, &options, &told).map_err(|error| failure(&name, &error))?);
+        let report = |what: &str| bar.set_message(format!("{name}: {what}"));
+        costs.extend(cost(scene, &options, &report).map_err(|error| failure(&name, &error))?);
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -98,7 +98,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 
 fn failure(scene: &str, error: &CostError) -> Failure {
     let help = match error {
-        CostError::NoKnob(_) => Some(
+        CostError::NoParameter(_) => Some(
             "cost compares settings: give a scene that is marched, tracked or sampled, such as \
              figures/figure-3 or procedural/threshold-1.25",
         ),

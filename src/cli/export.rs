@@ -92,11 +92,11 @@ pub(super) fn write_all(folder: &Path, export: &Export) -> io::Result<()> {
 }
 
 fn write_into(folder: &Path, export: &Export) -> io::Result<()> {
-    let taken = export
+    let folder_in_the_way = export
         .files
         .iter()
         .find(|(name, _)| folder.join(name).is_dir());
-    if let Some((name, _)) = taken {
+    if let Some((name, _)) = folder_in_the_way {
         return Err(io::Error::other(format!("{name} is a folder")));
     }
     let aside = tempfile::Builder::new()

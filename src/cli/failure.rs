@@ -138,8 +138,8 @@ mod tests {
         assert_eq!(order, [2, 3, 6, 1, 4, 5, 0]);
         for first in Exit::ORDER {
             for second in Exit::ORDER {
-                let place = |exit: Exit| order.iter().position(|code| *code == exit as u8);
-                let expected = match place(first) <= place(second) {
+                let rank = |exit: Exit| order.iter().position(|code| *code == exit as u8);
+                let expected = match rank(first) <= rank(second) {
                     true => first,
                     false => second,
                 };

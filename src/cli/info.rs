@@ -6,7 +6,7 @@ use super::output::{self, Json};
 use crate::math::{Sum, ln};
 use crate::volume::{
     Centring, Encoding, Endian, Grid, Layout, LoadOptions, Loaded, NonFinite, Orientation, Stored,
-    load_hashed,
+    load_hashed, volume_formats,
 };
 use serde::Serialize;
 use std::path::PathBuf;
@@ -14,8 +14,8 @@ use std::path::PathBuf;
 /// Show what a volume file holds: where it lies, how it is stored, its values
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Volume file: .obj, .bin, .vol, .nrrd, .nhdr, .nii, .nii.gz, or .toml that describes bare
-    /// samples
+    // `help` lists the formats.
+    #[arg(help = format!("Volume file: {}", volume_formats()))]
     file: PathBuf,
     /// Point clouds: nodes along the longest side of the grid they are splatted to [default: one
     /// point to a voxel, on average]
@@ -67,7 +67,7 @@ struct Info {
     cloud: Option<CloudJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
     stored: Option<StoredJson>,
-    values: Values,
+    values: ValueStatistics,
 }
 
 #[derive(Serialize)]
@@ -106,7 +106,7 @@ struct Scaling {
 
 /// What the values of a grid come to; those that are not finite are only counted.
 #[derive(Serialize)]
-struct Values {
+struct ValueStatistics {
     min: Option<f64>,
     max: Option<f64>,
     mean: Option<f64>,
@@ -160,7 +160,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
     let lattice = loaded.grid.lattice();
     let bounds = lattice.bounds();
-    let values = Values::of(&loaded.grid);
+    let values = ValueStatistics::of(&loaded.grid);
     let (cloud, stored) = match &loaded.stored {
         Stored::Cloud { points, extent } => {
             let cloud = CloudJson {
@@ -179,7 +179,7 @@ fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
     Info {
         schema: "volref/info/1",
         file: arguments.file.display().to_string(),
-        format: loaded.format.name(),
+        format: loaded.format,
         files: files.collect(),
         nodes: lattice.nodes(),
         spacing: lattice.spacing().to_array(),
@@ -196,7 +196,7 @@ fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
     }
 }
 
-fn stored(layout: &Layout, values: &Values) -> StoredJson {
+fn stored(layout: &Layout, values: &ValueStatistics) -> StoredJson {
     let scaling = layout.scaling.and_then(|(slope, intercept)| {
         // Whole numbers come back exactly, but for the rounding of values to f32.
         let sample = |value: f64| {
@@ -234,8 +234,8 @@ fn stored(layout: &Layout, values: &Values) -> StoredJson {
     }
 }
 
-impl Values {
-    fn of(grid: &Grid<f32>) -> Values {
+impl ValueStatistics {
+    fn of(grid: &Grid<f32>) -> ValueStatistics {
         let finite = || grid.values().iter().copied().filter(|v| v.is_finite());
         let count = |of: fn(f32) -> bool| finite().filter(|&value| of(value)).count();
         let all = finite().count();
@@ -248,7 +248,7 @@ impl Values {
         let sum: Sum = finite().map(f64::from).collect();
         let some = |value: f64| (all > 0).then_some(value);
         let first = grid.values().iter().position(|value| !value.is_finite());
-        Values {
+        ValueStatistics {
             min: some(low),
             max: some(high),
             mean: some(sum.value() / all as f64),
@@ -276,9 +276,9 @@ fn histogram(values: impl Iterator<Item = f32>, low: f64, high: f64) -> Vec<Bin>
     };
     let mut counts = vec![0; bins];
     for value in values {
-        let place = (f64::from(value) - low) / width * bins as f64;
+        let position = (f64::from(value) - low) / width * bins as f64;
         // All the same gives 0/0, which becomes 0.
-        counts[(place as usize).min(bins - 1)] += 1;
+        counts[(position as usize).min(bins - 1)] += 1;
     }
     let edge = |bin: usize| low + width * (bin as f64 / bins as f64);
     let bin = |(bin, count)| Bin {

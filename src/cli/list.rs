@@ -40,7 +40,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             "name": case.name,
             "family": case.family,
             "class": case.class,
-            "gate": case.gate(),
+            "gate": case.gate().name(),
             "scene": case.scene,
             "source": case.source,
             "shows": case.shows,
@@ -60,7 +60,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
                 "what": row.what,
                 "tolerance": row.tolerance,
                 "remedy": row.remedy,
-                "place": row.place,
+                "file": row.file,
             })
         })
         .collect();

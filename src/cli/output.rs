@@ -93,10 +93,12 @@ pub fn check(outputs: &[Option<&Path>], inputs: &[&Path]) -> Result<(), Failure>
     inputs.iter().for_each(|input| note_input(input));
     let outputs: Vec<&Path> = outputs.iter().copied().flatten().collect();
     for (index, path) in outputs.iter().enumerate() {
-        check_place(path)?;
-        let place = place(path);
+        check_target(path)?;
+        let identity = target(path);
         let mut before = outputs[..index].iter();
-        if let Some(other) = before.find(|other| place.is_some() && self::place(other) == place) {
+        if let Some(other) =
+            before.find(|other| identity.is_some() && self::target(other) == identity)
+        {
             let message = format!(
                 "cannot write {}: it is the same file as another output, {}",
                 path.display(),
@@ -111,7 +113,7 @@ pub fn check(outputs: &[Option<&Path>], inputs: &[&Path]) -> Result<(), Failure>
 
 /// What an output is known by: its identity, or before there is a file, that of its folder and
 /// its name. A stream is nothing that could be overwritten.
-fn place(path: &Path) -> Option<(Identity, Option<OsString>)> {
+fn target(path: &Path) -> Option<(Identity, Option<OsString>)> {
     let file = file_behind(path)?;
     match Identity::of(&file) {
         Some(identity) => Some((identity, None)),
@@ -136,7 +138,7 @@ pub fn check_no_input(path: &Path) -> Result<(), Failure> {
 }
 
 /// Fails where [`write`] is bound to.
-fn check_place(path: &Path) -> Result<(), Failure> {
+fn check_target(path: &Path) -> Result<(), Failure> {
     let what = if path.is_dir() {
         "it is a folder"
     } else if !directory_of(path).is_dir() {

@@ -22,7 +22,7 @@ const FIRST_LINE: Duration = Duration::from_secs(2);
 /// The longest silence in a pipe. Services that run tests end what says nothing for ten minutes.
 const LONGEST_SILENCE: Duration = Duration::from_secs(300);
 
-/// A panel that takes longer is told of before it is rendered.
+/// A panel that takes longer is announced before it is rendered.
 const WORTH_A_WARNING: f64 = 10.0;
 
 /// Measuring how long a panel will take takes no longer, but for the ray under way.
@@ -30,15 +30,15 @@ const MEASURING: Duration = Duration::from_millis(250);
 
 /// A sign of life, until it is dropped or [finished](Bar::finish_and_clear).
 pub struct Bar {
-    shared: Arc<Shared>,
+    shared: Arc<SharedBar>,
     ticker: Option<JoinHandle<()>>,
 }
 
-struct Shared {
+struct SharedBar {
     start: Instant,
     /// On a terminal.
     bar: Option<ProgressBar>,
-    said: Mutex<Said>,
+    said: Mutex<ProgressText>,
     changed: Condvar,
     /// The parts of the work, such as cases.
     parts: Counter,
@@ -48,7 +48,7 @@ struct Shared {
 
 /// What is said beside how far the work is.
 #[derive(Default)]
-struct Said {
+struct ProgressText {
     /// What is being done.
     message: String,
     /// What the parts are called, if they are counted aloud.
@@ -86,11 +86,11 @@ impl Counter {
 pub fn image(label: &str, advice: &'static str, notes: &[&Reason]) -> Bar {
     Bar::begin(
         0,
-        Said {
+        ProgressText {
             message: label.to_owned(),
             advice: Some(advice),
             notes: notes.iter().map(ToString::to_string).collect(),
-            ..Said::default()
+            ..ProgressText::default()
         },
     )
 }
@@ -104,23 +104,23 @@ pub fn cases(cases: usize) -> Bar {
 pub fn counted(name: &'static str, parts: usize) -> Bar {
     Bar::begin(
         parts as u64,
-        Said {
+        ProgressText {
             parts: Some(name),
-            ..Said::default()
+            ..ProgressText::default()
         },
     )
 }
 
 /// Work whose amount is said later.
 pub fn work() -> Bar {
-    Bar::begin(0, Said::default())
+    Bar::begin(0, ProgressText::default())
 }
 
 /// Does `work` of which no part is known to be done before all is, such as reading files.
 pub fn during<T>(label: &str, work: impl FnOnce() -> T) -> T {
-    let said = Said {
+    let said = ProgressText {
         message: label.to_owned(),
-        ..Said::default()
+        ..ProgressText::default()
     };
     let bar = Bar::begin(0, said);
     let result = work();
@@ -139,9 +139,9 @@ pub fn mistakes(failed: usize, seconds: f64) -> Bar {
              each (--explain SECONDS; 0 names none)"
         );
     }
-    let said = Said {
+    let said = ProgressText {
         message: "looking for the mistake".to_owned(),
-        ..Said::default()
+        ..ProgressText::default()
     };
     Bar::begin(0, said)
 }
@@ -161,9 +161,9 @@ pub fn mistake(bar: &Bar, step: &SearchStep<'_>) {
 }
 
 impl Bar {
-    fn begin(parts: u64, said: Said) -> Bar {
+    fn begin(parts: u64, said: ProgressText) -> Bar {
         let bar = std::io::stderr().is_terminal().then(ProgressBar::no_length);
-        let shared = Arc::new(Shared {
+        let shared = Arc::new(SharedBar {
             start: Instant::now(),
             bar,
             said: Mutex::new(said),
@@ -260,8 +260,8 @@ impl Watch for Bar {
     }
 }
 
-impl Shared {
-    fn said(&self) -> MutexGuard<'_, Said> {
+impl SharedBar {
+    fn said(&self) -> MutexGuard<'_, ProgressText> {
         self.said.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -277,7 +277,7 @@ impl Shared {
                 None => next.saturating_sub(self.start.elapsed()),
             };
             let said = self.said();
-            let ended = |said: &mut Said| !said.ended;
+            let ended = |said: &mut ProgressText| !said.ended;
             let (said, _) = self
                 .changed
                 .wait_timeout_while(said, wait, ended)
@@ -470,8 +470,8 @@ mod tests {
             "fog/forward, 49 of 194 cases done, 20 seconds so far, about 60 seconds left"
         );
         assert_eq!(
-            state("fog/forward: ladder", None, None, 2.0, None),
-            "fog/forward: ladder, 2 seconds so far"
+            state("fog/forward: sweep", None, None, 2.0, None),
+            "fog/forward: sweep, 2 seconds so far"
         );
         assert_eq!(state("", None, None, 2.0, None), "2 seconds so far");
     }

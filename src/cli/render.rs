@@ -51,7 +51,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
-    let format = Format::of(&arguments.output)?;
+    let format = ImageFormat::of(&arguments.output)?;
     let outputs = [Some(arguments.output.as_path()), arguments.json.file()];
     output::check(&outputs, &[&arguments.scene])?;
     let read = || Scene::load(&arguments.scene);
@@ -87,10 +87,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let seconds = start.elapsed().as_secs_f64();
 
     let bytes = match format {
-        Format::Exr => film
+        ImageFormat::Exr => film
             .to_exr()
             .map_err(|error| Failure::new(Exit::BadInput, error.to_string(), None))?,
-        Format::Png => film.to_png(arguments.exposure),
+        ImageFormat::Png => film.to_png(arguments.exposure),
     };
     output::write(&arguments.output, &bytes)?;
 
@@ -135,7 +135,7 @@ pub fn warnings_of_all<'p>(plans: &'p [Plan<'_>]) -> Vec<&'p Reason> {
 }
 
 /// What to say of an image that is empty, or too dark to see as a preview.
-fn brightness_note(film: &Film, format: Format, exposure: f64) -> Option<String> {
+fn brightness_note(film: &Film, format: ImageFormat, exposure: f64) -> Option<String> {
     let mut lit: Vec<f32> = film
         .radiance()
         .iter()
@@ -143,14 +143,14 @@ fn brightness_note(film: &Film, format: Format, exposure: f64) -> Option<String>
         .filter(|&brightest| brightest > 0.0)
         .collect();
     if lit.is_empty() {
-        let empty = "note: the image is black: no ray meets anything that sends out light\n";
+        let empty = "note: the image is black: no ray meets anything that emits light\n";
         return Some(empty.to_owned());
     }
     // The brightest hundredth of what is lit: a single hot pixel says nothing.
     lit.sort_by(f32::total_cmp);
     let bright = f64::from(lit[(lit.len() - 1) * 99 / 100]);
     let stops = (-math::log2(bright)).round();
-    if format == Format::Png && stops - exposure >= 2.0 {
+    if format == ImageFormat::Png && stops - exposure >= 2.0 {
         return Some(format!(
             "note: the picture is dark; --exposure {stops} shows it better\n"
         ));
@@ -160,20 +160,20 @@ fn brightness_note(film: &Film, format: Format, exposure: f64) -> Option<String>
 
 /// Image formats that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
+enum ImageFormat {
     Exr,
     Png,
 }
 
-impl Format {
-    fn of(path: &Path) -> Result<Format, Failure> {
+impl ImageFormat {
+    fn of(path: &Path) -> Result<ImageFormat, Failure> {
         let extension = path
             .extension()
             .and_then(|extension| extension.to_str())
             .unwrap_or("");
         match extension.to_ascii_lowercase().as_str() {
-            "exr" => Ok(Format::Exr),
-            "png" => Ok(Format::Png),
+            "exr" => Ok(ImageFormat::Exr),
+            "png" => Ok(ImageFormat::Png),
             _ => {
                 let message = format!(
                     "{}: not an image by its extension: written are .exr (linear radiance) and \

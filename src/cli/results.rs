@@ -136,12 +136,12 @@ pub fn check_not_golden(path: &Path, suite: &Suite) -> Result<(), Failure> {
 /// Whether `path` names something in `folder`, however either is spelt.
 fn is_below(path: &Path, folder: &Path) -> bool {
     // Of what is yet to be made, the folder that is there already.
-    let mut places = path
+    let mut folders = path
         .ancestors()
-        .map(|place| match place.as_os_str().is_empty() {
+        .map(|existing| match existing.as_os_str().is_empty() {
             true => Path::new("."),
-            false => place,
+            false => existing,
         });
-    let place = places.find_map(|place| place.canonicalize().ok());
-    matches!((place, folder.canonicalize()), (Some(place), Ok(folder)) if place.starts_with(&folder))
+    let existing = folders.find_map(|existing| existing.canonicalize().ok());
+    matches!((existing, folder.canonicalize()), (Some(existing), Ok(folder)) if existing.starts_with(&folder))
 }

@@ -10,11 +10,11 @@ use crate::suite::MANIFEST;
 pub struct Arguments {
     /// Kind of file
     #[arg(value_enum, default_value = "scene")]
-    kind: Kind,
+    kind: SchemaKind,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum Kind {
+enum SchemaKind {
     /// fixtures/scenes/<family>/<name>.toml
     Scene,
     /// fixtures/cases/<family>/<name>.toml
@@ -24,8 +24,8 @@ enum Kind {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Outcome {
     let schema = match arguments.kind {
-        Kind::Scene => json_schema("volref scene", &SCENE),
-        Kind::Case => json_schema("volref case", &MANIFEST),
+        SchemaKind::Scene => json_schema("volref scene", &SCENE),
+        SchemaKind::Case => json_schema("volref case", &MANIFEST),
     };
     Outcome::from(pretty(&schema))
 }

@@ -7,7 +7,7 @@ use super::{Outcome, progress};
 use crate::report;
 use crate::suite::mistakes::{self, Mistake};
 use crate::suite::{
-    Case, Extent, Naming, Predictions, Step, Store, naming, self_test, self_test_steps,
+    Case, Naming, Predictions, SelfTestExtent, Step, Store, naming, self_test, self_test_steps,
 };
 use serde_json::json;
 
@@ -43,8 +43,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         return measure_naming(&cases, &store, &made, &arguments.json);
     }
     let extent = match arguments.quick {
-        true => Extent::Quick,
-        false => Extent::Full,
+        true => SelfTestExtent::Quick,
+        false => SelfTestExtent::Full,
     };
     let bar = progress::counted("steps", self_test_steps(cases.len()));
     let is_whole = arguments.filters.is_empty();
@@ -103,7 +103,7 @@ fn measure_naming(
             json!({
                 "made": naming.made,
                 "failed_cases": naming.failed,
-                "place": naming.place(),
+                "rank": naming.rank(),
                 "named": naming.named,
             })
         })

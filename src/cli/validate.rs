@@ -128,7 +128,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 
     source.end_with_us();
 
-    let said = Said {
+    let said = PrintedVerdicts {
         speaks: !arguments.files.prints_json(),
         widest: cases.iter().map(|case| case.name.len()).max().unwrap_or(0),
         folds_missing: !arguments.verbose && matches!(source, Source::Finished(..)),
@@ -141,7 +141,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     let results: Vec<CaseResult> = judged.iter().map(|judged| judged.result.clone()).collect();
     said.print(&(said.without_image(&results) + &report::summary_text(&results)));
-    said.print(&source.strangers());
+    said.print(&source.unknown_files());
 
     let found = named(&arguments, &suite, &cases, &mut judged);
     if !arguments.files.wants_evidence() {
@@ -165,7 +165,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 }
 
 /// What is printed while cases are judged.
-struct Said {
+struct PrintedVerdicts {
     /// Whether anything is: not where standard output is for JSON.
     speaks: bool,
     /// Letters of the longest name.
@@ -174,7 +174,7 @@ struct Said {
     folds_missing: bool,
 }
 
-impl Said {
+impl PrintedVerdicts {
     fn print(&self, text: &str) {
         if self.speaks {
             output::print(text);
@@ -236,10 +236,10 @@ enum Source {
     /// A folder of finished images.
     Finished(PathBuf, Outputs),
     /// A renderer to run.
-    Renderer(Box<Renderer>),
+    Renderer(Box<RendererRun>),
 }
 
-struct Renderer {
+struct RendererRun {
     /// As it was given.
     command: String,
     template: CommandTemplate,
@@ -287,7 +287,7 @@ impl Source {
         std::fs::create_dir_all(&folder)
             .and_then(|()| absolute(&folder))
             .map(|folder| {
-                Source::Renderer(Box::new(Renderer {
+                Source::Renderer(Box::new(RendererRun {
                     command: command.to_owned(),
                     template,
                     timeout: Duration::from_secs_f64(arguments.timeout),
@@ -337,17 +337,13 @@ impl Source {
     }
 
     /// A warning of images that belong to no case.
-    fn strangers(&self) -> String {
+    fn unknown_files(&self) -> String {
         let Source::Finished(_, outputs) = self else {
             return String::new();
         };
         let mut text = String::new();
-        for stranger in outputs.strangers() {
-            text.push_str(&format!(
-                "\n{} {}",
-                stranger.file.display(),
-                stranger.reason
-            ));
+        for unknown in outputs.unknown_files() {
+            text.push_str(&format!("\n{} {}", unknown.file.display(), unknown.reason));
         }
         if !text.is_empty() {
             text.push('\n');
@@ -421,7 +417,7 @@ fn last_words(printed: &str) -> String {
     text
 }
 
-impl Renderer {
+impl RendererRun {
     fn output(&self, case: &Case) -> Made {
         let words = match self.words(case) {
             Ok(words) => words,
@@ -544,7 +540,7 @@ fn judge_all(
     store: &Store,
     source: &Source,
     arguments: &Arguments,
-    said: &Said,
+    said: &PrintedVerdicts,
 ) -> Vec<Judged> {
     let bar = progress::cases(cases.len());
     let next = AtomicUsize::new(0);
@@ -613,7 +609,7 @@ enum State {
 }
 
 /// Prints the verdicts that no case before them holds up.
-fn say_what_is_next(done: &mut MutexGuard<'_, Done>, said: &Said) {
+fn say_what_is_next(done: &mut MutexGuard<'_, Done>, said: &PrintedVerdicts) {
     loop {
         match done.cases.get(done.said) {
             None | Some(State::Open) => return,

@@ -17,7 +17,7 @@ pub struct VisibleReport {
     severity: Option<Severity>,
     help: Option<String>,
     url: Option<String>,
-    source_code: Option<Excerpt>,
+    source_code: Option<VisibleExcerpt>,
     labels: Vec<LabeledSpan>,
     related: Vec<VisibleReport>,
     cause: Option<Box<VisibleReport>>,
@@ -28,7 +28,7 @@ impl VisibleReport {
     pub fn of(diagnostic: &dyn Diagnostic) -> VisibleReport {
         let shown = |text: Box<dyn Display + '_>| visible(&text.to_string());
         let labels: Vec<LabeledSpan> = diagnostic.labels().into_iter().flatten().collect();
-        let excerpt = (diagnostic.source_code()).and_then(|code| Excerpt::of(code, &labels));
+        let excerpt = (diagnostic.source_code()).and_then(|code| VisibleExcerpt::of(code, &labels));
         let cause = match (diagnostic.diagnostic_source(), diagnostic.source()) {
             (Some(cause), _) => Some(VisibleReport::of(cause)),
             (None, Some(cause)) => Some(VisibleReport::of_error(cause)),
@@ -122,7 +122,7 @@ impl Diagnostic for VisibleReport {
 /// The part of a text that labels point into, with some lines around it. Its offsets are those of
 /// the text, as far as its first character.
 #[derive(Debug)]
-struct Excerpt {
+struct VisibleExcerpt {
     name: String,
     text: String,
     shown: String,
@@ -136,14 +136,14 @@ struct Excerpt {
 /// Lines before and behind a label that may be drawn with it.
 const CONTEXT: usize = 3;
 
-impl Excerpt {
-    fn of(code: &dyn SourceCode, labels: &[LabeledSpan]) -> Option<Excerpt> {
+impl VisibleExcerpt {
+    fn of(code: &dyn SourceCode, labels: &[LabeledSpan]) -> Option<VisibleExcerpt> {
         let start = labels.iter().map(LabeledSpan::offset).min()?;
         let end = labels.iter().map(|label| label.offset() + label.len());
         let span = (start, end.max()? - start).into();
         let contents = code.read_span(&span, CONTEXT, CONTEXT).ok()?;
         let text = String::from_utf8_lossy(contents.data()).into_owned();
-        Some(Excerpt {
+        Some(VisibleExcerpt {
             name: visible(contents.name().unwrap_or_default()),
             shown: shown(&text, text.len()),
             text,
@@ -155,16 +155,16 @@ impl Excerpt {
 
     /// `label` where it is in the text that is shown, whose characters may have more bytes.
     fn shifted(&self, label: &LabeledSpan) -> LabeledSpan {
-        let place = |at: usize| {
+        let column = |at: usize| {
             let before = shown(&self.text, at.saturating_sub(self.offset));
             self.offset + before.len()
         };
-        let (from, to) = (place(label.offset()), place(label.offset() + label.len()));
+        let (from, to) = (column(label.offset()), column(label.offset() + label.len()));
         LabeledSpan::new(label.label().map(visible), from, to - from)
     }
 }
 
-impl SourceCode for Excerpt {
+impl SourceCode for VisibleExcerpt {
     fn read_span<'a>(
         &'a self,
         span: &SourceSpan,

@@ -6,7 +6,10 @@
 //! Structural and mean-pooled metrics are no substitute: of sixteen seeded faults they caught
 //! between one and twelve, this rule all.
 
-use super::{Gate, Judgement};
+use super::difference_scale::DifferenceScale;
+use super::gate::{Conditions, Gate, ImageGate, MEAN_DIFFERENCES, Metric};
+use super::judgement::Judgement;
+use super::picture::{Picture, PictureError};
 use crate::film::Film;
 use crate::math::Sum;
 
@@ -24,12 +27,87 @@ const HARD_CAP: f64 = 20.0;
 /// Roundings have both signs and average out; what is left at a tenth is systematic.
 const BIAS: f64 = 0.1;
 
+/// Linear radiance within a tolerance, for renderings without noise.
+#[derive(Clone, Copy, Debug)]
+pub struct Deterministic;
+
+impl Gate for Deterministic {
+    fn name(&self) -> &'static str {
+        "deterministic"
+    }
+
+    fn rule(&self) -> &'static str {
+        "Neither image has noise. A pixel agrees if each channel is within 0.001 plus 1 % of the \
+         golden: that is one tolerance. At most 0.02 % of the pixels may disagree (rays that graze \
+         an edge), none by more than 20 tolerances, and the mean of a channel may be off by a tenth \
+         of a tolerance."
+    }
+
+    fn metrics(&self) -> &'static [Metric] {
+        &[
+            (
+                "outlier_pixels",
+                "Pixels that are off by more than the tolerance.",
+            ),
+            (
+                "outlier_share",
+                "The same as a share of all pixels; at most 0.0002 may be.",
+            ),
+            (
+                "max_abs_error",
+                "Largest difference of any channel, in radiance.",
+            ),
+            (
+                "worst_in_tolerances",
+                "How many tolerances the worst pixel is off; above 1 it disagrees, above 20 the \
+                 image fails.",
+            ),
+            (
+                "worst_column",
+                "Column of the worst pixel, from the left, from 0.",
+            ),
+            ("worst_row", "Row of the worst pixel, from the top, from 0."),
+            MEAN_DIFFERENCES[0],
+            MEAN_DIFFERENCES[1],
+            MEAN_DIFFERENCES[2],
+        ]
+    }
+
+    fn difference_scale(&self, _golden: &Film, _test: &Film) -> DifferenceScale {
+        DifferenceScale::Tolerance {
+            absolute: ABSOLUTE,
+            relative: RELATIVE,
+        }
+    }
+}
+
+impl ImageGate for Deterministic {
+    fn judge(
+        &self,
+        reference: &Picture,
+        test: &Picture,
+        _: &Conditions,
+    ) -> Result<Judgement, PictureError> {
+        let [reference, test] = [reference, test].map(|picture| picture.radiance_for(self));
+        Ok(judge(reference?, test?))
+    }
+
+    fn default_for(&self) -> Option<&'static str> {
+        Some("two images of radiance without stated noise")
+    }
+
+    fn default_reason(&self, reference: &Picture, test: &Picture) -> Option<&'static str> {
+        let silent = |picture: &Picture| matches!(picture, Picture::Radiance(film) if film.noise().is_none());
+        (silent(reference) && silent(test)).then_some("")
+    }
+}
+
 fn tolerance(golden: f64) -> f64 {
     ABSOLUTE + RELATIVE * golden.abs()
 }
 
 /// Judges `test` by `reference`; both of one size and finite.
-pub(super) fn judge(reference: &Film, test: &Film) -> Judgement {
+fn judge(reference: &Film, test: &Film) -> Judgement {
     let count = reference.radiance().len();
     let mut outside = 0_usize;
     let mut largest = 0.0_f64;
@@ -107,5 +185,5 @@ pub(super) fn judge(reference: &Film, test: &Film) -> Judgement {
         ("mean_difference_green", mean(differences[1])),
         ("mean_difference_blue", mean(differences[2])),
     ];
-    Judgement::new(Gate::Deterministic, passed, reason, &metrics)
+    Judgement::new(&Deterministic, passed, reason, &metrics)
 }

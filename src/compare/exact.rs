@@ -1,10 +1,55 @@
 //! The exact gate: every bit of every pixel.
 
-use super::{Gate, Judgement};
+use super::gate::{Conditions, Gate, ImageGate, Metric};
+use super::judgement::Judgement;
+use super::picture::{Picture, PictureError};
 use crate::film::Film;
 
+/// Every bit of every pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct Exact;
+
+impl Gate for Exact {
+    fn name(&self) -> &'static str {
+        "exact"
+    }
+
+    fn rule(&self) -> &'static str {
+        "Every bit of every pixel must be the same."
+    }
+
+    fn metrics(&self) -> &'static [Metric] {
+        &[
+            (
+                "moved_pixels",
+                "Pixels of which any bit of the colour differs.",
+            ),
+            (
+                "moved_opacities",
+                "Pixels of which any bit of the opacity differs.",
+            ),
+            (
+                "max_abs_error",
+                "Largest difference of any channel, in radiance.",
+            ),
+        ]
+    }
+}
+
+impl ImageGate for Exact {
+    fn judge(
+        &self,
+        reference: &Picture,
+        test: &Picture,
+        _: &Conditions,
+    ) -> Result<Judgement, PictureError> {
+        let [reference, test] = [reference, test].map(|picture| picture.radiance_for(self));
+        Ok(judge(reference?, test?))
+    }
+}
+
 /// Judges `test` by `reference`; both of one size and finite.
-pub(super) fn judge(reference: &Film, test: &Film) -> Judgement {
+fn judge(reference: &Film, test: &Film) -> Judgement {
     let bits = |pixel: &[f32; 3]| pixel.map(f32::to_bits);
     let pairs = || reference.radiance().iter().zip(test.radiance());
     let moved = pairs().filter(|(a, b)| bits(a) != bits(b)).count();
@@ -17,12 +62,7 @@ pub(super) fn judge(reference: &Film, test: &Film) -> Judgement {
         (None, None) => 0,
         _ => {
             let reason = "only one of the images has an opacity channel".to_owned();
-            return Judgement::new(
-                Gate::Exact,
-                false,
-                reason,
-                &[("moved_pixels", moved as f64)],
-            );
+            return Judgement::new(&Exact, false, reason, &[("moved_pixels", moved as f64)]);
         }
     };
     let largest = pairs()
@@ -42,5 +82,5 @@ pub(super) fn judge(reference: &Film, test: &Film) -> Judgement {
         ("moved_opacities", opacity_moved as f64),
         ("max_abs_error", largest),
     ];
-    Judgement::new(Gate::Exact, moved + opacity_moved == 0, reason, &metrics)
+    Judgement::new(&Exact, moved + opacity_moved == 0, reason, &metrics)
 }

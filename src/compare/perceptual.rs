@@ -1,7 +1,9 @@
 //! The perceptual gate: 8-bit images that look the same.
 
 use super::flip::{DEFAULT_PIXELS_PER_DEGREE, SrgbImage, flip};
-use super::{Gate, Judgement};
+use super::gate::{Conditions, Gate, ImageGate, Metric};
+use super::judgement::Judgement;
+use super::picture::{Picture, PictureError};
 
 /// Largest weighted 99th percentile of FLIP that passes.
 ///
@@ -14,8 +16,60 @@ pub const MOST_P99: f64 = 0.065;
 /// Largest mean of FLIP that passes. The same worst honest images reach 0.057.
 pub const MOST_MEAN: f64 = 0.06;
 
+/// 8-bit images that look the same.
+#[derive(Clone, Copy, Debug)]
+pub struct Perceptual;
+
+impl Gate for Perceptual {
+    fn name(&self) -> &'static str {
+        "perceptual"
+    }
+
+    fn rule(&self) -> &'static str {
+        "The image has 8 bits, so only what an eye would see is judged: FLIP is 0 where nothing \
+         differs and 1 where everything does."
+    }
+
+    fn metrics(&self) -> &'static [Metric] {
+        &[
+            ("flip_mean", "Mean of FLIP; at most 0.06 passes."),
+            (
+                "flip_weighted_p99",
+                "FLIP that all but the worst hundredth of the error stays below; at most 0.065 \
+                 passes.",
+            ),
+            ("flip_max", "FLIP of the worst pixel."),
+        ]
+    }
+}
+
+impl ImageGate for Perceptual {
+    fn judge(
+        &self,
+        reference: &Picture,
+        test: &Picture,
+        conditions: &Conditions,
+    ) -> Result<Judgement, PictureError> {
+        let [reference, test] = [reference, test].map(|image| image.srgb(conditions.exposure));
+        Ok(judge(&reference?, &test?))
+    }
+
+    fn default_for(&self) -> Option<&'static str> {
+        Some("a pair with a .png")
+    }
+
+    fn default_reason(&self, reference: &Picture, test: &Picture) -> Option<&'static str> {
+        let codes = |picture: &Picture| matches!(picture, Picture::Codes(_));
+        (codes(reference) || codes(test)).then_some("")
+    }
+
+    fn depends_on_exposure(&self) -> bool {
+        true
+    }
+}
+
 /// Judges `test` by `reference`; both of one size.
-pub(super) fn judge(reference: &SrgbImage, test: &SrgbImage) -> Judgement {
+fn judge(reference: &SrgbImage, test: &SrgbImage) -> Judgement {
     let errors = flip(reference, test, DEFAULT_PIXELS_PER_DEGREE)
         .expect("the images are of one size and the viewing distance is the default");
     let p99 = errors.weighted_percentile(99.0);
@@ -30,5 +84,17 @@ pub(super) fn judge(reference: &SrgbImage, test: &SrgbImage) -> Judgement {
         ("flip_weighted_p99", p99),
         ("flip_max", errors.max()),
     ];
-    Judgement::new(Gate::Perceptual, passed, reason, &metrics)
+    Judgement::new(&Perceptual, passed, reason, &metrics)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_metrics_say_the_limits() {
+        let [mean, p99] = [0, 1].map(|index: usize| Perceptual.metrics()[index].1);
+        assert!(mean.contains(&format!("at most {MOST_MEAN} ")));
+        assert!(p99.contains(&format!("at most {MOST_P99} ")));
+    }
 }

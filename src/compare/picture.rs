@@ -1,7 +1,7 @@
 //! Either kind of image that can be compared.
 
-use super::Gate;
 use super::flip::SrgbImage;
+use super::gate::Gate;
 use crate::film::{Film, FilmError, FilmFormat};
 use crate::regular_file::{self, OpenError, ReadError};
 use std::path::Path;
@@ -57,12 +57,12 @@ pub enum PictureError {
     /// The image has no pixels.
     #[error("an image of {0} × {1} has no pixels")]
     Empty(usize, usize),
-    /// An 8-bit image under a gate for radiance.
+    /// An 8-bit image under a gate for radiance, by the name of the gate.
     #[error(
         "the {0} gate judges linear radiance (.exr, .pfm, .npy); 8-bit images can only be judged by the \
          perceptual gate"
     )]
-    NeedsRadiance(Gate),
+    NeedsRadiance(&'static str),
     /// Two images without noise under the gate for noise.
     #[error(
         "the stochastic gate needs the noise of at least one image: an .exr with the layers \
@@ -128,6 +128,20 @@ impl Picture {
             Picture::Radiance(film) => Picture::Radiance(film.with_samples(samples)),
             codes => codes,
         }
+    }
+
+    /// Linear radiance; none of 8-bit codes.
+    pub fn radiance(&self) -> Option<&Film> {
+        match self {
+            Picture::Radiance(film) => Some(film),
+            Picture::Codes(_) => None,
+        }
+    }
+
+    /// Linear radiance, which `gate` needs.
+    pub(super) fn radiance_for(&self, gate: &dyn Gate) -> Result<&Film, PictureError> {
+        let needs = || PictureError::NeedsRadiance(gate.name());
+        self.radiance().ok_or_else(needs)
     }
 
     /// Columns and rows.

@@ -1,12 +1,12 @@
 //! What to take, in plain words.
 
 use super::image::in_voxels;
-use super::results::{Cost, Knob, Ladder, Recommendation, Rung, Study};
+use super::results::{Cost, Level, Parameter, Recommendation, Study, Sweep};
 use super::study::WANTED;
 use crate::scene::{Model, Panel};
 use std::path::Path;
 
-/// What the reference renderer should be told for each wanted error, by the ladders it climbs.
+/// Recommended settings of the reference renderer for each wanted error, from its own sweeps.
 pub fn recommendations(cost: &Cost, panel: &Panel, path: &Path) -> Vec<Recommendation> {
     let ours = |study: &&Study| matches!(study.name, "image" | "samples");
     let Some(study) = cost.studies.iter().find(ours) else {
@@ -19,12 +19,12 @@ pub fn recommendations(cost: &Cost, panel: &Panel, path: &Path) -> Vec<Recommend
             command: None,
         }];
     };
-    let Some(ladder) = study.ladders.iter().find(|ladder| ladder.is_ours) else {
+    let Some(sweep) = study.sweeps.iter().find(|sweep| sweep.is_ours) else {
         return vec![];
     };
-    let given = Given::of(panel, ladder);
+    let given = SceneSettings::of(panel, sweep);
     WANTED
-        .map(|error| recommendation(error, ladder, &given, path))
+        .map(|error| recommendation(error, sweep, &given, path))
         .into()
 }
 
@@ -35,13 +35,13 @@ const MOST_SAMPLES: f64 = 2_147_483_648.0;
 const MOST_ADVISED: f64 = 1e6;
 
 /// What the scene asks for.
-struct Given {
+struct SceneSettings {
     setting: String,
     price: Option<f64>,
 }
 
-impl Given {
-    fn of(panel: &Panel, ladder: &Ladder) -> Given {
+impl SceneSettings {
+    fn of(panel: &Panel, sweep: &Sweep) -> SceneSettings {
         let (setting, value) = match &panel.model {
             Model::Classified(scene) => (in_voxels(scene.step, scene.grid.lattice()), scene.step),
             Model::Radiative(scene) => (
@@ -50,14 +50,14 @@ impl Given {
             ),
             Model::Curve(_) => (String::new(), 0.0),
         };
-        Given {
+        SceneSettings {
             setting,
-            price: price_at(ladder, value),
+            price: price_at(sweep, value),
         }
     }
 }
 
-impl Given {
+impl SceneSettings {
     /// How many times the work of the scene's own setting that is.
     fn times(&self, price: f64) -> Option<f64> {
         let own = self.price.filter(|own| *own > 0.0)?;
@@ -67,10 +67,10 @@ impl Given {
 
 /// Samples at which noise has fallen to `error`, if it falls as the root of them: by the middle one
 /// of all settings, since a single one may have met a rare path. To two digits.
-fn samples_for(ladder: &Ladder, error: f64) -> f64 {
-    let rungs = ladder.rungs.iter();
-    let mut scaled: Vec<f64> = rungs
-        .map(|rung| rung.error.l2 * rung.error.l2 * rung.value)
+fn samples_for(sweep: &Sweep, error: f64) -> f64 {
+    let levels = sweep.levels.iter();
+    let mut scaled: Vec<f64> = levels
+        .map(|level| level.error.l2 * level.error.l2 * level.value)
         .collect();
     scaled.sort_unstable_by(f64::total_cmp);
     let samples = scaled[scaled.len() / 2] / (error * error);
@@ -83,38 +83,38 @@ fn samples_for(ladder: &Ladder, error: f64) -> f64 {
 
 /// Look-ups at a setting: those of the nearest one, which are as good as proportional, or
 /// inversely so, to the setting.
-fn price_at(ladder: &Ladder, value: f64) -> Option<f64> {
-    let far = |rung: &&Rung| (rung.value / value).max(value / rung.value);
-    let rungs = ladder.rungs.iter();
-    let nearest = rungs.min_by(|a, b| far(a).total_cmp(&far(b)))?;
-    let share = match ladder.knob {
-        Knob::Samples => value / nearest.value,
+fn price_at(sweep: &Sweep, value: f64) -> Option<f64> {
+    let far = |level: &&Level| (level.value / value).max(value / level.value);
+    let levels = sweep.levels.iter();
+    let nearest = levels.min_by(|a, b| far(a).total_cmp(&far(b)))?;
+    let share = match sweep.parameter {
+        Parameter::Samples => value / nearest.value,
         _ => nearest.value / value,
     };
     Some(nearest.work.price() * share)
 }
 
-fn recommendation(error: f64, ladder: &Ladder, given: &Given, path: &Path) -> Recommendation {
-    let good = ladder.rungs.iter().rev();
-    let known = ladder.order.known;
-    let good = good.take_while(|rung| known <= error && rung.error.l2 <= error);
+fn recommendation(error: f64, sweep: &Sweep, given: &SceneSettings, path: &Path) -> Recommendation {
+    let good = sweep.levels.iter().rev();
+    let known = sweep.order.known;
+    let good = good.take_while(|level| known <= error && level.error.l2 <= error);
     let wanted = format!("for an error of {error:.0e}");
-    if let Some(rung) = good.last() {
-        let times = given.times(rung.work.price());
+    if let Some(level) = good.last() {
+        let times = given.times(level.work.price());
         let text = format!(
             "{wanted} use {}{}",
-            phrase(ladder.knob, &rung.setting),
+            phrase(sweep.parameter, &level.setting),
             relative(times, &given.setting)
         );
         return Recommendation {
             error,
             text,
-            command: Some(command(ladder.knob, &rung.setting, path)),
+            command: Some(command(sweep.parameter, &level.setting, path)),
         };
     }
     // Noise falls with the root of the samples, which no finer setting needs to be tried for.
-    if let (Knob::Samples, Some(finest)) = (ladder.knob, ladder.rungs.last()) {
-        let samples = samples_for(ladder, error);
+    if let (Parameter::Samples, Some(finest)) = (sweep.parameter, sweep.levels.last()) {
+        let samples = samples_for(sweep, error);
         if samples <= MOST_SAMPLES {
             let times = given.times(finest.work.price() * samples / finest.value);
             let setting = format!("{samples} samples");
@@ -128,23 +128,24 @@ fn recommendation(error: f64, ladder: &Ladder, given: &Given, path: &Path) -> Re
                     relative(times, &given.setting)
                 ),
                 // Nobody waits for more.
-                command: (samples <= MOST_ADVISED).then(|| command(ladder.knob, &setting, path)),
+                command: (samples <= MOST_ADVISED)
+                    .then(|| command(sweep.parameter, &setting, path)),
             };
         }
     }
-    if ladder.cut.is_some() {
+    if sweep.cut.is_some() {
         return Recommendation {
             error,
             text: format!("{wanted} no setting that there was time for is fine enough"),
             command: None,
         };
     }
-    let best = ladder.rungs.last().map(|rung| rung.error.l2);
+    let best = sweep.levels.last().map(|level| level.error.l2);
     Recommendation {
         error,
         text: match best {
             Some(best) => format!(
-                "{wanted} no setting of the ladder is fine enough: the last one is off by \
+                "{wanted} no setting of the sweep is fine enough: the last one is off by \
                  {best:.1e}"
             ),
             None => format!("{wanted} nothing was tried"),
@@ -153,16 +154,16 @@ fn recommendation(error: f64, ladder: &Ladder, given: &Given, path: &Path) -> Re
     }
 }
 
-fn phrase(knob: Knob, setting: &str) -> String {
-    match knob {
-        Knob::Step => format!("steps of {setting}"),
+fn phrase(parameter: Parameter, setting: &str) -> String {
+    match parameter {
+        Parameter::Step => format!("steps of {setting}"),
         _ => setting.to_owned(),
     }
 }
 
 fn relative(times: Option<f64>, given: &str) -> String {
     match times {
-        // The settings of a ladder are not the scene's own to the last digit.
+        // The settings of a sweep are not the scene's own to the last digit.
         Some(times) if (times - 1.0).abs() < 0.02 => format!(", the scene's own {given}"),
         Some(times) => {
             let times = in_words(times);
@@ -188,9 +189,9 @@ fn in_words(number: f64) -> String {
     }
 }
 
-fn command(knob: Knob, setting: &str, path: &Path) -> String {
-    let option = match knob {
-        Knob::Samples => {
+fn command(parameter: Parameter, setting: &str, path: &Path) -> String {
+    let option = match parameter {
+        Parameter::Samples => {
             let count = setting.split(' ').next().unwrap_or_default();
             format!("--spp {count}")
         }
@@ -206,12 +207,12 @@ fn command(knob: Knob, setting: &str, path: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cost::results::{Event, MeanWork, Norms, Order, OrderVerdict};
+    use crate::cost::results::{ConvergenceOrder, Event, MeanWork, Norms, OrderVerdict};
 
     /// Noise beyond what was measured is said to be so, next to a price list that reaches nothing.
     #[test]
     fn what_was_not_measured_is_no_promise() {
-        let rung = |samples: u32| Rung {
+        let level = |samples: u32| Level {
             setting: format!("{samples} samples"),
             value: f64::from(samples),
             work: MeanWork::from([(Event::RandomDraw, 10.0 * f64::from(samples))]),
@@ -223,12 +224,12 @@ mod tests {
             single_precision: None,
             time: None,
         };
-        let ladder = Ladder {
+        let sweep = Sweep {
             estimator: "path tracing".to_owned(),
             is_ours: true,
-            knob: Knob::Samples,
-            rungs: [1, 16, 64].map(rung).into(),
-            order: Order {
+            parameter: Parameter::Samples,
+            levels: [1, 16, 64].map(level).into(),
+            order: ConvergenceOrder {
                 expected: Some(-0.5),
                 known: 0.0,
                 counted: vec![true; 3],
@@ -241,11 +242,11 @@ mod tests {
             },
             cut: None,
         };
-        let given = Given {
+        let given = SceneSettings {
             setting: "64 samples".to_owned(),
             price: Some(640.0),
         };
-        let advice = recommendation(1e-4, &ladder, &given, Path::new("fog.toml"));
+        let advice = recommendation(1e-4, &sweep, &given, Path::new("fog.toml"));
         assert_eq!(
             advice.text,
             "for an error of 1e-4 nothing that was measured is enough, which is up to 64 samples; \
@@ -253,7 +254,7 @@ mod tests {
              984375 times the work of the scene's own 64 samples"
         );
         assert_eq!(advice.command, None);
-        let advice = recommendation(0.1, &ladder, &given, Path::new("my fog.toml"));
+        let advice = recommendation(0.1, &sweep, &given, Path::new("my fog.toml"));
         assert_eq!(
             advice.text,
             "for an error of 1e-1 use 64 samples, the scene's own 64 samples"

@@ -1,6 +1,6 @@
 //! A classified volume, ready to be asked in every way there is to composite it.
 
-use super::collocation::{Collocation, Here, Light};
+use super::collocation::{CollocatedLight, Collocation, Here};
 use crate::geometry::{Aabb, Ray, Span, length_of};
 use crate::math::{exp, ln_1p};
 use crate::media::{Appearance, TransferFunction};
@@ -31,7 +31,7 @@ pub enum Shade {
 }
 
 /// A classified volume and all that can be asked of a ray through it.
-pub struct Subject<'s> {
+pub struct ShadedVolume<'s> {
     scene: &'s Classified,
     caster: Box<dyn Caster + 's>,
     density: GridDensity,
@@ -58,10 +58,10 @@ where
     }
 }
 
-impl<'s> Subject<'s> {
+impl<'s> ShadedVolume<'s> {
     /// `scene`, with its samples lit as `shade` says.
-    pub fn new(scene: &'s Classified, shade: Shade) -> Subject<'s> {
-        Subject {
+    pub fn new(scene: &'s Classified, shade: Shade) -> ShadedVolume<'s> {
+        ShadedVolume {
             scene,
             caster: Box::new(caster(scene, shade)),
             density: GridDensity::new(scene.grid.clone(), scene.interpolation),
@@ -131,10 +131,15 @@ impl<'s> Subject<'s> {
 
     /// What comes back along `ray` in the limit of small steps, each element of the integral
     /// good to `tolerance`; and the largest extinction that was met.
-    pub fn exact(&self, collocation: &Collocation, ray: &Ray, tolerance: f64) -> (Light, f64) {
-        let behind = Light {
+    pub fn exact(
+        &self,
+        collocation: &Collocation,
+        ray: &Ray,
+        tolerance: f64,
+    ) -> (CollocatedLight, f64) {
+        let behind = CollocatedLight {
             radiance: self.scene.background,
-            ..Light::default()
+            ..CollocatedLight::default()
         };
         let Some(span) = self.span(ray) else {
             return (behind, 0.0);
@@ -196,7 +201,7 @@ impl<'s> Subject<'s> {
         let steps = Steps::over(span, step);
         let (near, step) = (span.near as f32, step as f32);
         let (origin, direction) = (ray.origin.as_vec3(), ray.direction.as_vec3());
-        let (mut colour, mut through) = (glam::Vec3::ZERO, 1.0_f32);
+        let (mut colour, mut transmittance) = (glam::Vec3::ZERO, 1.0_f32);
         let mut work = Counters::default();
         for index in 0..steps.count() {
             let (t, length) = match index + 1 < steps.count() {
@@ -210,10 +215,10 @@ impl<'s> Subject<'s> {
             let (value, source) = self.caster.at(ray, world.as_dvec3(), &mut work);
             let value = f64::from(value as f32);
             let own = self.scene.transfer_function.opacity(value, length.into()) as f32;
-            colour += source.as_vec3() * own * through;
-            through *= 1.0 - own;
+            colour += source.as_vec3() * own * transmittance;
+            transmittance *= 1.0 - own;
         }
-        (colour + background * through).as_dvec3()
+        (colour + background * transmittance).as_dvec3()
     }
 }
 

@@ -19,7 +19,7 @@ use glam::DVec3;
 pub struct Here {
     /// Extinction, per length; infinite in what is opaque.
     pub extinction: f64,
-    /// Radiance sent out per length; where the extinction is infinite, the radiance itself.
+    /// Radiance emitted per length; where the extinction is infinite, the radiance itself.
     pub emission: DVec3,
 }
 
@@ -46,7 +46,7 @@ impl Here {
 
 /// Light along a piece of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Light {
+pub struct CollocatedLight {
     /// What it sends back.
     pub radiance: DVec3,
     /// Its optical depth.
@@ -113,11 +113,16 @@ impl Collocation {
     /// Light between the first and the last of `cuts`, which rise; between two of them `at` is
     /// smooth, if possible. An element is halved until its share of the error, in radiance and in
     /// depth, is at most `tolerance`.
-    pub fn light(&self, cuts: &[f64], tolerance: f64, mut at: impl FnMut(f64) -> Here) -> Light {
+    pub fn light(
+        &self,
+        cuts: &[f64],
+        tolerance: f64,
+        mut at: impl FnMut(f64) -> Here,
+    ) -> CollocatedLight {
         // The elements found so far, from the eye on; then put together from behind.
-        let mut elements: Vec<Light> = Vec::new();
+        let mut elements: Vec<CollocatedLight> = Vec::new();
         let mut depth = Sum::default();
-        let mut waiting: Vec<(f64, f64, u32, Element)> = Vec::new();
+        let mut waiting: Vec<(f64, f64, u32, CollocationElement)> = Vec::new();
         'pieces: for piece in cuts.windows(2) {
             if piece[0] >= piece[1] {
                 continue;
@@ -129,7 +134,7 @@ impl Collocation {
                 let first = self.element(near, middle, &mut at);
                 let second = self.element(middle, far, &mut at);
                 let mut halves = first.light.before(&second.light);
-                let through = exp(-depth.value());
+                let transmittance = exp(-depth.value());
                 // Two that are opaque agree in depth.
                 halves.depth_error = match halves.depth == whole.light.depth {
                     true => 0.0,
@@ -137,7 +142,7 @@ impl Collocation {
                 };
                 halves.radiance_error =
                     (halves.radiance - whole.light.radiance).abs().max_element();
-                let left = through * (halves.radiance_error + halves.depth_error);
+                let left = transmittance * (halves.radiance_error + halves.depth_error);
                 let settled = left <= tolerance && !first.is_mixed && !second.is_mixed
                     || halvings >= MOST_HALVINGS
                     || elements.len() >= MOST_ELEMENTS
@@ -155,31 +160,33 @@ impl Collocation {
             }
         }
         let elements = elements.iter().rev();
-        elements.fold(Light::default(), |behind, element| element.before(&behind))
+        elements.fold(CollocatedLight::default(), |behind, element| {
+            element.before(&behind)
+        })
     }
 
     /// Light of one element.
-    fn element(&self, near: f64, far: f64, at: &mut impl FnMut(f64) -> Here) -> Element {
+    fn element(&self, near: f64, far: f64, at: &mut impl FnMut(f64) -> Here) -> CollocationElement {
         let half = 0.5 * (far - near);
         let here = POINTS.map(|point| at(near + half * (1.0 + point)));
         let is_opaque = |here: &&Here| here.extinction == f64::INFINITY;
         if let Some(opaque) = here.iter().find(is_opaque) {
-            return Element {
-                light: Light {
+            return CollocationElement {
+                light: CollocatedLight {
                     radiance: opaque.emission,
                     depth: f64::INFINITY,
-                    ..Light::default()
+                    ..CollocatedLight::default()
                 },
                 is_mixed: !here.iter().all(|here| is_opaque(&here)),
             };
         }
-        let mut light = Light::default();
+        let mut light = CollocatedLight::default();
         for i in 0..N {
             let before: f64 = (0..N).map(|j| self.up_to[i][j] * here[j].extinction).sum();
             light.radiance += here[i].emission * (WEIGHTS[i] * half * exp(-half * before));
             light.depth += WEIGHTS[i] * half * here[i].extinction;
         }
-        Element {
+        CollocationElement {
             light,
             is_mixed: false,
         }
@@ -188,24 +195,24 @@ impl Collocation {
 
 /// Light of an element, at seven points.
 #[derive(Clone, Copy, Debug)]
-struct Element {
-    light: Light,
+struct CollocationElement {
+    light: CollocatedLight,
     /// Some of the points are opaque, others are not: where light ends is not known yet.
     is_mixed: bool,
 }
 
-impl Light {
+impl CollocatedLight {
     /// This piece before another one.
-    pub fn before(&self, behind: &Light) -> Light {
-        let through = exp(-self.depth);
-        let dimmed = behind.radiance * through;
-        Light {
-            radiance: self.radiance + dimmed,
+    pub fn before(&self, behind: &CollocatedLight) -> CollocatedLight {
+        let transmittance = exp(-self.depth);
+        let attenuated = behind.radiance * transmittance;
+        CollocatedLight {
+            radiance: self.radiance + attenuated,
             depth: self.depth + behind.depth,
             // e^(−τ) is off by no more than itself times the error of τ, to first order.
             radiance_error: self.radiance_error
-                + through * behind.radiance_error
-                + dimmed.abs().max_element() * self.depth_error.min(1.0),
+                + transmittance * behind.radiance_error
+                + attenuated.abs().max_element() * self.depth_error.min(1.0),
             depth_error: self.depth_error + behind.depth_error,
         }
     }
@@ -291,8 +298,8 @@ mod tests {
             false => Here::with_source(f64::INFINITY, DVec3::splat(5.0)),
         };
         let light = Collocation::new().light(&[0.0, 1.0], 1e-12, wall);
-        let through = exp(-0.35);
-        let right = 1.0 - through + 5.0 * through;
+        let transmittance = exp(-0.35);
+        let right = 1.0 - transmittance + 5.0 * transmittance;
         assert!((light.radiance.x - right).abs() < 1e-11, "{light:?}");
         assert_eq!(light.depth, f64::INFINITY);
     }

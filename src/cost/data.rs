@@ -1,15 +1,15 @@
 //! What the resolution of the data costs: the same field on coarser grids.
 
-use super::classified::{Shade, Subject};
-use super::collocation::{Collocation, Light};
+use super::classified::{Shade, ShadedVolume};
+use super::collocation::{CollocatedLight, Collocation};
 use super::image::in_words;
 use super::norms::root_mean_square;
-use super::order::Expected;
-use super::results::{Knob, Reference, Study};
-use super::study::{Climb, Outcome, Setting, climb};
+use super::order::ExpectedOrder;
+use super::results::{Parameter, Reference, Study};
+use super::study::{PlannedSweep, Setting, SettingOutcome, run_sweeps};
 use super::thumbnail;
 use super::timing::Clock;
-use super::transmittance::{Crossing, Crossings, Part};
+use super::transmittance::{Crossings, MediumOnRay, RayThroughMedia};
 use crate::math::exp;
 use crate::media::Field;
 use crate::render::{Counters, Event};
@@ -72,7 +72,7 @@ fn name_of(interpolation: Interpolation) -> &'static str {
 /// interpolation, cell by cell; none where not all that varies is a grid, or one has too few
 /// nodes.
 pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
-    if !crossings.rays.iter().all(Crossing::is_through_grids) {
+    if !crossings.rays.iter().all(RayThroughMedia::is_through_grids) {
         return None;
     }
     let parts = || crossings.rays.iter().flat_map(|ray| &ray.parts);
@@ -98,7 +98,7 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
         Field::Grid(grid) => grid.interpolation() == Interpolation::Trilinear,
         _ => false,
     });
-    let ladders = [Interpolation::Trilinear, Interpolation::Nearest].map(|interpolation| {
+    let sweeps = [Interpolation::Trilinear, Interpolation::Nearest].map(|interpolation| {
         let is_own = all_trilinear == (interpolation == Interpolation::Trilinear);
         let spacings = SPACINGS.into_iter().chain((!is_own).then_some(1.0));
         let grids: Option<Vec<_>> = spacings
@@ -106,18 +106,18 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
             .collect();
         (interpolation, is_own, grids)
     });
-    if ladders.iter().any(|(.., grids)| grids.is_none()) {
+    if sweeps.iter().any(|(.., grids)| grids.is_none()) {
         return None;
     }
     let right = &right;
-    let climbs = ladders.iter().map(|(interpolation, is_own, grids)| {
+    let planned = sweeps.iter().map(|(interpolation, is_own, grids)| {
         let settings = grids.iter().flatten().map(|(factor, grids)| Setting {
             name: in_voxels_of_data(*factor),
             value: factor * crossings.unit,
             run: Box::new(move || {
                 let mut lookups = 0;
                 let errors = crossings.rays.iter().zip(right).map(|(ray, right)| {
-                    let depth = |part: &Part<'_>| {
+                    let depth = |part: &MediumOnRay<'_>| {
                         let (line, span) = (&part.line, part.span);
                         let grid = &grids[&part.medium];
                         let column = grid.integral(line.origin, line.direction, span, &mut lookups);
@@ -126,7 +126,7 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
                     exp(-ray.parts.iter().map(depth).sum::<f64>()) - right
                 });
                 let errors = errors.collect();
-                Outcome {
+                SettingOutcome {
                     errors,
                     work: Counters::from([(Event::DensityLookup, lookups)]),
                     rays: crossings.rays.len(),
@@ -135,17 +135,17 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
             }),
             single: None,
         });
-        Climb {
+        PlannedSweep {
             estimator: format!("{}, cell by cell", name_of(*interpolation)),
             is_ours: *is_own,
-            knob: Knob::Spacing,
-            expected: Expected::NOTHING,
+            parameter: Parameter::Spacing,
+            expected: ExpectedOrder::NOTHING,
             settings: settings.collect(),
         }
     });
-    let climbs: Vec<Climb<'_>> = climbs.collect();
+    let planned: Vec<PlannedSweep<'_>> = planned.collect();
     let bound = 1e-15;
-    let ladders = climb(&climbs, scale, bound, None, &clock.untimed());
+    let sweeps = run_sweeps(&planned, scale, bound, None, &clock.untimed());
     Some(Study::of(
         "data",
         "transmittance of the same rays from coarser data, by either interpolation".to_owned(),
@@ -153,7 +153,7 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
             method: "the data as they are, cell by cell".to_owned(),
             bound,
         },
-        ladders,
+        sweeps,
     ))
 }
 
@@ -170,12 +170,12 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
         ..scene.clone()
     };
     let collocation = Collocation::new();
-    let image = |subject: &Subject<'_>| -> Vec<Light> {
+    let image = |subject: &ShadedVolume<'_>| -> Vec<CollocatedLight> {
         rays.par_iter()
             .map(|ray| subject.exact(&collocation, ray, TOLERANCE).0)
             .collect()
     };
-    let right = image(&Subject::new(&plain, Shade::None));
+    let right = image(&ShadedVolume::new(&plain, Shade::None));
     let scale = root_mean_square(right.iter().flat_map(|light| light.radiance.to_array()));
     let bound = right
         .iter()
@@ -203,18 +203,18 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
         scenes.dedup_by(|a, b| a.0 == b.0);
         scenes
     };
-    let ladders = [Interpolation::Trilinear, Interpolation::Nearest]
+    let sweeps = [Interpolation::Trilinear, Interpolation::Nearest]
         .map(|interpolation| (interpolation, by(interpolation)));
-    if ladders.iter().all(|(_, scenes)| scenes.is_empty()) {
+    if sweeps.iter().all(|(_, scenes)| scenes.is_empty()) {
         return None;
     }
     let (image, right, rays) = (&image, &right, &rays);
-    let climbs = ladders.iter().map(|(interpolation, scenes)| {
+    let planned = sweeps.iter().map(|(interpolation, scenes)| {
         let settings = scenes.iter().map(|(factor, coarse)| Setting {
             name: in_voxels_of_data(*factor),
             value: factor * voxel,
             run: Box::new(move || {
-                let subject = Subject::new(coarse, Shade::None);
+                let subject = ShadedVolume::new(coarse, Shade::None);
                 let found = image(&subject).into_iter().zip(right);
                 let errors =
                     found.flat_map(|(light, right)| (light.radiance - right.radiance).to_array());
@@ -223,7 +223,7 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
                 for ray in rays {
                     subject.cast(scene.step * factor, ray, &mut work);
                 }
-                Outcome {
+                SettingOutcome {
                     errors: errors.collect(),
                     work,
                     rays: rays.len(),
@@ -232,19 +232,19 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
             }),
             single: None,
         });
-        Climb {
+        PlannedSweep {
             estimator: name_of(*interpolation).to_owned(),
             is_ours: *interpolation == scene.interpolation,
-            knob: Knob::Spacing,
+            parameter: Parameter::Spacing,
             // Data are no smooth field: what lies between their nodes is not known, and how fast
             // coarser ones come near them says how smooth they happen to be.
-            expected: Expected::NOTHING,
+            expected: ExpectedOrder::NOTHING,
             settings: settings.collect(),
         }
     });
-    let climbs: Vec<Climb<'_>> = climbs.collect();
+    let planned: Vec<PlannedSweep<'_>> = planned.collect();
     // What is measured is an error of the data; the time of its measurement is nobody's.
-    let ladders = climb(&climbs, scale, bound, None, &clock.untimed());
+    let sweeps = run_sweeps(&planned, scale, bound, None, &clock.untimed());
     Some(Study::of(
         "data",
         format!(
@@ -256,6 +256,6 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
                 .to_owned(),
             bound,
         },
-        ladders,
+        sweeps,
     ))
 }

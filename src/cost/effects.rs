@@ -109,8 +109,8 @@ fn grey(coefficients: &Coefficients, factor: f64) -> Coefficients {
 }
 
 fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
-    // What is left without effects: light that is not turned, in grey, even, isotropic media that
-    // send out nothing.
+    // What is left without effects: light that is not scattered, in grey, homogeneous, isotropic media that
+    // emit nothing.
     let mut plain = scene.clone();
     plain.scattering = Scattering::None;
     for body in &mut plain.media {
@@ -122,7 +122,7 @@ fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
         body.density = None;
     }
     let named = |name: &str, scene: Radiative| (name.to_owned(), Model::Radiative(Box::new(scene)));
-    let mut variants = vec![named("absorption, light not turned", plain.clone())];
+    let mut variants = vec![named("absorption, no scattering", plain.clone())];
     let mut add = |name: &str, edit: &dyn Fn(&mut Radiative)| {
         let mut edited = plain.clone();
         edit(&mut edited);
@@ -142,7 +142,7 @@ fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
         });
     }
     if any(&|body| body.density.is_some()) {
-        add("with varying density", &|edited| {
+        add("with heterogeneous density", &|edited| {
             each(edited, &|body, given| {
                 body.density = given.density.clone();
                 body.medium.coefficients = grey(&given.medium.coefficients, 1.0);

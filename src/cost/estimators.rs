@@ -1,7 +1,7 @@
 //! Estimators of a ray's transmittance by random numbers: what theory promises, and what they do.
 
 use super::collocation::{Collocation, Here};
-use super::profile::{Profile, Stretch};
+use super::profile::{BoundedSegment, Profile};
 use super::results::{
     EstimatorRow, EstimatorTable, ThicknessCurve, ThicknessPoint, ThicknessSweep,
 };
@@ -19,12 +19,12 @@ use rayon::prelude::*;
 
 /// A way to estimate transmittance without bias.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Estimator {
+pub enum TransmittanceEstimator {
     /// 1 for a flight that gets through, 0 for one that does not.
     Delta,
     /// Product of the shares of tentative collisions that are null.
     Ratio,
-    /// The same relative to the lower bound of each stretch: the reference renderer's.
+    /// The same relative to the lower bound of each segment: the reference renderer's.
     ResidualRatio,
     /// A series around a marched depth, ended by chance.
     UnbiasedMarching,
@@ -32,7 +32,7 @@ pub enum Estimator {
 
 /// One estimate, and what it took.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub struct EstimatorSample {
     /// The estimate.
     pub value: f64,
     /// Look-ups.
@@ -41,34 +41,34 @@ pub struct Sample {
     pub draws: u64,
 }
 
-impl Estimator {
+impl TransmittanceEstimator {
     /// All of them.
-    pub const ALL: [Estimator; 4] = [
-        Estimator::Delta,
-        Estimator::Ratio,
-        Estimator::ResidualRatio,
-        Estimator::UnbiasedMarching,
+    pub const ALL: [TransmittanceEstimator; 4] = [
+        TransmittanceEstimator::Delta,
+        TransmittanceEstimator::Ratio,
+        TransmittanceEstimator::ResidualRatio,
+        TransmittanceEstimator::UnbiasedMarching,
     ];
 
     /// As it is called.
     pub fn name(self) -> &'static str {
         match self {
-            Estimator::Delta => "delta tracking",
-            Estimator::Ratio => "ratio tracking",
-            Estimator::ResidualRatio => "residual ratio tracking",
-            Estimator::UnbiasedMarching => "unbiased ray marching",
+            TransmittanceEstimator::Delta => "delta tracking",
+            TransmittanceEstimator::Ratio => "ratio tracking",
+            TransmittanceEstimator::ResidualRatio => "residual ratio tracking",
+            TransmittanceEstimator::UnbiasedMarching => "unbiased ray marching",
         }
     }
 
     /// One estimate for `profile`, with the random numbers of `stream`.
-    pub fn sample(self, profile: &Profile<'_>, stream: &Stream) -> Sample {
+    pub fn sample(self, profile: &Profile<'_>, stream: &Stream) -> EstimatorSample {
         let mut sampler = Sampler::new(*stream);
         let mut numbers = sampler.tentative(NumberRow::Transmittance);
         let mut walk = profile.walk();
         let mut effort = Effort::default();
         let ratio = |control| (control, Small::Kept);
         let (control, small) = match self {
-            Estimator::Delta => {
+            TransmittanceEstimator::Delta => {
                 let first = numbers.next();
                 let mut survived = DVec3::ONE;
                 let end = delta_tracking(
@@ -79,18 +79,20 @@ impl Estimator {
                     &mut survived,
                     &mut effort,
                 );
-                return Sample {
+                return EstimatorSample {
                     value: if end.is_break() { 0.0 } else { 1.0 },
                     lookups: walk.lookups,
                     draws: sampler.given(),
                 };
             }
-            Estimator::UnbiasedMarching => return by_unbiased_marching(profile, stream),
-            Estimator::Ratio => ratio(Control::Nothing),
-            Estimator::ResidualRatio => ratio(Control::Minorant),
+            TransmittanceEstimator::UnbiasedMarching => {
+                return by_unbiased_marching(profile, stream);
+            }
+            TransmittanceEstimator::Ratio => ratio(Control::Nothing),
+            TransmittanceEstimator::ResidualRatio => ratio(Control::Minorant),
         };
         let value = ratio_tracking(&mut walk, control, small, &mut numbers, &mut effort);
-        Sample {
+        EstimatorSample {
             value: value.x,
             lookups: walk.lookups,
             draws: sampler.given(),
@@ -100,19 +102,19 @@ impl Estimator {
     /// Variance and mean look-ups of one estimate by theory, where there is one.
     fn predicted(self, known: &Known) -> (Option<f64>, Option<f64>) {
         let (variance, lookups) = match self {
-            Estimator::Delta => (
+            TransmittanceEstimator::Delta => (
                 Some(delta_tracking_variance(known.depth)),
                 Some(known.delta_lookups),
             ),
-            Estimator::Ratio => (
+            TransmittanceEstimator::Ratio => (
                 Some(ratio_tracking_variance(known.depth, known.ratio)),
                 Some(known.majorant),
             ),
-            Estimator::ResidualRatio => (
+            TransmittanceEstimator::ResidualRatio => (
                 Some(ratio_tracking_variance(known.depth, known.residual)),
                 Some(known.residual_majorant),
             ),
-            Estimator::UnbiasedMarching => (
+            TransmittanceEstimator::UnbiasedMarching => (
                 known.is_constant.then_some(0.0),
                 Some(known.marching_lookups),
             ),
@@ -149,15 +151,15 @@ impl Known {
     fn of(profile: &Profile<'_>, depth: f64) -> Known {
         let collocation = Collocation::new();
         let cuts = profile.cuts();
-        let bounds = |t: f64| match profile.stretch_at(t) {
-            Some(Stretch { low, high, .. }) => (*low, *high),
+        let bounds = |t: f64| match profile.segment_at(t) {
+            Some(BoundedSegment { low, high, .. }) => (*low, *high),
             None => (0.0, 0.0),
         };
         let share = |squared: f64, bound: f64| match bound > 0.0 {
             true => squared / bound,
             false => 0.0,
         };
-        let dimmed = collocation.light(&cuts, TOLERANCE, |t| Here {
+        let attenuated = collocation.light(&cuts, TOLERANCE, |t| Here {
             extinction: profile.at(t),
             emission: DVec3::new(bounds(t).1, 0.0, 0.0),
         });
@@ -174,25 +176,25 @@ impl Known {
                 ),
             }
         });
-        let over = |rate: fn(&Stretch) -> f64| -> f64 {
-            let stretches = profile.stretches.iter();
-            stretches
-                .map(|stretch| rate(stretch) * stretch.span.length())
+        let over = |rate: fn(&BoundedSegment) -> f64| -> f64 {
+            let segments = profile.segments.iter();
+            segments
+                .map(|segment| rate(segment) * segment.span.length())
                 .sum()
         };
         let each = profile.densities as f64;
         Known {
             depth,
-            delta_lookups: each * dimmed.radiance.x,
+            delta_lookups: each * attenuated.radiance.x,
             ratio: sums.radiance.x,
             residual: sums.radiance.y,
-            majorant: each * over(|stretch| stretch.high),
-            residual_majorant: each * over(|stretch| stretch.high - stretch.low),
+            majorant: each * over(|segment| segment.high),
+            residual_majorant: each * over(|segment| segment.high - segment.low),
             marching_lookups: each * marching_lookups(profile),
             lookups_are_known: profile.densities > 0,
-            is_constant: profile.stretches.iter().all(|stretch| {
-                let first = profile.stretches[0].low;
-                stretch.low == first && stretch.high == first
+            is_constant: profile.segments.iter().all(|segment| {
+                let first = profile.segments[0].low;
+                segment.low == first && segment.high == first
             }),
         }
     }
@@ -212,14 +214,19 @@ struct Measured {
     lookups: f64,
 }
 
-fn measure(estimator: Estimator, profile: &Profile<'_>, samples: u32, seed: u64) -> Measured {
-    let found: Vec<Sample> = (0..samples)
+fn measure(
+    estimator: TransmittanceEstimator,
+    profile: &Profile<'_>,
+    samples: u32,
+    seed: u64,
+) -> Measured {
+    let found: Vec<EstimatorSample> = (0..samples)
         .into_par_iter()
         .map(|number| estimator.sample(profile, &Stream::new(seed, 0, number)))
         .collect();
     let mut moments = Moments::default();
     found.iter().for_each(|sample| moments.add(sample.value));
-    let fourth = |sample: &Sample| {
+    let fourth = |sample: &EstimatorSample| {
         let squared = (sample.value - moments.mean()) * (sample.value - moments.mean());
         squared * squared
     };
@@ -258,14 +265,14 @@ pub fn table(
 ) -> EstimatorTable {
     let known = Known::of(profile, depth);
     let transmittance = exp(-depth);
-    let timed = Estimator::ALL.map(|estimator| {
+    let timed = TransmittanceEstimator::ALL.map(|estimator| {
         move || {
             std::hint::black_box(measure(estimator, profile, SAMPLES_TIMED, seed).lookups);
         }
     });
     let tasks: Vec<&(dyn Fn() + Sync)> = timed.iter().map(|task| task as _).collect();
     let times = clock.by_turns(&tasks, f64::from(SAMPLES_TIMED));
-    let rows = Estimator::ALL
+    let rows = TransmittanceEstimator::ALL
         .into_iter()
         .zip(times)
         .map(|(estimator, time)| {
@@ -278,7 +285,9 @@ pub fn table(
             let standard_error = (spread / count).sqrt();
             let variance_error = match estimator {
                 // Of something that happens with a small probability p, μ₄ is p as well.
-                Estimator::Delta => measured.variance_error().max((spread / count).sqrt()),
+                TransmittanceEstimator::Delta => {
+                    measured.variance_error().max((spread / count).sqrt())
+                }
                 _ => measured.variance_error(),
             };
             // What rounding makes of an estimate that does not vary: a few hundred products.
@@ -338,7 +347,7 @@ pub fn sweep(
     seed: u64,
     clock: &Clock,
 ) -> ThicknessSweep {
-    let curve = |estimator: Estimator| {
+    let curve = |estimator: TransmittanceEstimator| {
         let mut points = Vec::new();
         for thickness in THICKNESSES {
             if clock.is_over() {
@@ -368,7 +377,7 @@ pub fn sweep(
     };
     ThicknessSweep {
         ray,
-        curves: Estimator::ALL.map(curve).into(),
+        curves: TransmittanceEstimator::ALL.map(curve).into(),
     }
 }
 
@@ -379,16 +388,13 @@ fn march_steps(profile: &Profile<'_>) -> u32 {
 
 /// Look-ups of an estimate in the mean: none where a bound says that there is nothing.
 fn marching_lookups(profile: &Profile<'_>) -> f64 {
-    let filled = profile
-        .stretches
-        .iter()
-        .filter(|stretch| stretch.high > 0.0);
-    let filled: f64 = filled.map(|stretch| stretch.span.length()).sum();
+    let filled = profile.segments.iter().filter(|segment| segment.high > 0.0);
+    let filled: f64 = filled.map(|segment| segment.span.length()).sum();
     let share = filled / profile.span().length();
     f64::from(march_steps(profile)) * unbiased_ray_marching::MEAN_MARCHES * share
 }
 
-fn by_unbiased_marching(profile: &Profile<'_>, stream: &Stream) -> Sample {
+fn by_unbiased_marching(profile: &Profile<'_>, stream: &Stream) -> EstimatorSample {
     let mut effort = Effort::default();
     let (mut lookups, mut draws) = (0, 0);
     let mut uniform = unbiased_ray_marching::uniform_numbers(stream, 0, Purpose::Tracking);
@@ -402,7 +408,7 @@ fn by_unbiased_marching(profile: &Profile<'_>, stream: &Stream) -> Sample {
         },
         &mut effort,
     );
-    Sample {
+    EstimatorSample {
         value,
         lookups,
         draws,

@@ -1,14 +1,14 @@
 //! What a classified image costs: the ray caster's step, the schemes people write, the step of
 //! shadow rays, and interpolation.
 
-use super::classified::{Shade, Subject, has_jumps};
-use super::collocation::{Collocation, Light};
+use super::classified::{Shade, ShadedVolume, has_jumps};
+use super::collocation::{CollocatedLight, Collocation};
 use super::marching::Scheme;
 use super::norms::root_mean_square;
-use super::order::Expected;
+use super::order::ExpectedOrder;
 use super::preintegration::Preintegrated;
-use super::results::{ErrorPicture, Knob, RayTrace, Reference, Study};
-use super::study::{Climb, Outcome, Run, Setting, climb};
+use super::results::{ErrorPicture, Parameter, RayTrace, Reference, Study};
+use super::study::{PlannedSweep, Setting, SettingOutcome, SettingRun, run_sweeps};
 use super::thumbnail;
 use super::timing::Clock;
 use crate::geometry::Ray;
@@ -22,15 +22,15 @@ use crate::volume::{Interpolation, Lattice};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Pixels of the larger side of the image that is looked at: every ladder needs the same rays,
+/// Pixels of the larger side of the image that is looked at: every sweep needs the same rays,
 /// and some hundred of them tell an order as well as all do.
 const SIDE: usize = 32;
-/// The same where every sample sends out a ray to the light.
+/// The same where every sample casts a ray to the light.
 const SIDE_WITH_SHADOW: usize = 10;
 
 /// Steps, in voxels.
 const STEPS: [f64; 9] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125, 0.0625, 0.031_25, 0.015_625];
-/// The same where every sample sends out a ray to the light: those that are done in seconds.
+/// The same where every sample casts a ray to the light: those that are done in seconds.
 const STEPS_WITH_SHADOW: [f64; 6] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125];
 
 /// Steps of shadow rays, in voxels.
@@ -48,7 +48,7 @@ const TOLERANCE_WITH_SHADOW: f64 = 1e-10;
 struct Rays<'s> {
     scene: &'s Classified,
     /// With the shadow as it should be.
-    subject: Subject<'s>,
+    subject: ShadedVolume<'s>,
     size: [usize; 2],
     rays: Vec<Ray>,
     right: Vec<DVec3>,
@@ -66,7 +66,7 @@ impl<'s> Rays<'s> {
             None => (SIDE, TOLERANCE),
             Some(_) => (SIDE_WITH_SHADOW, TOLERANCE_WITH_SHADOW),
         };
-        let shade = match Subject::has_exact_shadow(scene) {
+        let shade = match ShadedVolume::has_exact_shadow(scene) {
             true => Shade::Exact,
             false => Shade::AsGiven,
         };
@@ -89,11 +89,12 @@ impl<'s> Rays<'s> {
         scene: &'s Classified,
         shade: Shade,
         size: [usize; 2],
-        right: impl Fn(&Subject<'s>, &Ray) -> (Light, bool) + Sync,
+        right: impl Fn(&ShadedVolume<'s>, &Ray) -> (CollocatedLight, bool) + Sync,
     ) -> Rays<'s> {
-        let subject = Subject::new(scene, shade);
+        let subject = ShadedVolume::new(scene, shade);
         let rays = thumbnail::rays(&scene.camera, size);
-        let exact: Vec<(Light, bool)> = rays.par_iter().map(|ray| right(&subject, ray)).collect();
+        let exact: Vec<(CollocatedLight, bool)> =
+            rays.par_iter().map(|ray| right(&subject, ray)).collect();
         let right: Vec<DVec3> = exact.iter().map(|(light, _)| light.radiance).collect();
         let scale = root_mean_square(right.iter().flat_map(|radiance| radiance.to_array()));
         let errors = exact.iter().map(|(light, _)| light.radiance_error);
@@ -115,7 +116,7 @@ impl<'s> Rays<'s> {
     fn run<'a>(
         &'a self,
         radiance: impl Fn(&Ray, usize, &mut Counters) -> DVec3 + Send + Sync + 'a,
-    ) -> Run<'a> {
+    ) -> SettingRun<'a> {
         Box::new(move || {
             let found: Vec<(DVec3, Counters)> = self
                 .rays
@@ -126,10 +127,10 @@ impl<'s> Rays<'s> {
                     (radiance(ray, index, &mut work), work)
                 })
                 .collect();
-            let mut outcome = Outcome {
+            let mut outcome = SettingOutcome {
                 rays: self.rays.len(),
                 channels: 3,
-                ..Outcome::default()
+                ..SettingOutcome::default()
             };
             for ((value, work), right) in found.iter().zip(&self.right) {
                 outcome.work.add(work);
@@ -140,13 +141,13 @@ impl<'s> Rays<'s> {
     }
 
     /// The reference renderer's ray caster by its step.
-    fn ours(&self) -> Climb<'_> {
+    fn ours(&self) -> PlannedSweep<'_> {
         let jumps = has_jumps(self.scene);
-        Climb {
+        PlannedSweep {
             estimator: "midpoint".to_owned(),
             is_ours: true,
-            knob: Knob::Step,
-            expected: Expected::of_step(if jumps { 1.0 } else { 2.0 }),
+            parameter: Parameter::Step,
+            expected: ExpectedOrder::of_step(if jumps { 1.0 } else { 2.0 }),
             settings: self.steps(
                 |step| self.run(move |ray, _, work| self.subject.cast(step, ray, work)),
                 |step| Some(self.run(move |ray, _, _| self.subject.cast_single(step, ray))),
@@ -155,7 +156,7 @@ impl<'s> Rays<'s> {
     }
 
     /// Another scheme, by its step.
-    fn by_scheme(&self, scheme: Scheme) -> Climb<'_> {
+    fn by_scheme(&self, scheme: Scheme) -> PlannedSweep<'_> {
         let jumps = has_jumps(self.scene);
         let order = match scheme {
             // Any jitter across a jump: 1.
@@ -174,31 +175,31 @@ impl<'s> Rays<'s> {
                 self.subject.before_background(radiance, depth)
             })
         };
-        Climb {
+        PlannedSweep {
             estimator: scheme.name().to_owned(),
             is_ours: false,
-            knob: Knob::Step,
+            parameter: Parameter::Step,
             // At both ends of a volume with an empty border there is nothing: errors at the ends,
             // which make a rule of the first order one, are not there.
             expected: match scheme {
-                Scheme::Left | Scheme::Comb => Expected::NOTHING,
-                _ => Expected::of_step(order),
+                Scheme::Left | Scheme::Comb => ExpectedOrder::NOTHING,
+                _ => ExpectedOrder::of_step(order),
             },
             settings: self.steps(march, |_| None),
         }
     }
 
     /// Pre-integrated classification, by its step.
-    fn by_preintegration<'a>(&'a self, table: &'a Preintegrated) -> Climb<'a> {
-        Climb {
+    fn by_preintegration<'a>(&'a self, table: &'a Preintegrated) -> PlannedSweep<'a> {
+        PlannedSweep {
             estimator: "pre-integrated".to_owned(),
             is_ours: false,
-            knob: Knob::Step,
+            parameter: Parameter::Step,
             expected: match self.scene.interpolation {
                 // Steps of the table are no jumps to it.
-                Interpolation::Trilinear => Expected::of_step(2.0),
+                Interpolation::Trilinear => ExpectedOrder::of_step(2.0),
                 // Between two nodes' values there is a jump, which it takes for a slope.
-                Interpolation::Nearest => Expected::of_step(1.0),
+                Interpolation::Nearest => ExpectedOrder::of_step(1.0),
             },
             settings: self.steps(
                 |step| {
@@ -215,8 +216,8 @@ impl<'s> Rays<'s> {
 
     fn steps<'a>(
         &'a self,
-        run: impl Fn(f64) -> Run<'a>,
-        single: impl Fn(f64) -> Option<Run<'a>>,
+        run: impl Fn(f64) -> SettingRun<'a>,
+        single: impl Fn(f64) -> Option<SettingRun<'a>>,
     ) -> Vec<Setting<'a>> {
         let steps: &[f64] = match self.scene.shadow {
             None => &STEPS,
@@ -240,7 +241,7 @@ impl<'s> Rays<'s> {
 /// The table holds what the transfer function makes of a segment. What shading and shadow add to
 /// that, or take from it, is looked up in its middle.
 fn preintegrated(
-    subject: &Subject<'_>,
+    subject: &ShadedVolume<'_>,
     table: &Preintegrated,
     step: f64,
     ray: &Ray,
@@ -258,14 +259,14 @@ fn preintegrated(
         let far = subject.value(ray, middle + 0.5 * length, work);
         front = Some(far);
         let segment = table.segment(near, far, length);
-        let through = exp(-depth);
-        radiance += segment.colour * through;
+        let transmittance = exp(-depth);
+        radiance += segment.colour * transmittance;
         if subject.is_lit() && segment.opacity > 0.0 {
             let (value, source) = subject.sample(ray, middle, work);
             // Where the middle is transparent nothing is lit, and nothing was asked.
             if subject.is_seen(value) {
                 let added = source - subject.unlit(value);
-                radiance += added * (segment.opacity * through);
+                radiance += added * (segment.opacity * transmittance);
             }
         }
         depth -= ln_1p(-segment.opacity);
@@ -308,17 +309,17 @@ pub fn steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
 fn by_steps(rays: &Rays<'_>, clock: &Clock) -> Study {
     let scene = rays.scene;
     let table = Preintegrated::new(&scene.transfer_function);
-    let mut climbs = vec![rays.ours()];
+    let mut planned = vec![rays.ours()];
     let schemes = Scheme::ALL.into_iter();
     // The first is what the ray caster does.
-    climbs.extend(schemes.skip(1).map(|scheme| rays.by_scheme(scheme)));
-    climbs.push(rays.by_preintegration(&table));
+    planned.extend(schemes.skip(1).map(|scheme| rays.by_scheme(scheme)));
+    planned.push(rays.by_preintegration(&table));
     let clear = rays.clear.iter().filter(|clear| **clear).count();
     let judged = (clear < rays.clear.len()).then_some(&rays.clear[..]);
-    let ladders = climb(&climbs, rays.scale, rays.bound, judged, clock);
+    let sweeps = run_sweeps(&planned, rays.scale, rays.bound, judged, clock);
     let shadow = match scene.shadow {
         None => "",
-        Some(_) if Subject::has_exact_shadow(scene) => ", the shadow integrated cell by cell",
+        Some(_) if ShadedVolume::has_exact_shadow(scene) => ", the shadow integrated cell by cell",
         Some(_) => ", the shadow as the scene samples it",
     };
     Study {
@@ -335,7 +336,7 @@ fn by_steps(rays: &Rays<'_>, clock: &Clock) -> Study {
                     .to_owned(),
                 bound: rays.bound,
             },
-            ladders,
+            sweeps,
         )
     }
 }
@@ -363,7 +364,7 @@ fn judged_on(scene: &Classified, rays: &Rays<'_>, clear: usize) -> Option<String
 /// a limit that is known.
 pub fn shadow_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Study> {
     scene.shadow?;
-    if !Subject::has_exact_shadow(scene) {
+    if !ShadedVolume::has_exact_shadow(scene) {
         return None;
     }
     let voxel = scene.grid.lattice().voxel();
@@ -371,14 +372,19 @@ pub fn shadow_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Opti
     let step = voxel;
     let size = thumbnail::thumbnail(size, SIDE_WITH_SHADOW);
     let rays = Rays::against(scene, Shade::Exact, size, |subject, ray| {
-        let light = Light {
+        let light = CollocatedLight {
             radiance: subject.cast(step, ray, &mut Counters::default()),
-            ..Light::default()
+            ..CollocatedLight::default()
         };
         (light, true)
     });
-    let subjects: Vec<(f64, Subject<'_>)> = SHADOW_STEPS
-        .map(|voxels| (voxels, Subject::new(scene, Shade::Every(voxels * voxel))))
+    let subjects: Vec<(f64, ShadedVolume<'_>)> = SHADOW_STEPS
+        .map(|voxels| {
+            (
+                voxels,
+                ShadedVolume::new(scene, Shade::Every(voxels * voxel)),
+            )
+        })
         .into();
     let rays = &rays;
     let settings = subjects.iter().map(|(voxels, subject)| Setting {
@@ -388,14 +394,14 @@ pub fn shadow_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Opti
         single: None,
     });
     let jumps = has_jumps(scene);
-    let climbs = [Climb {
+    let planned = [PlannedSweep {
         estimator: "midpoint".to_owned(),
         is_ours: true,
-        knob: Knob::ShadowStep,
-        expected: Expected::of_step(if jumps { 1.0 } else { 2.0 }),
+        parameter: Parameter::ShadowStep,
+        expected: ExpectedOrder::of_step(if jumps { 1.0 } else { 2.0 }),
         settings: settings.collect(),
     }];
-    let ladders = climb(&climbs, rays.scale, rays.bound, None, clock);
+    let sweeps = run_sweeps(&planned, rays.scale, rays.bound, None, clock);
     Some(Study::of(
         "shadow",
         format!(
@@ -406,7 +412,7 @@ pub fn shadow_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Opti
             method: "the shadow integrated cell by cell".to_owned(),
             bound: rays.bound,
         },
-        ladders,
+        sweeps,
     ))
 }
 

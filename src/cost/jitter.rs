@@ -9,7 +9,7 @@
 //! then finite sums, and exact: a linear extinction has `1 − 64^(−2)` of the variance that
 //! continuous offsets give it.
 
-use super::order::{Expected, order};
+use super::order::{ExpectedOrder, order};
 use super::profile::Profile;
 use super::results::{JitterCurve, JitterPoint, Norms};
 use crate::geometry::Span;
@@ -115,8 +115,8 @@ impl Jitter {
             let norms: Vec<Norms> = norms.collect();
             // Sums of some hundred terms: what is far above their rounding is known.
             let expected = match rough || is_closed {
-                true => Expected::NOTHING,
-                false => Expected::of_step(expected),
+                true => ExpectedOrder::NOTHING,
+                false => ExpectedOrder::of_step(expected),
             };
             order(steps, &norms, expected, 1e-15)
         };

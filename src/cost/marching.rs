@@ -18,11 +18,11 @@ pub enum Scheme {
     Left,
     /// In its middle, with the opacity `min(σh, 1)` in place of `1 − e^(−σh)`.
     ThinOpacity,
-    /// In its middle, `ε h`: the step does not dim its own light.
+    /// In its middle, `ε h`: the step does not attenuate its own light.
     NoSelfAttenuation,
-    /// In its middle, `ε h e^(−σh/2)`: light is dimmed as from the middle.
+    /// In its middle, `ε h e^(−σh/2)`: light is attenuated as from the middle.
     MiddleAttenuation,
-    /// The means of `σ` and `ε` at its ends, dimmed as if they were spread evenly over it.
+    /// The means of `σ` and `ε` at its ends, attenuated as if they were spread evenly over it.
     Trapezoid,
     /// As the midpoint rule, but at a random place in the step, another one in each.
     Stratified,
@@ -79,12 +79,12 @@ impl Scheme {
         // The depth is what is carried; transmittance would end at 0 and stay there.
         let mut depth = 0.0;
         // Transparency by multiplication, of the scheme that has no depth.
-        let mut through = 1.0;
+        let mut transmittance = 1.0;
         let mut before = None;
         for index in 0..steps.count() {
             let (middle, length) = steps.sample(index);
             let (near, far) = (middle - 0.5 * length, middle + 0.5 * length);
-            let place = match self {
+            let point = match self {
                 Scheme::Left => near,
                 Scheme::Stratified => near + random(index) * length,
                 Scheme::Comb => near + random(0) * length,
@@ -106,23 +106,23 @@ impl Scheme {
                 depth += optical_depth(mean.extinction, length);
                 continue;
             }
-            let here = at(place);
+            let here = at(point);
             let own = optical_depth(here.extinction, length);
             match self {
                 // What is opaque shows its own light, by any scheme.
                 _ if own.is_infinite() => {
                     let before = match self {
-                        Scheme::ThinOpacity => through,
+                        Scheme::ThinOpacity => transmittance,
                         _ => exp(-depth),
                     };
                     radiance += here.emission * before;
-                    through = 0.0;
+                    transmittance = 0.0;
                 }
                 Scheme::ThinOpacity => {
                     // Of what is denser than that, the step is opaque at its beginning.
                     let whole = (1.0 / here.extinction).min(length);
-                    radiance += here.emission * (whole * through);
-                    through *= 1.0 - own.min(1.0);
+                    radiance += here.emission * (whole * transmittance);
+                    transmittance *= 1.0 - own.min(1.0);
                 }
                 Scheme::NoSelfAttenuation => radiance += here.emission * (length * exp(-depth)),
                 Scheme::MiddleAttenuation => {
@@ -133,7 +133,7 @@ impl Scheme {
             depth += own;
         }
         if self == Scheme::ThinOpacity {
-            depth = -ln(through);
+            depth = -ln(transmittance);
         }
         (radiance, depth)
     }

@@ -1,10 +1,10 @@
-//! What accuracy costs: ladders of settings, error against time.
+//! What accuracy costs: sweeps of settings, error against time.
 //!
-//! A scene's approximations are climbed knob by knob ([`study`]), each against a reference that
+//! Each parameter of a scene's approximations is swept from coarse to fine ([`study`]), each against a reference that
 //! carries its own bound ([`collocation`]). [`rules`], [`marching`], [`jitter`], [`estimators`],
 //! [`unbiased_ray_marching`] and [`preintegration`] are what is compared; the reference renderer
 //! is one of them. Orders of convergence are judged in [`order`]. What gates are counters and
-//! errors, which repeat to the last bit; wall time is told ([`timing`]) and never judged.
+//! errors, which repeat to the last bit; wall time is reported ([`timing`]) and never judged.
 
 pub mod advice;
 pub mod classified;

@@ -1,6 +1,6 @@
 //! How an error falls: orders of convergence, and whether they are those of theory.
 
-use super::results::{Norms, Order, OrderVerdict};
+use super::results::{ConvergenceOrder, Norms, OrderVerdict};
 use crate::math;
 
 /// Errors below this many times what the reference itself may be off are not counted.
@@ -18,9 +18,9 @@ const COARSE: f64 = 0.1;
 const FEWEST: usize = 3;
 const MOST: usize = 4;
 
-/// What theory says of a ladder.
+/// What theory says of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Expected {
+pub struct ExpectedOrder {
     /// The order, if anything is expected.
     pub order: Option<f64>,
     /// How far a fit may be off.
@@ -30,24 +30,24 @@ pub struct Expected {
     pub by_chance: bool,
 }
 
-impl Expected {
+impl ExpectedOrder {
     /// Nothing.
-    pub const NOTHING: Expected = Expected {
+    pub const NOTHING: ExpectedOrder = ExpectedOrder {
         order: None,
         tolerance: 0.1,
         by_chance: false,
     };
 
     /// An order of a rule in the length of a step.
-    pub fn of_step(order: f64) -> Expected {
-        Expected {
+    pub fn of_step(order: f64) -> ExpectedOrder {
+        ExpectedOrder {
             order: Some(order),
-            ..Expected::NOTHING
+            ..ExpectedOrder::NOTHING
         }
     }
 
     /// The error of a mean of samples.
-    pub const OF_SAMPLES: Expected = Expected {
+    pub const OF_SAMPLES: ExpectedOrder = ExpectedOrder {
         order: Some(-0.5),
         tolerance: 0.05,
         by_chance: true,
@@ -56,12 +56,17 @@ impl Expected {
 
 /// The order in which errors fall with `values`, of settings from coarse to fine, against a
 /// reference that may be off by `bound`.
-pub fn order(values: &[f64], errors: &[Norms], expected: Expected, bound: f64) -> Order {
+pub fn order(
+    values: &[f64],
+    errors: &[Norms],
+    expected: ExpectedOrder,
+    bound: f64,
+) -> ConvergenceOrder {
     let squares: Vec<f64> = errors.iter().map(|error| error.l2).collect();
     let largest: Vec<f64> = errors.iter().map(|error| error.max).collect();
     let local: Vec<Option<f64>> = (1..values.len())
         .map(|fine| {
-            let at = |index: usize| Point {
+            let at = |index: usize| ErrorPoint {
                 value: values[index],
                 error: squares[index],
                 uncertainty: 0.0,
@@ -75,9 +80,9 @@ pub fn order(values: &[f64], errors: &[Norms], expected: Expected, bound: f64) -
         true => (ABOVE_THE_NOISE * bound, f64::INFINITY),
         false => (ABOVE_THE_BOUND * bound, COARSE),
     };
-    let counting = |sizes: &[f64]| -> Vec<Point> {
+    let counting = |sizes: &[f64]| -> Vec<ErrorPoint> {
         let all = values.iter().zip(sizes).zip(errors);
-        let points = all.map(|((&value, &error), norms)| Point {
+        let points = all.map(|((&value, &error), norms)| ErrorPoint {
             value,
             error,
             uncertainty: norms.uncertainty,
@@ -90,7 +95,7 @@ pub fn order(values: &[f64], errors: &[Norms], expected: Expected, bound: f64) -
         }
         points
     };
-    let fit = |points: &[Point]| match points.len() {
+    let fit = |points: &[ErrorPoint]| match points.len() {
         0..FEWEST => None,
         _ => line(points),
     };
@@ -121,7 +126,7 @@ pub fn order(values: &[f64], errors: &[Norms], expected: Expected, bound: f64) -
             }
         }
     };
-    Order {
+    ConvergenceOrder {
         expected: expected.order,
         known: floor,
         counted: counted.collect(),
@@ -136,7 +141,7 @@ pub fn order(values: &[f64], errors: &[Norms], expected: Expected, bound: f64) -
 
 /// A setting and its error.
 #[derive(Clone, Copy, Debug)]
-struct Point {
+struct ErrorPoint {
     value: f64,
     error: f64,
     /// Relative standard error of the error.
@@ -145,7 +150,7 @@ struct Point {
 
 /// A straight line through logarithms.
 #[derive(Clone, Copy, Debug)]
-struct Line {
+struct FittedLine {
     slope: f64,
     /// Standard error of the slope, if the points are independent.
     uncertainty: f64,
@@ -153,8 +158,9 @@ struct Line {
 
 /// The line of least squares through the logarithms of `points`, all positive; none through fewer
 /// than two different ones.
-fn line(points: &[Point]) -> Option<Line> {
-    let usable = |point: &Point| point.value > 0.0 && point.error > 0.0 && point.error.is_finite();
+fn line(points: &[ErrorPoint]) -> Option<FittedLine> {
+    let usable =
+        |point: &ErrorPoint| point.value > 0.0 && point.error > 0.0 && point.error.is_finite();
     if points.len() < 2 || !points.iter().all(usable) {
         return None;
     }
@@ -169,7 +175,7 @@ fn line(points: &[Point]) -> Option<Line> {
         // The logarithm of an error is off by as much as the error is relative to itself.
         doubt += (x - mean_x) * (x - mean_x) * (point.uncertainty * point.uncertainty);
     }
-    (along > 0.0).then(|| Line {
+    (along > 0.0).then(|| FittedLine {
         slope: across / along,
         uncertainty: doubt.sqrt() / along,
     })
@@ -179,7 +185,7 @@ fn line(points: &[Point]) -> Option<Line> {
 mod tests {
     use super::*;
 
-    fn ladder(error: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<Norms>) {
+    fn sweep(error: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<Norms>) {
         let steps = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
         let norms = |&h: &f64| Norms {
             l1: error(h),
@@ -192,20 +198,20 @@ mod tests {
 
     #[test]
     fn a_power_is_found_and_judged() {
-        let (steps, errors) = ladder(|h| 0.05 * h * h);
-        let found = order(&steps, &errors, Expected::of_step(2.0), 1e-12);
+        let (steps, errors) = sweep(|h| 0.05 * h * h);
+        let found = order(&steps, &errors, ExpectedOrder::of_step(2.0), 1e-12);
         assert!((found.fitted.unwrap() - 2.0).abs() < 1e-12);
         assert!((found.fitted_max.unwrap() - 2.0).abs() < 1e-12);
         assert_eq!(found.verdict, OrderVerdict::AsExpected);
-        let found = order(&steps, &errors, Expected::of_step(1.0), 1e-12);
+        let found = order(&steps, &errors, ExpectedOrder::of_step(1.0), 1e-12);
         assert_eq!(found.verdict, OrderVerdict::Otherwise);
     }
 
     #[test]
     fn what_the_reference_does_not_know_is_not_judged() {
-        let (steps, errors) = ladder(|h| 0.05 * h * h);
+        let (steps, errors) = sweep(|h| 0.05 * h * h);
         // Below 100 × 1e-4 are all but the two coarsest.
-        let found = order(&steps, &errors, Expected::of_step(2.0), 1e-4);
+        let found = order(&steps, &errors, ExpectedOrder::of_step(2.0), 1e-4);
         assert_eq!(
             (found.fitted, found.verdict),
             (None, OrderVerdict::Undecided)
@@ -214,15 +220,15 @@ mod tests {
 
     #[test]
     fn a_floor_is_no_power() {
-        let (steps, errors) = ladder(|h| 0.05 * h * h + 1e-3);
-        let found = order(&steps, &errors, Expected::of_step(2.0), 1e-12);
+        let (steps, errors) = sweep(|h| 0.05 * h * h + 1e-3);
+        let found = order(&steps, &errors, ExpectedOrder::of_step(2.0), 1e-12);
         assert_eq!(found.verdict, OrderVerdict::NotYetAPower);
     }
 
     #[test]
     fn no_error_has_no_order() {
-        let (steps, errors) = ladder(|_| 0.0);
-        let found = order(&steps, &errors, Expected::of_step(2.0), 0.0);
+        let (steps, errors) = sweep(|_| 0.0);
+        let found = order(&steps, &errors, ExpectedOrder::of_step(2.0), 0.0);
         assert_eq!(found.verdict, OrderVerdict::Undecided);
     }
 }

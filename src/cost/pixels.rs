@@ -1,10 +1,10 @@
 //! What the size of pixels costs: their centres in place of their areas.
 
-use super::classified::{Shade, Subject, has_jumps};
+use super::classified::{Shade, ShadedVolume, has_jumps};
 use super::norms::root_mean_square;
-use super::order::Expected;
-use super::results::{Knob, Reference, Study};
-use super::study::{Climb, Outcome, Setting, climb};
+use super::order::ExpectedOrder;
+use super::results::{Parameter, Reference, Study};
+use super::study::{PlannedSweep, Setting, SettingOutcome, run_sweeps};
 use super::timing::Clock;
 use crate::geometry::Ray;
 use crate::math::Sum;
@@ -24,7 +24,7 @@ const SIDES: [usize; 6] = [2, 4, 8, 16, 32, 64];
 /// Points on a side of the finest image, by which areas are known.
 const FINE: usize = 512;
 
-/// From this opacity on matter has a silhouette.
+/// From this opacity on a volume has a silhouette.
 const OPAQUE: f64 = 0.99;
 
 /// Samples of every ray are as far apart as the scene says: pixels are compared with pixels.
@@ -36,7 +36,7 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
         shadow: None,
         ..scene.clone()
     };
-    let subject = Subject::new(scene, Shade::None);
+    let subject = ShadedVolume::new(scene, Shade::None);
     let window = [size[0] as f64 / ZOOM as f64, size[1] as f64 / ZOOM as f64];
     let corner = [
         (size[0] as f64 - window[0]) / 2.0,
@@ -94,11 +94,11 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
                         (centre - mean, whole, work)
                     })
                     .collect();
-                let mut outcome = Outcome {
+                let mut outcome = SettingOutcome {
                     // Finer pixels are more rays: work is shared among pixels of the scene.
                     rays: ((window[0] * window[1]).round() as usize).max(1),
                     channels: 3,
-                    ..Outcome::default()
+                    ..SettingOutcome::default()
                 };
                 for (error, whole, work) in &found {
                     outcome.work.add(work);
@@ -112,30 +112,30 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
         };
         SIDES.map(setting).into()
     };
-    let mut climbs = vec![Climb {
+    let mut planned = vec![PlannedSweep {
         estimator: "centres of pixels, silhouettes left out".to_owned(),
         is_ours: true,
-        knob: Knob::Pixel,
+        parameter: Parameter::Pixel,
         expected: match has_jumps(scene) {
-            true => Expected::NOTHING,
-            false => Expected::of_step(2.0),
+            true => ExpectedOrder::NOTHING,
+            false => ExpectedOrder::of_step(2.0),
         },
         settings: settings(true),
     }];
     let hits = fine.iter().filter(|(_, hit, _)| *hit).count();
     if hits % fine.len() != 0 || fine.iter().any(|(.., is_clear)| !is_clear) {
-        climbs.push(Climb {
+        planned.push(PlannedSweep {
             estimator: "centres of pixels".to_owned(),
             is_ours: true,
-            knob: Knob::Pixel,
-            expected: Expected::NOTHING,
+            parameter: Parameter::Pixel,
+            expected: ExpectedOrder::NOTHING,
             settings: settings(false),
         });
     }
     // The mean of n × n points is itself off by 1/n² of what their middle is: 1/64 at most here.
     // A reference that is a 64th off tells orders to within 0.03.
     let bound = 1e-9;
-    let ladders = climb(&climbs, scale, bound, None, &clock.untimed());
+    let sweeps = run_sweeps(&planned, scale, bound, None, &clock.untimed());
     Study::of(
         "pixels",
         format!(
@@ -147,6 +147,6 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
             method: format!("means over {FINE} × {FINE} points"),
             bound,
         },
-        ladders,
+        sweeps,
     )
 }

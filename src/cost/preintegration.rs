@@ -20,7 +20,7 @@
 //! the opacity, or it is the bell curve of the formula. A segment is cut at the ends of the pieces,
 //! and what it sees of each is put together front to back.
 //!
-//! **Depth** of a stretch is its length times the mean of `−ln(1 − a)` over the values in it.
+//! **Depth** of a segment is its length times the mean of `−ln(1 − a)` over the values in it.
 //! Where `1 − a` is a straight line from `x` down to `(1 − q) x`, that mean is `−ln x + ψ(q)`
 //! with
 //!
@@ -31,7 +31,7 @@
 //! and both terms are positive: no digit cancels. A ramp up to opacity 1 has a finite depth. For
 //! the bell curve see `Bell`.
 //!
-//! **Radiance** by parts, with `e` a polynomial along the stretch and `x` the share of it behind:
+//! **Radiance** by parts, with `e` a polynomial along the segment and `x` the share of it behind:
 //!
 //! ```text
 //! ∫ e σ e^(−τ) dt = e(0) α + ∫₀¹ e'(x) (e^(−τ(x)) − e^(−D)) dx
@@ -62,12 +62,12 @@ use glam::DVec3;
 pub struct Preintegrated {
     transfer: TransferFunction,
     /// By rising value, without gaps.
-    pieces: Vec<Piece>,
+    pieces: Vec<LinearPiece>,
 }
 
 /// A range of values in which the transfer function has no kink.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Piece {
+struct LinearPiece {
     from: f64,
     to: f64,
     /// At either end, seen from inside.
@@ -119,16 +119,16 @@ impl Preintegrated {
         let lengths = length / transfer.reference_length;
         let mut colour = DVec3::ZERO;
         let mut depth = 0.0;
-        let mut see = |piece: &Piece, values: [f64; 2]| {
+        let mut see = |piece: &LinearPiece, values: [f64; 2]| {
             let share = (values[1] - values[0]).abs() / (back - front).abs();
-            let stretch = Stretch {
+            let segment = LinearSegment {
                 piece,
                 values,
                 lengths: lengths * share,
             };
-            let emission = stretch.emission(&transfer.appearance);
-            let own = stretch.depth(1.0);
-            colour += transmittance(depth) * stretch.radiance(&emission, own);
+            let emission = segment.emission(&transfer.appearance);
+            let own = segment.depth(1.0);
+            colour += transmittance(depth) * segment.radiance(&emission, own);
             depth += own;
         };
         let [low, high] = [front.min(back), front.max(back)];
@@ -152,8 +152,8 @@ impl Preintegrated {
     }
 }
 
-fn pieces_of_points(points: &TransferPoints) -> Vec<Piece> {
-    let constant = |point: &TransferPoint, from, to| Piece {
+fn pieces_of_points(points: &TransferPoints) -> Vec<LinearPiece> {
+    let constant = |point: &TransferPoint, from, to| LinearPiece {
         from,
         to,
         colour: [point.colour; 2],
@@ -165,7 +165,7 @@ fn pieces_of_points(points: &TransferPoints) -> Vec<Piece> {
     for pair in points.windows(2) {
         // The sides of a step have no values between them.
         if pair[0].value < pair[1].value {
-            pieces.push(Piece {
+            pieces.push(LinearPiece {
                 from: pair[0].value,
                 to: pair[1].value,
                 colour: [pair[0].colour, pair[1].colour],
@@ -184,7 +184,7 @@ fn line(from: f64, to: f64) -> Law {
     Law::Line([from, to])
 }
 
-fn pieces_of_formula(opacity: &TransferOpacity, colormap: &Colormap) -> Vec<Piece> {
+fn pieces_of_formula(opacity: &TransferOpacity, colormap: &Colormap) -> Vec<LinearPiece> {
     let bell = Bell::new(opacity);
     let end = opaque_from(opacity).min(bell.end);
     let mut cuts = vec![0.0, bell.crossover.min(end), end];
@@ -197,7 +197,7 @@ fn pieces_of_formula(opacity: &TransferOpacity, colormap: &Colormap) -> Vec<Piec
     cuts.push(f64::INFINITY);
     cuts.sort_by(f64::total_cmp);
     cuts.dedup();
-    let pieces = cuts.windows(2).map(|ends| Piece {
+    let pieces = cuts.windows(2).map(|ends| LinearPiece {
         from: ends[0],
         to: ends[1],
         colour: [colormap.at(ends[0]), colormap.at(ends[1])],
@@ -227,12 +227,12 @@ fn opaque_from(opacity: &TransferOpacity) -> f64 {
     }
 }
 
-impl Piece {
+impl LinearPiece {
     /// Where in the piece `value` lies, in [0, 1]: as [`TransferPoints::opacity`] has it.
-    fn place(&self, value: f64) -> f64 {
-        let place = (value - self.from) / (self.to - self.from);
+    fn share(&self, value: f64) -> f64 {
+        let share = (value - self.from) / (self.to - self.from);
         // Only constants have no end.
-        if place.is_finite() { place } else { 0.0 }
+        if share.is_finite() { share } else { 0.0 }
     }
 
     /// The mean of `−ln(1 − a)` over the values from `p` to `q`, in either order.
@@ -240,7 +240,7 @@ impl Piece {
         match &self.law {
             Law::Opaque => f64::INFINITY,
             Law::Line([from, to]) => {
-                let at = |value| f64::lerp_between(*from, *to, self.place(value));
+                let at = |value| f64::lerp_between(*from, *to, self.share(value));
                 let (p, q) = (at(p), at(q));
                 mean_of_minus_ln(p.min(q), p.max(q))
             }
@@ -350,16 +350,16 @@ const GAUSS_8: [(f64, f64); 4] = [
 ];
 
 /// What a segment sees of one piece.
-struct Stretch<'p> {
-    piece: &'p Piece,
+struct LinearSegment<'p> {
+    piece: &'p LinearPiece,
     /// In front and at the back.
     values: [f64; 2],
     /// Length in units of the reference length.
     lengths: f64,
 }
 
-impl Stretch<'_> {
-    /// Depth of the share `x` of the stretch in front.
+impl LinearSegment<'_> {
+    /// Depth of the share `x` of the segment in front.
     fn depth(&self, x: f64) -> f64 {
         let [front, back] = self.values;
         let value = if x == 1.0 {
@@ -370,11 +370,11 @@ impl Stretch<'_> {
         optical_depth(self.piece.mean_depth(front, value), self.lengths * x)
     }
 
-    /// Colour times strength along the stretch: coefficients of the powers of `x`.
+    /// Colour times strength along the segment: coefficients of the powers of `x`.
     fn emission(&self, appearance: &Appearance) -> [DVec3; 4] {
         let [front, back] = self.values;
         let [from, to] = self.piece.colour;
-        let colour = |value| DVec3::lerp_between(from, to, self.piece.place(value));
+        let colour = |value| DVec3::lerp_between(from, to, self.piece.share(value));
         let (start, rise) = (colour(front), colour(back) - colour(front));
         match appearance {
             Appearance::Points(_) => [start, rise, DVec3::ZERO, DVec3::ZERO],
@@ -391,7 +391,7 @@ impl Stretch<'_> {
         }
     }
 
-    /// Associated radiance, given the emission and the depth of the whole stretch.
+    /// Associated radiance, given the emission and the depth of the whole segment.
     fn radiance(&self, emission: &[DVec3; 4], depth: f64) -> DVec3 {
         let [start, slope, ..] = *emission;
         if depth == 0.0 {
@@ -415,7 +415,7 @@ impl Stretch<'_> {
             + emission[3] * (3.0 * moments.z)
     }
 
-    /// Up to which share of the stretch there is anything to be seen. Beyond a depth of `UNSEEN`
+    /// Up to which share of the segment there is anything to be seen. Beyond a depth of `UNSEEN`
     /// there is not, and quadrature from there on might step over what is before.
     fn reach(&self, depth: f64) -> f64 {
         if depth <= UNSEEN {
@@ -558,9 +558,9 @@ mod tests {
         // Half of four reference lengths at 0.75: a depth of 2 ln 4, and then green.
         let found = prepared.segment(0.0, 2.0, 2.0);
         assert_eq!(found.opacity, 1.0);
-        let through = 1.0 / 16.0;
-        assert_relative(found.colour.x, 1.0 - through, 4.0 * f64::EPSILON);
-        assert_relative(found.colour.y, 2.0 * through, 16.0 * f64::EPSILON);
+        let transmittance = 1.0 / 16.0;
+        assert_relative(found.colour.x, 1.0 - transmittance, 4.0 * f64::EPSILON);
+        assert_relative(found.colour.y, 2.0 * transmittance, 16.0 * f64::EPSILON);
         // From the other side it begins with what is opaque.
         let back = prepared.segment(1.5, 0.0, 2.0);
         assert_eq!(back, Layers::single(transfer.colour(1.5), 1.0));

@@ -6,11 +6,11 @@ use glam::DVec3;
 
 /// Extinction along a ray, in one channel.
 pub struct Profile<'p> {
-    /// Stretches that follow one another without gaps, with bounds on the extinction over each.
-    pub stretches: Vec<Stretch>,
+    /// Segments that follow one another without gaps, with bounds on the extinction over each.
+    pub segments: Vec<BoundedSegment>,
     /// Extinction at a distance, per length; adds what it looked up to the number.
     pub extinction: Extinction<'p>,
-    /// Places between which the extinction is smooth, or nearly so, beside the ends of stretches.
+    /// Places between which the extinction is smooth, or nearly so, beside the ends of segments.
     pub kinks: Vec<f64>,
     /// Densities that a look-up of the extinction looks up; 0 if that differs along the ray.
     pub densities: usize,
@@ -19,9 +19,9 @@ pub struct Profile<'p> {
 /// Extinction by distance; the number counts look-ups.
 pub type Extinction<'p> = Box<dyn Fn(f64, &mut u64) -> f64 + Send + Sync + 'p>;
 
-/// A stretch of a ray, and bounds on the extinction over it.
+/// A segment of a ray, and bounds on the extinction over it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretch {
+pub struct BoundedSegment {
     /// From where to where.
     pub span: Span,
     /// No extinction is below.
@@ -33,7 +33,7 @@ pub struct Stretch {
 impl Profile<'_> {
     /// From where to where the ray is followed.
     pub fn span(&self) -> Span {
-        match (self.stretches.first(), self.stretches.last()) {
+        match (self.segments.first(), self.segments.last()) {
             (Some(first), Some(last)) => Span {
                 near: first.span.near,
                 far: last.span.far,
@@ -52,9 +52,9 @@ impl Profile<'_> {
 
     /// `∫ σ̄ dt`, the depth of the bounds.
     pub fn majorant_depth(&self) -> f64 {
-        let stretches = self.stretches.iter();
-        stretches
-            .map(|stretch| stretch.high * stretch.span.length())
+        let segments = self.segments.iter();
+        segments
+            .map(|segment| segment.high * segment.span.length())
             .sum()
     }
 
@@ -63,12 +63,12 @@ impl Profile<'_> {
         (self.extinction)(t, &mut 0)
     }
 
-    /// Ends of stretches and kinks, in order, each once: between two of them the extinction is
+    /// Ends of segments and kinks, in order, each once: between two of them the extinction is
     /// smooth.
     pub fn cuts(&self) -> Vec<f64> {
         let span = self.span();
         let mut cuts: Vec<f64> = vec![span.near, span.far];
-        cuts.extend(self.stretches.iter().map(|stretch| stretch.span.near));
+        cuts.extend(self.segments.iter().map(|segment| segment.span.near));
         cuts.extend(&self.kinks);
         cuts.retain(|&t| span.near <= t && t <= span.far);
         cuts.sort_unstable_by(f64::total_cmp);
@@ -76,24 +76,24 @@ impl Profile<'_> {
         cuts
     }
 
-    /// The stretch that holds `t`; of two that meet there, the first.
-    pub fn stretch_at(&self, t: f64) -> Option<&Stretch> {
+    /// The segment that holds `t`; of two that meet there, the first.
+    pub fn segment_at(&self, t: f64) -> Option<&BoundedSegment> {
         let index = self
-            .stretches
-            .partition_point(|stretch| stretch.span.far < t);
-        self.stretches.get(index)
+            .segments
+            .partition_point(|segment| segment.span.far < t);
+        self.segments.get(index)
     }
 
-    /// The same ray in matter `factor > 0` times as dense.
+    /// The same ray in a medium `factor > 0` times as dense.
     pub fn scaled(&self, factor: f64) -> Profile<'_> {
-        let stretch = |stretch: &Stretch| Stretch {
-            low: stretch.low * factor,
+        let segment = |segment: &BoundedSegment| BoundedSegment {
+            low: segment.low * factor,
             // An extinction may round up where its bound rounds down.
-            high: stretch.high * factor * (1.0 + 2.0 * f64::EPSILON),
-            ..*stretch
+            high: segment.high * factor * (1.0 + 2.0 * f64::EPSILON),
+            ..*segment
         };
         Profile {
-            stretches: self.stretches.iter().map(stretch).collect(),
+            segments: self.segments.iter().map(segment).collect(),
             extinction: Box::new(move |t, lookups| factor * (self.extinction)(t, lookups)),
             kinks: self.kinks.clone(),
             densities: self.densities,
@@ -101,8 +101,8 @@ impl Profile<'_> {
     }
 
     /// The ray as the renderer's own trackers want it.
-    pub fn walk(&self) -> Walk<'_> {
-        Walk {
+    pub fn walk(&self) -> ProfileWalk<'_> {
+        ProfileWalk {
             profile: self,
             next: 0,
             lookups: 0,
@@ -111,29 +111,29 @@ impl Profile<'_> {
 }
 
 /// A walk along a profile.
-pub struct Walk<'p> {
+pub struct ProfileWalk<'p> {
     profile: &'p Profile<'p>,
     next: usize,
     /// Look-ups so far.
     pub lookups: u64,
 }
 
-impl Iterator for Walk<'_> {
+impl Iterator for ProfileWalk<'_> {
     type Item = MajorantSegment;
 
     fn next(&mut self) -> Option<MajorantSegment> {
-        let stretch = self.profile.stretches.get(self.next)?;
+        let segment = self.profile.segments.get(self.next)?;
         self.next += 1;
         Some(MajorantSegment {
-            span: stretch.span,
-            minorant: DVec3::splat(stretch.low),
-            majorant: DVec3::splat(stretch.high),
+            span: segment.span,
+            minorant: DVec3::splat(segment.low),
+            majorant: DVec3::splat(segment.high),
             emission: DVec3::ZERO,
         })
     }
 }
 
-impl Majorants for Walk<'_> {
+impl Majorants for ProfileWalk<'_> {
     fn extinction(&mut self, t: f64) -> DVec3 {
         DVec3::splat((self.profile.extinction)(t, &mut self.lookups))
     }

@@ -16,7 +16,7 @@ pub struct Cost {
     pub studies: Vec<Study>,
     /// Estimators of one ray's transmittance: what they promise, and what they keep.
     pub estimators: Option<EstimatorTable>,
-    /// The same estimators in thinner and denser matter.
+    /// The same estimators in thinner and denser media.
     pub thickness: Option<ThicknessSweep>,
     /// Jittered marching along one ray: bias and variance apart.
     pub jitter: Option<JitterSplit>,
@@ -39,9 +39,9 @@ pub struct Study {
     pub reference: Reference,
     /// What orders are judged on, where that is not all of it.
     pub judged_on: Option<String>,
-    /// A ladder for every way to approximate it.
-    pub ladders: Vec<Ladder>,
-    /// The cheapest setting of each ladder for a wanted error.
+    /// A sweep for every way to approximate it.
+    pub sweeps: Vec<Sweep>,
+    /// The cheapest setting of each sweep for a wanted error.
     pub prices: Vec<Price>,
     /// Pictures of signed errors.
     pub pictures: Vec<ErrorPicture>,
@@ -59,27 +59,27 @@ pub struct Reference {
     pub bound: f64,
 }
 
-/// Settings of one knob, from coarse to fine.
+/// Settings of one parameter, from coarse to fine.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Ladder {
+pub struct Sweep {
     /// The way to approximate: `midpoint`, `delta tracking`, …
     pub estimator: String,
     /// Whether it is what the reference renderer does.
     pub is_ours: bool,
-    /// What is turned.
-    pub knob: Knob,
+    /// What is varied.
+    pub parameter: Parameter,
     /// The settings.
-    pub rungs: Vec<Rung>,
+    pub levels: Vec<Level>,
     /// How its error is expected to fall, and how it does.
-    pub order: Order,
-    /// Where a ladder ended early, why.
+    pub order: ConvergenceOrder,
+    /// Where a sweep ended early, why.
     pub cut: Option<String>,
 }
 
-/// Something to be turned.
+/// Something to be varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Knob {
+pub enum Parameter {
     /// Distance between samples along a ray.
     Step,
     /// Distance between samples along a shadow ray.
@@ -96,7 +96,7 @@ pub enum Knob {
 
 /// One setting.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Rung {
+pub struct Level {
     /// In words: "0.25 voxels", "16 samples".
     pub setting: String,
     /// As a number: a length, or a number of samples.
@@ -235,9 +235,9 @@ pub struct Times {
     pub is_noisy: bool,
 }
 
-/// How an error falls as a knob is turned: as the `order`-th power of it.
+/// How an error falls as a parameter is refined: as the `order`-th power of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Order {
+pub struct ConvergenceOrder {
     /// From theory, where that says; of a number of samples, negative.
     pub expected: Option<f64>,
     /// Errors up to this may be those of the reference, and are not counted.
@@ -276,23 +276,23 @@ pub enum OrderVerdict {
     NothingExpected,
 }
 
-/// The cheapest setting of each ladder for a wanted error.
+/// The cheapest setting of each sweep for a wanted error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Price {
     /// Root mean square error that is wanted.
     pub error: f64,
-    /// By ladder, cheapest first.
+    /// By sweep, cheapest first.
     pub offers: Vec<Offer>,
 }
 
-/// What a ladder asks for a wanted error.
+/// What a sweep asks for a wanted error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Offer {
     /// The estimator.
     pub estimator: String,
-    /// What is turned.
-    pub knob: Knob,
-    /// The setting; none if no setting of the ladder reaches the error.
+    /// What is varied.
+    pub parameter: Parameter,
+    /// The setting; none if no setting of the sweep reaches the error.
     pub setting: Option<String>,
     /// Look-ups for each ray.
     pub lookups: Option<f64>,
@@ -356,7 +356,7 @@ pub struct ThicknessSweep {
     pub curves: Vec<ThicknessCurve>,
 }
 
-/// One estimator in thinner and denser matter.
+/// One estimator in thinner and denser media.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ThicknessCurve {
     /// Which.
@@ -394,9 +394,9 @@ pub struct JitterCurve {
     /// By falling step.
     pub points: Vec<JitterPoint>,
     /// Order of the standard deviation of the optical depth.
-    pub deviation_order: Order,
+    pub deviation_order: ConvergenceOrder,
     /// Order of the bias of the transmittance.
-    pub bias_order: Order,
+    pub bias_order: ConvergenceOrder,
 }
 
 /// Jittered marching at one step.

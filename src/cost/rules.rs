@@ -7,7 +7,7 @@ use crate::render::classified::steps::Steps;
 
 /// A rule for one step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rule {
+pub enum StepRule {
     /// The value where the step begins.
     Left,
     /// The value in its middle.
@@ -20,33 +20,33 @@ pub enum Rule {
     GaussTwo,
 }
 
-impl Rule {
+impl StepRule {
     /// All of them.
-    pub const ALL: [Rule; 5] = [
-        Rule::Left,
-        Rule::Midpoint,
-        Rule::Trapezoid,
-        Rule::Simpson,
-        Rule::GaussTwo,
+    pub const ALL: [StepRule; 5] = [
+        StepRule::Left,
+        StepRule::Midpoint,
+        StepRule::Trapezoid,
+        StepRule::Simpson,
+        StepRule::GaussTwo,
     ];
 
     /// As it is called.
     pub fn name(self) -> &'static str {
         match self {
-            Rule::Left => "left",
-            Rule::Midpoint => "midpoint",
-            Rule::Trapezoid => "trapezoid",
-            Rule::Simpson => "Simpson",
-            Rule::GaussTwo => "Gauss, 2 points a step",
+            StepRule::Left => "left",
+            StepRule::Midpoint => "midpoint",
+            StepRule::Trapezoid => "trapezoid",
+            StepRule::Simpson => "Simpson",
+            StepRule::GaussTwo => "Gauss, 2 points a step",
         }
     }
 
     /// Order of its error in the length of a step, where the extinction has as many derivatives.
     pub fn order(self) -> f64 {
         match self {
-            Rule::Left => 1.0,
-            Rule::Midpoint | Rule::Trapezoid => 2.0,
-            Rule::Simpson | Rule::GaussTwo => 4.0,
+            StepRule::Left => 1.0,
+            StepRule::Midpoint | StepRule::Trapezoid => 2.0,
+            StepRule::Simpson | StepRule::GaussTwo => 4.0,
         }
     }
 
@@ -68,18 +68,18 @@ impl Rule {
             let (middle, length) = steps.sample(index);
             let (near, far) = (middle - 0.5 * length, middle + 0.5 * length);
             depth.add(match self {
-                Rule::Left => at(near) * length,
-                Rule::Midpoint => at(middle) * length,
-                Rule::Trapezoid | Rule::Simpson => {
+                StepRule::Left => at(near) * length,
+                StepRule::Midpoint => at(middle) * length,
+                StepRule::Trapezoid | StepRule::Simpson => {
                     let first = before.unwrap_or_else(|| at(near));
                     let last = at(far);
                     before = Some(last);
                     match self {
-                        Rule::Simpson => (first + 4.0 * at(middle) + last) * length / 6.0,
+                        StepRule::Simpson => (first + 4.0 * at(middle) + last) * length / 6.0,
                         _ => (first + last) * length / 2.0,
                     }
                 }
-                Rule::GaussTwo => cubic_integral(&mut at, near, far),
+                StepRule::GaussTwo => cubic_integral(&mut at, near, far),
             });
         }
         (depth.value(), lookups)

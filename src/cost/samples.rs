@@ -1,9 +1,9 @@
 //! What samples per pixel cost, where an image is a mean of random samples.
 
 use super::norms::root_mean_square;
-use super::order::Expected;
-use super::results::{Knob, Reference, Study};
-use super::study::{Climb, Outcome, Setting, climb};
+use super::order::ExpectedOrder;
+use super::results::{Parameter, Reference, Study};
+use super::study::{PlannedSweep, Setting, SettingOutcome, run_sweeps};
 use super::thumbnail;
 use super::timing::Clock;
 use crate::film::Film;
@@ -56,10 +56,10 @@ pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderErr
             // What cannot be rendered has no errors, which is no error of 0.
             let sampling = sampling(samples, seed.wrapping_add(index as u64));
             let Ok(made) = render_counted(plans, sampling, &|| ()) else {
-                return Outcome::default();
+                return SettingOutcome::default();
             };
             let errors = values(&made.film).into_iter().zip(right);
-            Outcome {
+            SettingOutcome {
                 errors: errors.map(|(value, right)| value - right).collect(),
                 work: made.work[0],
                 rays: width * height,
@@ -68,14 +68,14 @@ pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderErr
         }),
         single: None,
     });
-    let climbs = [Climb {
+    let planned = [PlannedSweep {
         estimator: "path tracing".to_owned(),
         is_ours: true,
-        knob: Knob::Samples,
-        expected: Expected::OF_SAMPLES,
+        parameter: Parameter::Samples,
+        expected: ExpectedOrder::OF_SAMPLES,
         settings: settings.collect(),
     }];
-    let ladders = climb(&climbs, scale, bound, None, clock);
+    let sweeps = run_sweeps(&planned, scale, bound, None, clock);
     Ok(Study::of(
         "samples",
         format!("radiance of {width} × {height} pixels, by samples per pixel"),
@@ -86,7 +86,7 @@ pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderErr
             ),
             bound,
         },
-        ladders,
+        sweeps,
     ))
 }
 

@@ -4,7 +4,7 @@ use super::estimators;
 use super::jitter::Jitter;
 use super::results::{Cost, JitterSplit, Study};
 use super::timing::Clock;
-use super::transmittance::{self, Crossing, Crossings};
+use super::transmittance::{self, Crossings, RayThroughMedia};
 use super::{advice, data, effects, image, pixels, samples};
 use crate::render::radiative::effects::Everything;
 use crate::render::radiative::scene_context::SceneContext;
@@ -25,20 +25,24 @@ pub struct Options {
 /// Why nothing was found out.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum CostError {
-    /// There is nothing to be turned.
-    #[error("this scene has no knob to turn: {0}")]
-    NoKnob(&'static str),
+    /// There is nothing to be varied.
+    #[error("this scene has no parameter to vary: {0}")]
+    NoParameter(&'static str),
     /// The scene cannot be rendered.
     #[error(transparent)]
     Render(#[from] RenderError),
 }
 
-/// What accuracy costs in `scene`, panel by panel. `told` is told of what is done next.
-pub fn cost(scene: &Scene, options: &Options, told: &dyn Fn(&str)) -> Result<Vec<Cost>, CostError> {
+/// What accuracy costs in `scene`, panel by panel. `report` is called with what is done next.
+pub fn cost(
+    scene: &Scene,
+    options: &Options,
+    report: &dyn Fn(&str),
+) -> Result<Vec<Cost>, CostError> {
     let several = scene.panels.len() > 1;
     let panels = scene.panels.iter().enumerate();
     let costs = panels.map(|(index, panel)| {
-        let mut cost = panel_cost(panel, &scene.path, options, told)?;
+        let mut cost = panel_cost(panel, &scene.path, options, report)?;
         if several {
             let title = panel.title.clone();
             cost.panel = Some(title.unwrap_or_else(|| format!("panel {}", index + 1)));
@@ -55,7 +59,7 @@ fn panel_cost(
     panel: &Panel,
     path: &Path,
     options: &Options,
-    told: &dyn Fn(&str),
+    report: &dyn Fn(&str),
 ) -> Result<Cost, CostError> {
     let mut cost = Cost {
         scene: path.display().to_string(),
@@ -68,7 +72,7 @@ fn panel_cost(
         recommendations: vec![],
         notes: vec![],
     };
-    // Rays are followed to their ends here: what is measured is a scene's knobs, each by itself.
+    // Rays are followed to their ends here: what is measured is a scene's parameters, each by itself.
     let whole = to_the_end(panel);
     if whole.is_some() {
         let note = "`early_termination` is left out: every ray is followed to its end here";
@@ -77,20 +81,20 @@ fn panel_cost(
     let panel = whole.as_ref().unwrap_or(panel);
     match &panel.model {
         Model::Curve(_) => {
-            return Err(CostError::NoKnob(
+            return Err(CostError::NoParameter(
                 "a plot of a transfer function is not sampled",
             ));
         }
-        Model::Classified(scene) => of_classified(&mut cost, scene, panel, options, told),
-        Model::Radiative(scene) => of_radiative(&mut cost, scene, panel, options, told)?,
+        Model::Classified(scene) => of_classified(&mut cost, scene, panel, options, report),
+        Model::Radiative(scene) => of_radiative(&mut cost, scene, panel, options, report)?,
     }
     if cost.studies.is_empty() && (cost.notes.is_empty() || whole.is_some()) {
-        return Err(CostError::NoKnob(
+        return Err(CostError::NoParameter(
             "nothing in it is marched, tracked or sampled, every pixel is a closed form",
         ));
     }
     let missing = "the prices of effects were not measured";
-    if has_time(&mut cost, options, told, "effects", missing) {
+    if has_time(&mut cost, options, report, "effects", missing) {
         match effects::prices(panel, &options.clock) {
             Ok(effects) => cost.effects = effects,
             Err(error) => {
@@ -102,7 +106,7 @@ fn panel_cost(
     let unsure = cost.studies.iter();
     let unsure = unsure.filter(|study| study.reference.bound > SURE);
     cost.notes.extend(unsure.map(|study| {
-        let known = study.ladders.iter().map(|ladder| ladder.order.known);
+        let known = study.sweeps.iter().map(|sweep| sweep.order.known);
         format!(
             "{}: the reference itself may be off by {:.1e}; no order and no price is claimed below \
              {:.1e}",
@@ -111,9 +115,9 @@ fn panel_cost(
             known.fold(0.0, f64::max)
         )
     }));
-    let timed = cost.studies.iter().flat_map(|study| &study.ladders);
-    let mut rungs = timed.flat_map(|ladder| &ladder.rungs);
-    if options.clock.runs > 0 && rungs.all(|rung| rung.time.is_none()) {
+    let timed = cost.studies.iter().flat_map(|study| &study.sweeps);
+    let mut levels = timed.flat_map(|sweep| &sweep.levels);
+    if options.clock.runs > 0 && levels.all(|level| level.time.is_none()) {
         let note = "times were not taken: the time given was over";
         cost.notes.push(note.to_owned());
     }
@@ -121,12 +125,12 @@ fn panel_cost(
     Ok(cost)
 }
 
-/// Whether there is time for the next `step`, of which `told` is told; if not, what is `missing` is
+/// Whether there is time for the next `step`, with which `report` is called; if not, what is `missing` is
 /// noted.
 fn has_time(
     cost: &mut Cost,
     options: &Options,
-    told: &dyn Fn(&str),
+    report: &dyn Fn(&str),
     step: &str,
     missing: &str,
 ) -> bool {
@@ -135,7 +139,7 @@ fn has_time(
         true => cost
             .notes
             .push(format!("{missing}: the time given was over")),
-        false => told(step),
+        false => report(step),
     }
     !is_over
 }
@@ -161,17 +165,23 @@ fn of_classified(
     scene: &Classified,
     panel: &Panel,
     options: &Options,
-    told: &dyn Fn(&str),
+    report: &dyn Fn(&str),
 ) {
     let size = [panel.width, panel.height];
     let clock = &options.clock;
-    told("steps");
+    report("steps");
     cost.studies.push(image::steps(scene, size, clock));
     let note = "the reference renderer's own ray caster leaps over empty space, the other schemes \
                 look everywhere: compare their look-ups with that in mind";
     cost.notes.push(note.to_owned());
     let mut later = |name: &str, study: &dyn Fn() -> Option<Study>| {
-        if has_time(cost, options, told, name, &format!("{name} were not tried")) {
+        if has_time(
+            cost,
+            options,
+            report,
+            name,
+            &format!("{name} were not tried"),
+        ) {
             cost.studies.extend(study());
         }
     };
@@ -190,24 +200,24 @@ fn of_radiative(
     scene: &Radiative,
     panel: &Panel,
     options: &Options,
-    told: &dyn Fn(&str),
+    report: &dyn Fn(&str),
 ) -> Result<(), CostError> {
     let size = [panel.width, panel.height];
     let clock = &options.clock;
     let around: SceneContext<'_, Everything> = SceneContext::new(scene, false);
     if let Some(crossings) = transmittance::crossings(&around, size) {
-        told("transmittance");
+        report("transmittance");
         let study = transmittance::study(&crossings, options.seed, clock);
         cost.studies.push(study);
-        of_one_ray(cost, &crossings, options, told);
+        of_one_ray(cost, &crossings, options, report);
         let missing = "coarser data were not tried";
-        if has_time(cost, options, told, "coarser data", missing) {
+        if has_time(cost, options, report, "coarser data", missing) {
             cost.studies.extend(data::of_grids(&crossings, clock));
         }
     }
     if Plan::new(panel).is_sampled() {
         let missing = "samples per pixel were not tried";
-        if has_time(cost, options, told, "samples per pixel", missing) {
+        if has_time(cost, options, report, "samples per pixel", missing) {
             cost.studies
                 .push(samples::study(panel, options.seed, clock)?);
         }
@@ -231,8 +241,13 @@ const JITTER_STEPS: [f64; 8] = [
 ];
 
 /// Tables about a single ray: the one whose optical depth is nearest to [`TYPICAL_DEPTH`].
-fn of_one_ray(cost: &mut Cost, crossings: &Crossings<'_>, options: &Options, told: &dyn Fn(&str)) {
-    let far = |ray: &&Crossing<'_>| (ray.depth - TYPICAL_DEPTH).abs();
+fn of_one_ray(
+    cost: &mut Cost,
+    crossings: &Crossings<'_>,
+    options: &Options,
+    report: &dyn Fn(&str),
+) {
+    let far = |ray: &&RayThroughMedia<'_>| (ray.depth - TYPICAL_DEPTH).abs();
     let rays = crossings.rays.iter();
     let Some(ray) = rays
         .filter(|ray| ray.depth > 0.0)
@@ -246,7 +261,7 @@ fn of_one_ray(cost: &mut Cost, crossings: &Crossings<'_>, options: &Options, tol
     );
     let Options { clock, seed } = options;
     let missing = "estimators were not compared on one ray";
-    if !has_time(cost, options, told, "estimators on one ray", missing)
+    if !has_time(cost, options, report, "estimators on one ray", missing)
         || ray.profile.majorant_depth() > transmittance::MOST_DEPTHS
     {
         return;

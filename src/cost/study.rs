@@ -1,15 +1,15 @@
-//! Climbing ladders: every setting is tried once for its error and its work, then all are timed
+//! Sweeps of a parameter: every setting is tried once for its error and its work, then all are timed
 //! by turns.
 
 use super::norms::Errors;
-use super::order::{Expected, order};
-use super::results::{Knob, Ladder, MeanWork, Norms, Offer, Price, Reference, Rung, Study};
+use super::order::{ExpectedOrder, order};
+use super::results::{Level, MeanWork, Norms, Offer, Parameter, Price, Reference, Study, Sweep};
 use super::timing::Clock;
 use crate::render::Counters;
 
 /// What came of one setting.
 #[derive(Clone, Debug, Default)]
-pub struct Outcome {
+pub struct SettingOutcome {
     /// Signed errors, in a fixed order: ray by ray and channel by channel.
     pub errors: Vec<f64>,
     /// What was done for them.
@@ -21,59 +21,59 @@ pub struct Outcome {
 }
 
 /// Does what one setting says. The same on every call.
-pub type Run<'a> = Box<dyn Fn() -> Outcome + Send + Sync + 'a>;
+pub type SettingRun<'a> = Box<dyn Fn() -> SettingOutcome + Send + Sync + 'a>;
 
-/// One setting of a ladder.
+/// One setting of a sweep.
 pub struct Setting<'a> {
     /// In words.
     pub name: String,
     /// As a number.
     pub value: f64,
     /// What is done.
-    pub run: Run<'a>,
+    pub run: SettingRun<'a>,
     /// The same in single precision.
-    pub single: Option<Run<'a>>,
+    pub single: Option<SettingRun<'a>>,
 }
 
-/// A ladder before it is climbed.
-pub struct Climb<'a> {
-    /// The way to approximate.
+/// A sweep before it is run.
+pub struct PlannedSweep<'a> {
+    /// Name of the approximation.
     pub estimator: String,
     /// Whether it is what the reference renderer does.
     pub is_ours: bool,
-    /// What is turned.
-    pub knob: Knob,
+    /// What is varied.
+    pub parameter: Parameter,
     /// What theory says.
-    pub expected: Expected,
+    pub expected: ExpectedOrder,
     /// From coarse to fine.
     pub settings: Vec<Setting<'a>>,
 }
 
-/// Climbs all `climbs`, rung by rung so that each gets its share of the time there is. Errors are
+/// Runs all `planned` sweeps, level by level so that each gets its share of the time there is. Errors are
 /// in units of `scale`; the reference may be off by `bound` of them. Orders are judged by the errors
 /// for which `judged` holds, if it is given.
-pub fn climb(
-    climbs: &[Climb<'_>],
+pub fn run_sweeps(
+    planned: &[PlannedSweep<'_>],
     scale: f64,
     bound: f64,
     judged: Option<&[bool]>,
     clock: &Clock,
-) -> Vec<Ladder> {
-    let mut rungs: Vec<Vec<Rung>> = climbs.iter().map(|_| Vec::new()).collect();
-    let mut cuts: Vec<Option<String>> = vec![None; climbs.len()];
+) -> Vec<Sweep> {
+    let mut levels: Vec<Vec<Level>> = planned.iter().map(|_| Vec::new()).collect();
+    let mut cuts: Vec<Option<String>> = vec![None; planned.len()];
     // The same for all settings.
     let mut rays = 1;
-    let highest = climbs.iter().map(|climb| climb.settings.len()).max();
-    for level in 0..highest.unwrap_or(0) {
-        for (index, climb) in climbs.iter().enumerate() {
-            let Some(setting) = climb.settings.get(level) else {
+    let highest = planned.iter().map(|sweep| sweep.settings.len()).max();
+    for index in 0..highest.unwrap_or(0) {
+        for (at, sweep) in planned.iter().enumerate() {
+            let Some(setting) = sweep.settings.get(index) else {
                 continue;
             };
             if clock.is_over() {
-                cuts[index].get_or_insert_with(|| {
+                cuts[at].get_or_insert_with(|| {
                     format!(
-                        "the time given was over after {level} of {} settings",
-                        climb.settings.len()
+                        "the time given was over after {index} of {} settings",
+                        sweep.settings.len()
                     )
                 });
                 continue;
@@ -98,7 +98,7 @@ pub fn climb(
                 let judged = errors.filter(|(_, judged)| **judged);
                 norms(&judged.map(|(error, _)| *error).collect::<Vec<_>>())
             });
-            rungs[index].push(Rung {
+            levels[at].push(Level {
                 setting: setting.name.clone(),
                 value: setting.value,
                 work: MeanWork::per_ray(&outcome.work, rays),
@@ -109,21 +109,21 @@ pub fn climb(
             });
         }
     }
-    time(climbs, &mut rungs, rays, clock);
-    let ladders = climbs.iter().zip(rungs).zip(cuts);
-    ladders
-        .map(|((climb, rungs), cut)| {
-            let values: Vec<f64> = rungs.iter().map(|rung| rung.value).collect();
-            let errors = rungs.iter();
+    time(planned, &mut levels, rays, clock);
+    let sweeps = planned.iter().zip(levels).zip(cuts);
+    sweeps
+        .map(|((sweep, levels), cut)| {
+            let values: Vec<f64> = levels.iter().map(|level| level.value).collect();
+            let errors = levels.iter();
             let errors: Vec<Norms> = errors
-                .map(|rung| rung.error_of_order.unwrap_or(rung.error))
+                .map(|level| level.error_of_order.unwrap_or(level.error))
                 .collect();
-            Ladder {
-                estimator: climb.estimator.clone(),
-                is_ours: climb.is_ours,
-                knob: climb.knob,
-                order: order(&values, &errors, climb.expected, bound),
-                rungs,
+            Sweep {
+                estimator: sweep.estimator.clone(),
+                is_ours: sweep.is_ours,
+                parameter: sweep.parameter,
+                order: order(&values, &errors, sweep.expected, bound),
+                levels,
                 cut,
             }
         })
@@ -137,9 +137,9 @@ fn norms(all: &[f64], scale: f64) -> Norms {
 }
 
 /// Times all settings that were tried, for each of `rays`.
-fn time(climbs: &[Climb<'_>], rungs: &mut [Vec<Rung>], rays: usize, clock: &Clock) {
-    let tried = climbs.iter().zip(rungs.iter());
-    let tried = tried.flat_map(|(climb, rungs)| &climb.settings[..rungs.len()]);
+fn time(planned: &[PlannedSweep<'_>], levels: &mut [Vec<Level>], rays: usize, clock: &Clock) {
+    let tried = planned.iter().zip(levels.iter());
+    let tried = tried.flat_map(|(sweep, levels)| &sweep.settings[..levels.len()]);
     let tasks: Vec<Box<dyn Fn() + Sync + '_>> = tried
         .map(|setting| -> Box<dyn Fn() + Sync> {
             Box::new(|| {
@@ -149,28 +149,28 @@ fn time(climbs: &[Climb<'_>], rungs: &mut [Vec<Rung>], rays: usize, clock: &Cloc
         .collect();
     let tasks: Vec<&(dyn Fn() + Sync)> = tasks.iter().map(|task| &**task).collect();
     let times = clock.by_turns(&tasks, rays as f64);
-    for (rung, time) in rungs.iter_mut().flatten().zip(times) {
-        rung.time = time;
+    for (level, time) in levels.iter_mut().flatten().zip(times) {
+        level.time = time;
     }
 }
 
 impl Study {
-    /// What came of `ladders`, and their prices; without pictures.
+    /// What came of `sweeps`, and their prices; without pictures.
     pub fn of(
         name: &'static str,
         quantity: String,
         reference: Reference,
-        ladders: Vec<Ladder>,
+        sweeps: Vec<Sweep>,
     ) -> Study {
         Study {
             name,
             quantity,
             reference,
             judged_on: None,
-            prices: prices(&ladders),
+            prices: prices(&sweeps),
             pictures: vec![],
             worst_ray: None,
-            ladders,
+            sweeps,
         }
     }
 }
@@ -178,29 +178,31 @@ impl Study {
 /// Wanted errors of the price list.
 pub const WANTED: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-6];
 
-/// The cheapest setting of each of the `ladders` that may be compared with one another, for each
+/// The cheapest setting of each of the `sweeps` that may be compared with one another, for each
 /// wanted error. Nothing is said to reach an error that the reference does not know.
-fn prices(ladders: &[Ladder]) -> Vec<Price> {
-    WANTED.map(|error| price(ladders, error)).to_vec()
+fn prices(sweeps: &[Sweep]) -> Vec<Price> {
+    WANTED.map(|error| price(sweeps, error)).to_vec()
 }
 
-fn price(ladders: &[Ladder], error: f64) -> Price {
-    let mut offers: Vec<Offer> = ladders
+fn price(sweeps: &[Sweep], error: f64) -> Price {
+    let mut offers: Vec<Offer> = sweeps
         .iter()
-        .map(|ladder| {
+        .map(|sweep| {
             // A setting counts only if all finer ones do as well: no lucky hits.
-            let good = ladder
-                .rungs
+            let good = sweep
+                .levels
                 .iter()
                 .rev()
-                .take_while(|rung| ladder.order.known <= error && rung.error.l2 <= error);
+                .take_while(|level| sweep.order.known <= error && level.error.l2 <= error);
             let cheapest = good.min_by(|a, b| a.work.price().total_cmp(&b.work.price()));
             Offer {
-                estimator: ladder.estimator.clone(),
-                knob: ladder.knob,
-                setting: cheapest.map(|rung| rung.setting.clone()),
-                lookups: cheapest.map(|rung| rung.work.price()),
-                seconds: cheapest.and_then(|rung| rung.time).map(|time| time.median),
+                estimator: sweep.estimator.clone(),
+                parameter: sweep.parameter,
+                setting: cheapest.map(|level| level.setting.clone()),
+                lookups: cheapest.map(|level| level.work.price()),
+                seconds: cheapest
+                    .and_then(|level| level.time)
+                    .map(|time| time.median),
                 times_cheapest: None,
             }
         })

@@ -1,4 +1,4 @@
-//! Wall time, told honestly: by turns, with its spread, and called noisy when it is.
+//! Wall time, reported honestly: by turns, with its spread, and called noisy when it is.
 
 use super::results::{Machine, Times};
 use crate::regular_file;
@@ -58,9 +58,9 @@ impl Clock {
                 if self.is_over() {
                     break 'rounds;
                 }
-                let taken = time(task).as_secs_f64() / share;
+                let spent = time(task).as_secs_f64() / share;
                 if round > 0 {
-                    seconds.push(taken);
+                    seconds.push(spent);
                 }
             }
         }
@@ -103,10 +103,10 @@ pub fn summary(runs: &[f64]) -> Option<Times> {
 
 /// The value below which a `share` of the `sorted` numbers lies, by straight lines between them.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let place = share * (sorted.len() - 1) as f64;
-    let index = place as usize;
+    let rank = share * (sorted.len() - 1) as f64;
+    let index = rank as usize;
     let next = (index + 1).min(sorted.len() - 1);
-    sorted[index] + (sorted[next] - sorted[index]) * (place - index as f64)
+    sorted[index] + (sorted[next] - sorted[index]) * (rank - index as f64)
 }
 
 impl Machine {

@@ -1,13 +1,13 @@
-//! What the transmittance of media of varying density costs, along the rays of the camera.
+//! What the transmittance of heterogeneous media costs, along the rays of the camera.
 
 use super::collocation::{Collocation, Here};
-use super::estimators::Estimator;
+use super::estimators::TransmittanceEstimator;
 use super::norms::root_mean_square;
-use super::order::Expected;
-use super::profile::{Profile, Stretch};
-use super::results::{Knob, Reference, Study};
-use super::rules::Rule;
-use super::study::{Climb, Outcome, Run, Setting, climb};
+use super::order::ExpectedOrder;
+use super::profile::{BoundedSegment, Profile};
+use super::results::{Parameter, Reference, Study};
+use super::rules::StepRule;
+use super::study::{PlannedSweep, Setting, SettingOutcome, SettingRun, run_sweeps};
 use super::thumbnail;
 use super::timing::Clock;
 use crate::geometry::{Ray, Span};
@@ -58,8 +58,8 @@ const TOLERANCE: f64 = 1e-9;
 /// Pieces that a ray is cut into, where nothing says what is smooth on it.
 const PIECES: usize = 64;
 
-/// A ray through media of varying density.
-pub struct Crossing<'s> {
+/// A ray through heterogeneous media.
+pub struct RayThroughMedia<'s> {
     /// Which pixel of the smaller image it belongs to.
     pub pixel: [usize; 2],
     /// Extinction along it, of what varies.
@@ -69,11 +69,11 @@ pub struct Crossing<'s> {
     /// By how much that may be off.
     pub depth_error: f64,
     /// The media that vary on it.
-    pub parts: Vec<Part<'s>>,
+    pub parts: Vec<MediumOnRay<'s>>,
 }
 
-/// A medium of varying density on a ray.
-pub struct Part<'s> {
+/// A heterogeneous medium on a ray.
+pub struct MediumOnRay<'s> {
     /// Its number in the scene.
     pub medium: usize,
     /// Extinction where its density is 1, per length, in the channel that is followed.
@@ -86,7 +86,7 @@ pub struct Part<'s> {
     pub span: Span,
 }
 
-impl Crossing<'_> {
+impl RayThroughMedia<'_> {
     /// Whether all that varies is a grid.
     pub fn is_through_grids(&self) -> bool {
         let mut parts = self.parts.iter();
@@ -107,12 +107,12 @@ impl Crossing<'_> {
     }
 }
 
-/// All rays of a smaller image that cross media of varying density.
+/// All rays of a smaller image that cross heterogeneous media.
 pub struct Crossings<'s> {
     /// Columns and rows of the smaller image.
     pub size: [usize; 2],
     /// The rays.
-    pub rays: Vec<Crossing<'s>>,
+    pub rays: Vec<RayThroughMedia<'s>>,
     /// Length of a voxel, or of a block of a field that is no grid, world units.
     pub unit: f64,
     /// What that is.
@@ -144,7 +144,7 @@ pub enum Ends {
 const ALIKE: f64 = 0.2;
 
 impl Ends {
-    fn of(rays: &[Crossing<'_>]) -> Ends {
+    fn of(rays: &[RayThroughMedia<'_>]) -> Ends {
         let (mut difference, mut mean) = (0.0, 0.0);
         for ray in rays {
             let Span { near, far } = ray.profile.span();
@@ -193,7 +193,7 @@ pub fn crossings<'s>(
         _ => false,
     });
     let collocation = Collocation::new();
-    let rays: Vec<Crossing<'s>> = thumbnail::rays(&scene.camera, size)
+    let rays: Vec<RayThroughMedia<'s>> = thumbnail::rays(&scene.camera, size)
         .into_par_iter()
         .enumerate()
         .filter_map(|(index, ray)| {
@@ -233,7 +233,7 @@ fn crossing<'s>(
     collocation: &Collocation,
     pixel: [usize; 2],
     ray: Ray,
-) -> Option<Crossing<'s>> {
+) -> Option<RayThroughMedia<'s>> {
     let media = &around.media;
     let nearest = around.intersect(&ray, &mut Uncounted);
     let end = nearest.map_or(f64::INFINITY, |nearest| nearest.hit.t);
@@ -265,12 +265,12 @@ fn crossing<'s>(
     if sigma[channel] == 0.0 {
         return None;
     }
-    let mut stretches = Vec::new();
+    let mut segments = Vec::new();
     let mut kinks: Vec<f64> = Vec::new();
     let mut heterogeneous = Vec::new();
     for (span, set) in &pieces {
         let majorants = RayMajorants::new(media, *set, &ray, *span, &mut heterogeneous);
-        stretches.extend(majorants.map(|segment| Stretch {
+        segments.extend(majorants.map(|segment| BoundedSegment {
             span: segment.span,
             low: segment.minorant[channel],
             high: segment.majorant[channel],
@@ -292,7 +292,7 @@ fn crossing<'s>(
             let cut = |index: usize| span.near + span.length() * index as f64 / PIECES as f64;
             kinks.extend((1..PIECES).map(cut));
         }
-        parts.push(Part {
+        parts.push(MediumOnRay {
             medium: index,
             sigma: medium.sigma_t()[channel],
             density,
@@ -317,12 +317,12 @@ fn crossing<'s>(
         })
     };
     let profile = Profile {
-        stretches,
+        segments,
         extinction: Box::new(extinction),
         kinks,
         densities,
     };
-    let mut crossing = Crossing {
+    let mut crossing = RayThroughMedia {
         pixel,
         profile,
         depth: 0.0,
@@ -349,7 +349,7 @@ fn crossing<'s>(
 pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
     let right: Vec<f64> = crossings.rays.iter().map(|ray| exp(-ray.depth)).collect();
     let scale = root_mean_square(right.iter().copied());
-    let error = |ray: &Crossing<'_>| exp(-ray.depth) * ray.depth_error;
+    let error = |ray: &RayThroughMedia<'_>| exp(-ray.depth) * ray.depth_error;
     let bound = crossings.rays.iter().map(error).fold(0.0, f64::max) / scale;
     let bound = bound.max(1e-15);
     let asked = Asked {
@@ -357,22 +357,22 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
         right,
         seed,
     };
-    let mut climbs: Vec<Climb<'_>> = Rule::ALL.map(|rule| asked.by_rule(rule)).into();
-    climbs.push(asked.by_jitter(false));
-    climbs.push(asked.by_jitter(true));
+    let mut planned: Vec<PlannedSweep<'_>> = StepRule::ALL.map(|rule| asked.by_rule(rule)).into();
+    planned.push(asked.by_jitter(false));
+    planned.push(asked.by_jitter(true));
     let deepest = crossings
         .rays
         .iter()
         .map(|ray| ray.profile.majorant_depth());
     let is_dense = deepest.fold(0.0, f64::max) > MOST_DEPTHS;
     if !is_dense {
-        climbs.extend(Estimator::ALL.map(|estimator| asked.by_chance(estimator)));
+        planned.extend(TransmittanceEstimator::ALL.map(|estimator| asked.by_chance(estimator)));
     }
-    let exact = crossings.rays.iter().all(Crossing::is_through_grids);
+    let exact = crossings.rays.iter().all(RayThroughMedia::is_through_grids);
     if exact {
-        climbs.push(asked.cell_by_cell());
+        planned.push(asked.cell_by_cell());
     }
-    let ladders = climb(&climbs, scale, bound, None, clock);
+    let sweeps = run_sweeps(&planned, scale, bound, None, clock);
     Study {
         judged_on: match (crossings.rough, is_dense) {
             (true, _) => Some(
@@ -404,7 +404,7 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
                 .to_owned(),
                 bound,
             },
-            ladders,
+            sweeps,
         )
     }
 }
@@ -420,8 +420,8 @@ impl Asked<'_, '_> {
     /// Asks every ray for its transmittance and counts what was looked up and drawn.
     fn run<'a>(
         &'a self,
-        estimate: impl Fn(&Crossing<'_>, usize) -> (f64, u64, u64) + Send + Sync + 'a,
-    ) -> Run<'a> {
+        estimate: impl Fn(&RayThroughMedia<'_>, usize) -> (f64, u64, u64) + Send + Sync + 'a,
+    ) -> SettingRun<'a> {
         Box::new(move || {
             let found: Vec<(f64, u64, u64)> = self
                 .crossings
@@ -436,7 +436,7 @@ impl Asked<'_, '_> {
                 work.count_times(Event::RandomDraw, *draws);
             }
             let errors = found.iter().zip(&self.right);
-            Outcome {
+            SettingOutcome {
                 errors: errors.map(|((value, ..), right)| value - right).collect(),
                 work,
                 rays: found.len(),
@@ -445,7 +445,7 @@ impl Asked<'_, '_> {
         })
     }
 
-    fn steps<'a>(&'a self, run: impl Fn(f64) -> Run<'a>) -> Vec<Setting<'a>> {
+    fn steps<'a>(&'a self, run: impl Fn(f64) -> SettingRun<'a>) -> Vec<Setting<'a>> {
         let unit = self.crossings.unit;
         STEPS
             .iter()
@@ -458,7 +458,7 @@ impl Asked<'_, '_> {
             .collect()
     }
 
-    fn by_rule(&self, rule: Rule) -> Climb<'_> {
+    fn by_rule(&self, rule: StepRule) -> PlannedSweep<'_> {
         let Crossings {
             kinks,
             jumps,
@@ -467,18 +467,18 @@ impl Asked<'_, '_> {
             ..
         } = self.crossings;
         let like = match rule {
-            Rule::Left if *ends == Ends::Same => Rule::Trapezoid,
+            StepRule::Left if *ends == Ends::Same => StepRule::Trapezoid,
             _ => rule,
         };
-        let rough = *rough || rule == Rule::Left && *ends == Ends::Alike;
-        Climb {
+        let rough = *rough || rule == StepRule::Left && *ends == Ends::Alike;
+        PlannedSweep {
             estimator: rule.name().to_owned(),
             is_ours: false,
-            knob: Knob::Step,
+            parameter: Parameter::Step,
             expected: match (rough, kinks) {
-                (true, _) => Expected::NOTHING,
-                (false, true) => Expected::of_step(like.order_with_kinks(*jumps)),
-                (false, false) => Expected::of_step(like.order()),
+                (true, _) => ExpectedOrder::NOTHING,
+                (false, true) => ExpectedOrder::of_step(like.order_with_kinks(*jumps)),
+                (false, false) => ExpectedOrder::of_step(like.order()),
             },
             settings: self.steps(|step| {
                 self.run(move |ray, _| {
@@ -489,7 +489,7 @@ impl Asked<'_, '_> {
         }
     }
 
-    fn by_jitter(&self, stratified: bool) -> Climb<'_> {
+    fn by_jitter(&self, stratified: bool) -> PlannedSweep<'_> {
         let order = match (self.crossings.jumps, stratified) {
             (true, _) => 1.0,
             (false, true) => 1.5,
@@ -501,13 +501,13 @@ impl Asked<'_, '_> {
             true => "jittered, stratified",
             false => "jittered, one offset a ray",
         };
-        Climb {
+        PlannedSweep {
             estimator: name.to_owned(),
             is_ours: false,
-            knob: Knob::Step,
+            parameter: Parameter::Step,
             expected: match rough {
-                true => Expected::NOTHING,
-                false => Expected::of_step(order),
+                true => ExpectedOrder::NOTHING,
+                false => ExpectedOrder::of_step(order),
             },
             settings: self.steps(|step| {
                 self.run(move |ray, index| {
@@ -528,7 +528,7 @@ impl Asked<'_, '_> {
         }
     }
 
-    fn by_chance(&self, estimator: Estimator) -> Climb<'_> {
+    fn by_chance(&self, estimator: TransmittanceEstimator) -> PlannedSweep<'_> {
         let settings = ESTIMATES.iter().map(|&count| Setting {
             name: match count {
                 1 => "1 estimate".to_owned(),
@@ -549,21 +549,21 @@ impl Asked<'_, '_> {
             }),
             single: None,
         });
-        Climb {
+        PlannedSweep {
             estimator: estimator.name().to_owned(),
-            is_ours: estimator == Estimator::ResidualRatio,
-            knob: Knob::Samples,
-            expected: Expected::OF_SAMPLES,
+            is_ours: estimator == TransmittanceEstimator::ResidualRatio,
+            parameter: Parameter::Samples,
+            expected: ExpectedOrder::OF_SAMPLES,
             settings: settings.collect(),
         }
     }
 
-    fn cell_by_cell(&self) -> Climb<'_> {
-        Climb {
+    fn cell_by_cell(&self) -> PlannedSweep<'_> {
+        PlannedSweep {
             estimator: "Gauss, 2 points a cell".to_owned(),
             is_ours: true,
-            knob: Knob::None,
-            expected: Expected::NOTHING,
+            parameter: Parameter::None,
+            expected: ExpectedOrder::NOTHING,
             settings: vec![Setting {
                 name: "cell by cell".to_owned(),
                 value: 0.0,

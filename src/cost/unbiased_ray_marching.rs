@@ -69,7 +69,7 @@ pub fn march_steps(depth_bound: f64) -> u32 {
     ((lookups / MEAN_MARCHES + 0.5) as u32).max(1)
 }
 
-/// The random numbers of one estimate: uniform in [0, 1), for one purpose at one turn of a path,
+/// The random numbers of one estimate: uniform in [0, 1), for one purpose at one bounce of a path,
 /// from the first on.
 pub fn uniform_numbers(stream: &Stream, bounce: u32, purpose: Purpose) -> impl FnMut() -> f64 {
     let stream = *stream;
@@ -124,8 +124,8 @@ fn marched_depth(
 ) -> f64 {
     let step = span.length() / f64::from(steps);
     // Rounding must not lead out of the span.
-    let place = |index| (span.near + (f64::from(index) + offset) * step).min(span.far);
-    let sum: Sum = (0..steps).map(|index| extinction(place(index))).collect();
+    let point = |index| (span.near + (f64::from(index) + offset) * step).min(span.far);
+    let sum: Sum = (0..steps).map(|index| extinction(point(index))).collect();
     sum.value() / f64::from(steps) * span.length()
 }
 
@@ -253,17 +253,17 @@ mod tests {
 
     #[test]
     fn places_of_a_march() {
-        let mut places = Vec::new();
+        let mut points = Vec::new();
         let span = Span {
             near: 1.0,
             far: 3.0,
         };
         let mut note = |t| {
-            places.push(t);
+            points.push(t);
             1.0
         };
         assert_eq!(marched_depth(&mut note, span, 4, 0.5), 2.0);
-        assert_eq!(places, [1.25, 1.75, 2.25, 2.75]);
+        assert_eq!(points, [1.25, 1.75, 2.25, 2.75]);
     }
 
     #[test]

@@ -14,10 +14,10 @@ use crate::render::classified::curve::PlotLayout;
 use crate::scene::{Model, Panel, Scene};
 use crate::volume::Grid;
 use inline_arrays::to_json;
-use plot::Plot;
+use plot::BundlePlot;
 use serde::Serialize;
 use std::sync::Arc;
-use volume::Volume;
+use volume::BundleVolume;
 
 /// The bundle of `scene`: `NAME.json`, and beside it `NAME.grid-1.raw` and so on for each volume,
 /// `NAME.backdrop-1.raw` for each plot. The same scene gives the same bytes.
@@ -30,7 +30,7 @@ pub fn bundle(scene: &Scene, name: &str) -> Result<Export, Refusal> {
     let mut first_column = 0;
     for panel in &scene.panels {
         let content = content(panel, &mut raw)?;
-        panels.push(Picture {
+        panels.push(BundlePicture {
             title: panel.title.clone(),
             first_column,
             width: panel.width,
@@ -42,7 +42,7 @@ pub fn bundle(scene: &Scene, name: &str) -> Result<Export, Refusal> {
     let description = Bundle {
         schema: "volref/bundle/1",
         name,
-        image: Image {
+        image: BundleImage {
             width: scene.width(),
             height: scene.height(),
             panels: "side by side from left to right: panel k fills the columns from its \
@@ -66,12 +66,14 @@ fn content(panel: &Panel, raw: &mut RawFiles) -> Result<Content, Refusal> {
     match &panel.model {
         Model::Classified(scene) => {
             let file = raw.grid(&scene.grid);
-            Ok(Content::Volume(Box::new(Volume::new(scene, file))))
+            Ok(Content::Volume(Box::new(BundleVolume::new(scene, file))))
         }
         Model::Curve(curve) => {
             let layout = PlotLayout::new(curve, panel.width, panel.height);
             let file = raw.backdrop(&layout.backdrop);
-            Ok(Content::Plot(Box::new(Plot::new(curve, &layout, file))))
+            Ok(Content::Plot(Box::new(BundlePlot::new(
+                curve, &layout, file,
+            ))))
         }
         Model::Radiative(_) => {
             let what = "surfaces, media and lights, and a bundle states classified volumes; export it \
@@ -85,13 +87,13 @@ fn content(panel: &Panel, raw: &mut RawFiles) -> Result<Content, Refusal> {
 struct Bundle<'n> {
     schema: &'static str,
     name: &'n str,
-    image: Image,
-    judged: Judged,
-    panels: Vec<Picture>,
+    image: BundleImage,
+    judged: BundleGate,
+    panels: Vec<BundlePicture>,
 }
 
 #[derive(Serialize)]
-struct Image {
+struct BundleImage {
     width: usize,
     height: usize,
     panels: &'static str,
@@ -102,7 +104,7 @@ struct Image {
 /// The deterministic gate. It is the business of [`crate`]'s comparisons, which lie above this
 /// room; `tests/peers.rs` holds these numbers against what they do.
 #[derive(Serialize)]
-struct Judged {
+struct BundleGate {
     rule: &'static str,
     absolute: f64,
     relative: f64,
@@ -111,7 +113,7 @@ struct Judged {
     bias_share: f64,
 }
 
-const JUDGED: Judged = Judged {
+const JUDGED: BundleGate = BundleGate {
     rule: "a pixel agrees if in every channel |yours - right| <= tolerance(right), where \
            tolerance(c) = absolute + relative*|c|; at most outlier_share of the pixels may \
            disagree, none by more than hard_cap tolerances, and the mean of a channel may be off \
@@ -125,7 +127,7 @@ const JUDGED: Judged = Judged {
 
 /// One of the pictures side by side.
 #[derive(Serialize)]
-struct Picture {
+struct BundlePicture {
     title: Option<String>,
     first_column: usize,
     width: usize,
@@ -137,21 +139,21 @@ struct Picture {
 #[derive(Serialize)]
 #[serde(tag = "shows", rename_all = "lowercase")]
 enum Content {
-    Volume(Box<Volume>),
-    Plot(Box<Plot>),
+    Volume(Box<BundleVolume>),
+    Plot(Box<BundlePlot>),
 }
 
 /// A point of a transfer function that is a table.
 #[derive(Serialize)]
-struct Point {
+struct BundlePoint {
     value: f64,
     opacity: f64,
     colour: [f64; 3],
 }
 
-impl Point {
-    fn list(points: &TransferPoints) -> Vec<Point> {
-        let point = |point: &TransferPoint| Point {
+impl BundlePoint {
+    fn list(points: &TransferPoints) -> Vec<BundlePoint> {
+        let point = |point: &TransferPoint| BundlePoint {
             value: point.value,
             opacity: point.opacity,
             colour: point.colour.to_array(),

@@ -4,7 +4,7 @@ use crate::geometry::{Aabb, Boundary, Emitter, Luminous, Mesh, Rectangle, Shape,
 use crate::geometry::{Surface, Transform};
 use glam::DVec3;
 
-/// A shape as other renderers are told of it. Equal ones are the same points of space.
+/// A shape in an exported scene. Equal ones are the same points of space.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Form {
     /// A ball.
@@ -37,7 +37,7 @@ impl Form {
         }
     }
 
-    /// That of a surface that sends out light.
+    /// That of a surface that emits light.
     pub(super) fn of_luminous(shape: &Luminous) -> Form {
         match shape {
             Luminous::Sphere(sphere) => Form::sphere(sphere),

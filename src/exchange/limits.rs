@@ -1,9 +1,9 @@
 //! What of a scene is lost in pbrt's numbers of 32 bits, and where it clamps.
 
+use super::export_scene::ExportScene;
 use super::forms::Form;
+use super::nested_media::{NestedMedium, key_of};
 use super::refusal::Faults;
-use super::stage::Stage;
-use super::vessels::{Vessel, place_of};
 use glam::DVec3;
 use std::ops::RangeInclusive;
 
@@ -31,13 +31,13 @@ const SHARPEST: f64 = 0.99;
 /// The most mean free paths across a body.
 ///
 /// A path is continued from a place rounded to 2⁻²⁴ of the coordinates (`media.h`, `SampleT_maj`):
-/// in bodies as large as their coordinates, up to 6e-4 of a free path at each turn.
+/// in bodies as large as their coordinates, up to 6e-4 of a free path at each bounce.
 const THICKEST: f64 = 1e4;
 
 /// Names what of a scene pbrt's numbers cannot hold.
-pub(super) fn check(stage: &Stage, faults: &mut Faults) {
-    let eye = stage.view.eye.abs().max_element();
-    let mut extent = |place: &str, form: &Form| {
+pub(super) fn check(export: &ExportScene, faults: &mut Faults) {
+    let eye = export.view.eye.abs().max_element();
+    let mut extent = |key: &str, form: &Form| {
         let (extent, reach) = (form.extent(), form.reach().max(eye));
         if extent < SMALLEST * reach {
             let what = format!(
@@ -45,7 +45,7 @@ pub(super) fn check(stage: &Stage, faults: &mut Faults) {
                  32-bit numbers leave {:.0e} uncertain; move the scene to the origin",
                 reach * ROUNDING
             );
-            faults.add(place, what);
+            faults.add(key, what);
         } else if !(LENGTHS.contains(&extent) && reach <= *LENGTHS.end()) {
             let what = format!(
                 "an extent of {extent:.3e} at coordinates up to {reach:.3e}: pbrt's 32-bit normals take \
@@ -53,49 +53,49 @@ pub(super) fn check(stage: &Stage, faults: &mut Faults) {
                 LENGTHS.start(),
                 LENGTHS.end()
             );
-            faults.add(place, what);
+            faults.add(key, what);
         }
     };
-    for (place, form, _) in &stage.objects {
-        extent(place, form);
+    for (key, form, _) in &export.objects {
+        extent(key, form);
     }
-    for (place, form, _) in &stage.area_lights {
-        extent(place, form);
+    for (key, form, _) in &export.area_lights {
+        extent(key, form);
     }
-    for vessel in stage
-        .vessels
+    for nested in export
+        .nested_media
         .list
         .iter()
-        .filter(|vessel| vessel.skin.is_none())
+        .filter(|nested| nested.interface.is_none())
     {
-        extent(&place_of(vessel.index), &vessel.form);
+        extent(&key_of(nested.index), &nested.form);
     }
-    for vessel in &stage.vessels.list {
-        let place = place_of(vessel.index);
-        let g = vessel.medium.phase.mean_cosine();
-        let scatters = vessel.medium.coefficients.sigma_s() != DVec3::ZERO;
+    for nested in &export.nested_media.list {
+        let key = key_of(nested.index);
+        let g = nested.medium.phase.mean_cosine();
+        let scatters = nested.medium.coefficients.sigma_s() != DVec3::ZERO;
         if scatters && g.abs() > SHARPEST {
             let what = format!("g = {g}: pbrt takes any beyond {SHARPEST} as {SHARPEST}");
-            faults.add(&place, what);
+            faults.add(&key, what);
         }
-        let paths = free_paths(vessel);
+        let paths = free_paths(nested);
         if paths > THICKEST {
             let what = format!(
-                "{paths:.1e} mean free paths across it, where pbrt's 32-bit numbers tell places \
+                "{paths:.1e} mean free paths across it, where pbrt's 32-bit numbers tell points \
                  apart for {THICKEST:e}; lower sigma_a and sigma_s, or make it smaller"
             );
-            faults.add(place, what);
+            faults.add(key, what);
         }
     }
 }
 
 /// Mean free paths across a medium at most, as though it were everywhere as dense as where it is
 /// densest.
-fn free_paths(vessel: &Vessel) -> f64 {
-    let densest = vessel.grid.as_ref().map_or(1.0, |grid| {
+fn free_paths(nested: &NestedMedium) -> f64 {
+    let densest = nested.grid.as_ref().map_or(1.0, |grid| {
         let values = grid.density.grid().values().iter();
         f64::from(values.copied().fold(0.0, f32::max))
     });
-    let sigma_t = vessel.medium.coefficients.sigma_t().max_element();
-    sigma_t * densest * vessel.form.across()
+    let sigma_t = nested.medium.coefficients.sigma_t().max_element();
+    sigma_t * densest * nested.form.across()
 }

@@ -3,7 +3,7 @@
 //! - The same in both: `g > 0` scatters forward; a point or spot light of intensity `I` gives
 //!   `I/r²`; a spotlight falls linearly in the angle from `beam_width` to `cutoff_angle`;
 //!   `irradiance` of a directional light; looking along +z, +x is to the left.
-//! - Light turned n times is `max_depth` n + 1; boundaries of media do not count in either.
+//! - Light scattered n times is `max_depth` n + 1; boundaries of media do not count in either.
 //! - Emitters send light out of their front only. The back of a two-sided one is a second one,
 //!   just behind the first.
 //! - One medium is at a place. Where a medium lies within another, its boundary has the sum of
@@ -17,12 +17,12 @@
 //! - A grid is a `gridvolume`, put so that the middles of its voxels are volref's nodes; the
 //!   medium ends with its shape, and beyond the outermost values both are constant.
 
+use super::export_scene::{ExportScene, most_bounces};
 use super::files::{ply, vol};
 use super::forms::Form;
 use super::mixture::Mixture;
+use super::nested_media::{NestedMedium, PlacedGrid, key_of};
 use super::refusal::Faults;
-use super::stage::{Stage, turns};
-use super::vessels::{Placed, Vessel, place_of};
 use super::view::{ahead, degrees};
 use super::{Export, Format, Refusal};
 use crate::geometry::{Aabb, Transform};
@@ -52,37 +52,37 @@ const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 /// The scene as XML, with its grids and meshes beside it.
 pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Export, Refusal> {
     let mut faults = Faults::default();
-    let stage = Stage::of(panel, scene, gap, &mut faults);
-    if stage.reach < SMALLEST {
+    let export = ExportScene::of(panel, scene, gap, &mut faults);
+    if export.reach < SMALLEST {
         let what = format!(
             "coordinates of at most {}: Mitsuba's rays start 9e-5 off a surface; choose a smaller \
              unit of length",
-            stage.reach
+            export.reach
         );
         faults.add("radiative", what);
     }
-    for vessel in &stage.vessels.list {
-        if vessel.medium.emission != DVec3::ZERO {
-            faults.add(place_of(vessel.index), "a medium that sends out light");
+    for nested in &export.nested_media.list {
+        if nested.medium.emission != DVec3::ZERO {
+            faults.add(key_of(nested.index), "a medium that emits light");
         }
-        let scatters = vessel.medium.coefficients.sigma_s() != DVec3::ZERO;
-        if scatters && phase(0, &vessel.medium.phase).is_none() {
+        let scatters = nested.medium.coefficients.sigma_s() != DVec3::ZERO;
+        if scatters && phase(0, &nested.medium.phase).is_none() {
             let what = format!(
                 "the phase function {}: Mitsuba has those of Henyey and Greenstein and of Rayleigh",
-                vessel.medium.phase
+                nested.medium.phase
             );
-            faults.add(place_of(vessel.index), what);
+            faults.add(key_of(nested.index), what);
         }
     }
-    let mut writer = Writer {
+    let mut writer = MitsubaWriter {
         name,
         body: String::new(),
         files: Vec::new(),
         notes: Vec::new(),
         faults,
     };
-    writer.integrator(panel, scene, &stage);
-    let by_channel = writer.media(&stage);
+    writer.integrator(panel, scene, &export);
+    let by_channel = writer.media(&export);
     for light in &scene.lights {
         writer.light(light);
     }
@@ -90,11 +90,11 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
         let radiance = rgb("radiance", scene.environment);
         writer.element("emitter", "constant", "", &[radiance]);
     }
-    writer.surfaces(&stage);
+    writer.surfaces(&export);
     writer.finish(panel, by_channel)
 }
 
-struct Writer<'n> {
+struct MitsubaWriter<'n> {
     name: &'n str,
     body: String,
     files: Vec<(String, Vec<u8>)>,
@@ -103,7 +103,7 @@ struct Writer<'n> {
     faults: Faults,
 }
 
-impl Writer<'_> {
+impl MitsubaWriter<'_> {
     fn finish(self, panel: &Panel, by_channel: bool) -> Result<Export, Refusal> {
         let mut text = String::from("<scene version=\"3.0.0\">\n");
         let title = panel.title.as_deref().unwrap_or("A scene");
@@ -128,10 +128,10 @@ impl Writer<'_> {
         self.body.push_str(&element(1, tag, kind, more, children));
     }
 
-    fn integrator(&mut self, panel: &Panel, scene: &Radiative, stage: &Stage) {
-        let depth = match turns(scene.scattering) {
+    fn integrator(&mut self, panel: &Panel, scene: &Radiative, export: &ExportScene) {
+        let depth = match most_bounces(scene.scattering) {
             None => "-1".to_owned(),
-            Some(turns) => (turns + 1).to_string(),
+            Some(bounces) => (bounces + 1).to_string(),
         };
         // Mitsuba's seeds have 32 bits.
         let seed = (scene.seed & 0xffff_ffff).to_string();
@@ -154,7 +154,7 @@ impl Writer<'_> {
             typed("integer", "rr_depth", "$rr_depth"),
         ];
         self.element("integrator", "$integrator", "", &limits);
-        let view = &stage.view;
+        let view = &export.view;
         let film = [
             typed("integer", "width", "$width"),
             typed("integer", "height", "$height"),
@@ -170,12 +170,15 @@ impl Writer<'_> {
             typed("float", "fov", view.vertical_fov),
             typed("string", "fov_axis", "y"),
             // Whatever is nearer or farther is not seen.
-            typed("float", "near_clip", 1e-5 * stage.reach),
-            typed("float", "far_clip", 1e5 * stage.reach),
+            typed("float", "near_clip", 1e-5 * export.reach),
+            typed("float", "far_clip", 1e5 * export.reach),
             look_at(view.eye, view.target, view.up),
         ];
-        if let Some(at) = stage.vessels.eye {
-            sensor.push(reference("medium", &medium_id(&stage.vessels.list[at])));
+        if let Some(at) = export.nested_media.eye {
+            sensor.push(reference(
+                "medium",
+                &medium_id(&export.nested_media.list[at]),
+            ));
         }
         sensor.push(element(2, "sampler", "independent", "", &sampler));
         sensor.push(element(2, "film", "hdrfilm", "", &film));
@@ -184,14 +187,14 @@ impl Writer<'_> {
 
     /// Every medium, and the boundaries of those that have one of their own. Whether they are
     /// said channel by channel.
-    fn media(&mut self, stage: &Stage) -> bool {
-        let vessels = &stage.vessels;
+    fn media(&mut self, export: &ExportScene) -> bool {
+        let nested_media = &export.nested_media;
         let mut by_channel = [String::new(), String::new(), String::new()];
-        for (at, vessel) in vessels.list.iter().enumerate() {
-            let layers: Vec<&Vessel> = vessels.layers(at).collect();
+        for (at, nested) in nested_media.list.iter().enumerate() {
+            let layers: Vec<&NestedMedium> = nested_media.layers(at).collect();
             let mixture = Mixture::of(&layers);
-            let volume = vessel.grid.as_ref().map(|grid| self.volume(vessel, grid));
-            let id = format!(" id=\"{}\"", medium_id(vessel));
+            let volume = nested.grid.as_ref().map(|grid| self.volume(nested, grid));
+            let id = format!(" id=\"{}\"", medium_id(nested));
             if is_grey(mixture.sigma_t()) && mixture.weights().is_some() {
                 self.body.push_str(&medium(&id, &mixture, &volume, None));
                 continue;
@@ -200,14 +203,14 @@ impl Writer<'_> {
                 text.push_str(&medium(&id, &mixture, &volume, Some(channel)));
             }
         }
-        let moved: Vec<String> = (vessels.list.iter())
-            .filter(|vessel| vessel.moved)
-            .map(|vessel| place_of(vessel.index))
+        let moved: Vec<String> = (nested_media.list.iter())
+            .filter(|nested| nested.moved)
+            .map(|nested| key_of(nested.index))
             .collect();
         if !moved.is_empty() {
-            let way = stage.gap;
+            let offset = export.gap;
             self.notes.push(format!(
-                "Faces of {} that lie in surfaces stand {way:.3e} behind them, where no ray sees \
+                "Faces of {} that lie in surfaces stand {offset:.3e} behind them, where no ray sees \
                  it.",
                 moved.join(", ")
             ));
@@ -230,19 +233,19 @@ impl Writer<'_> {
                 self.name
             );
         }
-        for (at, vessel) in vessels.list.iter().enumerate() {
-            if vessel.skin.is_none() {
+        for (at, nested) in nested_media.list.iter().enumerate() {
+            if nested.interface.is_none() {
                 let mut parts = vec!["<bsdf type=\"null\"/>".to_owned()];
-                parts.extend(sides(stage, at));
-                self.form(&place_of(vessel.index), &vessel.form, parts);
+                parts.extend(sides(export, at));
+                self.form(&key_of(nested.index), &nested.form, parts);
             }
         }
         split
     }
 
     /// The density of a grid: a texture in a file of its own.
-    fn volume(&mut self, vessel: &Vessel, grid: &Placed) -> String {
-        let file = format!("{}.medium{}.vol", self.name, vessel.index);
+    fn volume(&mut self, nested: &NestedMedium, grid: &PlacedGrid) -> String {
+        let file = format!("{}.medium{}.vol", self.name, nested.index);
         let density = grid.density.grid();
         self.files.push((file.clone(), vol(density)));
         // The unit cube is divided into voxels; their middles are the nodes.
@@ -305,63 +308,63 @@ impl Writer<'_> {
         }
     }
 
-    fn surfaces(&mut self, stage: &Stage) {
-        for (index, (place, form, material)) in stage.objects.iter().enumerate() {
+    fn surfaces(&mut self, export: &ExportScene) {
+        for (index, (key, form, material)) in export.objects.iter().enumerate() {
             let mut parts = vec![bsdf(material)];
-            let mut vessels = stage.vessels.list.iter();
-            if let Some(at) = vessels.position(|vessel| vessel.skin == Some(index)) {
-                parts.extend(sides(stage, at));
+            let mut nested_media = export.nested_media.list.iter();
+            if let Some(at) = nested_media.position(|nested| nested.interface == Some(index)) {
+                parts.extend(sides(export, at));
             }
-            self.form(place, form, parts);
+            self.form(key, form, parts);
         }
-        for (place, form, light) in &stage.area_lights {
+        for (key, form, light) in &export.area_lights {
             let black = bsdf(&Material::Diffuse(DVec3::ZERO));
             let radiance = rgb("radiance", light.radiance);
             let shine = element(2, "emitter", "area", "", &[radiance]);
-            self.form(place, form, vec![black.clone(), shine.clone()]);
+            self.form(key, form, vec![black.clone(), shine.clone()]);
             if light.sides == Sides::Front {
                 continue;
             }
-            let way = BEHIND * form.reach();
+            let offset = BEHIND * form.reach();
             let (back, more) = match form {
                 Form::Rectangle {
                     corner,
                     edges: [u, v],
                 } => {
-                    let corner = corner - u.cross(*v).normalize() * way;
+                    let corner = corner - u.cross(*v).normalize() * offset;
                     let edges = [*v, *u];
                     (Form::Rectangle { corner, edges }, None)
                 }
                 Form::Sphere { centre, radius } => {
-                    let (centre, radius) = (*centre, radius - way);
+                    let (centre, radius) = (*centre, radius - offset);
                     let inward = typed("boolean", "flip_normals", true);
                     (Form::Sphere { centre, radius }, Some(inward))
                 }
                 _ => {
-                    let what = "a box or mesh that sends out light on both sides; of a box or \
+                    let what = "a box or mesh that emits light on both sides; of a box or \
                                 closed mesh, say `sides = \"front\"`";
-                    self.faults.add(place, what);
+                    self.faults.add(key, what);
                     continue;
                 }
             };
             self.notes.push(format!(
-                "{place} shines to both sides: its back is a second emitter, {way:.3e} behind."
+                "{key} shines to both sides: its back is a second emitter, {offset:.3e} behind."
             ));
             let parts = more.into_iter().chain([black, shine]).collect();
-            self.form(place, &back, parts);
+            self.form(key, &back, parts);
         }
     }
 
     /// A shape with what belongs to it.
-    fn form(&mut self, place: &str, form: &Form, parts: Vec<String>) {
-        let _ = writeln!(self.body, "    <!-- {place} -->");
+    fn form(&mut self, key: &str, form: &Form, parts: Vec<String>) {
+        let _ = writeln!(self.body, "    <!-- {key} -->");
         let (kind, mut children) = match form {
             Form::Sphere { centre, radius } => {
                 let children = vec![point("center", *centre), typed("float", "radius", radius)];
                 ("sphere", children)
             }
             Form::Ellipsoid { .. } => {
-                self.faults.add(place, "an ellipsoid; give a mesh of it");
+                self.faults.add(key, "an ellipsoid; give a mesh of it");
                 return;
             }
             Form::Box { corner, edges } => {
@@ -487,13 +490,13 @@ fn is_grey(v: DVec3) -> bool {
     v == DVec3::splat(v.x)
 }
 
-fn medium_id(vessel: &Vessel) -> String {
-    format!("medium{}", vessel.index)
+fn medium_id(nested: &NestedMedium) -> String {
+    format!("medium{}", nested.index)
 }
 
-/// What is inside and outside the boundary of a vessel.
-fn sides(stage: &Stage, at: usize) -> Vec<String> {
-    let list = &stage.vessels.list;
+/// What is inside and outside the boundary of a nested medium.
+fn sides(export: &ExportScene, at: usize) -> Vec<String> {
+    let list = &export.nested_media.list;
     let inside = reference("interior", &medium_id(&list[at]));
     let outside = list[at].parent.map(|at| medium_id(&list[at]));
     let outside = outside.map(|id| reference("exterior", &id));

@@ -1,6 +1,6 @@
 //! Media at one place.
 
-use super::vessels::Vessel;
+use super::nested_media::NestedMedium;
 use crate::media::Phase;
 use glam::DVec3;
 
@@ -10,7 +10,7 @@ pub(super) struct Mixture {
     pub sigma_a: DVec3,
     /// Scattering by channel.
     pub sigma_s: DVec3,
-    /// Radiance sent out per length, by channel.
+    /// Radiance emitted per length, by channel.
     pub emission: DVec3,
     /// Scattering by channel, by phase function.
     pub parts: Vec<(Phase, DVec3)>,
@@ -18,7 +18,7 @@ pub(super) struct Mixture {
 
 impl Mixture {
     /// All `layers` together.
-    pub(super) fn of(layers: &[&Vessel]) -> Mixture {
+    pub(super) fn of(layers: &[&NestedMedium]) -> Mixture {
         let mut mixture = Mixture {
             sigma_a: DVec3::ZERO,
             sigma_s: DVec3::ZERO,

@@ -6,26 +6,26 @@
 //! a little, since other renderers move rays off surfaces by more than rounding, the file says
 //! so in a comment.
 //!
-//! `forms` are shapes by their coordinates, `vessels` which media lie in which, `limits` what
+//! `forms` are shapes by their coordinates, `nested_media` which media lie in which, `limits` what
 //! 32-bit numbers lose; `mitsuba` and `pbrt` write.
 //!
 //! [Mitsuba 3]: https://www.mitsuba-renderer.org
 //! [pbrt-v4]: https://pbrt.org
 
 mod bundle;
+mod export_scene;
 mod files;
 mod forms;
 mod limits;
 mod mitsuba;
 mod mixture;
+mod nested_media;
 mod pbrt;
 mod refusal;
-mod stage;
-mod vessels;
 mod view;
 
 pub use bundle::bundle;
-pub use refusal::{Fault, Refusal};
+pub use refusal::{ExportFault, Refusal};
 
 use crate::scene::{Model, Scene};
 use std::fmt;

@@ -7,9 +7,9 @@
 //!   picture of each is grey, and is that channel.
 //! - `LookAt` is left-handed: `Scale -1 1 1` before it puts +x to the left for who looks along +z.
 //! - `fov` goes across the shorter side of the image.
-//! - Light turned n times is `maxdepth` n; interfaces do not count. What media send out is added
-//!   only before the last turn (`cpu/integrators.cpp`, `VolPathIntegrator::Li`), so that for
-//!   emission turned n times it is n + 1.
+//! - Light scattered n times is `maxdepth` n; interfaces do not count. What media emit is added
+//!   only before the last bounce (`cpu/integrators.cpp`, `VolPathIntegrator::Li`), so that for
+//!   emission scattered n times it is n + 1.
 //! - `Le` times `sigma_a` is the emission (there): `Le` is `emission / sigma_a`.
 //! - A spotlight with a hard edge is never chosen by the default light sampler, for its
 //!   `LightBounds` hold no direction (`lights.cpp`, `SpotLight::Bounds`, `LightBounds::Importance`
@@ -34,13 +34,13 @@
 //! phase functions in one place; emission where nothing absorbs; and what 32-bit numbers lose,
 //! which is in `limits`.
 
+use super::export_scene::{ExportScene, most_bounces};
 use super::files::ply;
 use super::forms::Form;
 use super::limits;
 use super::mixture::Mixture;
+use super::nested_media::{NestedMedium, PlacedGrid, key_of};
 use super::refusal::Faults;
-use super::stage::{Stage, turns};
-use super::vessels::{Placed, Vessel, place_of};
 use super::view::{ahead, degrees};
 use super::{Export, Format, Refusal};
 use crate::geometry::Transform;
@@ -62,8 +62,8 @@ fn gap(reach: f64) -> f64 {
     5e-4 * reach
 }
 
-/// So many turns are as good as any number: of the light that a white half-space returns, of the
-/// order of n^-1/2 is turned more than n times, here a thousandth; of light that is absorbed or
+/// So many bounces are as good as any number: of the light that a white half-space returns, of the
+/// order of n^-1/2 is scattered more than n times, here a thousandth; of light that is absorbed or
 /// leaves by another side, less. And a path that has lost a boundary to rounding, which one in
 /// about 1e5 does, ends within seconds.
 const ENDLESS: u32 = 1_000_000;
@@ -78,12 +78,12 @@ MakeNamedMaterial \"mirror\" \"string type\" [ \"conductor\" ] \"float roughness
 /// The scene in one file, or one for each channel, with its meshes beside it.
 pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Export, Refusal> {
     let mut faults = Faults::default();
-    let stage = Stage::of(panel, scene, gap, &mut faults);
-    check(scene, &stage, &mut faults);
-    limits::check(&stage, &mut faults);
-    let turning = Turning::of(scene, &stage, &mut faults);
-    turning.check_glow(&stage, &mut faults);
-    let is_grey = colours(scene, &stage).all(|colour| colour == DVec3::splat(colour.x));
+    let export = ExportScene::of(panel, scene, gap, &mut faults);
+    check(scene, &export, &mut faults);
+    limits::check(&export, &mut faults);
+    let orders = ScatteringOrders::of(scene, &export, &mut faults);
+    orders.check_emission(&export, &mut faults);
+    let is_grey = colours(scene, &export).all(|colour| colour == DVec3::splat(colour.x));
     let texts: Vec<(Option<usize>, String)> = if is_grey {
         vec![(None, format!("{name}.pbrt"))]
     } else {
@@ -98,17 +98,17 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
         files: Vec::new(),
     };
     for (channel, file) in texts {
-        let mut writer = Writer {
+        let mut writer = PbrtWriter {
             text: String::new(),
             channel: channel.unwrap_or(0),
-            turning: &turning,
+            orders: &orders,
             meshes: &mut meshes,
         };
-        writer.opening(panel, &stage, channel);
-        writer.options(panel, scene, &stage, &file);
-        writer.media(&stage);
+        writer.opening(panel, &export, channel);
+        writer.options(panel, scene, &export, &file);
+        writer.media(&export);
         writer.line("\nWorldBegin\nMediumInterface \"\" \"\"\n");
-        let materials = stage.objects.iter().map(|(_, _, material)| material);
+        let materials = export.objects.iter().map(|(_, _, material)| material);
         if materials
             .into_iter()
             .any(|material| matches!(material, Material::Mirror(_)))
@@ -122,7 +122,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
             let radiance = writer.rgb("L", scene.environment);
             writer.line(&format!("LightSource \"infinite\" {radiance}"));
         }
-        writer.surfaces(&stage);
+        writer.surfaces(&export);
         files.push((file, writer.text.into_bytes()));
     }
     files.extend(meshes.files);
@@ -130,7 +130,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
 }
 
 /// What pbrt has no words for, though Mitsuba has.
-fn check(scene: &Radiative, stage: &Stage, faults: &mut Faults) {
+fn check(scene: &Radiative, export: &ExportScene, faults: &mut Faults) {
     for (index, light) in scene.lights.iter().enumerate() {
         let Light::Spot(spot) = light else { continue };
         if spot.inner() < spot.outer() {
@@ -139,66 +139,68 @@ fn check(scene: &Radiative, stage: &Stage, faults: &mut Faults) {
             faults.add(format!("radiative.light[{index}]"), what);
         }
     }
-    for (at, vessel) in stage.vessels.list.iter().enumerate() {
-        let place = place_of(vessel.index);
-        let scatters = vessel.medium.coefficients.sigma_s() != DVec3::ZERO;
-        let phase = vessel.medium.phase;
+    for (at, nested) in export.nested_media.list.iter().enumerate() {
+        let key = key_of(nested.index);
+        let scatters = nested.medium.coefficients.sigma_s() != DVec3::ZERO;
+        let phase = nested.medium.phase;
         if scatters && !matches!(phase, Phase::HenyeyGreenstein(_)) {
             let what =
                 format!("the phase function {phase}: pbrt has that of Henyey and Greenstein");
-            faults.add(&place, what);
+            faults.add(&key, what);
         }
-        if let Some(grid) = &vessel.grid {
+        if let Some(grid) = &nested.grid {
             if grid.density.interpolation() == Interpolation::Nearest {
-                faults.add(&place, "a grid with the value of the nearest node");
+                faults.add(&key, "a grid with the value of the nearest node");
             }
             continue;
         }
-        let layers: Vec<&Vessel> = stage.vessels.layers(at).collect();
+        let layers: Vec<&NestedMedium> = export.nested_media.layers(at).collect();
         if Mixture::of(&layers).parts.len() > 1 {
-            let what = "a medium within another of a different g: one phase function is at a place";
-            faults.add(place, what);
+            let what = "a medium within another of a different g: one phase function is at a point";
+            faults.add(key, what);
         }
     }
 }
 
-/// How often light is turned, and how media may shine.
-struct Turning {
+/// Scattering orders that pbrt counts, and the emission of media.
+struct ScatteringOrders {
     /// `maxdepth`.
     depth: u32,
-    /// Whether nothing turns light, so that what would only takes it away.
+    /// Whether nothing scatters light, so that what would only absorbs it.
     never: bool,
 }
 
-impl Turning {
-    fn of(scene: &Radiative, stage: &Stage, faults: &mut Faults) -> Turning {
-        let list = &stage.vessels.list;
-        let limit = turns(scene.scattering).unwrap_or(ENDLESS).min(ENDLESS);
-        let glows = |vessel: &Vessel| vessel.medium.emission != DVec3::ZERO;
-        if limit == ENDLESS || !list.iter().any(glows) {
+impl ScatteringOrders {
+    fn of(scene: &Radiative, export: &ExportScene, faults: &mut Faults) -> ScatteringOrders {
+        let list = &export.nested_media.list;
+        let limit = most_bounces(scene.scattering)
+            .unwrap_or(ENDLESS)
+            .min(ENDLESS);
+        let is_emissive = |nested: &NestedMedium| nested.medium.emission != DVec3::ZERO;
+        if limit == ENDLESS || !list.iter().any(is_emissive) {
             let (depth, never) = (limit, false);
-            return Turning { depth, never };
+            return ScatteringOrders { depth, never };
         }
-        let turning = Turning {
+        let orders = ScatteringOrders {
             depth: limit + 1,
             never: limit == 0,
         };
-        let scatters = |vessel: &Vessel| vessel.medium.coefficients.sigma_s() != DVec3::ZERO;
-        let turned = !scene.objects.is_empty() || list.iter().any(scatters);
+        let scatters = |nested: &NestedMedium| nested.medium.coefficients.sigma_s() != DVec3::ZERO;
+        let scatters_at_all = !scene.objects.is_empty() || list.iter().any(scatters);
         let others = !scene.lights.is_empty()
             || !scene.area_lights.is_empty()
             || scene.environment != DVec3::ZERO;
-        if turned && others && !turning.never {
+        if scatters_at_all && others && !orders.never {
             let key = match scene.scattering {
                 Scattering::Multiple(_) => "radiative.max_bounces",
                 _ => "radiative.scattering",
             };
-            let what = "light that media send out beside other light, turned so often at most: \
-                        pbrt counts the turns of the two differently; remove the limit, the \
+            let what = "light that media emit beside other light, scattered so often at most: \
+                        pbrt counts the bounces of the two differently; remove the limit, the \
                         emission or the other lights";
             faults.add(key, what);
         }
-        turning
+        orders
     }
 
     /// Absorption and scattering of a mixture.
@@ -210,41 +212,43 @@ impl Turning {
     }
 
     /// `Le` of a mixture, infinite where there is emission without absorption.
-    fn glow(&self, mixture: &Mixture) -> DVec3 {
+    fn emission_per_absorption(&self, mixture: &Mixture) -> DVec3 {
         let [sigma_a, _] = self.coefficients(mixture);
-        let glow = |channel: usize| match mixture.emission[channel] {
+        let ratio = |channel: usize| match mixture.emission[channel] {
             0.0 => 0.0,
             emission => emission / sigma_a[channel],
         };
-        DVec3::new(glow(0), glow(1), glow(2))
+        DVec3::new(ratio(0), ratio(1), ratio(2))
     }
 
     /// Names the media that cannot shine as they should.
-    fn check_glow(&self, stage: &Stage, faults: &mut Faults) {
-        for (at, vessel) in stage.vessels.list.iter().enumerate() {
-            let layers: Vec<&Vessel> = stage.vessels.layers(at).collect();
-            let most = self.glow(&Mixture::of(&layers)).max_element();
+    fn check_emission(&self, export: &ExportScene, faults: &mut Faults) {
+        for (at, nested) in export.nested_media.list.iter().enumerate() {
+            let layers: Vec<&NestedMedium> = export.nested_media.layers(at).collect();
+            let most = self
+                .emission_per_absorption(&Mixture::of(&layers))
+                .max_element();
             if most > f64::from(f32::MAX) {
                 let what = "emission where nothing, or next to nothing, is absorbed: pbrt says it \
                             as a factor of sigma_a; give sigma_a in every channel of emission";
-                faults.add(place_of(vessel.index), what);
+                faults.add(key_of(nested.index), what);
             }
         }
     }
 }
 
 /// Every colour of a scene.
-fn colours<'s>(scene: &'s Radiative, stage: &'s Stage) -> impl Iterator<Item = DVec3> + 's {
-    let materials = stage
+fn colours<'s>(scene: &'s Radiative, export: &'s ExportScene) -> impl Iterator<Item = DVec3> + 's {
+    let materials = export
         .objects
         .iter()
         .filter_map(|(_, _, material)| match material {
             Material::Diffuse(reflectance) | Material::Mirror(reflectance) => Some(*reflectance),
             Material::Glass(_) => None,
         });
-    let media = stage.vessels.list.iter().flat_map(|vessel| {
-        let coefficients = &vessel.medium.coefficients;
-        let emission = vessel.medium.emission;
+    let media = export.nested_media.list.iter().flat_map(|nested| {
+        let coefficients = &nested.medium.coefficients;
+        let emission = nested.medium.emission;
         [coefficients.sigma_a(), coefficients.sigma_s(), emission]
     });
     let lights = scene.lights.iter().map(|light| match light {
@@ -279,14 +283,14 @@ impl Meshes<'_> {
 }
 
 /// One file.
-struct Writer<'m, 'n> {
+struct PbrtWriter<'m, 'n> {
     text: String,
     channel: usize,
-    turning: &'m Turning,
+    orders: &'m ScatteringOrders,
     meshes: &'m mut Meshes<'n>,
 }
 
-impl Writer<'_, '_> {
+impl PbrtWriter<'_, '_> {
     fn line(&mut self, line: &str) {
         self.text.push_str(line);
         self.text.push('\n');
@@ -298,7 +302,7 @@ impl Writer<'_, '_> {
         format!("\"rgb {name}\" [ {grey} {grey} {grey} ]")
     }
 
-    fn opening(&mut self, panel: &Panel, stage: &Stage, channel: Option<usize>) {
+    fn opening(&mut self, panel: &Panel, export: &ExportScene, channel: Option<usize>) {
         let title = panel.title.as_deref().unwrap_or("A scene");
         let title = title.replace(char::is_control, " ");
         self.line(&format!("# {title}. Written by volref for pbrt-v4."));
@@ -309,33 +313,37 @@ impl Writer<'_, '_> {
                  have files of their own."
             ));
         }
-        let vessels = stage.vessels.list.iter().filter(|vessel| vessel.moved);
-        let moved: Vec<String> = vessels.map(|vessel| place_of(vessel.index)).collect();
+        let nested_media = export
+            .nested_media
+            .list
+            .iter()
+            .filter(|nested| nested.moved);
+        let moved: Vec<String> = nested_media.map(|nested| key_of(nested.index)).collect();
         if !moved.is_empty() {
-            let way = stage.gap;
+            let offset = export.gap;
             self.line(&format!(
-                "# Faces of {} that lie in surfaces stand {way:.3e} behind them, where no ray sees \
+                "# Faces of {} that lie in surfaces stand {offset:.3e} behind them, where no ray sees \
                  it.",
                 moved.join(", ")
             ));
         }
-        if self.turning.depth == ENDLESS {
+        if self.orders.depth == ENDLESS {
             self.line(&format!(
-                "# Light turned more than {ENDLESS} times is left out."
+                "# Light scattered more than {ENDLESS} times is left out."
             ));
         }
         self.line("");
     }
 
     /// Everything but the world.
-    fn options(&mut self, panel: &Panel, scene: &Radiative, stage: &Stage, file: &str) {
-        let view = &stage.view;
+    fn options(&mut self, panel: &Panel, scene: &Radiative, export: &ExportScene, file: &str) {
+        let view = &export.view;
         let [eye, target, up] = [view.eye, view.target, view.up].map(listed);
         let fov = view.shorter_fov(panel.width, panel.height);
         self.line("Scale -1 1 1");
         self.line(&format!("LookAt {eye}  {target}  {up}"));
-        if let Some(at) = stage.vessels.eye {
-            let around = medium_name(&stage.vessels.list[at]);
+        if let Some(at) = export.nested_media.eye {
+            let around = medium_name(&export.nested_media.list[at]);
             self.line(&format!("MediumInterface \"\" \"{around}\""));
         }
         self.line(&format!("Camera \"perspective\" {}", float("fov", fov)));
@@ -350,7 +358,7 @@ impl Writer<'_, '_> {
         // pbrt's whole numbers have 31 bits and a sign.
         let samples = integer("pixelsamples", scene.samples.min(i32::MAX as u32));
         self.line(&format!("Sampler \"independent\" {samples}"));
-        let depth = integer("maxdepth", self.turning.depth);
+        let depth = integer("maxdepth", self.orders.depth);
         let mut lights = scene.lights.iter();
         let chosen = match lights.any(|light| matches!(light, Light::Spot(_))) {
             true => " \"string lightsampler\" [ \"power\" ]",
@@ -359,13 +367,13 @@ impl Writer<'_, '_> {
         self.line(&format!("Integrator \"volpath\" {depth}{chosen}"));
     }
 
-    fn media(&mut self, stage: &Stage) {
-        for (at, vessel) in stage.vessels.list.iter().enumerate() {
-            let name = medium_name(vessel);
-            let layers: Vec<&Vessel> = stage.vessels.layers(at).collect();
+    fn media(&mut self, export: &ExportScene) {
+        for (at, nested) in export.nested_media.list.iter().enumerate() {
+            let name = medium_name(nested);
+            let layers: Vec<&NestedMedium> = export.nested_media.layers(at).collect();
             let mixture = Mixture::of(&layers);
-            let [sigma_a, sigma_s] = self.turning.coefficients(&mixture);
-            let glow = self.turning.glow(&mixture);
+            let [sigma_a, sigma_s] = self.orders.coefficients(&mixture);
+            let emission = self.orders.emission_per_absorption(&mixture);
             let phase = mixture.parts.first().map(|(phase, _)| phase);
             let g = phase.map_or(0.0, Phase::mean_cosine);
             let coefficients = format!(
@@ -375,7 +383,7 @@ impl Writer<'_, '_> {
                 float("g", g)
             );
             self.line("\nIdentity");
-            let kind = match &vessel.grid {
+            let kind = match &nested.grid {
                 None => "homogeneous",
                 Some(grid) => {
                     self.line(&format!("ConcatTransform [ {} ]", matrix(&grid.to_world)));
@@ -385,19 +393,19 @@ impl Writer<'_, '_> {
             self.line(&format!(
                 "MakeNamedMedium \"{name}\" \"string type\" [ \"{kind}\" ]\n    {coefficients}"
             ));
-            let glows = glow[self.channel] > 0.0;
-            if glows {
-                let radiance = self.rgb("Le", glow);
+            let is_emissive = emission[self.channel] > 0.0;
+            if is_emissive {
+                let radiance = self.rgb("Le", emission);
                 self.line(&format!("    {radiance}"));
             }
-            if let Some(grid) = &vessel.grid {
-                self.grid(grid, glows);
+            if let Some(grid) = &nested.grid {
+                self.grid(grid, is_emissive);
             }
         }
     }
 
     /// A grid, and a layer of its outermost values around it.
-    fn grid(&mut self, grid: &Placed, glows: bool) {
+    fn grid(&mut self, grid: &PlacedGrid, is_emissive: bool) {
         let density = grid.density.grid();
         let lattice = density.lattice();
         let low = lattice.first() - 1.5 * lattice.spacing();
@@ -427,7 +435,7 @@ impl Writer<'_, '_> {
             }
         }
         self.line("    ]");
-        if glows {
+        if is_emissive {
             self.line("    \"float Lescale\" [");
             let row = vec!["1"; nx].join(" ");
             for _ in 0..ny * nz {
@@ -461,26 +469,29 @@ impl Writer<'_, '_> {
         self.line(&line);
     }
 
-    fn surfaces(&mut self, stage: &Stage) {
-        let list = &stage.vessels.list;
-        for (at, vessel) in list.iter().enumerate() {
-            if vessel.skin.is_none() {
-                self.begin(&place_of(vessel.index));
+    fn surfaces(&mut self, export: &ExportScene) {
+        let list = &export.nested_media.list;
+        for (at, nested) in list.iter().enumerate() {
+            if nested.interface.is_none() {
+                self.begin(&key_of(nested.index));
                 self.line("    Material \"interface\"");
                 self.sides(list, at);
-                self.form(&vessel.form);
+                self.form(&nested.form);
             }
         }
-        for (index, (place, form, material)) in stage.objects.iter().enumerate() {
-            self.begin(place);
+        for (index, (key, form, material)) in export.objects.iter().enumerate() {
+            self.begin(key);
             self.material(material);
-            if let Some(at) = list.iter().position(|vessel| vessel.skin == Some(index)) {
+            if let Some(at) = list
+                .iter()
+                .position(|nested| nested.interface == Some(index))
+            {
                 self.sides(list, at);
             }
             self.form(form);
         }
-        for (place, form, light) in &stage.area_lights {
-            self.begin(place);
+        for (key, form, light) in &export.area_lights {
+            self.begin(key);
             self.material(&Material::Diffuse(DVec3::ZERO));
             let radiance = self.rgb("L", light.radiance);
             let both = light.sides == Sides::Both;
@@ -491,12 +502,12 @@ impl Writer<'_, '_> {
         }
     }
 
-    fn begin(&mut self, place: &str) {
-        self.line(&format!("\n# {place}\nAttributeBegin"));
+    fn begin(&mut self, key: &str) {
+        self.line(&format!("\n# {key}\nAttributeBegin"));
     }
 
-    /// What is inside and outside the boundary of a vessel.
-    fn sides(&mut self, list: &[Vessel], at: usize) {
+    /// What is inside and outside the boundary of a nested medium.
+    fn sides(&mut self, list: &[NestedMedium], at: usize) {
         let inside = medium_name(&list[at]);
         let outside = list[at].parent.map(|at| medium_name(&list[at]));
         let outside = outside.unwrap_or_default();
@@ -505,7 +516,7 @@ impl Writer<'_, '_> {
 
     fn material(&mut self, material: &Material) {
         let black = Material::Diffuse(DVec3::ZERO);
-        match if self.turning.never { &black } else { material } {
+        match if self.orders.never { &black } else { material } {
             Material::Diffuse(reflectance) => {
                 let reflectance = self.rgb("reflectance", *reflectance);
                 self.line(&format!("    Material \"diffuse\" {reflectance}"));
@@ -569,8 +580,8 @@ impl Writer<'_, '_> {
     }
 }
 
-fn medium_name(vessel: &Vessel) -> String {
-    format!("medium{}", vessel.index)
+fn medium_name(nested: &NestedMedium) -> String {
+    format!("medium{}", nested.index)
 }
 
 fn float(name: &str, value: f64) -> String {

@@ -6,16 +6,16 @@ use thiserror::Error;
 
 /// One thing that a format cannot say.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Fault {
+pub struct ExportFault {
     /// Where it stands in the scene, such as `radiative.medium[2]`, counted from 0.
-    pub place: String,
+    pub key: String,
     /// What it is, and where there is a way around it, which.
     pub what: String,
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for ExportFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.place, self.what)
+        write!(f, "{}: {}", self.key, self.what)
     }
 }
 
@@ -26,34 +26,34 @@ pub struct Refusal {
     /// The format.
     pub format: Format,
     /// Everything it has no words for, at least one thing.
-    pub faults: Vec<Fault>,
+    pub faults: Vec<ExportFault>,
 }
 
 impl Refusal {
     /// A refusal for a single reason.
-    pub fn of(format: Format, place: impl Into<String>, what: impl Into<String>) -> Refusal {
-        let (place, what) = (place.into(), what.into());
+    pub fn of(format: Format, key: impl Into<String>, what: impl Into<String>) -> Refusal {
+        let (key, what) = (key.into(), what.into());
         Refusal {
             format,
-            faults: vec![Fault { place, what }],
+            faults: vec![ExportFault { key, what }],
         }
     }
 }
 
-fn listed(faults: &[Fault]) -> String {
-    let faults: Vec<String> = faults.iter().map(Fault::to_string).collect();
+fn listed(faults: &[ExportFault]) -> String {
+    let faults: Vec<String> = faults.iter().map(ExportFault::to_string).collect();
     faults.join("; ")
 }
 
 /// Collects all faults of a scene before it is refused.
 #[derive(Default)]
-pub(super) struct Faults(Vec<Fault>);
+pub(super) struct Faults(Vec<ExportFault>);
 
 impl Faults {
     /// Notes one.
-    pub(super) fn add(&mut self, place: impl Into<String>, what: impl Into<String>) {
-        let (place, what) = (place.into(), what.into());
-        self.0.push(Fault { place, what });
+    pub(super) fn add(&mut self, key: impl Into<String>, what: impl Into<String>) {
+        let (key, what) = (key.into(), what.into());
+        self.0.push(ExportFault { key, what });
     }
 
     /// `result`, unless there was a fault.

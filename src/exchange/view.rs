@@ -5,7 +5,7 @@ use crate::math::atan2;
 use glam::DVec3;
 
 /// A camera as position, direction and angle.
-pub(super) struct View {
+pub(super) struct ExportView {
     /// Where it stands.
     pub eye: DVec3,
     /// A point it looks at, as [`ahead`] of it.
@@ -16,13 +16,13 @@ pub(super) struct View {
     pub vertical_fov: f64,
 }
 
-impl View {
+impl ExportView {
     /// That of `camera`, read off the rays through the middle, top and bottom of its image.
-    pub(super) fn of(camera: &Camera) -> View {
+    pub(super) fn of(camera: &Camera) -> ExportView {
         let ray = |y| camera.ray_through([1.0, y], [2, 2]);
         let (top, middle, bottom) = (ray(0.0), ray(1.0), ray(2.0));
         let (upper, lower) = (top.direction, bottom.direction);
-        View {
+        ExportView {
             eye: middle.origin,
             target: ahead(middle.origin, middle.direction),
             up: (upper - lower).normalize(),
@@ -67,7 +67,7 @@ mod tests {
         let eye = DVec3::new(0.0, 4.0, -11.5);
         let target = DVec3::new(0.0, 3.9, 5.0);
         let camera = Camera::new(eye, target, DVec3::Y, 37_f64.to_radians()).unwrap();
-        let view = View::of(&camera);
+        let view = ExportView::of(&camera);
         assert_eq!(view.eye, eye);
         // Unit vectors, a few roundings each.
         let forward = (target - eye).normalize();
@@ -79,7 +79,7 @@ mod tests {
         assert_eq!(view.shorter_fov(4, 3), view.vertical_fov);
         // Where 1 is less than a rounding of the eye to 32 bits, the target is no less another point.
         let far = Camera::new(1e12 * eye, 1e12 * target, DVec3::Y, 37_f64.to_radians()).unwrap();
-        let far = View::of(&far);
+        let far = ExportView::of(&far);
         let rounded = far.target.as_vec3() - far.eye.as_vec3();
         assert!((rounded.as_dvec3().normalize() - forward).length() < 1e-6);
         // Half as wide as high: half the tangent.

@@ -88,7 +88,7 @@ pub(super) fn check_blocks(bytes: &[u8]) -> Result<(), FilmError> {
     // Two walks: the reader gives blocks without the entry of the table that led to them, so that
     // entries exchanged between two resolutions show only where those of the largest, the only ones
     // that the decoder follows, are followed by themselves.
-    let whole = |place: &TileCoordinates| place.level_index == Vec2(0, 0);
+    let whole = |tile: &TileCoordinates| tile.level_index == Vec2(0, 0);
     check_blocks_of(bytes, &|_| true)?;
     check_blocks_of(bytes, &whole)
 }
@@ -100,20 +100,20 @@ fn check_blocks_of(
 ) -> Result<(), FilmError> {
     // The table of blocks is in the file, so that it bounds how many there can be.
     let mut blocks = exr::block::read(Cursor::new(bytes), false)
-        .and_then(|reader| reader.filter_chunks(false, |_, place, _| wanted(&place)))
+        .and_then(|reader| reader.filter_chunks(false, |_, tile, _| wanted(&tile)))
         .map_err(unreadable)?;
     let mut missing = HashSet::new();
     for (part, header) in blocks.headers().iter().enumerate() {
-        let places = header.blocks_increasing_y_order();
-        let places = places.map(|place| place.location).filter(wanted);
-        missing.extend(places.map(|place| (part, place)));
+        let tiles = header.blocks_increasing_y_order();
+        let tiles = tiles.map(|tile| tile.location).filter(wanted);
+        missing.extend(tiles.map(|tile| (part, tile)));
     }
     let expected = missing.len();
     while let Some(block) = blocks.read_next_chunk() {
         let block = block.map_err(unreadable)?;
         let header = &blocks.headers()[block.layer_index];
-        if let Some(place) = place(&block.compressed_block, header) {
-            missing.remove(&(block.layer_index, place));
+        if let Some(tile) = tile(&block.compressed_block, header) {
+            missing.remove(&(block.layer_index, tile));
         }
     }
     if missing.is_empty() {
@@ -129,7 +129,7 @@ fn check_blocks_of(
 }
 
 /// Which block of its part it is.
-fn place(block: &CompressedBlock, header: &Header) -> Option<TileCoordinates> {
+fn tile(block: &CompressedBlock, header: &Header) -> Option<TileCoordinates> {
     match block {
         CompressedBlock::Tile(tile) => Some(tile.coordinates),
         CompressedBlock::ScanLine(lines) => {

@@ -6,7 +6,7 @@
 
 use super::error::{check_claim, check_size};
 use super::exr_completeness::{check_blocks, check_windows, unreadable};
-use super::exr_layers::{Colours, File, Part, main_layer, name_of, samples_of};
+use super::exr_layers::{Colours, ExrPart, ExrParts, main_layer, name_of, samples_of};
 use super::{Film, FilmError, Noise};
 use crate::decoder;
 use exr::meta::MetaData;
@@ -74,8 +74,8 @@ pub(super) fn decode_variance(bytes: &[u8]) -> Result<(Film, u32), FilmError> {
     Ok((picture(&file, &colours)?, count(samples)?))
 }
 
-fn picture(file: &File, colours: &Colours) -> Result<Film, FilmError> {
-    let frame = Frame::of(colours.part, file)?;
+fn picture(file: &ExrParts, colours: &Colours) -> Result<Film, FilmError> {
+    let frame = PixelWindow::of(colours.part, file)?;
     let [r, g, b] = colours.rgb.map(floats);
     let radiance = (0..r.len()).map(|i| [r[i], g[i], b[i]]).collect();
     let noise = noise(colours, file)?;
@@ -101,11 +101,11 @@ fn picture(file: &File, colours: &Colours) -> Result<Film, FilmError> {
 ///
 /// On some broken files the crate panics (chunks of another resolution than their table says, for
 /// one). In one of its own threads a panic would end the process, so it is to use none.
-fn read_file(bytes: &[u8]) -> Result<File, FilmError> {
+fn read_file(bytes: &[u8]) -> Result<ExrParts, FilmError> {
     decoder::run(|| read_parts(bytes)).map_err(|stopped| FilmError::stopped("EXR", stopped))?
 }
 
-fn read_parts(bytes: &[u8]) -> Result<File, FilmError> {
+fn read_parts(bytes: &[u8]) -> Result<ExrParts, FilmError> {
     // The size is checked in the header, before anything of that size is allocated.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
     let mut claimed = 0_u64;
@@ -170,12 +170,16 @@ fn floats(samples: &FlatSamples) -> Vec<f32> {
 
 /// The channel `full_name` of noise (`layer.channel`) for the image in `colours`: in its own
 /// part, or in another that lies where it does.
-fn beside<'f>(colours: &Colours<'f>, file: &'f File, full_name: &str) -> Option<&'f FlatSamples> {
+fn beside<'f>(
+    colours: &Colours<'f>,
+    file: &'f ExrParts,
+    full_name: &str,
+) -> Option<&'f FlatSamples> {
     let (layer_name, name) = full_name.split_once('.').expect("a name of ours");
-    let place = |part: &Part| (part.size, part.attributes.layer_position);
+    let position = |part: &ExrPart| (part.size, part.attributes.layer_position);
     samples_of(colours.part, full_name).or_else(|| {
         let parts = file.layer_data.iter();
-        let mut at_its_place = parts.filter(|part| place(part) == place(colours.part));
+        let mut at_its_place = parts.filter(|part| position(part) == position(colours.part));
         at_its_place.find_map(|part| match name_of(part) == layer_name {
             true => samples_of(part, name).or_else(|| samples_of(part, full_name)),
             false => samples_of(part, full_name),
@@ -184,7 +188,7 @@ fn beside<'f>(colours: &Colours<'f>, file: &'f File, full_name: &str) -> Option<
 }
 
 /// The noise of the image in `colours`.
-fn noise(colours: &Colours, file: &File) -> Result<Option<Noise>, FilmError> {
+fn noise(colours: &Colours, file: &ExrParts) -> Result<Option<Noise>, FilmError> {
     let channels = VARIANCE.map(|name| beside(colours, file, name));
     if channels.iter().all(Option::is_none) {
         return Ok(None);
@@ -201,7 +205,7 @@ fn noise(colours: &Colours, file: &File) -> Result<Option<Noise>, FilmError> {
 }
 
 /// Where the pixels of a picture are among those of a part of its file.
-struct Frame {
+struct PixelWindow {
     /// Columns of the picture.
     width: usize,
     /// Rows of the picture.
@@ -214,28 +218,28 @@ struct Frame {
     rows: usize,
 }
 
-impl Frame {
+impl PixelWindow {
     /// Pixels without data cost a file nothing, so their number needs a bound of its own: 4096².
     const MOST_UNCOVERED: usize = 1 << 24;
 
-    fn of(part: &Part, file: &File) -> Result<Frame, FilmError> {
+    fn of(part: &ExrPart, file: &ExrParts) -> Result<PixelWindow, FilmError> {
         let display = file.attributes.display_window;
         let (width, height) = (display.size.width(), display.size.height());
         check_size(width, height)?;
         let data = part.attributes.layer_position;
-        let place = |at: i32, origin: i32| i64::from(at) - i64::from(origin);
-        let frame = Frame {
+        let position = |at: i32, origin: i32| i64::from(at) - i64::from(origin);
+        let frame = PixelWindow {
             width,
             height,
             first: [
-                place(data.x(), display.position.x()),
-                place(data.y(), display.position.y()),
+                position(data.x(), display.position.x()),
+                position(data.y(), display.position.y()),
             ],
             stride: part.size.width(),
             rows: part.size.height(),
         };
         let covered = frame.columns().len() * frame.covered_rows().len();
-        if covered == 0 || width * height - covered > Frame::MOST_UNCOVERED {
+        if covered == 0 || width * height - covered > PixelWindow::MOST_UNCOVERED {
             return Err(FilmError::Unsuited {
                 what: format!(
                     "the data of this EXR cover {covered} of the {width} × {height} pixels of its \
@@ -276,7 +280,7 @@ impl Frame {
 
 /// Of `length` places those that `count` others cover, beginning at `first`.
 fn overlap(length: usize, first: i64, count: usize) -> Range<usize> {
-    let inside = |place: i64| place.clamp(0, length as i64) as usize;
+    let inside = |position: i64| position.clamp(0, length as i64) as usize;
     inside(first)..inside(first + count as i64)
 }
 

@@ -7,10 +7,10 @@ use super::FilmError;
 use exr::prelude::{AnyChannels, FlatSamples, Image, Layer, Layers};
 
 /// A file that was read, with all its parts.
-pub(super) type File = Image<Layers<AnyChannels<FlatSamples>>>;
+pub(super) type ExrParts = Image<Layers<AnyChannels<FlatSamples>>>;
 
 /// A part of a file: channels of one size, at one place.
-pub(super) type Part = Layer<AnyChannels<FlatSamples>>;
+pub(super) type ExrPart = Layer<AnyChannels<FlatSamples>>;
 
 /// Last names of layers that hold the picture, where several hold colours.
 const MAIN: [&str; 4] = ["", "rgba", "beauty", "combined"];
@@ -20,19 +20,19 @@ const NOISE: [&str; 2] = ["variance", "samples"];
 
 /// The channels of a picture.
 pub(super) struct Colours<'f> {
-    pub part: &'f Part,
+    pub part: &'f ExrPart,
     /// Thrice the same of a grey image.
     pub rgb: [&'f FlatSamples; 3],
     pub opacity: Option<&'f FlatSamples>,
 }
 
-pub(super) fn name_of(part: &Part) -> String {
+pub(super) fn name_of(part: &ExrPart) -> String {
     let name = part.attributes.layer_name.as_ref();
     name.map_or(String::new(), |name| name.to_string())
 }
 
 /// The values of the channel that has exactly this name.
-pub(super) fn samples_of<'p>(part: &'p Part, name: &str) -> Option<&'p FlatSamples> {
+pub(super) fn samples_of<'p>(part: &'p ExrPart, name: &str) -> Option<&'p FlatSamples> {
     let mut channels = part.channel_data.list.iter();
     channels
         .find(|channel| channel.name == *name)
@@ -41,7 +41,7 @@ pub(super) fn samples_of<'p>(part: &'p Part, name: &str) -> Option<&'p FlatSampl
 
 /// Channels that belong together.
 struct Group<'f> {
-    part: &'f Part,
+    part: &'f ExrPart,
     /// What the names of its channels have before the last dot.
     prefix: String,
     /// For people, and to find the main one: the name of the part and the prefix.
@@ -85,7 +85,7 @@ impl<'f> Group<'f> {
 }
 
 /// The groups of all parts, in their order.
-fn groups(file: &File) -> Vec<Group<'_>> {
+fn groups(file: &ExrParts) -> Vec<Group<'_>> {
     let mut groups: Vec<Group> = Vec::new();
     for part in &file.layer_data {
         let part_name = name_of(part);
@@ -113,7 +113,7 @@ fn groups(file: &File) -> Vec<Group<'_>> {
 }
 
 /// The one layer that is the picture.
-pub(super) fn main_layer(file: &File) -> Result<Colours<'_>, FilmError> {
+pub(super) fn main_layer(file: &ExrParts) -> Result<Colours<'_>, FilmError> {
     let mut groups = groups(file);
     groups.retain(|group| !group.is_noise());
     if let Some(colours) = the_one(&groups, Group::rgb)? {
@@ -164,7 +164,7 @@ fn the_one<'f>(
     Err(FilmError::Layers(with_colours.iter().map(name).collect()))
 }
 
-fn all_names(file: &File) -> String {
+fn all_names(file: &ExrParts) -> String {
     let parts = file.layer_data.iter();
     let names = parts.flat_map(|part| {
         let prefix = match name_of(part).as_str() {

@@ -57,14 +57,14 @@ impl FilmFormat {
 }
 
 /// A kind of file.
-struct Kind {
+struct FileKind {
     /// Its first bytes.
     signature: &'static [u8],
     name: &'static str,
     format: Option<FilmFormat>,
 }
 
-const KINDS: [Kind; 14] = [
+const KINDS: [FileKind; 14] = [
     kind(b"\x76\x2f\x31\x01", "an EXR image", Some(FilmFormat::Exr)),
     kind(b"PF\n", "a PFM image", Some(FilmFormat::Pfm)),
     kind(b"Pf\n", "a PFM image", Some(FilmFormat::Pfm)),
@@ -81,8 +81,12 @@ const KINDS: [Kind; 14] = [
     kind(b"version https://git-lfs", "a pointer of Git LFS", None),
 ];
 
-const fn kind(signature: &'static [u8], name: &'static str, format: Option<FilmFormat>) -> Kind {
-    Kind {
+const fn kind(
+    signature: &'static [u8],
+    name: &'static str,
+    format: Option<FilmFormat>,
+) -> FileKind {
+    FileKind {
         signature,
         name,
         format,

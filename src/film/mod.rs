@@ -236,17 +236,17 @@ impl Film {
     /// what it holds. Where every radiance is one, the first pixel of which that is true of the
     /// variance: its variances, and its opacity.
     pub fn first_without_radiance(&self) -> Option<([usize; 2], [f32; 4])> {
-        let place = |index: usize| [index % self.width, index / self.width];
+        let position = |index: usize| [index % self.width, index / self.width];
         let broken = |value: &f32| !(value.is_finite() && *value >= 0.0);
         if let Some(index) =
             (0..self.radiance.len()).find(|&index| self.pixel(index).iter().any(broken))
         {
-            return Some((place(index), self.pixel(index)));
+            return Some((position(index), self.pixel(index)));
         }
         let noise = self.noise.as_ref()?;
         let index = noise.first_without_variance()?;
         let [r, g, b] = noise.variance[index];
-        Some((place(index), [r, g, b, self.pixel(index)[3]]))
+        Some((position(index), [r, g, b, self.pixel(index)[3]]))
     }
 
     /// BLAKE3 of size, channels and the bits of every pixel, of its noise too where it has any:

@@ -20,7 +20,7 @@ fn unreadable(reason: impl Into<String>) -> FilmError {
 const LONGEST_HEADER: usize = 10_000;
 
 /// What the header says of the array.
-struct Header {
+struct NpyHeader {
     /// Type of a number, such as `<f4`.
     descr: String,
     /// Whether the first axis runs fastest, and not the last.
@@ -31,8 +31,8 @@ struct Header {
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
     let (text, data) = split(bytes)?;
-    let header = Header::parse(text)?;
-    let number = Number::of(&header.descr)?;
+    let header = NpyHeader::parse(text)?;
+    let number = NpyNumber::of(&header.descr)?;
     let [height, width, channels] = axes(&header.shape)?;
     check_size(width, height)?;
     let expected = width * height * channels * number.bytes;
@@ -51,17 +51,17 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
         };
         number.read(&data[index * number.bytes..][..number.bytes])
     };
-    let places = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
+    let positions = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
     if channels == 4 {
         let pixel = |(row, column)| [0, 1, 2, 3].map(|c| value(row, column, c));
         return Ok(Film::with_opacity(
             width,
             height,
-            places.map(pixel).collect(),
+            positions.map(pixel).collect(),
         ));
     }
     let pixel = |(row, column)| [0, 1, 2].map(|c| value(row, column, c % channels));
-    Ok(Film::new(width, height, places.map(pixel).collect()))
+    Ok(Film::new(width, height, positions.map(pixel).collect()))
 }
 
 pub(super) fn encode(film: &Film) -> Vec<u8> {
@@ -115,8 +115,8 @@ fn split(bytes: &[u8]) -> Result<(&str, &[u8]), FilmError> {
     Ok((text, data))
 }
 
-impl Header {
-    fn parse(text: &str) -> Result<Header, FilmError> {
+impl NpyHeader {
+    fn parse(text: &str) -> Result<NpyHeader, FilmError> {
         let mut rest = Rest(text);
         let (mut descr, mut fortran_order, mut shape) = (None, None, None);
         rest.expect('{')?;
@@ -138,7 +138,7 @@ impl Header {
             return Err(rest.trouble("nothing more"));
         }
         match (descr, fortran_order, shape) {
-            (Some(descr), Some(fortran_order), Some(shape)) => Ok(Header {
+            (Some(descr), Some(fortran_order), Some(shape)) => Ok(NpyHeader {
                 descr,
                 fortran_order,
                 shape,
@@ -224,14 +224,14 @@ impl<'t> Rest<'t> {
 }
 
 /// How numbers are stored.
-struct Number {
+struct NpyNumber {
     /// 2, 4 or 8.
     bytes: usize,
     big_endian: bool,
 }
 
-impl Number {
-    fn of(descr: &str) -> Result<Number, FilmError> {
+impl NpyNumber {
+    fn of(descr: &str) -> Result<NpyNumber, FilmError> {
         let big_endian = descr.starts_with('>');
         let bytes = match descr.strip_prefix(['<', '>']) {
             Some("f2") => 2,
@@ -239,7 +239,7 @@ impl Number {
             Some("f8") => 8,
             _ => return Err(unsuited_type(descr)),
         };
-        Ok(Number { bytes, big_endian })
+        Ok(NpyNumber { bytes, big_endian })
     }
 
     /// The number as 32-bit float, to the nearest; infinite beyond its range.

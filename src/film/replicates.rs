@@ -48,7 +48,7 @@ pub(super) fn pooled(films: &[Film]) -> Result<Film, FilmError> {
     for index in 0..first.radiance.len() {
         let pixel = [0, 1, 2].map(|channel| {
             pooled_value(films.iter().zip(&parts).map(|(film, &count)| {
-                Part {
+                ReplicateMoments {
                     count: f64::from(count),
                     mean: f64::from(film.radiance[index][channel]),
                     // Of a single number there is none, and `count` is 1.
@@ -87,7 +87,7 @@ fn bits(film: &Film) -> impl Iterator<Item = u32> {
 }
 
 /// What one rendering says of one channel of a pixel.
-struct Part {
+struct ReplicateMoments {
     /// Numbers that `mean` is the mean of.
     count: f64,
     mean: f64,
@@ -98,7 +98,7 @@ struct Part {
 /// Mean, and variance of the mean, of all numbers of all parts: as if one rendering had taken
 /// them all. The squared deviations are those within the parts, `v·n·(n − 1)` each, and those of
 /// the parts' means from the common mean, `n·(m − mean)²`.
-fn pooled_value(parts: impl Iterator<Item = Part> + Clone) -> (f64, f64) {
+fn pooled_value(parts: impl Iterator<Item = ReplicateMoments> + Clone) -> (f64, f64) {
     let total: f64 = parts.clone().map(|part| part.count).sum();
     let mean = parts
         .clone()
@@ -126,9 +126,9 @@ mod tests {
         (0..count).map(number).collect()
     }
 
-    fn part(numbers: &[f64]) -> Part {
+    fn part(numbers: &[f64]) -> ReplicateMoments {
         let moments: Moments = numbers.iter().copied().collect();
-        Part {
+        ReplicateMoments {
             count: numbers.len() as f64,
             mean: moments.mean(),
             variance_of_mean: moments.variance_of_mean().unwrap_or(0.0),

@@ -66,7 +66,7 @@ impl Aabb {
         self.min + self.size() * 0.5
     }
 
-    /// The stretch of `ray` inside the box, from the origin of the ray if that lies inside;
+    /// The segment of `ray` inside the box, from the origin of the ray if that lies inside;
     /// `None` where the ray misses. A ray that touches an edge has a span of length 0.
     ///
     /// Either end is off by a difference and a quotient, 2 · 2^-53 of it, at any angle; measured on
@@ -90,7 +90,7 @@ pub fn longest_axis(v: DVec3) -> usize {
 
 /// Where a line goes in or out of a box.
 #[derive(Clone, Copy)]
-pub(super) struct Passage {
+pub(super) struct FacePassage {
     pub t: f64,
     pub axis: usize,
 }
@@ -98,14 +98,14 @@ pub(super) struct Passage {
 impl Aabb {
     /// Where the whole line, `t < 0` included, goes in and out.
     ///
-    /// Neither is widened by a tolerance: a line that only touches an edge has a stretch of length
+    /// Neither is widened by a tolerance: a line that only touches an edge has a segment of length
     /// 0 at most, in which nothing is lost.
-    pub(super) fn passages(&self, ray: &Ray) -> Option<[Passage; 2]> {
-        let mut near = Passage {
+    pub(super) fn passages(&self, ray: &Ray) -> Option<[FacePassage; 2]> {
+        let mut near = FacePassage {
             t: f64::NEG_INFINITY,
             axis: 0,
         };
-        let mut far = Passage {
+        let mut far = FacePassage {
             t: f64::INFINITY,
             axis: 0,
         };
@@ -128,10 +128,10 @@ impl Aabb {
             }
             .map(|face| (face - origin) / direction);
             if first > near.t {
-                near = Passage { t: first, axis };
+                near = FacePassage { t: first, axis };
             }
             if last < far.t {
-                far = Passage { t: last, axis };
+                far = FacePassage { t: last, axis };
             }
         }
         (near.t <= far.t).then_some([near, far])

@@ -1,6 +1,6 @@
 //! The faces of an axis-aligned box as a surface, and its inside as a solid.
 
-use super::aabb::Passage;
+use super::aabb::FacePassage;
 use super::hit::RELATIVE_CLEARANCE;
 use super::{Aabb, Hit, Ray, Side, Solid, Span, Surface, SurfacePoint};
 use glam::DVec3;
@@ -44,7 +44,7 @@ impl Solid for Aabb {
 /// So the point needs no clearance for itself. A ray that starts off the face by more than
 /// a rounding of its coordinate is on the right side of it in [`passages`](Aabb::passages),
 /// where the sign of `face − origin` is exact.
-fn point(bounds: &Aabb, ray: &Ray, passage: Passage, upper: bool) -> SurfacePoint {
+fn point(bounds: &Aabb, ray: &Ray, passage: FacePassage, upper: bool) -> SurfacePoint {
     let mut position = ray.at(passage.t).clamp(bounds.min, bounds.max);
     let mut normal = DVec3::ZERO;
     let (face, outward) = if upper {

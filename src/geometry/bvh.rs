@@ -26,12 +26,12 @@ const WIDENING: f64 = 1.0 / (1_u64 << 46) as f64;
 /// longest axis. The tree is stored in the order of its traversal.
 #[derive(Clone, Debug)]
 pub(super) struct Bvh {
-    nodes: Vec<Node>,
+    nodes: Vec<BvhNode>,
     faces: Vec<usize>,
 }
 
 #[derive(Clone, Debug)]
-struct Node {
+struct BvhNode {
     bounds: Aabb,
     /// The node to go to when this one, with all below it, is done with.
     next: usize,
@@ -58,7 +58,7 @@ impl Bvh {
         };
         let index = self.nodes.len();
         let first = self.faces.len();
-        self.nodes.push(Node {
+        self.nodes.push(BvhNode {
             bounds,
             next: 0,
             faces: first..first,

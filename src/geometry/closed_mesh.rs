@@ -10,7 +10,7 @@ use crate::math::Sum;
 pub struct ClosedMesh(Mesh);
 
 /// A side of a face: the lower vertex number first.
-struct Edge {
+struct MeshEdge {
     ends: [usize; 2],
     /// Whether the face runs from the lower number to the higher.
     ascending: bool,
@@ -88,12 +88,12 @@ impl Solid for ClosedMesh {
     }
 }
 
-fn edges(mesh: &Mesh) -> Vec<Edge> {
+fn edges(mesh: &Mesh) -> Vec<MeshEdge> {
     let sides = |&[a, b, c]: &[usize; 3]| [[a, b], [b, c], [c, a]];
     let faces = mesh.faces().iter().enumerate();
     faces
         .flat_map(|(face, corners)| {
-            sides(corners).map(|[from, to]| Edge {
+            sides(corners).map(|[from, to]| MeshEdge {
                 ends: [from.min(to), from.max(to)],
                 ascending: from < to,
                 face,
@@ -103,7 +103,7 @@ fn edges(mesh: &Mesh) -> Vec<Edge> {
 }
 
 /// Checks the faces that share one edge.
-fn check(mesh: &Mesh, sharing: &[Edge]) -> Result<(), MeshError> {
+fn check(mesh: &Mesh, sharing: &[MeshEdge]) -> Result<(), MeshError> {
     let [from, to] = sharing[0].ends.map(|vertex| mesh.vertices()[vertex]);
     let face = sharing[0].face + 1;
     match sharing {
@@ -136,7 +136,7 @@ fn volume(mesh: &Mesh) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::crossing::Crossing;
+    use crate::geometry::crossing::TriangleCrossing;
     use glam::DVec3;
     use std::path::Path;
 
@@ -151,7 +151,7 @@ mod tests {
 
     /// Crossings in and out, one way of many, must cancel to the last.
     fn check_parity(mesh: &Mesh, ray: &Ray) {
-        let mut crossings: Vec<Crossing> = Vec::new();
+        let mut crossings: Vec<TriangleCrossing> = Vec::new();
         mesh.crossings(ray, &mut crossings);
         let out = crossings.iter().filter(|c| c.side == Side::Back).count();
         assert_eq!(2 * out, crossings.len(), "{ray:?}");

@@ -41,7 +41,7 @@ pub(super) struct RayFrame {
 
 /// Where a whole line, `t < 0` included, crosses a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Crossing {
+pub(super) struct TriangleCrossing {
     /// Distance from the ray's origin, in world units.
     pub t: f64,
     /// `Front` where the line goes in.
@@ -99,7 +99,7 @@ impl RayFrame {
     }
 
     /// Where the line crosses the triangle, if it does.
-    pub fn crossing(&self, triangle: [DVec3; 3]) -> Option<Crossing> {
+    pub fn crossing(&self, triangle: [DVec3; 3]) -> Option<TriangleCrossing> {
         let seen = triangle.map(|vertex| self.project(vertex));
         // A triangle has two edges across the axis, or none.
         let mut edges = [(0, 1), (1, 2), (2, 0)]
@@ -118,7 +118,7 @@ impl RayFrame {
             weights[edge.low] += share * (1.0 - edge.part);
             weights[edge.high] += share * edge.part;
         }
-        Some(Crossing {
+        Some(TriangleCrossing {
             t: inner.t + (outer.t - inner.t) * part,
             // Anticlockwise as seen along the ray: the normal points along it.
             side: if outer.count > 0 {

@@ -1,7 +1,7 @@
 //! Triangle meshes, open or closed.
 
 use super::bvh::Bvh;
-use super::crossing::{Crossing, RayFrame};
+use super::crossing::{RayFrame, TriangleCrossing};
 use super::hit::RELATIVE_CLEARANCE;
 use super::{Aabb, Emitter, Hit, MeshError, Ray, Surface, SurfacePoint, Transform, direction_of};
 use crate::math::Sum;
@@ -100,7 +100,7 @@ impl Mesh {
     }
 
     /// All crossings of the whole line, `t < 0` included, in no particular order.
-    pub(super) fn crossings(&self, ray: &Ray, crossings: &mut Vec<Crossing>) {
+    pub(super) fn crossings(&self, ray: &Ray, crossings: &mut Vec<TriangleCrossing>) {
         let frame = RayFrame::new(ray);
         self.bvh
             .walk(ray, f64::NEG_INFINITY, f64::INFINITY, |face, limit| {
@@ -129,9 +129,9 @@ impl Mesh {
         &self,
         frame: &RayFrame,
         face: usize,
-        best: Option<(usize, Crossing)>,
+        best: Option<(usize, TriangleCrossing)>,
         limit: f64,
-    ) -> Option<(usize, Crossing)> {
+    ) -> Option<(usize, TriangleCrossing)> {
         let crossing = frame.crossing(self.corners(face))?;
         let wins = match best {
             None => crossing.t < limit,
@@ -140,7 +140,7 @@ impl Mesh {
         (crossing.t > 0.0 && wins).then_some((face, crossing))
     }
 
-    fn hit_at(&self, (face, crossing): (usize, Crossing)) -> Hit {
+    fn hit_at(&self, (face, crossing): (usize, TriangleCrossing)) -> Hit {
         Hit {
             t: crossing.t,
             point: self.point(face, crossing.weights),

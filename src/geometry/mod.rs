@@ -1,7 +1,7 @@
 //! Rays, spans, shapes, transforms and the camera.
 //!
 //! [`Surface`], [`Solid`] and [`Emitter`] are what a renderer asks of a shape: the nearest hit,
-//! the stretches of a ray inside, points uniform by area. [`Sphere`], [`Aabb`], [`Rectangle`],
+//! the segments of a ray inside, points uniform by area. [`Sphere`], [`Aabb`], [`Rectangle`],
 //! [`Mesh`] and [`ClosedMesh`] answer; [`Placed`] puts any of them somewhere else, and
 //! [`Shape`], [`Boundary`] and [`Luminous`] hold one of several. How a ray
 //! leaves a surface without meeting it again is [`SurfacePoint`]'s.

@@ -24,10 +24,10 @@ impl Ray {
     }
 }
 
-/// A stretch of a ray, from `near` to `far ≥ near`, in world units.
+/// A segment of a ray, from `near` to `far ≥ near`, in world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
-    /// Distance at which the stretch begins.
+    /// Distance at which the segment begins.
     pub near: f64,
     /// Distance at which it ends.
     pub far: f64,
@@ -83,7 +83,7 @@ pub fn length_of(v: DVec3) -> f64 {
     (v * factor).length() / factor
 }
 
-/// The part of a stretch of line from `near` to `far` with `t ≥ 0`, if there is one.
+/// The part of a segment of line from `near` to `far` with `t ≥ 0`, if there is one.
 pub(super) fn ahead(near: f64, far: f64) -> Option<Span> {
     // Not `max`, which may return a zero of either sign where both are zeros.
     let near = if near > 0.0 { near } else { 0.0 };

@@ -25,7 +25,7 @@ pub struct Rectangle {
 }
 
 /// Where a ray crosses a rectangle.
-struct Crossing {
+struct RectangleCrossing {
     t: f64,
     side: Side,
     uv: [f64; 2],
@@ -91,9 +91,9 @@ impl Rectangle {
 
     /// Whether `point` lies exactly in the plane of the rectangle, and within its edges.
     pub fn holds(&self, point: DVec3) -> bool {
-        let place = point - self.corner;
-        let within = |dual: DVec3| (0.0..=1.0).contains(&place.dot(dual));
-        place.dot(self.normal) == 0.0 && self.duals.into_iter().all(within)
+        let offset = point - self.corner;
+        let within = |dual: DVec3| (0.0..=1.0).contains(&offset.dot(dual));
+        offset.dot(self.normal) == 0.0 && self.duals.into_iter().all(within)
     }
 
     /// Unit normal.
@@ -134,7 +134,7 @@ impl Rectangle {
     /// of all lengths involved, `w·n` is off by less than 8uS and so `t` by 16uS/|d·n|; a place
     /// in the plane by twice that, in parts of the edges times the largest component of the
     /// duals and √3. 2^-47 is 64u.
-    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
+    fn crossing(&self, ray: &Ray, limit: f64) -> Option<RectangleCrossing> {
         let away = self.corner - ray.origin;
         let slope = ray.direction.dot(self.normal);
         let t = away.dot(self.normal) / slope;
@@ -149,8 +149,8 @@ impl Rectangle {
         if t < -in_t || t > limit + in_t {
             return None;
         }
-        let place = ray.direction * t - away;
-        let uv = self.duals.map(|dual| place.dot(dual));
+        let offset = ray.direction * t - away;
+        let uv = self.duals.map(|dual| offset.dot(dual));
         if uv.iter().any(|&part| part < -in_uv || part > 1.0 + in_uv) {
             return None;
         }
@@ -159,11 +159,11 @@ impl Rectangle {
             return self.by_triangles(ray, limit);
         }
         let side = if slope < 0.0 { Side::Front } else { Side::Back };
-        Some(Crossing { t, side, uv })
+        Some(RectangleCrossing { t, side, uv })
     }
 
     /// As two triangles with the diagonal in common, of which a line crosses at most one.
-    fn by_triangles(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
+    fn by_triangles(&self, ray: &Ray, limit: f64) -> Option<RectangleCrossing> {
         let frame = RayFrame::new(ray);
         let [a, b, c, d] = self.corners();
         let (crossing, uv) = if let Some(crossing) = frame.crossing([a, b, c]) {
@@ -174,7 +174,7 @@ impl Rectangle {
             let [_, at_c, at_d] = crossing.weights;
             (crossing, [at_c, at_c + at_d])
         };
-        (crossing.t > 0.0 && crossing.t < limit).then(|| Crossing {
+        (crossing.t > 0.0 && crossing.t < limit).then(|| RectangleCrossing {
             t: crossing.t,
             side: crossing.side,
             uv: uv.map(|part: f64| part.min(1.0)),

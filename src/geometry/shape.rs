@@ -43,7 +43,7 @@ pub enum Boundary {
     PlacedMesh(Placed<Arc<ClosedMesh>>),
 }
 
-/// A shape that can send out light: one whose points can be chosen uniformly by area.
+/// A shape that can emit light: one whose points can be chosen uniformly by area.
 #[derive(Clone, Debug)]
 pub enum Luminous {
     /// A sphere.

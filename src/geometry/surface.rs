@@ -19,7 +19,7 @@ pub trait Surface {
 
 /// A closed shape, the boundary of a body or a medium. Need not be convex.
 pub trait Solid: Surface {
-    /// The stretches of `ray` inside, from the ray's origin on, appended to `spans` in order:
+    /// The segments of `ray` inside, from the ray's origin on, appended to `spans` in order:
     /// disjoint, none shorter than nothing. If the origin lies inside, the first begins at 0.
     ///
     /// Does not look at what is in `spans` already. A renderer carries these intervals along a

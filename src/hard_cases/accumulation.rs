@@ -29,7 +29,7 @@ pub const ROWS: &[Row] = &[
         what: "a million thin layers",
         tolerance: "1e-10 by the product, 1e-15 by the sum of depths",
         remedy: "transparency beside opacity; sums of depths are compensated",
-        place: "src/render/classified/compositing.rs",
+        file: "src/render/classified/compositing.rs",
         check: a1_a_million_thin_layers,
     },
     Row {
@@ -37,7 +37,7 @@ pub const ROWS: &[Row] = &[
         what: "positions after ten million steps",
         tolerance: "1 unit in the last place",
         remedy: "positions follow from an index",
-        place: "src/render/classified/steps.rs",
+        file: "src/render/classified/steps.rs",
         check: a2_positions_do_not_drift,
     },
     Row {
@@ -45,7 +45,7 @@ pub const ROWS: &[Row] = &[
         what: "sums and variances of numbers of very different size",
         tolerance: "exact",
         remedy: "Neumaier's sum, and deviations from a running mean",
-        place: "src/math/moments.rs",
+        file: "src/math/moments.rs",
         check: a3_compensated_sums_and_variances,
     },
     Row {
@@ -53,7 +53,7 @@ pub const ROWS: &[Row] = &[
         what: "1, 2, 3 and 8 threads, and four orders of the pixels",
         tolerance: "exact",
         remedy: "random numbers are a function of pixel, sample and use; sums are in a fixed order",
-        place: "src/math/rng.rs",
+        file: "src/math/rng.rs",
         check: a4_threads_and_orders,
     },
     Row {
@@ -61,7 +61,7 @@ pub const ROWS: &[Row] = &[
         what: "builds and platforms: functions and pictures have the bits written down here",
         tolerance: "exact",
         remedy: "one pinned implementation of every transcendental function, and no fused multiply-add",
-        place: "src/math/elementary.rs",
+        file: "src/math/elementary.rs",
         check: a5_builds_and_platforms,
     },
     Row {
@@ -69,7 +69,7 @@ pub const ROWS: &[Row] = &[
         what: "effects that are simulated although null",
         tolerance: "exact",
         remedy: "random numbers have a purpose in their name: one effect more moves no other's",
-        place: "src/math/rng.rs",
+        file: "src/math/rng.rs",
         check: a6_null_effects,
     },
     Row {
@@ -77,7 +77,7 @@ pub const ROWS: &[Row] = &[
         what: "no pixel that is not finite, or negative",
         tolerance: "exact",
         remedy: "every film is looked through before it is given out, and the pixel is named",
-        place: "src/render/pixels.rs",
+        file: "src/render/pixels.rs",
         check: a7_no_bad_pixel,
     },
 ];
@@ -149,7 +149,7 @@ fn fog() -> Radiative {
     });
     let bounds = cuboid(DVec3::NEG_ONE, DVec3::ONE);
     before_sky(vec![
-        varying(bounds, blob, grey(3.0, 0.8, -0.3)),
+        heterogeneous(bounds, blob, grey(3.0, 0.8, -0.3)),
         in_ball(ball(DVec3::X * 0.5, 0.75), forward),
     ])
 }
@@ -198,8 +198,8 @@ fn a4_threads_and_orders(margin: &mut Margin) {
         for sample in 0..scene.samples {
             let mut sampler = Sampler::new(Stream::new(scene.seed, index as u32, sample));
             let [x, y] = sampler.pair(Purpose::Camera, 0);
-            let place = [(index % width) as f64 + x, (index / width) as f64 + y];
-            let ray = scene.camera.ray_through(place, SIZE);
+            let film_point = [(index % width) as f64 + x, (index / width) as f64 + y];
+            let ray = scene.camera.ray_through(film_point, SIZE);
             let radiance = tracer.radiance(ray, sampler, &mut scratch, &mut Uncounted);
             let channels = radiance.unwrap_or(DVec3::NAN).to_array();
             moments
@@ -300,7 +300,7 @@ fn a6_null_effects(margin: &mut Margin) {
     let mut of_no_density = plain.clone();
     let empty = ConstantDensity::new(0.0).expect("a density");
     let bounds = cuboid(DVec3::NEG_ONE, DVec3::ONE);
-    let empty = varying(bounds, Field::Constant(empty), grey(1.0, 1.0, 0.0));
+    let empty = heterogeneous(bounds, Field::Constant(empty), grey(1.0, 1.0, 0.0));
     of_no_density.media.insert(0, empty);
     let transparent = classified(grid([5, 4, 3], DVec3::splat(0.3), |_| 0.0), by_formula(0.1));
     let unshaded = Classified {
@@ -365,12 +365,12 @@ fn a7_no_bad_pixel(margin: &mut Margin) {
         let found = Film::new(4, 3, pixels).first_without_radiance();
         margin.exact(
             format_args!("{bad}"),
-            found.map(|(place, _)| place),
+            found.map(|(film_point, _)| film_point),
             Some([3, 1]),
         );
     }
-    // Nothing that is rendered here is one: densities from the least to the largest, matter that
-    // lets nothing through, and light that is all but turned back.
+    // Nothing that is rendered here is one: densities from the least to the largest, a medium that
+    // lets nothing through, and light that is all but scattered back.
     let dense = |sigma, g| in_box(cuboid(DVec3::NEG_ONE, DVec3::ONE), grey(sigma, 0.5, g));
     let white = TransferPoint {
         value: 1.0,

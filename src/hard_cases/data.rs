@@ -41,7 +41,7 @@ pub const ROWS: &[Row] = &[
         what: "a constant grid is a homogeneous medium",
         tolerance: "1e-14",
         remedy: "interpolation as a + (b - a) t, exact where a = b",
-        place: "src/volume/interpolation.rs",
+        file: "src/volume/interpolation.rs",
         check: d1_constant_grid,
     },
     Row {
@@ -49,7 +49,7 @@ pub const ROWS: &[Row] = &[
         what: "a trilinear field is a cubic along a ray",
         tolerance: "8 u",
         remedy: "cut at the faces of cells, and Gauss's rule of two points in each",
-        place: "src/volume/grid_density.rs",
+        file: "src/volume/grid_density.rs",
         check: d2_trilinear_cell,
     },
     Row {
@@ -57,7 +57,7 @@ pub const ROWS: &[Row] = &[
         what: "one voxel, and one voxel thick, in both centrings",
         tolerance: "1e-14",
         remedy: "an axis of one node is a slab one spacing thick: nothing is divided by n - 1",
-        place: "src/volume/lattice.rs",
+        file: "src/volume/lattice.rs",
         check: d3_one_voxel,
     },
     Row {
@@ -65,7 +65,7 @@ pub const ROWS: &[Row] = &[
         what: "at the upper bound of a grid, an ulp below and above",
         tolerance: "exact",
         remedy: "the index is clamped, not the coordinate",
-        place: "src/volume/interpolation.rs",
+        file: "src/volume/interpolation.rs",
         check: d4_upper_bound,
     },
     Row {
@@ -73,7 +73,7 @@ pub const ROWS: &[Row] = &[
         what: "spacing that differs from axis to axis",
         tolerance: "1e-14",
         remedy: "steps, walks and integrals run over world lengths",
-        place: "src/volume/grid_density.rs",
+        file: "src/volume/grid_density.rs",
         check: d5_anisotropic_spacing,
     },
     Row {
@@ -81,7 +81,7 @@ pub const ROWS: &[Row] = &[
         what: "empty space: the background, and not one look-up",
         tolerance: "exact",
         remedy: "a bound of 0 is tested first: nothing is looked up there",
-        place: "src/render/radiative/tracking.rs",
+        file: "src/render/radiative/tracking.rs",
         check: d6_empty_space,
     },
     Row {
@@ -89,7 +89,7 @@ pub const ROWS: &[Row] = &[
         what: "one bright voxel on the border of two blocks",
         tolerance: "4 standard errors; 64 u by integrals; exact bound",
         remedy: "bounds of a block cover every node that a look-up in it may read",
-        place: "src/volume/grid_density.rs",
+        file: "src/volume/grid_density.rs",
         check: d7_bright_voxel_on_a_border,
     },
     Row {
@@ -97,7 +97,7 @@ pub const ROWS: &[Row] = &[
         what: "a density with a jump: marching has order 1, tracking no bias",
         tolerance: "order within 0.15; 4 standard errors; 8 u by cells",
         remedy: "cells are cut at their faces, tracking is held to bounds; steps are left to their order 1",
-        place: "src/volume/grid_density.rs",
+        file: "src/volume/grid_density.rs",
         check: d8_discontinuous_density,
     },
     Row {
@@ -105,7 +105,7 @@ pub const ROWS: &[Row] = &[
         what: "voxels that are no densities: refused by name, or replaced",
         tolerance: "exact",
         remedy: "samples are checked as they are read, and a grid before it is a density",
-        place: "src/volume/samples.rs",
+        file: "src/volume/samples.rs",
         check: d9_voxels_that_are_no_densities,
     },
     Row {
@@ -113,7 +113,7 @@ pub const ROWS: &[Row] = &[
         what: "subnormal voxels and huge ones",
         tolerance: "exact",
         remedy: "no number is flushed to zero; an infinite depth is a depth",
-        place: "src/media/optical_depth.rs",
+        file: "src/media/optical_depth.rs",
         check: d10_subnormal_and_huge_voxels,
     },
     Row {
@@ -121,7 +121,7 @@ pub const ROWS: &[Row] = &[
         what: "a bound that is too small: counted; by ratio tracking without bias",
         tolerance: "4 standard errors; 4 % of the variance; exact count above 0",
         remedy: "every look-up is held against its bound, and violations end the rendering",
-        place: "src/render/radiative/tracking.rs",
+        file: "src/render/radiative/tracking.rs",
         check: d11_bound_too_small,
     },
     Row {
@@ -129,7 +129,7 @@ pub const ROWS: &[Row] = &[
         what: "an extinction that is its bound, to one ulp",
         tolerance: "4 standard errors",
         remedy: "real or null is decided by one comparison: no null collision has probability 0",
-        place: "src/render/radiative/tracking.rs",
+        file: "src/render/radiative/tracking.rs",
         check: d12_extinction_at_its_bound,
     },
     Row {
@@ -137,7 +137,7 @@ pub const ROWS: &[Row] = &[
         what: "a narrow peak in the transfer function",
         tolerance: "1e-10",
         remedy: "segments are classified, not points",
-        place: "src/cost/preintegration.rs",
+        file: "src/cost/preintegration.rs",
         check: d13_narrow_peak,
     },
     Row {
@@ -145,7 +145,7 @@ pub const ROWS: &[Row] = &[
         what: "no gradient, and surfaces that are just touched",
         tolerance: "exact",
         remedy: "a zero gradient has no normal, and the colour stays as it is",
-        place: "src/media/phong.rs",
+        file: "src/media/phong.rs",
         check: d14_zero_gradient_and_touched_surfaces,
     },
 ];
@@ -245,7 +245,7 @@ fn d5_anisotropic_spacing(margin: &mut Margin) {
     for interpolation in BOTH {
         let density = GridDensity::new(constant.clone(), interpolation);
         let (bounds, field) = (density.bounds(), Field::Grid(density.clone()));
-        let scene = before_sky(vec![varying(bounds, field, grey(sigma, 0.0, 0.0))]);
+        let scene = before_sky(vec![heterogeneous(bounds, field, grey(sigma, 0.0, 0.0))]);
         for towards in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE] {
             let ray = ray(bounds.centre() - 20.0 * towards, towards);
             let (depth, length) = depth(&density, &ray);
@@ -282,7 +282,7 @@ fn d6_empty_space(margin: &mut Margin) {
     });
     for (name, grid, beside) in [("empty", empty, 0.0), ("beside some", one_side, 3.0)] {
         let density = GridDensity::new(grid.clone(), Interpolation::Trilinear);
-        let fog = varying(density.bounds(), Field::Grid(density), grey(5.0, 0.8, 0.0));
+        let fog = heterogeneous(density.bounds(), Field::Grid(density), grey(5.0, 0.8, 0.0));
         let mut scene = before_sky(vec![fog]);
         let middle = DVec3::new(beside, 0.25, 0.25);
         scene.camera = crate::geometry::Camera::new(middle - DVec3::Z * 3.0, middle, DVec3::Y, 0.1)
@@ -330,7 +330,7 @@ fn d7_bright_voxel_on_a_border(margin: &mut Margin) {
     let right = exp(-(0.2 * 50.0 * (2.0 / 3.0) * 0.75 * 0.25));
     let body = |albedo| {
         let field = Field::Grid(density.clone());
-        before_sky(vec![varying(
+        before_sky(vec![heterogeneous(
             density.bounds(),
             field,
             grey(0.2, albedo, 0.0),
@@ -416,7 +416,7 @@ fn nrrd_with(odd: &str) -> String {
 
 fn d9_voxels_that_are_no_densities(margin: &mut Margin) {
     // Node 57 of 4 × 4 × 4.
-    let place = [1, 2, 3];
+    let wrong_node = [1, 2, 3];
     for text in ["nan", "inf", "-inf"] {
         let file = nrrd_with(text);
         let refused = read_nrrd(file.as_bytes(), &LoadOptions::default());
@@ -425,7 +425,7 @@ fn d9_voxels_that_are_no_densities(margin: &mut Margin) {
             named.contains("(1, 2, 3)") && named.to_lowercase().contains(text)
         });
         margin.holds(
-            format_args!("{text} is refused by place and value: {named:?}"),
+            format_args!("{text} is refused by node and value: {named:?}"),
             is_named,
         );
         let options = LoadOptions {
@@ -444,16 +444,14 @@ fn d9_voxels_that_are_no_densities(margin: &mut Margin) {
         }
     }
     for wrong in [-1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-        let grid = grid(
-            [4; 3],
-            DVec3::ONE,
-            |node| if node == place { wrong } else { 1.0 },
-        );
+        let grid = grid([4; 3], DVec3::ONE, |node| {
+            if node == wrong_node { wrong } else { 1.0 }
+        });
         let named = match grid.check_densities() {
             Err(GridError::Density { node, value }) => Some((node, value.to_bits())),
             _ => None,
         };
-        let right = Some((place, f64::from(wrong).to_bits()));
+        let right = Some((wrong_node, f64::from(wrong).to_bits()));
         margin.exact(format_args!("a density of {wrong}"), named, right);
     }
 }
@@ -475,7 +473,7 @@ fn d10_subnormal_and_huge_voxels(margin: &mut Margin) {
         // through, what underflows all.
         for sigma in [1e-272, 1e262] {
             let field = Field::Grid(density.clone());
-            let body = varying(density.bounds(), field, grey(sigma, 0.0, 0.0));
+            let body = heterogeneous(density.bounds(), field, grey(sigma, 0.0, 0.0));
             let seen = straight(&before_sky(vec![body]), &view).x;
             let right = if f64::from(value) * sigma > 1.0 {
                 0.0
@@ -563,7 +561,7 @@ fn d12_extinction_at_its_bound(margin: &mut Margin) {
     let nearly = GridDensity::new(nearly, Interpolation::Trilinear);
     let seen = |albedo| {
         let field = Field::Grid(nearly.clone());
-        before_sky(vec![varying(
+        before_sky(vec![heterogeneous(
             nearly.bounds(),
             field,
             grey(0.8, albedo, 0.0),

@@ -23,7 +23,7 @@ pub const ROWS: &[Row] = &[
         what: "very thin media",
         tolerance: "4 u",
         remedy: "-expm1(-tau), which keeps the digits of a thin medium",
-        place: "src/media/optical_depth.rs",
+        file: "src/media/optical_depth.rs",
         check: e1_very_thin_media,
     },
     Row {
@@ -31,7 +31,7 @@ pub const ROWS: &[Row] = &[
         what: "very thick media: nothing is divided by what they let through",
         tolerance: "1e-13 of the transmittance at depth 700; 2 u of the radiance",
         remedy: "optical depth is what is carried; nothing is divided by a transmittance",
-        place: "src/media/optical_depth.rs",
+        file: "src/media/optical_depth.rs",
         check: e2_very_thick_media,
     },
     Row {
@@ -39,7 +39,7 @@ pub const ROWS: &[Row] = &[
         what: "the source factor (1 - e^-tau) / tau",
         tolerance: "4 u; exact at 0",
         remedy: "-expm1(-tau)/tau, and 1 at exactly 0",
-        place: "src/media/optical_depth.rs",
+        file: "src/media/optical_depth.rs",
         check: e3_source_factor,
     },
     Row {
@@ -47,7 +47,7 @@ pub const ROWS: &[Row] = &[
         what: "opacity correction 1 - (1 - a)^r",
         tolerance: "4 u; exact at the ends",
         remedy: "-expm1(r ln1p(-a)), once, from a stated length",
-        place: "src/media/opacity.rs",
+        file: "src/media/opacity.rs",
         check: e4_opacity_correction,
     },
     Row {
@@ -55,7 +55,7 @@ pub const ROWS: &[Row] = &[
         what: "opacity 1, and zero times infinity",
         tolerance: "exact",
         remedy: "exact zeros are tested before anything is multiplied",
-        place: "src/media/optical_depth.rs",
+        file: "src/media/optical_depth.rs",
         check: e5_opaque_and_zero_times_infinity,
     },
     Row {
@@ -63,7 +63,7 @@ pub const ROWS: &[Row] = &[
         what: "free flight at the ends of the random range",
         tolerance: "4 u; exact at 0",
         remedy: "-ln1p(-u)/sigma, and no flight at all without extinction",
-        place: "src/math/sampling/free_flight.rs",
+        file: "src/math/sampling/free_flight.rs",
         check: e6_free_flight_at_the_ends,
     },
     Row {
@@ -71,7 +71,7 @@ pub const ROWS: &[Row] = &[
         what: "weights where the transmittance underflows",
         tolerance: "exact",
         remedy: "only ratios of transmittances are formed, by differences of depths",
-        place: "src/media/coefficients.rs",
+        file: "src/media/coefficients.rs",
         check: e7_weights_where_transmittance_underflows,
     },
     Row {
@@ -79,7 +79,7 @@ pub const ROWS: &[Row] = &[
         what: "a homogeneous medium by any number of steps",
         tolerance: "1e-12 by the sum of depths, 1e-10 by the product",
         remedy: "the last step is as long as what is left; transparency is carried beside opacity",
-        place: "src/render/classified/compositing.rs",
+        file: "src/render/classified/compositing.rs",
         check: e8_any_number_of_steps,
     },
     Row {
@@ -87,7 +87,7 @@ pub const ROWS: &[Row] = &[
         what: "early termination, where it is asked for",
         tolerance: "the bias that the plan states",
         remedy: "off unless the scene asks for it, and then with a bound in the plan",
-        place: "src/render/classified/compositing.rs",
+        file: "src/render/classified/compositing.rs",
         check: e9_early_termination,
     },
 ];
@@ -119,7 +119,7 @@ fn e2_very_thick_media(margin: &mut Margin) {
     }
     // Seen by the renderer: a body in equilibrium with that source, before a sky of another.
     for sigma in [700.0, 745.0, 746.0, 1e6] {
-        let body = in_box(unit_box(), glowing(grey(sigma, 0.0, 0.0), source));
+        let body = in_box(unit_box(), emissive(grey(sigma, 0.0, 0.0), source));
         let seen = straight(&before_sky(vec![body]), &ray([0.5, 0.5, -1.0], DVec3::Z)).x;
         // σ_a times the source is rounded, and divided by σ_a again.
         margin.roundings(format_args!("seen, sigma {sigma:e}"), seen, source, 2.0);
@@ -162,14 +162,18 @@ fn e4_opacity_correction(margin: &mut Margin) {
 }
 
 fn e5_opaque_and_zero_times_infinity(margin: &mut Margin) {
-    let through =
+    let behind_layer =
         |opacity: f64| FrontToBack::add(Layers::default(), DVec3::ZERO, opacity).transparency;
     margin.exact(
         "opaque, over no length",
-        through(over_length(1.0, 0.0)),
+        behind_layer(over_length(1.0, 0.0)),
         1.0,
     );
-    margin.exact("opaque, over some", through(over_length(1.0, 2.0)), 0.0);
+    margin.exact(
+        "opaque, over some",
+        behind_layer(over_length(1.0, 2.0)),
+        0.0,
+    );
     margin.exact(
         "nothing, without an end",
         transmittance(optical_depth(0.0, f64::INFINITY)),
@@ -293,7 +297,7 @@ fn e8_any_number_of_steps(margin: &mut Margin) {
 
 fn e9_early_termination(margin: &mut Margin) {
     let (below, source) = (1e-3, 4.0);
-    // Grey fog that lets e^(−1) through a unit, bright red matter behind it, and a blue sky.
+    // Grey fog that lets e^(−1) through a unit, a bright red medium behind it, and a blue sky.
     let colour = |value: f64| {
         if value > 0.5 {
             DVec3::X * source

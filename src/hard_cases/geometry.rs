@@ -20,7 +20,7 @@ pub const ROWS: &[Row] = &[
         what: "a zero component of the direction, the origin within that slab",
         tolerance: "exact",
         remedy: "a zero component is a branch of its own: nothing is multiplied by an infinite reciprocal",
-        place: "src/geometry/aabb.rs",
+        file: "src/geometry/aabb.rs",
         check: g1_zero_component_within_the_slab,
     },
     Row {
@@ -28,7 +28,7 @@ pub const ROWS: &[Row] = &[
         what: "a zero component of the direction, the origin on a face",
         tolerance: "exact",
         remedy: "boxes are half open: a face belongs to the box whose minimum face it is",
-        place: "src/geometry/aabb.rs",
+        file: "src/geometry/aabb.rs",
         check: g2_zero_component_on_a_face,
     },
     Row {
@@ -36,7 +36,7 @@ pub const ROWS: &[Row] = &[
         what: "through a corner, and touching an edge",
         tolerance: "16 u; exact where nothing is crossed",
         remedy: "entry and exit of each axis are compared, and none is widened: a touched edge has length 0",
-        place: "src/geometry/aabb.rs",
+        file: "src/geometry/aabb.rs",
         check: g3_corner_and_edge,
     },
     Row {
@@ -44,7 +44,7 @@ pub const ROWS: &[Row] = &[
         what: "from inside, from a face, and with the box behind",
         tolerance: "exact",
         remedy: "the entry is raised to the origin of the ray before it is compared with the exit",
-        place: "src/geometry/surface.rs",
+        file: "src/geometry/surface.rs",
         check: g4_origin_inside_on_the_face_and_behind,
     },
     Row {
@@ -52,7 +52,7 @@ pub const ROWS: &[Row] = &[
         what: "boxes without an inside, and inverted ones",
         tolerance: "exact",
         remedy: "corners are checked on their way in; a flat box is one of length 0",
-        place: "src/geometry/aabb.rs",
+        file: "src/geometry/aabb.rs",
         check: g5_flat_and_inverted_boxes,
     },
     Row {
@@ -60,7 +60,7 @@ pub const ROWS: &[Row] = &[
         what: "two touching halves equal the whole, on 100 000 rays",
         tolerance: "8 u of sigma times the exit distance",
         remedy: "half-open boxes, and distances to a face that depend on its coordinate alone",
-        place: "src/geometry/aabb.rs",
+        file: "src/geometry/aabb.rs",
         check: g6_two_halves_are_the_whole,
     },
     Row {
@@ -68,7 +68,7 @@ pub const ROWS: &[Row] = &[
         what: "directions that are not of length 1",
         tolerance: "exact for powers of two, else 1e-14",
         remedy: "directions are brought to length 1 once, by way of a power of two, so that all distances are world distances",
-        place: "src/geometry/ray.rs",
+        file: "src/geometry/ray.rs",
         check: g7_direction_of_any_length,
     },
     Row {
@@ -76,7 +76,7 @@ pub const ROWS: &[Row] = &[
         what: "the whole scene 2^40 times as large, and as small",
         tolerance: "exact",
         remedy: "no absolute length anywhere: clearances are relative to the coordinates of a shape",
-        place: "src/geometry/hit.rs",
+        file: "src/geometry/hit.rs",
         check: g8_whole_scene_scaled,
     },
     Row {
@@ -84,7 +84,7 @@ pub const ROWS: &[Row] = &[
         what: "far from the origin: 2^20, 2^30, 2^40",
         tolerance: "4 units in the last place of the offset",
         remedy: "distances are formed from differences to the origin of the ray, in 64 bits",
-        place: "src/geometry/aabb.rs",
+        file: "src/geometry/aabb.rs",
         check: g9_far_from_the_origin,
     },
     Row {
@@ -92,7 +92,7 @@ pub const ROWS: &[Row] = &[
         what: "a sphere 10^8 radii away, and one that is grazed",
         tolerance: "2 units in the last place of the distance; 1e-9",
         remedy: "the chord by the foot of the perpendicular, from (r - b)(r + b)",
-        place: "src/geometry/sphere.rs",
+        file: "src/geometry/sphere.rs",
         check: g10_far_and_grazed_sphere,
     },
     Row {
@@ -100,7 +100,7 @@ pub const ROWS: &[Row] = &[
         what: "leaving a surface: no self-hit and no leak, sizes from 10^-6 to 10^6",
         tolerance: "exact count, 0",
         remedy: "rays start off a surface by a proven bound on all roundings",
-        place: "src/geometry/hit.rs",
+        file: "src/geometry/hit.rs",
         check: g11_leaving_a_surface,
     },
     Row {
@@ -108,7 +108,7 @@ pub const ROWS: &[Row] = &[
         what: "grid walks in planes of voxels, along diagonals, and without an end",
         tolerance: "8 u of the exit distance; exact number of cells",
         remedy: "whole numbers for cells, and every crossing from its plane",
-        place: "src/volume/walk.rs",
+        file: "src/volume/walk.rs",
         check: g12_grid_walk,
     },
 ];
@@ -188,8 +188,8 @@ fn g6_two_halves_are_the_whole(margin: &mut Margin) {
     let (mut left, mut right) = (whole, whole);
     // Both have the bits of the one number.
     (left.max.x, right.min.x) = (0.5, 0.5);
-    let places = numbers(61, 100_000).map(DVec3::from_array);
-    for (index, (from, to)) in places
+    let points = numbers(61, 100_000).map(DVec3::from_array);
+    for (index, (from, to)) in points
         .zip(numbers(62, 100_000).map(DVec3::from_array))
         .enumerate()
     {
@@ -224,21 +224,21 @@ fn g6_two_halves_are_the_whole(margin: &mut Margin) {
 
 /// A soft ball of fog across a hard box of it, in the light of a lamp.
 fn foggy(scale: f64, centre: DVec3) -> Radiative {
-    let place = |x: f64, y: f64, z: f64| centre + DVec3::new(x, y, z) * scale;
-    let bounds = cuboid(place(-1.0, -1.0, -1.0), place(1.0, 1.0, 1.0));
+    let point_at = |x: f64, y: f64, z: f64| centre + DVec3::new(x, y, z) * scale;
+    let bounds = cuboid(point_at(-1.0, -1.0, -1.0), point_at(1.0, 1.0, 1.0));
     let blob = Field::Blob(Blob {
-        centre: place(0.25, 0.0, 0.125),
+        centre: point_at(0.25, 0.0, 0.125),
         peak: 1.0,
         width: 0.5 * scale,
     });
-    let corner = cuboid(place(-0.5, -0.75, 0.0), place(0.5, 0.25, 0.75));
+    let corner = cuboid(point_at(-0.5, -0.75, 0.0), point_at(0.5, 0.25, 0.75));
     let mut scene = before_sky(vec![
-        varying(bounds, blob, grey(3.0 / scale, 0.75, 0.0)),
+        heterogeneous(bounds, blob, grey(3.0 / scale, 0.75, 0.0)),
         in_box(corner, grey(2.0 / scale, 0.5, 0.5)),
     ]);
-    scene.camera = Camera::new(place(0.5, 0.25, -4.0), centre, DVec3::Y, 0.5).expect("a view");
+    scene.camera = Camera::new(point_at(0.5, 0.25, -4.0), centre, DVec3::Y, 0.5).expect("a view");
     scene.lights.push(Light::Point(Point {
-        position: place(0.5, 2.0, -0.5),
+        position: point_at(0.5, 2.0, -0.5),
         // Irradiance falls with the square of the distance.
         intensity: DVec3::splat(2.0 * scale * scale),
     }));

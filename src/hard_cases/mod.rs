@@ -49,7 +49,7 @@ pub struct Row {
     /// What keeps the renderer right.
     pub remedy: &'static str,
     /// The source file in which the remedy stands, with its reason.
-    pub place: &'static str,
+    pub file: &'static str,
     check: fn(&mut Margin),
 }
 
@@ -83,7 +83,7 @@ mod tests {
     fn remedies_stand_where_they_are_said_to() {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
         for row in rows() {
-            assert!(root.join(row.place).is_file(), "{}: {}", row.id, row.place);
+            assert!(root.join(row.file).is_file(), "{}: {}", row.id, row.file);
         }
     }
 

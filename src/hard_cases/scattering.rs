@@ -26,7 +26,7 @@ pub const ROWS: &[Row] = &[
         what: "Henyey-Greenstein sampling for every g, at both ends of u",
         tolerance: "8 u in 1 - cos and in 1 + cos",
         remedy: "two forms without cancellation; g below 0 is the mirror of g above",
-        place: "src/media/henyey_greenstein.rs",
+        file: "src/media/henyey_greenstein.rs",
         check: s1_henyey_greenstein_sampling,
     },
     Row {
@@ -34,7 +34,7 @@ pub const ROWS: &[Row] = &[
         what: "the Henyey-Greenstein value: integral, mean cosine, histogram",
         tolerance: "1e-12; chi-squared at 1e-3",
         remedy: "(1 - g)^2 + 2 g (1 - cos), from the end at which the peak is",
-        place: "src/media/henyey_greenstein.rs",
+        file: "src/media/henyey_greenstein.rs",
         check: s2_henyey_greenstein_value,
     },
     Row {
@@ -42,7 +42,7 @@ pub const ROWS: &[Row] = &[
         what: "orthonormal frames at and near the poles",
         tolerance: "8 u",
         remedy: "the sign keeps the denominator at least 1 on both hemispheres",
-        place: "src/math/frame.rs",
+        file: "src/math/frame.rs",
         check: s3_orthonormal_frame,
     },
     Row {
@@ -50,7 +50,7 @@ pub const ROWS: &[Row] = &[
         what: "the white furnace: nothing is seen in light from everywhere",
         tolerance: "exact, path by path; 1e-12 where media overlap whose density varies",
         remedy: "a path that nothing takes from is never cut, and its weights are ratios of equal numbers",
-        place: "src/render/radiative/path_tracer.rs",
+        file: "src/render/radiative/path_tracer.rs",
         check: s4_white_furnace,
     },
     Row {
@@ -58,23 +58,23 @@ pub const ROWS: &[Row] = &[
         what: "plane albedo of a half-space",
         tolerance: "4 standard errors",
         remedy: "paths are cut with the probability that their weight is raised by",
-        place: "src/render/radiative/path_tracer.rs",
+        file: "src/render/radiative/path_tracer.rs",
         check: s5_half_space,
     },
     Row {
         id: "S6",
         what: "a thick slab that absorbs nothing",
         tolerance: "exact sum, path by path; no path cut; 4 standard errors",
-        remedy: "no limit of turns but the one the scene asks for; a path without an end is an error",
-        place: "src/render/radiative/path_tracer.rs",
+        remedy: "no limit of bounces but the one the scene asks for; a path without an end is an error",
+        file: "src/render/radiative/path_tracer.rs",
         check: s6_conservative_thick_slab,
     },
     Row {
         id: "S7",
-        what: "a limit of one turn: crossing a boundary is none",
+        what: "a limit of one bounce: crossing a boundary is none",
         tolerance: "1e-10 by integrals, 4 standard errors by paths",
         remedy: "boundaries of media are places where a straight path is cut, not vertices",
-        place: "src/render/radiative/segments.rs",
+        file: "src/render/radiative/segments.rs",
         check: s7_depth_limit,
     },
     Row {
@@ -82,7 +82,7 @@ pub const ROWS: &[Row] = &[
         what: "a light on the viewing ray, and next to it",
         tolerance: "1e-12, by the integrals of images 6e-10; no variance",
         remedy: "equiangular sampling by a turn of the near end; on the light itself infinity",
-        place: "src/math/sampling/equiangular.rs",
+        file: "src/math/sampling/equiangular.rs",
         check: s8_light_near_the_ray,
     },
     Row {
@@ -90,7 +90,7 @@ pub const ROWS: &[Row] = &[
         what: "the edge of a spotlight, and every warp at its ends",
         tolerance: "exact; 8 u; 4e-11 and the rounding of places across the cone",
         remedy: "the edge itself is dark, by a strict comparison before any quotient",
-        place: "src/optics/light.rs",
+        file: "src/optics/light.rs",
         check: s9_spotlight_edge_and_warps,
     },
     Row {
@@ -98,7 +98,7 @@ pub const ROWS: &[Row] = &[
         what: "a strongly coloured medium",
         tolerance: "4 standard errors a channel, 8 u in closed form; weights at most 3",
         remedy: "one channel chooses the distance, and the weight is by the mixture of all three",
-        place: "src/media/coefficients.rs",
+        file: "src/media/coefficients.rs",
         check: s10_strongly_coloured_medium,
     },
 ];
@@ -186,11 +186,16 @@ const DEFLECTIONS: &[(f64, f64, f64, f64)] = &[
 
 fn s1_henyey_greenstein_sampling(margin: &mut Margin) {
     for &(g, u, one_minus_cos, one_plus_cos) in DEFLECTIONS {
-        let turn = henyey_greenstein(g).deflection(u);
+        let deflection = henyey_greenstein(g).deflection(u);
         let what = |end: &str| format!("g = {g:e}, u = {u:e}: {end}");
-        margin.roundings(what("1 - cos"), turn.one_minus_cos, one_minus_cos, 8.0);
-        margin.roundings(what("1 + cos"), turn.one_plus_cos, one_plus_cos, 8.0);
-        margin.holds(what("a cosine"), (-1.0..=1.0).contains(&turn.cos));
+        margin.roundings(
+            what("1 - cos"),
+            deflection.one_minus_cos,
+            one_minus_cos,
+            8.0,
+        );
+        margin.roundings(what("1 + cos"), deflection.one_plus_cos, one_plus_cos, 8.0);
+        margin.holds(what("a cosine"), (-1.0..=1.0).contains(&deflection.cos));
         // Both ends, to the bit.
         let [back, ahead] = [0.0, 1.0].map(|u| henyey_greenstein(g).deflection(u));
         margin.exact(
@@ -205,7 +210,11 @@ fn s1_henyey_greenstein_sampling(margin: &mut Margin) {
         );
         // The mirror of g is that of u.
         let mirror = henyey_greenstein(-g).deflection(1.0 - u);
-        margin.exact(what("mirrored"), mirror.one_minus_cos, turn.one_plus_cos);
+        margin.exact(
+            what("mirrored"),
+            mirror.one_minus_cos,
+            deflection.one_plus_cos,
+        );
     }
     for g in [1.0, -1.0, f64::NAN] {
         margin.holds(
@@ -226,7 +235,7 @@ fn s2_henyey_greenstein_value(margin: &mut Margin) {
             let from_peak = 2.0 * width * width * s * s / (rest * rest);
             let slope = 4.0 * width * width * s / (rest * rest * rest);
             let (near, far) = (from_peak, 2.0 - from_peak);
-            let turn = match g >= 0.0 {
+            let deflection = match g >= 0.0 {
                 true => Deflection {
                     cos: 1.0 - near,
                     one_minus_cos: near,
@@ -238,14 +247,14 @@ fn s2_henyey_greenstein_value(margin: &mut Margin) {
                     one_plus_cos: near,
                 },
             };
-            let density = TAU * phase.per_steradian(&turn) * slope;
-            DVec3::new(density, density * turn.cos, 0.0)
+            let density = TAU * phase.per_steradian(&deflection) * slope;
+            DVec3::new(density, density * deflection.cos, 0.0)
         };
         let found = integrate(over_sphere, 0.0, upper, 1e-15).value;
         margin.within(format_args!("integral, g = {g}"), found.x, 1.0, 1e-12);
         margin.within(format_args!("mean cosine, g = {g}"), found.y, g, 1e-12);
     }
-    // Sampled turns fill 64 classes of equal probability evenly: one sum in a thousand of 63 degrees
+    // Sampled deflections fill 64 classes of equal probability evenly: one sum in a thousand of 63 degrees
     // of freedom is larger than this.
     let bound = 103.442;
     for (pixel, g) in [
@@ -260,8 +269,8 @@ fn s2_henyey_greenstein_value(margin: &mut Margin) {
         let stream = Stream::new(3, pixel, 0);
         let mut counts = [0_u32; 64];
         for i in 0..1 << 15 {
-            let turn = phase.deflection(stream.uniform(0, Purpose::PhaseDirection, i));
-            counts[((phase.cdf(&turn) * 64.0) as usize).min(63)] += 1;
+            let deflection = phase.deflection(stream.uniform(0, Purpose::PhaseDirection, i));
+            counts[((phase.cdf(&deflection) * 64.0) as usize).min(63)] += 1;
         }
         let expected = f64::from(1 << 15) / 64.0;
         let squares = counts.map(|count| {
@@ -309,7 +318,7 @@ fn s4_white_furnace(margin: &mut Margin) {
     });
     let bumpy = GridDensity::new(bumpy, Interpolation::Trilinear);
     let in_grid = |g| {
-        varying(
+        heterogeneous(
             bumpy.bounds(),
             Field::Grid(bumpy.clone()),
             grey(3.0, 1.0, g),
@@ -340,7 +349,7 @@ fn s4_white_furnace(margin: &mut Margin) {
             let seen = paths(&scene, None, ray(origin, sphere([v, w])))(sample);
             let what = format_args!("{name}, path {sample}");
             // One of several media is chosen in the proportion of their densities there, which
-            // takes four roundings; no path is turned more than a thousand times.
+            // takes four roundings; no path is scattered more than a thousand times.
             match name == OVERLAP {
                 true => margin.within(what, (seen - 1.0).abs().max_element(), 0.0, 1e-12),
                 false => margin.exact(what, seen, DVec3::ONE),
@@ -400,9 +409,13 @@ fn s6_conservative_thick_slab(margin: &mut Margin) {
         (paths(&above, None, down()), paths(&below, None, down()));
     let mut share = Moments::default();
     for sample in 0..PATHS {
-        let (back, through) = (reflected(sample).x, transmitted(sample).x);
-        margin.exact(format_args!("path {sample}: R + T"), back + through, 1.0);
-        share.add(through);
+        let (back, transmitted_share) = (reflected(sample).x, transmitted(sample).x);
+        margin.exact(
+            format_args!("path {sample}: R + T"),
+            back + transmitted_share,
+            1.0,
+        );
+        share.add(transmitted_share);
     }
     // The asymptotic law of a beam that comes in along the normal, exact but for e^(−50):
     // H(1)/√3 over the depth and two extrapolation lengths (van de Hulst 1980, ch. 5).
@@ -433,7 +446,7 @@ fn s7_depth_limit(margin: &mut Margin) {
         })
         .collect();
     for (name, scene) in [("one slab", &scene), ("ten layers", &layers)] {
-        let found = turned_once(scene, &down()).x;
+        let found = scattered_once(scene, &down()).x;
         margin.within(
             format_args!("{name}, by integrals"),
             found,
@@ -468,7 +481,7 @@ fn s8_light_near_the_ray(margin: &mut Margin) {
         margin.within("what is known", angle / distance, right, 1e-12 * right);
         // To the tolerance of images, and as far as the integrator goes.
         for tolerance in [TOLERANCE, 1e-14] {
-            let found = turned_once_within(tolerance, &lamp_at(distance), &view).x;
+            let found = scattered_once_within(tolerance, &lamp_at(distance), &view).x;
             let what = format_args!("by integrals to {tolerance:e}, {distance:e} beside");
             margin.within(what, found, right, tolerance.max(1e-12) * right);
         }
@@ -501,7 +514,7 @@ fn s8_light_near_the_ray(margin: &mut Margin) {
         margin.holds("a picture of it is refused as infinitely bright", refused);
         margin.exact(
             "seen on the ray",
-            turned_once(&lamp_at(on), &view),
+            scattered_once(&lamp_at(on), &view),
             DVec3::INFINITY,
         );
     }
@@ -521,8 +534,8 @@ fn s9_spotlight_edge_and_warps(margin: &mut Margin) {
         }
         Err(error) => margin.holds(format_args!("a sharp edge is a spotlight: {error}"), false),
     }
-    // Light turned once where a ray crosses the cone, near it and from far away: in thin isotropic
-    // matter the angle under which the light sees the lit stretch, over the distance to the ray.
+    // Light scattered once where a ray crosses the cone, near it and from far away: in thin isotropic
+    // media the angle under which the light sees the lit segment, over the distance to the ray.
     let half_angle = 20.0_f64;
     for (eye, distance) in [(1.0, 1.0), (1e4, 0.05)] {
         let sigma_s = 1e-12;
@@ -537,7 +550,7 @@ fn s9_spotlight_edge_and_warps(margin: &mut Margin) {
             [half_angle; 2],
         );
         scene.lights.extend(light.map(Light::Spot));
-        let found = turned_once(&scene, &ray([-eye, 0.0, 0.0], DVec3::X)).x;
+        let found = scattered_once(&scene, &ray([-eye, 0.0, 0.0], DVec3::X)).x;
         let right = 2.0 * half_angle.to_radians();
         // Twenty per 10^12 are taken away; a place 10^4 away is rounded by 1e-12.
         let allowed = 4e-11 * right + 4.0 * 1e4 * U / distance;
@@ -571,7 +584,7 @@ fn s9_spotlight_edge_and_warps(margin: &mut Margin) {
         let light = Equiangular::new(1e-6, 1.0, f64::INFINITY).expect("beside the ray");
         pdf("a place before a light", light.pdf(light.place(u)));
         pdf(
-            "a turn",
+            "a deflection",
             henyey_greenstein(0.9).per_steradian(&henyey_greenstein(0.9).deflection(u)),
         );
     }
@@ -616,7 +629,7 @@ fn s10_strongly_coloured_medium(margin: &mut Margin) {
             8.0,
         );
     }
-    // Not turned at all: what gets through is all that is seen. A path is seen by all channels.
+    // Not scattered at all: what gets through is all that is seen. A path is seen by all channels.
     let mut path = paths(&scene, Some(0), view);
     let mut moments = [Moments::default(); 3];
     for sample in 0..40_000 {

@@ -80,7 +80,7 @@ pub fn coloured(sigma_a: DVec3, sigma_s: DVec3, g: Asymmetry) -> Homogeneous {
 }
 
 /// `medium` with the emission of a body in thermal equilibrium with radiance `source`.
-pub fn glowing(medium: Homogeneous, source: f64) -> Homogeneous {
+pub fn emissive(medium: Homogeneous, source: f64) -> Homogeneous {
     Homogeneous {
         emission: medium.coefficients.sigma_a() * source,
         ..medium
@@ -104,7 +104,7 @@ pub fn in_ball(sphere: Sphere, medium: Homogeneous) -> Body {
 }
 
 /// A medium in a box, with a density of its own.
-pub fn varying(bounds: Aabb, field: Field, medium: Homogeneous) -> Body {
+pub fn heterogeneous(bounds: Aabb, field: Field, medium: Homogeneous) -> Body {
     Body {
         density: Some(Density::new(field, bounds, None)),
         ..in_box(bounds, medium)
@@ -127,31 +127,31 @@ pub fn before_sky(media: Vec<Body>) -> Radiative {
     }
 }
 
-/// Light along the line of sight that is not turned.
+/// Light along the line of sight that is not scattered.
 pub fn straight(scene: &Radiative, ray: &Ray) -> DVec3 {
     line_of_sight(scene, ray, false, TOLERANCE)
 }
 
-/// Light along the line of sight, turned once at most, by the tolerance of images.
-pub fn turned_once(scene: &Radiative, ray: &Ray) -> DVec3 {
-    turned_once_within(TOLERANCE, scene, ray)
+/// Light along the line of sight, scattered once at most, by the tolerance of images.
+pub fn scattered_once(scene: &Radiative, ray: &Ray) -> DVec3 {
+    scattered_once_within(TOLERANCE, scene, ray)
 }
 
 /// The same by integrals to another tolerance.
-pub fn turned_once_within(tolerance: f64, scene: &Radiative, ray: &Ray) -> DVec3 {
+pub fn scattered_once_within(tolerance: f64, scene: &Radiative, ray: &Ray) -> DVec3 {
     line_of_sight(scene, ray, true, tolerance)
 }
 
-fn line_of_sight(scene: &Radiative, ray: &Ray, turned: bool, tolerance: f64) -> DVec3 {
+fn line_of_sight(scene: &Radiative, ray: &Ray, scattered: bool, tolerance: f64) -> DVec3 {
     let renderer = LineOfSight::<Everything> {
         scene: SceneContext::new(scene, false),
-        scattering: turned,
+        scattering: scattered,
         tolerance,
     };
     renderer.radiance(ray, &mut Scratch::default(), &mut Uncounted)
 }
 
-/// What path number `sample` brings back along `ray`, turned `limit` times at most.
+/// What path number `sample` brings back along `ray`, scattered `limit` times at most.
 pub fn paths<'s>(
     scene: &'s Radiative,
     limit: Option<u32>,

@@ -24,13 +24,13 @@ pub fn smooth(t: f64) -> f64 {
 }
 
 /// Extinction along a ray of [`LENGTH`] as a function, with one bound.
-struct Curve<'f> {
+struct CurvedExtinction<'f> {
     sigma: &'f dyn Fn(f64) -> f64,
     bound: f64,
     done: bool,
 }
 
-impl Iterator for Curve<'_> {
+impl Iterator for CurvedExtinction<'_> {
     type Item = MajorantSegment;
 
     fn next(&mut self) -> Option<MajorantSegment> {
@@ -50,7 +50,7 @@ impl Iterator for Curve<'_> {
     }
 }
 
-impl Majorants for Curve<'_> {
+impl Majorants for CurvedExtinction<'_> {
     fn extinction(&mut self, t: f64) -> DVec3 {
         DVec3::splat((self.sigma)(t))
     }
@@ -84,7 +84,7 @@ fn estimates(
 /// By delta tracking: 1 for a flight that is not stopped, else 0.
 pub fn by_delta(sigma: &dyn Fn(f64) -> f64, bound: f64, samples: u32) -> Estimates {
     estimates(samples, |numbers, effort| {
-        let mut curve = Curve {
+        let mut curve = CurvedExtinction {
             sigma,
             bound,
             done: false,
@@ -164,7 +164,7 @@ pub fn by_last_number(sigma: DVec3, bound: f64) -> (bool, DVec3) {
 /// By ratio tracking.
 pub fn by_ratio(sigma: &dyn Fn(f64) -> f64, bound: f64, samples: u32) -> Estimates {
     estimates(samples, |numbers, effort| {
-        let mut curve = Curve {
+        let mut curve = CurvedExtinction {
             sigma,
             bound,
             done: false,

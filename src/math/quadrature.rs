@@ -40,7 +40,7 @@ pub fn integrate(mut f: impl FnMut(f64) -> DVec3, from: f64, to: f64, tolerance:
                     .total_cmp(&pieces[b].integral.error)
             })
             .expect("at least one piece");
-        let Piece { from, to, .. } = pieces[worst];
+        let QuadraturePiece { from, to, .. } = pieces[worst];
         let middle = from + 0.5 * (to - from);
         if !(from < middle && middle < to) {
             // No number lies in between: nothing is left to be cut.
@@ -54,15 +54,15 @@ pub fn integrate(mut f: impl FnMut(f64) -> DVec3, from: f64, to: f64, tolerance:
 /// Enough for sixteen jumps at full precision.
 const MOST_PIECES: usize = 1000;
 
-struct Piece {
+struct QuadraturePiece {
     from: f64,
     to: f64,
     integral: Integral,
 }
 
-fn total(pieces: &[Piece]) -> Integral {
+fn total(pieces: &[QuadraturePiece]) -> Integral {
     let mut sums = [Sum::default(); 4];
-    for Piece { integral, .. } in pieces {
+    for QuadraturePiece { integral, .. } in pieces {
         let terms = [
             integral.value.x,
             integral.value.y,
@@ -110,7 +110,7 @@ const GAUSS: [f64; 4] = [
     0.417_959_183_673_469_4,
 ];
 
-fn piece(f: &mut impl FnMut(f64) -> DVec3, from: f64, to: f64) -> Piece {
+fn piece(f: &mut impl FnMut(f64) -> DVec3, from: f64, to: f64) -> QuadraturePiece {
     let half = 0.5 * (to - from);
     let middle = from + half;
     let (mut kronrod, mut gauss) = (DVec3::ZERO, DVec3::ZERO);
@@ -126,7 +126,7 @@ fn piece(f: &mut impl FnMut(f64) -> DVec3, from: f64, to: f64) -> Piece {
         }
     }
     let difference = (kronrod - gauss).abs();
-    Piece {
+    QuadraturePiece {
         from,
         to,
         integral: Integral {

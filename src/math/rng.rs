@@ -36,7 +36,7 @@ pub enum Purpose {
     Channel = 10,
     /// Place in a medium or on a surface, chosen from a light.
     LitPlace = 11,
-    /// Light that media of varying density send out, collected along a ray.
+    /// Light that heterogeneous media emit, collected along a ray.
     Emission = 12,
     /// Everything that a path of the reference path tracer decides, in order.
     Reference = 13,

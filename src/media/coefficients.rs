@@ -75,10 +75,10 @@ impl Coefficients {
 /// Shares are what a path carries. With equal ones in every flight its weights would multiply to
 /// 3^n, with a probability of 3^(−n), in the channel that it happens to be sampled by.
 pub fn sampled_channel(shares: DVec3, u: f64) -> usize {
-    let place = u * (shares.x + shares.y + shares.z);
-    if place < shares.x {
+    let share = u * (shares.x + shares.y + shares.z);
+    if share < shares.x {
         0
-    } else if place < shares.x + shares.y {
+    } else if share < shares.x + shares.y {
         1
     } else {
         2

@@ -27,7 +27,7 @@ impl LinearProfile {
         }
     }
 
-    /// The stretch from `near` to `far ≥ near` without the part where the profile is below 0;
+    /// The segment from `near` to `far ≥ near` without the part where the profile is below 0;
     /// `None` where all of it is.
     pub fn positive_part(&self, near: f64, far: f64) -> Option<(f64, f64)> {
         let positive = |t: f64| self.start + self.slope * t > 0.0;
@@ -97,7 +97,7 @@ pub struct GaussianProfile {
 }
 
 impl GaussianProfile {
-    /// Optical depth from `near` to `far ≥ near`, either of which may be infinite. On a stretch
+    /// Optical depth from `near` to `far ≥ near`, either of which may be infinite. On a segment
     /// much shorter than the width the two error functions cancel: the error is a few roundings
     /// of `peak·width`, not of the result.
     pub fn optical_depth(&self, near: f64, far: f64) -> f64 {

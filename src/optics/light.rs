@@ -136,7 +136,7 @@ impl Spot {
         self.inner
     }
 
-    /// Half-angle from which on nothing is sent out, radians.
+    /// Half-angle from which on nothing is emitted, radians.
     pub fn outer(&self) -> f64 {
         self.outer
     }

@@ -16,7 +16,7 @@ pub enum Material {
     Glass(f64),
 }
 
-/// The sides of a surface that send out light.
+/// The sides of a surface that emit light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sides {
     /// The side the normal points to; outside, for closed shapes.

@@ -1,4 +1,4 @@
-//! Surfaces and lights: what turns light where matter ends, and where light comes from.
+//! Materials of surfaces, and lights.
 
 mod fresnel;
 mod light;

@@ -11,7 +11,7 @@ use case::CaseView;
 use minijinja::{Environment, context};
 use rayon::prelude::*;
 
-/// What a page tells of.
+/// Contents of a page.
 #[derive(Clone, Copy, Debug)]
 pub struct Page<'a> {
     /// Of the page.
@@ -35,9 +35,9 @@ pub fn results_html(page: &Page<'_>) -> String {
     let cases: Vec<CaseView> = order
         .par_iter()
         .enumerate()
-        .map(|(place, &index)| {
+        .map(|(position, &index)| {
             let evidence = page.evidence.get(index).unwrap_or(&none);
-            CaseView::new(place, &page.results[index], evidence, page.likely)
+            CaseView::new(position, &page.results[index], evidence, page.likely)
         })
         .collect();
     let mut families: Vec<&str> = cases

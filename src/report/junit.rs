@@ -48,7 +48,7 @@ fn test_case(result: &CaseResult) -> TestCase {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::Gate;
+    use crate::compare::Deterministic;
     use crate::suite::Cause;
 
     /// A case whose every text is `text`.
@@ -59,7 +59,7 @@ mod tests {
             class: text.to_owned(),
             verdict,
             metrics: BTreeMap::new(),
-            gate: Gate::Deterministic,
+            gate: &Deterministic,
             reason: text.to_owned(),
             notes: vec![text.to_owned()],
             looks_like: vec![text.to_owned()],

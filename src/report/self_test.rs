@@ -134,7 +134,7 @@ pub fn naming_text(namings: &[Naming]) -> String {
         if seen.is_empty() {
             continue;
         }
-        let is_named = |naming: &&&Naming| naming.place().is_some_and(|place| place <= within);
+        let is_named = |naming: &&&Naming| naming.rank().is_some_and(|rank| rank <= within);
         for naming in seen.iter().filter(|naming| !is_named(naming)) {
             let named: Vec<_> = naming.named.iter().map(|n| n.mistake.as_str()).collect();
             let named = match named.is_empty() {

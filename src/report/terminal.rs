@@ -1,7 +1,8 @@
 //! Results for people.
 
-use crate::compare::Gate;
-use crate::suite::{CaseResult, ERROR_OF_TOLERANCE, Likenesses, Summary, Unfinished, Verdict};
+use crate::suite::{
+    ANALYTIC, CaseResult, ERROR_OF_TOLERANCE, Likenesses, Summary, Unfinished, Verdict,
+};
 
 /// A line for each case, the reason below each that did not pass, and a summary.
 pub fn results_text(results: &[CaseResult]) -> String {
@@ -22,7 +23,7 @@ pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
     if let (Verdict::Pass, Some(&share)) = (result.verdict, result.metrics.get(ERROR_OF_TOLERANCE))
     {
         text.push_str(&format!("  {:>6}", closeness(share)));
-        if result.gate == Gate::Analytic {
+        if result.class == ANALYTIC {
             text.push_str(&format!("  {}", result.reason));
         }
     }
@@ -135,18 +136,18 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
             true => "was interrupted".to_owned(),
             false => format!("reached its limit of {seconds} s"),
         };
-        let place = |of: &Unfinished| {
+        let name = |of: &Unfinished| {
             let (case, stage) = (&of.case, of.stage.name());
             format!("{case} ({} of {} {stage} tried)", of.done, of.of)
         };
-        let mut places: Vec<String> = unfinished.iter().take(MOST_UNFINISHED).map(place).collect();
+        let mut names: Vec<String> = unfinished.iter().take(MOST_UNFINISHED).map(name).collect();
         if unfinished.len() > MOST_UNFINISHED {
             let more = unfinished.len() - MOST_UNFINISHED;
-            places.push(format!("{more} more"));
+            names.push(format!("{more} more"));
         }
         text.push_str(&format!(
             "\n{named}the search {why} in {}; --explain {} goes on\n",
-            places.join(", "),
+            names.join(", "),
             MORE_TIME * seconds
         ));
     }

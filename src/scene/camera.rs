@@ -73,7 +73,7 @@ impl View {
     /// be given.
     pub(super) fn given(reader: &Reader<'_, '_>) -> Result<View, Box<SceneError>> {
         let vertical_fov = reader.number("vertical_fov")?.to_radians();
-        let place = |name: &'static str| {
+        let point = |name: &'static str| {
             reader.optional_vector(name)?.ok_or_else(|| {
                 reader.mistake(
                     name,
@@ -83,7 +83,7 @@ impl View {
                 )
             })
         };
-        let (eye, target) = (place("eye")?, place("target")?);
+        let (eye, target) = (point("eye")?, point("target")?);
         View::new(reader, eye, target, reader.vector("up")?, vertical_fov)
     }
 

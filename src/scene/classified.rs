@@ -268,9 +268,9 @@ impl Classified {
 
     /// Refuses a scene whose radiance may be more than an image of `f32` can hold.
     ///
-    /// A pixel is an average of what its samples send out and of the background. A sample sends
+    /// A pixel is an average of what its samples emit and of the background. A sample sends
     /// out at most the brightest colour as shading makes it, times the strength of the densest
-    /// voxel; one that is transparent sends out nothing.
+    /// voxel; one that is transparent emits nothing.
     pub fn check_brightness(&self) -> Result<(), String> {
         let brightest = self.brightest();
         // Half of the largest number leaves room for the rounding of cosines and sums.
@@ -281,7 +281,7 @@ impl Classified {
         let source = match &self.transfer_function.appearance {
             Appearance::Formula { .. } => {
                 let (_, most) = self.grid.range();
-                format!("densities up to {most:e}, which send out the square of that,")
+                format!("densities up to {most:e}, which emit the square of that,")
             }
             Appearance::Points(_) => {
                 let colour = self.transfer_function.brightest_colour();

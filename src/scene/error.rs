@@ -10,7 +10,7 @@ use thiserror::Error;
 /// As a [`miette::Diagnostic`] it shows the line with the place underlined; its plain
 /// [`Display`](std::fmt::Display) is `path:line:column: message`.
 #[derive(Clone, Debug, Diagnostic, Error)]
-#[error("{}{message}", self.place())]
+#[error("{}{message}", self.location())]
 pub struct SceneError {
     message: String,
     #[help]
@@ -63,7 +63,7 @@ impl SceneError {
         ))
     }
 
-    fn place(&self) -> String {
+    fn location(&self) -> String {
         let path = &self.source_code.name;
         match self.position() {
             Some((line, column)) => format!("{path}:{line}:{column}: "),

@@ -61,14 +61,12 @@ impl Excerpt {
     }
 
     /// The part of its line, or lines, in which a place stands.
-    fn around(&self, place: Range<usize>) -> Range<usize> {
-        let line = self.text[..place.start]
-            .rfind('\n')
-            .map_or(0, |end| end + 1);
-        let rest = &self.text[place.end..];
-        let end = place.end + rest.find('\n').unwrap_or(rest.len());
-        let from = self.boundary(place.start.saturating_sub(AROUND)).max(line);
-        from..self.boundary((place.end + AROUND).min(end))
+    fn around(&self, span: Range<usize>) -> Range<usize> {
+        let line = self.text[..span.start].rfind('\n').map_or(0, |end| end + 1);
+        let rest = &self.text[span.end..];
+        let end = span.end + rest.find('\n').unwrap_or(rest.len());
+        let from = self.boundary(span.start.saturating_sub(AROUND)).max(line);
+        from..self.boundary((span.end + AROUND).min(end))
     }
 }
 
@@ -135,12 +133,12 @@ mod tests {
         };
         for start in (0..text.len()).step_by(7) {
             for length in [0, 1, 2, 40, 5000] {
-                let place = excerpt.underlined(start..(start + length).min(text.len()));
-                assert!(text.is_char_boundary(place.start) && text.is_char_boundary(place.end));
-                let contents = excerpt.read_span(&place.clone().into(), 1, 1).unwrap();
+                let span = excerpt.underlined(start..(start + length).min(text.len()));
+                assert!(text.is_char_boundary(span.start) && text.is_char_boundary(span.end));
+                let contents = excerpt.read_span(&span.clone().into(), 1, 1).unwrap();
                 let shown = contents.span();
-                assert!(shown.offset() <= place.start);
-                assert!(shown.offset() + shown.len() >= place.end);
+                assert!(shown.offset() <= span.start);
+                assert!(shown.offset() + shown.len() >= span.end);
                 assert!(contents.data().len() <= 2 * MOST_OF_A_LINE + 20);
                 assert!(std::str::from_utf8(contents.data()).is_ok());
                 let line = text[..shown.offset()].matches('\n').count();

@@ -135,8 +135,8 @@ impl<'p> Files<'p> {
             hash: blake3::hash(&bytes).to_hex().to_string(),
         });
         let text = String::from_utf8(bytes).map_err(|error| {
-            let place = error.utf8_error().valid_up_to();
-            let message = format!("{name} is not text: byte {place} begins no UTF-8 character");
+            let offset = error.utf8_error().valid_up_to();
+            let message = format!("{name} is not text: byte {offset} begins no UTF-8 character");
             reader.error("file", message)
         })?;
         Ok((path.display().to_string(), text))

@@ -12,7 +12,7 @@ use super::sampling::{SAMPLING, SamplingTable};
 use super::transfer_function::{OpacityByValue, TRANSFER_FUNCTION, read_transfer_function};
 use super::{Classified, Curve, Radiative, SceneError};
 use crate::regular_file;
-use crate::volume::VolumeFormat;
+use crate::volume::volume_reader;
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -169,7 +169,10 @@ impl Scene {
             )
         };
         // A description of bare samples ends in .toml, as scenes do.
-        if VolumeFormat::of(path).is_some_and(|format| format != VolumeFormat::RawVolume) {
+        let is_toml = path
+            .extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+        if !is_toml && volume_reader(path).is_some() {
             let file = path.file_name().unwrap_or_default().display().to_string();
             let message = "this is a volume, not a scene";
             let help = format!(

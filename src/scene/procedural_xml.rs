@@ -62,7 +62,7 @@ pub fn read_procedural(path: &str, text: &str) -> Result<ProceduralMedium, Box<S
         .map_err(|error| malformed(&document, &error))?;
     let medium = only_medium(&document, &xml)?;
     let parameters = parameters(&document, medium)?;
-    Block {
+    ParameterBlock {
         document: &document,
         parameters,
         readings: Vec::new(),
@@ -75,60 +75,60 @@ pub fn read_procedural(path: &str, text: &str) -> Result<ProceduralMedium, Box<S
 const MOST_BYTES: usize = 1 << 18;
 
 /// A parameter of the medium.
-struct Parameter {
+struct XmlParameter {
     name: &'static str,
     /// The element that gives it.
     tag: &'static str,
     doc: &'static str,
 }
 
-const PARAMETERS: [Parameter; 10] = [
-    Parameter {
+const PARAMETERS: [XmlParameter; 10] = [
+    XmlParameter {
         name: "sigma_a",
         tag: "color",
         doc: "absorption of density 1, per world length: three numbers, or one for all three, at least 0",
     },
-    Parameter {
+    XmlParameter {
         name: "sigma_s",
         tag: "color",
         doc: "scattering of density 1, per world length: three numbers, or one for all three, at least 0",
     },
-    Parameter {
+    XmlParameter {
         name: "nrOctaves",
         tag: "integer",
         doc: "how many layers of noise are added, a whole number from 1 to 32",
     },
-    Parameter {
+    XmlParameter {
         name: "lacunarity",
         tag: "float",
         doc: "factor on the frequency from one octave to the next, above 0",
     },
-    Parameter {
+    XmlParameter {
         name: "gain",
         tag: "float",
         doc: "factor on the amplitude from one octave to the next, above 0",
     },
-    Parameter {
+    XmlParameter {
         name: "maxDensity",
         tag: "float",
         doc: "the largest density, at least 0",
     },
-    Parameter {
+    XmlParameter {
         name: "threshold",
         tag: "float",
         doc: "densities up to this one are taken for 0",
     },
-    Parameter {
+    XmlParameter {
         name: "scale",
         tag: "vector",
         doc: "cells of the first octave per world length along x, y and z: three numbers",
     },
-    Parameter {
+    XmlParameter {
         name: "offset",
         tag: "vector",
-        doc: "place of the world's origin in the lattice of the first octave: three numbers",
+        doc: "position of the world's origin in the lattice of the first octave: three numbers",
     },
-    Parameter {
+    XmlParameter {
         name: "g",
         tag: "float",
         doc: "mean cosine of Henyey and Greenstein's phase function, between -1 and 1, positive forward",
@@ -139,8 +139,8 @@ const PARAMETERS: [Parameter; 10] = [
 const TAGS: [&str; 4] = ["color", "float", "integer", "vector"];
 
 /// A parameter as the block gives it.
-struct Given<'x> {
-    parameter: &'static Parameter,
+struct GivenParameter<'x> {
+    parameter: &'static XmlParameter,
     value: &'x str,
     /// Place of the value in the text.
     span: Range<usize>,
@@ -149,13 +149,13 @@ struct Given<'x> {
 }
 
 /// The parameters of a block, and what was made of them.
-struct Block<'d, 'x> {
+struct ParameterBlock<'d, 'x> {
     document: &'d Document<'d>,
-    parameters: Vec<Given<'x>>,
+    parameters: Vec<GivenParameter<'x>>,
     readings: Vec<Reading>,
 }
 
-impl Block<'_, '_> {
+impl ParameterBlock<'_, '_> {
     fn read(mut self, medium: Node<'_, '_>) -> Result<ProceduralMedium, Box<SceneError>> {
         let default = FractalParameters::default();
         let coefficients = self.coefficients(medium)?;
@@ -288,7 +288,7 @@ impl Block<'_, '_> {
         Ok(Some(numbers))
     }
 
-    fn given(&self, name: &str) -> Option<&Given<'_>> {
+    fn given(&self, name: &str) -> Option<&GivenParameter<'_>> {
         let mut given = self.parameters.iter();
         given.find(|given| given.parameter.name == name)
     }
@@ -349,18 +349,21 @@ fn malformed(document: &Document<'_>, error: &Error) -> Box<SceneError> {
         }
         _ => {
             let message = error.to_string();
-            let place = format!(" at {}", error.pos());
-            message.strip_suffix(&place).unwrap_or(&message).to_owned()
+            let position = format!(" at {}", error.pos());
+            message
+                .strip_suffix(&position)
+                .unwrap_or(&message)
+                .to_owned()
         }
     };
     document.error(Some(offset..offset), message, Some(help.to_owned()))
 }
 
 /// Byte of a place that counts rows and characters from 1.
-fn offset_of(text: &str, place: roxmltree::TextPos) -> usize {
-    let row = (place.row as usize).saturating_sub(1);
+fn offset_of(text: &str, position: roxmltree::TextPos) -> usize {
+    let row = (position.row as usize).saturating_sub(1);
     let start: usize = text.split_inclusive('\n').take(row).map(str::len).sum();
-    let column = (place.col as usize).saturating_sub(1);
+    let column = (position.col as usize).saturating_sub(1);
     let within = text[start..].char_indices().nth(column);
     within.map_or(text.len(), |(at, _)| start + at)
 }
@@ -404,9 +407,9 @@ fn only_medium<'a, 'i>(
 fn parameters<'a>(
     document: &Document<'_>,
     medium: Node<'a, '_>,
-) -> Result<Vec<Given<'a>>, Box<SceneError>> {
+) -> Result<Vec<GivenParameter<'a>>, Box<SceneError>> {
     check_attributes(document, medium, &["type", "name", "id"])?;
-    let mut found: Vec<Given<'a>> = Vec::new();
+    let mut found: Vec<GivenParameter<'a>> = Vec::new();
     for child in medium.children() {
         if child.is_comment() || child.is_pi() {
             continue;
@@ -431,9 +434,9 @@ fn parameters<'a>(
 fn parameter<'a>(
     document: &Document<'_>,
     element: Node<'a, '_>,
-) -> Result<Given<'a>, Box<SceneError>> {
+) -> Result<GivenParameter<'a>, Box<SceneError>> {
     let tag = element.tag_name().name();
-    let place = opening(document.text, element);
+    let position = opening(document.text, element);
     let fail = |span: Range<usize>, message: String, help: String| {
         Err(document.error(Some(span), message, Some(help)))
     };
@@ -447,12 +450,12 @@ fn parameter<'a>(
             (_, Some(near)) => format!("did you mean <{near}>?"),
             _ => format!("a procedural medium may hold: <{}>", TAGS.join(">, <")),
         };
-        return fail(place, format!("unknown element <{tag}>"), help);
+        return fail(position, format!("unknown element <{tag}>"), help);
     }
     check_attributes(document, element, &["name", "value", "id"])?;
     let Some(name) = element.attribute_node("name") else {
         let help = format!("give `name`: one of {}", names().join(", "));
-        return fail(place, format!("<{tag}> has no `name`"), help);
+        return fail(position, format!("<{tag}> has no `name`"), help);
     };
     let known = PARAMETERS.iter().find(|known| known.name == name.value());
     let Some(parameter) = known else {
@@ -470,12 +473,12 @@ fn parameter<'a>(
             "write <{right} name=\"{name}\" value=\"…\"/>; {}",
             parameter.doc
         );
-        return fail(place, format!("`{name}` is no <{tag}>"), help);
+        return fail(position, format!("`{name}` is no <{tag}>"), help);
     }
     let Some(value) = element.attribute_node("value") else {
         let message = format!("`{}` has no `value`", parameter.name);
         return fail(
-            place,
+            position,
             message,
             format!("`{}`: {}", parameter.name, parameter.doc),
         );
@@ -488,11 +491,11 @@ fn parameter<'a>(
         }
         check_blank(document, child)?;
     }
-    Ok(Given {
+    Ok(GivenParameter {
         parameter,
         value: value.value(),
         span: value.range_value(),
-        element: place,
+        element: position,
     })
 }
 
@@ -888,7 +891,7 @@ mod tests {
 
     #[test]
     fn malformed_text_names_its_place() {
-        for (text, place) in [
+        for (text, position) in [
             ("", "1:1: "),
             ("gain = 0.5", "1:1: "),
             (
@@ -902,7 +905,7 @@ mod tests {
         ] {
             let fault = fault(text);
             assert!(
-                fault.starts_with(&format!("medium.xml:{place}")),
+                fault.starts_with(&format!("medium.xml:{position}")),
                 "{text:?}: {fault}"
             );
         }

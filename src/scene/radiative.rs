@@ -5,7 +5,7 @@ mod densities;
 mod lights;
 mod media;
 mod phases;
-mod place;
+mod shape_transform;
 mod shapes;
 mod surfaces;
 

@@ -191,7 +191,7 @@ impl<'d, 's> Reader<'d, 's> {
                 let found = given(keys);
                 let needed = matches!(rule, Rule::ExactlyOne { .. });
                 if found.is_empty() && needed {
-                    let message = format!("{} has no {what}", self.place());
+                    let message = format!("{} has no {what}", self.table_name());
                     let help = format!("give one of {}", self.named(keys));
                     // Of a whole file, no place is more wrong than another.
                     let span = (!self.path.is_empty()).then(|| self.span.clone());
@@ -202,7 +202,7 @@ impl<'d, 's> Reader<'d, 's> {
                 };
                 let message = format!(
                     "{} has more than one {what}: {}",
-                    self.place(),
+                    self.table_name(),
                     self.named(&found)
                 );
                 let amount = if needed { "exactly" } else { "at most" };
@@ -217,7 +217,7 @@ impl<'d, 's> Reader<'d, 's> {
                 let last = self.last(&[left.as_slice(), &right].concat());
                 let message = format!(
                     "{} mixes {} with {}",
-                    self.place(),
+                    self.table_name(),
                     self.named(&left),
                     self.named(&right)
                 );
@@ -233,7 +233,7 @@ impl<'d, 's> Reader<'d, 's> {
                 match (found.first(), missing) {
                     (Some(here), Some(missing)) => {
                         let message =
-                            format!("{} gives `{here}` without `{missing}`", self.place());
+                            format!("{} gives `{here}` without `{missing}`", self.table_name());
                         let doc = self.declared(missing).doc;
                         let help = format!("give `{missing}` too: {doc}");
                         Err(self.mistake(here, message, help))
@@ -260,7 +260,7 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// The table as messages call it.
-    fn place(&self) -> String {
+    fn table_name(&self) -> String {
         if self.path.is_empty() {
             "the file".to_owned()
         } else {
@@ -276,12 +276,12 @@ impl<'d, 's> Reader<'d, 's> {
             .min()
             // Half the letters wrong is no misspelling any more.
             .filter(|(edits, name)| 2 * edits <= name.len());
-        let place = self.place();
+        let table = self.table_name();
         let help = match nearest {
             Some((_, name)) => format!("did you mean `{name}`?"),
-            None => format!("{place} may hold: {}", known.join(", ")),
+            None => format!("{table} may hold: {}", known.join(", ")),
         };
-        let message = format!("unknown key `{}` in {place}", key.get_ref());
+        let message = format!("unknown key `{}` in {table}", key.get_ref());
         self.document.error(Some(key.span()), message, Some(help))
     }
 
@@ -334,8 +334,8 @@ impl<'d, 's> Reader<'d, 's> {
         let file = self.document.text;
         let raw = &file[value.span()];
         if raw.len() < 2 * QUOTES.len() || !raw.starts_with(QUOTES) || !raw.ends_with(QUOTES) {
-            let place = format!("{}, {}", self.document.path, self.key_path(name));
-            return Ok(Some((place, text)));
+            let source = format!("{}, {}", self.document.path, self.key_path(name));
+            return Ok(Some((source, text)));
         }
         let start = value.span().start + QUOTES.len();
         let blank = |c: char| if c.is_whitespace() { c } else { ' ' };
@@ -396,8 +396,8 @@ impl<'d, 's> Reader<'d, 's> {
         }
         match self.declared(name).absent {
             Absent::Error => {
-                let place = self.place();
-                Err(self.error(name, format!("missing key `{name}` in {place}")))
+                let table = self.table_name();
+                Err(self.error(name, format!("missing key `{name}` in {table}")))
             }
             Absent::Default(literal) => {
                 let value = from_literal(literal).expect("the default has the kind of the key");

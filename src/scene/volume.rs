@@ -3,7 +3,7 @@
 use super::SceneError;
 use super::format::{Absent, Key, Kind, Literal, Range, Table};
 use super::reader::Reader;
-use crate::volume::{Centring, LoadOptions, NonFinite, Orientation, Splatting, VolumeFormat};
+use crate::volume::{Centring, LoadOptions, NonFinite, Orientation, Splatting, volume_reader};
 use std::path::Path;
 
 /// The declaration of a table that names a volume file.
@@ -14,7 +14,7 @@ pub(super) const VOLUME: Table = Table {
             name: "file",
             kind: Kind::Text,
             absent: Absent::Error,
-            doc: "Point cloud (.obj) or grid (.bin, .vol, .nrrd, .nhdr, .nii, .nii.gz, or .toml that describes bare samples), relative to the folder of the scene.",
+            doc: "Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.",
         },
         Key {
             name: "resolution",
@@ -68,7 +68,7 @@ pub(super) struct VolumeRequest {
 impl VolumeRequest {
     pub(super) fn read(reader: &Reader<'_, '_>) -> Result<VolumeRequest, Box<SceneError>> {
         let file = reader.text("file")?;
-        let format = VolumeFormat::of(Path::new(&file));
+        let format = volume_reader(Path::new(&file));
         let without = |keys: &[&'static str], what: &str| {
             let given = keys.iter().find(|key| reader.has(key));
             given.map_or(Ok(()), |key| {
@@ -76,7 +76,7 @@ impl VolumeRequest {
             })
         };
         let mut options = LoadOptions::default();
-        if format.is_some_and(|format| !format.is_cloud()) {
+        if format.is_some_and(|format| !format.is_point_cloud()) {
             without(
                 &["resolution", "padding"],
                 &format!("point clouds; {file:?} brings a grid of its own"),

@@ -2,10 +2,10 @@
 
 use super::finding::MARGIN;
 use super::golden::{Golden, input_hashes, plan_hash, scene_hash};
-use super::rendering::{Reference, Renderer, Shot, check_class, render_case};
+use super::rendering::{CaseRendering, ReferenceRenderer, Renderer, check_class, render_case};
 use super::verify::judge_quick;
-use super::{Cache, Case, GoldenError, Quick, Sampling, Store, StoreError};
-use crate::compare::{Gate, Picture, judge, stochastic};
+use super::{Cache, Case, CaseSampling, GoldenError, Quick, Store, StoreError};
+use crate::compare::{Conditions, Exact, Picture, judge, stochastic};
 use crate::film::Film;
 use crate::render::{self, plans};
 use crate::scene::Scene;
@@ -107,8 +107,8 @@ pub enum AcceptError {
     Store(#[from] StoreError),
 }
 
-/// Told how far an accept has come, from any thread. Work is counted in pixels times samples.
-pub trait Watch: Sync {
+/// Progress of an accept, called from any thread. Work is counted in pixels times samples.
+pub trait AcceptWatch: Sync {
     /// This much work is to be done, without what was kept by earlier runs.
     fn begin(&self, _work: u64) {}
     /// The renderings of a case begin.
@@ -118,17 +118,17 @@ pub trait Watch: Sync {
 }
 
 /// Nobody watches.
-impl Watch for () {}
+impl AcceptWatch for () {}
 
-/// Tells of the steps of a picture as of their share of its work.
-struct Progress<'w> {
-    watch: &'w dyn Watch,
+/// Progress of a picture, each step as its share of the work.
+struct PictureProgress<'w> {
+    watch: &'w dyn AcceptWatch,
     work: u64,
     steps: AtomicU64,
     done: AtomicU64,
 }
 
-impl render::Watch for Progress<'_> {
+impl render::Watch for PictureProgress<'_> {
     fn begin(&self, steps: u64) {
         self.steps.store(steps, Ordering::Relaxed);
     }
@@ -152,9 +152,17 @@ pub fn accept(
     cache: &Cache,
     reason: &str,
     in_ci: bool,
-    watch: &dyn Watch,
+    watch: &dyn AcceptWatch,
 ) -> Result<Vec<Accepted>, AcceptError> {
-    accept_with(&Reference, cases, store, cache, reason, in_ci, watch)
+    accept_with(
+        &ReferenceRenderer,
+        cases,
+        store,
+        cache,
+        reason,
+        in_ci,
+        watch,
+    )
 }
 
 pub(super) fn accept_with(
@@ -164,7 +172,7 @@ pub(super) fn accept_with(
     cache: &Cache,
     reason: &str,
     in_ci: bool,
-    watch: &dyn Watch,
+    watch: &dyn AcceptWatch,
 ) -> Result<Vec<Accepted>, AcceptError> {
     if in_ci {
         return Err(AcceptError::Ci);
@@ -188,7 +196,10 @@ pub(super) fn accept_with(
         accepted.push(Accepted {
             case: task.case.name.clone(),
             change,
-            resumed: task.shots.iter().any(|shot| shot.kept.is_some()),
+            resumed: task
+                .renderings
+                .iter()
+                .any(|rendering| rendering.kept.is_some()),
         });
         files.append(&mut new);
     }
@@ -212,12 +223,12 @@ struct Task<'c> {
     case: &'c Case,
     scene: Scene,
     /// The picture of the golden, and before it the quick one of a stochastic case.
-    shots: Vec<Picturing>,
+    renderings: Vec<RenderTask>,
 }
 
 /// One rendering to be made.
-struct Picturing {
-    shot: Shot,
+struct RenderTask {
+    rendering: CaseRendering,
     /// Under what it is kept; deterministic renderings take seconds and are not.
     key: Option<String>,
     /// From an earlier run.
@@ -225,7 +236,7 @@ struct Picturing {
 }
 
 /// What was rendered of a case.
-struct Pictures {
+struct NewPictures {
     golden: Film,
     quick: Option<Quick>,
 }
@@ -239,54 +250,71 @@ impl<'c> Task<'c> {
         let scene = case.load_scene().map_err(|error| incomplete(case, error))?;
         let plans = plans(&scene);
         check_class(renderer, case, &plans).map_err(|reason| incomplete(case, reason))?;
-        let shots = match case.sampling {
-            None => vec![Shot::Only],
+        let renderings = match case.sampling {
+            None => vec![CaseRendering::Only],
             Some(sampling) => vec![
-                Shot::Quick(sampling.quick),
-                Shot::Converged(sampling.converged),
+                CaseRendering::Quick(sampling.quick),
+                CaseRendering::Converged(sampling.converged),
             ],
         };
-        let picturing = |shot| {
-            let key = match shot {
-                Shot::Only => None,
-                _ => cache.key(&scene, &plans, shot),
+        let render_task = |rendering| {
+            let key = match rendering {
+                CaseRendering::Only => None,
+                _ => cache.key(&scene, &plans, rendering),
             };
             let kept = key.as_ref().and_then(|key| cache.get(&case.name, key));
-            Picturing { shot, key, kept }
+            RenderTask {
+                rendering,
+                key,
+                kept,
+            }
         };
-        let shots = shots.into_iter().map(picturing).collect();
-        Ok(Task { case, scene, shots })
+        let renderings = renderings.into_iter().map(render_task).collect();
+        Ok(Task {
+            case,
+            scene,
+            renderings,
+        })
     }
 
-    fn work_of(&self, shot: Shot) -> u64 {
+    fn work_of(&self, rendering: CaseRendering) -> u64 {
         let pixels = (self.scene.width() * self.scene.height()) as u64;
-        pixels * u64::from(shot.samples())
+        pixels * u64::from(rendering.samples())
     }
 
     fn work(&self) -> u64 {
-        let left = self.shots.iter().filter(|shot| shot.kept.is_none());
-        left.map(|shot| self.work_of(shot.shot)).sum()
+        let left = self
+            .renderings
+            .iter()
+            .filter(|rendering| rendering.kept.is_none());
+        left.map(|rendering| self.work_of(rendering.rendering))
+            .sum()
     }
 
     fn pictures(
         &self,
         renderer: &dyn Renderer,
         cache: &Cache,
-        watch: &dyn Watch,
-    ) -> Result<Pictures, AcceptError> {
+        watch: &dyn AcceptWatch,
+    ) -> Result<NewPictures, AcceptError> {
         let mut films = Vec::new();
-        for Picturing { shot, key, kept } in &self.shots {
+        for RenderTask {
+            rendering,
+            key,
+            kept,
+        } in &self.renderings
+        {
             if let Some(film) = kept {
                 films.push(film.clone());
                 continue;
             }
-            let progress = Progress {
+            let progress = PictureProgress {
                 watch,
-                work: self.work_of(*shot),
+                work: self.work_of(*rendering),
                 steps: AtomicU64::new(0),
                 done: AtomicU64::new(0),
             };
-            let film = render_case(renderer, &plans(&self.scene), *shot, &progress)
+            let film = render_case(renderer, &plans(&self.scene), *rendering, &progress)
                 .map_err(|reason| incomplete(self.case, reason))?;
             if let Some(key) = key {
                 cache.put(&self.case.name, key, &film);
@@ -318,12 +346,12 @@ impl<'c> Task<'c> {
             samples: film.noise().map_or(1, |noise| noise.samples()),
             pixels: film.pixel_hash(),
         });
-        Ok(Pictures { golden, quick })
+        Ok(NewPictures { golden, quick })
     }
 }
 
 /// Fails where the noise of a golden would hide what its case promises to see.
-fn check_converged(case: &Case, sampling: Sampling, golden: &Film) -> Result<(), AcceptError> {
+fn check_converged(case: &Case, sampling: CaseSampling, golden: &Film) -> Result<(), AcceptError> {
     let error = stochastic::block_error(golden).expect("a converged image states its noise");
     let excess = MARGIN * error / sampling.resolution;
     if excess <= 1.0 {
@@ -340,15 +368,15 @@ fn check_converged(case: &Case, sampling: Sampling, golden: &Film) -> Result<(),
     })
 }
 
-type Files = Vec<(std::path::PathBuf, Vec<u8>)>;
+type GoldenFiles = Vec<(std::path::PathBuf, Vec<u8>)>;
 
 /// How the golden of a case will change, and the files that change it.
 fn prepare(
     task: &Task<'_>,
-    Pictures { golden, quick }: Pictures,
+    NewPictures { golden, quick }: NewPictures,
     store: &Store,
     reason: &str,
-) -> Result<(Change, Files), AcceptError> {
+) -> Result<(Change, GoldenFiles), AcceptError> {
     let Task { case, scene, .. } = task;
     let plans = plans(scene);
     let mut damaged = false;
@@ -382,7 +410,7 @@ fn prepare(
                 Picture::Radiance(old.film.clone()),
                 Picture::Radiance(golden.clone()),
             );
-            let judgement = judge(Gate::Exact, &before, &after, 0.0);
+            let judgement = judge(&Exact, &before, &after, &Conditions::default());
             Change::Replaced(judgement.expect("both images are radiance").reason)
         }
     };
@@ -401,15 +429,15 @@ mod tests {
 
     #[test]
     fn the_shares_of_all_steps_are_the_work() {
-        struct Sum(AtomicU64);
-        impl Watch for Sum {
+        struct WorkSum(AtomicU64);
+        impl AcceptWatch for WorkSum {
             fn did(&self, work: u64) {
                 self.0.fetch_add(work, Ordering::Relaxed);
             }
         }
         for (work, steps) in [(100, 7), (7, 100), (1 << 60, 3)] {
-            let watch = Sum(AtomicU64::new(0));
-            let progress = Progress {
+            let watch = WorkSum(AtomicU64::new(0));
+            let progress = PictureProgress {
                 watch: &watch,
                 work,
                 steps: AtomicU64::new(0),

@@ -10,7 +10,7 @@
 //! that none comes back changed.
 
 use super::golden::{LIBM_VERSION, input_hashes};
-use super::rendering::Shot;
+use super::rendering::CaseRendering;
 use crate::atomic_file::write_atomically;
 use crate::compare::Picture;
 use crate::film::Film;
@@ -40,7 +40,12 @@ impl Cache {
     }
 
     /// What a rendering is known by, if anything can be kept.
-    pub(super) fn key(&self, scene: &Scene, plans: &[Plan<'_>], shot: Shot) -> Option<String> {
+    pub(super) fn key(
+        &self,
+        scene: &Scene,
+        plans: &[Plan<'_>],
+        rendering: CaseRendering,
+    ) -> Option<String> {
         let executable = self.executable.as_ref()?;
         let plans: Vec<_> = plans.iter().map(Plan::canonical_text).collect();
         let inputs: Vec<_> = input_hashes(scene).into_iter().collect();
@@ -48,7 +53,7 @@ impl Cache {
             scene.canonical_text(),
             format!("{plans:?}"),
             format!("{inputs:?}"),
-            shot.name(),
+            rendering.name(),
             env!("CARGO_PKG_VERSION").to_owned(),
             LIBM_VERSION.to_owned(),
             executable.clone(),

@@ -1,7 +1,7 @@
 //! The folder is the suite: every manifest in it is a case.
 
 use super::{Answer, mistakes, row_name};
-use crate::compare::Gate;
+use crate::compare::{Deterministic, ImageGate, Stochastic};
 use crate::hard_cases::rows;
 use crate::regular_file::{self, Identity};
 use crate::scene::format::{Absent, Key, Kind, Literal, Range, Table};
@@ -141,12 +141,12 @@ pub struct Case {
     /// Stops at which 8-bit images are made.
     pub exposure: f64,
     /// Of a stochastic case.
-    pub sampling: Option<Sampling>,
+    pub sampling: Option<CaseSampling>,
 }
 
 /// How a stochastic case is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sampling {
+pub struct CaseSampling {
     /// Samples per pixel of the golden image.
     pub converged: u32,
     /// Samples per pixel of the rendering that `verify` repeats.
@@ -160,10 +160,10 @@ pub struct Sampling {
 
 impl Case {
     /// The gate that images of other renderers are judged by.
-    pub fn gate(&self) -> Gate {
+    pub fn gate(&self) -> &'static dyn ImageGate {
         match self.sampling {
-            Some(_) => Gate::Stochastic,
-            None => Gate::Deterministic,
+            Some(_) => &Stochastic,
+            None => &Deterministic,
         }
     }
 
@@ -515,7 +515,7 @@ fn read_answer(
 fn read_sampling(
     reader: &Reader<'_, '_>,
     is_stochastic: bool,
-) -> Result<Option<Sampling>, Box<SceneError>> {
+) -> Result<Option<CaseSampling>, Box<SceneError>> {
     if !is_stochastic {
         for name in [
             "converged_samples",
@@ -534,7 +534,7 @@ fn read_sampling(
         let message = "a stochastic case needs `converged_samples`";
         return Err(reader.error("converged_samples", message));
     };
-    Ok(Some(Sampling {
+    Ok(Some(CaseSampling {
         converged: converged as u32,
         quick: reader.count("quick_samples")? as u32,
         resolution: reader.number("resolution")?,

@@ -1,9 +1,9 @@
 //! What a case came to, and the golden it is held against.
 
 use super::golden::{plan_hash, scene_hash, short};
-use super::rendering::{Reference, Renderer, check_class};
+use super::rendering::{ReferenceRenderer, Renderer, check_class};
 use super::{
-    Case, CaseResult, Cause, Evidence, Golden, GoldenError, Quick, Sampling, Store, Verdict,
+    Case, CaseResult, CaseSampling, Cause, Evidence, Golden, GoldenError, Quick, Store, Verdict,
 };
 use crate::compare::Gate;
 use crate::render::{Plan, plans};
@@ -22,16 +22,16 @@ pub struct Judged {
 
 /// What a case came to, before time and names are added.
 #[derive(Debug)]
-pub(super) struct Finding {
+pub(super) struct CaseFinding {
     pub verdict: Verdict,
     pub cause: Cause,
     pub reason: String,
     pub metrics: BTreeMap<String, f64>,
 }
 
-impl Finding {
-    pub fn new(verdict: Verdict, cause: Cause, reason: impl Into<String>) -> Finding {
-        Finding {
+impl CaseFinding {
+    pub fn new(verdict: Verdict, cause: Cause, reason: impl Into<String>) -> CaseFinding {
+        CaseFinding {
             verdict,
             cause,
             reason: reason.into(),
@@ -40,7 +40,7 @@ impl Finding {
     }
 
     /// The result of `case`, judged by `gate` since `start`.
-    pub fn result(self, case: &Case, gate: Gate, start: Instant) -> CaseResult {
+    pub fn result(self, case: &Case, gate: &'static dyn Gate, start: Instant) -> CaseResult {
         CaseResult {
             name: case.name.clone(),
             family: case.family.clone(),
@@ -60,38 +60,38 @@ impl Finding {
 
 /// A case whose golden is that of its scene.
 #[derive(Debug)]
-pub(super) struct Trusted {
+pub(super) struct CheckedGolden {
     pub scene: Scene,
     pub golden: Golden,
 }
 
-impl Trusted {
+impl CheckedGolden {
     /// Loads scene and golden of `case`; what is wrong with either is a finding.
-    pub fn load(case: &Case, store: &Store) -> Result<Trusted, Finding> {
-        Trusted::load_for(&Reference, case, store)
+    pub fn load(case: &Case, store: &Store) -> Result<CheckedGolden, CaseFinding> {
+        CheckedGolden::load_for(&ReferenceRenderer, case, store)
     }
 
-    /// [`Trusted::load`], where another renderer stands in for the reference.
+    /// [`CheckedGolden::load`], where another renderer stands in for the reference.
     pub fn load_for(
         renderer: &dyn Renderer,
         case: &Case,
         store: &Store,
-    ) -> Result<Trusted, Finding> {
-        let bad_input = |reason| Finding::new(Verdict::Error, Cause::BadInput, reason);
-        let bad_golden = |reason| Finding::new(Verdict::Error, Cause::Golden, reason);
+    ) -> Result<CheckedGolden, CaseFinding> {
+        let bad_input = |reason| CaseFinding::new(Verdict::Error, Cause::BadInput, reason);
+        let bad_golden = |reason| CaseFinding::new(Verdict::Error, Cause::Golden, reason);
         let scene = case
             .load_scene()
             .map_err(|error| bad_input(error.to_string()))?;
         check_class(renderer, case, &plans(&scene)).map_err(bad_input)?;
         let golden = Golden::read(store, case).map_err(|error| match error {
             GoldenError::Missing => {
-                Finding::new(Verdict::Missing, Cause::Golden, error.to_string())
+                CaseFinding::new(Verdict::Missing, Cause::Golden, error.to_string())
             }
             error => bad_golden(error.to_string()),
         })?;
         match stale(case, &scene, &golden) {
             Some(reason) => Err(bad_golden(reason)),
-            None => Ok(Trusted { scene, golden }),
+            None => Ok(CheckedGolden { scene, golden }),
         }
     }
 
@@ -201,7 +201,7 @@ fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
     ))
 }
 
-fn stale_sampling(sampling: Sampling, quick: &Quick, golden: &Golden) -> Option<&'static str> {
+fn stale_sampling(sampling: CaseSampling, quick: &Quick, golden: &Golden) -> Option<&'static str> {
     let provenance = &golden.provenance;
     if provenance.samples != u64::from(sampling.converged) {
         Some("the converged_samples of the case have changed since the golden was accepted")

@@ -13,12 +13,12 @@
 
 mod cells;
 mod clock;
+mod compared_case;
+mod distinguished;
 mod hunt;
 mod hypothesis;
 mod kept;
 mod prediction;
-mod suspect;
-mod told_apart;
 
 pub(in crate::suite) use cells::Cells;
 use cells::Misfit;
@@ -27,12 +27,12 @@ pub use kept::{CACHE_VARIABLE, Predictions};
 
 use super::{Case, Cause, Judged, Likeness};
 use crate::scene::Scene;
-use clock::Clock;
+use clock::SearchClock;
+use compared_case::ComparedCase;
 use hunt::singles;
 use hypothesis::Hypothesis;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
-use suspect::Suspect;
 
 /// No more mistakes than this are named.
 const MOST_NAMED: usize = 5;
@@ -41,7 +41,7 @@ const MOST_NAMED: usize = 5;
 const MOST_CROSS_EXAMINED: usize = 5;
 
 /// Cases which passed that are asked, at most.
-const MOST_WITNESSES: usize = 12;
+const MOST_PASSING: usize = 12;
 
 /// Cases in which two mistakes at a time are looked for, at most: that takes a while.
 const MOST_PAIR_SEARCHES: usize = 2;
@@ -83,16 +83,16 @@ pub(super) fn likeness_with(
     scenes: &dyn Fn(&Case) -> Option<Scene>,
     search: &Search<'_>,
 ) -> Likenesses {
-    let (mut suspects, mut witnesses) = (Vec::new(), Vec::new());
+    let (mut failing, mut passing) = (Vec::new(), Vec::new());
     for (index, judged) in judged.iter().enumerate() {
         let case = cases.iter().find(|case| case.name == judged.result.name);
         let Some(case) = case else { continue };
         match judged.result.cause {
             Cause::Mismatch => {
-                let suspect = Suspect::new(index, case, judged, scenes);
-                suspects.extend(suspect.filter(|suspect| !suspect.is_another_exposure));
+                let suspect = ComparedCase::new(index, case, judged, scenes);
+                failing.extend(suspect.filter(|suspect| !suspect.is_another_exposure));
             }
-            Cause::None | Cause::Undecided => witnesses.push((index, *case)),
+            Cause::None | Cause::Undecided => passing.push((index, *case)),
             _ => {}
         }
     }
@@ -100,22 +100,22 @@ pub(super) fn likeness_with(
     let mut fits: BTreeMap<Hypothesis, BTreeMap<usize, Misfit>> = BTreeMap::new();
     let mut unfinished = Vec::new();
     let mut pair_searches = 0;
-    for at in 0..suspects.len() {
-        let suspect = &suspects[at];
-        let mut clock = Clock::start(search, &suspect.name, singles());
-        clock.tell();
-        let mut found: hunt::Found = known
+    for at in 0..failing.len() {
+        let failed = &failing[at];
+        let mut clock = SearchClock::start(search, &failed.name, singles());
+        clock.report();
+        let mut found: hunt::Explaining = known
             .iter()
-            .filter_map(|hypothesis| Some((*hypothesis, suspect.test(hypothesis, &clock)?)))
-            .filter(|(_, misfit)| suspect.explained_by(misfit))
+            .filter_map(|hypothesis| Some((*hypothesis, failed.test(hypothesis, &clock)?)))
+            .filter(|(_, misfit)| failed.explained_by(misfit))
             .collect();
         if found.is_empty() {
-            let (singles, looks) = suspect.search(&clock);
+            let (singles, looks) = failed.search(&clock);
             found = singles;
-            let is_open = found.is_empty() && !suspect.is_measured && !clock.is_late();
+            let is_open = found.is_empty() && !failed.is_measured && !clock.is_late();
             if is_open && pair_searches < MOST_PAIR_SEARCHES {
                 pair_searches += 1;
-                found = suspect.search_pairs(&looks, &mut clock);
+                found = failed.search_pairs(&looks, &mut clock);
             }
             unfinished.extend(clock.unfinished());
             // What explains this one may explain those before it as well, which were not asked.
@@ -124,7 +124,7 @@ pub(super) fn likeness_with(
                     continue;
                 }
                 known.push(*hypothesis);
-                for earlier in &suspects[..at] {
+                for earlier in &failing[..at] {
                     if let Some(misfit) = earlier.test(hypothesis, &clock)
                         && earlier.explained_by(&misfit)
                     {
@@ -138,7 +138,7 @@ pub(super) fn likeness_with(
         for (hypothesis, misfit) in found {
             fits.entry(hypothesis)
                 .or_default()
-                .insert(suspect.index, misfit);
+                .insert(failed.index, misfit);
         }
     }
     let mut ranked: Vec<Explanation> = fits.into_iter().map(Explanation::new).collect();
@@ -148,27 +148,27 @@ pub(super) fn likeness_with(
     let close = ranked.iter_mut().filter(|other| other.fits.len() == most);
     let mut close: Vec<_> = close.take(MOST_CROSS_EXAMINED).collect();
     if close.len() > 1 {
-        let questions = close.len() * witnesses.len().min(MOST_WITNESSES);
-        let clock = Clock::start(search, "the cases that passed", questions);
-        for (index, case) in witnesses.into_iter().take(MOST_WITNESSES) {
+        let questions = close.len() * passing.len().min(MOST_PASSING);
+        let clock = SearchClock::start(search, "the cases that passed", questions);
+        for (index, case) in passing.into_iter().take(MOST_PASSING) {
             if clock.is_over() {
                 break;
             }
-            let Some(witness) = Suspect::new(index, case, &judged[index], scenes) else {
+            let Some(passed) = ComparedCase::new(index, case, &judged[index], scenes) else {
                 continue;
             };
             for explanation in &mut close {
-                let speaks_against = witness.speaks_against(&explanation.hypothesis, &clock);
+                let speaks_against = passed.speaks_against(&explanation.hypothesis, &clock);
                 explanation.contradictions += usize::from(speaks_against == Some(true));
                 clock.decided();
             }
         }
     }
     ranked.sort_by_cached_key(Explanation::rank);
-    for suspect in &suspects {
-        judged[suspect.index].result.looks_like = ranked
+    for failed in &failing {
+        judged[failed.index].result.looks_like = ranked
             .iter()
-            .filter(|explanation| explanation.fits.contains_key(&suspect.index))
+            .filter(|explanation| explanation.fits.contains_key(&failed.index))
             .map(|explanation| explanation.hypothesis.name())
             .take(MOST_NAMED)
             .collect();
@@ -180,7 +180,7 @@ pub(super) fn likeness_with(
             mistake: explanation.hypothesis.name(),
             advice: explanation.hypothesis.advice(),
             explains: explanation.fits.len(),
-            of: suspects.len(),
+            of: failing.len(),
             cases: explanation
                 .fits
                 .keys()
@@ -196,11 +196,11 @@ pub(super) fn likeness_with(
     };
     let unjudged: Vec<&Case> = others.iter().filter(is_unjudged).collect();
     for (likely, pair) in likely.iter_mut().zip(ranked.windows(2)) {
-        likely.beside_the_next = told_apart::in_words(&pair[0], &pair[1], &unjudged);
+        likely.beside_the_next = distinguished::in_words(&pair[0], &pair[1], &unjudged);
     }
     Likenesses {
         likely,
-        searched: suspects.len(),
+        searched: failing.len(),
         unfinished,
     }
 }

@@ -7,7 +7,7 @@
 use super::Case;
 use super::likeness::Cells;
 use crate::compare::flip::SrgbImage;
-use crate::compare::{Gate, Picture, judge};
+use crate::compare::{Conditions, Deterministic, Perceptual, Picture, judge};
 use crate::film::Film;
 use crate::math;
 use std::collections::BTreeSet;
@@ -66,7 +66,11 @@ fn exposure_factor(case: &Case, golden: &Film, codes: &SrgbImage) -> Option<f64>
     }
     let scaled = Picture::Radiance(Map::Scaled(factor).of(golden));
     let test = Picture::Codes(codes.clone());
-    let judgement = judge(Gate::Perceptual, &scaled, &test, case.exposure);
+    let conditions = Conditions {
+        exposure: case.exposure,
+        ..Conditions::default()
+    };
+    let judgement = judge(&Perceptual, &scaled, &test, &conditions);
     judgement
         .is_ok_and(|judgement| judgement.passed)
         .then_some(factor)
@@ -190,7 +194,8 @@ fn simple_map(case: &Case, golden: &Film, test: &Film) -> Option<Map> {
     let explains: Box<dyn Fn(&Film) -> bool> = match is_sampled {
         false => Box::new(|mapped: &Film| {
             let [mapped, test] = [mapped, test].map(|film| Picture::Radiance(film.clone()));
-            judge(Gate::Deterministic, &mapped, &test, 0.0).is_ok_and(|judgement| judgement.passed)
+            let judgement = judge(&Deterministic, &mapped, &test, &Conditions::default());
+            judgement.is_ok_and(|judgement| judgement.passed)
         }),
         true => {
             let cells = Cells::of_blocks(golden);
@@ -312,14 +317,14 @@ fn power(golden: &Film, test: &Film) -> Option<Map> {
 /// Values that are those of 8-bit codes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Levels {
-    curve: Curve,
+    curve: CodeCurve,
     /// Different ones.
     count: usize,
 }
 
 /// How codes stand for radiance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Curve {
+enum CodeCurve {
     Srgb,
     Linear,
 }
@@ -334,7 +339,7 @@ const OF_A_LEVEL: f64 = 0.1;
 
 /// The 8-bit levels that all values of `film` have, seen at `exposure` stops or at none.
 fn eight_bits(film: &Film, exposure: f64) -> Option<Levels> {
-    let of = |curve: Curve, stops: f64| {
+    let of = |curve: CodeCurve, stops: f64| {
         let scale = math::exp2(stops);
         let (mut values, mut levels) = (BTreeSet::new(), BTreeSet::new());
         for value in film.radiance().as_flattened() {
@@ -344,8 +349,8 @@ fn eight_bits(film: &Film, exposure: f64) -> Option<Levels> {
             let linear = scale * f64::from(*value);
             let code = 255.0
                 * match curve {
-                    Curve::Srgb => math::linear_to_srgb(linear),
-                    Curve::Linear => linear,
+                    CodeCurve::Srgb => math::linear_to_srgb(linear),
+                    CodeCurve::Linear => linear,
                 };
             let level = code.round();
             if !((code - level).abs() <= OF_A_LEVEL && (0.0..=255.0).contains(&level)) {
@@ -357,10 +362,10 @@ fn eight_bits(film: &Film, exposure: f64) -> Option<Levels> {
         (values.len() >= FEWEST_VALUES && count >= FEWEST_VALUES).then_some(Levels { curve, count })
     };
     [
-        (Curve::Srgb, 0.0),
-        (Curve::Linear, 0.0),
-        (Curve::Srgb, exposure),
-        (Curve::Linear, exposure),
+        (CodeCurve::Srgb, 0.0),
+        (CodeCurve::Linear, 0.0),
+        (CodeCurve::Srgb, exposure),
+        (CodeCurve::Linear, exposure),
     ]
     .into_iter()
     .find_map(|(curve, stops)| of(curve, stops))
@@ -370,10 +375,10 @@ impl Levels {
     fn in_words(self) -> String {
         let Levels { curve, count } = self;
         let what = match curve {
-            Curve::Srgb => {
+            CodeCurve::Srgb => {
                 format!("the image holds only {count} values, all of them 8-bit sRGB codes")
             }
-            Curve::Linear => format!("the image holds only {count} values, all of them n/255"),
+            CodeCurve::Linear => format!("the image holds only {count} values, all of them n/255"),
         };
         format!(
             "{what}: it was rounded to 8 bits on its way; write radiance in 16 or 32 bits a channel, \

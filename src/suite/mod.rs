@@ -25,10 +25,10 @@ mod store;
 mod validate;
 mod verify;
 
-pub use accept::{AcceptError, Accepted, Change, Watch, accept};
+pub use accept::{AcceptError, AcceptWatch, Accepted, Change, accept};
 pub use answer::Answer;
 pub use cache::Cache;
-pub use case::{Case, MANIFEST, MEAN_RESOLUTION, Sampling, Suite, SuiteError};
+pub use case::{Case, CaseSampling, MANIFEST, MEAN_RESOLUTION, Suite, SuiteError};
 pub use check::{SUITE_VARIABLE, check};
 pub use evidence::{Evidence, Likeness};
 pub use finding::Judged;
@@ -38,14 +38,14 @@ pub use likeness::{
 };
 pub use naming::{Naming, naming};
 pub use other_renderer::{CommandTemplate, Keeper, Kept, Ran, TemplateError, keep, run, stop_all};
-pub use outputs::{Found, OutputError, Outputs, Stranger};
-pub use results::{CaseResult, Cause, Summary, Verdict};
+pub use outputs::{Found, OutputError, Outputs, UnknownFile};
+pub use results::{CaseResult, Cause, Summary, Verdict, metric_meaning};
 pub use row_name::{HARD, row_name};
-pub use rows::{ANALYTIC, ERROR_OF_TOLERANCE, verify_row};
+pub use rows::{ANALYTIC, Analytic, ERROR_OF_TOLERANCE, verify_row};
 pub use self_test::{
-    BenignTrials, Extent, MistakeTrials, Rejection, SelfTest, Step, Trial, self_test,
+    BenignTrials, MistakeTrials, Rejection, SelfTest, SelfTestExtent, Step, Trial, self_test,
     self_test_steps,
 };
-pub use store::{Disk, Failure, RealDisk, Store, StoreError};
+pub use store::{Disk, RealDisk, Store, StoreError, StoreFailure};
 pub use validate::{Output, validate};
 pub use verify::{verify, without_case};

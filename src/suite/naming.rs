@@ -21,7 +21,7 @@ impl Naming {
     /// The place, among what was named, by which all that was made is named, 1 for the first. Of
     /// two mistakes that meet in no case each is named by itself; a name that holds anything else
     /// does not count.
-    pub fn place(&self) -> Option<usize> {
+    pub fn rank(&self) -> Option<usize> {
         let mut missing = self.made.clone();
         for (index, named) in self.named.iter().enumerate() {
             let parts: Vec<&str> = named.mistake.split(" + ").collect();
@@ -38,14 +38,14 @@ impl Naming {
 
 /// Makes mistakes wherever there is occasion in `cases`, each of `made` by itself: one or two, and
 /// a number that chooses the seeds. The other cases are as they should be. Judges all, and says
-/// what is named, however long the search takes; `told` is told of each that is done. Cases whose golden cannot be trusted are
+/// what is named, however long the search takes; `report` is called for each that is done. Cases whose golden cannot be trusted are
 /// left out.
 pub fn naming(
     cases: &[&Case],
     store: &Store,
     made: &[(Vec<&'static Mistake>, u64)],
     predictions: &Predictions,
-    told: &dyn Fn(),
+    report: &dyn Fn(),
 ) -> Vec<Naming> {
     let search = Search {
         budget: None,
@@ -77,7 +77,7 @@ pub fn naming(
             failed: judged.iter().filter(failed).count(),
             named,
         });
-        told();
+        report();
     }
     namings
 }
@@ -100,11 +100,11 @@ mod tests {
             failed: 1,
             named: named.iter().map(likeness).collect(),
         };
-        naming.place()
+        naming.rank()
     }
 
     #[test]
-    fn one_mistake_has_the_place_of_its_name() {
+    fn one_mistake_has_the_rank_of_its_name() {
         assert_eq!(naming(&["a"], &["b", "a"]), Some(2));
         assert_eq!(naming(&["a"], &["a + b", "b"]), None);
     }

@@ -20,13 +20,13 @@ use thiserror::Error;
 /// The files of a folder, sorted by case.
 #[derive(Clone, Debug, Default)]
 pub struct Outputs {
-    by_case: BTreeMap<String, Files>,
-    strangers: Vec<Stranger>,
+    by_case: BTreeMap<String, OutputFiles>,
+    unknown_files: Vec<UnknownFile>,
 }
 
 /// All files that belong to one case.
 #[derive(Clone, Debug, Default)]
-struct Files {
+struct OutputFiles {
     single: Vec<PathBuf>,
     replicates: BTreeMap<u32, Vec<PathBuf>>,
     variance: Vec<PathBuf>,
@@ -43,7 +43,7 @@ pub struct Found {
 
 /// A file that looks like an image and belongs to no case.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Stranger {
+pub struct UnknownFile {
     /// Where.
     pub file: PathBuf,
     /// Why it is not taken, and what may be meant: a sentence without its subject.
@@ -106,7 +106,7 @@ enum Role {
     Variance,
 }
 
-/// Extensions of images that are not read: whoever writes them should be told.
+/// Extensions of images that are not read: whoever writes them gets a message.
 const OTHER_IMAGES: [&str; 10] = [
     "jpg", "jpeg", "tif", "tiff", "hdr", "npz", "bmp", "webp", "ppm", "raw",
 ];
@@ -193,8 +193,8 @@ impl Outputs {
     }
 
     /// Files that look like images and belong to no case, by name.
-    pub fn strangers(&self) -> &[Stranger] {
-        &self.strangers
+    pub fn unknown_files(&self) -> &[UnknownFile] {
+        &self.unknown_files
     }
 
     /// Takes `file`, which lies in the folder of its `family` (with a slash, or none).
@@ -210,7 +210,7 @@ impl Outputs {
                     "is not read: .{extension} is none of .exr, .pfm, .npy (linear radiance) and \
                      .png (8-bit sRGB)"
                 );
-                self.strangers.push(Stranger { file, reason });
+                self.unknown_files.push(UnknownFile { file, reason });
             }
             return;
         };
@@ -218,7 +218,7 @@ impl Outputs {
             Ok((_, Role::Variance)) if format != FilmFormat::Exr => {
                 let reason = "is not read: variances are an .exr, with R, G, B and samples.Y";
                 let reason = reason.to_owned();
-                self.strangers.push(Stranger { file, reason });
+                self.unknown_files.push(UnknownFile { file, reason });
             }
             Ok((case, role)) => {
                 let files = self.by_case.entry(case.to_owned()).or_default();
@@ -230,7 +230,7 @@ impl Outputs {
                     }
                 }
             }
-            Err(reason) => self.strangers.push(Stranger { file, reason }),
+            Err(reason) => self.unknown_files.push(UnknownFile { file, reason }),
         }
     }
 }

@@ -15,7 +15,7 @@ const CONVERGED: u64 = 1 << 63;
 
 /// Which rendering of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Shot {
+pub(super) enum CaseRendering {
     /// The only one of a deterministic case.
     Only,
     /// Few samples, the seed of the scene.
@@ -24,30 +24,30 @@ pub(super) enum Shot {
     Converged(u32),
 }
 
-impl Shot {
+impl CaseRendering {
     /// Samples per pixel.
     pub fn samples(self) -> u32 {
         match self {
-            Shot::Only => 1,
-            Shot::Quick(samples) | Shot::Converged(samples) => samples,
+            CaseRendering::Only => 1,
+            CaseRendering::Quick(samples) | CaseRendering::Converged(samples) => samples,
         }
     }
 
     /// What the cache knows it by; changes with everything that the scene does not say.
     pub fn name(self) -> String {
         match self {
-            Shot::Only => "only".to_owned(),
-            Shot::Quick(samples) => format!("quick {samples}"),
-            Shot::Converged(samples) => format!("converged {samples}"),
+            CaseRendering::Only => "only".to_owned(),
+            CaseRendering::Quick(samples) => format!("quick {samples}"),
+            CaseRendering::Converged(samples) => format!("converged {samples}"),
         }
     }
 
     /// Samples and random numbers of this rendering.
     fn sampling(self) -> render::Sampling {
         match self {
-            Shot::Only => render::Sampling::default(),
-            Shot::Quick(samples) => render::Sampling::of_samples(samples),
-            Shot::Converged(samples) => render::Sampling {
+            CaseRendering::Only => render::Sampling::default(),
+            CaseRendering::Quick(samples) => render::Sampling::of_samples(samples),
+            CaseRendering::Converged(samples) => render::Sampling {
                 samples: Some(samples),
                 seed: Seed::Replicate(CONVERGED),
             },
@@ -70,9 +70,9 @@ pub(super) trait Renderer {
 }
 
 /// The renderer of this crate; tests of the suite have others.
-pub(super) struct Reference;
+pub(super) struct ReferenceRenderer;
 
-impl Renderer for Reference {
+impl Renderer for ReferenceRenderer {
     fn is_sampled(&self, plans: &[Plan<'_>]) -> bool {
         plans.iter().any(Plan::is_sampled)
     }
@@ -91,13 +91,13 @@ impl Renderer for Reference {
 pub(super) fn render_case(
     renderer: &dyn Renderer,
     plans: &[Plan<'_>],
-    shot: Shot,
+    rendering: CaseRendering,
     progress: render::Progress<'_>,
 ) -> Result<Film, String> {
     let film = renderer
-        .render(plans, shot.sampling(), progress)
+        .render(plans, rendering.sampling(), progress)
         .map_err(|error| error.to_string())?;
-    if shot != Shot::Only && film.noise().is_none() {
+    if rendering != CaseRendering::Only && film.noise().is_none() {
         return Err(
             "the picture states no noise: panels with and without random numbers make no \
              stochastic case together"

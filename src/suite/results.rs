@@ -1,6 +1,8 @@
 //! What came of a case.
 
-use crate::compare::Gate;
+use super::rows::Analytic;
+use super::verify::SAME_BITS;
+use crate::compare::{self, Gate};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -64,7 +66,7 @@ pub struct CaseResult {
     /// Numbers by name, all finite.
     pub metrics: BTreeMap<String, f64>,
     /// The rule applied.
-    pub gate: Gate,
+    pub gate: &'static dyn Gate,
     /// Why, in words.
     pub reason: String,
     /// What is to be said beside the verdict, whatever it is.
@@ -113,4 +115,14 @@ impl Summary {
             error: count(Verdict::Error),
         }
     }
+}
+
+/// Meaning of a metric of results, in a sentence; empty for one that is not known.
+pub fn metric_meaning(name: &str) -> &'static str {
+    let of_suite = Analytic.metrics().iter().chain([&SAME_BITS]);
+    let found = of_suite.copied().find(|(known, _)| *known == name);
+    let meaning = found.map(|(_, meaning)| meaning);
+    meaning
+        .or_else(|| compare::metric_meaning(name))
+        .unwrap_or("")
 }

@@ -2,7 +2,7 @@
 
 use super::row_name::{HARD, row_name};
 use super::{Case, CaseResult, Cause, Evidence, Judged, Suite, SuiteError, Verdict};
-use crate::compare::Gate;
+use crate::compare::{Gate, Metric};
 use crate::hard_cases::{Row, rows};
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -13,6 +13,29 @@ pub const ANALYTIC: &str = "analytic";
 /// The number by which results say how far from a known answer they are, as a share of what they
 /// may be.
 pub const ERROR_OF_TOLERANCE: &str = "error_of_tolerance";
+
+/// A known answer and a bound. It judges numbers, not pairs of images.
+#[derive(Clone, Copy, Debug)]
+pub struct Analytic;
+
+impl Gate for Analytic {
+    fn name(&self) -> &'static str {
+        ANALYTIC
+    }
+
+    fn rule(&self) -> &'static str {
+        "The answer is known beforehand, and how far from it a number may be follows from how many \
+         roundings or samples it takes."
+    }
+
+    fn metrics(&self) -> &'static [Metric] {
+        &[(
+            ERROR_OF_TOLERANCE,
+            "Error against the answer that is known beforehand, as a share of what it may be: 0 is \
+             exact, 1 the edge.",
+        )]
+    }
+}
 
 impl Suite {
     /// The rows that go with this suite.
@@ -79,7 +102,7 @@ pub fn verify_row(row: &Row) -> Judged {
         class: ANALYTIC.to_owned(),
         verdict,
         metrics,
-        gate: Gate::Analytic,
+        gate: &Analytic,
         reason,
         notes: Vec::new(),
         looks_like: Vec::new(),
@@ -92,7 +115,7 @@ pub fn verify_row(row: &Row) -> Judged {
         evidence: Evidence {
             source: format!("Catalogue of hard cases, {}", row.id),
             shows: format!("{}. It may be off by: {}.", row.what, row.tolerance),
-            computes: format!("Remedy: {}; see {}.", row.remedy, row.place),
+            computes: format!("Remedy: {}; see {}.", row.remedy, row.file),
             without_image: true,
             ..Evidence::default()
         },

@@ -15,7 +15,7 @@ const MANIFEST: &str = "source = \"a test\"\nshows = \"noise\"\ncomputes = \"not
                         class = \"stochastic\"\nconverged_samples = 400\nquick_samples = 16\n";
 
 /// Means of numbers uniform in [0, 1), by seed, pixel and sample alone.
-struct Noise {
+struct ExtraNoise {
     /// Makes other random numbers, as a renderer does that was rewritten.
     variant: u8,
     /// Added to every pixel of a quick rendering.
@@ -24,9 +24,9 @@ struct Noise {
     calls: RefCell<Vec<(u32, u64)>>,
 }
 
-impl Noise {
-    fn new() -> Noise {
-        Noise {
+impl ExtraNoise {
+    fn new() -> ExtraNoise {
+        ExtraNoise {
             variant: 0,
             bias: 0.0,
             calls: RefCell::default(),
@@ -34,7 +34,7 @@ impl Noise {
     }
 }
 
-impl Renderer for Noise {
+impl Renderer for ExtraNoise {
     fn is_sampled(&self, _: &[Plan<'_>]) -> bool {
         true
     }
@@ -75,11 +75,11 @@ impl Renderer for Noise {
     }
 }
 
-struct Folder(tempfile::TempDir);
+struct SampledFolder(tempfile::TempDir);
 
-impl Folder {
-    fn new() -> Folder {
-        let folder = Folder(tempfile::tempdir().unwrap());
+impl SampledFolder {
+    fn new() -> SampledFolder {
+        let folder = SampledFolder(tempfile::tempdir().unwrap());
         let scene = SCENE.replace("= 256", "= 16");
         folder.write("fixtures/scenes/fog/room.toml", &scene);
         folder.write("fixtures/cases/fog/room.toml", MANIFEST);
@@ -105,7 +105,7 @@ impl Folder {
         Store::open(self.suite().golden_folder())
     }
 
-    fn accept(&self, renderer: &Noise) -> Result<Vec<Accepted>, AcceptError> {
+    fn accept(&self, renderer: &ExtraNoise) -> Result<Vec<Accepted>, AcceptError> {
         let suite = self.suite();
         let cases: Vec<_> = suite.cases().iter().collect();
         let cache = Cache::open(suite.cache_folder());
@@ -120,7 +120,7 @@ impl Folder {
         )
     }
 
-    fn verify(&self, renderer: &Noise) -> CaseResult {
+    fn verify(&self, renderer: &ExtraNoise) -> CaseResult {
         verify_with(renderer, &self.suite().cases()[0], &self.store(), &|| ()).result
     }
 
@@ -135,8 +135,8 @@ impl Folder {
 
 #[test]
 fn two_renderings_that_share_no_random_number() {
-    let folder = Folder::new();
-    let renderer = Noise::new();
+    let folder = SampledFolder::new();
+    let renderer = ExtraNoise::new();
     let accepted = folder.accept(&renderer).unwrap();
     assert_eq!(accepted[0].change, Change::New { damaged: false });
     assert!(!accepted[0].resumed && !folder.has_cache());
@@ -162,15 +162,15 @@ fn two_renderings_that_share_no_random_number() {
 
 #[test]
 fn other_bits_fail_and_say_whether_the_picture_is_the_same() {
-    let folder = Folder::new();
-    folder.accept(&Noise::new()).unwrap();
-    let rewritten = Noise {
+    let folder = SampledFolder::new();
+    folder.accept(&ExtraNoise::new()).unwrap();
+    let rewritten = ExtraNoise {
         variant: 1,
-        ..Noise::new()
+        ..ExtraNoise::new()
     };
-    let wrong = Noise {
+    let wrong = ExtraNoise {
         bias: 0.1,
-        ..Noise::new()
+        ..ExtraNoise::new()
     };
     for (renderer, words) in [
         (
@@ -190,10 +190,10 @@ fn other_bits_fail_and_say_whether_the_picture_is_the_same() {
 
 #[test]
 fn quick_and_converged_must_agree() {
-    let folder = Folder::new();
-    let wrong = Noise {
+    let folder = SampledFolder::new();
+    let wrong = ExtraNoise {
         bias: 0.1,
-        ..Noise::new()
+        ..ExtraNoise::new()
     };
     let error = folder.accept(&wrong).unwrap_err();
     assert!(
@@ -205,28 +205,28 @@ fn quick_and_converged_must_agree() {
 
 #[test]
 fn a_noisy_golden_is_refused_with_the_samples_that_would_do() {
-    let folder = Folder::new();
+    let folder = SampledFolder::new();
     folder.manifest("= 400", "= 200");
-    let Err(AcceptError::TooNoisy { enough, .. }) = folder.accept(&Noise::new()) else {
+    let Err(AcceptError::TooNoisy { enough, .. }) = folder.accept(&ExtraNoise::new()) else {
         panic!("a golden of 200 samples is too noisy")
     };
     assert!((210..400).contains(&enough), "{enough}");
     folder.manifest("= 400", &format!("= {enough}"));
-    folder.accept(&Noise::new()).unwrap();
+    folder.accept(&ExtraNoise::new()).unwrap();
 }
 
 #[test]
 fn an_interrupted_run_goes_on_where_it_was() {
-    let folder = Folder::new();
+    let folder = SampledFolder::new();
     folder.manifest("= 400", "= 200");
-    folder.accept(&Noise::new()).unwrap_err();
+    folder.accept(&ExtraNoise::new()).unwrap_err();
     assert!(folder.has_cache());
     let ignored = folder.suite().cache_folder().join(".gitignore");
     assert_eq!(std::fs::read_to_string(ignored).unwrap(), "*\n");
 
     // Less is promised: both renderings are there already.
     folder.manifest("= 400", "= 200\nresolution = 0.1");
-    let renderer = Noise::new();
+    let renderer = ExtraNoise::new();
     assert!(folder.accept(&renderer).unwrap()[0].resumed);
     assert_eq!(renderer.calls.take(), []);
     assert!(!folder.has_cache());
@@ -235,14 +235,14 @@ fn an_interrupted_run_goes_on_where_it_was() {
 
 #[test]
 fn nothing_kept_is_used_for_another_scene_or_when_damaged() {
-    let folder = Folder::new();
+    let folder = SampledFolder::new();
     folder.manifest("= 400", "= 200");
-    folder.accept(&Noise::new()).unwrap_err();
+    folder.accept(&ExtraNoise::new()).unwrap_err();
     let kept = folder.suite().cache_folder().join("fog/room");
     for entry in std::fs::read_dir(&kept).unwrap() {
         std::fs::write(entry.unwrap().path(), "garbage").unwrap();
     }
-    let renderer = Noise::new();
+    let renderer = ExtraNoise::new();
     folder.accept(&renderer).unwrap_err();
     assert_eq!(renderer.calls.take().len(), 2);
 
@@ -256,15 +256,15 @@ fn nothing_kept_is_used_for_another_scene_or_when_damaged() {
 
 #[test]
 fn a_changed_manifest_makes_the_golden_stale() {
-    let folder = Folder::new();
-    folder.accept(&Noise::new()).unwrap();
+    let folder = SampledFolder::new();
+    folder.accept(&ExtraNoise::new()).unwrap();
     for (old, new, words) in [
         ("= 400", "= 500", "converged_samples"),
         ("= 16", "= 17", "quick_samples"),
         ("= 16", "= 16\nresolution = 0.01", "too noisy"),
     ] {
         folder.manifest(old, new);
-        let result = folder.verify(&Noise::new());
+        let result = folder.verify(&ExtraNoise::new());
         assert_eq!(result.verdict, Verdict::Error);
         assert!(result.reason.contains("stale") && result.reason.contains(words));
     }

@@ -4,7 +4,7 @@
 //! picture is rendered with fresh seeds, and judged as that of another renderer would be. A gate
 //! that was never seen to fail is a failing gate; one that rejects an honest picture is as bad.
 
-use super::finding::Trusted;
+use super::finding::CheckedGolden;
 use super::mistakes::{self, Mistake};
 use super::validate::validate_with;
 use super::{Case, Judged, Store, Verdict};
@@ -95,7 +95,7 @@ impl SelfTest {
 
 /// How much is asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Extent {
+pub enum SelfTestExtent {
     /// Every mistake in every case.
     Full,
     /// Every mistake in the cases that promise to catch it, and in others until one has; honest
@@ -121,19 +121,19 @@ pub fn self_test_steps(cases: usize) -> usize {
     cases + BENIGN.len() + mistakes::catalogue().count()
 }
 
-/// Runs the self-test on `cases`, which are all of the suite if `is_whole`. `told` is told of each
+/// Runs the self-test on `cases`, which are all of the suite if `is_whole`. `report` is called for each
 /// of its [steps](self_test_steps).
 pub fn self_test(
     cases: &[&Case],
     is_whole: bool,
     store: &Store,
-    extent: Extent,
-    told: &dyn Fn(Step<'_>),
+    extent: SelfTestExtent,
+    report: &dyn Fn(Step<'_>),
 ) -> SelfTest {
     let mut unusable = Vec::new();
     let mut subjects = Vec::new();
     for case in cases {
-        told(Step::Begins(&case.name));
+        report(Step::Begins(&case.name));
         match Subject::new(case, store) {
             Ok(subject) => subjects.push(subject),
             Err(reason) => unusable.push(Rejection {
@@ -141,17 +141,19 @@ pub fn self_test(
                 reason,
             }),
         }
-        told(Step::Done);
+        report(Step::Done);
     }
     let benign = match extent {
-        Extent::Full => benign_trials(&subjects.iter().collect::<Vec<_>>(), told),
-        Extent::Quick => benign_trials(&subjects.iter().step_by(4).collect::<Vec<_>>(), told),
+        SelfTestExtent::Full => benign_trials(&subjects.iter().collect::<Vec<_>>(), report),
+        SelfTestExtent::Quick => {
+            benign_trials(&subjects.iter().step_by(4).collect::<Vec<_>>(), report)
+        }
     };
     let mistakes: Vec<MistakeTrials> = mistakes::catalogue()
         .map(|mistake| {
-            told(Step::Begins(mistake.name));
+            report(Step::Begins(mistake.name));
             let trials = trials(mistake, &subjects, extent);
-            told(Step::Done);
+            report(Step::Done);
             MistakeTrials {
                 mistake: mistake.name,
                 trials,
@@ -186,7 +188,7 @@ pub fn self_test(
 /// A case, and an honest picture of it.
 pub(super) struct Subject<'c> {
     pub case: &'c Case,
-    trusted: Trusted,
+    checked: CheckedGolden,
     /// Per pixel, in every picture.
     samples: u32,
     honest: OnceCell<Film>,
@@ -194,11 +196,11 @@ pub(super) struct Subject<'c> {
 
 impl<'c> Subject<'c> {
     pub fn new(case: &'c Case, store: &Store) -> Result<Subject<'c>, String> {
-        let trusted = Trusted::load(case, store).map_err(|finding| finding.reason)?;
+        let checked = CheckedGolden::load(case, store).map_err(|finding| finding.reason)?;
         let samples = case.sampling.map_or(1, |sampling| sampling.quick);
         Ok(Subject {
             case,
-            trusted,
+            checked,
             samples,
             honest: OnceCell::new(),
         })
@@ -208,19 +210,19 @@ impl<'c> Subject<'c> {
     fn honest(&self) -> &Film {
         let make = || {
             let film = self.right(0);
-            film.unwrap_or_else(|| self.trusted.golden.film.clone())
+            film.unwrap_or_else(|| self.checked.golden.film.clone())
         };
         self.honest.get_or_init(make)
     }
 
     /// The picture as it should be, with seeds of its own for each `run`.
     pub fn right(&self, run: u64) -> Option<Film> {
-        picture(&self.trusted.scene, self.samples, run)
+        picture(&self.checked.scene, self.samples, run)
     }
 
     /// What is rendered, were there no mistake.
     pub fn scene(&self) -> &Scene {
-        &self.trusted.scene
+        &self.checked.scene
     }
 
     /// The picture as it should be, judged.
@@ -230,7 +232,7 @@ impl<'c> Subject<'c> {
 
     /// Judges a picture of the case.
     pub fn judge(&self, picture: Picture) -> Judged {
-        validate_with(self.case, &self.trusted, picture)
+        validate_with(self.case, &self.checked, picture)
     }
 
     /// The picture with all of `mistakes` that there is occasion for, first those of the scene;
@@ -238,12 +240,12 @@ impl<'c> Subject<'c> {
     pub fn with_all(&self, mistakes: &[&Mistake], run: u64) -> Option<Film> {
         let mut scene = None;
         for mistake in mistakes {
-            let edited = mistake.in_scene(scene.as_ref().unwrap_or(&self.trusted.scene));
+            let edited = mistake.in_scene(scene.as_ref().unwrap_or(&self.checked.scene));
             scene = edited.or(scene);
         }
         let mut occurs = scene.is_some();
         let mut film = picture(
-            scene.as_ref().unwrap_or(&self.trusted.scene),
+            scene.as_ref().unwrap_or(&self.checked.scene),
             self.samples,
             run,
         )?;
@@ -270,7 +272,7 @@ fn picture(scene: &Scene, samples: u32, run: u64) -> Option<Film> {
 }
 
 /// What each case makes of `mistake`.
-fn trials(mistake: &Mistake, subjects: &[Subject<'_>], extent: Extent) -> Vec<Trial> {
+fn trials(mistake: &Mistake, subjects: &[Subject<'_>], extent: SelfTestExtent) -> Vec<Trial> {
     let mut trials = vec![Trial::NotTried; subjects.len()];
     let promises = |subject: &Subject<'_>| subject.case.mistakes.iter().any(|m| m == mistake.name);
     let mut order: Vec<usize> = (0..subjects.len()).collect();
@@ -278,7 +280,7 @@ fn trials(mistake: &Mistake, subjects: &[Subject<'_>], extent: Extent) -> Vec<Tr
     let mut is_caught = false;
     for index in order {
         let subject = &subjects[index];
-        if extent == Extent::Quick && is_caught && !promises(subject) {
+        if extent == SelfTestExtent::Quick && is_caught && !promises(subject) {
             break;
         }
         trials[index] = match subject.with_all(&[mistake], 0) {
@@ -360,9 +362,9 @@ fn mapped(film: &Film, map: impl Fn(usize, f32) -> f32) -> Film {
     }
 }
 
-fn benign_trials(subjects: &[&Subject<'_>], told: &dyn Fn(Step<'_>)) -> Vec<BenignTrials> {
+fn benign_trials(subjects: &[&Subject<'_>], report: &dyn Fn(Step<'_>)) -> Vec<BenignTrials> {
     let trial = |&(variant, make): &(&'static str, Benign)| {
-        told(Step::Begins(variant));
+        report(Step::Begins(variant));
         let mut row = BenignTrials {
             variant,
             accepted: 0,
@@ -381,7 +383,7 @@ fn benign_trials(subjects: &[&Subject<'_>], told: &dyn Fn(Step<'_>)) -> Vec<Beni
                 }),
             }
         }
-        told(Step::Done);
+        report(Step::Done);
         row
     };
     BENIGN.iter().map(trial).collect()

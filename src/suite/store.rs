@@ -29,11 +29,11 @@ use std::path::{Path, PathBuf};
 
 use crate::atomic_file::directory_of;
 use crate::regular_file::{self, OpenError, ReadError};
-use journal::{Entry, Journal};
-use name::{DRAFT, JOURNAL, LOCK, Name};
+use journal::{Journal, JournalEntry};
+use name::{DRAFT, JOURNAL, LOCK, StoreName};
 
 pub use disk::{Disk, RealDisk};
-pub use error::{Failure, StoreError};
+pub use error::{StoreError, StoreFailure};
 
 /// Where goldens live, and the only code that writes them.
 #[derive(Clone, Debug)]
@@ -122,7 +122,11 @@ impl<D: Disk> Store<D> {
     }
 
     /// The contents a journal promises, staged or in their place; `None` if at neither.
-    fn recorded(&self, journal: &Journal, entry: &Entry) -> Result<Option<Vec<u8>>, StoreError> {
+    fn recorded(
+        &self,
+        journal: &Journal,
+        entry: &JournalEntry,
+    ) -> Result<Option<Vec<u8>>, StoreError> {
         // In this order: a file on its way from the first to the second is found.
         let staged = entry.name.staged_under(&self.root, &journal.tag);
         let bytes = match read_if_present(&staged)? {
@@ -132,7 +136,7 @@ impl<D: Disk> Store<D> {
         Ok(bytes.filter(|bytes| entry.describes(bytes)))
     }
 
-    fn lost(&self, entry: &Entry) -> StoreError {
+    fn lost(&self, entry: &JournalEntry) -> StoreError {
         let golden = entry.name.under(&self.root);
         StoreError::Lost {
             golden,
@@ -175,7 +179,7 @@ impl<D: Disk> Store<D> {
                     path: name.as_str().to_owned(),
                 });
             }
-            entries.push(Entry::new(name, bytes));
+            entries.push(JournalEntry::new(name, bytes));
         }
 
         let _lock = self.lock()?;
@@ -243,7 +247,7 @@ impl<D: Disk> Store<D> {
         &self,
         journal: &Journal,
         contents: impl Iterator<Item = &'a [u8]>,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), StoreFailure> {
         let draft = self.root.join(DRAFT);
         let text = journal.to_text();
         (self.disk.create_synced(&draft, text.as_bytes())).map_err(failed("write", &draft))?;
@@ -254,9 +258,9 @@ impl<D: Disk> Store<D> {
         }
         for (entry, bytes) in journal.entries.iter().zip(contents) {
             // What a rename would only find out after the decision.
-            let place = entry.name.under(&self.root);
-            if place.is_dir() {
-                return Err(failed("replace", &place)(ErrorKind::IsADirectory.into()));
+            let target = entry.name.under(&self.root);
+            if target.is_dir() {
+                return Err(failed("replace", &target)(ErrorKind::IsADirectory.into()));
             }
             let staged = entry.name.staged_under(&self.root, &journal.tag);
             (self.disk.create_synced(&staged, bytes)).map_err(failed("write", &staged))?;
@@ -266,13 +270,13 @@ impl<D: Disk> Store<D> {
 
     /// Step 3.
     fn decide(&self, journal: &Journal) -> Result<(), StoreError> {
-        let (draft, place) = (self.root.join(DRAFT), self.root.join(JOURNAL));
-        let Err(cause) = self.disk.rename(&draft, &place) else {
+        let (draft, target) = (self.root.join(DRAFT), self.root.join(JOURNAL));
+        let Err(cause) = self.disk.rename(&draft, &target) else {
             return Ok(());
         };
         // On a network a rename can be reported as failed that took place.
-        let failure = failed("rename the journal to", &place)(cause);
-        match place.try_exists() {
+        let failure = failed("rename the journal to", &target)(cause);
+        match target.try_exists() {
             Ok(true) => Ok(()),
             Ok(false) => Err(self.give_up(journal, failure)),
             Err(_) => Err(StoreError::Undecided(failure)),
@@ -280,14 +284,14 @@ impl<D: Disk> Store<D> {
     }
 
     /// Steps 4 and 5, also if they were partly done before.
-    fn install(&self, journal: &Journal) -> Result<(), Failure> {
+    fn install(&self, journal: &Journal) -> Result<(), StoreFailure> {
         // The decision must be durable before the first file depends on it.
         self.sync(&self.root)?;
         for entry in &journal.entries {
             let staged = entry.name.staged_under(&self.root, &journal.tag);
             if staged.try_exists().map_err(failed("look at", &staged))? {
-                let place = entry.name.under(&self.root);
-                (self.disk.rename(&staged, &place)).map_err(failed("replace", &place))?;
+                let target = entry.name.under(&self.root);
+                (self.disk.rename(&staged, &target)).map_err(failed("replace", &target))?;
             }
         }
         self.sync_all(journal)?;
@@ -297,7 +301,7 @@ impl<D: Disk> Store<D> {
 
     /// Removes what an undecided accept staged, then its draft: as long as a staged file is
     /// there, so is the list that tells it from a file of the user's.
-    fn unstage(&self, journal: &Journal) -> Result<(), Failure> {
+    fn unstage(&self, journal: &Journal) -> Result<(), StoreFailure> {
         for entry in &journal.entries {
             self.remove_if_present(&entry.name.staged_under(&self.root, &journal.tag))?;
         }
@@ -310,20 +314,20 @@ impl<D: Disk> Store<D> {
         self.remove_draft()
     }
 
-    fn remove_draft(&self) -> Result<(), Failure> {
+    fn remove_draft(&self) -> Result<(), StoreFailure> {
         self.remove_if_present(&self.root.join(DRAFT))?;
         self.sync(&self.root)
     }
 
     /// Undoes steps 1 and 2 because of a failure. If that fails as well, the draft stays and the
     /// next accept undoes them.
-    fn give_up(&self, journal: &Journal, failure: Failure) -> StoreError {
+    fn give_up(&self, journal: &Journal, failure: StoreFailure) -> StoreError {
         let _ = self.unstage(journal);
         StoreError::Untouched(failure)
     }
 
     /// Creates a directory with its parents, durably.
-    fn create_directory(&self, directory: &Path) -> Result<(), Failure> {
+    fn create_directory(&self, directory: &Path) -> Result<(), StoreFailure> {
         if directory.is_dir() {
             return Ok(());
         }
@@ -337,21 +341,21 @@ impl<D: Disk> Store<D> {
         }
     }
 
-    fn remove_if_present(&self, path: &Path) -> Result<(), Failure> {
+    fn remove_if_present(&self, path: &Path) -> Result<(), StoreFailure> {
         match self.disk.remove(path) {
             Err(error) if is_absence(&error) => Ok(()),
             result => result.map_err(failed("remove", path)),
         }
     }
 
-    fn sync_all(&self, journal: &Journal) -> Result<(), Failure> {
+    fn sync_all(&self, journal: &Journal) -> Result<(), StoreFailure> {
         journal
             .directories(&self.root)
             .iter()
             .try_for_each(|directory| self.sync(directory))
     }
 
-    fn sync(&self, directory: &Path) -> Result<(), Failure> {
+    fn sync(&self, directory: &Path) -> Result<(), StoreFailure> {
         self.disk
             .sync_dir(directory)
             .map_err(failed("sync the directory", directory))
@@ -370,15 +374,15 @@ impl Drop for Lock {
     }
 }
 
-fn name(path: &Path) -> Result<Name, StoreError> {
-    Name::new(path).map_err(|problem| StoreError::Name {
+fn name(path: &Path) -> Result<StoreName, StoreError> {
+    StoreName::new(path).map_err(|problem| StoreError::Name {
         path: path.to_path_buf(),
         problem,
     })
 }
 
-fn failed(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Failure {
-    move |cause| Failure {
+fn failed(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> StoreFailure {
+    move |cause| StoreFailure {
         action,
         path: path.to_path_buf(),
         cause,

@@ -1,10 +1,10 @@
 //! Another renderer's image against the golden of a case.
 
-use super::finding::{Finding, Trusted};
+use super::finding::{CaseFinding, CheckedGolden};
 use super::measured::measured;
 use super::verify::MOST_CASES;
 use super::{Case, Cause, Evidence, Judged, Store, Verdict};
-use crate::compare::{Gate, Picture, judge, stochastic};
+use crate::compare::{Conditions, ImageGate, Picture, default_gate, judge};
 use std::time::Instant;
 
 /// What another renderer made of a case.
@@ -22,20 +22,20 @@ pub enum Output {
 /// deterministic or the stochastic one, 8-bit codes by the perceptual one.
 pub fn validate(case: &Case, store: &Store, output: Output) -> Judged {
     let start = Instant::now();
-    let (finding, trusted) = match (output, Trusted::load(case, store)) {
-        (Output::Picture(picture), Ok(trusted)) => {
-            let mut judged = validate_with(case, &trusted, *picture);
+    let (finding, checked) = match (output, CheckedGolden::load(case, store)) {
+        (Output::Picture(picture), Ok(checked)) => {
+            let mut judged = validate_with(case, &checked, *picture);
             judged.result.seconds = start.elapsed().as_secs_f64();
             return judged;
         }
         (Output::Picture(_), Err(finding)) => (finding, None),
-        (Output::Missing(reason), trusted) => weighed(Verdict::Missing, reason, trusted),
-        (Output::Unusable(reason), trusted) => weighed(Verdict::Error, reason, trusted),
+        (Output::Missing(reason), checked) => weighed(Verdict::Missing, reason, checked),
+        (Output::Unusable(reason), checked) => weighed(Verdict::Error, reason, checked),
     };
     Judged {
         result: finding.result(case, case.gate(), start),
-        evidence: match trusted {
-            Some(trusted) => evidence(case, &trusted),
+        evidence: match checked {
+            Some(checked) => evidence(case, &checked),
             None => Evidence::of(case),
         },
     }
@@ -46,12 +46,12 @@ pub fn validate(case: &Case, store: &Store, output: Output) -> Judged {
 fn weighed(
     verdict: Verdict,
     reason: String,
-    trusted: Result<Trusted, Finding>,
-) -> (Finding, Option<Trusted>) {
-    match trusted {
-        Ok(trusted) => (
-            Finding::new(verdict, Cause::OtherRenderer, reason),
-            Some(trusted),
+    checked: Result<CheckedGolden, CaseFinding>,
+) -> (CaseFinding, Option<CheckedGolden>) {
+    match checked {
+        Ok(checked) => (
+            CaseFinding::new(verdict, Cause::OtherRenderer, reason),
+            Some(checked),
         ),
         Err(mut finding) => {
             finding.reason = format!("{}; {reason}", finding.reason);
@@ -61,73 +61,71 @@ fn weighed(
 }
 
 /// Judges `picture` as an image of `case`, whose golden is loaded.
-pub(super) fn validate_with(case: &Case, trusted: &Trusted, picture: Picture) -> Judged {
+pub(super) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Picture) -> Judged {
     let start = Instant::now();
-    let gate = gate_for(case, &picture);
-    let finding = judged(case, gate, trusted, &picture);
+    let golden = Picture::Radiance(checked.golden.film.clone());
+    // An image that states its noise is judged by the stochastic gate, even in a deterministic case.
+    let (gate, _) = default_gate(&golden, &picture);
+    let finding = judged(case, gate, checked, &golden, &picture);
     Judged {
         result: finding.result(case, gate, start),
         evidence: Evidence {
             test: Some(picture),
-            ..evidence(case, trusted)
+            ..evidence(case, checked)
         },
     }
 }
 
-fn evidence(case: &Case, trusted: &Trusted) -> Evidence {
+fn evidence(case: &Case, checked: &CheckedGolden) -> Evidence {
     let answer = case.answer.as_ref();
     let answer = answer.map(|answer| ("known answer".to_owned(), answer.to_string()));
     Evidence {
-        provenance: trusted.provenance().into_iter().chain(answer).collect(),
-        golden: Some(trusted.golden.film.clone()),
+        provenance: checked.provenance().into_iter().chain(answer).collect(),
+        golden: Some(checked.golden.film.clone()),
         ..Evidence::of(case)
     }
 }
 
-/// The gate that judges `picture` as an image of `case`. Whoever samples what has a closed form, and
-/// states the noise, is judged by that.
-fn gate_for(case: &Case, picture: &Picture) -> Gate {
-    match picture {
-        Picture::Radiance(film) if film.noise().is_some() => Gate::Stochastic,
-        Picture::Radiance(_) => case.gate(),
-        Picture::Codes(_) => Gate::Perceptual,
-    }
-}
-
-fn judged(case: &Case, gate: Gate, trusted: &Trusted, picture: &Picture) -> Finding {
-    let golden = Picture::Radiance(trusted.golden.film.clone());
-    let judgement = match (gate, picture) {
-        (Gate::Stochastic, Picture::Radiance(test)) => {
-            let promise = case
-                .sampling
-                .map_or(1.0, |sampling| sampling.mean_resolution);
-            stochastic::judge_case(&trusted.golden.film, test, MOST_CASES, promise)
-        }
-        _ => judge(gate, &golden, picture, case.exposure),
+fn judged(
+    case: &Case,
+    gate: &'static dyn ImageGate,
+    checked: &CheckedGolden,
+    golden: &Picture,
+    picture: &Picture,
+) -> CaseFinding {
+    let promise = case
+        .sampling
+        .map_or(1.0, |sampling| sampling.mean_resolution);
+    let conditions = Conditions {
+        exposure: case.exposure,
+        cases: MOST_CASES,
+        visible_bias: Some(promise),
     };
-    let judgement = match judgement {
+    let judgement = match judge(gate, golden, picture, &conditions) {
         Ok(judgement) => judgement,
         Err(error) => {
-            return Finding::new(Verdict::Error, Cause::OtherRenderer, error.to_string());
+            return CaseFinding::new(Verdict::Error, Cause::OtherRenderer, error.to_string());
         }
     };
     let mut finding = match (judgement.passed, judgement.undecided) {
         (false, _) => {
             // What holds for the whole image comes first: it explains what the gate saw.
-            let mut said = measured(case, &trusted.golden.film, picture);
+            let mut said = measured(case, &checked.golden.film, picture);
             said.push(judgement.reason);
             let reason = said.join("; ");
-            Finding::new(Verdict::Fail, Cause::Mismatch, reason)
+            CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason)
         }
-        (true, Some(_)) => Finding::new(Verdict::Inconclusive, Cause::Undecided, judgement.reason),
-        (true, None) => Finding::new(Verdict::Pass, Cause::None, judgement.reason),
+        (true, Some(_)) => {
+            CaseFinding::new(Verdict::Inconclusive, Cause::Undecided, judgement.reason)
+        }
+        (true, None) => CaseFinding::new(Verdict::Pass, Cause::None, judgement.reason),
     };
-    if gate == Gate::Perceptual {
+    if gate.depends_on_exposure() {
         finding
             .reason
             .push_str(&format!("; exposure of the case: {} stops", case.exposure));
     }
-    finding.reason.push_str(&trusted.omissions());
+    finding.reason.push_str(&checked.omissions());
     finding.metrics = judgement.metrics;
     finding
 }

@@ -1,13 +1,16 @@
 //! The reference against its own goldens.
 
-use super::finding::{Finding, Trusted};
+use super::finding::{CaseFinding, CheckedGolden};
 use super::golden::{input_hashes, short};
-use super::rendering::{Reference, Renderer, Shot, render_case};
+use super::rendering::{CaseRendering, ReferenceRenderer, Renderer, render_case};
 use super::rows::ERROR_OF_TOLERANCE;
 use super::{
     Answer, Case, CaseResult, Cause, Evidence, Judged, Quick, Store, Suite, SuiteError, Verdict,
 };
-use crate::compare::{Gate, Judgement, Picture, judge, stochastic};
+use crate::compare::{
+    Conditions, Deterministic, Exact, Gate, ImageGate, Judgement, Metric, Picture, Stochastic,
+    judge, stochastic,
+};
 use crate::film::Film;
 use crate::render;
 use std::collections::BTreeMap;
@@ -18,11 +21,17 @@ use std::time::Instant;
 /// thousand move the limit of a block of a 192 × 192 image from 6.4 to 7.4 standard errors.
 pub(super) const MOST_CASES: usize = 1000;
 
+/// The metric of a stochastic case beside those of the gate.
+pub(super) const SAME_BITS: Metric = (
+    "same_bits",
+    "1 if every bit is that of the reference's own quick rendering, else 0.",
+);
+
 /// Renders `case` and compares every bit with its golden; of a stochastic case the quick
 /// rendering, which must also agree with the converged image. Reads goldens, never writes them.
-/// `progress` is told of each step of the image.
+/// `progress` is called for each step of the image.
 pub fn verify(case: &Case, store: &Store, progress: render::Progress<'_>) -> Judged {
-    verify_with(&Reference, case, store, progress)
+    verify_with(&ReferenceRenderer, case, store, progress)
 }
 
 pub(super) fn verify_with(
@@ -33,23 +42,25 @@ pub(super) fn verify_with(
 ) -> Judged {
     let start = Instant::now();
     let mut evidence = Evidence::of(case);
-    let finding = Trusted::load_for(renderer, case, store).and_then(|trusted| {
-        evidence.provenance = trusted.provenance();
-        evidence.golden = Some(trusted.golden.film.clone());
-        let quick = trusted.golden.provenance.quick.as_ref();
-        let shot = quick.map_or(Shot::Only, |quick| Shot::Quick(quick.samples));
-        let film = render_case(renderer, &trusted.plans(), shot, progress)
-            .map_err(|reason| Finding::new(Verdict::Fail, Cause::Mismatch, reason))?;
+    let finding = CheckedGolden::load_for(renderer, case, store).and_then(|checked| {
+        evidence.provenance = checked.provenance();
+        evidence.golden = Some(checked.golden.film.clone());
+        let quick = checked.golden.provenance.quick.as_ref();
+        let rendering = quick.map_or(CaseRendering::Only, |quick| {
+            CaseRendering::Quick(quick.samples)
+        });
+        let film = render_case(renderer, &checked.plans(), rendering, progress)
+            .map_err(|reason| CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason))?;
         let mut finding = match quick {
-            None => compare(&trusted, &film),
-            Some(quick) => compare_sampled(&trusted, quick, &film),
+            None => compare(&checked, &film),
+            Some(quick) => compare_sampled(&checked, quick, &film),
         };
         if let Some(answer) = &case.answer {
             // Of random samples the many say more.
             let known = ("known answer".to_owned(), answer.to_string());
             evidence.provenance.push(known);
             let sure = if quick.is_some() {
-                &trusted.golden.film
+                &checked.golden.film
             } else {
                 &film
             };
@@ -59,7 +70,10 @@ pub(super) fn verify_with(
         Ok(finding)
     });
     let finding = finding.unwrap_or_else(|finding| finding);
-    let gate = case.sampling.map_or(Gate::Exact, |_| Gate::Stochastic);
+    let gate: &dyn Gate = match case.sampling {
+        Some(_) => &Stochastic,
+        None => &Exact,
+    };
     Judged {
         result: finding.result(case, gate, start),
         evidence,
@@ -67,7 +81,7 @@ pub(super) fn verify_with(
 }
 
 /// What is known beforehand outranks the golden.
-fn hold_to(answer: &Answer, film: &Film, finding: &mut Finding) {
+fn hold_to(answer: &Answer, film: &Film, finding: &mut CaseFinding) {
     let margin = answer.margin(film);
     let share = margin.share();
     if share.is_finite() {
@@ -101,7 +115,7 @@ pub fn without_case(suite: &Suite) -> Result<Vec<Judged>, SuiteError> {
         class: String::new(),
         verdict: Verdict::Error,
         metrics: BTreeMap::new(),
-        gate: Gate::Exact,
+        gate: &Exact,
         reason:
             "this golden belongs to no case: restore the manifest, or remove the golden with it"
                 .to_owned(),
@@ -124,39 +138,41 @@ pub(super) fn judge_quick(converged: &Film, quick: &Film) -> Judgement {
     stochastic::judge(converged, quick, MOST_CASES).expect("both images state their noise")
 }
 
-fn compare(trusted: &Trusted, film: &Film) -> Finding {
-    let golden = &trusted.golden;
+fn compare(checked: &CheckedGolden, film: &Film) -> CaseFinding {
+    let golden = &checked.golden;
     if film.pixel_hash() == golden.provenance.pixels {
         let reason = format!(
             "the same bits as the golden ({}){}",
             short(&golden.provenance.pixels),
-            trusted.omissions()
+            checked.omissions()
         );
-        return Finding::new(Verdict::Pass, Cause::None, reason);
+        return CaseFinding::new(Verdict::Pass, Cause::None, reason);
     }
     let pictures = [&golden.film, film].map(|film| Picture::Radiance(film.clone()));
-    let [exact, tolerant] = [Gate::Exact, Gate::Deterministic].map(|gate| {
-        judge(gate, &pictures[0], &pictures[1], 0.0).expect("both images are radiance")
+    let gates: [&dyn ImageGate; 2] = [&Exact, &Deterministic];
+    let [exact, tolerant] = gates.map(|gate| {
+        let judgement = judge(gate, &pictures[0], &pictures[1], &Conditions::default());
+        judgement.expect("both images are radiance")
     });
     let reason = format!(
         "{} ({} the tolerance for other renderers){}{}",
         exact.reason,
         if tolerant.passed { "within" } else { "beyond" },
-        moved_inputs(trusted),
-        trusted.omissions()
+        moved_inputs(checked),
+        checked.omissions()
     );
-    let mut finding = Finding::new(Verdict::Fail, Cause::Mismatch, reason);
+    let mut finding = CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason);
     finding.metrics = tolerant.metrics;
     finding.metrics.extend(exact.metrics);
     finding
 }
 
 /// Names the input files that are not those of the golden, as the end of a sentence.
-fn moved_inputs(trusted: &Trusted) -> String {
-    let inputs = input_hashes(&trusted.scene);
+fn moved_inputs(checked: &CheckedGolden) -> String {
+    let inputs = input_hashes(&checked.scene);
     let moved: Vec<_> = inputs
         .iter()
-        .filter(|(path, hash)| trusted.golden.provenance.inputs.get(*path) != Some(hash))
+        .filter(|(path, hash)| checked.golden.provenance.inputs.get(*path) != Some(hash))
         .map(|(path, _)| path.as_str())
         .collect();
     match moved.is_empty() {
@@ -170,8 +186,8 @@ fn moved_inputs(trusted: &Trusted) -> String {
 
 /// Bits against the hash of the quick rendering, and noise against the converged image: a
 /// renderer that is wrong on purpose has the bits, one that was merely rearranged the noise.
-fn compare_sampled(trusted: &Trusted, quick: &Quick, film: &Film) -> Finding {
-    let golden = &trusted.golden;
+fn compare_sampled(checked: &CheckedGolden, quick: &Quick, film: &Film) -> CaseFinding {
+    let golden = &checked.golden;
     let judgement = judge_quick(&golden.film, film);
     let has_bits = film.pixel_hash() == quick.pixels;
     let bits = if has_bits {
@@ -201,17 +217,17 @@ fn compare_sampled(trusted: &Trusted, quick: &Quick, film: &Film) -> Finding {
         if passed {
             String::new()
         } else {
-            moved_inputs(trusted)
+            moved_inputs(checked)
         },
-        trusted.omissions()
+        checked.omissions()
     );
     let mut finding = match passed {
-        true => Finding::new(Verdict::Pass, Cause::None, reason),
-        false => Finding::new(Verdict::Fail, Cause::Mismatch, reason),
+        true => CaseFinding::new(Verdict::Pass, Cause::None, reason),
+        false => CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason),
     };
     finding.metrics = judgement.metrics;
     finding
         .metrics
-        .insert("same_bits".to_owned(), f64::from(u8::from(has_bits)));
+        .insert(SAME_BITS.0.to_owned(), f64::from(u8::from(has_bits)));
     finding
 }

@@ -79,9 +79,9 @@ impl Blocks {
 
     /// Bounds on the density in the block around `point`, or in the nearest.
     pub fn range_at(&self, point: DVec3) -> DensityRange {
-        let place = (point - self.bounds.min) / self.size;
+        let cell = (point - self.bounds.min) / self.size;
         // Casts clamp at 0.
-        let index = |axis: usize| (place[axis] as usize).min(self.counts[axis] - 1);
+        let index = |axis: usize| (cell[axis] as usize).min(self.counts[axis] - 1);
         self.range_in([index(0), index(1), index(2)])
     }
 

@@ -4,8 +4,11 @@
 //! `float32` densities, x fastest. One spacing serves all axes, `size.x / (nx − 1)`; the first
 //! node lies at the world origin.
 
-use super::orientation::{Axes, Steps};
+use super::error::VolumeError;
+use super::orientation::{Axes, AxisSteps};
+use super::reader::{Stored, VolumeReader};
 use super::samples::{fill, read_grid};
+use super::source::VolumeSource;
 use super::{
     Centring, Element, Encoding, Endian, Grid, GridError, Lattice, LatticeError, Layout,
     LoadOptions, SamplesError,
@@ -93,6 +96,30 @@ pub enum CourseGridError {
     },
 }
 
+/// Reader of the course's binary grid.
+#[derive(Clone, Copy, Debug)]
+pub struct CourseGrid;
+
+impl VolumeReader for CourseGrid {
+    fn name(&self) -> &'static str {
+        "course grid"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &[".bin"]
+    }
+
+    fn read(
+        &self,
+        source: &mut VolumeSource,
+        options: &LoadOptions,
+    ) -> Result<(Grid<f32>, Stored), VolumeError> {
+        let length = source.length();
+        let (grid, layout) = read(source, length, options).map_err(|error| source.fault(error))?;
+        Ok((grid, Stored::Samples(layout)))
+    }
+}
+
 /// Reads the course's binary grid.
 ///
 /// The spacing is `size / (n − 1)` of the first axis with more than one node, in `f64`; that
@@ -110,14 +137,14 @@ pub(super) fn read(
     length: u64,
     options: &LoadOptions,
 ) -> Result<(Grid<f32>, Layout), CourseGridError> {
-    let mut bytes = [0; Header::BYTES];
+    let mut bytes = [0; CourseGridHeader::BYTES];
     let filled = fill(source, &mut bytes).map_err(SamplesError::Read)?;
-    let header = Header::read(&bytes[..filled])?;
+    let header = CourseGridHeader::read(&bytes[..filled])?;
     header.check_length(length)?;
     let layout = Layout {
         axes: Axes {
             sizes: header.lattice.nodes(),
-            steps: Steps::Upright(header.lattice.spacing()),
+            steps: AxisSteps::Upright(header.lattice.spacing()),
             first: header.lattice.first(),
             centring: Centring::Nodes,
         },
@@ -126,7 +153,12 @@ pub(super) fn read(
         encoding: Encoding::Raw,
         scaling: None,
     };
-    let grid = read_grid(source, length - Header::BYTES as u64, &layout, options)?;
+    let grid = read_grid(
+        source,
+        length - CourseGridHeader::BYTES as u64,
+        &layout,
+        options,
+    )?;
     Ok((grid, layout))
 }
 
@@ -149,7 +181,7 @@ pub fn write_course_grid(grid: &Grid<f32>) -> Result<Vec<u8>, CourseGridError> {
     }
     grid.check_densities()?;
     let sizes = lattice.nodes().map(|n| spacing.x * (n - 1) as f64);
-    let mut bytes = Vec::with_capacity(Header::BYTES + 4 * lattice.node_count());
+    let mut bytes = Vec::with_capacity(CourseGridHeader::BYTES + 4 * lattice.node_count());
     for (nodes, size) in lattice.nodes().into_iter().zip(sizes) {
         let stored = size as f32;
         let sayable = stored.is_finite() && (stored > 0.0 || nodes == 1);
@@ -164,16 +196,16 @@ pub fn write_course_grid(grid: &Grid<f32>) -> Result<Vec<u8>, CourseGridError> {
 }
 
 /// What the first 24 bytes say.
-struct Header {
+struct CourseGridHeader {
     lattice: Lattice,
 }
 
-impl Header {
+impl CourseGridHeader {
     /// Length of the header.
     const BYTES: usize = 24;
 
     /// Reads the header at the beginning of `bytes`.
-    fn read(bytes: &[u8]) -> Result<Header, CourseGridError> {
+    fn read(bytes: &[u8]) -> Result<CourseGridHeader, CourseGridError> {
         if bytes.len() < Self::BYTES {
             let bytes = bytes.len() as u64;
             return Err(CourseGridError::Header { bytes });
@@ -202,7 +234,7 @@ impl Header {
         }
         let spacing = f64::from(sizes[axis]) / (nodes[axis] - 1) as f64;
         let lattice = Lattice::new(nodes, DVec3::splat(spacing), DVec3::ZERO)?;
-        Ok(Header { lattice })
+        Ok(CourseGridHeader { lattice })
     }
 
     /// Checks that a file of `bytes` bytes is as long as the header says.

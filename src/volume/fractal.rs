@@ -165,7 +165,7 @@ impl FractalDensity {
     }
 
     /// Where `point` lies in the lattice of the first octave.
-    fn lattice_place(&self, point: DVec3) -> DVec3 {
+    fn lattice_point(&self, point: DVec3) -> DVec3 {
         point * self.parameters.scale + self.parameters.offset
     }
 
@@ -183,10 +183,10 @@ impl FractalDensity {
 
 impl DensityField for FractalDensity {
     fn density(&self, point: DVec3) -> f64 {
-        let place = self.lattice_place(point);
+        let lattice_point = self.lattice_point(point);
         let mut sum = 0.0;
         for octave in &self.octaves {
-            sum += octave.amplitude * perlin_noise(place * octave.frequency);
+            sum += octave.amplitude * perlin_noise(lattice_point * octave.frequency);
         }
         self.density_of(sum)
     }
@@ -202,8 +202,8 @@ impl DensityField for FractalDensity {
     /// may stay below it.
     fn range_over(&self, bounds: &Aabb) -> DensityRange {
         let (min, max) = (
-            self.lattice_place(bounds.min),
-            self.lattice_place(bounds.max),
+            self.lattice_point(bounds.min),
+            self.lattice_point(bounds.max),
         );
         let (mut least, mut most) = (0.0, 0.0);
         for octave in &self.octaves {
@@ -260,9 +260,9 @@ mod tests {
             ..FractalParameters::default()
         };
         let field = FractalDensity::new(parameters).unwrap();
-        let place = DVec3::new(0.625, 1.5, -0.375);
-        let point = (place - parameters.offset) / parameters.scale;
-        let sum = (perlin_noise(place) + 0.25 * perlin_noise(place * 3.0)) / 1.25;
+        let lattice_point = DVec3::new(0.625, 1.5, -0.375);
+        let point = (lattice_point - parameters.offset) / parameters.scale;
+        let sum = (perlin_noise(lattice_point) + 0.25 * perlin_noise(lattice_point * 3.0)) / 1.25;
         let density = (sum + 1.0) / 2.0;
         assert!((field.density(point) - density).abs() <= 4.0 * f64::EPSILON);
     }
@@ -357,9 +357,9 @@ mod tests {
         for (edge, ratio) in [(0.05, 1.25), (0.1, 1.31), (0.25, 1.43)] {
             let (mut bound, mut seen) = (0.0, 0.0);
             // Places without a common step with any lattice.
-            for place in 0..40 {
+            for number in 0..40 {
                 let turns = DVec3::new(0.618_033_99, 0.754_877_67, 0.569_840_29);
-                let min = (f64::from(place) * turns).fract() * 4.0 - 2.0;
+                let min = (f64::from(number) * turns).fract() * 4.0 - 2.0;
                 bound += field.range_over(&Aabb::new(min, min + edge).unwrap()).high;
                 seen += (0..4000)
                     .map(|k| min + (f64::from(k) * turns).fract() * edge)
@@ -420,7 +420,7 @@ mod tests {
             parameters in parameters(),
             corner in prop::array::uniform3(coordinate()),
             size in prop::array::uniform3(prop_oneof![Just(0.0), 0.0..0.1_f64, 0.0..3.0_f64]),
-            places in prop::collection::vec(prop::array::uniform3(
+            points in prop::collection::vec(prop::array::uniform3(
                 prop_oneof![Just(0.0), Just(1.0), 0.0..=1.0_f64]), 16),
         ) {
             let Ok(field) = FractalDensity::new(parameters) else {
@@ -434,8 +434,8 @@ mod tests {
             prop_assert!(0.0 <= range.low && range.low <= range.high);
             prop_assert!(range.high <= parameters.max_density);
             prop_assert!(range.high == 0.0 || range.high > parameters.threshold);
-            for place in places {
-                let point = min + bounds.size() * DVec3::from_array(place);
+            for share in points {
+                let point = min + bounds.size() * DVec3::from_array(share);
                 let density = field.density(point.clamp(bounds.min, bounds.max));
                 prop_assert!(range.low <= density && density <= range.high);
                 prop_assert!(density == 0.0 || density > parameters.threshold);

@@ -71,13 +71,13 @@ impl GridDensity {
         (counts, lattice.spacing() * BLOCK as f64)
     }
 
-    /// `∫ density dt` over the stretch `span` of the line `origin + t·direction`, exactly, up to
+    /// `∫ density dt` over the segment `span` of the line `origin + t·direction`, exactly, up to
     /// rounding. Adds the number of look-ups to `lookups`.
     ///
     /// Between the faces of a cell the trilinear interpolant is a cubic in `t`, and Gauss's rule
     /// of two points integrates cubics. The nearest node's value is a constant there.
     ///
-    /// In units of 2^-53, of the length of the stretch, and with `Q` the sum of the largest node
+    /// In units of 2^-53, of the length of the segment, and with `Q` the sum of the largest node
     /// coordinates on the way: the trilinear integral is off by at most `10Q` times the range of the
     /// values and 16 times the largest; measured on 50 000 rays: 0.12 of that. The nearest node's is
     /// less certain, the more a ray runs along the planes between nodes (`tests/exact/grids.rs`).
@@ -103,7 +103,7 @@ impl GridDensity {
         sum.value()
     }
 
-    /// The stretches of the line in which the field is one polynomial, `origin` and `direction`
+    /// The segments of the line in which the field is one polynomial, `origin` and `direction`
     /// being those of [`GridDensity::integral`].
     pub fn smooth_stretches(
         &self,

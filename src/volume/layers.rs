@@ -154,10 +154,10 @@ impl DensityField for ExponentialLayer {
     /// the density keeps order.
     fn range_over(&self, bounds: &Aabb) -> DensityRange {
         let [low, high] = extremes(bounds, self.up).map(|corner| self.height(corner));
-        let places = |share: f64, step: fn(f64) -> f64| (0..4).fold(share, |x, _| step(x));
+        let steps_of_four = |share: f64, step: fn(f64) -> f64| (0..4).fold(share, |x, _| step(x));
         DensityRange {
-            low: self.of_share(places(exp(-high), f64::next_down).max(0.0)),
-            high: self.of_share(places(exp(-low), f64::next_up)),
+            low: self.of_share(steps_of_four(exp(-high), f64::next_down).max(0.0)),
+            high: self.of_share(steps_of_four(exp(-low), f64::next_up)),
         }
     }
 }
@@ -178,8 +178,8 @@ impl DensityField for LinearRamp {
 /// that three of them have a finite sum.
 fn rise(slope: DVec3, origin: DVec3, point: DVec3, axis: usize) -> f64 {
     // 0 times infinity would be no number.
-    let way = (point[axis] - origin[axis]).clamp(f64::MIN, f64::MAX);
-    (slope[axis] * way).clamp(f64::MIN / 8.0, f64::MAX / 8.0)
+    let distance = (point[axis] - origin[axis]).clamp(f64::MIN, f64::MAX);
+    (slope[axis] * distance).clamp(f64::MIN / 8.0, f64::MAX / 8.0)
 }
 
 /// The corners of a box where a function linear in space, of this slope, is least and largest, as
@@ -292,7 +292,7 @@ mod tests {
             scale_height in number(),
             corner in vector(),
             opposite in vector(),
-            places in prop::collection::vec(prop::array::uniform3(
+            shares in prop::collection::vec(prop::array::uniform3(
                 prop_oneof![Just(0.0), Just(1.0), 0.0..=1.0_f64]), 16),
         ) {
             let Ok(bounds) = Aabb::new(corner.min(opposite), corner.max(opposite)) else {
@@ -305,8 +305,8 @@ mod tests {
             for field in fields {
                 let range = field.range_over(&bounds);
                 prop_assert!(0.0 <= range.low && range.high.is_finite());
-                for place in &places {
-                    let point = bounds.min + bounds.size() * DVec3::from_array(*place);
+                for share in &shares {
+                    let point = bounds.min + bounds.size() * DVec3::from_array(*share);
                     let density = field.density(point.clamp(bounds.min, bounds.max));
                     prop_assert!(range.low <= density && density <= range.high);
                 }

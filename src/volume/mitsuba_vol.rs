@@ -9,8 +9,11 @@
 //! read here. Mitsuba 3 reads the same file as a texture, with every sample in the middle of a
 //! cell; [`LoadOptions::centring`] asks for that. The box is the same in both cases.
 
-use super::orientation::{Axes, Steps};
+use super::error::VolumeError;
+use super::orientation::{Axes, AxisSteps};
+use super::reader::{Stored, VolumeReader};
 use super::samples::{check_sizes, fill, read_grid};
+use super::source::VolumeSource;
 use super::{
     Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions, SamplesError,
 };
@@ -74,6 +77,30 @@ pub enum VolError {
 
 /// Bytes of the header.
 const HEADER: usize = 48;
+
+/// Reader of Mitsuba's grid.
+#[derive(Clone, Copy, Debug)]
+pub struct MitsubaVol;
+
+impl VolumeReader for MitsubaVol {
+    fn name(&self) -> &'static str {
+        "Mitsuba volume"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &[".vol"]
+    }
+
+    fn read(
+        &self,
+        source: &mut VolumeSource,
+        options: &LoadOptions,
+    ) -> Result<(Grid<f32>, Stored), VolumeError> {
+        let length = source.length();
+        let (grid, layout) = read(source, length, options).map_err(|error| source.fault(error))?;
+        Ok((grid, Stored::Samples(layout)))
+    }
+}
 
 /// Reads a Mitsuba volume.
 pub fn read_vol(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolError> {
@@ -142,7 +169,7 @@ fn layout(header: &[u8; HEADER], options: &LoadOptions) -> Result<Layout, VolErr
     Ok(Layout {
         axes: Axes {
             sizes,
-            steps: Steps::Upright(spacing),
+            steps: AxisSteps::Upright(spacing),
             first,
             centring,
         },

@@ -11,8 +11,11 @@
 //! quaternions and spacings, scales integers within their own type (a slope of 0.35 leaves steps
 //! of 1), and holds the file's bytes beside the values made of them.
 
-use super::orientation::{Axes, Steps};
+use super::error::VolumeError;
+use super::orientation::{Axes, AxisSteps};
+use super::reader::{Stored, VolumeReader};
 use super::samples::{check_sizes, fill, read_grid};
+use super::source::VolumeSource;
 use super::{
     Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions, SamplesError,
 };
@@ -117,6 +120,34 @@ const FIRST_DATA: u64 = 352;
 /// circle would else come out tilted by a thousandth.
 const NO_COSINE: f64 = 1.0 / (1 << 22) as f64;
 
+/// Reader of NIfTI-1, compressed or not.
+#[derive(Clone, Copy, Debug)]
+pub struct Nifti;
+
+impl VolumeReader for Nifti {
+    fn name(&self) -> &'static str {
+        "NIfTI-1"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &[".nii", ".nii.gz"]
+    }
+
+    fn read(
+        &self,
+        source: &mut VolumeSource,
+        options: &LoadOptions,
+    ) -> Result<(Grid<f32>, Stored), VolumeError> {
+        let (length, compressed) = (source.length(), source.ends_in(".gz"));
+        let read = read(source, length, compressed, options);
+        let (grid, mut layout) = read.map_err(|error| source.fault(error))?;
+        if compressed {
+            layout.encoding = Encoding::Gzip;
+        }
+        Ok((grid, Stored::Samples(layout)))
+    }
+}
+
 /// Reads a NIfTI-1 file; `compressed` tells `.nii.gz` from `.nii`.
 pub fn read_nifti(
     bytes: &[u8],
@@ -149,7 +180,7 @@ pub(super) fn read(
     Ok((grid, layout))
 }
 
-/// Reads the header, and on to the first sample. Tells how many bytes that were.
+/// Reads the header, and on to the first sample; the second value is the number of bytes read.
 fn layout(
     source: &mut impl Read,
     trouble: impl Fn(io::Error) -> NiftiError,
@@ -159,7 +190,7 @@ fn layout(
     if filled < HEADER {
         return Err(NiftiError::Header(filled));
     }
-    let header = Header::new(&bytes)?;
+    let header = NiftiHeader::new(&bytes)?;
     let axes = Axes {
         sizes: header.sizes()?,
         steps: header.steps()?,
@@ -180,18 +211,18 @@ fn layout(
 }
 
 /// The bytes of a header, and their order.
-struct Header<'h> {
+struct NiftiHeader<'h> {
     bytes: &'h [u8; HEADER],
     endian: Endian,
 }
 
-impl<'h> Header<'h> {
-    fn new(bytes: &'h [u8; HEADER]) -> Result<Header<'h>, NiftiError> {
-        let little = Header {
+impl<'h> NiftiHeader<'h> {
+    fn new(bytes: &'h [u8; HEADER]) -> Result<NiftiHeader<'h>, NiftiError> {
+        let little = NiftiHeader {
             bytes,
             endian: Endian::Little,
         };
-        let big = Header {
+        let big = NiftiHeader {
             bytes,
             endian: Endian::Big,
         };
@@ -322,15 +353,15 @@ impl<'h> Header<'h> {
         }
     }
 
-    fn steps(&self) -> Result<Steps, NiftiError> {
+    fn steps(&self) -> Result<AxisSteps, NiftiError> {
         if self.by_sform() {
             let rows = self.sform();
             let column = |axis: usize| DVec3::from_array([0, 1, 2].map(|row| rows[row][axis]));
-            return Ok(Steps::Directed([column(0), column(1), column(2)]));
+            return Ok(AxisSteps::Directed([column(0), column(1), column(2)]));
         }
         let [handedness, dx, dy, dz] = self.floats(76);
         if !self.by_qform() {
-            return Ok(Steps::Upright(DVec3::new(dx, dy, dz)));
+            return Ok(AxisSteps::Upright(DVec3::new(dx, dy, dz)));
         }
         let [b, c, d] = self.floats(256);
         let squares = b * b + c * c + d * d;
@@ -364,7 +395,7 @@ impl<'h> Header<'h> {
             let spacing = DVec3::from_array(self.floats(80));
             return Err(LatticeError::Spacing(spacing).into());
         }
-        Ok(Steps::Directed([x * dx, y * dy, z * dz]))
+        Ok(AxisSteps::Directed([x * dx, y * dy, z * dz]))
     }
 }
 

@@ -291,7 +291,7 @@ mod tests {
             corner in prop::array::uniform3(-300.0..300.0_f64),
             octave in -12..40_i32,
             size in prop::array::uniform3(prop_oneof![Just(0.0), 0.0..0.1_f64, 0.0..2.5_f64]),
-            places in prop::collection::vec(prop::array::uniform3(
+            shares in prop::collection::vec(prop::array::uniform3(
                 prop_oneof![Just(0.0), Just(1.0), 0.0..=1.0_f64]), 16),
         ) {
             let corner = DVec3::from_array(corner) * crate::math::exp2(octave.max(0).into());
@@ -300,8 +300,8 @@ mod tests {
             let range = noise_range(min, max);
             prop_assert!(range.low <= range.high);
             prop_assert_eq!(range, noise_range(max, min));
-            for place in places {
-                let point = (min + (max - min) * DVec3::from_array(place)).clamp(min, max);
+            for share in shares {
+                let point = (min + (max - min) * DVec3::from_array(share)).clamp(min, max);
                 let noise = perlin_noise(point);
                 prop_assert!(
                     range.low <= noise && noise <= range.high,

@@ -14,8 +14,11 @@
 //!
 //! A file with the wrong `endian` cannot be told from one with odd values.
 
-use super::orientation::{Axes, Steps};
+use super::error::VolumeError;
+use super::orientation::{Axes, AxisSteps};
+use super::reader::{Stored, VolumeReader};
 use super::samples::{check_sizes, read_grid};
+use super::source::VolumeSource;
 use super::{
     Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions, SamplesError,
 };
@@ -205,7 +208,7 @@ impl NrrdHeader {
     }
 
     /// Reads the header at the beginning of `source`, which is left behind the blank line that
-    /// ends it; tells how many bytes that were.
+    /// ends it, with its length in bytes.
     pub(super) fn read(source: &mut impl BufRead) -> Result<(NrrdHeader, u64), NrrdError> {
         let mut header = source.by_ref().take(LONGEST_HEADER as u64);
         let mut fields = Fields::default();
@@ -245,6 +248,48 @@ impl NrrdHeader {
             };
             fields.take(&text, number).map_err(fault)?;
         }
+    }
+}
+
+/// Reader of NRRD, whose data may lie in another file.
+#[derive(Clone, Copy, Debug)]
+pub struct Nrrd;
+
+impl VolumeReader for Nrrd {
+    fn name(&self) -> &'static str {
+        "NRRD"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &[".nrrd", ".nhdr"]
+    }
+
+    fn read(
+        &self,
+        source: &mut VolumeSource,
+        options: &LoadOptions,
+    ) -> Result<(Grid<f32>, Stored), VolumeError> {
+        let read = NrrdHeader::read(source);
+        let (header, header_length) = read.map_err(|error| fault(source, error))?;
+        let length = source.length();
+        let grid = match &header.data_file {
+            None => header.read_from(source, length - header_length, options),
+            Some(name) => {
+                let data = source.open_data(name, options)?;
+                let length = data.length();
+                header.read_from(data, length, options)
+            }
+        };
+        let grid = grid.map_err(|error| fault(source, error))?;
+        Ok((grid, Stored::Samples(header.layout)))
+    }
+}
+
+fn fault(source: &VolumeSource, error: NrrdError) -> VolumeError {
+    if matches!(error, NrrdError::Line { .. }) {
+        source.fault_in_line(error)
+    } else {
+        source.fault(error)
     }
 }
 
@@ -499,7 +544,7 @@ impl Fields {
         let kept = kept_axes(sizes, directions.as_deref())?;
         let mut axes = Axes {
             sizes: check_sizes(kept.map(|axis| sizes[axis]))?,
-            steps: Steps::Upright(DVec3::ONE),
+            steps: AxisSteps::Upright(DVec3::ONE),
             first: DVec3::ZERO,
             centring: self.centring(dimension, kept)?,
         };
@@ -520,7 +565,7 @@ impl Fields {
                 }
             }
             // A kept axis without direction has no length, which no lattice accepts.
-            axes.steps = Steps::Directed(kept.map(|axis| directions[axis].unwrap_or_default()));
+            axes.steps = AxisSteps::Directed(kept.map(|axis| directions[axis].unwrap_or_default()));
             if let Some(field) = self.get("space origin") {
                 axes.first = field.vector()?;
             }
@@ -560,7 +605,7 @@ impl Fields {
                 axes.first[axis] = max - (intervals - beyond) * spacing[axis];
             }
         }
-        axes.steps = Steps::Upright(DVec3::from_array(spacing));
+        axes.steps = AxisSteps::Upright(DVec3::from_array(spacing));
         Ok(axes)
     }
 
@@ -606,13 +651,13 @@ fn kept_axes(sizes: &[u64], directions: Option<&[Option<DVec3>]>) -> Result<[usi
     let mut kept: Vec<usize> = (0..sizes.len()).collect();
     let nowhere = |axis: usize| directions.is_some_and(|all| all[axis].is_none());
     while kept.len() > 3 {
-        let droppable = |&place: &usize| sizes[kept[place]] == 1;
-        let places = || (0..kept.len()).rev().filter(droppable);
-        let without_direction = places().find(|&place| nowhere(kept[place]));
-        let Some(place) = without_direction.or_else(|| places().next()) else {
+        let droppable = |&index: &usize| sizes[kept[index]] == 1;
+        let indices = || (0..kept.len()).rev().filter(droppable);
+        let without_direction = indices().find(|&index| nowhere(kept[index]));
+        let Some(index) = without_direction.or_else(|| indices().next()) else {
             break;
         };
-        kept.remove(place);
+        kept.remove(index);
     }
     kept.try_into().map_err(|_| NrrdError::Axes(sizes.to_vec()))
 }
@@ -734,7 +779,7 @@ mod tests {
     }
 
     /// Spacing and first node.
-    fn place(lines: &str) -> ([f64; 3], [f64; 3]) {
+    fn geometry(lines: &str) -> ([f64; 3], [f64; 3]) {
         let grid = read(&file(lines)).unwrap();
         let lattice = grid.lattice();
         (lattice.spacing().to_array(), lattice.first().to_array())
@@ -749,10 +794,10 @@ mod tests {
 
     #[test]
     fn what_is_not_said_about_places() {
-        assert_eq!(place(""), ([1.0; 3], [0.0; 3]));
-        assert_eq!(place("spacings: 0.5 2 3\n"), ([0.5, 2.0, 3.0], [0.0; 3]));
+        assert_eq!(geometry(""), ([1.0; 3], [0.0; 3]));
+        assert_eq!(geometry("spacings: 0.5 2 3\n"), ([0.5, 2.0, 3.0], [0.0; 3]));
         assert_eq!(
-            place("spacings: 0.5 2 3\nspace dimension: 3\nspace origin: (1, -2, 3e1)\n"),
+            geometry("spacings: 0.5 2 3\nspace dimension: 3\nspace origin: (1, -2, 3e1)\n"),
             ([0.5, 2.0, 3.0], [1.0, -2.0, 30.0])
         );
     }
@@ -763,14 +808,17 @@ mod tests {
         // A single sample stands in the middle of its axis.
         let nodes = ([4.0, 2.0, 6.0], [0.0, 0.0, 3.0]);
         let cells = ([2.0, 1.0, 6.0], [1.0, 0.5, 3.0]);
-        assert_eq!(place(ends), nodes);
-        assert_eq!(place(&format!("{ends}centers: node ??? node\n")), nodes);
-        assert_eq!(place(&format!("{ends}centerings: cell cell cell\n")), cells);
+        assert_eq!(geometry(ends), nodes);
+        assert_eq!(geometry(&format!("{ends}centers: node ??? node\n")), nodes);
         assert_eq!(
-            place("spacings: 2 1 6\naxis maxs: 4 2 6\ncenters: cell cell cell\n"),
+            geometry(&format!("{ends}centerings: cell cell cell\n")),
             cells
         );
-        assert_eq!(place("spacings: 4 2 6\naxis mins: 0 0 0\n"), nodes);
+        assert_eq!(
+            geometry("spacings: 2 1 6\naxis maxs: 4 2 6\ncenters: cell cell cell\n"),
+            cells
+        );
+        assert_eq!(geometry("spacings: 4 2 6\naxis mins: 0 0 0\n"), nodes);
         let grid = read(&file(&format!("{ends}centers: cell cell cell\n"))).unwrap();
         assert_eq!(grid.lattice().centring(), Centring::Cells);
         assert_eq!(grid.lattice().bounds().max, DVec3::new(4.0, 2.0, 6.0));

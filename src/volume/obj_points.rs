@@ -11,7 +11,7 @@ use thiserror::Error;
 
 /// A point of a cloud.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct CloudPoint {
     /// World position, finite.
     pub position: DVec3,
     /// Density it carries, finite and not negative; 1 where the file gives none.
@@ -20,11 +20,11 @@ pub struct Point {
 
 /// Why a file is no point cloud, and where. Shows as `line:column: fault`.
 #[derive(Clone, Debug, Error, PartialEq)]
-#[error("{}{fault}", shown(.place))]
+#[error("{}{fault}", shown(.position))]
 pub struct ObjError {
     /// Line and column of the culprit, both counted from 1, the column in bytes; `None` where
     /// the fault is the whole file's.
-    pub place: Option<(usize, usize)>,
+    pub position: Option<(usize, usize)>,
     /// What is wrong there.
     pub fault: ObjFault,
 }
@@ -85,7 +85,7 @@ pub enum ObjFault {
 /// `v x y z` has weight 1, `v x y z d` weight `d`, `v x y z r g b` weight 1: colours must be
 /// numbers but are not used. Every other keyword of the format is skipped; an unknown one is an
 /// error. At least one point is returned, and at least one weight is positive.
-pub fn read_obj_points(bytes: &[u8]) -> Result<Vec<Point>, ObjError> {
+pub fn read_obj_points(bytes: &[u8]) -> Result<Vec<CloudPoint>, ObjError> {
     if bytes.is_empty() {
         return Err(of_file(ObjFault::Empty));
     }
@@ -163,7 +163,7 @@ const SKIPPED: [&str; 38] = [
     "csh",
 ];
 
-fn point(keyword: &Word, numbers: &[Word]) -> Result<Point, ObjError> {
+fn point(keyword: &Word, numbers: &[Word]) -> Result<CloudPoint, ObjError> {
     let names: &[&'static str] = match numbers.len() {
         3 => &["x", "y", "z"],
         4 => &["x", "y", "z", "the density"],
@@ -179,16 +179,16 @@ fn point(keyword: &Word, numbers: &[Word]) -> Result<Point, ObjError> {
     if weight < 0.0 {
         return Err(numbers[3].fault(ObjFault::Negative(weight)));
     }
-    Ok(Point {
+    Ok(CloudPoint {
         position: DVec3::new(x, y, z),
         weight,
     })
 }
 
-/// A stretch of bytes without blanks, and where it stands.
+/// A segment of bytes without blanks, and where it stands.
 struct Word<'a> {
     bytes: &'a [u8],
-    place: (usize, usize),
+    position: (usize, usize),
 }
 
 impl Word<'_> {
@@ -204,7 +204,7 @@ impl Word<'_> {
 
     fn fault(&self, fault: ObjFault) -> ObjError {
         ObjError {
-            place: Some(self.place),
+            position: Some(self.position),
             fault,
         }
     }
@@ -285,7 +285,7 @@ fn push_words<'a>(code: &'a [u8], line: usize, words: &mut Vec<Word<'a>>) {
         if !bytes.is_empty() {
             words.push(Word {
                 bytes,
-                place: (line, start + 1),
+                position: (line, start + 1),
             });
         }
         start += bytes.len() + 1;
@@ -293,11 +293,14 @@ fn push_words<'a>(code: &'a [u8], line: usize, words: &mut Vec<Word<'a>>) {
 }
 
 fn of_file(fault: ObjFault) -> ObjError {
-    ObjError { place: None, fault }
+    ObjError {
+        position: None,
+        fault,
+    }
 }
 
-fn shown(place: &Option<(usize, usize)>) -> String {
-    match place {
+fn shown(position: &Option<(usize, usize)>) -> String {
+    match position {
         Some((line, column)) => format!("{line}:{column}: "),
         None => String::new(),
     }
@@ -321,7 +324,7 @@ mod tests {
 
     fn points(text: &str) -> Vec<([f64; 3], f64)> {
         let points = read_obj_points(text.as_bytes()).unwrap();
-        let pair = |point: &Point| (point.position.to_array(), point.weight);
+        let pair = |point: &CloudPoint| (point.position.to_array(), point.weight);
         points.iter().map(pair).collect()
     }
 
@@ -409,7 +412,7 @@ mod tests {
 
     #[test]
     fn unknown_keywords_name_their_line() {
-        for (text, place, shown) in [
+        for (text, position, shown) in [
             ("v 1 2 3\n\n  vertex 1 2 3", "3:3", "vertex"),
             ("V 1 2 3", "1:1", "V"),
             ("1 2 3", "1:1", "1"),
@@ -417,7 +420,7 @@ mod tests {
             assert_eq!(
                 message(text.as_bytes()),
                 format!(
-                    "{place}: \"{shown}\" is no keyword of the OBJ format: points begin with \
+                    "{position}: \"{shown}\" is no keyword of the OBJ format: points begin with \
                      `v`; remove the line or put `#` before it"
                 )
             );

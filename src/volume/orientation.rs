@@ -25,7 +25,7 @@ pub struct Axes {
     /// [`Lattice::MOST_NODES`].
     pub sizes: [usize; 3],
     /// From one sample to the next along each stored axis.
-    pub steps: Steps,
+    pub steps: AxisSteps,
     /// Position of the first sample, world units.
     pub first: DVec3,
     /// Whether the box of the file ends at the outermost samples or half a step beyond.
@@ -34,7 +34,7 @@ pub struct Axes {
 
 /// From one sample to the next along each stored axis, world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Steps {
+pub enum AxisSteps {
     /// The stored axes are x, y and z: the spacing along each.
     Upright(DVec3),
     /// The stored axes point anywhere: the step along each.
@@ -103,8 +103,8 @@ impl Axes {
             })
         };
         let steps = match self.steps {
-            Steps::Upright(spacing) => return as_stored(spacing),
-            Steps::Directed(steps) => steps,
+            AxisSteps::Upright(spacing) => return as_stored(spacing),
+            AxisSteps::Directed(steps) => steps,
         };
         let lengths = DVec3::from_array(steps.map(length_of));
         if orientation == Orientation::AsStored {
@@ -205,7 +205,7 @@ mod tests {
     fn axes(steps: [DVec3; 3]) -> Axes {
         Axes {
             sizes: [2, 3, 2],
-            steps: Steps::Directed(steps),
+            steps: AxisSteps::Directed(steps),
             first: DVec3::new(10.0, 20.0, 30.0),
             centring: Centring::Nodes,
         }
@@ -242,8 +242,8 @@ mod tests {
                 for (index, value) in values.into_iter().enumerate() {
                     let stored = value as usize;
                     let [i, j, k] = [stored % 2, stored / 2 % 3, stored / 6].map(|n| n as f64);
-                    let place = axes.first + steps[0] * i + steps[1] * j + steps[2] * k;
-                    assert_eq!(lattice.position(lattice.node(index)), place, "{steps:?}");
+                    let point = axes.first + steps[0] * i + steps[1] * j + steps[2] * k;
+                    assert_eq!(lattice.position(lattice.node(index)), point, "{steps:?}");
                 }
             }
         }

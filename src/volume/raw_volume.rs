@@ -14,8 +14,11 @@
 //!
 //! A wrong `endian` cannot be told from odd values.
 
-use super::orientation::{Axes, Steps};
+use super::error::VolumeError;
+use super::orientation::{Axes, AxisSteps};
+use super::reader::{Stored, VolumeReader};
 use super::samples::{check_sizes, read_grid};
+use super::source::VolumeSource;
 use super::{
     Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions, Orientation,
     SamplesError,
@@ -60,6 +63,49 @@ pub enum RawVolumeError {
         /// Bytes there are.
         bytes: u64,
     },
+}
+
+/// Longest description, in bytes: 1 MiB.
+const MOST_BYTES: u64 = 1 << 20;
+
+/// Reader of bare samples by their description.
+#[derive(Clone, Copy, Debug)]
+pub struct BareSamples;
+
+impl VolumeReader for BareSamples {
+    fn name(&self) -> &'static str {
+        "bare samples, described in TOML"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &[".toml"]
+    }
+
+    fn read(
+        &self,
+        source: &mut VolumeSource,
+        options: &LoadOptions,
+    ) -> Result<(Grid<f32>, Stored), VolumeError> {
+        if source.length() > MOST_BYTES {
+            return Err(source.fault(RawVolumeError::TooLong(source.length())));
+        }
+        let text = String::from_utf8(source.bytes(MOST_BYTES)?);
+        let text = text.map_err(|_| source.fault(RawVolumeError::NotText))?;
+        let volume = RawVolume::parse(&text).map_err(|error| fault(source, error))?;
+        let data = source.open_data(&volume.file, options)?;
+        let length = data.length();
+        let grid = volume.read_from(data, length, options);
+        let grid = grid.map_err(|error| fault(source, error))?;
+        Ok((grid, Stored::Samples(volume.layout)))
+    }
+}
+
+fn fault(source: &VolumeSource, error: RawVolumeError) -> VolumeError {
+    if matches!(error, RawVolumeError::Description { .. }) {
+        source.fault_in_line(error)
+    } else {
+        source.fault(error)
+    }
 }
 
 #[derive(Deserialize)]
@@ -147,7 +193,7 @@ impl RawVolume {
         };
         let axes = Axes {
             sizes,
-            steps: Steps::Upright(spacing),
+            steps: AxisSteps::Upright(spacing),
             first: DVec3::from_array(description.origin.unwrap_or_default()),
             centring: centring.unwrap_or_default(),
         };

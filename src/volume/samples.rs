@@ -506,7 +506,7 @@ impl<'l> Samples<'l> {
     }
 }
 
-/// Reads until `bytes` are full or the source ends; tells how many were read.
+/// Reads until `bytes` are full or the source ends. The number of bytes read.
 pub(super) fn fill(source: &mut impl Read, bytes: &mut [u8]) -> io::Result<usize> {
     let mut filled = 0;
     while filled < bytes.len() {
@@ -530,7 +530,7 @@ pub(super) fn check_sizes(sizes: [u64; 3]) -> Result<[usize; 3], LatticeError> {
 #[cfg(test)]
 mod tests {
     use super::super::Centring;
-    use super::super::orientation::Steps;
+    use super::super::orientation::AxisSteps;
     use super::*;
     use glam::DVec3;
     use std::io::Write;
@@ -539,7 +539,7 @@ mod tests {
         Layout {
             axes: Axes {
                 sizes,
-                steps: Steps::Upright(DVec3::ONE),
+                steps: AxisSteps::Upright(DVec3::ONE),
                 first: DVec3::ZERO,
                 centring: Centring::Nodes,
             },

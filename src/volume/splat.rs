@@ -1,6 +1,6 @@
 //! A point cloud made a grid: every point shares its weight among the nodes around it.
 
-use super::{Grid, Lattice, LatticeError, Point};
+use super::{CloudPoint, Grid, Lattice, LatticeError};
 use glam::DVec3;
 use thiserror::Error;
 
@@ -82,7 +82,7 @@ pub enum SplatError {
 
 /// The density grid of a cloud: [`splat_weights`], divided by the largest of them, so that the
 /// densest node is exactly 1.
-pub fn splat(points: &[Point], splatting: Splatting) -> Result<Grid<f32>, SplatError> {
+pub fn splat(points: &[CloudPoint], splatting: Splatting) -> Result<Grid<f32>, SplatError> {
     let weights = splat_weights(points, splatting)?;
     let (_, largest) = weights.range();
     if largest == 0.0 {
@@ -102,9 +102,9 @@ pub fn splat(points: &[Point], splatting: Splatting) -> Result<Grid<f32>, SplatE
 /// the order of the points. Their total is that of the points, but for rounding: at most
 /// `n + 6` roundings of it for `n` points (three of `1 − t` and three products in a share, and
 /// the additions).
-pub fn splat_weights(points: &[Point], splatting: Splatting) -> Result<Grid<f64>, SplatError> {
+pub fn splat_weights(points: &[CloudPoint], splatting: Splatting) -> Result<Grid<f64>, SplatError> {
     check(points)?;
-    let frame = Frame::new(points, splatting)?;
+    let frame = SplatFrame::new(points, splatting)?;
     let lattice = frame.lattice()?;
     let count = lattice.node_count();
     let mut weights: Vec<f64> = Vec::new();
@@ -137,7 +137,7 @@ pub fn splat_weights(points: &[Point], splatting: Splatting) -> Result<Grid<f64>
     Ok(Grid::new(lattice, weights).expect("one weight per node"))
 }
 
-fn check(points: &[Point]) -> Result<(), SplatError> {
+fn check(points: &[CloudPoint]) -> Result<(), SplatError> {
     let wrong = points.iter().position(|point| {
         !(point.position.is_finite() && point.weight.is_finite() && point.weight >= 0.0)
     });
@@ -170,7 +170,7 @@ fn one_point_per_voxel(extent: DVec3, points: usize) -> usize {
 }
 
 /// Where a cloud's nodes lie.
-struct Frame {
+struct SplatFrame {
     /// Corners of the cloud.
     min: DVec3,
     max: DVec3,
@@ -182,8 +182,8 @@ struct Frame {
     tolerance: f64,
 }
 
-impl Frame {
-    fn new(points: &[Point], splatting: Splatting) -> Result<Frame, SplatError> {
+impl SplatFrame {
+    fn new(points: &[CloudPoint], splatting: Splatting) -> Result<SplatFrame, SplatError> {
         let Splatting {
             resolution,
             padding,
@@ -220,7 +220,7 @@ impl Frame {
         if !spacing.is_normal() || tolerance >= 0.5 {
             return Err(SplatError::TooFine { spacing, largest });
         }
-        Ok(Frame {
+        Ok(SplatFrame {
             min,
             max,
             spacing,
@@ -282,14 +282,14 @@ fn tolerance(largest: f64, spacing: f64, intervals: usize) -> f64 {
 mod tests {
     use super::*;
 
-    fn point(x: f64, y: f64, z: f64) -> Point {
-        Point {
+    fn point(x: f64, y: f64, z: f64) -> CloudPoint {
+        CloudPoint {
             position: DVec3::new(x, y, z),
             weight: 1.0,
         }
     }
 
-    fn error(points: &[Point], resolution: usize, padding: usize) -> String {
+    fn error(points: &[CloudPoint], resolution: usize, padding: usize) -> String {
         let splatting = Splatting {
             resolution: Some(resolution),
             padding,
@@ -297,7 +297,7 @@ mod tests {
         splat(points, splatting).unwrap_err().to_string()
     }
 
-    fn weights(points: &[Point], resolution: usize, padding: usize) -> Grid<f64> {
+    fn weights(points: &[CloudPoint], resolution: usize, padding: usize) -> Grid<f64> {
         let splatting = Splatting {
             resolution: Some(resolution),
             padding,
@@ -459,7 +459,7 @@ mod tests {
 
     #[test]
     fn impossible_points_and_weights() {
-        let weighing = |weight| Point {
+        let weighing = |weight| CloudPoint {
             weight,
             ..point(1.0, 0.0, 0.0)
         };

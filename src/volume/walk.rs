@@ -27,7 +27,7 @@ pub struct Walk {
     rest: Span,
 }
 
-/// A cell, and the stretch of the line in it.
+/// A cell, and the segment of the line in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Visit {
     /// The cell (i, j, k).

@@ -163,7 +163,7 @@ fn of_paths(scene: &Radiative) -> Bounds {
     let integrals = 5.0 * 16.0 * (8.0 * media + 1.0) * 30_000.0 * RAYS;
     let connections = rays * (4.0 * lights + lamps) + integrals * lights;
     let lines = rays * (2.0 + 2.0 * lights) + 2.0 * connections;
-    // Tentative collisions on a line are Poisson distributed around its depth, to which glowing
+    // Tentative collisions on a line are Poisson distributed around its depth, to which emission
     // stretches add 4 each: more than twice as many and 200 have a probability below 1e-80.
     let collisions = 2.0 * (deepest(scene) + 4.0 * (8.0 * media + 1.0)) + 200.0;
     // A walk through a density passes as many blocks as it has along all axes together, and a

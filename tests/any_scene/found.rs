@@ -209,7 +209,7 @@ fn scattering_that_all_but_vanishes() {
 /// Over a stretch of 5e-324 tentative collisions came infinitely often, and none of them any
 /// farther than the one before: the last of them never came.
 #[test]
-fn a_glow_that_is_next_to_nothing_long() {
+fn an_emission_that_is_next_to_nothing_long() {
     let flat = "[[radiative.medium]]\n\
                 box = { min = [-1, -1, -5e-324], max = [1, 1, 1] }\n\
                 noise = {}\n\

@@ -101,7 +101,7 @@ fn wrong_types() {
     scene.toml:9:14: `background` takes three numbers, got 2 help: `classified.background`: Linear radiance behind the volume.
     scene.toml:9:14: `background` takes a colour: three numbers red, green, blue, such as [1, 0.5, 0], or one for all three, got string help: `classified.background`: Linear radiance behind the volume.
     scene.toml:9:16: `vertical_fov` takes a number, got string help: `camera.vertical_fov`: Full angle between the top and bottom edge of the image, degrees.
-    scene.toml:11:8: `file` takes text in quotes, got integer help: `classified.volume.file`: Point cloud (.obj) or grid (.bin, .vol, .nrrd, .nhdr, .nii, .nii.gz, or .toml that describes bare samples), relative to the folder of the scene.
+    scene.toml:11:8: `file` takes text in quotes, got integer help: `classified.volume.file`: Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.
     scene.toml:1:9: `panel` takes tables in double brackets, [[panel]]
     scene.toml:1:9: `panel` takes tables in double brackets, [[panel]]
     scene.toml:1:10: `panel` takes tables in double brackets, [[panel]]
@@ -210,7 +210,7 @@ fn missing_and_contradictory() {
         said.push_str(&after(old, new));
     }
     assert_shown!(said, @r#"
-    scene.toml:10:1: missing key `file` in [classified.volume] help: `classified.volume.file`: Point cloud (.obj) or grid (.bin, .vol, .nrrd, .nhdr, .nii, .nii.gz, or .toml that describes bare samples), relative to the folder of the scene.
+    scene.toml:10:1: missing key `file` in [classified.volume] help: `classified.volume.file`: Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.
     scene.toml:8:1: missing table [classified.volume] help: `classified.volume`: The densities.
     scene.toml:9:1: missing key `reference_step` in [classified.shadow] help: `classified.shadow.reference_step`: Length that counts as one unit of S, or over which the opacities of points hold, world units or voxels; smaller means darker.
     scene.toml:9:1: the file has more than one model: [classified], [curve] help: keep exactly one of [classified], [curve]

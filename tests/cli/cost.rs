@@ -102,7 +102,7 @@ fn tables_and_a_page() {
 }
 
 #[test]
-fn a_scene_without_a_knob() {
+fn a_scene_without_a_parameter() {
     let folder = folder();
     folder.write(
         "fog.toml",
@@ -114,7 +114,7 @@ fn a_scene_without_a_knob() {
     assert_shown!(run.shown(), @r"
     exit code 2
     --- stderr
-      × fog.toml: this scene has no knob to turn: nothing in it is marched, tracked or sampled, every pixel is a closed form
+      × fog.toml: this scene has no parameter to vary: nothing in it is marched, tracked or sampled, every pixel is a closed form
       help: cost compares settings: give a scene that is marched, tracked or sampled, such as figures/figure-3 or procedural/threshold-1.25
     ");
     assert!(!folder.files().keys().any(|name| name.starts_with("out/")));

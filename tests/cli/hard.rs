@@ -82,7 +82,7 @@ fn rows_go_with_the_family_and_are_chosen_like_cases() {
     let rows = listed["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 2);
     assert_eq!(rows[0]["name"], "hard/S7");
-    assert_eq!(rows[0]["place"], "src/render/radiative/segments.rs");
+    assert_eq!(rows[0]["file"], "src/render/radiative/segments.rs");
 }
 
 #[test]

@@ -166,7 +166,7 @@ fn help() {
       compare   Compare one pair of images
       render    Render a scene to an image
       plan      Show what a scene calls for: effects with reasons, the kernel, filled-in defaults
-      cost      Show what accuracy costs in a scene: error against look-ups and time, knob by knob
+      cost      Show what accuracy costs in a scene: error against look-ups and time, by parameter
       export    Write a scene for another renderer
       accept    Render cases and make the results their goldens; look at the pictures before and after
       selftest  Make every known mistake and see that the suite catches it, and nothing that is right

@@ -5,9 +5,9 @@ use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 
 /// A process that ends with the test.
-struct Ended(Child);
+struct EndedRun(Child);
 
-impl Drop for Ended {
+impl Drop for EndedRun {
     fn drop(&mut self) {
         let _ = self.0.kill();
         let _ = self.0.wait();
@@ -17,7 +17,7 @@ impl Drop for Ended {
 /// Runs a command until it has said all the `parts`, in this order, each on a line of its own; then
 /// ends it. Fails where it ends before.
 fn said(mut command: Command, parts: &[&str]) -> String {
-    let mut child = Ended(
+    let mut child = EndedRun(
         command
             .stdout(Stdio::null())
             .stderr(Stdio::piped())

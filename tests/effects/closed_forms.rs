@@ -116,14 +116,14 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// A ray that crosses `n` planes crosses `n + 1` cells, and looks twice into each, once for the
-    /// nearest node: twice that, if the medium glows too.
+    /// nearest node: twice that, if the medium emits too.
     #[test]
     fn an_absorbing_grid_takes_two_looks_a_cell(
         lattice in lattice(),
         eye in prop::array::uniform3(-1.3..1.3_f64),
         target in prop::array::uniform3(0.05..0.95_f64),
         nearest in any::<bool>(),
-        glows in any::<bool>(),
+        emits in any::<bool>(),
     ) {
         let bounds = lattice.bounds();
         let camera = camera(bounds, eye, target);
@@ -138,12 +138,12 @@ proptest! {
                 2,
             ),
         };
-        let emission = if glows { 0.5 } else { 0.0 };
+        let emission = if emits { 0.5 } else { 0.0 };
         let scene = grid_scene(uneven(lattice), interpolation, (0.3, 0.0, emission), camera);
         let plan = plan(&scene);
         let (_, work) = rendered(&plan);
         let [planes, rays] = planes_crossed(&camera, bounds, first, spacing, cells);
-        let times = if glows { 2 } else { 1 };
+        let times = if emits { 2 } else { 1 };
         prop_assert_eq!(work[Event::DensityLookup], times * looks * (planes + rays));
         let expected = plan.predicted_work(Sampling::default());
         let told = expected.of(Event::DensityLookup).unwrap();
@@ -151,7 +151,7 @@ proptest! {
         prop_assert_eq!(work, Counters::from([
             (Event::DensityLookup, work[Event::DensityLookup]),
             (Event::Attenuation, work[Event::Attenuation]),
-            (Event::EmissionTerm, if glows { rays } else { 0 }),
+            (Event::EmissionTerm, if emits { rays } else { 0 }),
         ]));
     }
 

@@ -172,7 +172,7 @@ fn absorption_and_emission_in_closed_form() {
     });
 }
 
-/// From the closed form of an even medium to that of a density that differs from place to place:
+/// From the closed form of a homogeneous medium to that of a density that differs from place to place:
 /// the depth changes by less than L²·c times the extinction.
 #[test]
 fn heterogeneity_in_closed_form() {
@@ -276,7 +276,7 @@ fn where_paths_come_in() {
     fades_in_on_average("sigma_s in an absorber", |c| {
         ball(&format!("sigma_a = 1\nsigma_s = {c:e}"))
     });
-    fades_in_on_average("sigma_s in an absorber that glows", |c| {
+    fades_in_on_average("sigma_s in an absorber that emits", |c| {
         ball(&format!("sigma_a = 1\nemission = 0.5\nsigma_s = {c:e}"))
     });
     fades_in_on_average("gradient of the density of fog", |c| {

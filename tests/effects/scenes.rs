@@ -65,7 +65,7 @@ pub struct Radiative {
 /// Where light comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Light {
-    /// From nowhere, if nothing glows.
+    /// From nowhere, if nothing emits.
     None,
     /// From nowhere either: lights of strength 0, one of them a surface.
     Dark,
@@ -109,7 +109,7 @@ impl Density {
     ];
 }
 
-/// How often light may be turned.
+/// How often light may be scattered.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Turns {
     Never,

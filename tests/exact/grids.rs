@@ -6,12 +6,12 @@ use volref::geometry::Span;
 use volref::volume::{GridDensity, Interpolation};
 
 /// A line in node units, by world distances.
-struct Line {
+struct ExactLine {
     origin: [Big; 3],
     direction: [Big; 3],
 }
 
-impl Line {
+impl ExactLine {
     fn at(&self, t: &Big) -> [Big; 3] {
         std::array::from_fn(|axis| &self.origin[axis] + &self.direction[axis] * t)
     }
@@ -22,7 +22,7 @@ impl Line {
 pub fn integral(density: &GridDensity, origin: DVec3, direction: DVec3, span: Span) -> Big {
     let lattice = density.grid().lattice();
     let spacing = lattice.spacing().to_array().map(big);
-    let line = Line {
+    let line = ExactLine {
         origin: std::array::from_fn(|axis| {
             (big(origin[axis]) - big(lattice.first()[axis])) / &spacing[axis]
         }),

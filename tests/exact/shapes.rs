@@ -41,7 +41,7 @@ pub fn line_in_box(shape: &Aabb, ray: &Ray) -> Option<[Big; 2]> {
 pub const FACE: f64 = 2.0 * U * SECOND_ORDER;
 
 /// The chord that a line cuts from a sphere, by distances along the ray.
-pub struct Chord {
+pub struct ExactChord {
     pub near: Big,
     pub far: Big,
     /// Half its length.
@@ -72,7 +72,7 @@ pub struct Chord {
 ///   is relative, 6.5; the divisor moves by what `a` and `h` do and rounds once, the quotient too.
 ///   Since `|t| = |a − h| ≤ a + h`, that is `3.5D(D + r)/(a + h) + 8.5|t| + 7.5D` beside the error
 ///   of `h`.
-pub fn chord(sphere: &Sphere, ray: &Ray) -> Option<Chord> {
+pub fn chord(sphere: &Sphere, ray: &Ray) -> Option<ExactChord> {
     let c: [Big; 3] =
         std::array::from_fn(|axis| big(sphere.centre()[axis]) - big(ray.origin[axis]));
     let d = ray.direction.to_array().map(big);
@@ -97,7 +97,7 @@ pub fn chord(sphere: &Sphere, ray: &Ray) -> Option<Chord> {
     let of_half = 34.0 / 1.75 * m * distance / h + 2.5 * h;
     let of_product = 3.5 * distance * (distance + sphere.radius()) / (a.abs() + h);
     let error = U * SECOND_ORDER * (7.5 * distance + 8.5 * t + of_half + of_product);
-    Some(Chord {
+    Some(ExactChord {
         near,
         far,
         half: h,

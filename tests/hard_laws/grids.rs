@@ -44,13 +44,13 @@ fn any_field() -> impl Strategy<Value = GridDensity> {
 }
 
 /// Coordinates along one axis in shares of the box, and whether to take the next node instead.
-type Place = [(f64, bool); 3];
+type GridPoint = [(f64, bool); 3];
 
-fn places(shares: std::ops::Range<f64>) -> impl Strategy<Value = Place> {
+fn places(shares: std::ops::Range<f64>) -> impl Strategy<Value = GridPoint> {
     prop::array::uniform3((shares, any::<bool>()))
 }
 
-fn point(density: &GridDensity, place: Place) -> DVec3 {
+fn point(density: &GridDensity, place: GridPoint) -> DVec3 {
     let (lattice, bounds) = (density.grid().lattice(), density.bounds());
     let at = |axis: usize| {
         let (share, snapped) = place[axis];
@@ -69,18 +69,18 @@ fn point(density: &GridDensity, place: Place) -> DVec3 {
 
 /// A ray through a field, from outside or inside, often along axes and in planes of nodes.
 #[derive(Clone, Debug)]
-struct Case {
+struct GridCase {
     density: GridDensity,
     ray: Ray,
     span: Span,
 }
 
-fn through(density: GridDensity, ray: Ray) -> Option<Case> {
+fn through(density: GridDensity, ray: Ray) -> Option<GridCase> {
     let span = density.bounds().span(&ray)?;
-    (span.length() > 0.0).then_some(Case { density, ray, span })
+    (span.length() > 0.0).then_some(GridCase { density, ray, span })
 }
 
-fn case() -> impl Strategy<Value = Case> {
+fn case() -> impl Strategy<Value = GridCase> {
     rays_through(any_field(), |point| point)
 }
 
@@ -88,7 +88,7 @@ fn case() -> impl Strategy<Value = Case> {
 fn rays_through(
     fields: impl Strategy<Value = GridDensity>,
     snap: fn(DVec3) -> DVec3,
-) -> impl Strategy<Value = Case> {
+) -> impl Strategy<Value = GridCase> {
     let parallel = prop::array::uniform3(prop::bool::weighted(0.25));
     (fields, places(-1.0..2.0), places(0.0..1.0), parallel).prop_filter_map(
         "a ray through the grid",
@@ -103,13 +103,13 @@ fn rays_through(
 }
 
 /// The same where the ray and the first node have coordinates that are multiples of 1/256.
-fn dyadic_case() -> impl Strategy<Value = Case> {
+fn dyadic_case() -> impl Strategy<Value = GridCase> {
     let lattice = (nodes(), vector(octaves(-4.0, 2.0)), vector(dyadic()))
         .prop_map(|(nodes, spacing, first)| Lattice::new(nodes, spacing, first).unwrap());
     rays_through(field(lattice), |point| (point * 256.0).round() / 256.0)
 }
 
-impl Case {
+impl GridCase {
     fn integral(&self) -> f64 {
         self.integral_over(self.span)
     }
@@ -129,13 +129,13 @@ impl Case {
     }
 
     /// The same values on another lattice, along a stretch of another ray.
-    fn elsewhere(&self, spacing: DVec3, first: DVec3, ray: Ray, span: Span) -> Case {
+    fn elsewhere(&self, spacing: DVec3, first: DVec3, ray: Ray, span: Span) -> GridCase {
         let old = self.density.grid();
         let lattice = Lattice::new(old.lattice().nodes(), spacing, first).unwrap();
         let lattice = lattice.with_centring(old.lattice().centring()).unwrap();
         let grid = Arc::new(Grid::new(lattice, old.values().to_vec()).unwrap());
         let density = GridDensity::new(grid, self.density.interpolation());
-        Case { density, ray, span }
+        GridCase { density, ray, span }
     }
 }
 
@@ -175,7 +175,7 @@ proptest! {
     /// No piece of the ray is lost, none walked twice, and there are few.
     #[test]
     fn g12_pieces_follow_each_other_through_the_span(case in case()) {
-        let Case { density, ray, span } = case;
+        let GridCase { density, ray, span } = case;
         let [nx, ny, nz] = density.grid().lattice().nodes();
         let (mut at, mut count) = (span.near, 0);
         for piece in density.smooth_stretches(ray.origin, ray.direction, span) {
@@ -238,7 +238,7 @@ proptest! {
 
     #[test]
     fn d2_d5_integrals_are_those_of_many_digits(case in case()) {
-        let Case { density, ray, span } = &case;
+        let GridCase { density, ray, span } = &case;
         let exact = integral(density, ray.origin, ray.direction, *span);
         let (found, bound) = (case.integral(), case.error());
         prop_assert!(apart(found, &exact) <= bound, "{found:e} {bound:e}");
@@ -300,7 +300,7 @@ proptest! {
             old.values()[from.index(original)]
         };
         let values = (0..lattice.node_count()).map(value).collect();
-        let turned = Case {
+        let turned = GridCase {
             density: GridDensity::new(
                 Arc::new(Grid::new(lattice, values).unwrap()), case.density.interpolation(),
             ),
@@ -323,8 +323,8 @@ proptest! {
     /// a product and a sum, which moves the line beside itself, and its end by that of a difference.
     #[test]
     fn the_way_back_is_as_deep(case in case()) {
-        let Case { density, ray, span } = &case;
-        let back = Case {
+        let GridCase { density, ray, span } = &case;
+        let back = GridCase {
             density: density.clone(),
             ray: Ray { origin: ray.at(span.far), direction: -ray.direction },
             span: Span { near: 0.0, far: span.length() },

@@ -217,7 +217,7 @@ fn constant_emission() {
             march::<FrontToBack>(&entry, |_| sigma),
             march::<BackToFront>(&entry, |_| sigma),
         ] {
-            // A classified sample sends out d² = σ per opacity; this one is to send out j/σ.
+            // A classified sample emits d² = σ per opacity; this one is to emit j/σ.
             let radiance = layers.colour.x * (emission / (sigma * sigma));
             let bound = (17.0 + 5.0 * input(&entry, "steps") + 1.0) * U;
             for name in ["L_exact", "L_per_step_analytic"] {

@@ -3,7 +3,7 @@
 use crate::cost_samples::{costs, extremes, machine, small};
 use crate::samples::HOSTILE;
 use roxmltree::{Document, Node};
-use volref::cost::results::{Cost, Event, Knob, Recommendation};
+use volref::cost::results::{Cost, Event, Parameter, Recommendation};
 use volref::report::{CostPage, cost_csv, cost_html, cost_json, cost_text, work_precision_svg};
 
 pub fn page(costs: &[Cost]) -> String {
@@ -70,7 +70,7 @@ fn text_says_what_to_take_then_what_it_costs_then_how_errors_fall() {
       1e-3 is not reached, as far as tried, by left
 
     transmittance: orders of error
-      estimator  turned  expected     ±  fitted  of max  verdict
+      estimator  varied  expected     ±  fitted  of max  verdict
       midpoint   step           2  0.10    2.00    1.97  ✓ as expected
       left       step           1  0.10    0.41    0.97  ✗ not as expected
 
@@ -101,9 +101,9 @@ fn text_says_what_to_take_then_what_it_costs_then_how_errors_fall() {
 fn csv_has_a_file_for_each_table() {
     let files = cost_csv(&[small()]);
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-    assert_eq!(names, ["ladders.csv", "orders.csv", "prices.csv"]);
+    assert_eq!(names, ["sweeps.csv", "orders.csv", "prices.csv"]);
     insta::assert_snapshot!(files[0].1, @"
-    scene,panel,study,estimator,is_ours,knob,setting,value,density_lookups,gradient_lookups,cells_walked,shadow_rays,phase_evaluations,null_collisions,surface_tests,random_draws,l1,l2,max,l2_uncertainty,judged_l1,judged_l2,judged_max,local_order,f32_off_l1,f32_off_l2,f32_off_max,reference_bound,runs,median_seconds,min_seconds,max_seconds,deviation_seconds,outliers,is_noisy
+    scene,panel,study,estimator,is_ours,parameter,setting,value,density_lookups,gradient_lookups,cells_walked,shadow_rays,phase_evaluations,null_collisions,surface_tests,random_draws,l1,l2,max,l2_uncertainty,judged_l1,judged_l2,judged_max,local_order,f32_off_l1,f32_off_l2,f32_off_max,reference_bound,runs,median_seconds,min_seconds,max_seconds,deviation_seconds,outliers,is_noisy
     fog,left half,transmittance,midpoint,true,step,1 voxels,0.02,9.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.04375,0.0625,0.2625,0.02,,,,,,,,1e-12,10,1.40625e-7,1.125e-7,1.8e-7,1.40625e-8,1,true
     fog,left half,transmittance,midpoint,true,step,0.5 voxels,0.01,17.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0109375,0.015625,0.065625,0.02,,,,2.0,,,,1e-12,10,2.65625e-7,2.125e-7,3.4e-7,2.65625e-8,1,false
     fog,left half,transmittance,midpoint,true,step,0.25 voxels,0.005,33.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.002734375,0.00390625,0.01640625,0.02,,,,2.0,,,,1e-12,10,5.15625e-7,4.125e-7,6.6e-7,5.15625e-8,1,false
@@ -114,12 +114,12 @@ fn csv_has_a_file_for_each_table() {
     fog,left half,transmittance,left,false,step,0.125 voxels,0.0025,65.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.00546875,0.03,0.0328125,0.02,,,,-0.94,,,,1e-12,10,1.015625e-6,8.125e-7,1.3e-6,1.015625e-7,1,false
     ");
     insta::assert_snapshot!(files[1].1, @"
-    scene,panel,study,of,knob,expected,tolerance,fitted,fitted_max,verdict,cut
+    scene,panel,study,of,parameter,expected,tolerance,fitted,fitted_max,verdict,cut
     fog,left half,transmittance,midpoint,step,2.0,0.1,2.0,1.97,as-expected,
     fog,left half,transmittance,left,step,1.0,0.1,0.41,0.97,otherwise,
     ");
     insta::assert_snapshot!(files[2].1, @"
-    scene,panel,study,error,estimator,knob,setting,lookups,times_cheapest,seconds
+    scene,panel,study,error,estimator,parameter,setting,lookups,times_cheapest,seconds
     fog,left half,transmittance,0.01,midpoint,step,0.25 voxels,33.0,1.0,5.15625e-7
     fog,left half,transmittance,0.01,left,step,,,,
     fog,left half,transmittance,0.001,midpoint,step,0.125 voxels,65.0,1.0,1.015625e-6
@@ -157,8 +157,8 @@ fn json_has_a_schema() {
     assert_eq!(value["schema"], "volref/cost/1");
     assert_eq!(value["machine"]["threads"], 1);
     let study = &value["costs"][0]["studies"][0];
-    assert_eq!(study["ladders"][1]["knob"], "shadow-step");
-    assert_eq!(study["ladders"][4]["order"]["verdict"], "otherwise");
+    assert_eq!(study["sweeps"][1]["parameter"], "shadow-step");
+    assert_eq!(study["sweeps"][4]["order"]["verdict"], "otherwise");
 }
 
 #[test]
@@ -209,9 +209,9 @@ fn every_study_has_its_plots() {
     ) {
         let document = Document::parse(drawing).unwrap();
         let texts = texts(&document);
-        for ladder in &study.ladders {
-            let told = |text: &&&str| text.contains(&ladder.estimator);
-            assert!(texts.iter().filter(told).count() > 2 * ladder.rungs.len());
+        for sweep in &study.sweeps {
+            let told = |text: &&&str| text.contains(&sweep.estimator);
+            assert!(texts.iter().filter(told).count() > 2 * sweep.levels.len());
         }
         for axis in [
             "look-ups a ray",
@@ -244,12 +244,8 @@ fn failures_are_shown() {
 fn what_is_counted_is_named() {
     let mut cost = small();
     let study = &mut cost.studies[0];
-    for rung in study
-        .ladders
-        .iter_mut()
-        .flat_map(|ladder| &mut ladder.rungs)
-    {
-        rung.work[Event::RandomDraw] = std::mem::take(&mut rung.work[Event::DensityLookup]);
+    for level in study.sweeps.iter_mut().flat_map(|sweep| &mut sweep.levels) {
+        level.work[Event::RandomDraw] = std::mem::take(&mut level.work[Event::DensityLookup]);
     }
     let svg = work_precision_svg(study);
     assert!(svg.contains("random numbers a ray") && !svg.contains("look-ups"));
@@ -260,7 +256,7 @@ fn what_is_counted_is_named() {
         "{text}"
     );
     assert!(!text.contains("look-ups"), "{text}");
-    cost.studies[0].ladders[0].rungs[0].work[Event::DensityLookup] = 1.0;
+    cost.studies[0].sweeps[0].levels[0].work[Event::DensityLookup] = 1.0;
     let svg = work_precision_svg(&cost.studies[0]);
     assert!(svg.contains("look-ups or random numbers a ray"));
 }
@@ -336,11 +332,11 @@ fn names_are_escaped() {
             ray.ray = text();
             ray.setting = text();
         }
-        for ladder in &mut study.ladders {
-            ladder.estimator = text();
-            ladder.cut = Some(text());
-            for rung in &mut ladder.rungs {
-                rung.setting = text();
+        for sweep in &mut study.sweeps {
+            sweep.estimator = text();
+            sweep.cut = Some(text());
+            for level in &mut sweep.levels {
+                level.setting = text();
             }
         }
     }
@@ -399,7 +395,7 @@ fn the_picture_stands_alone() {
             .contains("sans-serif")
     );
     assert!(!svg.contains("var("));
-    // Inks that were drawn as numbers would end like this.
+    // Strokes that were drawn as numbers would end like this.
     assert!(!svg.contains("A5\""));
     assert!(svg.contains("<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>"));
 }
@@ -409,11 +405,16 @@ fn the_picture_stands_alone() {
 fn without_times_there_is_one_panel() {
     let mut study = costs().swap_remove(0).studies.swap_remove(1);
     assert!(work_precision_svg(&study).contains("wall time"));
-    for ladder in &mut study.ladders {
-        for rung in &mut ladder.rungs {
-            rung.time = None;
+    for sweep in &mut study.sweeps {
+        for level in &mut sweep.levels {
+            level.time = None;
         }
     }
     assert!(!work_precision_svg(&study).contains("wall time"));
-    assert!(study.ladders.iter().any(|ladder| ladder.knob == Knob::None));
+    assert!(
+        study
+            .sweeps
+            .iter()
+            .any(|sweep| sweep.parameter == Parameter::None)
+    );
 }

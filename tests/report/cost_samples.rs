@@ -36,7 +36,7 @@ fn verdict(expected: Option<f64>, fitted: Option<f64>) -> OrderVerdict {
 }
 
 /// The order of errors at values, as far as a sample needs it.
-pub fn order(expected: Option<f64>, points: &[(f64, f64)], bound: f64) -> Order {
+pub fn order(expected: Option<f64>, points: &[(f64, f64)], bound: f64) -> ConvergenceOrder {
     let local: Vec<Option<f64>> = points
         .windows(2)
         .map(|two| {
@@ -52,7 +52,7 @@ pub fn order(expected: Option<f64>, points: &[(f64, f64)], bound: f64) -> Order 
         }
         _ => None,
     };
-    Order {
+    ConvergenceOrder {
         expected,
         known: 100.0 * bound,
         counted: points.iter().map(|point| counts(point.1)).collect(),
@@ -65,26 +65,26 @@ pub fn order(expected: Option<f64>, points: &[(f64, f64)], bound: f64) -> Order 
     }
 }
 
-/// A ladder of halved steps from `first` on: errors `scale` h^`power`, plus rounding; look-ups
+/// A sweep of halved steps from `first` on: errors `scale` h^`power`, plus rounding; look-ups
 /// `per_length` / h.
 pub struct Marching {
     pub estimator: &'static str,
-    pub knob: Knob,
+    pub parameter: Parameter,
     pub power: f64,
     pub expected: Option<f64>,
     pub scale: f64,
     pub lookups: f64,
-    pub rungs: i32,
+    pub levels: i32,
     pub bound: f64,
     /// By how much errors scatter about the power, relative.
     pub scatter: f64,
 }
 
 impl Marching {
-    pub fn ladder(&self) -> Ladder {
+    pub fn sweep(&self) -> Sweep {
         let seed = self.estimator.len();
         let mut points = Vec::new();
-        let rungs: Vec<Rung> = (0..self.rungs)
+        let levels: Vec<Level> = (0..self.levels)
             .map(|at| {
                 let step = math::pow(2.0, f64::from(-at));
                 let wobbled = 1.0 + self.scatter * wobble(seed + at as usize);
@@ -99,7 +99,7 @@ impl Marching {
                     max: 4.2 * l2,
                     uncertainty: 0.02,
                 };
-                Rung {
+                Level {
                     setting: format!("{step} voxels"),
                     value: 0.02 * step,
                     work: MeanWork::from([(Event::DensityLookup, lookups)]),
@@ -113,11 +113,11 @@ impl Marching {
                 }
             })
             .collect();
-        Ladder {
+        Sweep {
             estimator: self.estimator.to_owned(),
             is_ours: self.estimator == "midpoint",
-            knob: self.knob,
-            rungs,
+            parameter: self.parameter,
+            levels,
             order: order(self.expected, &points, self.bound),
             cut: None,
         }
@@ -125,16 +125,16 @@ impl Marching {
 }
 
 /// Doubled numbers of samples: errors `deviation` / √N.
-fn sampling(estimator: &str, deviation: f64, lookups: f64, power: f64, looks: bool) -> Ladder {
+fn sampling(estimator: &str, deviation: f64, lookups: f64, power: f64, looks: bool) -> Sweep {
     let mut points = Vec::new();
     let seed = estimator.len();
-    let rungs: Vec<Rung> = (0..8)
+    let levels: Vec<Level> = (0..8)
         .map(|at| {
             let samples = math::pow(4.0, f64::from(at));
             let l2 =
                 deviation * math::pow(samples, power) * (1.0 + 0.04 * wobble(seed + at as usize));
             points.push((samples, l2));
-            Rung {
+            Level {
                 setting: format!("{samples} {}", if at == 0 { "sample" } else { "samples" }),
                 value: samples,
                 work: MeanWork::from([
@@ -159,30 +159,30 @@ fn sampling(estimator: &str, deviation: f64, lookups: f64, power: f64, looks: bo
             }
         })
         .collect();
-    Ladder {
+    Sweep {
         estimator: estimator.to_owned(),
         is_ours: false,
-        knob: Knob::Samples,
-        rungs,
+        parameter: Parameter::Samples,
+        levels,
         order: order(Some(-0.5), &points, 1e-14),
         cut: (estimator == "ratio tracking")
             .then(|| "65536 samples would take 3 minutes".to_owned()),
     }
 }
 
-/// The cheapest rungs for errors 1e-2, 1e-3, 1e-4 and 1e-6.
-fn prices(ladders: &[Ladder]) -> Vec<Price> {
+/// The cheapest levels for errors 1e-2, 1e-3, 1e-4 and 1e-6.
+fn prices(sweeps: &[Sweep]) -> Vec<Price> {
     let price = |error: f64| {
-        let mut offers: Vec<Offer> = ladders
+        let mut offers: Vec<Offer> = sweeps
             .iter()
-            .map(|ladder| {
-                let rung = ladder.rungs.iter().find(|rung| rung.error.l2 <= error);
+            .map(|sweep| {
+                let level = sweep.levels.iter().find(|level| level.error.l2 <= error);
                 Offer {
-                    estimator: ladder.estimator.clone(),
-                    knob: ladder.knob,
-                    setting: rung.map(|rung| rung.setting.clone()),
-                    lookups: rung.map(|rung| rung.work.price()),
-                    seconds: rung.and_then(|rung| Some(rung.time?.median)),
+                    estimator: sweep.estimator.clone(),
+                    parameter: sweep.parameter,
+                    setting: level.map(|level| level.setting.clone()),
+                    lookups: level.map(|level| level.work.price()),
+                    seconds: level.and_then(|level| Some(level.time?.median)),
                     times_cheapest: None,
                 }
             })
@@ -202,27 +202,27 @@ fn transmittance() -> Study {
     let bound = 1e-14;
     let marching = |estimator, power, expected, scale, lookups| Marching {
         estimator,
-        knob: Knob::Step,
+        parameter: Parameter::Step,
         power,
         expected,
         scale,
         lookups,
-        rungs: 8,
+        levels: 8,
         bound,
         scatter: 0.06,
     };
-    let mut ladders = vec![
-        marching("left Riemann", 1.0, Some(1.0), 0.3, 40.0).ladder(),
-        marching("midpoint", 2.0, Some(2.0), 0.04, 40.0).ladder(),
-        marching("trapezoid", 2.0, Some(2.0), 0.08, 40.0).ladder(),
-        marching("Simpson", 4.0, Some(4.0), 0.02, 80.0).ladder(),
-        marching("midpoint, linear opacity", 1.3, Some(1.0), 0.5, 40.0).ladder(),
+    let mut sweeps = vec![
+        marching("left Riemann", 1.0, Some(1.0), 0.3, 40.0).sweep(),
+        marching("midpoint", 2.0, Some(2.0), 0.04, 40.0).sweep(),
+        marching("trapezoid", 2.0, Some(2.0), 0.08, 40.0).sweep(),
+        marching("Simpson", 4.0, Some(4.0), 0.02, 80.0).sweep(),
+        marching("midpoint, linear opacity", 1.3, Some(1.0), 0.5, 40.0).sweep(),
     ];
-    let exact = |estimator: &str, error: f64, lookups: f64| Ladder {
+    let exact = |estimator: &str, error: f64, lookups: f64| Sweep {
         estimator: estimator.to_owned(),
         is_ours: false,
-        knob: Knob::None,
-        rungs: vec![Rung {
+        parameter: Parameter::None,
+        levels: vec![Level {
             setting: "2 points a cell".to_owned(),
             value: 0.0,
             work: MeanWork::from([(Event::DensityLookup, lookups)]),
@@ -239,10 +239,10 @@ fn transmittance() -> Study {
         order: order(None, &[], bound),
         cut: None,
     };
-    ladders.push(exact("Gauss-2 per cell", 7e-16, 192.0));
-    ladders.push(sampling("delta tracking", 0.9, 2.2, -0.5, true));
-    ladders.push(sampling("ratio tracking", 0.05, 9.6, -0.5, true));
-    ladders[4].order.verdict = OrderVerdict::NotYetAPower;
+    sweeps.push(exact("Gauss-2 per cell", 7e-16, 192.0));
+    sweeps.push(sampling("delta tracking", 0.9, 2.2, -0.5, true));
+    sweeps.push(sampling("ratio tracking", 0.05, 9.6, -0.5, true));
+    sweeps[4].order.verdict = OrderVerdict::NotYetAPower;
     Study {
         name: "transmittance",
         quantity: "Transmittance of the smoke along 4096 oblique rays.".to_owned(),
@@ -250,9 +250,9 @@ fn transmittance() -> Study {
             method: "two-point Gauss quadrature between the faces of cells".to_owned(),
             bound,
         },
-        prices: prices(&ladders),
+        prices: prices(&sweeps),
         judged_on: None,
-        ladders,
+        sweeps,
         pictures: Vec::new(),
         worst_ray: None,
     }
@@ -277,23 +277,50 @@ fn picture(setting: &str, size: [usize; 2], strength: f64) -> ErrorPicture {
 
 fn image() -> Study {
     let bound = 3e-7;
-    let marching = |estimator, knob, power, expected, scale, lookups, rungs| Marching {
+    let marching = |estimator, parameter, power, expected, scale, lookups, levels| Marching {
         estimator,
-        knob,
+        parameter,
         power,
         expected,
         scale,
         lookups,
-        rungs,
+        levels,
         bound,
         scatter: 0.06,
     };
-    let ladders = vec![
-        marching("midpoint", Knob::Step, 2.0, Some(2.0), 0.09, 60.0, 8).ladder(),
-        marching("midpoint", Knob::ShadowStep, 2.0, Some(2.0), 0.02, 300.0, 6).ladder(),
-        marching("trilinear", Knob::Spacing, 2.0, Some(2.0), 0.2, 90.0, 6).ladder(),
-        marching("nearest", Knob::Spacing, 1.0, Some(1.0), 0.4, 90.0, 6).ladder(),
-        marching("centre sample", Knob::Pixel, 0.5, Some(2.0), 0.1, 64.0, 6).ladder(),
+    let sweeps = vec![
+        marching("midpoint", Parameter::Step, 2.0, Some(2.0), 0.09, 60.0, 8).sweep(),
+        marching(
+            "midpoint",
+            Parameter::ShadowStep,
+            2.0,
+            Some(2.0),
+            0.02,
+            300.0,
+            6,
+        )
+        .sweep(),
+        marching(
+            "trilinear",
+            Parameter::Spacing,
+            2.0,
+            Some(2.0),
+            0.2,
+            90.0,
+            6,
+        )
+        .sweep(),
+        marching("nearest", Parameter::Spacing, 1.0, Some(1.0), 0.4, 90.0, 6).sweep(),
+        marching(
+            "centre sample",
+            Parameter::Pixel,
+            0.5,
+            Some(2.0),
+            0.1,
+            64.0,
+            6,
+        )
+        .sweep(),
         sampling("path tracer", 1.4, 70.0, -0.5, true),
     ];
     let extinction = |at: usize| {
@@ -311,9 +338,9 @@ fn image() -> Study {
             method: "our ray caster at 1/512 voxel, extrapolated".to_owned(),
             bound,
         },
-        prices: prices(&ladders),
+        prices: prices(&sweeps),
         judged_on: None,
-        ladders,
+        sweeps,
         pictures: vec![
             picture("1 voxel", [48, 32], 0.1),
             picture("0.5 voxels", [48, 32], 0.026),
@@ -500,27 +527,27 @@ pub fn costs() -> Vec<Cost> {
     vec![full, small()]
 }
 
-/// One study of two ladders, and nothing else: errors h², look-ups 1/h.
+/// One study of two sweeps, and nothing else: errors h², look-ups 1/h.
 pub fn small() -> Cost {
-    let marching = |estimator, power, rungs| Marching {
+    let marching = |estimator, power, levels| Marching {
         estimator,
-        knob: Knob::Step,
+        parameter: Parameter::Step,
         power,
         expected: Some(power),
         scale: 0.0625,
         lookups: 8.0,
-        rungs,
+        levels,
         bound: 1e-12,
         scatter: 0.0,
     };
-    let mut ladders = vec![
-        marching("midpoint", 2.0, 4).ladder(),
-        marching("left", 1.0, 4).ladder(),
+    let mut sweeps = vec![
+        marching("midpoint", 2.0, 4).sweep(),
+        marching("left", 1.0, 4).sweep(),
     ];
-    for rung in ladders.iter_mut().flat_map(|ladder| &mut ladder.rungs) {
-        let lookups = rung.work[Event::DensityLookup];
-        rung.single_precision = None;
-        rung.time = Some(Times {
+    for level in sweeps.iter_mut().flat_map(|sweep| &mut sweep.levels) {
+        let lookups = level.work[Event::DensityLookup];
+        level.single_precision = None;
+        level.time = Some(Times {
             runs: 10,
             median: lookups / 64e6,
             min: lookups / 80e6,
@@ -530,16 +557,16 @@ pub fn small() -> Cost {
             is_noisy: lookups < 10.0,
         });
     }
-    ladders[0].rungs[3].single_precision = Some(Norms {
+    sweeps[0].levels[3].single_precision = Some(Norms {
         l1: 0.001,
         l2: 0.002,
         max: 0.004,
         uncertainty: 0.0,
     });
-    ladders[1].rungs[3].error.l2 = 0.03;
-    ladders[1].order.local[2] = Some(-0.94);
-    ladders[1].order.fitted = Some(0.41);
-    ladders[1].order.verdict = OrderVerdict::Otherwise;
+    sweeps[1].levels[3].error.l2 = 0.03;
+    sweeps[1].order.local[2] = Some(-0.94);
+    sweeps[1].order.fitted = Some(0.41);
+    sweeps[1].order.verdict = OrderVerdict::Otherwise;
     Cost {
         scene: "fog".to_owned(),
         panel: Some("left half".to_owned()),
@@ -550,9 +577,9 @@ pub fn small() -> Cost {
                 method: "closed form".to_owned(),
                 bound: 1e-12,
             },
-            prices: prices(&ladders).into_iter().take(2).collect(),
+            prices: prices(&sweeps).into_iter().take(2).collect(),
             judged_on: None,
-            ladders,
+            sweeps,
             pictures: Vec::new(),
             worst_ray: None,
         }],
@@ -577,9 +604,9 @@ pub fn machine() -> Machine {
 }
 
 /// Values at the edge of what may come: errors that are zero or no number, work that was not
-/// counted, ladders of one setting or of none.
+/// counted, sweeps of one setting or of none.
 pub fn extremes() -> Cost {
-    let rung = |l2: f64, work: MeanWork| Rung {
+    let level = |l2: f64, work: MeanWork| Level {
         setting: "only one".to_owned(),
         value: 1.0,
         work,
@@ -595,43 +622,44 @@ pub fn extremes() -> Cost {
     };
     let looked = |lookups: f64| MeanWork::from([(Event::DensityLookup, lookups)]);
     let drawn = |draws: f64| MeanWork::from([(Event::RandomDraw, draws)]);
-    let ladder = |estimator: &str, knob: Knob, rungs: Vec<Rung>, verdict: OrderVerdict| Ladder {
-        estimator: estimator.to_owned(),
-        is_ours: false,
-        knob,
-        rungs,
-        order: Order {
-            verdict,
-            ..order(None, &[], 0.0)
-        },
-        cut: None,
-    };
-    let ladders = vec![
-        ladder(
+    let sweep =
+        |estimator: &str, parameter: Parameter, levels: Vec<Level>, verdict: OrderVerdict| Sweep {
+            estimator: estimator.to_owned(),
+            is_ours: false,
+            parameter,
+            levels,
+            order: ConvergenceOrder {
+                verdict,
+                ..order(None, &[], 0.0)
+            },
+            cut: None,
+        };
+    let sweeps = vec![
+        sweep(
             "path tracer",
-            Knob::Samples,
+            Parameter::Samples,
             vec![
-                rung(f64::NAN, looked(3.0)),
-                rung(f64::INFINITY, looked(4.0)),
-                rung(0.0, looked(5.0)),
+                level(f64::NAN, looked(3.0)),
+                level(f64::INFINITY, looked(4.0)),
+                level(0.0, looked(5.0)),
             ],
             OrderVerdict::Undecided,
         ),
-        ladder(
+        sweep(
             "closed form",
-            Knob::None,
-            vec![rung(1e-16, looked(0.0))],
+            Parameter::None,
+            vec![level(1e-16, looked(0.0))],
             OrderVerdict::NothingExpected,
         ),
-        ladder(
+        sweep(
             "blind guess",
-            Knob::Samples,
-            vec![rung(2.0, drawn(1.0))],
+            Parameter::Samples,
+            vec![level(2.0, drawn(1.0))],
             OrderVerdict::NothingExpected,
         ),
-        ladder(
+        sweep(
             "no setting at all",
-            Knob::Pixel,
+            Parameter::Pixel,
             Vec::new(),
             OrderVerdict::NotYetAPower,
         ),
@@ -647,9 +675,9 @@ pub fn extremes() -> Cost {
                     method: "closed form".to_owned(),
                     bound: 0.0,
                 },
-                prices: prices(&ladders),
+                prices: prices(&sweeps),
                 judged_on: None,
-                ladders,
+                sweeps,
                 pictures: vec![picture("nothing", [0, 0], 0.0)],
                 worst_ray: Some(RayTrace {
                     ray: "empty".to_owned(),
@@ -668,7 +696,7 @@ pub fn extremes() -> Cost {
                     bound: 0.0,
                 },
                 judged_on: None,
-                ladders: Vec::new(),
+                sweeps: Vec::new(),
                 prices: Vec::new(),
                 pictures: Vec::new(),
                 worst_ray: None,

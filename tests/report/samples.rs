@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::OnceLock;
 use volref::compare::flip::SrgbImage;
-use volref::compare::{Gate, Picture, judge};
+use volref::compare::{Conditions, Deterministic, ImageGate, Perceptual, Picture, judge};
 use volref::film::Film;
 use volref::report::{Page, results_html};
 use volref::suite::{Case, CaseResult, Cause, Evidence, Likeness, Suite, Verdict};
@@ -35,10 +35,19 @@ impl Sample {
     }
 
     /// Adds a case, judged by `gate`.
-    pub fn judged(&mut self, name: &str, gate: Gate, evidence: Evidence) -> &mut CaseResult {
+    pub fn judged(
+        &mut self,
+        name: &str,
+        gate: &'static dyn ImageGate,
+        evidence: Evidence,
+    ) -> &mut CaseResult {
         let golden = Picture::Radiance(evidence.golden.clone().unwrap());
         let test = evidence.test.as_ref().unwrap();
-        let judgement = judge(gate, &golden, test, evidence.exposure).unwrap();
+        let conditions = Conditions {
+            exposure: evidence.exposure,
+            ..Conditions::default()
+        };
+        let judgement = judge(gate, &golden, test, &conditions).unwrap();
         let verdict = match judgement.passed {
             true => Verdict::Pass,
             false => Verdict::Fail,
@@ -58,7 +67,7 @@ pub fn result(name: &str, verdict: Verdict) -> CaseResult {
         class: "deterministic".to_owned(),
         verdict,
         metrics: Default::default(),
-        gate: Gate::Deterministic,
+        gate: &Deterministic,
         reason: "no reason".to_owned(),
         notes: Vec::new(),
         looks_like: Vec::new(),
@@ -196,7 +205,7 @@ fn made_suite() -> Sample {
                         SrgbImage::new(f.width(), f.height(), codes).unwrap(),
                     ))
                 });
-                sample.judged(&case.name, Gate::Perceptual, e);
+                sample.judged(&case.name, &Perceptual, e);
             }
             "fog/backward" => {
                 let e = evidence(case, |_| some(rendered_again(&golden("fog/forward"), 1.0)));
@@ -215,7 +224,7 @@ fn made_suite() -> Sample {
                         _ => p,
                     }))
                 });
-                sample.judged(&case.name, Gate::Deterministic, e);
+                sample.judged(&case.name, &Deterministic, e);
             }
             "smoke/cornell" => {
                 let e = Evidence {

@@ -73,7 +73,7 @@ fn every_path_returns_one(what: &str, scene: &Radiative, ray: impl Fn(&Stream) -
 /// Without scattering the path tracer finds what the line of sight holds, with every sample.
 fn absorber(entry: &Entry) {
     let source = entry.input("B");
-    let medium = glowing(grey(entry.input("tau_along_ray"), 0.0, 0.0), source);
+    let medium = emissive(grey(entry.input("tau_along_ray"), 0.0, 0.0), source);
     let environment = entry.given("environment_radiance").unwrap_or(0.0);
     let scene = Radiative {
         media: vec![within(cuboid(DVec3::ZERO, DVec3::ONE), medium)],
@@ -94,7 +94,7 @@ fn isothermal(entry: &Entry) {
     let medium = grey(3.0, entry.input("albedo"), entry.input("g"));
     for (name, shape) in [("sphere", unit_ball()), ("cube", cube())] {
         let scene = Radiative {
-            media: vec![within(shape, glowing(medium, source))],
+            media: vec![within(shape, emissive(medium, source))],
             environment: DVec3::splat(entry.input("environment_radiance")),
             ..empty()
         };
@@ -107,7 +107,7 @@ fn isothermal(entry: &Entry) {
 
 fn emitting_slab(entry: &Entry) {
     let mut scene = slab_of(entry);
-    scene.media[0].medium = glowing(scene.media[0].medium, entry.input("B"));
+    scene.media[0].medium = emissive(scene.media[0].medium, entry.input("B"));
     for face in [Face::Upper, Face::Lower] {
         let ray = leaving(face, entry.input("mu"));
         let [found, ..] = sampled(&scene, None, (entry.seed(54), SAMPLES), |_| ray);
@@ -127,13 +127,13 @@ fn grey_sphere(entry: &Entry) {
         ..empty()
     };
     entry.is("transmittance", straight(&lit, &ray).x);
-    let glowing = Radiative {
-        media: vec![within(sphere, glowing(medium, 1.0))],
+    let emissive = Radiative {
+        media: vec![within(sphere, emissive(medium, 1.0))],
         ..empty()
     };
     for (name, scene) in [
         ("L", lit),
-        ("L_isothermal_emission_B1_black_surroundings", glowing),
+        ("L_isothermal_emission_B1_black_surroundings", emissive),
     ] {
         let [found, ..] = sampled(&scene, None, (entry.seed(55), SAMPLES), |_| ray);
         agrees(
@@ -359,7 +359,7 @@ fn phase_functions_in_an_enclosure_that_emits() {
 /// Everything at once, all of it at one temperature.
 #[test]
 fn isothermal_media_around_a_white_surface() {
-    let fog = |sigma_t, albedo, g| glowing(grey(sigma_t, albedo, g), 1.0);
+    let fog = |sigma_t, albedo, g| emissive(grey(sigma_t, albedo, g), 1.0);
     let scene = Radiative {
         objects: vec![object(
             Shape::Mesh(Arc::new(mesh("gem").mesh().clone())),

@@ -54,7 +54,7 @@ fn field(grid: Arc<Grid<f32>>) -> Field {
 }
 
 fn in_cube(field: Field, medium: Homogeneous) -> Body {
-    varying(cube_bounds(), field, medium)
+    heterogeneous(cube_bounds(), field, medium)
 }
 
 fn mean(scene: &Radiative, seed: u64) -> [Moments; 3] {
@@ -87,12 +87,16 @@ fn a_constant_grid() {
             close(found, straight(&behind(vec![dim.clone()]), &ray), 1e-14);
         }
     }
-    let even = lit(vec![within(cube(), grey(1.25, 0.8, 0.4))]);
-    let varying = lit(vec![in_cube(
+    let homogeneous = lit(vec![within(cube(), grey(1.25, 0.8, 0.4))]);
+    let heterogeneous = lit(vec![in_cube(
         Field::Constant(ConstantDensity::new(1.25).unwrap()),
         grey(1.0, 0.8, 0.4),
     )]);
-    same("constant", &mean(&varying, 1)[0], &mean(&even, 2)[0]);
+    same(
+        "constant",
+        &mean(&heterogeneous, 1)[0],
+        &mean(&homogeneous, 2)[0],
+    );
     // A unit in the last place in a corner: no longer constant, and light is tracked.
     let all_but = |node: [usize; 3]| match node {
         [0, 0, 0] => f64::from(1.25_f32.next_up()),
@@ -102,7 +106,11 @@ fn a_constant_grid() {
         field(grid([9, 12, 20], all_but)),
         grey(1.0, 0.8, 0.4),
     )]);
-    same("constant grid", &mean(&gridded, 3)[0], &mean(&even, 2)[0]);
+    same(
+        "constant grid",
+        &mean(&gridded, 3)[0],
+        &mean(&homogeneous, 2)[0],
+    );
 }
 
 /// A field and what is the same everywhere, in one place, are one field.
@@ -115,7 +123,11 @@ fn what_overlaps_adds_up() {
         in_cube(field(bumpy_grid()), medium(1.0)),
         within(cube(), medium(0.5)),
     ]);
-    same("with even", &mean(&parts, 11)[0], &mean(&whole, 12)[0]);
+    same(
+        "with a homogeneous one",
+        &mean(&parts, 11)[0],
+        &mean(&whole, 12)[0],
+    );
     let halves = lit(vec![
         in_cube(field(bumpy_grid()), medium(0.6)),
         within(cube(), medium(0.5)),
@@ -248,26 +260,29 @@ fn emission_in_three_ways() {
         }
     }
     // Emission without any extinction, which no collision of the medium itself would find.
-    let glow = Homogeneous {
+    let emissive = Homogeneous {
         emission: DVec3::ONE,
         ..grey(0.0, 0.0, 0.0)
     };
-    let thin = dark(vec![in_cube(field(bumpy_grid()), glow)]);
+    let thin = dark(vec![in_cube(field(bumpy_grid()), emissive)]);
     let found = sampled(&thin, None, (43, SAMPLES), |_| ray);
-    agrees("glow", &found[0], straight(&thin, &ray).x, 0.0);
+    agrees("emission", &found[0], straight(&thin, &ray).x, 0.0);
 }
 
 /// Kirchhoff: matter of one temperature in an enclosure of the same cannot be seen, be it as
 /// uneven as it will.
 #[test]
 fn an_isothermal_enclosure() {
-    let medium = glowing(grey(3.0, 0.6, 0.4), 1.0);
+    let medium = emissive(grey(3.0, 0.6, 0.4), 1.0);
     let scene = Radiative {
         environment: DVec3::ONE,
         lights: vec![],
         ..lit(vec![
             in_cube(field(bumpy_grid()), medium),
-            within(ball(DVec3::X * 0.8, 0.7), glowing(grey(1.0, 0.3, 0.0), 1.0)),
+            within(
+                ball(DVec3::X * 0.8, 0.7),
+                emissive(grey(1.0, 0.3, 0.0), 1.0),
+            ),
         ])
     };
     agrees("isothermal", &mean(&scene, 51)[0], 1.0, 0.0);
@@ -301,7 +316,7 @@ fn conservative_whatever_the_density() {
     }
 }
 
-/// Surfaces and lamps in uneven smoke, against the same in even smoke.
+/// Surfaces and lamps in heterogeneous smoke, against the same in homogeneous smoke.
 #[test]
 fn among_surfaces() {
     let around = |media| Radiative {
@@ -316,14 +331,14 @@ fn among_surfaces() {
         }],
         ..lit(media)
     };
-    let even = around(vec![within(cube(), grey(1.5, 0.8, 0.4))]);
-    // Uneven bounds over an even density: null collisions everywhere.
+    let homogeneous = around(vec![within(cube(), grey(1.5, 0.8, 0.4))]);
+    // Uneven bounds over a homogeneous density: null collisions everywhere.
     let patched = grid(
         [40, 40, 40],
         |node| if node == [0, 0, 0] { 1.5 } else { 1.0 },
     );
     let uneven = around(vec![in_cube(field(patched), grey(1.5, 0.8, 0.4))]);
-    let [a, b] = [(&even, 71), (&uneven, 72)].map(|(scene, seed)| mean(scene, seed)[1]);
+    let [a, b] = [(&homogeneous, 71), (&uneven, 72)].map(|(scene, seed)| mean(scene, seed)[1]);
     same("among surfaces", &a, &b);
 }
 
@@ -491,7 +506,7 @@ fn scaled_by_powers_of_two() {
         let bounds = Aabb::new(DVec3::splat(-scale), DVec3::splat(scale)).unwrap();
         Radiative {
             lights: vec![sun(DVec3::new(0.3, -1.0, -0.4), DVec3::ONE)],
-            ..lit(vec![varying(bounds, field(Arc::new(grid)), medium)])
+            ..lit(vec![heterogeneous(bounds, field(Arc::new(grid)), medium)])
         }
     };
     let plain = scene(1.0);
@@ -523,7 +538,7 @@ fn thin_grids_and_extreme_voxels() {
         let values = Arc::new(Grid::new(lattice, vec![0.75_f32; 9]).unwrap());
         let density = GridDensity::new(values, interpolation);
         let bounds = density.bounds();
-        let body = varying(bounds, Field::Grid(density), grey(2.0, 0.0, 0.0));
+        let body = heterogeneous(bounds, Field::Grid(density), grey(2.0, 0.0, 0.0));
         let scene = Radiative {
             environment: DVec3::ONE,
             lights: vec![],
@@ -579,7 +594,7 @@ fn a_shape_larger_than_its_grid() {
 fn a_layer_from_far_above() {
     let layer = ExponentialLayer::new(2.0, DVec3::ZERO, DVec3::Y, 1.0).unwrap();
     let bounds = Aabb::new(DVec3::ZERO, DVec3::new(1.0, 1e3, 1.0)).unwrap();
-    let body = varying(bounds, Field::Exponential(layer), grey(0.3, 0.0, 0.0));
+    let body = heterogeneous(bounds, Field::Exponential(layer), grey(0.3, 0.0, 0.0));
     let scene = Radiative {
         environment: DVec3::ONE,
         lights: vec![],
@@ -591,7 +606,7 @@ fn a_layer_from_far_above() {
     }
 }
 
-/// What glows where another medium lies, though it be narrower than any rule of few points.
+/// What emits where another medium lies, though it be narrower than any rule of few points.
 #[test]
 fn narrow_emitters_that_overlap() {
     let blob = Field::Blob(Blob {
@@ -614,12 +629,12 @@ fn narrow_emitters_that_overlap() {
     };
     let view = ray(DVec3::new(0.1, 0.0, 4.0), DVec3::NEG_Z);
     let found = straight(&scene, &view).x;
-    // The blob is a point for the even medium: τ of it 20·√(2π)·0.004, at z = 0.2.
+    // The blob is a point for the homogeneous medium: τ of it 20·√(2π)·0.004, at z = 0.2.
     let tau = 20.0 * 0.004 * (2.0 * std::f64::consts::PI).sqrt();
     let front = 1.0 - exp(-0.08);
     let behind = exp(-0.08 - tau) * (1.0 - exp(-0.12));
     let expected = front + exp(-0.08) * 2.5 * (1.0 - exp(-tau)) + behind;
-    // It is not quite one: the even medium makes 1e-3 within it, which it dims by up to 0.2.
+    // It is not quite one: the homogeneous medium makes 1e-3 within it, which it dims by up to 0.2.
     assert!((found - expected).abs() < 2e-4, "{found} {expected}");
 }
 

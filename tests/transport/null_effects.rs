@@ -118,7 +118,7 @@ fn special_kernels() {
     as_everything::<Only<true, false, false, false, true, false>>(&forward);
     as_everything::<Only<true, true, false, false, true, false>>(&with_surfaces(forward));
 
-    let warm = fog(glowing(grey(1.0, 0.6, 0.0), 0.5));
+    let warm = fog(emissive(grey(1.0, 0.6, 0.0), 0.5));
     as_everything::<Only<true, false, true, false, false, false>>(&warm);
     as_everything::<Only<true, true, true, false, false, false>>(&with_surfaces(warm));
 
@@ -230,11 +230,15 @@ fn null_effects_forced() {
         width: 0.5,
     });
     let smoke = lit(vec![
-        varying(bounds, constant(0.0), grey(1.0, 1.0, 0.0)),
-        varying(bounds, blob, grey(2.0, 1.0, 0.0)),
+        heterogeneous(bounds, constant(0.0), grey(1.0, 1.0, 0.0)),
+        heterogeneous(bounds, blob, grey(2.0, 1.0, 0.0)),
     ]);
     assert!(force_all(smoke).contains(&Emission));
-    let empty_only = lit(vec![varying(bounds, constant(0.0), grey(1.0, 0.8, 0.0))]);
+    let empty_only = lit(vec![heterogeneous(
+        bounds,
+        constant(0.0),
+        grey(1.0, 0.8, 0.0),
+    )]);
     assert!(force_all(empty_only).contains(&Heterogeneity));
     // Surfaces and no medium; a medium of nothing alone.
     force_all(with_surfaces(lit(vec![])));
@@ -255,7 +259,7 @@ fn null_effects_forced() {
         scattering: Scattering::None,
         ..plain.clone()
     });
-    let absorbing = lit(vec![within(cube(), glowing(grey(1.0, 0.0, 0.0), 0.5))]);
+    let absorbing = lit(vec![within(cube(), emissive(grey(1.0, 0.0, 0.0), 0.5))]);
     let forced = force_all(absorbing);
     assert!(forced.contains(&MultipleScattering), "{forced:?}");
     force_all(Radiative {

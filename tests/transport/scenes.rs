@@ -45,7 +45,7 @@ pub fn grey_of(entry: &Entry) -> Homogeneous {
 }
 
 /// `medium` with the emission of a body in thermal equilibrium with radiance `source`.
-pub fn glowing(medium: Homogeneous, source: f64) -> Homogeneous {
+pub fn emissive(medium: Homogeneous, source: f64) -> Homogeneous {
     Homogeneous {
         emission: medium.coefficients.sigma_a() * source,
         ..medium
@@ -91,7 +91,7 @@ pub fn cube_of(entry: &Entry) -> Body {
     let medium = grey_of(entry);
     match field {
         None => within(cube(), medium),
-        Some(field) => varying(
+        Some(field) => heterogeneous(
             Aabb::new(DVec3::NEG_ONE, DVec3::ONE).unwrap(),
             field,
             medium,
@@ -100,7 +100,7 @@ pub fn cube_of(entry: &Entry) -> Body {
 }
 
 /// A medium in a box, with a density of its own.
-pub fn varying(bounds: Aabb, field: Field, medium: Homogeneous) -> Body {
+pub fn heterogeneous(bounds: Aabb, field: Field, medium: Homogeneous) -> Body {
     Body {
         density: Some(Density::new(field, bounds, None)),
         ..within(Boundary::Box(bounds), medium)

@@ -80,8 +80,8 @@ fn each_order() {
             // No light is seen directly but the environment; what is turned once at most is an
             // integral, which the file knows to 9 digits and more; of varying densities, only
             // paths know it.
-            let even = scene.media.iter().all(|body| body.density.is_none());
-            if order == 1 && error == 0.0 && even {
+            let homogeneous = scene.media.iter().all(|body| body.density.is_none());
+            if order == 1 && error == 0.0 && homogeneous {
                 let exact = by_quadrature(&scene, &ray).x;
                 assert!((exact - expected).abs() <= 1e-9 * expected, "{exact:e}");
             }

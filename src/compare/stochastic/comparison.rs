@@ -2,7 +2,7 @@
 
 use super::super::significance::deviation;
 use super::blocks::{Block, Total, Variance, parts};
-use super::variance::{Shape, Stated, unstated};
+use super::variance::{NoiseShape, Stated, unstated};
 use crate::film::Film;
 
 /// Two images of one size, at least one of which states its noise.
@@ -14,7 +14,7 @@ pub(super) struct Comparison<'f> {
     /// What they say of their noise.
     pub stated: [Stated; 2],
     /// How the variances were completed.
-    pub shape: Shape,
+    pub shape: NoiseShape,
     /// Probability with which noise that is not stated may be underestimated.
     level: f64,
 }
@@ -42,7 +42,7 @@ impl<'f> Comparison<'f> {
         level: f64,
         times: f64,
     ) -> Comparison<'f> {
-        let shape = Shape::new(stated, &blocks, level, times);
+        let shape = NoiseShape::new(stated, &blocks, level, times);
         for block in &mut blocks {
             for channel in &mut block.channels {
                 channel.variance = Variance {

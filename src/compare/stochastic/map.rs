@@ -3,6 +3,7 @@
 use super::blocks::{DARK, parts};
 use super::comparison::Comparison;
 use super::{block_deviation, finite};
+use crate::compare::BlockMap;
 use crate::film::Film;
 
 /// The standard error of the mean of a block, relative to that mean plus [`DARK`], that nine
@@ -29,18 +30,6 @@ pub fn block_error(film: &Film) -> Option<f64> {
     }
     errors.sort_by(f64::total_cmp);
     Some(errors[(errors.len() * 9).div_ceil(10) - 1])
-}
-
-/// How far blocks of 8 × 8 pixels deviate, for a map.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BlockMap {
-    /// Blocks in a row.
-    pub columns: usize,
-    /// Rows of blocks.
-    pub rows: usize,
-    /// Test minus reference in standard errors, by channel; row by row from the top. What is left
-    /// over at the right and lower edges belongs to the last blocks. At most 1e9 either way.
-    pub deviations: Vec<[f64; 3]>,
 }
 
 /// The deviations of the blocks of `test` from `reference`, images of one size; nothing where

@@ -79,18 +79,22 @@ mod resolution;
 mod variance;
 
 pub use blocks::{BLOCK, DARK};
-pub use map::{BlockMap, block_error, block_map};
-pub use resolution::{Advice, Undecided};
+pub use map::{block_error, block_map};
 
+use super::advice::Undecided;
+use super::difference_scale::DifferenceScale;
+use super::gate::{Conditions, Gate, ImageGate, MEAN_DIFFERENCES, Metric};
+use super::incomparable;
+use super::judgement::Judgement;
+use super::picture::{Picture, PictureError};
 use super::significance::{deviation, holm, two_sided, two_sided_estimated};
-use super::{Gate, Judgement, PictureError};
 use crate::film::Film;
 use crate::math;
 use amount::judge_amount;
 use blocks::{Block, Channel};
 use comparison::Comparison;
 use neighbours::judge_neighbours;
-use pixels::Pixels;
+use pixels::PixelDifferences;
 use resolution::Limits;
 
 /// Probability that any case of a suite is rejected although nothing is wrong with it.
@@ -102,6 +106,144 @@ const SHARES: f64 = 8.0;
 
 /// What is printed of a deviation without bound: numbers of a judgement are finite.
 const BOUNDLESS: f64 = 1e9;
+
+/// Means of random samples, by the noise they state.
+#[derive(Clone, Copy, Debug)]
+pub struct Stochastic;
+
+impl Gate for Stochastic {
+    fn name(&self) -> &'static str {
+        "stochastic"
+    }
+
+    fn rule(&self) -> &'static str {
+        "The pixels are means of random samples, so differences are measured in standard errors: \
+         what noise alone explains. Noise stays below 3 standard errors nearly always; the limits \
+         are set so that an honest renderer meets a false alarm once in a million suites."
+    }
+
+    fn metrics(&self) -> &'static [Metric] {
+        &METRICS
+    }
+
+    fn difference_scale(&self, golden: &Film, test: &Film) -> DifferenceScale {
+        match block_map(golden, test) {
+            Some(map) => DifferenceScale::StandardErrors(map),
+            None => DifferenceScale::Radiance,
+        }
+    }
+}
+
+impl ImageGate for Stochastic {
+    fn judge(
+        &self,
+        reference: &Picture,
+        test: &Picture,
+        conditions: &Conditions,
+    ) -> Result<Judgement, PictureError> {
+        let [reference, test] = [reference, test].map(|picture| picture.radiance_for(self));
+        let level = FALSE_ALARM / conditions.cases.max(1) as f64;
+        judge_with(reference?, test?, level, conditions.visible_bias)
+    }
+
+    fn default_for(&self) -> Option<&'static str> {
+        Some("two images of radiance of which one states its noise")
+    }
+
+    fn default_reason(&self, reference: &Picture, test: &Picture) -> Option<&'static str> {
+        let has_noise = |picture: &Picture| Some(picture.radiance()?.noise().is_some());
+        match (has_noise(reference)?, has_noise(test)?) {
+            (true, true) => Some(", since both images state their noise"),
+            (true, false) => Some(", since the reference states its noise"),
+            (false, true) => Some(", since the test image states its noise"),
+            (false, false) => None,
+        }
+    }
+}
+
+const METRICS: [Metric; 23] = [
+    (
+        "blocks",
+        "Blocks of 8 × 8 pixels, times three channels, that were asked.",
+    ),
+    (
+        "rejected_blocks",
+        "Blocks and channels that differ beyond noise; 0 passes.",
+    ),
+    (
+        "worst_block_z",
+        "Test minus golden of the worst block, in standard errors: above 0 it is too bright.",
+    ),
+    ("worst_block_column", "First column of the worst block."),
+    ("worst_block_row", "First row of the worst block."),
+    MEAN_DIFFERENCES[0],
+    MEAN_DIFFERENCES[1],
+    MEAN_DIFFERENCES[2],
+    (
+        "mean_z_red",
+        "Mean of red over the image, test minus golden, in standard errors.",
+    ),
+    (
+        "mean_z_green",
+        "Mean of green over the image, test minus golden, in standard errors.",
+    ),
+    (
+        "mean_z_blue",
+        "Mean of blue over the image, test minus golden, in standard errors.",
+    ),
+    (
+        "smallest_visible_bias",
+        "Detectable bias of the mean, as a share of the brightness of the image: a larger one is \
+         rejected.",
+    ),
+    (
+        "smallest_visible_block_bias",
+        "Detectable bias of nine blocks in ten, as a share of the brightness of the block: a larger \
+         one is rejected.",
+    ),
+    (
+        "times_the_samples_that_would_decide",
+        "Factor on the samples per pixel at which the required bias becomes detectable.",
+    ),
+    (
+        "samples_that_would_decide",
+        "Samples per pixel, of all renderings together, at which it becomes detectable.",
+    ),
+    (
+        "far_pixels",
+        "Single pixels off by more than 5 standard errors, in the channel with most; many mean \
+         fireflies, or differences that cancel within blocks.",
+    ),
+    (
+        "contrary_pixels",
+        "Pixels and channels that differ although neither image has any noise there.",
+    ),
+    (
+        "amount_of_noise",
+        "Size of the differences against the noise that the images state, squared: 1 is honest, far \
+         below 1 is an image that was smoothed or shares random numbers, far above 1 differs beyond \
+         noise.",
+    ),
+    (
+        "noise_over_that_stated",
+        "Size of the differences against the noise of the one image that states it, squared: 1 or \
+         more is honest.",
+    ),
+    (
+        "chi_square_probability",
+        "How likely honest noise is to give an amount as odd as this; near 0 it is not noise.",
+    ),
+    (
+        "copied_pixels",
+        "Pixels with noise that are exactly the golden's; two honest renderings share none.",
+    ),
+    (
+        "correlation_across",
+        "How alike the differences of neighbours in a row are: 0 is honest; above 0.05 whole regions \
+         are off, or the image was filtered or denoised, or its pixels share random numbers.",
+    ),
+    ("correlation_down", "The same of neighbours in a column."),
+];
 
 /// Judges `test` by `reference`, one of `cases` comparisons that raise a false alarm with
 /// probability [`FALSE_ALARM`] together. At least one must state its noise.
@@ -139,7 +281,7 @@ fn judge_with(
     if reference.noise().is_none() && test.noise().is_none() {
         return Err(PictureError::NeedsNoise);
     }
-    if let Some(different) = super::incomparable_films(Gate::Stochastic, reference, test) {
+    if let Some(different) = incomparable::films(&Stochastic, reference, test) {
         return Ok(different);
     }
     let share = level / SHARES;
@@ -162,10 +304,10 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
     let whole = judge_whole(comparison, level, &mut metrics);
     let is_off = whole.is_some();
     let mut faults = Vec::from_iter(whole);
-    let worst = Worst::new(comparison);
+    let worst = WorstBlock::new(comparison);
     faults.extend(worst.judge(level, &mut metrics));
     let is_biased = !faults.is_empty();
-    let pixels = Pixels::new(comparison);
+    let pixels = PixelDifferences::new(comparison);
     if let [Some(a), Some(b)] = comparison.numbers() {
         faults.extend(pixels.judge_far(level, &mut metrics));
         faults.extend(pixels.judge_contrary([a, b], level, &mut metrics));
@@ -221,10 +363,8 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
         metrics.extend(samples.map(|samples| ("samples_that_would_decide", samples)));
     }
     Judgement {
-        resolution: Some(resolution),
-        mean_resolution: Some(mean_resolution),
         undecided,
-        ..Judgement::new(Gate::Stochastic, passed, reason, &metrics)
+        ..Judgement::new(&Stochastic, passed, reason, &metrics)
     }
 }
 
@@ -302,15 +442,15 @@ fn judge_whole(comparison: &Comparison<'_>, level: f64, metrics: &mut Metrics) -
 }
 
 /// The most unlikely of the blocks and channels.
-struct Worst<'c> {
+struct WorstBlock<'c> {
     block: &'c Block,
     channel: usize,
     /// Of all blocks and channels.
     probabilities: Vec<f64>,
 }
 
-impl<'c> Worst<'c> {
-    fn new(comparison: &'c Comparison<'c>) -> Worst<'c> {
+impl<'c> WorstBlock<'c> {
+    fn new(comparison: &'c Comparison<'c>) -> WorstBlock<'c> {
         let mut probabilities = Vec::with_capacity(comparison.asked());
         for block in &comparison.blocks {
             let degrees = comparison.degrees(block);
@@ -319,7 +459,7 @@ impl<'c> Worst<'c> {
         let worst = (0..probabilities.len())
             .min_by(|&a, &b| probabilities[a].total_cmp(&probabilities[b]))
             .expect("an image has a block");
-        Worst {
+        WorstBlock {
             block: &comparison.blocks[worst / 3],
             channel: worst % 3,
             probabilities,
@@ -332,13 +472,13 @@ impl<'c> Worst<'c> {
 
     fn judge(&self, level: f64, metrics: &mut Metrics) -> Option<String> {
         let rejected = holm(&self.probabilities, level);
-        let place = [self.block.columns.start, self.block.rows.start];
+        let corner = [self.block.columns.start, self.block.rows.start];
         metrics.extend([
             ("blocks", self.probabilities.len() as f64),
             ("rejected_blocks", rejected as f64),
             ("worst_block_z", finite(self.deviation())),
-            ("worst_block_column", place[0] as f64),
-            ("worst_block_row", place[1] as f64),
+            ("worst_block_column", corner[0] as f64),
+            ("worst_block_row", corner[1] as f64),
         ]);
         let channel = &self.block.channels[self.channel];
         let (off, pixels) = (channel.difference.value, self.block.pixels() as f64);
@@ -349,8 +489,8 @@ impl<'c> Worst<'c> {
                 self.probabilities.len(),
                 self.block.columns.len(),
                 self.block.rows.len(),
-                place[0],
-                place[1],
+                corner[0],
+                corner[1],
                 side(off),
                 colour(self.channel),
                 means(channel.radiance / pixels, off / pixels, self.deviation()),

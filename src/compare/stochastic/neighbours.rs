@@ -45,14 +45,14 @@ const FLAT: f64 = CORRELATED * 21.0 / 32.0;
 
 /// Correlation along one axis.
 #[derive(Clone, Copy, Debug, Default)]
-struct Axis {
+struct NeighbourAxis {
     products: f64,
     squared_products: f64,
     /// Half the sum of the squares of the factors.
     squares: f64,
 }
 
-impl Axis {
+impl NeighbourAxis {
     fn correlation(&self) -> f64 {
         if self.squares > 0.0 {
             self.products / self.squares
@@ -141,9 +141,9 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// Correlation across and down.
-fn axes(comparison: &Comparison<'_>, unit: Unit) -> [Axis; 2] {
+fn axes(comparison: &Comparison<'_>, unit: Unit) -> [NeighbourAxis; 2] {
     let [reference, test] = comparison.films.map(|film| film.radiance());
-    let mut axes = [Axis::default(); 2];
+    let mut axes = [NeighbourAxis::default(); 2];
     for (block, scales) in comparison.blocks.iter().zip(scales(comparison, unit)) {
         let (width, height) = (block.columns.len(), block.rows.len());
         let difference = |i: usize| {

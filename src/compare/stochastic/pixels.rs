@@ -11,7 +11,7 @@ const FAR: f64 = 5.0;
 
 /// What single pixels come to.
 #[derive(Default)]
-pub(super) struct Pixels {
+pub(super) struct PixelDifferences {
     /// Of each channel.
     values: u64,
     /// Beyond [`FAR`], by channel.
@@ -24,10 +24,10 @@ pub(super) struct Pixels {
     copied: u64,
 }
 
-impl Pixels {
-    pub fn new(comparison: &Comparison<'_>) -> Pixels {
+impl PixelDifferences {
+    pub fn new(comparison: &Comparison<'_>) -> PixelDifferences {
         let [reference, test] = comparison.films;
-        let mut pixels = Pixels::default();
+        let mut pixels = PixelDifferences::default();
         for index in 0..reference.radiance().len() {
             let (a, b) = (reference.radiance()[index], test.radiance()[index]);
             let mut is_noisy = false;

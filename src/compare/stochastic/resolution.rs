@@ -1,91 +1,12 @@
 //! The smallest bias that would have been seen, and what it takes to see a smaller one.
 
-use super::super::significance::{critical, critical_estimated};
 use super::blocks::Block;
 use super::comparison::Comparison;
 use super::finite;
 use super::variance::Stated;
-use crate::math;
+use crate::compare::advice::{Advice, Undecided};
+use crate::compare::significance::{critical, critical_estimated};
 use std::f64::consts::SQRT_2;
-use std::fmt;
-
-/// A pass that says too little: the bias of the mean of the image that is to be seen would not have
-/// been seen. What would decide.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Undecided {
-    /// More samples in the test image.
-    Samples(Advice),
-    /// Nothing the test image could do: even one without noise would not show a bias below this,
-    /// relative to the mean of the image.
-    Reference(f64),
-}
-
-/// Samples of a test image that would decide.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Advice {
-    /// That many times those it has.
-    pub times: f64,
-    /// Those it has per pixel, of all its renderings together; nothing where it does not say.
-    pub has: Option<u64>,
-    /// Its renderings: 1 of a single image.
-    pub renderings: u32,
-    /// Whether it states the variance of its samples: noise that is estimated is less sure.
-    pub is_stated: bool,
-}
-
-impl Advice {
-    /// Samples per pixel that would decide, of all renderings together, where those of the image
-    /// are known.
-    pub fn samples(&self) -> Option<f64> {
-        let has = self.has? as f64;
-        Some(two_digits(self.times * has).ceil())
-    }
-}
-
-/// The next number of two decimal digits from a `value` of at least 1 up: more would claim what an
-/// estimate does not know.
-fn two_digits(value: f64) -> f64 {
-    let scale = math::powu(10.0, math::log10(value) as u32);
-    (10.0 * value / scale).ceil() * scale / 10.0
-}
-
-impl fmt::Display for Undecided {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Undecided::Samples(advice) => advice.fmt(f),
-            Undecided::Reference(bias) => write!(
-                f,
-                "no number of samples would decide: the noise of the reference alone hides a bias below \
-                 {:.2} %",
-                100.0 * bias
-            ),
-        }
-    }
-}
-
-impl fmt::Display for Advice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (image, together) = match self.renderings {
-            1 => ("this image has".to_owned(), ""),
-            several => (format!("these {several} renderings have"), " together"),
-        };
-        match (self.samples(), self.has) {
-            (Some(samples), Some(has)) => write!(
-                f,
-                "about {samples} samples per pixel in all would decide, and {image} {has}{together}"
-            )?,
-            _ => write!(
-                f,
-                "about {} times as many samples per pixel as {image}{together} would decide",
-                two_digits(self.times)
-            )?,
-        }
-        match self.is_stated {
-            true => Ok(()),
-            false => f.write_str(" (fewer, if the image states its variance)"),
-        }
-    }
-}
 
 /// More samples than any renderer takes: it is the reference that is in the way.
 const MOST_TIMES: f64 = 1e6;
@@ -217,24 +138,5 @@ impl<'c> Limits<'c> {
             renderings: test.renderings().unwrap_or(1),
             is_stated: matches!(self.comparison.stated[1], Stated::Samples(_)),
         }))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn advice_has_two_digits_and_is_never_less() {
-        for (value, shown) in [
-            (1.0, "1"),
-            (1.01, "1.1"),
-            (9.95, "10"),
-            (16.04, "17"),
-            (6144.0, "6200"),
-            (99_999.0, "100000"),
-        ] {
-            assert_eq!(two_digits(value).to_string(), shown);
-        }
     }
 }

@@ -38,7 +38,7 @@ impl Stated {
 /// The noise of both images by that of the finer one: what the variances of the finer image are
 /// to be multiplied by to give those of the other.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shape {
+pub(super) struct NoiseShape {
     /// 0: the reference is the finer image, 1: the test image.
     pub fine: usize,
     /// Variance of the coarser image over that of the finer, of a block.
@@ -62,10 +62,10 @@ pub(super) fn unstated(stated: [Stated; 2]) -> Option<usize> {
     stated.iter().position(|stated| *stated == Stated::Nothing)
 }
 
-impl Shape {
+impl NoiseShape {
     /// `level` is the probability with which a ratio that is estimated may be larger than its bound.
     /// The test image is taken to have `times` the samples that it was looked at with.
-    pub fn new(stated: [Stated; 2], blocks: &[Block], level: f64, times: f64) -> Shape {
+    pub fn new(stated: [Stated; 2], blocks: &[Block], level: f64, times: f64) -> NoiseShape {
         let fine = usize::from(stated[1] > stated[0]);
         let silent = unstated(stated);
         let pair = |channel: &Channel| match silent {
@@ -105,7 +105,7 @@ impl Shape {
             left if left > THERE * error => left,
             _ => 0.0,
         };
-        Shape {
+        NoiseShape {
             fine,
             coarse: bound(&of_blocks),
             whole: bound(&of_whole),

@@ -1,19 +1,19 @@
 //! The plot of a transfer function in words and numbers.
 
-use super::Point;
+use super::BundlePoint;
 use crate::render::classified::curve::PlotLayout;
 use crate::scene::Curve;
 use serde::Serialize;
 
-type Colour = [f64; 3];
+type PlotColour = [f64; 3];
 
 /// All that is drawn. Frame, grid and letters are given as an image: fonts are not what is
 /// tested.
 #[derive(Serialize)]
-pub(super) struct Plot {
+pub(super) struct BundlePlot {
     backdrop: Backdrop,
-    axes: Axes,
-    line: Line,
+    axes: PlotAxes,
+    line: PlotLine,
     #[serde(flatten)]
     curves: Curves,
 }
@@ -25,7 +25,7 @@ struct Backdrop {
 }
 
 #[derive(Serialize)]
-struct Axes {
+struct PlotAxes {
     left: f64,
     right: f64,
     top: f64,
@@ -36,7 +36,7 @@ struct Axes {
 }
 
 #[derive(Serialize)]
-struct Line {
+struct PlotLine {
     half_width: f64,
     coverage: &'static str,
     blending: &'static str,
@@ -48,28 +48,28 @@ enum Curves {
     Formula {
         floor: f64,
         transparency: &'static str,
-        opacity_colour: Colour,
-        transparency_colour: Colour,
+        opacity_colour: PlotColour,
+        transparency_colour: PlotColour,
         order: &'static str,
     },
     Table {
-        points: Vec<Point>,
+        points: Vec<BundlePoint>,
         opacity: &'static str,
-        line_colour: Colour,
+        line_colour: PlotColour,
         order: &'static str,
     },
 }
 
-impl Plot {
+impl BundlePlot {
     /// The description of the plot of `curve`, whose backdrop stands in `file`.
-    pub(super) fn new(curve: &Curve, layout: &PlotLayout, file: String) -> Plot {
-        Plot {
+    pub(super) fn new(curve: &Curve, layout: &PlotLayout, file: String) -> BundlePlot {
+        BundlePlot {
             backdrop: Backdrop {
                 file,
                 format: "bare float32, little endian: linear R, G, B of every pixel, row by row \
                          from the top; all of the picture but the curves",
             },
-            axes: Axes {
+            axes: PlotAxes {
                 left: layout.left,
                 right: layout.right,
                 top: layout.top,
@@ -82,7 +82,7 @@ impl Plot {
                           pixels whose centres lie in left <= x <= right, top <= y <= bottom are \
                           drawn upon",
             },
-            line: Line {
+            line: PlotLine {
                 half_width: PlotLayout::HALF_WIDTH,
                 coverage: match curve {
                     Curve::Formula { .. } => {
@@ -118,7 +118,7 @@ impl Curves {
                 order: "first the curve of the opacity 1 - T(d), then over it that of T(d)",
             },
             Curve::Points(points) => Curves::Table {
-                points: Point::list(points),
+                points: BundlePoint::list(points),
                 opacity: "a0(d) goes in straight lines between the opacities of the points, \
                           colour(d) likewise, both constant beyond the outermost; of two points \
                           at one value, the later holds at the value itself",

@@ -1,6 +1,6 @@
 //! A classified volume in words and numbers.
 
-use super::Point;
+use super::BundlePoint;
 use crate::geometry::Camera;
 use crate::media::{Appearance, Phong, TransferFunction};
 use crate::scene::{Classified, Compositing, Shadow};
@@ -12,42 +12,42 @@ type Vector = [f64; 3];
 
 /// All that is computed for a picture of a volume.
 #[derive(Serialize)]
-pub(super) struct Volume {
-    ray: Ray,
-    grid: Grid,
-    interpolation: Method,
-    sampling: Sampling,
+pub(super) struct BundleVolume {
+    ray: BundleRay,
+    grid: BundleGrid,
+    interpolation: BundleMethod,
+    sampling: BundleSampling,
     transfer_function: Transfer,
     gradient: Option<&'static str>,
-    phong: Option<Shading>,
+    phong: Option<BundleShading>,
     shadow: Option<ShadowRay>,
-    light: Option<Light>,
+    light: Option<BundleLight>,
     radiance: String,
-    compositing: Method,
+    compositing: BundleMethod,
     #[serde(skip_serializing_if = "Option::is_none")]
     early_termination: Option<String>,
     background: Vector,
 }
 
-impl Volume {
+impl BundleVolume {
     /// The description of `scene`, whose values stand in `file`.
-    pub(super) fn new(scene: &Classified, file: String) -> Volume {
+    pub(super) fn new(scene: &Classified, file: String) -> BundleVolume {
         let lit = scene.phong.is_some() || scene.shadow.is_some();
-        Volume {
-            ray: Ray::new(&scene.camera),
-            grid: Grid::new(scene.grid.lattice(), file),
+        BundleVolume {
+            ray: BundleRay::new(&scene.camera),
+            grid: BundleGrid::new(scene.grid.lattice(), file),
             interpolation: interpolation(scene.interpolation),
-            sampling: Sampling {
+            sampling: BundleSampling {
                 step: scene.step,
                 formula: SAMPLING,
             },
             transfer_function: Transfer::new(&scene.transfer_function),
             gradient: scene.phong.map(|_| GRADIENT),
-            phong: scene.phong.map(Shading::new),
+            phong: scene.phong.map(BundleShading::new),
             shadow: scene
                 .shadow
                 .map(|shadow| ShadowRay::new(shadow, &scene.transfer_function)),
-            light: lit.then(|| Light {
+            light: lit.then(|| BundleLight {
                 position: scene.light.to_array(),
                 kind: "a white point light of strength 1, without fall-off",
             }),
@@ -61,13 +61,13 @@ impl Volume {
 
 /// A choice, and what it means.
 #[derive(Serialize)]
-struct Method {
+struct BundleMethod {
     method: &'static str,
     formula: &'static str,
 }
 
 #[derive(Serialize)]
-struct Ray {
+struct BundleRay {
     eye: Vector,
     forward: Vector,
     half_right: Vector,
@@ -75,9 +75,9 @@ struct Ray {
     formula: &'static str,
 }
 
-impl Ray {
-    fn new(camera: &Camera) -> Ray {
-        Ray {
+impl BundleRay {
+    fn new(camera: &Camera) -> BundleRay {
+        BundleRay {
             eye: camera.eye().to_array(),
             forward: camera.forward().to_array(),
             half_right: camera.half_right().to_array(),
@@ -95,7 +95,7 @@ impl Ray {
 }
 
 #[derive(Serialize)]
-struct Grid {
+struct BundleGrid {
     file: String,
     format: &'static str,
     nodes: [usize; 3],
@@ -107,10 +107,10 @@ struct Grid {
     faces: &'static str,
 }
 
-impl Grid {
-    fn new(lattice: &Lattice, file: String) -> Grid {
+impl BundleGrid {
+    fn new(lattice: &Lattice, file: String) -> BundleGrid {
         let bounds = lattice.bounds();
-        Grid {
+        BundleGrid {
             file,
             format: "bare float32, little endian, x fastest: with [nx, ny, nz] = nodes, the \
                      value of node (i, j, k) is number (k*ny + j)*nx + i, from 0",
@@ -135,14 +135,14 @@ impl Grid {
     }
 }
 
-fn interpolation(interpolation: Interpolation) -> Method {
+fn interpolation(interpolation: Interpolation) -> BundleMethod {
     match interpolation {
-        Interpolation::Nearest => Method {
+        Interpolation::Nearest => BundleMethod {
             method: "nearest",
             formula: "the value of node floor(u + 1/2), on each axis clamped to 0 ... nodes - 1. \
                       The sample keeps its own position: only values come from the node",
         },
-        Interpolation::Trilinear => Method {
+        Interpolation::Trilinear => BundleMethod {
             method: "trilinear",
             formula: "with i = floor(u) and f = u - i on each axis, a + (b - a)*f between the \
                       values a of node i and b of node i + 1, along x, then y, then z; node \
@@ -152,7 +152,7 @@ fn interpolation(interpolation: Interpolation) -> Method {
 }
 
 #[derive(Serialize)]
-struct Sampling {
+struct BundleSampling {
     step: f64,
     formula: &'static str,
 }
@@ -180,7 +180,7 @@ enum TransferKind {
         colour: &'static str,
     },
     Table {
-        points: Vec<Point>,
+        points: Vec<BundlePoint>,
         opacity: &'static str,
         colour: &'static str,
     },
@@ -202,7 +202,7 @@ impl Transfer {
                          on, and for m = 1, the last",
             },
             Appearance::Points(points) => TransferKind::Table {
-                points: Point::list(points),
+                points: BundlePoint::list(points),
                 opacity: "at value d a step of length h has the opacity \
                           a = 1 - (1 - a0(d))^(h/reference_length); a0(d) goes in straight lines \
                           between the opacities of the points and is constant beyond the \
@@ -225,7 +225,7 @@ const GRADIENT: &str = "stored at the nodes, by central differences: along each 
     the component 0. Between the nodes the three components are interpolated like the values";
 
 #[derive(Serialize)]
-struct Shading {
+struct BundleShading {
     ambient: f64,
     diffuse: f64,
     specular: f64,
@@ -233,9 +233,9 @@ struct Shading {
     formula: &'static str,
 }
 
-impl Shading {
-    fn new(phong: Phong) -> Shading {
-        Shading {
+impl BundleShading {
+    fn new(phong: Phong) -> BundleShading {
+        BundleShading {
             ambient: phong.ambient,
             diffuse: phong.diffuse,
             specular: phong.specular,
@@ -281,7 +281,7 @@ impl ShadowRay {
 }
 
 #[derive(Serialize)]
-struct Light {
+struct BundleLight {
     position: Vector,
     kind: &'static str,
 }
@@ -300,7 +300,7 @@ fn radiance(scene: &Classified) -> String {
         Some(_) => " * v, ambient light and highlight included",
         None => "",
     };
-    format!("a sample of value d sends out L = {strength}{colour}{visibility}")
+    format!("a sample of value d emits L = {strength}{colour}{visibility}")
 }
 
 fn early_termination(order: Compositing) -> Option<String> {
@@ -312,14 +312,14 @@ fn early_termination(order: Compositing) -> Option<String> {
     }
 }
 
-fn compositing(order: Compositing) -> Method {
+fn compositing(order: Compositing) -> BundleMethod {
     match order {
-        Compositing::FrontToBack | Compositing::EarlyTermination(_) => Method {
+        Compositing::FrontToBack | Compositing::EarlyTermination(_) => BundleMethod {
             method: "front-to-back",
             formula: "C = 0, A = 0; for each sample from the eye on, C = C + (1 - A)*a*L and \
                       A = A + (1 - A)*a; the pixel is C + (1 - A)*background",
         },
-        Compositing::BackToFront => Method {
+        Compositing::BackToFront => BundleMethod {
             method: "back-to-front",
             formula: "C = 0, A = 0; for each sample from the far end on, C = a*L + (1 - a)*C and \
                       A = a + (1 - a)*A; the pixel is C + (1 - A)*background",

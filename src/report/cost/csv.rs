@@ -1,6 +1,6 @@
 //! The cost of accuracy for spreadsheets and plotting programs.
 
-use crate::cost::results::{Cost, Event, Knob, MeanWork, Norms, Times};
+use crate::cost::results::{Cost, Event, MeanWork, Norms, Parameter, Times};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -9,7 +9,7 @@ use serde_json::Value;
 /// come last, so that two runs can be compared without them.
 pub fn cost_csv(costs: &[Cost]) -> Vec<(String, String)> {
     [
-        ladders(costs),
+        sweeps(costs),
         orders(costs),
         prices(costs),
         estimators(costs),
@@ -19,23 +19,23 @@ pub fn cost_csv(costs: &[Cost]) -> Vec<(String, String)> {
     ]
     .into_iter()
     .filter(|file| !file.rows.is_empty())
-    .map(File::written)
+    .map(CsvTable::written)
     .collect()
 }
 
 /// What becomes a file.
-struct File {
+struct CsvTable {
     name: &'static str,
     heads: Vec<&'static str>,
     rows: Vec<Vec<String>>,
 }
 
-impl File {
+impl CsvTable {
     /// A table about scenes: their columns come first.
-    fn new(name: &'static str, heads: &[&'static str]) -> File {
+    fn new(name: &'static str, heads: &[&'static str]) -> CsvTable {
         let mut all = vec!["scene", "panel"];
         all.extend(heads);
-        File {
+        CsvTable {
             name,
             heads: all,
             rows: Vec::new(),
@@ -118,36 +118,43 @@ fn norms(norms: Option<&Norms>) -> [String; 3] {
     ]
 }
 
-fn ladders(costs: &[Cost]) -> File {
-    let mut heads = vec!["study", "estimator", "is_ours", "knob", "setting", "value"];
+fn sweeps(costs: &[Cost]) -> CsvTable {
+    let mut heads = vec![
+        "study",
+        "estimator",
+        "is_ours",
+        "parameter",
+        "setting",
+        "value",
+    ];
     heads.extend(WORK.map(Event::key));
     heads.extend(["l1", "l2", "max", "l2_uncertainty"]);
     heads.extend(["judged_l1", "judged_l2", "judged_max", "local_order"]);
     heads.extend(["f32_off_l1", "f32_off_l2", "f32_off_max", "reference_bound"]);
     heads.extend(TIMES);
-    let mut file = File::new("ladders", &heads);
+    let mut file = CsvTable::new("sweeps", &heads);
     for cost in costs {
         for study in &cost.studies {
-            for ladder in &study.ladders {
-                for (at, rung) in ladder.rungs.iter().enumerate() {
+            for sweep in &study.sweeps {
+                for (at, level) in sweep.levels.iter().enumerate() {
                     let before = at.checked_sub(1);
-                    let local = before.and_then(|before| ladder.order.local.get(before));
+                    let local = before.and_then(|before| sweep.order.local.get(before));
                     let mut row = vec![
                         study.name.to_owned(),
-                        ladder.estimator.clone(),
-                        ladder.is_ours.to_string(),
-                        word(ladder.knob),
-                        rung.setting.clone(),
-                        number(rung.value),
+                        sweep.estimator.clone(),
+                        sweep.is_ours.to_string(),
+                        word(sweep.parameter),
+                        level.setting.clone(),
+                        number(level.value),
                     ];
-                    row.extend(work(&rung.work));
-                    row.extend(norms(Some(&rung.error)));
-                    row.push(number(rung.error.uncertainty));
-                    row.extend(norms(rung.error_of_order.as_ref()));
+                    row.extend(work(&level.work));
+                    row.extend(norms(Some(&level.error)));
+                    row.push(number(level.error.uncertainty));
+                    row.extend(norms(level.error_of_order.as_ref()));
                     row.push(optional(local.copied().flatten()));
-                    row.extend(norms(rung.single_precision.as_ref()));
+                    row.extend(norms(level.single_precision.as_ref()));
                     row.push(number(study.reference.bound));
-                    row.extend(times(rung.time.as_ref()));
+                    row.extend(times(level.time.as_ref()));
                     file.push(cost, row);
                 }
             }
@@ -156,11 +163,11 @@ fn ladders(costs: &[Cost]) -> File {
     file
 }
 
-fn orders(costs: &[Cost]) -> File {
+fn orders(costs: &[Cost]) -> CsvTable {
     let heads = [
         "study",
         "of",
-        "knob",
+        "parameter",
         "expected",
         "tolerance",
         "fitted",
@@ -168,14 +175,14 @@ fn orders(costs: &[Cost]) -> File {
         "verdict",
         "cut",
     ];
-    let mut file = File::new("orders", &heads);
+    let mut file = CsvTable::new("orders", &heads);
     for cost in costs {
         let mut all = Vec::new();
         for study in &cost.studies {
-            for ladder in &study.ladders {
-                let of = ladder.estimator.clone();
-                let cut = ladder.cut.clone().unwrap_or_default();
-                all.push((study.name, of, word(ladder.knob), &ladder.order, cut));
+            for sweep in &study.sweeps {
+                let of = sweep.estimator.clone();
+                let cut = sweep.cut.clone().unwrap_or_default();
+                all.push((study.name, of, word(sweep.parameter), &sweep.order, cut));
             }
         }
         for curve in cost.jitter.iter().flat_map(|jitter| &jitter.curves) {
@@ -184,14 +191,14 @@ fn orders(costs: &[Cost]) -> File {
                 ("bias", &curve.bias_order),
             ] {
                 let of = format!("{}, {what}", curve.jitter);
-                all.push(("jitter", of, word(Knob::Step), order, String::new()));
+                all.push(("jitter", of, word(Parameter::Step), order, String::new()));
             }
         }
-        for (study, of, knob, order, cut) in all {
+        for (study, of, parameter, order, cut) in all {
             let row = [
                 study.to_owned(),
                 of,
-                knob,
+                parameter,
                 optional(order.expected),
                 number(order.tolerance),
                 optional(order.fitted),
@@ -205,18 +212,18 @@ fn orders(costs: &[Cost]) -> File {
     file
 }
 
-fn prices(costs: &[Cost]) -> File {
+fn prices(costs: &[Cost]) -> CsvTable {
     let heads = [
         "study",
         "error",
         "estimator",
-        "knob",
+        "parameter",
         "setting",
         "lookups",
         "times_cheapest",
         "seconds",
     ];
-    let mut file = File::new("prices", &heads);
+    let mut file = CsvTable::new("prices", &heads);
     for cost in costs {
         for study in &cost.studies {
             for price in &study.prices {
@@ -225,7 +232,7 @@ fn prices(costs: &[Cost]) -> File {
                         study.name.to_owned(),
                         number(price.error),
                         offer.estimator.clone(),
-                        word(offer.knob),
+                        word(offer.parameter),
                         offer.setting.clone().unwrap_or_default(),
                         optional(offer.lookups),
                         optional(offer.times_cheapest),
@@ -239,7 +246,7 @@ fn prices(costs: &[Cost]) -> File {
     file
 }
 
-fn estimators(costs: &[Cost]) -> File {
+fn estimators(costs: &[Cost]) -> CsvTable {
     let heads = [
         "ray",
         "depth",
@@ -258,7 +265,7 @@ fn estimators(costs: &[Cost]) -> File {
         "agrees",
         "variance_times_seconds",
     ];
-    let mut file = File::new("estimators", &heads);
+    let mut file = CsvTable::new("estimators", &heads);
     for cost in costs {
         let Some(table) = &cost.estimators else {
             continue;
@@ -288,8 +295,8 @@ fn estimators(costs: &[Cost]) -> File {
     file
 }
 
-fn thickness(costs: &[Cost]) -> File {
-    let mut file = File::new(
+fn thickness(costs: &[Cost]) -> CsvTable {
+    let mut file = CsvTable::new(
         "thickness",
         &["ray", "estimator", "depth", "measured", "predicted"],
     );
@@ -313,7 +320,7 @@ fn thickness(costs: &[Cost]) -> File {
     file
 }
 
-fn jitter(costs: &[Cost]) -> File {
+fn jitter(costs: &[Cost]) -> CsvTable {
     let heads = [
         "ray",
         "jitter",
@@ -323,7 +330,7 @@ fn jitter(costs: &[Cost]) -> File {
         "depth_deviation",
         "predicted_bias",
     ];
-    let mut file = File::new("jitter", &heads);
+    let mut file = CsvTable::new("jitter", &heads);
     for cost in costs {
         let Some(split) = &cost.jitter else {
             continue;
@@ -346,12 +353,12 @@ fn jitter(costs: &[Cost]) -> File {
     file
 }
 
-fn effects(costs: &[Cost]) -> File {
+fn effects(costs: &[Cost]) -> CsvTable {
     let mut heads = vec!["effect"];
     heads.extend(WORK.map(Event::key));
     heads.push("times_lookups");
     heads.extend(TIMES);
-    let mut file = File::new("effects", &heads);
+    let mut file = CsvTable::new("effects", &heads);
     for cost in costs {
         for effect in &cost.effects {
             let mut row = vec![effect.effect.clone()];

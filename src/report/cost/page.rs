@@ -1,15 +1,15 @@
 //! The cost of accuracy as one page that needs no network and no script.
 
-use super::pictures::{Pictures, pictures};
-use super::plot::{self, Dress, Plot};
-use super::table::Table;
+use super::pictures::{ErrorMaps, pictures};
+use super::plot::{self, Plot, Theme};
+use super::table::ReportTable;
 use super::tables;
 use super::words::{self, Mark};
 use crate::cost::results::{Cost, Machine, RayTrace, Recommendation, Study};
 use minijinja::{Environment, context};
 use serde::Serialize;
 
-/// What a page tells of.
+/// Contents of a page.
 #[derive(Clone, Copy, Debug)]
 pub struct CostPage<'a> {
     /// Of the page.
@@ -27,10 +27,10 @@ pub struct CostPage<'a> {
 pub fn cost_html(page: &CostPage<'_>) -> String {
     let costs: Vec<CostView> = page.costs.iter().enumerate().map(CostView::new).collect();
     let judgement = words::judgement(page.costs);
-    let faults: Vec<Fault> = judgement
+    let faults: Vec<PageFault> = judgement
         .faults
         .into_iter()
-        .map(|(mark, text)| Fault { mark, text })
+        .map(|(mark, text)| PageFault { mark, text })
         .collect();
     let mut environment = Environment::new();
     // Text is escaped because the name ends like this.
@@ -57,7 +57,7 @@ pub fn cost_html(page: &CostPage<'_>) -> String {
 }
 
 #[derive(Serialize)]
-struct Fault {
+struct PageFault {
     mark: Mark,
     text: String,
 }
@@ -65,15 +65,15 @@ struct Fault {
 /// One scene or panel, as the template asks for it.
 #[derive(Serialize)]
 struct CostView<'a> {
-    place: usize,
+    index: usize,
     name: String,
     advice: &'a [Recommendation],
     studies: Vec<StudyView<'a>>,
     orders: Option<Plot>,
-    estimators: Option<Table>,
+    estimators: Option<ReportTable>,
     thickness: Option<Drawn>,
-    jitter: Option<Jitter>,
-    effects: Option<Table>,
+    jitter: Option<JitterView>,
+    effects: Option<ReportTable>,
     notes: &'a [String],
 }
 
@@ -82,15 +82,15 @@ struct CostView<'a> {
 struct Drawn {
     about: String,
     plot: Plot,
-    table: Table,
+    table: ReportTable,
 }
 
 #[derive(Serialize)]
-struct Jitter {
+struct JitterView {
     about: String,
     plot: Option<Plot>,
-    orders: Table,
-    table: Table,
+    orders: ReportTable,
+    table: ReportTable,
 }
 
 #[derive(Serialize)]
@@ -102,15 +102,15 @@ struct StudyView<'a> {
     known: String,
     judged_on: Option<&'a str>,
     work: Plot,
-    prices: Option<Table>,
-    orders: Table,
-    ladders: Vec<Table>,
-    pictures: Option<Pictures>,
-    worst: Option<Worst<'a>>,
+    prices: Option<ReportTable>,
+    orders: ReportTable,
+    sweeps: Vec<ReportTable>,
+    pictures: Option<ErrorMaps>,
+    worst: Option<WorstView<'a>>,
 }
 
 #[derive(Serialize)]
-struct Worst<'a> {
+struct WorstView<'a> {
     trace: &'a RayTrace,
     value: String,
     reference: String,
@@ -120,22 +120,22 @@ struct Worst<'a> {
 }
 
 impl<'a> CostView<'a> {
-    fn new((place, cost): (usize, &'a Cost)) -> CostView<'a> {
+    fn new((index, cost): (usize, &'a Cost)) -> CostView<'a> {
         CostView {
-            place,
+            index,
             name: words::scene(cost),
             advice: &cost.recommendations,
             studies: cost.studies.iter().map(StudyView::new).collect(),
-            orders: plot::orders(cost, Dress::Page),
+            orders: plot::orders(cost, Theme::Page),
             estimators: cost.estimators.as_ref().map(tables::estimators),
             thickness: cost.thickness.as_ref().map(|sweep| Drawn {
                 about: sweep.ray.clone(),
-                plot: plot::thickness(sweep, Dress::Page),
+                plot: plot::thickness(sweep, Theme::Page),
                 table: tables::thickness(sweep),
             }),
-            jitter: cost.jitter.as_ref().map(|split| Jitter {
+            jitter: cost.jitter.as_ref().map(|split| JitterView {
                 about: split.ray.clone(),
-                plot: plot::jitter(split, Dress::Page),
+                plot: plot::jitter(split, Theme::Page),
                 orders: tables::jitter_orders(split),
                 table: tables::jitter(split),
             }),
@@ -147,7 +147,7 @@ impl<'a> CostView<'a> {
 
 impl<'a> StudyView<'a> {
     fn new(study: &'a Study) -> StudyView<'a> {
-        let ladders = study.ladders.iter();
+        let sweeps = study.sweeps.iter();
         StudyView {
             name: study.name,
             quantity: &study.quantity,
@@ -155,27 +155,25 @@ impl<'a> StudyView<'a> {
             bound: words::error(study.reference.bound),
             known: words::error(words::least_known(study)),
             judged_on: study.judged_on.as_deref(),
-            work: plot::work_precision(study, Dress::Page),
+            work: plot::work_precision(study, Theme::Page),
             prices: (!study.prices.is_empty()).then(|| tables::prices(study)),
             orders: tables::orders(study),
-            ladders: ladders
-                .map(|ladder| tables::ladder(study, ladder))
-                .collect(),
+            sweeps: sweeps.map(|sweep| tables::sweep(study, sweep)).collect(),
             pictures: pictures(&study.pictures),
-            worst: study.worst_ray.as_ref().map(Worst::new),
+            worst: study.worst_ray.as_ref().map(WorstView::new),
         }
     }
 }
 
-impl<'a> Worst<'a> {
-    fn new(trace: &'a RayTrace) -> Worst<'a> {
-        Worst {
+impl<'a> WorstView<'a> {
+    fn new(trace: &'a RayTrace) -> WorstView<'a> {
+        WorstView {
             trace,
             value: format!("{:.6}", trace.value),
             reference: format!("{:.6}", trace.reference),
             difference: words::error(trace.value - trace.reference),
             samples: trace.samples.len(),
-            plot: plot::ray(trace, Dress::Page),
+            plot: plot::ray(trace, Theme::Page),
         }
     }
 }

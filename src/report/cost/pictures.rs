@@ -20,7 +20,7 @@ const MOST_PIXELS: usize = 1 << 22;
 
 /// Pictures of one study, and their scale.
 #[derive(Serialize)]
-pub(super) struct Pictures {
+pub(super) struct ErrorMaps {
     pictures: Vec<Shown>,
     /// Address of an image of the scale.
     scale: String,
@@ -43,7 +43,7 @@ struct Shown {
 }
 
 /// The pictures; none where there are none that can be shown.
-pub(super) fn pictures(pictures: &[ErrorPicture]) -> Option<Pictures> {
+pub(super) fn pictures(pictures: &[ErrorPicture]) -> Option<ErrorMaps> {
     let mut notes = Vec::new();
     let (shown, left_out): (Vec<_>, Vec<_>) = pictures.iter().partition(|picture| {
         let pixels = picture.size[0] * picture.size[1];
@@ -97,7 +97,7 @@ pub(super) fn pictures(pictures: &[ErrorPicture]) -> Option<Pictures> {
         .map(|at| code(2.0 * at as f64 / (SCALE - 1) as f64 - 1.0))
         .collect();
     let tick = |share: f64| words::error(largest * share);
-    Some(Pictures {
+    Some(ErrorMaps {
         pictures: views,
         scale: address(&scale, SCALE, 1),
         ticks: vec![
@@ -125,11 +125,11 @@ fn colour(error: f64, largest: f64) -> [u8; 3] {
     if !error.is_finite() {
         return [0; 3];
     }
-    code(place(error, largest))
+    code(shade(error, largest))
 }
 
 /// Where an error is on the scale from −1 to 1.
-fn place(error: f64, largest: f64) -> f64 {
+fn shade(error: f64, largest: f64) -> f64 {
     if error == 0.0 || largest == 0.0 {
         return 0.0;
     }
@@ -138,9 +138,9 @@ fn place(error: f64, largest: f64) -> f64 {
 }
 
 /// The colour at a place on the scale: blue is too dark, red too bright.
-fn code(place: f64) -> [u8; 3] {
+fn code(shade: f64) -> [u8; 3] {
     colorous::RED_BLUE
-        .eval_continuous(0.5 - 0.5 * place)
+        .eval_continuous(0.5 - 0.5 * shade)
         .into_array()
 }
 
@@ -150,10 +150,10 @@ mod tests {
 
     #[test]
     fn the_scale_is_signed_and_logarithmic() {
-        assert_eq!(place(1.0, 1.0), 1.0);
-        assert_eq!(place(-1e-2, 1.0), -0.5);
-        assert_eq!(place(1e-9, 1.0), 0.0);
-        assert_eq!(place(0.0, 0.0), 0.0);
+        assert_eq!(shade(1.0, 1.0), 1.0);
+        assert_eq!(shade(-1e-2, 1.0), -0.5);
+        assert_eq!(shade(1e-9, 1.0), 0.0);
+        assert_eq!(shade(0.0, 0.0), 0.0);
         let [red, _, blue] = colour(1.0, 1.0);
         assert!(red > blue);
         let [red, _, blue] = colour(-1.0, 1.0);

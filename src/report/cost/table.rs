@@ -12,12 +12,12 @@ const NARROWEST: usize = 12;
 
 /// Rows under named columns.
 #[derive(Serialize)]
-pub(super) struct Table {
+pub(super) struct ReportTable {
     pub(super) title: String,
     /// How to read it, in a sentence; for the page.
     pub(super) reading: String,
     pub(super) columns: Vec<Column>,
-    pub(super) rows: Vec<Vec<Cell>>,
+    pub(super) rows: Vec<Vec<TableCell>>,
     /// Whether a row whose first cell is empty belongs to the row above.
     pub(super) is_grouped: bool,
     /// What must be known besides.
@@ -62,36 +62,36 @@ pub(super) const fn page_number(head: &'static str) -> Column {
 
 /// What stands in a row under a column.
 #[derive(Clone, Serialize)]
-pub(super) struct Cell {
+pub(super) struct TableCell {
     pub(super) text: String,
     pub(super) mark: Mark,
 }
 
-impl From<String> for Cell {
-    fn from(text: String) -> Cell {
-        Cell {
+impl From<String> for TableCell {
+    fn from(text: String) -> TableCell {
+        TableCell {
             text,
             mark: Mark::Plain,
         }
     }
 }
 
-impl From<&str> for Cell {
-    fn from(text: &str) -> Cell {
+impl From<&str> for TableCell {
+    fn from(text: &str) -> TableCell {
         text.to_owned().into()
     }
 }
 
-impl From<(Mark, &str)> for Cell {
-    fn from((mark, text): (Mark, &str)) -> Cell {
-        Cell {
+impl From<(Mark, &str)> for TableCell {
+    fn from((mark, text): (Mark, &str)) -> TableCell {
+        TableCell {
             text: text.to_owned(),
             mark,
         }
     }
 }
 
-impl Table {
+impl ReportTable {
     /// Plain text, aligned, each line after `indent` blanks and none longer than [`WIDEST`]:
     /// words are cut where they would be. Ends with a line feed; empty without rows.
     pub(super) fn text(&self, indent: usize) -> String {
@@ -182,7 +182,7 @@ mod tests {
 
     #[test]
     fn columns_are_aligned_and_words_are_cut() {
-        let table = Table {
+        let table = ReportTable {
             title: String::new(),
             reading: String::new(),
             columns: vec![words("name"), page_number("left out"), number("number")],

@@ -1,31 +1,36 @@
 //! What is known about the cost of accuracy, as tables.
 
-use super::table::{Cell, Column, Table, number, page_number, words as column_of_words};
+use super::table::{Column, ReportTable, TableCell, number, page_number, words as column_of_words};
 use super::words;
 use crate::cost::results::{
-    Counted, EffectPrice, EstimatorTable, Event, JitterSplit, Ladder, Norms, Offer, Order, Study,
-    ThicknessSweep, Times,
+    ConvergenceOrder, Counted, EffectPrice, EstimatorTable, Event, JitterSplit, Norms, Offer,
+    Study, Sweep, ThicknessSweep, Times,
 };
 
 /// A number that there may not be.
-fn or_dash<T>(value: Option<T>, shown: impl Fn(T) -> String) -> Cell {
+fn or_dash<T>(value: Option<T>, shown: impl Fn(T) -> String) -> TableCell {
     value.map_or_else(|| "–".to_owned(), shown).into()
 }
 
-fn time(times: Option<&Times>) -> Cell {
+fn time(times: Option<&Times>) -> TableCell {
     let mark = match times {
         Some(times) if times.is_noisy => words::Mark::Odd,
         _ => words::Mark::Plain,
     };
-    Cell {
+    TableCell {
         mark,
         ..or_dash(times, words::times)
     }
 }
 
-/// The settings of a ladder.
-pub(super) fn ladder(study: &Study, ladder: &Ladder) -> Table {
-    let counts = |what| ladder.rungs.iter().any(|rung| rung.work.counted() == what);
+/// The settings of a sweep.
+pub(super) fn sweep(study: &Study, sweep: &Sweep) -> ReportTable {
+    let counts = |what| {
+        sweep
+            .levels
+            .iter()
+            .any(|level| level.work.counted() == what)
+    };
     let by_random = counts(Counted::RandomNumbers) && !counts(Counted::Lookups);
     let mut columns = vec![
         column_of_words("setting"),
@@ -38,21 +43,24 @@ pub(super) fn ladder(study: &Study, ladder: &Ladder) -> Table {
         number("L2"),
         number("max"),
     ];
-    let has_single = ladder
-        .rungs
+    let has_single = sweep
+        .levels
         .iter()
-        .any(|rung| rung.single_precision.is_some());
-    let has_judged = ladder
-        .rungs
+        .any(|level| level.single_precision.is_some());
+    let has_judged = sweep
+        .levels
         .iter()
-        .any(|rung| rung.error_of_order.is_some());
-    let has_doubt = ladder.rungs.iter().any(|rung| rung.error.uncertainty > 0.0);
-    let has_time = ladder.rungs.iter().any(|rung| rung.time.is_some());
+        .any(|level| level.error_of_order.is_some());
+    let has_doubt = sweep
+        .levels
+        .iter()
+        .any(|level| level.error.uncertainty > 0.0);
+    let has_time = sweep.levels.iter().any(|level| level.time.is_some());
     let has_random = !by_random
-        && ladder
-            .rungs
+        && sweep
+            .levels
             .iter()
-            .any(|rung| rung.work[Event::RandomDraw] > 0.0);
+            .any(|level| level.work[Event::RandomDraw] > 0.0);
     if has_doubt {
         columns.push(page_number("L2 ±"));
     }
@@ -69,23 +77,23 @@ pub(super) fn ladder(study: &Study, ladder: &Ladder) -> Table {
     if has_time {
         columns.push(number("time a ray"));
     }
-    let known = ladder.order.known;
-    let rows = ladder.rungs.iter().enumerate().map(|(at, rung)| {
+    let known = sweep.order.known;
+    let rows = sweep.levels.iter().enumerate().map(|(at, level)| {
         let Norms {
             l1,
             l2,
             max,
             uncertainty,
-        } = rung.error;
+        } = level.error;
         let is_known = l2 > known;
         let local = at
             .checked_sub(1)
-            .and_then(|before| ladder.order.local.get(before));
-        let mut row: Vec<Cell> = vec![
-            rung.setting.as_str().into(),
+            .and_then(|before| sweep.order.local.get(before));
+        let mut row: Vec<TableCell> = vec![
+            level.setting.as_str().into(),
             words::count(match by_random {
-                true => rung.work[Event::RandomDraw],
-                false => rung.work[Event::DensityLookup] + rung.work[Event::GradientLookup],
+                true => level.work[Event::RandomDraw],
+                false => level.work[Event::DensityLookup] + level.work[Event::GradientLookup],
             })
             .into(),
             words::error(l1).into(),
@@ -100,40 +108,40 @@ pub(super) fn ladder(study: &Study, ladder: &Ladder) -> Table {
             row.push(format!("{:.1} %", 100.0 * uncertainty).into());
         }
         if has_judged {
-            let judged = rung.error_of_order;
+            let judged = level.error_of_order;
             row.push(or_dash(judged, |norms| words::error(norms.l2)));
         }
         row.push(or_dash(local.copied().flatten(), |order| {
             format!("{order:.2}")
         }));
         if has_single {
-            let single = rung.single_precision;
+            let single = level.single_precision;
             row.push(or_dash(single, |norms| words::error(norms.l2)));
         }
         if has_random {
-            row.push(words::count(rung.work[Event::RandomDraw]).into());
+            row.push(words::count(level.work[Event::RandomDraw]).into());
         }
         if has_time {
-            row.push(time(rung.time.as_ref()));
+            row.push(time(level.time.as_ref()));
         }
         row
     });
     let rows: Vec<_> = rows.collect();
     let mut notes = Vec::new();
-    if ladder.rungs.iter().any(|rung| rung.error.l2 <= known) {
+    if sweep.levels.iter().any(|level| level.error.l2 <= known) {
         notes.push(format!(
             "° not above {}, below which the reference knows no more: no error of the setting",
             words::error(known)
         ));
     }
-    notes.extend(ladder.cut.iter().map(|why| format!("ended early: {why}")));
-    let name = words::ladder(study, &ladder.estimator, ladder.knob);
-    let ours = if ladder.is_ours {
+    notes.extend(sweep.cut.iter().map(|why| format!("ended early: {why}")));
+    let name = words::sweep(study, &sweep.estimator, sweep.parameter);
+    let ours = if sweep.is_ours {
         " (the reference renderer's way)"
     } else {
         ""
     };
-    Table {
+    ReportTable {
         title: format!("{name}{ours}"),
         reading:
             "Each setting with its work and its error; “order” is the power by which the root \
@@ -146,33 +154,33 @@ pub(super) fn ladder(study: &Study, ladder: &Ladder) -> Table {
     }
 }
 
-/// How the error of each ladder falls.
-pub(super) fn orders(study: &Study) -> Table {
-    let row = |ladder: &Ladder| {
-        let mut row: Vec<Cell> = vec![
-            ladder.estimator.as_str().into(),
-            words::knob(ladder.knob).into(),
+/// How the error of each sweep falls.
+pub(super) fn orders(study: &Study) -> ReportTable {
+    let row = |sweep: &Sweep| {
+        let mut row: Vec<TableCell> = vec![
+            sweep.estimator.as_str().into(),
+            words::parameter(sweep.parameter).into(),
         ];
-        row.extend(order_cells(&ladder.order));
+        row.extend(order_cells(&sweep.order));
         row
     };
-    let mut columns = vec![column_of_words("estimator"), column_of_words("turned")];
+    let mut columns = vec![column_of_words("estimator"), column_of_words("varied")];
     columns.extend(ORDER_COLUMNS);
     let judged_on = study.judged_on.iter();
     let mut notes: Vec<String> = judged_on.map(|rays| format!("orders: {rays}")).collect();
-    notes.extend(study.ladders.iter().filter_map(|ladder| {
-        let why = ladder.cut.as_ref()?;
-        let name = words::ladder(study, &ladder.estimator, ladder.knob);
+    notes.extend(study.sweeps.iter().filter_map(|sweep| {
+        let why = sweep.cut.as_ref()?;
+        let name = words::sweep(study, &sweep.estimator, sweep.parameter);
         Some(format!("{name} ended early: {why}"))
     }));
-    Table {
+    ReportTable {
         title: format!("{}: orders of error", study.name),
-        reading: "Power by which the error falls as the knob is turned; of samples it is negative. \
+        reading: "Power by which the error falls as the parameter is refined; of samples it is negative. \
                   By least squares: over the four finest settings whose error is below 0.1 and above \
                   what the reference knows, and over all settings where chance is at work."
             .to_owned(),
         columns,
-        rows: study.ladders.iter().map(row).collect(),
+        rows: study.sweeps.iter().map(row).collect(),
         is_grouped: false,
         notes,
     }
@@ -186,7 +194,7 @@ const ORDER_COLUMNS: [Column; 5] = [
     column_of_words("verdict"),
 ];
 
-fn order_cells(order: &Order) -> [Cell; 5] {
+fn order_cells(order: &ConvergenceOrder) -> [TableCell; 5] {
     let tolerance = order.expected.map(|_| order.tolerance);
     [
         words::expected(order.expected).into(),
@@ -198,7 +206,7 @@ fn order_cells(order: &Order) -> [Cell; 5] {
 }
 
 /// The cheapest settings.
-pub(super) fn prices(study: &Study) -> Table {
+pub(super) fn prices(study: &Study) -> ReportTable {
     let mut columns = vec![
         column_of_words("error"),
         column_of_words("estimator"),
@@ -216,7 +224,7 @@ pub(super) fn prices(study: &Study) -> Table {
     let mut by_none = Vec::new();
     for price in &study.prices {
         let error = words::round(price.error);
-        let name = |offer: &Offer| words::ladder(study, &offer.estimator, offer.knob);
+        let name = |offer: &Offer| words::sweep(study, &offer.estimator, offer.parameter);
         let (reached, not): (Vec<_>, Vec<_>) = price
             .offers
             .iter()
@@ -231,7 +239,7 @@ pub(super) fn prices(study: &Study) -> Table {
             ));
         }
         for (at, offer) in reached.into_iter().enumerate() {
-            let mut row: Vec<Cell> = vec![
+            let mut row: Vec<TableCell> = vec![
                 if at == 0 { error.as_str() } else { "" }.into(),
                 name(offer).into(),
                 offer.setting.as_deref().unwrap_or_default().into(),
@@ -250,7 +258,7 @@ pub(super) fn prices(study: &Study) -> Table {
             by_none.join(", ")
         ));
     }
-    Table {
+    ReportTable {
         title: format!("{}: price list", study.name),
         reading: "The cheapest setting of each estimator from which on the root mean square error \
                   stays at or below the one wanted, at all finer settings too: equal error, so \
@@ -264,7 +272,7 @@ pub(super) fn prices(study: &Study) -> Table {
 }
 
 /// Estimators against theory.
-pub(super) fn estimators(table: &EstimatorTable) -> Table {
+pub(super) fn estimators(table: &EstimatorTable) -> ReportTable {
     let mut columns = vec![
         column_of_words("estimator"),
         column_of_words("verdict"),
@@ -285,7 +293,7 @@ pub(super) fn estimators(table: &EstimatorTable) -> Table {
         columns.push(page_number("var × seconds"));
     }
     let rows = table.rows.iter().map(|row| {
-        let mut cells: Vec<Cell> = vec![
+        let mut cells: Vec<TableCell> = vec![
             row.estimator.as_str().into(),
             words::agreement(row).into(),
             format!("{:.6}", row.mean).into(),
@@ -302,7 +310,7 @@ pub(super) fn estimators(table: &EstimatorTable) -> Table {
         }
         cells
     });
-    Table {
+    ReportTable {
         title: "estimators of transmittance".to_owned(),
         reading: "One ray, whose transmittance is known to the last digits. An estimator agrees if \
                   its mean is within 4 standard errors (s.e.) of the truth, its look-ups within 5 % \
@@ -320,13 +328,13 @@ pub(super) fn estimators(table: &EstimatorTable) -> Table {
 }
 
 /// Variance times look-ups by optical thickness: a row for each thickness.
-pub(super) fn thickness(sweep: &ThicknessSweep) -> Table {
+pub(super) fn thickness(sweep: &ThicknessSweep) -> ReportTable {
     let rows = sweep.curves.iter().flat_map(|curve| {
         curve
             .points
             .iter()
             .enumerate()
-            .map(|(at, point)| -> Vec<Cell> {
+            .map(|(at, point)| -> Vec<TableCell> {
                 let name = if at == 0 {
                     curve.estimator.as_str()
                 } else {
@@ -343,8 +351,8 @@ pub(super) fn thickness(sweep: &ThicknessSweep) -> Table {
                 ]
             })
     });
-    Table {
-        title: "thin and dense matter".to_owned(),
+    ReportTable {
+        title: "thin and dense media".to_owned(),
         reading: "Relative variance times look-ups, by the optical depth of the ray: the smallest \
                   wins at that depth."
             .to_owned(),
@@ -362,13 +370,13 @@ pub(super) fn thickness(sweep: &ThicknessSweep) -> Table {
 }
 
 /// Bias and variance of jittered marching.
-pub(super) fn jitter(split: &JitterSplit) -> Table {
+pub(super) fn jitter(split: &JitterSplit) -> ReportTable {
     let rows = split.curves.iter().flat_map(|curve| {
         curve
             .points
             .iter()
             .enumerate()
-            .map(|(at, point)| -> Vec<Cell> {
+            .map(|(at, point)| -> Vec<TableCell> {
                 let name = if at == 0 { curve.jitter.as_str() } else { "" };
                 let (bias, variance) = (point.bias * point.bias, point.deviation * point.deviation);
                 vec![
@@ -382,7 +390,7 @@ pub(super) fn jitter(split: &JitterSplit) -> Table {
                 ]
             })
     });
-    Table {
+    ReportTable {
         title: "jittered marching: bias and variance".to_owned(),
         reading: "Both relative to the transmittance; their sum is the mean square error. Bias is \
                   what more samples do not take away."
@@ -403,7 +411,7 @@ pub(super) fn jitter(split: &JitterSplit) -> Table {
 }
 
 /// Orders of jittered marching.
-pub(super) fn jitter_orders(split: &JitterSplit) -> Table {
+pub(super) fn jitter_orders(split: &JitterSplit) -> ReportTable {
     let mut columns = vec![column_of_words("jitter"), column_of_words("of")];
     columns.extend(ORDER_COLUMNS);
     let rows = split.curves.iter().flat_map(|curve| {
@@ -412,12 +420,12 @@ pub(super) fn jitter_orders(split: &JitterSplit) -> Table {
             ("bias of T", &curve.bias_order),
         ]
         .map(|(of, order)| {
-            let mut row: Vec<Cell> = vec![curve.jitter.as_str().into(), of.into()];
+            let mut row: Vec<TableCell> = vec![curve.jitter.as_str().into(), of.into()];
             row.extend(order_cells(order));
             row
         })
     });
-    Table {
+    ReportTable {
         title: "jittered marching: orders".to_owned(),
         reading: "Power of the step by which deviation and bias fall.".to_owned(),
         columns,
@@ -428,7 +436,7 @@ pub(super) fn jitter_orders(split: &JitterSplit) -> Table {
 }
 
 /// What each effect costs.
-pub(super) fn effects(effects: &[EffectPrice]) -> Table {
+pub(super) fn effects(effects: &[EffectPrice]) -> ReportTable {
     let mut columns = vec![
         column_of_words("effect"),
         number("look-ups"),
@@ -446,7 +454,7 @@ pub(super) fn effects(effects: &[EffectPrice]) -> Table {
     }
     let rows = effects.iter().map(|effect| {
         let work = &effect.work;
-        let mut row: Vec<Cell> = vec![
+        let mut row: Vec<TableCell> = vec![
             effect.effect.as_str().into(),
             words::count(work[Event::DensityLookup] + work[Event::GradientLookup]).into(),
             or_dash(effect.times_lookups, words::factor),
@@ -462,7 +470,7 @@ pub(super) fn effects(effects: &[EffectPrice]) -> Table {
         }
         row
     });
-    Table {
+    ReportTable {
         title: "what each effect costs by itself".to_owned(),
         reading:
             "Work for each pixel with one effect switched on: shadow rays, values of the phase \

@@ -1,12 +1,12 @@
 //! The cost of accuracy for a terminal.
 
-use super::table::{Table, wrapped};
+use super::table::{ReportTable, wrapped};
 use super::{tables, words};
-use crate::cost::results::{Cost, Ladder, Machine, OrderVerdict, Recommendation};
+use crate::cost::results::{Cost, Machine, OrderVerdict, Recommendation, Sweep};
 
 /// Tables as plain text, no line longer than 100 columns but for commands: of each scene what to
 /// take and the price list first, then orders, then settings and the rest. All settings of all
-/// ladders are in [`super::cost_csv`] and [`super::cost_html`].
+/// sweeps are in [`super::cost_csv`] and [`super::cost_html`].
 pub fn cost_text(costs: &[Cost], machine: Option<&Machine>) -> String {
     let mut text = String::new();
     for cost in costs {
@@ -64,11 +64,7 @@ fn scene(cost: &Cost) -> String {
             push(&mut text, &tables::prices(study));
         }
     }
-    for study in cost
-        .studies
-        .iter()
-        .filter(|study| !study.ladders.is_empty())
-    {
+    for study in cost.studies.iter().filter(|study| !study.sweeps.is_empty()) {
         push(&mut text, &tables::orders(study));
     }
     if let Some(jitter) = &cost.jitter {
@@ -82,16 +78,16 @@ fn scene(cost: &Cost) -> String {
     }
     for study in &cost.studies {
         let (shown, rest): (Vec<_>, Vec<_>) =
-            study.ladders.iter().partition(|ladder| is_shown(ladder));
-        for ladder in shown {
-            let mut table = tables::ladder(study, ladder);
+            study.sweeps.iter().partition(|sweep| is_shown(sweep));
+        for sweep in shown {
+            let mut table = tables::sweep(study, sweep);
             table.title = format!("{}: {}", study.name, table.title);
             push(&mut text, &table);
         }
         if !rest.is_empty() {
             let names: Vec<_> = rest
                 .into_iter()
-                .map(|ladder| words::ladder(study, &ladder.estimator, ladder.knob))
+                .map(|sweep| words::sweep(study, &sweep.estimator, sweep.parameter))
                 .collect();
             let names = names.join("; ");
             text.push('\n');
@@ -116,14 +112,14 @@ fn scene(cost: &Cost) -> String {
     text
 }
 
-/// Whether all settings of a ladder are shown on a terminal: of what the reference renderer does,
+/// Whether all settings of a sweep are shown on a terminal: of what the reference renderer does,
 /// and of what does not do as expected.
-fn is_shown(ladder: &Ladder) -> bool {
+fn is_shown(sweep: &Sweep) -> bool {
     let is_fine = matches!(
-        ladder.order.verdict,
+        sweep.order.verdict,
         OrderVerdict::AsExpected | OrderVerdict::TooFewRays | OrderVerdict::NothingExpected
     );
-    ladder.is_ours || !is_fine
+    sweep.is_ours || !is_fine
 }
 
 fn advice(recommendation: &Recommendation) -> String {
@@ -135,7 +131,7 @@ fn advice(recommendation: &Recommendation) -> String {
     text
 }
 
-fn push(text: &mut String, table: &Table) {
+fn push(text: &mut String, table: &ReportTable) {
     text.push_str(&format!("\n{}\n", table.title));
     text.push_str(&table.text(2));
     for note in &table.notes {

@@ -1,7 +1,8 @@
 //! Numbers and verdicts, as text and page write them.
 
 use crate::cost::results::{
-    Cost, Counted, EstimatorRow, Knob, Ladder, Machine, Order, OrderVerdict, Rung, Study, Times,
+    ConvergenceOrder, Cost, Counted, EstimatorRow, Level, Machine, OrderVerdict, Parameter, Study,
+    Sweep, Times,
 };
 
 /// The scene, with its panel.
@@ -12,31 +13,31 @@ pub(super) fn scene(cost: &Cost) -> String {
     }
 }
 
-/// What is turned, in a word or two.
-pub(super) fn knob(knob: Knob) -> &'static str {
-    match knob {
-        Knob::Step => "step",
-        Knob::ShadowStep => "shadow step",
-        Knob::Spacing => "node spacing",
-        Knob::Pixel => "pixel",
-        Knob::Samples => "samples",
-        Knob::None => "none",
+/// Name of a parameter, in a word or two.
+pub(super) fn parameter(parameter: Parameter) -> &'static str {
+    match parameter {
+        Parameter::Step => "step",
+        Parameter::ShadowStep => "shadow step",
+        Parameter::Spacing => "node spacing",
+        Parameter::Pixel => "pixel",
+        Parameter::Samples => "samples",
+        Parameter::None => "none",
     }
 }
 
-/// The estimator, and what is turned where another ladder of the study turns something else.
-pub(super) fn ladder(study: &Study, estimator: &str, turned: Knob) -> String {
-    let is_other = |ladder: &&Ladder| ladder.estimator == estimator && ladder.knob != turned;
-    match study.ladders.iter().find(is_other) {
-        Some(_) => format!("{estimator}, {}", knob(turned)),
+/// The estimator, and the parameter where another sweep of the study varies another.
+pub(super) fn sweep(study: &Study, estimator: &str, varied: Parameter) -> String {
+    let is_other = |sweep: &&Sweep| sweep.estimator == estimator && sweep.parameter != varied;
+    match study.sweeps.iter().find(is_other) {
+        Some(_) => format!("{estimator}, {}", parameter(varied)),
         None => estimator.to_owned(),
     }
 }
 
 /// What the prices of a study count. Of a mixture it is what most have: look-ups.
 pub(super) fn counted(study: &Study) -> &'static str {
-    let rungs = || study.ladders.iter().flat_map(|ladder| &ladder.rungs);
-    let any = |what: Counted| rungs().any(|rung| rung.work.counted() == what);
+    let levels = || study.sweeps.iter().flat_map(|sweep| &sweep.levels);
+    let any = |what: Counted| levels().any(|level| level.work.counted() == what);
     match (any(Counted::Lookups), any(Counted::RandomNumbers)) {
         (false, true) => "random numbers",
         (true, true) => "look-ups or random numbers",
@@ -45,12 +46,12 @@ pub(super) fn counted(study: &Study) -> &'static str {
 }
 
 /// The price of a setting, with what it counts.
-pub(super) fn price(rung: &Rung) -> String {
-    let noun = match rung.work.counted() {
+pub(super) fn price(level: &Level) -> String {
+    let noun = match level.work.counted() {
         Counted::RandomNumbers => "random numbers",
         Counted::Lookups | Counted::Nothing => "look-ups",
     };
-    format!("{} {noun}", count(rung.work.price()))
+    format!("{} {noun}", count(level.work.price()))
 }
 
 /// How a verdict is marked: never by colour alone.
@@ -159,7 +160,7 @@ pub(super) fn expected(value: Option<f64>) -> String {
 }
 
 /// An order that was fitted beside the expected one: `1.99 (expected 2)`.
-pub(super) fn fitted(order: &Order) -> String {
+pub(super) fn fitted(order: &ConvergenceOrder) -> String {
     let fitted = match order.fitted {
         Some(fitted) => format!("order {fitted:.2}"),
         None => "no order".to_owned(),
@@ -220,19 +221,19 @@ pub(super) fn machine_warning(machine: &Machine) -> Option<&'static str> {
     (machine.profile != "release").then_some("not optimised: look-ups can be trusted, times cannot")
 }
 
-/// Errors at or below this may be those of the reference, in all ladders of the study.
+/// Errors at or below this may be those of the reference, in all sweeps of the study.
 pub(super) fn least_known(study: &Study) -> f64 {
-    let of_each = study.ladders.iter().map(|ladder| ladder.order.known);
+    let of_each = study.sweeps.iter().map(|sweep| sweep.order.known);
     of_each.reduce(f64::max).unwrap_or(study.reference.bound)
 }
 
 /// The root mean square error to which an order is fitted.
-pub(super) fn judged(rung: &Rung) -> f64 {
-    rung.error_of_order.unwrap_or(rung.error).l2
+pub(super) fn judged(level: &Level) -> f64 {
+    level.error_of_order.unwrap_or(level.error).l2
 }
 
 /// Verdicts of a report, counted, and those in detail that are not as they should be.
-pub(super) struct Judgement {
+pub(super) struct OrderSummary {
     pub(super) mark: Mark,
     pub(super) headline: String,
     /// What is not as expected, or not known: mark and words.
@@ -240,11 +241,11 @@ pub(super) struct Judgement {
 }
 
 /// What came of all expectations.
-pub(super) fn judgement(costs: &[Cost]) -> Judgement {
+pub(super) fn judgement(costs: &[Cost]) -> OrderSummary {
     let mut faults = Vec::new();
     // As expected, as far as rays tell, otherwise, undecided, not yet a power, nothing expected.
     let mut orders = [0_usize; 6];
-    let mut note = |name: String, order: &Order| {
+    let mut note = |name: String, order: &ConvergenceOrder| {
         orders[order.verdict as usize] += 1;
         let words = fitted(order);
         match order.verdict {
@@ -270,8 +271,8 @@ pub(super) fn judgement(costs: &[Cost]) -> Judgement {
     for cost in costs {
         let scene = scene(cost);
         for study in &cost.studies {
-            for each in &study.ladders {
-                let name = ladder(study, &each.estimator, each.knob);
+            for each in &study.sweeps {
+                let name = sweep(study, &each.estimator, each.parameter);
                 note(format!("{scene}, {}, {name}", study.name), &each.order);
             }
         }
@@ -338,7 +339,7 @@ pub(super) fn judgement(costs: &[Cost]) -> Judgement {
         true => "Nothing was expected, so nothing was judged.".to_owned(),
         false => format!("{}.", parts.join("; ")),
     };
-    Judgement {
+    OrderSummary {
         mark,
         headline,
         faults,

@@ -1,28 +1,29 @@
 //! What the page shows of one case.
 
 use super::measures::{self, Mean};
-use super::pictures::{Pictures, Views};
+use super::pictures::{PackedPictures, Views};
 use super::{pixels, words};
-use crate::suite::{CaseResult, Evidence, Likeness};
+use crate::compare::DifferenceScale;
+use crate::suite::{CaseResult, Evidence, Likeness, metric_meaning};
 use serde::Serialize;
 
 /// One case, as the template asks for it.
 #[derive(Serialize)]
 pub(super) struct CaseView<'a> {
-    /// Place on the page, from 0.
-    place: usize,
+    /// Position on the page, from 0.
+    index: usize,
     pub(super) result: &'a CaseResult,
     symbol: &'static str,
     /// Name of the gate, and how it judges.
-    gate: String,
+    gate: &'static str,
     gate_words: &'static str,
     /// Mistakes that the image looks like, with what to do.
-    mistakes: Vec<Mistake<'a>>,
-    numbers: Vec<Number<'a>>,
+    mistakes: Vec<MistakeView<'a>>,
+    numbers: Vec<NumberView<'a>>,
     /// Red, green and blue over the image, where there are both images.
     means: Vec<Mean>,
     /// Where the difference is, in words.
-    place_words: Option<String>,
+    spread_words: Option<String>,
     /// What is to be said beside the verdict, and what is odd about the images.
     notes: Vec<String>,
     source: &'a str,
@@ -36,17 +37,17 @@ pub(super) struct CaseView<'a> {
     small_golden: Option<String>,
     small_test: Option<String>,
     /// For the script; nothing where there is no image at all.
-    pictures: Option<Pictures>,
+    pictures: Option<PackedPictures>,
 }
 
 #[derive(Serialize)]
-struct Mistake<'a> {
+struct MistakeView<'a> {
     name: &'a str,
     advice: Option<&'a str>,
 }
 
 #[derive(Serialize)]
-struct Number<'a> {
+struct NumberView<'a> {
     name: &'a str,
     value: String,
     words: &'static str,
@@ -54,28 +55,27 @@ struct Number<'a> {
 
 impl<'a> CaseView<'a> {
     pub(super) fn new(
-        place: usize,
+        index: usize,
         result: &'a CaseResult,
         evidence: &'a Evidence,
         likely: &'a [Likeness],
     ) -> CaseView<'a> {
-        let gate = result.gate.to_string();
         let advice = |name: &str| {
             let known = likely.iter().find(|likeness| likeness.mistake == name);
             known.map(|likeness| likeness.advice.as_str())
         };
         let views = Views::of(evidence);
         let films = views.films();
-        let blocks = views.blocks(result.gate);
+        let scale = views.difference_scale(result.gate);
         CaseView {
-            place,
+            index,
             result,
             symbol: words::symbol(result.verdict),
-            gate_words: words::gate(&gate),
+            gate_words: result.gate.rule(),
             mistakes: result
                 .looks_like
                 .iter()
-                .map(|name| Mistake {
+                .map(|name| MistakeView {
                     name,
                     advice: advice(name),
                 })
@@ -83,16 +83,16 @@ impl<'a> CaseView<'a> {
             numbers: result
                 .metrics
                 .iter()
-                .map(|(name, &value)| Number {
+                .map(|(name, &value)| NumberView {
                     name,
                     value: words::digits(value),
-                    words: words::number(name),
+                    words: metric_meaning(name),
                 })
                 .collect(),
             means: films.map_or_else(Vec::new, |(golden, test)| measures::means(golden, test)),
-            place_words: match &blocks {
-                Some(map) => Some(measures::odd_blocks(map)),
-                None => films.and_then(|(golden, test)| measures::spread(golden, test)),
+            spread_words: match &scale {
+                DifferenceScale::StandardErrors(map) => Some(measures::odd_blocks(map)),
+                _ => films.and_then(|(golden, test)| measures::spread(golden, test)),
             },
             source: &evidence.source,
             shows: &evidence.shows,
@@ -108,9 +108,9 @@ impl<'a> CaseView<'a> {
                 let srgb = picture.srgb(views.exposure).ok()?;
                 Some(pixels::thumbnail(srgb.pixels(), srgb.width()))
             }),
-            pictures: views.packed(result.gate, blocks.as_ref()),
+            pictures: views.packed(&scale),
             notes: result.notes.iter().cloned().chain(views.notes).collect(),
-            gate,
+            gate: result.gate.name(),
         }
     }
 }

@@ -1,7 +1,8 @@
 //! By how much two images differ, and where, in numbers and words.
 
 use super::words;
-use crate::compare::stochastic::{BLOCK, BlockMap};
+use crate::compare::BlockMap;
+use crate::compare::stochastic::BLOCK;
 use crate::film::Film;
 use serde::Serialize;
 

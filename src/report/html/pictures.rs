@@ -2,8 +2,8 @@
 
 use super::pixels;
 use crate::compare::flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
-use crate::compare::stochastic::{self, BlockMap};
-use crate::compare::{Gate, Picture, deterministic};
+use crate::compare::stochastic::BLOCK;
+use crate::compare::{BlockMap, DifferenceScale, Gate, Picture};
 use crate::film::Film;
 use crate::suite::Evidence;
 use serde::Serialize;
@@ -64,7 +64,10 @@ impl<'a> Views<'a> {
                  at exposure {exposure:+}, and differences are in codes from 0 to 255."
             ));
         }
-        for (name, film) in [("golden", golden), ("test image", test.and_then(radiance))] {
+        for (name, film) in [
+            ("golden", golden),
+            ("test image", test.and_then(Picture::radiance)),
+        ] {
             notes.extend(film.and_then(|film| not_finite(name, film)));
         }
         Views {
@@ -79,23 +82,23 @@ impl<'a> Views<'a> {
     /// Golden and test image, where they are of one size and both radiance.
     pub(super) fn films(&self) -> Option<(&'a Film, &'a Film)> {
         let (golden, test) = self.pair?;
-        Some((golden, radiance(test)?))
+        Some((golden, test.radiance()?))
     }
 
-    /// How far blocks deviate, where the gate asks for that.
-    pub(super) fn blocks(&self, gate: Gate) -> Option<BlockMap> {
-        let (golden, test) = self.films().filter(|_| gate == Gate::Stochastic)?;
-        stochastic::block_map(golden, test)
+    /// The unit in which the gate shows the difference.
+    pub(super) fn difference_scale(&self, gate: &dyn Gate) -> DifferenceScale {
+        let scale = |(golden, test)| gate.difference_scale(golden, test);
+        self.films().map_or(DifferenceScale::Radiance, scale)
     }
 
     /// Everything that the script needs; nothing where there is no image.
-    pub(super) fn packed(&self, gate: Gate, blocks: Option<&BlockMap>) -> Option<Pictures> {
+    pub(super) fn packed(&self, scale: &DifferenceScale) -> Option<PackedPictures> {
         if self.golden.is_none() && self.test.is_none() {
             return None;
         }
-        Some(Pictures {
+        Some(PackedPictures {
             exposure: self.exposure,
-            golden: self.golden.map(|film| Image {
+            golden: self.golden.map(|film| PackedImage {
                 width: film.width(),
                 height: film.height(),
                 floats: Some(pixels::smooth_floats(film.radiance(), film.width())),
@@ -106,20 +109,25 @@ impl<'a> Views<'a> {
                 pixels::floats(&differences(golden, test, self.exposure), golden.width())
             }),
             flip: self.packed_flip(),
-            z: blocks.map(packed_blocks),
-            tolerance: (gate == Gate::Deterministic)
-                .then_some([deterministic::ABSOLUTE, deterministic::RELATIVE]),
+            z: match scale {
+                DifferenceScale::StandardErrors(map) => Some(packed_blocks(map)),
+                _ => None,
+            },
+            tolerance: match *scale {
+                DifferenceScale::Tolerance { absolute, relative } => Some([absolute, relative]),
+                _ => None,
+            },
         })
     }
 
-    fn packed_test(&self, picture: &Picture) -> Image {
+    fn packed_test(&self, picture: &Picture) -> PackedImage {
         let (width, height) = picture.size();
         let (floats, codes) = match picture {
             Picture::Codes(image) => (None, Some(pixels::codes(image.pixels(), width))),
             Picture::Radiance(_) if self.pair.is_some() => (None, None),
             Picture::Radiance(film) => (Some(pixels::smooth_floats(film.radiance(), width)), None),
         };
-        Image {
+        PackedImage {
             width,
             height,
             floats,
@@ -138,22 +146,22 @@ impl<'a> Views<'a> {
 
 /// Images and maps, packed by [`pixels`].
 #[derive(Serialize)]
-pub(super) struct Pictures {
+pub(super) struct PackedPictures {
     /// Stops at which they are shown first.
     exposure: f64,
-    golden: Option<Image>,
-    test: Option<Image>,
+    golden: Option<PackedImage>,
+    test: Option<PackedImage>,
     /// Test minus golden where they are of one size: of radiance, or of 8-bit codes at the
     /// exposure.
     difference: Option<String>,
     flip: Option<String>,
-    z: Option<Blocks>,
-    /// Absolute and relative part of a tolerance, under the deterministic gate.
+    z: Option<PackedBlocks>,
+    /// Absolute and relative part of a tolerance, where the gate has one.
     tolerance: Option<[f64; 2]>,
 }
 
 #[derive(Serialize)]
-struct Image {
+struct PackedImage {
     width: usize,
     height: usize,
     /// Radiance. The test image has none where it is golden plus difference.
@@ -163,7 +171,7 @@ struct Image {
 }
 
 #[derive(Serialize)]
-struct Blocks {
+struct PackedBlocks {
     columns: usize,
     rows: usize,
     side: usize,
@@ -188,13 +196,6 @@ fn shown<'a, T>(
         return Some(image);
     }
     None
-}
-
-fn radiance(picture: &Picture) -> Option<&Film> {
-    match picture {
-        Picture::Radiance(film) => Some(film),
-        Picture::Codes(_) => None,
-    }
 }
 
 fn not_finite(name: &str, film: &Film) -> Option<String> {
@@ -229,16 +230,16 @@ fn differences(golden: &Film, test: &Picture, exposure: f64) -> Vec<[f32; 3]> {
     }
 }
 
-fn packed_blocks(map: &stochastic::BlockMap) -> Blocks {
+fn packed_blocks(map: &BlockMap) -> PackedBlocks {
     let deviations: Vec<_> = map
         .deviations
         .iter()
         .map(|block| block.map(|z| z as f32))
         .collect();
-    Blocks {
+    PackedBlocks {
         columns: map.columns,
         rows: map.rows,
-        side: stochastic::BLOCK,
+        side: BLOCK,
         floats: pixels::floats(&deviations, map.columns),
     }
 }

@@ -171,9 +171,9 @@ impl SceneParts<'_, '_, '_> {
             let Luminous::Rectangle(lamp) = &light.shape else {
                 continue;
             };
-            let places = || grid.into_iter().flat_map(|u| grid.map(|v| [u, v]));
+            let positions = || grid.into_iter().flat_map(|u| grid.map(|v| [u, v]));
             let flush = rectangles().any(|wall| {
-                let within = places().any(|uv| wall.holds(lamp.sample(uv).position));
+                let within = positions().any(|uv| wall.holds(lamp.sample(uv).position));
                 within && lamp.normal().dot(wall.normal()).abs() == 1.0
             });
             if flush {
@@ -205,7 +205,7 @@ impl SceneParts<'_, '_, '_> {
             Light::Directional(_) => ("directional", "a far emitting sphere or the environment"),
         };
         let message = format!(
-            "light of a {key} light that a {material} surface turns cannot be met by any path \
+            "light of a {key} light that a {material} surface scatters cannot be met by any path \
              from the eye"
         );
         let help = format!(

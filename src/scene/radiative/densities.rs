@@ -231,8 +231,8 @@ pub(super) fn procedural(
     let Some(source) = reader.table("procedural")? else {
         return Ok(None);
     };
-    if let Some((place, text)) = source.text_in_place("text")? {
-        return read_procedural(&place, &text).map(Some);
+    if let Some((path, text)) = source.text_in_place("text")? {
+        return read_procedural(&path, &text).map(Some);
     }
     let name = source.text("file")?;
     let (path, text) = files.text(&source, &name)?;

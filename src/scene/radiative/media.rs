@@ -1,6 +1,6 @@
 //! Media: what fills a shape, or all space.
 
-use super::{Body, LARGEST_RADIANCE, densities, phases, place, radiance, shapes};
+use super::{Body, LARGEST_RADIANCE, densities, phases, radiance, shape_transform, shapes};
 use crate::geometry::{Aabb, Surface, length_of};
 use crate::media::{Asymmetry, Coefficients, Density, Field, Homogeneous};
 use crate::scene::SceneError;
@@ -16,9 +16,9 @@ pub(super) const MEDIUM: Table = Table {
         shapes::SPHERE,
         shapes::BOX,
         shapes::MESH,
-        place::SCALE,
-        place::ROTATE,
-        place::TRANSLATE,
+        shape_transform::SCALE,
+        shape_transform::ROTATE,
+        shape_transform::TRANSLATE,
         densities::GRID,
         densities::INTERPOLATION,
         densities::NOISE,
@@ -54,7 +54,7 @@ pub(super) const MEDIUM: Table = Table {
             name: "emission",
             kind: Kind::Colour(Range::at_least(0.0)),
             absent: Absent::Default(Literal::Vector([0.0; 3])),
-            doc: "Radiance sent out per world length.",
+            doc: "Radiance emitted per world length.",
         },
         phases::G,
         phases::DRAINE,
@@ -118,7 +118,7 @@ pub(super) fn read(
         (None, _) => None,
         (Some(field), Some(space)) => Some(Density::new(field, space.bounds, space.to_world)),
         (Some(_), None) => {
-            let message = "a medium of varying density fills no shape: it would have no end";
+            let message = "a heterogeneous medium fills no shape: it would have no end";
             let help = "give the medium a `box`, `sphere` or `mesh`";
             return Err(reader.mistake(varies.expect("its density"), message, help));
         }
@@ -191,7 +191,7 @@ fn most(body: &Body) -> f64 {
     density.map_or(1.0, |density| density.range().high)
 }
 
-/// Optical depth up to which a medium of varying density is tracked. More tentative collisions
+/// Optical depth up to which a heterogeneous medium is tracked. More tentative collisions
 /// than this are not to be waited for, and not to be told apart by their distances.
 pub(super) const DEEPEST_TRACKED: f64 = (1 << 24) as f64;
 

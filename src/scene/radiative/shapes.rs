@@ -1,6 +1,6 @@
 //! Shapes as scenes give them, and what becomes of them.
 
-use super::place::Place;
+use super::shape_transform::ShapeTransform;
 use crate::geometry::{
     Aabb, Boundary, ClosedMesh, Emitter, Luminous, Mesh, MeshError, Placed, Rectangle, Shape,
     ShapeError, Sphere, Surface, Transform, length_of,
@@ -175,7 +175,7 @@ pub(super) fn shape(
     solid: bool,
 ) -> Result<Shape, Box<SceneError>> {
     let form = BaseShape::read(reader, files)?;
-    let place = Place::read(reader)?;
+    let transform = ShapeTransform::read(reader)?;
     if let BaseShape::Box(cuboid) = &form {
         let flat = cuboid.size().cmpeq(DVec3::ZERO).bitmask().count_ones();
         if flat > 1 {
@@ -188,7 +188,7 @@ pub(super) fn shape(
         }
     }
     let key = form.key();
-    let shape = match (form, place.transform) {
+    let shape = match (form, transform.to_world) {
         (BaseShape::Sphere(sphere), None) => Shape::Sphere(sphere),
         (BaseShape::Box(cuboid), None) => Shape::Box(cuboid),
         (BaseShape::Rectangle(rectangle), None) => Shape::Rectangle(rectangle),
@@ -216,12 +216,12 @@ pub(super) fn luminous(
     files: &mut Files<'_>,
 ) -> Result<Luminous, Box<SceneError>> {
     let form = BaseShape::read(reader, files)?;
-    let place = Place::read(reader)?;
+    let transform = ShapeTransform::read(reader)?;
     let key = form.key();
-    let shape = match (form, &place.transform) {
+    let shape = match (form, &transform.to_world) {
         (BaseShape::Sphere(sphere), None) => Luminous::Sphere(sphere),
         (BaseShape::Sphere(sphere), Some(to_world)) => {
-            let Some(factor) = place.even_scale() else {
+            let Some(factor) = transform.uniform_scale() else {
                 return Err(reader.mistake(
                     "scale",
                     "an emitting sphere cannot be stretched to an ellipsoid",
@@ -297,7 +297,10 @@ pub(super) fn space(
     } else if let Some(own) = own {
         BaseSolid::Box(own)
     } else {
-        if let Some(key) = super::place::KEYS.into_iter().find(|key| reader.has(key)) {
+        if let Some(key) = super::shape_transform::KEYS
+            .into_iter()
+            .find(|key| reader.has(key))
+        {
             let message =
                 format!("a medium without a shape fills all space: `{key}` moves nothing");
             let help = format!("give the medium a `sphere`, `box` or `mesh`, or remove `{key}`");
@@ -310,7 +313,7 @@ pub(super) fn space(
         BaseSolid::Box(cuboid) => *cuboid,
         BaseSolid::Mesh(mesh) => mesh.bounds(),
     };
-    let to_world = Place::read(reader)?.transform;
+    let to_world = ShapeTransform::read(reader)?.to_world;
     let boundary = match (body, to_world) {
         (BaseSolid::Sphere(sphere), None) => Boundary::Sphere(sphere),
         (BaseSolid::Box(cuboid), None) => Boundary::Box(cuboid),

@@ -1,6 +1,6 @@
 //! Surfaces: a shape, and what it does to light.
 
-use super::{AreaLight, Object, place, radiance, shapes};
+use super::{AreaLight, Object, radiance, shape_transform, shapes};
 use crate::optics::{Material, Sides};
 use crate::scene::SceneError;
 use crate::scene::files::Files;
@@ -15,9 +15,9 @@ pub(super) const SURFACE: Table = Table {
         shapes::SPHERE,
         shapes::BOX,
         shapes::MESH,
-        place::SCALE,
-        place::ROTATE,
-        place::TRANSLATE,
+        shape_transform::SCALE,
+        shape_transform::ROTATE,
+        shape_transform::TRANSLATE,
         Key {
             name: "diffuse",
             kind: Kind::Table(&Table {
@@ -98,7 +98,7 @@ const REFLECTANCE: Key = Key {
 
 /// A surface, of either kind.
 pub(super) enum SurfaceKind {
-    /// Turns light.
+    /// Scatters light.
     Object(Object),
     /// Sends out light.
     AreaLight(AreaLight),

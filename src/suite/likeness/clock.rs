@@ -75,7 +75,7 @@ pub struct Unfinished {
 }
 
 /// The time of one case.
-pub(super) struct Clock<'s> {
+pub(super) struct SearchClock<'s> {
     search: &'s Search<'s>,
     case: &'s str,
     end: Option<Instant>,
@@ -88,13 +88,13 @@ pub(super) struct Clock<'s> {
     of: usize,
 }
 
-impl<'s> Clock<'s> {
+impl<'s> SearchClock<'s> {
     /// Begins now, with `of` single mistakes to try.
-    pub fn start(search: &'s Search<'s>, case: &'s str, of: usize) -> Clock<'s> {
+    pub fn start(search: &'s Search<'s>, case: &'s str, of: usize) -> SearchClock<'s> {
         let now = Instant::now();
         // A budget beyond the end of time is none.
         let after = |share| now.checked_add(search.budget?.mul_f64(share));
-        Clock {
+        SearchClock {
             search,
             case,
             end: after(1.0),
@@ -139,11 +139,11 @@ impl<'s> Clock<'s> {
     /// A hypothesis was decided, one way or the other: not to be called for one that was given up.
     pub fn decided(&self) {
         self.done.fetch_add(1, Ordering::Relaxed);
-        self.tell();
+        self.report();
     }
 
-    /// Tells where the search is.
-    pub fn tell(&self) {
+    /// Reports where the search is.
+    pub fn report(&self) {
         (self.search.progress)(&SearchStep {
             case: self.case,
             stage: self.stage,

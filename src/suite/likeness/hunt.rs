@@ -2,9 +2,9 @@
 //! out.
 
 use super::cells::Misfit;
-use super::clock::Clock;
+use super::clock::SearchClock;
+use super::compared_case::ComparedCase;
 use super::hypothesis::{Hypothesis, mistake};
-use super::suspect::Suspect;
 use crate::film::Film;
 use crate::suite::mistakes;
 use rayon::prelude::*;
@@ -18,7 +18,7 @@ const MOST_SECOND_LOOKS: usize = 8;
 const MOST_SCENE_PAIRS: usize = 400;
 
 /// Hypotheses that explain an image, and how well.
-pub(super) type Found = Vec<(Hypothesis, Misfit)>;
+pub(super) type Explaining = Vec<(Hypothesis, Misfit)>;
 
 /// What a first look saw of mistakes of the scene, by place in the catalogue.
 pub(super) type Looks = BTreeMap<usize, Film>;
@@ -28,36 +28,36 @@ pub(super) fn singles() -> usize {
     mistakes::catalogue().count()
 }
 
-impl Suspect {
+impl ComparedCase {
     /// The single mistakes that explain the image, nearest first, and what was seen on the way:
     /// those of the image, which take no rendering, come first.
-    pub fn search(&self, clock: &Clock<'_>) -> (Found, Looks) {
+    pub fn search(&self, clock: &SearchClock<'_>) -> (Explaining, Looks) {
         let mut looks = Looks::new();
-        let mut found = Found::new();
-        let mut promising = Found::new();
+        let mut found = Explaining::new();
+        let mut promising = Explaining::new();
         let (of_the_image, of_the_scene): (Vec<usize>, Vec<usize>) =
-            (0..singles()).partition(|&place| mistake(place).is_of_the_image());
-        for place in of_the_image {
+            (0..singles()).partition(|&index| mistake(index).is_of_the_image());
+        for index in of_the_image {
             if clock.is_late() {
                 break;
             }
-            if let Some(film) = mistake(place).in_image(&self.golden)
+            if let Some(film) = mistake(index).in_image(&self.golden)
                 && let Some(misfit) = self.misfit(&film)
                 && self.explained_by(&misfit)
             {
-                found.push((Hypothesis::One(place), misfit));
+                found.push((Hypothesis::One(index), misfit));
             }
             clock.decided();
         }
-        for place in of_the_scene {
-            let look = self.look(&Hypothesis::One(place), clock);
+        for index in of_the_scene {
+            let look = self.look(&Hypothesis::One(index), clock);
             if clock.is_late() {
                 break;
             }
             if let Some(film) = look {
                 let promise = self.promise(&film);
-                promising.extend(promise.map(|misfit| (Hypothesis::One(place), misfit)));
-                looks.insert(place, film);
+                promising.extend(promise.map(|misfit| (Hypothesis::One(index), misfit)));
+                looks.insert(index, film);
             }
             clock.decided();
         }
@@ -67,26 +67,26 @@ impl Suspect {
     }
 
     /// The pairs of mistakes that explain the image, nearest first.
-    pub fn search_pairs(&self, looks: &Looks, clock: &mut Clock<'_>) -> Found {
+    pub fn search_pairs(&self, looks: &Looks, clock: &mut SearchClock<'_>) -> Explaining {
         let images: Vec<(usize, Film)> = (0..singles())
-            .filter_map(|place| Some((place, mistake(place).in_image(&self.golden)?)))
+            .filter_map(|index| Some((index, mistake(index).in_image(&self.golden)?)))
             .collect();
         let seconds: Vec<usize> = (0..singles())
-            .filter(|&place| mistake(place).is_of_the_image())
+            .filter(|&index| mistake(index).is_of_the_image())
             .collect();
         let scene_pairs = self.scene_pairs(looks, clock);
         let before = images.len() * (seconds.len() - 1) + looks.len() * seconds.len();
         clock.go_on_with_pairs(before + scene_pairs.len());
         let (anywhere, whole_only): (Vec<usize>, Vec<usize>) = seconds
             .iter()
-            .partition(|&&place| self.shows_on_a_first_look(place));
+            .partition(|&&index| self.shows_on_a_first_look(index));
         // One of the image on another, or on what was seen of one of the scene.
-        let seen = looks.iter().map(|(&place, film)| (place, film.clone()));
+        let seen = looks.iter().map(|(&index, film)| (index, film.clone()));
         let mut firsts: Vec<(usize, Film)> = seen.collect();
         firsts.extend(
             images
                 .iter()
-                .map(|(place, film)| (*place, self.as_first_seen(film))),
+                .map(|(index, film)| (*index, self.as_first_seen(film))),
         );
         let mut promising = self.on_top(&firsts, &anywhere, clock);
         promising.extend(self.on_top(&images, &whole_only, clock));
@@ -115,14 +115,19 @@ impl Suspect {
 
     /// Whether a mistake of the image, made in what a first look sees, is what a first look would
     /// see of it.
-    fn shows_on_a_first_look(&self, place: usize) -> bool {
+    fn shows_on_a_first_look(&self, index: usize) -> bool {
         // Blocks show all as far as a first look goes; a closer one is at the pixels.
-        self.is_sampled || self.sees_all_at_once() || mistake(place).is_of_single_pixels()
+        self.is_sampled || self.sees_all_at_once() || mistake(index).is_of_single_pixels()
     }
 
     /// Each of the `seconds` on top of each of the `firsts`, which are images whole or as a first
     /// look sees them: those pairs that may explain the image.
-    fn on_top(&self, firsts: &[(usize, Film)], seconds: &[usize], clock: &Clock<'_>) -> Found {
+    fn on_top(
+        &self,
+        firsts: &[(usize, Film)],
+        seconds: &[usize],
+        clock: &SearchClock<'_>,
+    ) -> Explaining {
         let pairs: Vec<(&(usize, Film), usize)> = firsts
             .iter()
             .flat_map(|first| seconds.iter().map(move |&second| (first, second)))
@@ -143,7 +148,7 @@ impl Suspect {
     }
 
     /// Pairs of mistakes of the scene, most promising first by what each does by itself.
-    fn scene_pairs(&self, looks: &Looks, clock: &Clock<'_>) -> Vec<Hypothesis> {
+    fn scene_pairs(&self, looks: &Looks, clock: &SearchClock<'_>) -> Vec<Hypothesis> {
         let seen: Vec<(&usize, &Film)> = looks.iter().collect();
         let pairs: Vec<(usize, usize)> = (0..seen.len())
             // Which is made first matters little.
@@ -169,14 +174,14 @@ impl Suspect {
     fn nearest_first(&self, looks: &Looks) -> Vec<usize> {
         let mut nearest: Vec<(f64, usize)> = looks
             .iter()
-            .filter_map(|(&place, film)| Some((self.distance(film)?.distance, place)))
+            .filter_map(|(&index, film)| Some((self.distance(film)?.distance, index)))
             .collect();
         nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
-        nearest.into_iter().map(|(_, place)| place).collect()
+        nearest.into_iter().map(|(_, index)| index).collect()
     }
 
     /// Those of the nearest hypotheses that explain the image on a second look, nearest first.
-    fn look_closer(&self, mut promising: Found, clock: &Clock<'_>) -> Found {
+    fn look_closer(&self, mut promising: Explaining, clock: &SearchClock<'_>) -> Explaining {
         promising.sort_by(|(_, a), (_, b)| a.distance.total_cmp(&b.distance));
         promising.truncate(MOST_SECOND_LOOKS);
         if !self.sees_all_at_once() {

@@ -11,9 +11,9 @@ pub(super) enum Hypothesis {
 }
 
 /// The mistake at `place` of the catalogue.
-pub(super) fn mistake(place: usize) -> &'static Mistake {
+pub(super) fn mistake(index: usize) -> &'static Mistake {
     static CATALOGUE: OnceLock<Vec<&'static Mistake>> = OnceLock::new();
-    CATALOGUE.get_or_init(|| mistakes::catalogue().collect())[place]
+    CATALOGUE.get_or_init(|| mistakes::catalogue().collect())[index]
 }
 
 impl Hypothesis {

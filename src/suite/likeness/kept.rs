@@ -138,21 +138,21 @@ fn folder_of_the_user(variable: &dyn Fn(&str) -> Option<PathBuf>) -> Option<Path
     Some(folder.join("volref"))
 }
 
-struct Kept {
+struct KeptPrediction {
     path: PathBuf,
     bytes: u64,
     written: SystemTime,
 }
 
 /// The predictions in `folder`; nothing else that may be there.
-fn files(folder: &Path) -> Vec<Kept> {
+fn files(folder: &Path) -> Vec<KeptPrediction> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     entries
         .filter_map(|entry| {
             let path = entry.path();
             let metadata = entry.metadata().ok()?;
             let is_ours = metadata.is_file() && path.extension()? == EXTENSION;
-            is_ours.then_some(Kept {
+            is_ours.then_some(KeptPrediction {
                 bytes: metadata.len(),
                 written: metadata.modified().ok()?,
                 path,

@@ -1,6 +1,6 @@
 //! What an image would look like, were a mistake made.
 
-use super::clock::Clock;
+use super::clock::SearchClock;
 use super::hypothesis::Hypothesis;
 use crate::compare::stochastic::BLOCK;
 use crate::film::Film;
@@ -49,7 +49,7 @@ pub(super) fn predicted(
     edited: &Scene,
     hypothesis: &Hypothesis,
     (detail, samples): (Detail, u32),
-    clock: &Clock<'_>,
+    clock: &SearchClock<'_>,
 ) -> Option<Film> {
     let mistakes = hypothesis.mistakes();
     let names: Vec<&str> = mistakes
@@ -87,18 +87,18 @@ pub(super) fn pixels_of(film: &Film, panels: &[usize], detail: Detail) -> Film {
         left += width;
     }
     let rows: Vec<usize> = detail.places(film.height()).collect();
-    let places = rows.iter().flat_map(|row| {
+    let indices = rows.iter().flat_map(|row| {
         columns
             .iter()
             .map(move |column| column + row * film.width())
     });
     match film.opacity() {
         Some(_) => {
-            let pixels = places.map(|index| film.pixel(index)).collect();
+            let pixels = indices.map(|index| film.pixel(index)).collect();
             Film::with_opacity(columns.len(), rows.len(), pixels)
         }
         None => {
-            let pixels = places.map(|index| film.radiance()[index]).collect();
+            let pixels = indices.map(|index| film.radiance()[index]).collect();
             Film::new(columns.len(), rows.len(), pixels)
         }
     }

@@ -94,10 +94,13 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
 ];
 
-type Values = Arc<Grid<f32>>;
+type GridValues = Arc<Grid<f32>>;
 
 /// The classified volume with its grid edited by the same functions that edit those of media.
-pub(super) fn in_classified(scene: &mut Classified, edit: fn(&Values) -> Option<Values>) -> bool {
+pub(super) fn in_classified(
+    scene: &mut Classified,
+    edit: fn(&GridValues) -> Option<GridValues>,
+) -> bool {
     let Some(grid) = edit(&scene.grid) else {
         return false;
     };
@@ -106,16 +109,16 @@ pub(super) fn in_classified(scene: &mut Classified, edit: fn(&Values) -> Option<
 }
 
 /// Half a voxel off along every axis, towards larger coordinates.
-pub(super) fn half_a_voxel_on(grid: &Values) -> Option<Values> {
+pub(super) fn half_a_voxel_on(grid: &GridValues) -> Option<GridValues> {
     moved_by_voxels(grid, 0.5)
 }
 
 /// Half a voxel off along every axis, towards smaller coordinates.
-pub(super) fn half_a_voxel_back(grid: &Values) -> Option<Values> {
+pub(super) fn half_a_voxel_back(grid: &GridValues) -> Option<GridValues> {
     moved_by_voxels(grid, -0.5)
 }
 
-fn moved_by_voxels(grid: &Values, voxels: f64) -> Option<Values> {
+fn moved_by_voxels(grid: &GridValues, voxels: f64) -> Option<GridValues> {
     let old = grid.lattice();
     let first = old.first() + old.spacing() * voxels;
     let lattice = Lattice::new(old.nodes(), old.spacing(), first).ok()?;
@@ -123,7 +126,7 @@ fn moved_by_voxels(grid: &Values, voxels: f64) -> Option<Values> {
 }
 
 /// In the same box, but each value in the middle of a cell of its own.
-pub(super) fn cells_for_nodes(grid: &Values) -> Option<Values> {
+pub(super) fn cells_for_nodes(grid: &GridValues) -> Option<GridValues> {
     let old = grid.lattice();
     if old.centring() == Centring::Cells {
         return None;
@@ -136,14 +139,14 @@ pub(super) fn cells_for_nodes(grid: &Values) -> Option<Values> {
 }
 
 /// The values of `grid` at the nodes of another lattice.
-fn on(lattice: Lattice, grid: &Values) -> Option<Values> {
+fn on(lattice: Lattice, grid: &GridValues) -> Option<GridValues> {
     let grid = Grid::new(lattice, grid.values().to_vec());
     grid.ok().map(Arc::new)
 }
 
 /// Read as though z ran fastest; nothing of a grid that is no cube of nodes is left in its place,
 /// so that of any other size is read with the sizes exchanged too.
-pub(super) fn x_and_z_exchanged(grid: &Values) -> Option<Values> {
+pub(super) fn x_and_z_exchanged(grid: &GridValues) -> Option<GridValues> {
     let lattice = grid.lattice();
     let [nx, ny, nz] = lattice.nodes();
     let mut values = Vec::with_capacity(grid.values().len());
@@ -158,7 +161,7 @@ pub(super) fn x_and_z_exchanged(grid: &Values) -> Option<Values> {
 }
 
 /// Rows in the reverse order along y.
-pub(super) fn upside_down(grid: &Values) -> Option<Values> {
+pub(super) fn upside_down(grid: &GridValues) -> Option<GridValues> {
     let lattice = grid.lattice();
     let [nx, ny, nz] = lattice.nodes();
     let mut values = Vec::with_capacity(grid.values().len());
@@ -171,14 +174,14 @@ pub(super) fn upside_down(grid: &Values) -> Option<Values> {
     Grid::new(*lattice, values).ok().map(Arc::new)
 }
 
-fn mapped(grid: &Values, map: fn(f32) -> f32) -> Option<Values> {
+fn mapped(grid: &GridValues, map: fn(f32) -> f32) -> Option<GridValues> {
     let values = grid.values().iter().map(|&value| map(value)).collect();
     Grid::new(*grid.lattice(), values).ok().map(Arc::new)
 }
 
 fn grids(
     scene: &mut Radiative,
-    edit: impl Fn(&Values, Interpolation) -> Option<(Values, Interpolation)>,
+    edit: impl Fn(&GridValues, Interpolation) -> Option<(GridValues, Interpolation)>,
 ) -> bool {
     let mut occurs = false;
     for density in scene
@@ -196,7 +199,7 @@ fn grids(
     occurs
 }
 
-fn with_grids(scene: &mut Radiative, edit: fn(&Values) -> Option<Values>) -> bool {
+fn with_grids(scene: &mut Radiative, edit: fn(&GridValues) -> Option<GridValues>) -> bool {
     grids(scene, |grid, interpolation| {
         edit(grid).map(|grid| (grid, interpolation))
     })

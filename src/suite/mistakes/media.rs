@@ -49,12 +49,12 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "single-scattering",
-        advice: "light is turned only once: paths must go on after the first collision or reflection, until they leave or are absorbed",
+        advice: "light is scattered only once: paths must go on after the first collision or reflection, until they leave or are absorbed",
         edit: Edit::Radiative(|scene| limited(scene, Scattering::Single)),
     },
     Mistake {
         name: "paths-cut",
-        advice: "paths end after a few turns (four look like this): raise the limit of the depth, and end paths by Russian roulette, which leaves nothing out",
+        advice: "paths end after a few bounces (four look like this): raise the limit of the depth, and end paths by Russian roulette, which leaves nothing out",
         edit: Edit::Radiative(|scene| limited(scene, Scattering::Multiple(Some(4)))),
     },
     Mistake {
@@ -107,7 +107,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "emission-left-out",
-        advice: "media do not glow: emission is missing along the ray",
+        advice: "media do not emit: emission is missing along the ray",
         edit: Edit::Radiative(|scene| emissions(scene, |_, _| DVec3::ZERO)),
     },
     Mistake {
@@ -152,7 +152,7 @@ fn emissions(scene: &mut Radiative, edit: fn(DVec3, DVec3) -> DVec3) -> bool {
     })
 }
 
-/// Light is turned less often than it should be.
+/// Light is scattered less often than it should be.
 fn limited(scene: &mut Radiative, scattering: Scattering) -> bool {
     let occurs = match (scene.scattering, scattering) {
         (Scattering::Multiple(_), Scattering::Single) => true,

@@ -11,10 +11,10 @@ const MOST_PRINTED: usize = 64 * 1024;
 /// Reads a pipe as fast as it is written to, so that nobody waits for room in it, and keeps the
 /// end of what came.
 pub struct Printed {
-    shared: Arc<Shared>,
+    shared: Arc<SharedOutput>,
 }
 
-struct Shared {
+struct SharedOutput {
     heard: Mutex<Heard>,
     closed: Condvar,
 }
@@ -38,7 +38,7 @@ impl Heard {
 impl Printed {
     /// Begins to read `pipe`, to its end.
     pub fn hear(mut pipe: PipeReader) -> Printed {
-        let shared = Arc::new(Shared {
+        let shared = Arc::new(SharedOutput {
             heard: Mutex::default(),
             closed: Condvar::new(),
         });

@@ -8,7 +8,7 @@ use crate::atomic_file::remedy;
 
 /// One file operation that failed.
 #[derive(Debug)]
-pub struct Failure {
+pub struct StoreFailure {
     /// What was being done, as a verb phrase: "write", "rename", …
     pub action: &'static str,
     /// The file or directory it was being done to.
@@ -17,7 +17,7 @@ pub struct Failure {
     pub cause: io::Error,
 }
 
-impl fmt::Display for Failure {
+impl fmt::Display for StoreFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
@@ -57,26 +57,26 @@ pub enum StoreError {
     },
     /// Reading failed, for another reason than that there is no such file.
     #[error("{0}; {remedy}", remedy = remedy(.0.cause.kind()))]
-    Read(Failure),
+    Read(StoreFailure),
     /// Readers see exactly what they saw before.
     #[error(
         "{0}; the goldens are as they were before this command: {remedy}",
         remedy = remedy(.0.cause.kind())
     )]
-    Untouched(Failure),
+    Untouched(StoreFailure),
     /// Readers see all of the new files, but not all of them have their final names yet.
     #[error(
         "{0}; the new goldens are all recorded and `verify` sees them, \
          the next `accept` puts them in their places: {remedy}", remedy = remedy(.0.cause.kind())
     )]
-    Unfinished(Failure),
+    Unfinished(StoreFailure),
     /// The operation that decides failed, and so did finding out whether it took place. Readers
     /// see all of the new files or all of the old ones.
     #[error(
         "{0}, and cannot find out whether it happened; the goldens are all the old ones or all \
          the new ones: run `verify` to see which, and the same command again for the new ones"
     )]
-    Undecided(Failure),
+    Undecided(StoreFailure),
     /// The journal is not one that volref wrote.
     #[error(
         "{}, line {line}: {problem}; a crash cannot cause this, the file was changed after it \

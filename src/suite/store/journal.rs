@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use super::name::Name;
+use super::name::StoreName;
 
 const HEADING: &str = "volref accept journal 1: completed by the next `volref accept`, do not edit";
 
@@ -18,13 +18,13 @@ pub(super) struct Journal {
     /// Part of the names of the staged files. No two accepts share it, so a staged file that
     /// exists is that of this very accept.
     pub(super) tag: String,
-    pub(super) entries: Vec<Entry>,
+    pub(super) entries: Vec<JournalEntry>,
 }
 
 /// One file and how to recognise its new contents.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Entry {
-    pub(super) name: Name,
+pub(super) struct JournalEntry {
+    pub(super) name: StoreName,
     length: u64,
     digest: u64,
 }
@@ -38,7 +38,7 @@ pub(super) struct Malformed {
 }
 
 impl Journal {
-    pub(super) fn new(entries: Vec<Entry>) -> Journal {
+    pub(super) fn new(entries: Vec<JournalEntry>) -> Journal {
         let now = SystemTime::now()
             .duration_since(UNIX_EPOCH)
             .unwrap_or_default();
@@ -48,7 +48,7 @@ impl Journal {
         }
     }
 
-    pub(super) fn entry(&self, name: &Name) -> Option<&Entry> {
+    pub(super) fn entry(&self, name: &StoreName) -> Option<&JournalEntry> {
         self.entries.iter().find(|entry| entry.name == *name)
     }
 
@@ -62,7 +62,7 @@ impl Journal {
 
     pub(super) fn to_text(&self) -> String {
         let mut text = format!("{HEADING}\ntag {}\n", self.tag);
-        for Entry {
+        for JournalEntry {
             name,
             length,
             digest,
@@ -98,7 +98,7 @@ impl Journal {
         };
         for (index, text) in entries.iter().enumerate() {
             let line = index + 3;
-            let entry = Entry::parse(text).map_err(|problem| Malformed { line, problem })?;
+            let entry = JournalEntry::parse(text).map_err(|problem| Malformed { line, problem })?;
             if journal.entry(&entry.name).is_some() {
                 return Err(malformed(line, "the path is listed twice"));
             }
@@ -114,9 +114,9 @@ impl Journal {
     }
 }
 
-impl Entry {
-    pub(super) fn new(name: Name, bytes: &[u8]) -> Entry {
-        Entry {
+impl JournalEntry {
+    pub(super) fn new(name: StoreName, bytes: &[u8]) -> JournalEntry {
+        JournalEntry {
             name,
             length: bytes.len() as u64,
             digest: fnv1a(bytes),
@@ -128,16 +128,16 @@ impl Entry {
         self.length == bytes.len() as u64 && self.digest == fnv1a(bytes)
     }
 
-    fn parse(line: &str) -> Result<Entry, String> {
+    fn parse(line: &str) -> Result<JournalEntry, String> {
         let mut fields = line.splitn(3, ' ');
         let (Some(digest), Some(length), Some(path)) =
             (fields.next(), fields.next(), fields.next())
         else {
             return Err("expected a digest, a length and a path".to_owned());
         };
-        let name = Name::new(Path::new(path))
+        let name = StoreName::new(Path::new(path))
             .map_err(|problem| format!("the path {path:?} is refused: {problem}"))?;
-        let entry = Entry {
+        let entry = JournalEntry {
             name,
             length: length
                 .parse()
@@ -146,7 +146,7 @@ impl Entry {
                 .map_err(|_| format!("{digest:?} is not a digest"))?,
         };
         // One spelling only: no `+7`, no `a//b`.
-        let Entry {
+        let JournalEntry {
             name,
             length,
             digest,
@@ -171,7 +171,8 @@ mod tests {
     use super::*;
 
     fn journal() -> Journal {
-        let entry = |path, bytes| Entry::new(Name::new(Path::new(path)).unwrap(), bytes);
+        let entry =
+            |path, bytes| JournalEntry::new(StoreName::new(Path::new(path)).unwrap(), bytes);
         Journal::new(vec![
             entry("a/b c.exr", b"exr"),
             entry("a/b c.toml", b""),

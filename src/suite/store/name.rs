@@ -14,11 +14,11 @@ const STAGED: &str = ".volref-new";
 /// A file under the golden root: a relative path in one spelling, with `/` on every platform,
 /// that does not leave the root and is not one of the store's own files.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Name(String);
+pub(super) struct StoreName(String);
 
-impl Name {
+impl StoreName {
     /// The name, or why the path cannot be one.
-    pub(super) fn new(path: &Path) -> Result<Name, &'static str> {
+    pub(super) fn new(path: &Path) -> Result<StoreName, &'static str> {
         let mut parts = Vec::new();
         for component in path.components() {
             let part = match component {
@@ -39,7 +39,7 @@ impl Name {
             [] => Err("it is empty"),
             [LOCK | JOURNAL | DRAFT] => Err("this name is one of the store's own"),
             [.., last] if last.ends_with(STAGED) => Err("this name is one of the store's own"),
-            _ => Ok(Name(parts.join("/"))),
+            _ => Ok(StoreName(parts.join("/"))),
         }
     }
 
@@ -82,7 +82,9 @@ mod tests {
     #[test]
     fn one_spelling_for_one_file() {
         assert_eq!(
-            Name::new(Path::new("./a//b/./c.exr")).unwrap().as_str(),
+            StoreName::new(Path::new("./a//b/./c.exr"))
+                .unwrap()
+                .as_str(),
             "a/b/c.exr"
         );
     }
@@ -104,14 +106,14 @@ mod tests {
             "./.lock",
             "a/.b.exr.1-2.volref-new",
         ] {
-            assert!(Name::new(Path::new(path)).is_err(), "{path:?}");
+            assert!(StoreName::new(Path::new(path)).is_err(), "{path:?}");
         }
     }
 
     #[test]
     fn staged_beside_the_file() {
         let staged = |path| {
-            Name::new(Path::new(path))
+            StoreName::new(Path::new(path))
                 .unwrap()
                 .staged_under(Path::new("r"), "t")
         };
@@ -121,7 +123,7 @@ mod tests {
 
     #[test]
     fn directories_reach_up_to_the_root() {
-        let name = Name::new(Path::new("a/b/c.exr")).unwrap();
+        let name = StoreName::new(Path::new("a/b/c.exr")).unwrap();
         let directories: Vec<PathBuf> = name.directories(Path::new("r")).collect();
         assert_eq!(directories, ["r/a/b", "r/a", "r"].map(PathBuf::from));
     }

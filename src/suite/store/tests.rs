@@ -8,10 +8,10 @@ use tempfile::TempDir;
 
 const ROOT: &str = "golden";
 
-type Files = Vec<(PathBuf, Vec<u8>)>;
+type FileContents = Vec<(PathBuf, Vec<u8>)>;
 
 /// Two cases in two directories and a file in the root.
-fn files(version: &str) -> Files {
+fn files(version: &str) -> FileContents {
     let paths = [
         "box/one.exr",
         "box/one.toml",
@@ -39,7 +39,7 @@ fn world(version: Option<&str>) -> (TempDir, PathBuf) {
     (directory, root)
 }
 
-fn write_plainly(root: &Path, files: &Files) {
+fn write_plainly(root: &Path, files: &FileContents) {
     for (path, bytes) in files {
         let path = root.join(path);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
@@ -112,7 +112,7 @@ fn assert_only(root: &Path, version: Option<&str>) {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Fault {
+enum DiskFault {
     /// The operation reports a full disk, having written half of the bytes; later ones work.
     Full,
     /// The operation takes place, and yet reports an error; later ones work.
@@ -123,23 +123,23 @@ enum Fault {
     CrashHalfway,
 }
 
-const FAULTS: [Fault; 4] = [
-    Fault::Full,
-    Fault::FalseAlarm,
-    Fault::Crash,
-    Fault::CrashHalfway,
+const FAULTS: [DiskFault; 4] = [
+    DiskFault::Full,
+    DiskFault::FalseAlarm,
+    DiskFault::Crash,
+    DiskFault::CrashHalfway,
 ];
 
 /// The real disk until the operation number `at`. Nothing is synced, to be quick: the page
 /// cache survives the faults simulated here. For power cuts see `Traced`.
 struct Faulty {
     at: usize,
-    fault: Fault,
+    fault: DiskFault,
     count: Cell<usize>,
 }
 
 impl Faulty {
-    fn new(at: usize, fault: Fault) -> Faulty {
+    fn new(at: usize, fault: DiskFault) -> Faulty {
         Faulty {
             at,
             fault,
@@ -154,19 +154,19 @@ impl Faulty {
     ) -> io::Result<()> {
         let count = self.count.replace(self.count.get() + 1);
         match self.fault {
-            Fault::Full if count == self.at => {
+            DiskFault::Full if count == self.at => {
                 half()?;
                 Err(ErrorKind::StorageFull.into())
             }
-            Fault::FalseAlarm if count == self.at => {
+            DiskFault::FalseAlarm if count == self.at => {
                 whole()?;
                 Err(io::Error::other("false alarm"))
             }
-            Fault::CrashHalfway if count == self.at => {
+            DiskFault::CrashHalfway if count == self.at => {
                 half()?;
                 Err(io::Error::other("stopped"))
             }
-            Fault::Crash | Fault::CrashHalfway if count >= self.at => {
+            DiskFault::Crash | DiskFault::CrashHalfway if count >= self.at => {
                 Err(io::Error::other("stopped"))
             }
             _ => whole(),
@@ -176,7 +176,7 @@ impl Faulty {
 
 /// A disk without faults, and without syncs.
 fn healthy() -> Faulty {
-    Faulty::new(usize::MAX, Fault::Crash)
+    Faulty::new(usize::MAX, DiskFault::Crash)
 }
 
 impl Disk for &Faulty {
@@ -204,7 +204,7 @@ impl Disk for &Faulty {
 /// Publishes `after` over `before` with a fault at each operation in turn, in a world made by
 /// `prepare`, and checks what readers see, what the error says and that the next accept mends.
 fn every_fault(
-    faults: &[Fault],
+    faults: &[DiskFault],
     prepare: &dyn Fn() -> (TempDir, PathBuf),
     before: Option<&str>,
     after: &str,
@@ -227,7 +227,7 @@ fn every_fault(
                 }
                 Err(_) => panic!("{context}"),
             }
-            if fault == Fault::Full
+            if fault == DiskFault::Full
                 && let Err(error) = &result
             {
                 let message = error.to_string();
@@ -281,7 +281,7 @@ fn recovers_all_or_nothing_whatever_fails() {
     for at in 0.. {
         let crashed = || {
             let (directory, root) = world(Some("old"));
-            let disk = Faulty::new(at, Fault::CrashHalfway);
+            let disk = Faulty::new(at, DiskFault::CrashHalfway);
             let result = Store::on_disk(&root, &disk).publish(&files("new"));
             (directory, root, result)
         };
@@ -294,7 +294,12 @@ fn recovers_all_or_nothing_whatever_fails() {
             let (directory, root, _) = crashed();
             (directory, root)
         };
-        every_fault(&[Fault::CrashHalfway], &prepare, before.as_deref(), "newer");
+        every_fault(
+            &[DiskFault::CrashHalfway],
+            &prepare,
+            before.as_deref(),
+            "newer",
+        );
     }
 }
 
@@ -303,7 +308,7 @@ fn recovers_all_or_nothing_whatever_fails() {
 fn a_full_disk_leaves_no_stray_file() {
     for at in 0.. {
         let (_directory, root) = world(Some("old"));
-        let disk = Faulty::new(at, Fault::Full);
+        let disk = Faulty::new(at, DiskFault::Full);
         match Store::on_disk(&root, &disk).publish(&files("new")) {
             Err(StoreError::Untouched(_)) => assert_only(&root, Some("old")),
             _ => break,
@@ -313,33 +318,33 @@ fn a_full_disk_leaves_no_stray_file() {
 
 /// One change of a name in a directory, atomic as such, lost by a power cut until synced.
 #[derive(Clone, Debug)]
-enum Change {
+enum StoredChange {
     Put(PathBuf, Vec<u8>),
     Rename(PathBuf, PathBuf, Vec<u8>),
     Remove(PathBuf),
     Sync(PathBuf),
 }
 
-impl Change {
+impl StoredChange {
     /// The directory whose sync makes the change durable.
     fn directory(&self) -> Option<&Path> {
         match self {
-            Change::Put(path, _) | Change::Rename(_, path, _) | Change::Remove(path) => {
-                path.parent()
-            }
-            Change::Sync(_) => None,
+            StoredChange::Put(path, _)
+            | StoredChange::Rename(_, path, _)
+            | StoredChange::Remove(path) => path.parent(),
+            StoredChange::Sync(_) => None,
         }
     }
 
     fn replay(&self) {
         match self {
-            Change::Put(path, bytes) => fs::write(path, bytes).unwrap(),
-            Change::Rename(from, to, bytes) => {
+            StoredChange::Put(path, bytes) => fs::write(path, bytes).unwrap(),
+            StoredChange::Rename(from, to, bytes) => {
                 let _ = fs::remove_file(from);
                 fs::write(to, bytes).unwrap();
             }
-            Change::Remove(path) => drop(fs::remove_file(path)),
-            Change::Sync(_) => {}
+            StoredChange::Remove(path) => drop(fs::remove_file(path)),
+            StoredChange::Sync(_) => {}
         }
     }
 }
@@ -347,28 +352,32 @@ impl Change {
 /// The real disk, noting what is done.
 #[derive(Default)]
 struct Traced {
-    trace: RefCell<Vec<Change>>,
+    trace: RefCell<Vec<StoredChange>>,
 }
 
 impl Disk for &Traced {
     fn create_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         self.trace
             .borrow_mut()
-            .push(Change::Put(path.into(), bytes.into()));
+            .push(StoredChange::Put(path.into(), bytes.into()));
         fs::write(path, bytes)
     }
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
-        let change = Change::Rename(from.into(), to.into(), fs::read(from)?);
+        let change = StoredChange::Rename(from.into(), to.into(), fs::read(from)?);
         self.trace.borrow_mut().push(change);
         fs::rename(from, to)
     }
     fn remove(&self, path: &Path) -> io::Result<()> {
         fs::remove_file(path)?;
-        self.trace.borrow_mut().push(Change::Remove(path.into()));
+        self.trace
+            .borrow_mut()
+            .push(StoredChange::Remove(path.into()));
         Ok(())
     }
     fn sync_dir(&self, directory: &Path) -> io::Result<()> {
-        self.trace.borrow_mut().push(Change::Sync(directory.into()));
+        self.trace
+            .borrow_mut()
+            .push(StoredChange::Sync(directory.into()));
         Ok(())
     }
     fn create_dir(&self, directory: &Path) -> io::Result<()> {
@@ -378,7 +387,7 @@ impl Disk for &Traced {
 
 /// Publishes over what the root holds, and then cuts the power after each operation, losing
 /// each combination of the changes not yet synced.
-fn every_power_cut(root: &Path, files: &Files, after: Option<&str>) {
+fn every_power_cut(root: &Path, files: &FileContents, after: Option<&str>) {
     let start = tree(root);
     let disk = Traced::default();
     Store::on_disk(root, &disk).publish(files).unwrap();
@@ -388,7 +397,7 @@ fn every_power_cut(root: &Path, files: &Files, after: Option<&str>) {
         let mut unsynced: HashMap<&Path, Vec<usize>> = HashMap::new();
         for (index, change) in trace[..cut].iter().enumerate() {
             match change {
-                Change::Sync(directory) => drop(unsynced.remove(directory.as_path())),
+                StoredChange::Sync(directory) => drop(unsynced.remove(directory.as_path())),
                 change => unsynced
                     .entry(change.directory().unwrap())
                     .or_default()
@@ -432,7 +441,7 @@ fn survives_power_cuts_that_lose_whatever_was_not_synced() {
 fn survives_power_cuts_during_recovery() {
     for at in 0.. {
         let (_directory, root) = world(Some("old"));
-        let disk = Faulty::new(at, Fault::CrashHalfway);
+        let disk = Faulty::new(at, DiskFault::CrashHalfway);
         let result = Store::on_disk(&root, &disk).publish(&files("new"));
         let now = seen(&root);
         every_power_cut(&root, &Vec::new(), now.as_deref());
@@ -446,7 +455,7 @@ fn survives_power_cuts_during_recovery() {
 fn interrupted() -> (TempDir, PathBuf) {
     for at in 0.. {
         let (directory, root) = world(Some("old"));
-        let disk = Faulty::new(at, Fault::Crash);
+        let disk = Faulty::new(at, DiskFault::Crash);
         let _ = Store::on_disk(&root, &disk).publish(&files("new"));
         if root.join(JOURNAL).exists() {
             return (directory, root);

@@ -18,9 +18,9 @@ pub(super) struct Axis {
     pub(super) is_log: bool,
     pub(super) low: f64,
     pub(super) high: f64,
-    /// Places with a label.
+    /// Values with a label.
     pub(super) bold: Vec<f64>,
-    /// Places without.
+    /// Values without.
     pub(super) light: Vec<f64>,
     measure: Measure,
 }
@@ -35,8 +35,8 @@ const SOME: f64 = 5.0;
 impl Axis {
     /// A logarithmic axis from the least to the largest of the places. Several panels have
     /// the same axis where they are made from the same places.
-    pub(super) fn log(title: &str, measure: Measure, places: &[f64]) -> Axis {
-        let (low, high) = range(places);
+    pub(super) fn log(title: &str, measure: Measure, values: &[f64]) -> Axis {
+        let (low, high) = range(values);
         // A single point has an axis too.
         let widening = (0.5 - (high - low)).max(0.0) / 2.0;
         let (low, high) = (low - MARGIN - widening, high + MARGIN + widening);
@@ -47,19 +47,19 @@ impl Axis {
         let mut decade = low.floor();
         while decade <= high {
             for part in 1..10_u8 {
-                let place = decade + log10(f64::from(part));
+                let value = decade + log10(f64::from(part));
                 let is_labelled = match part {
                     1 => (decade / every).fract() == 0.0,
                     2 | 5 => span <= FEW,
                     _ => false,
                 };
-                if place < low || place > high {
+                if value < low || value > high {
                     continue;
                 }
                 if is_labelled {
-                    bold.push(place);
+                    bold.push(value);
                 } else if part == 1 || span <= SOME {
-                    light.push(place);
+                    light.push(value);
                 }
             }
             decade += 1.0;
@@ -101,15 +101,15 @@ impl Axis {
     }
 
     /// What is written at a place.
-    pub(super) fn label(&self, place: f64) -> String {
+    pub(super) fn label(&self, value: f64) -> String {
         if !self.is_log {
             // Nothing of a tick is below a thousandth of a step.
-            let text = format!("{:.6}", place);
+            let text = format!("{:.6}", value);
             let text = text.trim_end_matches('0').trim_end_matches('.');
             return if text == "-0" { "0" } else { text }.replace('-', "−");
         }
-        let decade = (place + 1e-9).floor();
-        let part = pow(10.0, place - decade).round();
+        let decade = (value + 1e-9).floor();
+        let part = pow(10.0, value - decade).round();
         match self.measure {
             Measure::Seconds => seconds(part, decade as i32),
             Measure::Number => number(part, decade as i32),
@@ -122,8 +122,8 @@ impl Ranged for Axis {
     type FormatOption = NoDefaultFormatting;
     type ValueType = f64;
 
-    fn map(&self, place: &f64, limit: (i32, i32)) -> i32 {
-        let share = (place - self.low) / (self.high - self.low);
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        let share = (value - self.low) / (self.high - self.low);
         limit.0 + (share * f64::from(limit.1 - limit.0)).round() as i32
     }
 
@@ -140,23 +140,23 @@ impl Ranged for Axis {
 }
 
 impl ValueFormatter<f64> for Axis {
-    fn format_ext(&self, place: &f64) -> String {
-        self.label(*place)
+    fn format_ext(&self, value: &f64) -> String {
+        self.label(*value)
     }
 }
 
 /// The least and the largest; of nothing, 0 and 0.
-fn range(places: &[f64]) -> (f64, f64) {
-    let low = places.iter().copied().reduce(f64::min).unwrap_or(0.0);
-    let high = places.iter().copied().reduce(f64::max).unwrap_or(0.0);
+fn range(values: &[f64]) -> (f64, f64) {
+    let low = values.iter().copied().reduce(f64::min).unwrap_or(0.0);
+    let high = values.iter().copied().reduce(f64::max).unwrap_or(0.0);
     (low, high)
 }
 
 /// `part` times ten to the power of `decade`.
 fn number(part: f64, decade: i32) -> String {
     if (-2..=3).contains(&decade) {
-        let places = usize::try_from(-decade).unwrap_or(0);
-        return format!("{:.places$}", part * pow(10.0, f64::from(decade)));
+        let decimals = usize::try_from(-decade).unwrap_or(0);
+        return format!("{:.decimals$}", part * pow(10.0, f64::from(decade)));
     }
     let power = format!("10{}", superscript(decade));
     if part == 1.0 {
@@ -195,9 +195,9 @@ mod tests {
 
     #[test]
     fn few_decades_have_more_labels() {
-        let labels = |places: &[f64]| -> Vec<String> {
-            let axis = Axis::log("", Measure::Number, places);
-            axis.bold.iter().map(|place| axis.label(*place)).collect()
+        let labels = |values: &[f64]| -> Vec<String> {
+            let axis = Axis::log("", Measure::Number, values);
+            axis.bold.iter().map(|value| axis.label(*value)).collect()
         };
         assert_eq!(labels(&[1.0, 2.0]), ["10", "20", "50", "100"]);
         assert_eq!(labels(&[-3.0, 0.0]), ["10⁻³", "0.01", "0.1", "1"]);
@@ -209,7 +209,7 @@ mod tests {
     #[test]
     fn times_have_units() {
         let axis = Axis::log("", Measure::Seconds, &[-7.0, 1.0]);
-        let labels: Vec<_> = axis.bold.iter().map(|place| axis.label(*place)).collect();
+        let labels: Vec<_> = axis.bold.iter().map(|value| axis.label(*value)).collect();
         assert_eq!(
             labels,
             [
@@ -221,7 +221,7 @@ mod tests {
     #[test]
     fn numbers_have_round_steps() {
         let axis = Axis::linear("", &[0.0, 1.7]);
-        let labels: Vec<_> = axis.bold.iter().map(|place| axis.label(*place)).collect();
+        let labels: Vec<_> = axis.bold.iter().map(|value| axis.label(*value)).collect();
         assert_eq!(labels, ["0", "0.5", "1", "1.5"]);
     }
 }

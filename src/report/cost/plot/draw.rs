@@ -1,9 +1,9 @@
 //! Draws a picture. `plotters` draws axes, grid, lines and marks; dashes, labels that keep clear of
-//! one another and what a pointer is told are added to its text.
+//! one another and tooltips are added to its text.
 
-use super::ink::{Dress, Ink, dressed, shape};
-use super::labels::{Places, width};
-use super::picture::{Entry, Key, Panel, Picture};
+use super::labels::{OccupiedAreas, width};
+use super::picture::{LegendEntry, LegendKey, PlotPanel, PlotPicture};
+use super::stroke::{Stroke, Theme, shape, themed};
 use plotters::backend::SVGBackend;
 use plotters::chart::ChartBuilder;
 use plotters::coord::Shift;
@@ -18,19 +18,19 @@ const FINE: i32 = 10;
 
 /// How the panels of a picture are put together.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Layout {
+enum PlotLayout {
     /// Side by side.
     Broad,
     /// One below the other, for narrow windows.
     Narrow,
 }
 
-impl Layout {
+impl PlotLayout {
     /// Width of a picture.
     fn width(self) -> i32 {
         match self {
-            Layout::Broad => 800,
-            Layout::Narrow => 440,
+            PlotLayout::Broad => 800,
+            PlotLayout::Narrow => 440,
         }
     }
 }
@@ -54,24 +54,24 @@ const RADIUS: f64 = 3.9;
 
 const FONT: &str = "system-ui, Helvetica, Arial, sans-serif";
 
-type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type PlotCanvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// The picture as SVG; for a page, twice: broad and narrow, of which the page shows one.
-pub(super) fn drawn(picture: &Picture, dress: Dress) -> String {
-    match dress {
-        Dress::Standalone => drawn_as(picture, dress, Layout::Broad),
-        Dress::Page => [Layout::Broad, Layout::Narrow]
-            .map(|layout| drawn_as(picture, dress, layout))
+pub(super) fn drawn(picture: &PlotPicture, theme: Theme) -> String {
+    match theme {
+        Theme::Standalone => drawn_as(picture, theme, PlotLayout::Broad),
+        Theme::Page => [PlotLayout::Broad, PlotLayout::Narrow]
+            .map(|layout| drawn_as(picture, theme, layout))
             .concat(),
     }
 }
 
-fn drawn_as(picture: &Picture, dress: Dress, layout: Layout) -> String {
+fn drawn_as(picture: &PlotPicture, theme: Theme, layout: PlotLayout) -> String {
     let all = layout.width();
     let count = picture.panels.len().max(1) as i32;
     let (across, down) = match layout {
-        Layout::Broad => (count, 1),
-        Layout::Narrow => (1, count),
+        PlotLayout::Broad => (count, 1),
+        PlotLayout::Narrow => (1, count),
     };
     let columns = legend_columns(&picture.legend, all);
     let lines = picture.legend.len().div_ceil(columns) as i32;
@@ -89,8 +89,8 @@ fn drawn_as(picture: &Picture, dress: Dress, layout: Layout) -> String {
             let corner = [column * (all / across), row * (panel_height + between)];
             // Side by side the first has the title of all.
             let titled = match layout {
-                Layout::Broad => panel,
-                Layout::Narrow => &picture.panels[0],
+                PlotLayout::Broad => panel,
+                PlotLayout::Narrow => &picture.panels[0],
             };
             let size = [all / across, picture.height];
             draw_panel(
@@ -98,7 +98,7 @@ fn drawn_as(picture: &Picture, dress: Dress, layout: Layout) -> String {
                 panel,
                 &titled.y.title,
                 [corner, size],
-                dress,
+                theme,
                 &mut over,
             );
         }
@@ -106,18 +106,18 @@ fn drawn_as(picture: &Picture, dress: Dress, layout: Layout) -> String {
         for (at, entry) in picture.legend.iter().enumerate() {
             let x = 14 + each * (at % columns) as i32;
             let y = axes + LEGEND_LINE * (at / columns) as i32;
-            draw_entry(&root, entry, [x, y], each - 4, dress, &mut over);
+            draw_entry(&root, entry, [x, y], each - 4, theme, &mut over);
         }
         root.present().expect(STRING);
     }
     let body = &svg[svg.find('>').map_or(0, |end| end + 1)..];
     let body = body.replace("</svg>", "");
-    let body = dressed(body, dress);
+    let body = themed(body, theme);
     let mut out = String::from("<svg xmlns=\"http://www.w3.org/2000/svg\"");
-    let _ = match (dress, layout) {
-        (Dress::Standalone, _) => write!(out, " width=\"{all}\" height=\"{height}\""),
-        (Dress::Page, Layout::Broad) => write!(out, " class=\"broad\""),
-        (Dress::Page, Layout::Narrow) => write!(out, " class=\"narrow\""),
+    let _ = match (theme, layout) {
+        (Theme::Standalone, _) => write!(out, " width=\"{all}\" height=\"{height}\""),
+        (Theme::Page, PlotLayout::Broad) => write!(out, " class=\"broad\""),
+        (Theme::Page, PlotLayout::Narrow) => write!(out, " class=\"narrow\""),
     };
     let _ = writeln!(
         out,
@@ -127,7 +127,7 @@ fn drawn_as(picture: &Picture, dress: Dress, layout: Layout) -> String {
         height * FINE,
         escaped(&picture.title)
     );
-    if dress == Dress::Standalone {
+    if theme == Theme::Standalone {
         out.push_str("<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n");
     }
     out.push_str(&body);
@@ -139,7 +139,7 @@ fn drawn_as(picture: &Picture, dress: Dress, layout: Layout) -> String {
 const STRING: &str = "a string takes every drawing";
 
 /// As many columns as have room for the longest entry.
-fn legend_columns(legend: &[Entry], room: i32) -> usize {
+fn legend_columns(legend: &[LegendEntry], room: i32) -> usize {
     let widths = legend.iter().map(|entry| width(&entry.text, TEXT) + 52.0);
     let widest = widths.fold(1.0, f64::max);
     ((f64::from(room) / widest) as usize).clamp(1, 4)
@@ -149,38 +149,38 @@ fn fine(length: f64) -> i32 {
     (length * f64::from(FINE)).round() as i32
 }
 
-fn stroke(ink: Ink, width: f64) -> ShapeStyle {
+fn stroke(stroke: Stroke, width: f64) -> ShapeStyle {
     ShapeStyle {
-        color: ink.code().into(),
+        color: stroke.code().into(),
         filled: false,
         stroke_width: fine(width) as u32,
     }
 }
 
-fn filling(ink: Ink) -> ShapeStyle {
+fn filling(stroke: Stroke) -> ShapeStyle {
     ShapeStyle {
-        color: ink.code().into(),
+        color: stroke.code().into(),
         filled: true,
         stroke_width: 0,
     }
 }
 
 /// A style of text; `plotters` writes sizes divided by 1.24.
-fn text_style(size: f64, ink: Ink) -> TextStyle<'static> {
+fn text_style(size: f64, stroke: Stroke) -> TextStyle<'static> {
     let font = (FontFamily::Name(FONT), size * f64::from(FINE) * 1.24).into_font();
-    font.color(&ink.code()).into_text_style(&(0, 0))
+    font.color(&stroke.code()).into_text_style(&(0, 0))
 }
 
-fn line(canvas: &Canvas<'_>, points: Vec<(i32, i32)>, style: ShapeStyle) {
+fn line(canvas: &PlotCanvas<'_>, points: Vec<(i32, i32)>, style: ShapeStyle) {
     canvas.draw(&PathElement::new(points, style)).expect(STRING);
 }
 
 fn draw_panel(
-    root: &Canvas<'_>,
-    panel: &Panel,
+    root: &PlotCanvas<'_>,
+    panel: &PlotPanel,
     y_title: &str,
     [[left, top], [width_all, height]]: [[i32; 2]; 2],
-    dress: Dress,
+    theme: Theme,
     over: &mut String,
 ) {
     let area = root.clone().shrink(
@@ -200,49 +200,49 @@ fn draw_panel(
     let (x0, y1) = on_chart(panel.x.low, panel.y.low);
     let (x1, y0) = on_chart(panel.x.high, panel.y.high);
     // Below everything, the grid too.
-    for level in panel.levels.iter().filter(|level| level.is_shaded) {
-        let (_, y) = on_chart(panel.x.low, level.at);
-        let shade = Rectangle::new([(x0, y.max(y0)), (x1, y1)], filling(Ink::Shade));
+    for each in panel.lines.iter().filter(|each| each.is_shaded) {
+        let (_, y) = on_chart(panel.x.low, each.at);
+        let shade = Rectangle::new([(x0, y.max(y0)), (x1, y1)], filling(Stroke::Shade));
         root.draw(&shade).expect(STRING);
     }
     let mut mesh = chart.configure_mesh();
-    mesh.bold_line_style(stroke(Ink::Grid, 1.0))
-        .light_line_style(stroke(Ink::Grid, 0.5))
-        .axis_style(stroke(Ink::Soft, 1.0))
-        .label_style(text_style(TEXT, Ink::Soft))
-        .axis_desc_style(text_style(TEXT + 0.5, Ink::Text))
+    mesh.bold_line_style(stroke(Stroke::Grid, 1.0))
+        .light_line_style(stroke(Stroke::Grid, 0.5))
+        .axis_style(stroke(Stroke::Soft, 1.0))
+        .label_style(text_style(TEXT, Stroke::Soft))
+        .axis_desc_style(text_style(TEXT + 0.5, Stroke::Text))
         .x_desc(panel.x.title.as_str())
         .set_all_tick_mark_size(4 * FINE);
     if !y_title.is_empty() {
         mesh.y_desc(y_title);
     }
     mesh.draw().expect(STRING);
-    let title = text_style(TEXT + 1.0, Ink::Text).pos(Pos::new(HPos::Left, VPos::Top));
+    let title = text_style(TEXT + 1.0, Stroke::Text).pos(Pos::new(HPos::Left, VPos::Top));
     root.draw_text(&panel.title, &title, (x0, (top + 5) * FINE))
         .expect(STRING);
 
-    let place = |at: [f64; 2]| {
+    let to_pixels = |at: [f64; 2]| {
         let (x, y) = chart.backend_coord(&(at[0], at[1]));
         [f64::from(x), f64::from(y)]
     };
     let frame = [x0, y0, x1, y1].map(f64::from);
-    let mut places = Places::default();
+    let mut areas = OccupiedAreas::default();
     let whole = |[x, y]: [f64; 2]| (x.round() as i32, y.round() as i32);
     let unit = f64::from(FINE);
 
-    for level in &panel.levels {
-        let [_, y] = place([panel.x.low, level.at]);
+    for each in &panel.lines {
+        let [_, y] = to_pixels([panel.x.low, each.at]);
         line(
             root,
             vec![(x0, y as i32), (x1, y as i32)],
-            stroke(Ink::Soft, 1.0),
+            stroke(Stroke::Soft, 1.0),
         );
-        places.take_line([frame[0], y], [frame[2], y], 4.0 * unit);
-        let size = [width(&level.label, LABEL) * unit, 1.25 * LABEL * unit];
+        areas.take_line([frame[0], y], [frame[2], y], 4.0 * unit);
+        let size = [width(&each.label, LABEL) * unit, 1.25 * LABEL * unit];
         // Above the line, at the right, where curves that reach so far are rare.
         let at = [frame[2] - 4.0 * unit, y - 0.75 * LABEL * unit];
-        places.take([at[0] - size[0], at[1] - size[1] / 2.0, frame[2], y]);
-        push_label(over, &level.label, at, Ink::Soft, dress, "end");
+        areas.take([at[0] - size[0], at[1] - size[1] / 2.0, frame[2], y]);
+        push_label(over, &each.label, at, Stroke::Soft, theme, "end");
     }
     let mut guide_labels = Vec::new();
     for guide in &panel.guides {
@@ -254,11 +254,11 @@ fn draw_panel(
         let Some([a, b]) = clipped(panel, guide.through, guide.slope, from) else {
             continue;
         };
-        let (a, b) = (place(a), place(b));
-        let ink = guide.style.map_or(Ink::Guide, Ink::Dots);
-        line(root, vec![whole(a), whole(b)], stroke(ink, 1.0));
+        let (a, b) = (to_pixels(a), to_pixels(b));
+        let of_guide = guide.style.map_or(Stroke::Guide, Stroke::Dots);
+        line(root, vec![whole(a), whole(b)], stroke(of_guide, 1.0));
         if let Some(label) = &guide.label {
-            places.take_line(a, b, 4.0 * unit);
+            areas.take_line(a, b, 4.0 * unit);
             // A little before its end, which is at the frame, or where else there is room.
             let at = [0.93, 0.8, 0.68, 0.56, 0.44, 0.32]
                 .map(|share| [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis])));
@@ -266,29 +266,33 @@ fn draw_panel(
         }
     }
     if panel.front.len() > 1 {
-        let corners = panel.front.iter().map(|at| whole(place(*at)));
-        line(root, corners.collect(), stroke(Ink::Front, 6.0));
+        let corners = panel.front.iter().map(|at| whole(to_pixels(*at)));
+        line(root, corners.collect(), stroke(Stroke::Front, 6.0));
     }
     for curve in &panel.curves {
-        let points: Vec<[f64; 2]> = curve.points.iter().map(|point| place(point.at)).collect();
+        let points: Vec<[f64; 2]> = curve
+            .points
+            .iter()
+            .map(|point| to_pixels(point.at))
+            .collect();
         if curve.is_joined && points.len() > 1 {
             let thickness = if curve.is_wide { 2.8 } else { 1.5 };
             line(
                 root,
                 points.iter().map(|at| whole(*at)).collect(),
-                stroke(Ink::Line(curve.style), thickness),
+                stroke(Stroke::Line(curve.style), thickness),
             );
             for pair in points.windows(2) {
-                places.take_line(pair[0], pair[1], 4.0 * unit);
+                areas.take_line(pair[0], pair[1], 4.0 * unit);
             }
         }
         for point in &curve.points {
-            let [x, y] = place(point.at);
+            let [x, y] = to_pixels(point.at);
             if let Some([from, to]) = point.whiskers {
-                let [from, _] = place([from, point.at[1]]);
-                let [to, _] = place([to, point.at[1]]);
-                places.take_line([from, y], [to, y], 2.0 * unit);
-                let style = stroke(Ink::Curve(curve.style), 1.0);
+                let [from, _] = to_pixels([from, point.at[1]]);
+                let [to, _] = to_pixels([to, point.at[1]]);
+                areas.take_line([from, y], [to, y], 2.0 * unit);
+                let style = stroke(Stroke::Curve(curve.style), 1.0);
                 line(root, vec![whole([from, y]), whole([to, y])], style);
                 for end in [from, to] {
                     let tip = 3.0 * unit;
@@ -300,9 +304,9 @@ fn draw_panel(
                 }
             }
             if let Some((height, _)) = &point.cross {
-                let [_, y] = place([point.at[0], *height]);
+                let [_, y] = to_pixels([point.at[0], *height]);
                 let arm = 3.0 * unit;
-                let style = stroke(Ink::Curve(curve.style), 1.4);
+                let style = stroke(Stroke::Curve(curve.style), 1.4);
                 for sign in [-1.0, 1.0] {
                     let ends = vec![
                         whole([x - arm, y - sign * arm]),
@@ -310,17 +314,17 @@ fn draw_panel(
                     ];
                     line(root, ends, style);
                 }
-                places.take([x - arm, y - arm, x + arm, y + arm]);
+                areas.take([x - arm, y - arm, x + arm, y + arm]);
             }
         }
     }
     for curve in panel.curves.iter().filter(|curve| curve.marks > 0.0) {
         for point in &curve.points {
-            let [x, y] = place(point.at);
+            let [x, y] = to_pixels(point.at);
             let radius = RADIUS * curve.marks;
             draw_mark(root, whole([x, y]), radius, curve.style, point.is_hollow);
             let reach = (radius + 0.5) * unit;
-            places.take([x - reach, y - reach, x + reach, y + reach]);
+            areas.take([x - reach, y - reach, x + reach, y + reach]);
         }
     }
     // The ends of all curves before what is between them.
@@ -334,35 +338,40 @@ fn draw_panel(
                     _ if at == 0 || at == last => 1,
                     _ => 2 + at % 2,
                 };
-                wanted.push((rank, label, vec![place(point.at)], Ink::Curve(curve.style)));
+                wanted.push((
+                    rank,
+                    label,
+                    vec![to_pixels(point.at)],
+                    Stroke::Curve(curve.style),
+                ));
             }
         }
     }
     for (label, at) in guide_labels {
-        wanted.push((1, label, at, Ink::Soft));
+        wanted.push((1, label, at, Stroke::Soft));
     }
     wanted.sort_by_key(|(rank, ..)| *rank);
-    for (_, label, spots, ink) in wanted {
+    for (_, label, spots, stroke) in wanted {
         let size = [width(label, LABEL) * unit, 1.15 * LABEL * unit];
         let mut found = spots
             .into_iter()
-            .filter_map(|at| places.find(at, size, (RADIUS + 3.0) * unit, frame));
+            .filter_map(|at| areas.find(at, size, (RADIUS + 3.0) * unit, frame));
         if let Some(at) = found.next() {
-            push_label(over, label, at, ink, dress, "start");
+            push_label(over, label, at, stroke, theme, "start");
         }
     }
     for curve in &panel.curves {
         for point in &curve.points {
-            push_told(over, place(point.at), &point.told);
-            if let Some((height, told)) = &point.cross {
-                push_told(over, place([point.at[0], *height]), told);
+            push_tooltip(over, to_pixels(point.at), &point.tooltip);
+            if let Some((height, tooltip)) = &point.cross {
+                push_tooltip(over, to_pixels([point.at[0], *height]), tooltip);
             }
         }
     }
 }
 
 /// The part of a line that is inside of the panel, from `from` on to the right.
-fn clipped(panel: &Panel, [x, y]: [f64; 2], slope: f64, from: f64) -> Option<[[f64; 2]; 2]> {
+fn clipped(panel: &PlotPanel, [x, y]: [f64; 2], slope: f64, from: f64) -> Option<[[f64; 2]; 2]> {
     let mut ends = [from.max(panel.x.low), panel.x.high];
     if slope != 0.0 {
         let mut crossings = [panel.y.low, panel.y.high].map(|height| x + (height - y) / slope);
@@ -372,11 +381,17 @@ fn clipped(panel: &Panel, [x, y]: [f64; 2], slope: f64, from: f64) -> Option<[[f
     (ends[0] < ends[1]).then(|| ends.map(|end| [end, y + slope * (end - x)]))
 }
 
-fn draw_mark(canvas: &Canvas<'_>, (x, y): (i32, i32), radius: f64, style: usize, is_hollow: bool) {
+fn draw_mark(
+    canvas: &PlotCanvas<'_>,
+    (x, y): (i32, i32),
+    radius: f64,
+    style: usize,
+    is_hollow: bool,
+) {
     let (inside, outside) = match is_hollow {
-        true => (filling(Ink::Back), stroke(Ink::Curve(style), 1.3)),
+        true => (filling(Stroke::Back), stroke(Stroke::Curve(style), 1.3)),
         // An edge in the colour of the paper tells marks apart that lie on one another.
-        false => (filling(Ink::Curve(style)), stroke(Ink::Back, 0.7)),
+        false => (filling(Stroke::Curve(style)), stroke(Stroke::Back, 0.7)),
     };
     let corners = shape(style);
     if corners.is_empty() {
@@ -399,37 +414,37 @@ fn draw_mark(canvas: &Canvas<'_>, (x, y): (i32, i32), radius: f64, style: usize,
 
 /// A line of a legend, cut to `room`.
 fn draw_entry(
-    canvas: &Canvas<'_>,
-    entry: &Entry,
+    canvas: &PlotCanvas<'_>,
+    entry: &LegendEntry,
     [x, y]: [i32; 2],
     room: i32,
-    dress: Dress,
+    theme: Theme,
     over: &mut String,
 ) {
     let (left, right, middle) = (x * FINE, (x + 30) * FINE, (y + LEGEND_LINE / 2) * FINE);
     let centre = ((left + right) / 2, middle);
     let across = vec![(left, middle), (right, middle)];
     match entry.key {
-        Key::Curve(style, is_wide) => {
+        LegendKey::Curve(style, is_wide) => {
             let thickness = if is_wide { 2.8 } else { 1.5 };
-            line(canvas, across, stroke(Ink::Line(style), thickness));
+            line(canvas, across, stroke(Stroke::Line(style), thickness));
             draw_mark(canvas, centre, RADIUS, style, false);
         }
-        Key::Line(style) => line(canvas, across, stroke(Ink::Line(style), 1.5)),
-        Key::Mark(style) => draw_mark(canvas, centre, RADIUS, style, false),
-        Key::Hollow => draw_mark(canvas, centre, RADIUS, 6, true),
-        Key::Cross => {
+        LegendKey::Line(style) => line(canvas, across, stroke(Stroke::Line(style), 1.5)),
+        LegendKey::Mark(style) => draw_mark(canvas, centre, RADIUS, style, false),
+        LegendKey::Hollow => draw_mark(canvas, centre, RADIUS, 6, true),
+        LegendKey::Cross => {
             let arm = 3 * FINE;
             for sign in [-1, 1] {
                 let ends = vec![
                     (centre.0 - arm, middle - sign * arm),
                     (centre.0 + arm, middle + sign * arm),
                 ];
-                line(canvas, ends, stroke(Ink::Text, 1.4));
+                line(canvas, ends, stroke(Stroke::Text, 1.4));
             }
         }
-        Key::Front => line(canvas, across, stroke(Ink::Front, 6.0)),
-        Key::Guide => line(canvas, across, stroke(Ink::Guide, 1.0)),
+        LegendKey::Front => line(canvas, across, stroke(Stroke::Front, 6.0)),
+        LegendKey::Guide => line(canvas, across, stroke(Stroke::Guide, 1.0)),
     }
     let mut text = entry.text.clone();
     while width(&text, TEXT) > f64::from(room - 38) && text.pop().is_some() {}
@@ -438,16 +453,23 @@ fn draw_entry(
         text.push('…');
     }
     let at = [f64::from(right + 7 * FINE), f64::from(middle)];
-    push_text(over, &text, at, TEXT, Ink::Text, dress, "");
+    push_text(over, &text, at, TEXT, Stroke::Text, theme, "");
 }
 
 /// A text with an edge in the colour of the paper, to be read above lines.
-fn push_label(over: &mut String, text: &str, at: [f64; 2], ink: Ink, dress: Dress, anchor: &str) {
+fn push_label(
+    over: &mut String,
+    text: &str,
+    at: [f64; 2],
+    stroke: Stroke,
+    theme: Theme,
+    anchor: &str,
+) {
     let edge = format!(
         " text-anchor=\"{anchor}\" stroke=\"{}\" stroke-width=\"30\" paint-order=\"stroke\"",
-        Ink::Back.colour(dress)
+        Stroke::Back.colour(theme)
     );
-    push_text(over, text, at, LABEL, ink, dress, &edge);
+    push_text(over, text, at, LABEL, stroke, theme, &edge);
 }
 
 fn push_text(
@@ -455,26 +477,26 @@ fn push_text(
     text: &str,
     [x, y]: [f64; 2],
     size: f64,
-    ink: Ink,
-    dress: Dress,
+    stroke: Stroke,
+    theme: Theme,
     more: &str,
 ) {
     let _ = writeln!(
         over,
         "<text x=\"{x:.0}\" y=\"{y:.0}\" dy=\".35em\" font-size=\"{}\" fill=\"{}\"{more}>{}</text>",
         size * f64::from(FINE),
-        ink.colour(dress),
+        stroke.colour(theme),
         escaped(text)
     );
 }
 
 /// Browsers show the title of what the pointer rests on.
-fn push_told(over: &mut String, [x, y]: [f64; 2], told: &str) {
-    if !told.is_empty() {
+fn push_tooltip(over: &mut String, [x, y]: [f64; 2], tooltip: &str) {
+    if !tooltip.is_empty() {
         let _ = writeln!(
             over,
             "<circle cx=\"{x:.0}\" cy=\"{y:.0}\" r=\"70\" fill=\"#000\" fill-opacity=\"0\"><title>{}</title></circle>",
-            escaped(told)
+            escaped(tooltip)
         );
     }
 }

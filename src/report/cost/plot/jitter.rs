@@ -1,21 +1,21 @@
 //! Bias and variance of jittered marching.
 
-use super::orders::{Falling, Lines};
-use super::{Dress, Plot};
-use crate::cost::results::{JitterPoint, JitterSplit, Order};
+use super::orders::{Falling, OrderLines};
+use super::{Plot, Theme};
+use crate::cost::results::{ConvergenceOrder, JitterPoint, JitterSplit};
 use crate::report::cost::words;
 
 /// Squared bias and variance against the step, in panels of one kind of jitter each.
-pub(in super::super) fn jitter(split: &JitterSplit, dress: Dress) -> Option<Plot> {
-    let mut lines = Lines::default();
+pub(in super::super) fn jitter(split: &JitterSplit, theme: Theme) -> Option<Plot> {
+    let mut lines = OrderLines::default();
     for curve in &split.curves {
         let jitter = &curve.jitter;
-        let mut push = |part: &str, of: fn(&JitterPoint) -> f64, order: &Order| {
+        let mut push = |part: &str, of: fn(&JitterPoint) -> f64, order: &ConvergenceOrder| {
             let points = curve.points.iter().map(|point| Falling {
                 value: point.step,
                 error: of(point),
                 counts: true,
-                told: format!(
+                tooltip: format!(
                     "{jitter}, step {}: {part} {}",
                     words::value(point.step),
                     words::error(of(point))
@@ -32,6 +32,6 @@ pub(in super::super) fn jitter(split: &JitterSplit, dress: Dress) -> Option<Plot
     lines.plot(
         "Squared bias and variance of jittered marching against the step",
         260,
-        dress,
+        theme,
     )
 }

@@ -17,11 +17,11 @@ pub(super) fn width(text: &str, size: f64) -> f64 {
     letters * size
 }
 
-/// What is taken already.
+/// Areas that are occupied already.
 #[derive(Debug, Default)]
-pub(super) struct Places {
+pub(super) struct OccupiedAreas {
     /// Nothing may cover these.
-    taken: Vec<Box>,
+    occupied: Vec<Box>,
     /// Points of lines, which should not be covered.
     lines: Vec<[f64; 2]>,
 }
@@ -29,9 +29,9 @@ pub(super) struct Places {
 /// Points of lines that a label may cover and still be read.
 const BEARABLE: usize = 5;
 
-impl Places {
-    pub(super) fn take(&mut self, taken: Box) {
-        self.taken.push(taken);
+impl OccupiedAreas {
+    pub(super) fn take(&mut self, occupied: Box) {
+        self.occupied.push(occupied);
     }
 
     /// Adds points along a line from one end to the other.
@@ -70,7 +70,10 @@ impl Places {
                 && wanted[1] >= frame[1]
                 && wanted[2] <= frame[2]
                 && wanted[3] <= frame[3]
-                && !self.taken.iter().any(|taken| overlap(taken, wanted))
+                && !self
+                    .occupied
+                    .iter()
+                    .any(|occupied| overlap(occupied, wanted))
         });
         let covered = |wanted: &Box| {
             let inside = self.lines.iter().filter(|point| contains(wanted, point));
@@ -100,11 +103,11 @@ mod tests {
 
     #[test]
     fn labels_avoid_one_another_until_there_is_no_room() {
-        let mut places = Places::default();
+        let mut areas = OccupiedAreas::default();
         let frame = [0.0, 0.0, 100.0, 100.0];
-        places.take([45.0, 45.0, 55.0, 55.0]);
+        areas.take([45.0, 45.0, 55.0, 55.0]);
         let mut found = Vec::new();
-        while let Some(at) = places.find([50.0, 50.0], [30.0, 10.0], 8.0, frame) {
+        while let Some(at) = areas.find([50.0, 50.0], [30.0, 10.0], 8.0, frame) {
             found.push(at);
         }
         assert_eq!(found[0], [58.0, 50.0]);
@@ -113,9 +116,9 @@ mod tests {
 
     #[test]
     fn labels_avoid_lines() {
-        let mut places = Places::default();
-        places.take_line([50.0, 50.0], [100.0, 50.0], 2.0);
-        let at = places.find([50.0, 50.0], [30.0, 10.0], 8.0, [0.0, 0.0, 100.0, 100.0]);
+        let mut areas = OccupiedAreas::default();
+        areas.take_line([50.0, 50.0], [100.0, 50.0], 2.0);
+        let at = areas.find([50.0, 50.0], [30.0, 10.0], 8.0, [0.0, 0.0, 100.0, 100.0]);
         assert_ne!(at, Some([58.0, 50.0]));
         assert!(at.is_some());
     }

@@ -4,19 +4,19 @@
 
 mod axis;
 mod draw;
-mod ink;
 mod jitter;
 mod labels;
 mod orders;
 mod picture;
 mod ray;
+mod stroke;
 mod thickness;
 mod work_precision;
 
-pub(super) use ink::Dress;
 pub(super) use jitter::jitter;
 pub(super) use orders::orders;
 pub(super) use ray::ray;
+pub(super) use stroke::Theme;
 pub(super) use thickness::thickness;
 pub(super) use work_precision::work_precision;
 
@@ -32,5 +32,5 @@ pub(super) struct Plot {
 
 /// The work–precision diagram of a study as an SVG file of its own: on white, 800 wide.
 pub fn work_precision_svg(study: &Study) -> String {
-    work_precision(study, Dress::Standalone).svg
+    work_precision(study, Theme::Standalone).svg
 }

@@ -5,30 +5,30 @@ use super::axis::Axis;
 
 /// Panels side by side, with one legend below.
 #[derive(Debug, Default)]
-pub(super) struct Picture {
+pub(super) struct PlotPicture {
     /// For those who do not see it.
     pub(super) title: String,
-    pub(super) panels: Vec<Panel>,
-    pub(super) legend: Vec<Entry>,
+    pub(super) panels: Vec<PlotPanel>,
+    pub(super) legend: Vec<LegendEntry>,
     /// Height of the axes.
     pub(super) height: i32,
 }
 
 #[derive(Debug)]
-pub(super) struct Panel {
+pub(super) struct PlotPanel {
     pub(super) title: String,
     pub(super) x: Axis,
     pub(super) y: Axis,
-    pub(super) curves: Vec<Curve>,
+    pub(super) curves: Vec<PlotCurve>,
     pub(super) guides: Vec<Guide>,
-    pub(super) levels: Vec<Level>,
+    pub(super) lines: Vec<HorizontalLine>,
     /// Corners of the border of what can be had.
     pub(super) front: Vec<[f64; 2]>,
 }
 
 /// Points that belong together.
 #[derive(Debug)]
-pub(super) struct Curve {
+pub(super) struct PlotCurve {
     /// Number of colour, dashes and shape of the marks.
     pub(super) style: usize,
     pub(super) is_wide: bool,
@@ -36,23 +36,23 @@ pub(super) struct Curve {
     pub(super) marks: f64,
     /// Whether they are joined.
     pub(super) is_joined: bool,
-    pub(super) points: Vec<Point>,
+    pub(super) points: Vec<PlotPoint>,
 }
 
 /// A point of a curve.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Point {
+pub(super) struct PlotPoint {
     pub(super) at: [f64; 2],
     pub(super) label: Option<String>,
     /// Whether its label goes before those of other points.
     pub(super) is_urgent: bool,
-    /// What a pointer that rests on it is told.
-    pub(super) told: String,
+    /// Text of its tooltip.
+    pub(super) tooltip: String,
     /// Not to be trusted: drawn without filling.
     pub(super) is_hollow: bool,
     /// From where to where it may be along the first axis.
     pub(super) whiskers: Option<[f64; 2]>,
-    /// Where a cross is drawn above or below it, and what a pointer is told there.
+    /// Where a cross is drawn above or below it, and the text of its tooltip.
     pub(super) cross: Option<(f64, String)>,
 }
 
@@ -70,7 +70,7 @@ pub(super) struct Guide {
 
 /// A line across the panel.
 #[derive(Debug)]
-pub(super) struct Level {
+pub(super) struct HorizontalLine {
     pub(super) at: f64,
     pub(super) label: String,
     /// Whether everything below it is shaded.
@@ -79,14 +79,14 @@ pub(super) struct Level {
 
 /// A line of a legend.
 #[derive(Clone, Debug)]
-pub(super) struct Entry {
-    pub(super) key: Key,
+pub(super) struct LegendEntry {
+    pub(super) key: LegendKey,
     pub(super) text: String,
 }
 
 /// What a line of a legend explains.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Key {
+pub(super) enum LegendKey {
     /// Line and mark of a curve, in that style; wide or not.
     Curve(usize, bool),
     /// The line of a curve, in that style.

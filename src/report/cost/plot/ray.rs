@@ -2,8 +2,8 @@
 
 use super::axis::Axis;
 use super::draw::drawn;
-use super::picture::{Curve, Entry, Key, Panel, Picture, Point};
-use super::{Dress, Plot};
+use super::picture::{LegendEntry, LegendKey, PlotCurve, PlotPanel, PlotPicture, PlotPoint};
+use super::{Plot, Theme};
 use crate::cost::results::RayTrace;
 use crate::report::cost::words;
 
@@ -11,13 +11,13 @@ use crate::report::cost::words;
 const MANY: usize = 60;
 
 /// Extinction along the ray, with the samples.
-pub(in super::super) fn ray(trace: &RayTrace, dress: Dress) -> Plot {
-    let point = |at: &[f64; 2]| Point {
+pub(in super::super) fn ray(trace: &RayTrace, theme: Theme) -> Plot {
+    let point = |at: &[f64; 2]| PlotPoint {
         at: *at,
-        ..Point::default()
+        ..PlotPoint::default()
     };
-    let told = |at: &[f64; 2]| Point {
-        told: format!(
+    let tooltip = |at: &[f64; 2]| PlotPoint {
+        tooltip: format!(
             "sample at {}: extinction {}",
             words::value(at[0]),
             words::value(at[1])
@@ -28,51 +28,51 @@ pub(in super::super) fn ray(trace: &RayTrace, dress: Dress) -> Plot {
     let extinction = trace.extinction.iter().filter(is_finite);
     let samples = trace.samples.iter().filter(is_finite);
     let curves = vec![
-        Curve {
+        PlotCurve {
             style: 0,
             is_wide: false,
             marks: 0.0,
             is_joined: true,
             points: extinction.map(point).collect(),
         },
-        Curve {
+        PlotCurve {
             style: 1,
             is_wide: false,
             // Many look like a thick line otherwise.
             marks: if trace.samples.len() > MANY { 0.5 } else { 1.0 },
             is_joined: false,
-            points: samples.map(told).collect(),
+            points: samples.map(tooltip).collect(),
         },
     ];
     let of = |axis: usize| -> Vec<f64> {
         let points = curves.iter().flat_map(|curve| &curve.points);
         points.map(|point| point.at[axis]).collect()
     };
-    let picture = Picture {
+    let picture = PlotPicture {
         title: format!("Extinction along {}", trace.ray),
-        panels: vec![Panel {
+        panels: vec![PlotPanel {
             title: trace.ray.clone(),
             x: Axis::linear("distance along the ray", &of(0)),
             y: Axis::linear("extinction", &[of(1), vec![0.0]].concat()),
             curves,
             guides: Vec::new(),
-            levels: Vec::new(),
+            lines: Vec::new(),
             front: Vec::new(),
         }],
         legend: vec![
-            Entry {
-                key: Key::Line(0),
+            LegendEntry {
+                key: LegendKey::Line(0),
                 text: "extinction".to_owned(),
             },
-            Entry {
-                key: Key::Mark(1),
+            LegendEntry {
+                key: LegendKey::Mark(1),
                 text: format!("looked up with {}", trace.setting),
             },
         ],
         height: 200,
     };
     Plot {
-        svg: drawn(&picture, dress),
+        svg: drawn(&picture, theme),
         notes: Vec::new(),
     }
 }

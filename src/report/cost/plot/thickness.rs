@@ -1,29 +1,29 @@
-//! Which estimator wins in thin and in dense matter.
+//! Which estimator wins in thin and in dense media.
 
 use super::axis::{Axis, Measure};
 use super::draw::drawn;
-use super::picture::{Curve, Entry, Key, Panel, Picture, Point};
-use super::{Dress, Plot};
+use super::picture::{LegendEntry, LegendKey, PlotCurve, PlotPanel, PlotPicture, PlotPoint};
+use super::{Plot, Theme};
 use crate::cost::results::{ThicknessCurve, ThicknessPoint, ThicknessSweep};
 use crate::math::log10;
 use crate::report::cost::words;
 
-/// So many look-ups for one sample of relative error 1 nobody takes. Variances of dense matter grow
+/// So many look-ups for one sample of relative error 1 nobody takes. Variances of dense media grow
 /// like `e^τ`: drawn to their end they would press everything else to the ground.
 const HOPELESS: f64 = 1e8;
 
 /// Relative variance times look-ups against optical depth: marks are measured, lines predicted.
-pub(in super::super) fn thickness(sweep: &ThicknessSweep, dress: Dress) -> Plot {
+pub(in super::super) fn thickness(sweep: &ThicknessSweep, theme: Theme) -> Plot {
     let mut curves = Vec::new();
     let mut legend = Vec::new();
     let mut notes = Vec::new();
     for (style, curve) in sweep.curves.iter().enumerate() {
         let name = &curve.estimator;
         let predicted = predicted(curve);
-        legend.push(Entry {
+        legend.push(LegendEntry {
             key: match predicted.is_empty() {
-                true => Key::Mark(style),
-                false => Key::Curve(style, false),
+                true => LegendKey::Mark(style),
+                false => LegendKey::Curve(style, false),
             },
             text: match predicted.is_empty() {
                 true => format!("{name} (no theory)"),
@@ -50,19 +50,19 @@ pub(in super::super) fn thickness(sweep: &ThicknessSweep, dress: Dress) -> Plot 
                 words::value(first.depth)
             ));
         }
-        let mut measured: Vec<Point> = shown
+        let mut measured: Vec<PlotPoint> = shown
             .into_iter()
-            .map(|(point, measured)| Point {
+            .map(|(point, measured)| PlotPoint {
                 at: [log10(point.depth), log10(measured)],
-                told: told(name, point),
-                ..Point::default()
+                tooltip: tooltip(name, point),
+                ..PlotPoint::default()
             })
             .collect();
         if let Some(last) = measured.last_mut() {
             last.label = Some(name.clone());
         }
         for (is_marked, points) in [(false, predicted), (true, measured)] {
-            curves.push(Curve {
+            curves.push(PlotCurve {
                 style,
                 is_wide: false,
                 marks: if is_marked { 1.0 } else { 0.0 },
@@ -74,28 +74,28 @@ pub(in super::super) fn thickness(sweep: &ThicknessSweep, dress: Dress) -> Plot 
     let points = || curves.iter().flat_map(|curve| &curve.points);
     let across: Vec<f64> = points().map(|point| point.at[0]).collect();
     let up: Vec<f64> = points().map(|point| point.at[1]).collect();
-    let picture = Picture {
+    let picture = PlotPicture {
         title: "Relative variance times look-ups against optical depth".to_owned(),
-        panels: vec![Panel {
+        panels: vec![PlotPanel {
             title: "marks: measured; lines: theory; lower is better".to_owned(),
             x: Axis::log("optical depth of the ray", Measure::Number, &across),
             y: Axis::log("variance / T² × look-ups", Measure::Number, &up),
             curves,
             guides: Vec::new(),
-            levels: Vec::new(),
+            lines: Vec::new(),
             front: Vec::new(),
         }],
         legend,
         height: 320,
     };
     Plot {
-        svg: drawn(&picture, dress),
+        svg: drawn(&picture, theme),
         notes,
     }
 }
 
 /// What theory says, up to where it is [`HOPELESS`].
-fn predicted(curve: &ThicknessCurve) -> Vec<Point> {
+fn predicted(curve: &ThicknessCurve) -> Vec<PlotPoint> {
     let top = log10(HOPELESS);
     let mut points: Vec<[f64; 2]> = Vec::new();
     for point in &curve.points {
@@ -116,14 +116,14 @@ fn predicted(curve: &ThicknessCurve) -> Vec<Point> {
             break;
         }
     }
-    let point = |at| Point {
+    let point = |at| PlotPoint {
         at,
-        ..Point::default()
+        ..PlotPoint::default()
     };
     points.into_iter().map(point).collect()
 }
 
-fn told(name: &str, point: &ThicknessPoint) -> String {
+fn tooltip(name: &str, point: &ThicknessPoint) -> String {
     let shown = |value: Option<f64>| value.map_or("–".to_owned(), words::error);
     format!(
         "{name} at depth {}: measured {}, theory {}",

@@ -2,9 +2,11 @@
 
 use super::axis::{Axis, Measure};
 use super::draw::drawn;
-use super::picture::{Curve, Entry, Guide, Key, Level, Panel, Picture, Point};
-use super::{Dress, Plot};
-use crate::cost::results::{Counted, Ladder, Rung, Study};
+use super::picture::{
+    Guide, HorizontalLine, LegendEntry, LegendKey, PlotCurve, PlotPanel, PlotPicture, PlotPoint,
+};
+use super::{Plot, Theme};
+use crate::cost::results::{Counted, Level, Study, Sweep};
 use crate::math::log10;
 use crate::report::cost::words;
 
@@ -18,32 +20,32 @@ const NEAR: f64 = 1.5;
 /// Height of a decade, where neither few of them make a picture too low nor many too high.
 const PER_DECADE: f64 = 26.0;
 
-/// The diagram: a curve for each ladder, its error against look-ups on the left and against time,
+/// The diagram: a curve for each sweep, its error against look-ups on the left and against time,
 /// where that was taken, on the right.
-pub(in super::super) fn work_precision(study: &Study, dress: Dress) -> Plot {
+pub(in super::super) fn work_precision(study: &Study, theme: Theme) -> Plot {
     let mut notes = Vec::new();
     let errors: Vec<f64> = study
-        .ladders
+        .sweeps
         .iter()
-        .flat_map(|ladder| &ladder.rungs)
-        .map(|rung| rung.error.l2)
+        .flat_map(|sweep| &sweep.levels)
+        .map(|level| level.error.l2)
         .filter(|error| *error > 0.0 && error.is_finite())
         .map(log10)
         .collect();
     let y = Heights::new(study, &errors, &mut notes);
-    let rungs = study.ladders.iter().flat_map(|ladder| &ladder.rungs);
-    let not_finite = rungs.filter(|rung| !rung.error.l2.is_finite()).count();
+    let levels = study.sweeps.iter().flat_map(|sweep| &sweep.levels);
+    let not_finite = levels.filter(|level| !level.error.l2.is_finite()).count();
     if not_finite > 0 {
         notes.push(format!(
             "Not drawn: {not_finite} settings whose error is no finite number."
         ));
     }
-    let mut rungs = study.ladders.iter().flat_map(|ladder| &ladder.rungs);
-    if rungs.any(|rung| rung.error.l2 == 0.0) {
+    let mut levels = study.sweeps.iter().flat_map(|sweep| &sweep.levels);
+    if levels.any(|level| level.error.l2 == 0.0) {
         notes.push("Marks at the lower edge have no error at all.".to_owned());
     }
-    let of_work = |rung: &Rung| (rung.work.price(), None);
-    let of_time = |rung: &Rung| match &rung.time {
+    let of_work = |level: &Level| (level.work.price(), None);
+    let of_time = |level: &Level| match &level.time {
         Some(times) => (times.median, Some([times.min, times.max])),
         None => (0.0, None),
     };
@@ -59,37 +61,37 @@ pub(in super::super) fn work_precision(study: &Study, dress: Dress) -> Plot {
         of_time,
     );
     let mut legend = Vec::new();
-    for (style, ladder) in study.ladders.iter().enumerate() {
-        let mut text = words::ladder(study, &ladder.estimator, ladder.knob);
-        if let Some(unit) = unit(ladder) {
+    for (style, sweep) in study.sweeps.iter().enumerate() {
+        let mut text = words::sweep(study, &sweep.estimator, sweep.parameter);
+        if let Some(unit) = unit(sweep) {
             text.push_str(&format!(" [{unit}]"));
         }
-        if ladder.is_ours {
+        if sweep.is_ours {
             text.push_str(" (ours)");
         }
-        legend.push(Entry {
-            key: Key::Curve(style, ladder.is_ours),
+        legend.push(LegendEntry {
+            key: LegendKey::Curve(style, sweep.is_ours),
             text,
         });
         let drawn_points = work.iter().flat_map(|panel| &panel.curves);
         let is_drawn = drawn_points
             .filter(|curve| curve.style == style)
             .any(|curve| !curve.points.is_empty());
-        if !is_drawn && !ladder.rungs.is_empty() {
-            let name = &ladder.estimator;
+        if !is_drawn && !sweep.levels.is_empty() {
+            let name = &sweep.estimator;
             notes.push(format!(
                 "Not drawn by work: {name}, whose work was not counted."
             ));
         }
     }
     let by_random = study
-        .ladders
+        .sweeps
         .iter()
-        .filter(|ladder| {
-            let mut rungs = ladder.rungs.iter();
-            rungs.any(|rung| rung.work.counted() == Counted::RandomNumbers)
+        .filter(|sweep| {
+            let mut levels = sweep.levels.iter();
+            levels.any(|level| level.work.counted() == Counted::RandomNumbers)
         })
-        .map(|ladder| ladder.estimator.as_str())
+        .map(|sweep| sweep.estimator.as_str())
         .collect::<Vec<_>>();
     if !by_random.is_empty() {
         notes.push(format!(
@@ -97,7 +99,7 @@ pub(in super::super) fn work_precision(study: &Study, dress: Dress) -> Plot {
             by_random.join(", ")
         ));
     }
-    let mut panels: Vec<Panel> = work.into_iter().chain(time).collect();
+    let mut panels: Vec<PlotPanel> = work.into_iter().chain(time).collect();
     for panel in panels.iter_mut().skip(1) {
         // As on the left.
         panel.y.title.clear();
@@ -108,42 +110,42 @@ pub(in super::super) fn work_precision(study: &Study, dress: Dress) -> Plot {
         .flat_map(|curve| &curve.points);
     let has_hollow = points.clone().any(|point| point.is_hollow);
     let has_cross = points.any(|point| point.cross.is_some());
-    legend.push(Entry {
-        key: Key::Front,
+    legend.push(LegendEntry {
+        key: LegendKey::Front,
         text: "Pareto front: nothing is better in both".to_owned(),
     });
     if has_hollow {
-        legend.push(Entry {
-            key: Key::Hollow,
+        legend.push(LegendEntry {
+            key: LegendKey::Hollow,
             text: "below what is known".to_owned(),
         });
     }
     if has_cross {
-        legend.push(Entry {
-            key: Key::Cross,
+        legend.push(LegendEntry {
+            key: LegendKey::Cross,
             text: "how far f32 is off, where it matters".to_owned(),
         });
     }
-    legend.push(Entry {
-        key: Key::Guide,
+    legend.push(LegendEntry {
+        key: LegendKey::Guide,
         text: "guide slopes".to_owned(),
     });
     let height = (PER_DECADE * (y.axis.high - y.axis.low)).clamp(320.0, 440.0);
-    if panels.is_empty() && dress == Dress::Page {
+    if panels.is_empty() && theme == Theme::Page {
         notes.push("Nothing to draw: no setting was measured.".to_owned());
         return Plot {
             svg: String::new(),
             notes,
         };
     }
-    let picture = Picture {
+    let picture = PlotPicture {
         title: format!("Work and precision of {}", study.quantity),
         panels,
         legend,
         height: height as i32,
     };
     Plot {
-        svg: drawn(&picture, dress),
+        svg: drawn(&picture, theme),
         notes,
     }
 }
@@ -151,7 +153,7 @@ pub(in super::super) fn work_precision(study: &Study, dress: Dress) -> Plot {
 /// The axis of errors, which both panels share, and the lines across it.
 struct Heights {
     axis: Axis,
-    levels: Vec<(f64, String, bool)>,
+    lines: Vec<(f64, String, bool)>,
     /// Where an error of 0 is put.
     bottom: f64,
     /// Errors at or below this are not those of a setting.
@@ -161,36 +163,36 @@ struct Heights {
 impl Heights {
     fn new(study: &Study, errors: &[f64], notes: &mut Vec<String>) -> Heights {
         let known = words::least_known(study);
-        let mut places = errors.to_vec();
+        let mut logarithms = errors.to_vec();
         let low = errors.iter().copied().fold(0.0, f64::min);
-        let mut levels = Vec::new();
-        let mut level = |error: f64, label: String, is_shaded: bool| {
-            let place = log10(error);
-            let is_near = error > 0.0 && place > low - NEAR;
+        let mut lines = Vec::new();
+        let mut line = |error: f64, label: String, is_shaded: bool| {
+            let logarithm = log10(error);
+            let is_near = error > 0.0 && logarithm > low - NEAR;
             if is_near {
-                places.push(place - 0.3);
-                levels.push((place, label, is_shaded));
+                logarithms.push(logarithm - 0.3);
+                lines.push((logarithm, label, is_shaded));
             }
             is_near
         };
         let label = format!("{}: the reference knows no more", words::round(known));
-        if !level(known, label, true) {
+        if !line(known, label, true) {
             let bound = study.reference.bound;
             notes.push(format!(
                 "The reference is known to {}: every error here is one of a setting.",
                 words::error(bound)
             ));
         }
-        let mut rungs = study.ladders.iter().flat_map(|ladder| &ladder.rungs);
-        if rungs.any(|rung| rung.single_precision.is_some()) {
-            level(SINGLE, "one rounding of f32".to_owned(), false);
+        let mut levels = study.sweeps.iter().flat_map(|sweep| &sweep.levels);
+        if levels.any(|level| level.single_precision.is_some()) {
+            line(SINGLE, "one rounding of f32".to_owned(), false);
         }
-        level(DOUBLE, "one rounding of f64".to_owned(), false);
-        let axis = Axis::log("error: relative RMSE", Measure::Number, &places);
+        line(DOUBLE, "one rounding of f64".to_owned(), false);
+        let axis = Axis::log("error: relative RMSE", Measure::Number, &logarithms);
         Heights {
             bottom: axis.low + 0.1,
             axis,
-            levels,
+            lines,
             known,
         }
     }
@@ -203,35 +205,35 @@ fn panel(
     title: &str,
     x_title: &str,
     measure: Measure,
-    x_of: impl Fn(&Rung) -> (f64, Option<[f64; 2]>),
-) -> Option<Panel> {
+    x_of: impl Fn(&Level) -> (f64, Option<[f64; 2]>),
+) -> Option<PlotPanel> {
     let mut curves = Vec::new();
-    for (style, ladder) in study.ladders.iter().enumerate() {
+    for (style, sweep) in study.sweeps.iter().enumerate() {
         let mut points = Vec::new();
-        for rung in &ladder.rungs {
-            let (x, whiskers) = x_of(rung);
-            let error = rung.error.l2;
+        for level in &sweep.levels {
+            let (x, whiskers) = x_of(level);
+            let error = level.error.l2;
             if !(x > 0.0 && x.is_finite() && error.is_finite()) {
                 continue;
             }
             let height = if error > 0.0 { log10(error) } else { y.bottom };
-            points.push(Point {
+            points.push(PlotPoint {
                 at: [log10(x), height],
-                label: Some(short(ladder, rung)),
+                label: Some(short(sweep, level)),
                 is_urgent: false,
-                told: told(study, ladder, rung),
-                is_hollow: error <= ladder.order.known,
+                tooltip: tooltip(study, sweep, level),
+                is_hollow: error <= sweep.order.known,
                 whiskers: whiskers.map(|ends| ends.map(log10)),
                 cross: single(
-                    rung,
+                    level,
                     y,
-                    &words::ladder(study, &ladder.estimator, ladder.knob),
+                    &words::sweep(study, &sweep.estimator, sweep.parameter),
                 ),
             });
         }
-        curves.push(Curve {
+        curves.push(PlotCurve {
             style,
-            is_wide: ladder.is_ours,
+            is_wide: sweep.is_ours,
             marks: 1.0,
             is_joined: true,
             points,
@@ -250,15 +252,15 @@ fn panel(
     ];
     across.extend(points().filter_map(|point| point.whiskers).flatten());
     let front = front(points().map(|point| point.at), log10(y.known.max(1e-300)));
-    Some(Panel {
+    Some(PlotPanel {
         title: title.to_owned(),
         x: Axis::log(x_title, measure, &across),
         y: y.axis.clone(),
         guides: guides(study, start),
-        levels: y
-            .levels
+        lines: y
+            .lines
             .iter()
-            .map(|(at, label, is_shaded)| Level {
+            .map(|(at, label, is_shaded)| HorizontalLine {
                 at: *at,
                 label: label.clone(),
                 is_shaded: *is_shaded,
@@ -270,24 +272,24 @@ fn panel(
 }
 
 /// How far single precision is off, where that is not small beside the error.
-fn single(rung: &Rung, y: &Heights, name: &str) -> Option<(f64, String)> {
-    let off = rung.single_precision?.l2;
-    let matters = off > 0.1 * rung.error.l2;
+fn single(level: &Level, y: &Heights, name: &str) -> Option<(f64, String)> {
+    let off = level.single_precision?.l2;
+    let matters = off > 0.1 * level.error.l2;
     (matters && off > 0.0 && off.is_finite()).then(|| {
-        let told = format!(
+        let tooltip = format!(
             "{name}, {}: f32 is off by {}",
-            rung.setting,
+            level.setting,
             words::error(off)
         );
-        (log10(off).clamp(y.axis.low, y.axis.high), told)
+        (log10(off).clamp(y.axis.low, y.axis.high), tooltip)
     })
 }
 
 /// Slopes −½, −1 and −2, and −4 where that is expected of anything.
 fn guides(study: &Study, through: [f64; 2]) -> Vec<Guide> {
     let mut slopes = vec![(0.5, "−½"), (1.0, "−1"), (2.0, "−2")];
-    let steep = |ladder: &Ladder| ladder.order.expected.is_some_and(|order| order > 3.0);
-    if study.ladders.iter().any(steep) {
+    let steep = |sweep: &Sweep| sweep.order.expected.is_some_and(|order| order > 3.0);
+    if study.sweeps.iter().any(steep) {
         slopes.push((4.0, "−4"));
     }
     slopes
@@ -322,53 +324,53 @@ fn front(points: impl Iterator<Item = [f64; 2]>, known: f64) -> Vec<[f64; 2]> {
 }
 
 /// The setting as it is written beside a point: its number, as the unit is in the legend.
-fn short(ladder: &Ladder, rung: &Rung) -> String {
-    match unit(ladder) {
-        Some(_) => rung
+fn short(sweep: &Sweep, level: &Level) -> String {
+    match unit(sweep) {
+        Some(_) => level
             .setting
             .split(' ')
             .next()
             .unwrap_or_default()
             .to_owned(),
-        None => rung.setting.clone(),
+        None => level.setting.clone(),
     }
 }
 
-/// What all settings of a ladder have after their numbers.
-fn unit(ladder: &Ladder) -> Option<&str> {
-    fn parts(rung: &Rung) -> Option<&str> {
-        let (number, unit) = rung.setting.split_once(' ')?;
+/// What all settings of a sweep have after their numbers.
+fn unit(sweep: &Sweep) -> Option<&str> {
+    fn parts(level: &Level) -> Option<&str> {
+        let (number, unit) = level.setting.split_once(' ')?;
         number.parse::<f64>().is_ok().then_some(unit)
     }
-    let unit = parts(ladder.rungs.first()?)?;
+    let unit = parts(sweep.levels.first()?)?;
     // One sample and two samples are the same unit.
     let stem = unit.trim_end_matches('s');
-    let mut rest = ladder.rungs.iter();
-    let is_shared = rest.all(|rung| parts(rung).is_some_and(|u| u.trim_end_matches('s') == stem));
+    let mut rest = sweep.levels.iter();
+    let is_shared = rest.all(|level| parts(level).is_some_and(|u| u.trim_end_matches('s') == stem));
     is_shared
-        .then(|| ladder.rungs.last().and_then(parts))
+        .then(|| sweep.levels.last().and_then(parts))
         .flatten()
 }
 
-fn told(study: &Study, ladder: &Ladder, rung: &Rung) -> String {
-    let name = words::ladder(study, &ladder.estimator, ladder.knob);
-    let mut told = format!(
+fn tooltip(study: &Study, sweep: &Sweep, level: &Level) -> String {
+    let name = words::sweep(study, &sweep.estimator, sweep.parameter);
+    let mut tooltip = format!(
         "{name}, {}: error {}",
-        rung.setting,
-        words::error(rung.error.l2)
+        level.setting,
+        words::error(level.error.l2)
     );
-    if rung.error.uncertainty > 0.0 {
-        told.push_str(&format!(" ± {:.1} %", 100.0 * rung.error.uncertainty));
+    if level.error.uncertainty > 0.0 {
+        tooltip.push_str(&format!(" ± {:.1} %", 100.0 * level.error.uncertainty));
     }
-    told.push_str(&format!(
+    tooltip.push_str(&format!(
         " (largest {}), {}",
-        words::error(rung.error.max),
-        words::price(rung),
+        words::error(level.error.max),
+        words::price(level),
     ));
-    if let Some(times) = &rung.time {
-        told.push_str(&format!(", {}", words::times(times)));
+    if let Some(times) = &level.time {
+        tooltip.push_str(&format!(", {}", words::times(times)));
     }
-    told
+    tooltip
 }
 
 #[cfg(test)]

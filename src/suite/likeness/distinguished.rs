@@ -115,8 +115,8 @@ mod tests {
     use std::path::Path;
 
     fn one(name: &str) -> Hypothesis {
-        let place = mistakes::catalogue().position(|mistake| mistake.name == name);
-        Hypothesis::One(place.unwrap())
+        let index = mistakes::catalogue().position(|mistake| mistake.name == name);
+        Hypothesis::One(index.unwrap())
     }
 
     /// `hypothesis` explains the first result with this distance, known with this error.

@@ -1,6 +1,6 @@
 //! Colours, dashes and marks.
 //!
-//! `plotters` knows colours as three bytes only, and no dashes. So each ink is drawn as a number,
+//! `plotters` knows colours as three bytes only, and no dashes. So each stroke is drawn as a number,
 //! and put right in the finished text: in a page as one of its CSS variables, which follow light
 //! and dark, and in a file of its own as the colour itself.
 
@@ -8,7 +8,7 @@ use plotters::style::RGBColor;
 
 /// For what a drawing is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in super::super) enum Dress {
+pub(in super::super) enum Theme {
     /// A page that defines the variables.
     Page,
     /// A file of its own, on white.
@@ -17,7 +17,7 @@ pub(in super::super) enum Dress {
 
 /// What is drawn with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Ink {
+pub(super) enum Stroke {
     Text,
     Soft,
     Grid,
@@ -68,66 +68,72 @@ fn dashes(style: usize) -> &'static str {
     DASHES[(style + style / COLOURS) % DASHES.len()]
 }
 
-impl Ink {
+impl Stroke {
     /// As a number.
     pub(super) fn code(self) -> RGBColor {
         let (kind, which) = match self {
-            Ink::Text => (0, 0),
-            Ink::Soft => (0, 1),
-            Ink::Grid => (0, 2),
-            Ink::Back => (0, 3),
-            Ink::Front => (0, 4),
-            Ink::Guide => (0, 5),
-            Ink::Shade => (0, 6),
-            Ink::Curve(style) => (1, style % STYLES),
-            Ink::Line(style) => (2, style % STYLES),
-            Ink::Dots(style) => (3, style % STYLES),
+            Stroke::Text => (0, 0),
+            Stroke::Soft => (0, 1),
+            Stroke::Grid => (0, 2),
+            Stroke::Back => (0, 3),
+            Stroke::Front => (0, 4),
+            Stroke::Guide => (0, 5),
+            Stroke::Shade => (0, 6),
+            Stroke::Curve(style) => (1, style % STYLES),
+            Stroke::Line(style) => (2, style % STYLES),
+            Stroke::Dots(style) => (3, style % STYLES),
         };
         RGBColor(kind, which as u8, 0xA5)
     }
 
     /// As a colour.
-    pub(super) fn colour(self, dress: Dress) -> String {
+    pub(super) fn colour(self, theme: Theme) -> String {
         let (variable, on_white) = match self {
-            Ink::Text => ("ink", "#1c1c1a"),
-            Ink::Soft => ("soft", "#55554f"),
-            Ink::Grid => ("grid", "#e3e3de"),
-            Ink::Back => ("back", "#ffffff"),
-            Ink::Front => ("front", "#d9cfa8"),
-            Ink::Guide => ("guide", "#8a8a82"),
-            Ink::Shade => ("shade", "#efefeb"),
-            Ink::Curve(style) | Ink::Line(style) | Ink::Dots(style) => {
+            Stroke::Text => ("text", "#1c1c1a"),
+            Stroke::Soft => ("soft", "#55554f"),
+            Stroke::Grid => ("grid", "#e3e3de"),
+            Stroke::Back => ("back", "#ffffff"),
+            Stroke::Front => ("front", "#d9cfa8"),
+            Stroke::Guide => ("guide", "#8a8a82"),
+            Stroke::Shade => ("shade", "#efefeb"),
+            Stroke::Curve(style) | Stroke::Line(style) | Stroke::Dots(style) => {
                 let colour = style % COLOURS;
-                return match dress {
-                    Dress::Page => format!("var(--curve-{colour})"),
-                    Dress::Standalone => ON_WHITE[colour].to_owned(),
+                return match theme {
+                    Theme::Page => format!("var(--curve-{colour})"),
+                    Theme::Standalone => ON_WHITE[colour].to_owned(),
                 };
             }
         };
-        match dress {
-            Dress::Page => format!("var(--{variable})"),
-            Dress::Standalone => on_white.to_owned(),
+        match theme {
+            Theme::Page => format!("var(--{variable})"),
+            Theme::Standalone => on_white.to_owned(),
         }
     }
 
-    fn all() -> impl Iterator<Item = Ink> {
+    fn all() -> impl Iterator<Item = Stroke> {
         let single = [
-            Ink::Text,
-            Ink::Soft,
-            Ink::Grid,
-            Ink::Back,
-            Ink::Front,
-            Ink::Guide,
-            Ink::Shade,
+            Stroke::Text,
+            Stroke::Soft,
+            Stroke::Grid,
+            Stroke::Back,
+            Stroke::Front,
+            Stroke::Guide,
+            Stroke::Shade,
         ];
-        let styled = |style| [Ink::Curve(style), Ink::Line(style), Ink::Dots(style)];
+        let styled = |style| {
+            [
+                Stroke::Curve(style),
+                Stroke::Line(style),
+                Stroke::Dots(style),
+            ]
+        };
         single.into_iter().chain((0..STYLES).flat_map(styled))
     }
 
     fn dashes(self) -> &'static str {
         match self {
-            Ink::Line(style) => dashes(style),
-            Ink::Guide | Ink::Dots(_) => "10 20",
+            Stroke::Line(style) => dashes(style),
+            Stroke::Guide | Stroke::Dots(_) => "10 20",
             _ => "",
         }
     }
@@ -135,12 +141,12 @@ impl Ink {
 
 /// The drawing with colours for numbers. No text of a user can be taken for one: quotes in texts
 /// are escaped.
-pub(super) fn dressed(mut svg: String, dress: Dress) -> String {
-    for ink in Ink::all() {
-        let RGBColor(r, g, b) = ink.code();
+pub(super) fn themed(mut svg: String, theme: Theme) -> String {
+    for stroke in Stroke::all() {
+        let RGBColor(r, g, b) = stroke.code();
         let code = format!("=\"#{r:02X}{g:02X}{b:02X}\"");
-        let colour = ink.colour(dress);
-        let dashes = ink.dashes();
+        let colour = stroke.colour(theme);
+        let dashes = stroke.dashes();
         if !dashes.is_empty() {
             let dashed = format!("stroke=\"{colour}\" stroke-dasharray=\"{dashes}\"");
             svg = svg.replace(&format!("stroke{code}"), &dashed);

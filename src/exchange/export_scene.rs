@@ -1,31 +1,31 @@
 //! A radiative scene, put in order for other renderers.
 
 use super::forms::Form;
+use super::nested_media::{BoundarySurface, NestedMedia};
 use super::refusal::Faults;
-use super::vessels::{Vessels, Wall};
-use super::view::View;
+use super::view::ExportView;
 use crate::geometry::{ClosedMesh, Emitter, Mesh, Ray, Shape, Side, Surface};
 use crate::optics::{Light, Material};
 use crate::scene::{AreaLight, Object, Panel, Radiative, Scattering};
 use glam::DVec3;
 
 /// Everything of a scene, by its coordinates, with the names that messages use.
-pub(super) struct Stage<'s> {
+pub(super) struct ExportScene<'s> {
     /// Surfaces that reflect or refract, and what they do to light.
     pub objects: Vec<(String, Form, Material)>,
-    /// Surfaces that send out light.
+    /// Surfaces that emit light.
     pub area_lights: Vec<(String, Form, &'s AreaLight)>,
     /// Media.
-    pub vessels: Vessels<'s>,
+    pub nested_media: NestedMedia<'s>,
     /// The eye.
-    pub view: View,
+    pub view: ExportView,
     /// The largest coordinate of anything, in magnitude.
     pub reach: f64,
     /// The distance that boundaries of media keep from each other and from surfaces.
     pub gap: f64,
 }
 
-impl<'s> Stage<'s> {
+impl<'s> ExportScene<'s> {
     /// That of `scene`, which is the model of `panel`. `gap` is the distance that boundaries keep in
     /// a scene of a given reach: more than the renderer moves the starts of rays off a surface. What
     /// neither format can say goes to `faults`.
@@ -34,28 +34,28 @@ impl<'s> Stage<'s> {
         scene: &'s Radiative,
         gap: fn(f64) -> f64,
         faults: &mut Faults,
-    ) -> Stage<'s> {
-        let view = View::of(&scene.camera);
+    ) -> ExportScene<'s> {
+        let view = ExportView::of(&scene.camera);
         let [objects, lights] = names(panel, scene);
         let objects: Vec<_> = (scene.objects.iter().zip(objects))
-            .map(|(object, place)| (place, Form::of_shape(&object.shape), object.material))
+            .map(|(object, key)| (key, Form::of_shape(&object.shape), object.material))
             .collect();
         let area_lights: Vec<_> = (scene.area_lights.iter().zip(lights))
-            .map(|(light, place)| (place, Form::of_luminous(&light.shape), light))
+            .map(|(light, key)| (key, Form::of_luminous(&light.shape), light))
             .collect();
-        for ((place, _, _), object) in objects.iter().zip(&scene.objects) {
+        for ((key, _, _), object) in objects.iter().zip(&scene.objects) {
             if let Err(what) = check_glass(object, scene, view.eye) {
-                faults.add(place, what);
+                faults.add(key, what);
             }
         }
         let forms = objects.iter().map(|(_, form, _)| form);
         let forms = forms.chain(area_lights.iter().map(|(_, form, _)| form));
         let bodies = scene.media.iter().filter_map(|body| body.boundary.as_ref());
-        let places = scene.lights.iter().filter_map(Light::position);
+        let positions = scene.lights.iter().filter_map(Light::position);
         let reach = forms
             .map(Form::reach)
             .chain(bodies.map(|boundary| boundary.bounds().reach()))
-            .chain(places.map(|place| place.abs().max_element()))
+            .chain(positions.map(|position| position.abs().max_element()))
             .fold(view.eye.abs().max_element(), f64::max);
         // Beyond, squares of distances leave the numbers that both renderers calculate with.
         if !(1e-15..1e15).contains(&reach) {
@@ -65,23 +65,23 @@ impl<'s> Stage<'s> {
             );
             faults.add("radiative", what);
         }
-        let walls = objects
+        let surfaces = objects
             .iter()
             .enumerate()
-            .map(|(object, (place, form, material))| Wall {
-                place: place.clone(),
+            .map(|(object, (key, form, material))| BoundarySurface {
+                key: key.clone(),
                 form: form.clone(),
                 opaque: !matches!(material, Material::Glass(_))
                     && !matches!(form, Form::Mesh { .. }),
                 object: Some(object),
             });
-        let lamps = area_lights.iter().map(|(place, form, _)| Wall {
-            place: place.clone(),
+        let lamps = area_lights.iter().map(|(key, form, _)| BoundarySurface {
+            key: key.clone(),
             form: form.clone(),
             opaque: !matches!(form, Form::Mesh { .. }),
             object: None,
         });
-        let walls: Vec<Wall> = walls.chain(lamps).collect();
+        let surfaces: Vec<BoundarySurface> = surfaces.chain(lamps).collect();
         let size = [panel.width, panel.height];
         let [width, height] = size.map(|pixels| pixels as f64);
         // Between its corners a picture holds no other directions than theirs, mixed.
@@ -92,12 +92,12 @@ impl<'s> Stage<'s> {
             [width, height],
             [0.5 * width, 0.5 * height],
         ]
-        .map(|place| scene.camera.ray_through(place, size));
-        let vessels = Vessels::of(scene, &walls, &sight, reach, gap(reach), faults);
-        Stage {
+        .map(|key| scene.camera.ray_through(key, size));
+        let nested_media = NestedMedia::of(scene, &surfaces, &sight, reach, gap(reach), faults);
+        ExportScene {
             objects,
             area_lights,
-            vessels,
+            nested_media,
             view,
             reach,
             gap: gap(reach),
@@ -105,8 +105,8 @@ impl<'s> Stage<'s> {
     }
 }
 
-/// How often light may be turned; none without limit.
-pub(super) fn turns(scattering: Scattering) -> Option<u32> {
+/// How often light may be scattered; none without limit.
+pub(super) fn most_bounces(scattering: Scattering) -> Option<u32> {
     match scattering {
         Scattering::None => Some(0),
         Scattering::Single => Some(1),
@@ -119,11 +119,11 @@ fn names(panel: &Panel, scene: &Radiative) -> [Vec<String>; 2] {
     let count = scene.objects.len() + scene.area_lights.len();
     let mut names = [Vec::new(), Vec::new()];
     for index in 0..count {
-        let place = format!("radiative.surface[{index}]");
-        let emitter = format!("{place}.emitter.");
+        let key = format!("radiative.surface[{index}]");
+        let emitter = format!("{key}.emitter.");
         let is_light = |key: &str| key.starts_with(&emitter);
         let kind = usize::from(panel.readings.iter().any(|reading| is_light(&reading.key)));
-        names[kind].push(place);
+        names[kind].push(key);
     }
     names
 }
@@ -149,8 +149,8 @@ fn check_glass(object: &Object, scene: &Radiative, eye: DVec3) -> Result<(), Str
     let lights = scene.lights.iter().filter_map(Light::position);
     let lamps = scene.area_lights.iter();
     let lamps = lamps.map(|light| light.shape.sample([0.25, 0.25]).position);
-    let mut places = std::iter::once(eye).chain(lights).chain(lamps);
-    if places.any(|place| is_inside(&object.shape, place)) {
+    let mut points = std::iter::once(eye).chain(lights).chain(lamps);
+    if points.any(|point| is_inside(&object.shape, point)) {
         let what = "glass with the eye or a light in it: the radiance there has another scale";
         return Err(what.to_owned());
     }

@@ -1,7 +1,7 @@
-//! Media of varying density: what a look-up costs, what a picture of 256 × 256 pixels costs, and
+//! Heterogeneous media: what a look-up costs, what a picture of 256 × 256 pixels costs, and
 //! how that grows with the grid.
 //!
-//! `cargo bench --bench varying_media`. One thread throughout. Read ratios between rows of one
+//! `cargo bench --bench heterogeneous_media`. One thread throughout. Read ratios between rows of one
 //! run, not absolute times: machines differ. First it prints pictures of the same field on grids
 //! of 64³ to 512³ nodes, the largest half a gigabyte, as ratios to the smallest.
 

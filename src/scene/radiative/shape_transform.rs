@@ -1,4 +1,4 @@
-//! Where a shape stands: scaled, then turned, then moved.
+//! The transform of a shape: scaled, then turned, then moved.
 
 use crate::geometry::Transform;
 use crate::scene::SceneError;
@@ -25,7 +25,7 @@ pub(super) const ROTATE: Key = Key {
     doc: "Turns the shape about an axis through the origin, after it is scaled and before it is moved.",
 };
 
-/// A way.
+/// A displacement.
 pub(super) const TRANSLATE: Key = Key {
     name: "translate",
     kind: Kind::Vector,
@@ -55,16 +55,16 @@ const ROTATION: Table = Table {
     rules: &[],
 };
 
-/// Where a shape goes.
-pub(super) struct Place {
+/// The transform of a shape.
+pub(super) struct ShapeTransform {
     /// The map to the world; none for a shape that stays, to the bit, where it is given.
-    pub transform: Option<Transform>,
+    pub to_world: Option<Transform>,
     /// The factors of its scaling.
     pub scale: DVec3,
 }
 
-impl Place {
-    pub(super) fn read(reader: &Reader<'_, '_>) -> Result<Place, Box<SceneError>> {
+impl ShapeTransform {
+    pub(super) fn read(reader: &Reader<'_, '_>) -> Result<ShapeTransform, Box<SceneError>> {
         let mut transform = Transform::IDENTITY;
         let mut scale = DVec3::ONE;
         if let Some(factors) = reader.optional_vector("scale")? {
@@ -78,19 +78,19 @@ impl Place {
                 .map_err(|error| rotation.error("axis", error.to_string()))?;
             transform = transform.then(&turn);
         }
-        if let Some(way) = reader.optional_vector("translate")? {
-            let shift = Transform::translation(way)
+        if let Some(offset) = reader.optional_vector("translate")? {
+            let shift = Transform::translation(offset)
                 .map_err(|error| reader.error("translate", error.to_string()))?;
             transform = transform.then(&shift);
         }
-        Ok(Place {
-            transform: (transform != Transform::IDENTITY).then_some(transform),
+        Ok(ShapeTransform {
+            to_world: (transform != Transform::IDENTITY).then_some(transform),
             scale,
         })
     }
 
     /// The common factor of a scaling that stretches nothing more than anything else.
-    pub(super) fn even_scale(&self) -> Option<f64> {
+    pub(super) fn uniform_scale(&self) -> Option<f64> {
         let [x, y, z] = self.scale.abs().to_array();
         (x == y && y == z).then_some(x)
     }

@@ -1,11 +1,11 @@
 //! A case whose image is wrong, and how far that is from what a mistake would make.
 
 use super::cells::{Cells, Misfit};
-use super::clock::Clock;
+use super::clock::SearchClock;
 use super::hypothesis::Hypothesis;
 use super::prediction::{FIRST_LOOK, SECOND_LOOK, blocks, first_lattice, pixels_of, predicted};
 use crate::compare::stochastic::BLOCK;
-use crate::compare::{Gate, Picture, judge};
+use crate::compare::{Conditions, Deterministic, ImageGate, Perceptual, Picture, judge};
 use crate::film::Film;
 use crate::math;
 use crate::render::Detail;
@@ -26,7 +26,7 @@ const FAR_OFF: f64 = 0.5;
 const FAR_OFF_ON_LATTICE: f64 = 0.75;
 
 /// A case whose image is wrong.
-pub(super) struct Suspect {
+pub(super) struct ComparedCase {
     /// Among the results.
     pub index: usize,
     /// Of the case.
@@ -67,14 +67,14 @@ struct Glimpse {
     from_golden: Misfit,
 }
 
-impl Suspect {
+impl ComparedCase {
     /// Nothing where the image cannot be compared, or the scene cannot be read.
     pub fn new(
         index: usize,
         case: &Case,
         judged: &Judged,
         scenes: &dyn Fn(&Case) -> Option<Scene>,
-    ) -> Option<Suspect> {
+    ) -> Option<ComparedCase> {
         let golden = judged.evidence.golden.clone()?;
         let picture = judged.evidence.test.clone()?;
         let size = (golden.width(), golden.height());
@@ -112,7 +112,7 @@ impl Suspect {
             }
         };
         let glimpse = (!is_sampled).then(|| Glimpse::new(&bounded, &test, &widths, first.0));
-        Some(Suspect {
+        Some(ComparedCase {
             index,
             name: case.name.clone(),
             is_measured: is_simple(case, &golden, &picture),
@@ -151,9 +151,13 @@ impl Suspect {
         if !predicted.has_size_of(golden) {
             return None;
         }
-        let gate = match self.picture {
-            Picture::Radiance(_) => Gate::Deterministic,
-            Picture::Codes(_) => Gate::Perceptual,
+        let gate: &dyn ImageGate = match self.picture {
+            Picture::Radiance(_) => &Deterministic,
+            Picture::Codes(_) => &Perceptual,
+        };
+        let conditions = Conditions {
+            exposure: self.exposure,
+            ..Conditions::default()
         };
         let misfit = predicted.misfit(cells, golden);
         // Whoever makes a mistake makes it in a way of their own: it need not be ours to the digit.
@@ -161,7 +165,7 @@ impl Suspect {
         // The gate takes its time, FLIP above all, and need not be asked about what is far off.
         let is_noise = is_within(REMAINDER)
             || is_within(FAR_OFF)
-                && judge(gate, &Picture::Radiance(film), &self.picture, self.exposure)
+                && judge(gate, &Picture::Radiance(film), &self.picture, &conditions)
                     .is_ok_and(|judgement| judgement.passed);
         Some(Misfit {
             in_noise: if is_noise { 1.0 } else { f64::INFINITY },
@@ -169,7 +173,7 @@ impl Suspect {
         })
     }
 
-    /// How far the image is from `look`, as [`Suspect::look`] returns it, if it may be the image:
+    /// How far the image is from `look`, as [`ComparedCase::look`] returns it, if it may be the image:
     /// whether it is, a closer look says.
     pub fn promise(&self, look: &Film) -> Option<Misfit> {
         if self.sees_all_at_once() || self.is_sampled {
@@ -218,12 +222,12 @@ impl Suspect {
 
     /// What the first look at a scene with `hypothesis` sees, or nothing where it has no occasion,
     /// cannot be rendered, or the time is over.
-    pub fn look(&self, hypothesis: &Hypothesis, clock: &Clock<'_>) -> Option<Film> {
+    pub fn look(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Film> {
         self.predict(hypothesis, self.first, clock)
     }
 
     /// The whole image that `hypothesis` would make.
-    pub fn whole(&self, hypothesis: &Hypothesis, clock: &Clock<'_>) -> Option<Film> {
+    pub fn whole(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Film> {
         self.predict(hypothesis, (Detail::Whole, self.second.1), clock)
     }
 
@@ -237,20 +241,25 @@ impl Suspect {
     }
 
     /// How far the image is from what `hypothesis` would make, closely looked at.
-    pub fn test(&self, hypothesis: &Hypothesis, clock: &Clock<'_>) -> Option<Misfit> {
+    pub fn test(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Misfit> {
         let film = self.predict(hypothesis, self.second, clock)?;
         self.misfit(&film)
     }
 
     /// Whether this image, which passed, could not have done so with `hypothesis` made.
-    pub fn speaks_against(&self, hypothesis: &Hypothesis, clock: &Clock<'_>) -> Option<bool> {
+    pub fn speaks_against(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<bool> {
         let is_glimpsed = matches!(self.first.0, Detail::Lattice(_))
             && matches!(self.picture, Picture::Radiance(_))
             && !hypothesis.mistakes().iter().any(|m| m.is_of_the_image());
         if is_glimpsed && let Some(glimpse) = &self.glimpse {
             let film = self.predict(hypothesis, self.first, clock)?;
             let test = Picture::Radiance(glimpse.test_film.clone());
-            let judgement = judge(Gate::Deterministic, &Picture::Radiance(film), &test, 0.0);
+            let judgement = judge(
+                &Deterministic,
+                &Picture::Radiance(film),
+                &test,
+                &Conditions::default(),
+            );
             return Some(judgement.is_ok_and(|judgement| !judgement.passed));
         }
         let look = match self.is_sampled {
@@ -267,7 +276,7 @@ impl Suspect {
         &self,
         hypothesis: &Hypothesis,
         mut look: (Detail, u32),
-        clock: &Clock<'_>,
+        clock: &SearchClock<'_>,
     ) -> Option<Film> {
         let mistakes = hypothesis.mistakes();
         let mut scene = None;

@@ -1,6 +1,6 @@
 //! Which media lie in which, and where their boundaries may stand.
 //!
-//! In volref media overlap and add up. Mitsuba and pbrt know one medium at a place, told inside
+//! In volref media overlap and add up. Mitsuba and pbrt know one medium at a point, named inside
 //! from outside by the boundary that a ray crosses. So media must be apart or one wholly within
 //! another, and a boundary may not lie in a surface: a ray that starts on the surface would start
 //! beyond the boundary, or not, by rounding.
@@ -20,7 +20,7 @@ const SAME: f64 = 1e-6;
 const LARGEST: f64 = 1e15;
 
 /// A medium and where it ends.
-pub(super) struct Vessel<'s> {
+pub(super) struct NestedMedium<'s> {
     /// Which of the scene's media it is.
     pub index: usize,
     /// Its boundary.
@@ -28,17 +28,17 @@ pub(super) struct Vessel<'s> {
     /// Whether faces of the boundary were moved behind the surfaces that they lay in.
     pub moved: bool,
     /// The scene's object that has the same shape: the boundary is its surface.
-    pub skin: Option<usize>,
+    pub interface: Option<usize>,
     /// What it is made of at density 1.
     pub medium: Homogeneous,
     /// Its density, if that varies.
-    pub grid: Option<Placed<'s>>,
-    /// The vessel directly around it, by its place in the list.
+    pub grid: Option<PlacedGrid<'s>>,
+    /// The nested medium directly around it, by its place in the list.
     pub parent: Option<usize>,
 }
 
 /// A grid of densities somewhere.
-pub(super) struct Placed<'s> {
+pub(super) struct PlacedGrid<'s> {
     /// Densities.
     pub density: &'s GridDensity,
     /// From the coordinates of the grid to the world.
@@ -46,9 +46,9 @@ pub(super) struct Placed<'s> {
 }
 
 /// A surface that a boundary may touch.
-pub(super) struct Wall {
+pub(super) struct BoundarySurface {
     /// Its name in the scene.
-    pub place: String,
+    pub key: String,
     /// Its shape.
     pub form: Form,
     /// Whether nobody can look behind it.
@@ -58,60 +58,60 @@ pub(super) struct Wall {
 }
 
 /// All media of a scene.
-pub(super) struct Vessels<'s> {
+pub(super) struct NestedMedia<'s> {
     /// Those that do something to light, in the scene's order.
-    pub list: Vec<Vessel<'s>>,
+    pub list: Vec<NestedMedium<'s>>,
     /// The innermost that the eye is in.
     pub eye: Option<usize>,
 }
 
-impl<'s> Vessels<'s> {
-    /// The media of `scene`, whose surfaces are `walls`; `sight` are the rays through the corners
+impl<'s> NestedMedia<'s> {
+    /// The media of `scene`, whose surfaces are `surfaces`; `sight` are the rays through the corners
     /// and the middle of the image, `reach` is the largest coordinate of anything. Boundaries keep
     /// the distance `gap` from each other and from surfaces. What cannot be said goes to `faults`.
     pub(super) fn of(
         scene: &'s Radiative,
-        walls: &[Wall],
+        surfaces: &[BoundarySurface],
         sight: &[Ray],
         reach: f64,
         gap: f64,
         faults: &mut Faults,
-    ) -> Vessels<'s> {
+    ) -> NestedMedia<'s> {
         let contacts = Contacts {
-            walls,
+            surfaces,
             gap,
             same: SAME * reach,
         };
         let mut list = Vec::new();
         for (index, body) in scene.media.iter().enumerate() {
-            match vessel(index, body, &contacts) {
-                Ok(vessel) => list.extend(vessel),
-                Err(what) => faults.add(place_of(index), what),
+            match nested_medium(index, body, &contacts) {
+                Ok(nested) => list.extend(nested),
+                Err(what) => faults.add(key_of(index), what),
             }
         }
         nest(&mut list, contacts.gap, faults);
         let mut around_eye = Vec::new();
-        for (at, vessel) in list.iter().enumerate() {
-            let Some(boundary) = &scene.media[vessel.index].boundary else {
+        for (at, nested) in list.iter().enumerate() {
+            let Some(boundary) = &scene.media[nested.index].boundary else {
                 continue;
             };
-            let starts_in = |ray: &&Ray| starts_in(&vessel.form, boundary, ray, contacts.same);
+            let starts_in = |ray: &&Ray| starts_in(&nested.form, boundary, ray, contacts.same);
             let inside = sight.iter().filter(starts_in).count();
             if inside == sight.len() {
                 around_eye.push(at);
             } else if inside > 0 {
                 let what = "the eye lies in its boundary, and some rays of the image go into it, \
                             others do not; move the eye or the boundary";
-                faults.add(place_of(vessel.index), what);
+                faults.add(key_of(nested.index), what);
             }
         }
         let depth = |at: usize| ancestors(&list, at).count();
         let eye = around_eye.into_iter().max_by_key(|&at| depth(at));
-        Vessels { list, eye }
+        NestedMedia { list, eye }
     }
 
-    /// The vessel `at` and all around it, from the inside out: what it is filled with.
-    pub(super) fn layers(&self, at: usize) -> impl Iterator<Item = &Vessel<'s>> {
+    /// The nested medium `at` and all around it, from the inside out: what it is filled with.
+    pub(super) fn layers(&self, at: usize) -> impl Iterator<Item = &NestedMedium<'s>> {
         std::iter::once(at)
             .chain(ancestors(&self.list, at))
             .map(|at| &self.list[at])
@@ -119,20 +119,20 @@ impl<'s> Vessels<'s> {
 }
 
 /// The name of a medium in messages.
-pub(super) fn place_of(index: usize) -> String {
+pub(super) fn key_of(index: usize) -> String {
     format!("radiative.medium[{index}]")
 }
 
-fn ancestors<'v>(list: &'v [Vessel], at: usize) -> impl Iterator<Item = usize> + 'v {
+fn ancestors<'v>(list: &'v [NestedMedium], at: usize) -> impl Iterator<Item = usize> + 'v {
     std::iter::successors(list[at].parent, |&at| list[at].parent)
 }
 
 /// The medium `body`, if it does anything to light; or what cannot be said of it.
-fn vessel<'s>(
+fn nested_medium<'s>(
     index: usize,
     body: &'s Body,
     contacts: &Contacts,
-) -> Result<Option<Vessel<'s>>, String> {
+) -> Result<Option<NestedMedium<'s>>, String> {
     let mut medium = body.medium;
     let mut grid = None;
     if let Some(density) = &body.density {
@@ -171,29 +171,27 @@ fn vessel<'s>(
             Boundary::PlacedMesh(shape) => *shape.to_world(),
             _ => Transform::IDENTITY,
         };
-        placed = Some(Placed { density, to_world });
+        placed = Some(PlacedGrid { density, to_world });
     }
-    let mut walls = contacts.walls.iter();
-    let skin = walls.find(|wall| wall.form == form);
-    if let Some(Wall {
-        object: None,
-        place,
-        ..
-    }) = skin
+    let mut surfaces = contacts.surfaces.iter();
+    let interface = surfaces.find(|surface| surface.form == form);
+    if let Some(BoundarySurface {
+        object: None, key, ..
+    }) = interface
     {
-        return Err(format!("its boundary is the surface of a light, {place}"));
+        return Err(format!("its boundary is the surface of a light, {key}"));
     }
     let mut moved = false;
-    if skin.is_none() {
+    if interface.is_none() {
         let touched = contacts.touched(&form)?;
         moved = touched.contains(&true);
         behind(&mut form, &touched, contacts.gap);
     }
-    Ok(Some(Vessel {
+    Ok(Some(NestedMedium {
         index,
         form,
         moved,
-        skin: skin.and_then(|wall| wall.object),
+        interface: interface.and_then(|surface| surface.object),
         medium,
         grid: placed,
         parent: None,
@@ -247,13 +245,13 @@ fn bounds_within(shape: &impl Surface, own: &Aabb) -> Result<Transform, String> 
     Ok(Transform::IDENTITY)
 }
 
-/// Moves the touched faces of a box outward by `way`.
-fn behind(form: &mut Form, touched: &[bool], way: f64) {
+/// Moves the touched faces of a box outward by `offset`.
+fn behind(form: &mut Form, touched: &[bool], offset: f64) {
     let Form::Box { corner, edges } = form else {
         return;
     };
     for axis in 0..3 {
-        let step = edges[axis].normalize() * way;
+        let step = edges[axis].normalize() * offset;
         if touched[2 * axis] {
             *corner -= step;
             edges[axis] += step;
@@ -266,7 +264,7 @@ fn behind(form: &mut Form, touched: &[bool], way: f64) {
 
 /// Where boundaries meet surfaces.
 struct Contacts<'w> {
-    walls: &'w [Wall],
+    surfaces: &'w [BoundarySurface],
     gap: f64,
     same: f64,
 }
@@ -280,25 +278,25 @@ impl Contacts<'_> {
         for face in form.faces() {
             let mut partly = None;
             let mut covered = false;
-            for wall in self.walls {
+            for surface in self.surfaces {
                 // A mesh of medium beside a mesh of surface: too many pairs, and no plane of
                 // their own that they would share on purpose.
-                if !is_box && matches!(wall.form, Form::Mesh { .. }) {
+                if !is_box && matches!(surface.form, Form::Mesh { .. }) {
                     continue;
                 }
-                for piece in wall.form.faces() {
+                for piece in surface.form.faces() {
                     match self.meet(&face, &piece) {
                         Meeting::No => {}
-                        Meeting::Covered if is_box && wall.opaque => covered = true,
-                        Meeting::Covered | Meeting::Partly => partly = Some(wall),
+                        Meeting::Covered if is_box && surface.opaque => covered = true,
+                        Meeting::Covered | Meeting::Partly => partly = Some(surface),
                     }
                 }
             }
-            if let (Some(wall), false) = (partly, covered) {
+            if let (Some(surface), false) = (partly, covered) {
                 return Err(format!(
                     "a face that lies in {}, or so near that rays from there start beyond it; \
                      move it into the surface or away from it",
-                    wall.place
+                    surface.key
                 ));
             }
             touched.push(covered);
@@ -367,13 +365,13 @@ fn extent(points: &[DVec3], axis: DVec3) -> [f64; 2] {
     points
         .iter()
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], point| {
-            let place = point.dot(axis);
-            [low.min(place), high.max(place)]
+            let along = point.dot(axis);
+            [low.min(along), high.max(along)]
         })
 }
 
-/// Finds the vessel directly around each; a fault where two neither are apart nor nested.
-fn nest(list: &mut [Vessel], gap: f64, faults: &mut Faults) {
+/// Finds the nested medium directly around each; a fault where two neither are apart nor nested.
+fn nest(list: &mut [NestedMedium], gap: f64, faults: &mut Faults) {
     let mut around = vec![Vec::new(); list.len()];
     for first in 0..list.len() {
         for second in first + 1..list.len() {
@@ -386,10 +384,10 @@ fn nest(list: &mut [Vessel], gap: f64, faults: &mut Faults) {
                 let (one, other) = (list[first].index, list[second].index);
                 let what = format!(
                     "it and {} overlap or touch, or boxes around them do, and neither lies within \
-                     the other; only one medium can be at a place",
-                    place_of(one)
+                     the other; only one medium can be at a point",
+                    key_of(one)
                 );
-                faults.add(place_of(other), what);
+                faults.add(key_of(other), what);
             }
         }
     }
@@ -399,13 +397,13 @@ fn nest(list: &mut [Vessel], gap: f64, faults: &mut Faults) {
         if list[at].parent.is_some() && list[at].layers_vary(around, list) {
             let what = "a grid in another medium, or a medium in a grid: densities add up only \
                         where both are the same everywhere";
-            faults.add(place_of(list[at].index), what);
+            faults.add(key_of(list[at].index), what);
         }
     }
 }
 
-impl Vessel<'_> {
-    fn layers_vary(&self, around: &[usize], list: &[Vessel]) -> bool {
+impl NestedMedium<'_> {
+    fn layers_vary(&self, around: &[usize], list: &[NestedMedium]) -> bool {
         self.grid.is_some() || around.iter().any(|&other| list[other].grid.is_some())
     }
 }
@@ -478,7 +476,7 @@ fn extent_of(form: &Form, axis: DVec3) -> [f64; 2] {
     }
 }
 
-/// Whether a ray starts in a vessel, or within `same` before it: from a face, by the side to
+/// Whether a ray starts in a nested medium, or within `same` before it: from a face, by the side to
 /// which it leaves. A box may have been cut off or moved: its form is asked.
 fn starts_in(form: &Form, boundary: &Boundary, ray: &Ray, same: f64) -> bool {
     let span = match form {
@@ -488,7 +486,7 @@ fn starts_in(form: &Form, boundary: &Boundary, ray: &Ray, same: f64) -> bool {
     span.is_some_and(|span| span.near <= same && span.far > same)
 }
 
-/// The stretch of a ray within a box, if there is one. What runs in a face is outside.
+/// The segment of a ray within a box, if there is one. What runs in a face is outside.
 fn span_in_box(corner: DVec3, edges: &[DVec3; 3], ray: &Ray) -> Option<Span> {
     let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
     for edge in edges {

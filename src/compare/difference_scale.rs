@@ -1,0 +1,29 @@
+//! The unit in which a report shows how far two images are apart.
+
+/// Unit in which the difference of two images is shown.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DifferenceScale {
+    /// Radiance.
+    Radiance,
+    /// The tolerance of a channel, which is `absolute + relative · |golden|`.
+    Tolerance {
+        /// Radiance.
+        absolute: f64,
+        /// Share of the golden.
+        relative: f64,
+    },
+    /// Standard errors of the mean of a block of pixels.
+    StandardErrors(BlockMap),
+}
+
+/// How far blocks of 8 × 8 pixels deviate, for a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockMap {
+    /// Blocks in a row.
+    pub columns: usize,
+    /// Rows of blocks.
+    pub rows: usize,
+    /// Test minus reference in standard errors, by channel; row by row from the top. What is left
+    /// over at the right and lower edges belongs to the last blocks. At most 1e9 either way.
+    pub deviations: Vec<[f64; 3]>,
+}

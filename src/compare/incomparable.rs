@@ -1,0 +1,94 @@
+//! What makes images incomparable, whatever the gate: another size, pixels that are no numbers.
+//!
+//! Looked for first, because `error > limit` is false for NaN.
+
+use super::gate::{Gate, Metric};
+use super::judgement::Judgement;
+use super::picture::Picture;
+use crate::film::Film;
+
+/// The metric of images that are not finite.
+pub(super) const NON_FINITE: Metric = (
+    "non_finite_pixels",
+    "Pixels that hold NaN or infinity; none may.",
+);
+
+/// A failed judgement where two images cannot be compared.
+pub(super) fn pictures(
+    gate: &'static dyn Gate,
+    reference: &Picture,
+    test: &Picture,
+) -> Option<Judgement> {
+    let sizes = size_differs(gate, reference.size(), test.size());
+    sizes.or_else(|| {
+        let [reference, test] = [reference, test].map(Picture::radiance);
+        let broken = reference.and_then(|film| not_finite(gate, REFERENCE, film));
+        broken.or_else(|| test.and_then(|film| not_finite(gate, TEST, film)))
+    })
+}
+
+/// [`pictures`], of images that are radiance; a variance must be one, too.
+pub(super) fn films(gate: &'static dyn Gate, reference: &Film, test: &Film) -> Option<Judgement> {
+    let [size, test_size] = [reference, test].map(|film| (film.width(), film.height()));
+    size_differs(gate, size, test_size)
+        .or_else(|| not_finite(gate, REFERENCE, reference))
+        .or_else(|| not_finite(gate, TEST, test))
+        .or_else(|| no_variance(gate, REFERENCE, reference))
+        .or_else(|| no_variance(gate, TEST, test))
+}
+
+const REFERENCE: &str = "reference";
+const TEST: &str = "test image";
+
+fn size_differs(
+    gate: &'static dyn Gate,
+    (width, height): (usize, usize),
+    (test_width, test_height): (usize, usize),
+) -> Option<Judgement> {
+    if (width, height) == (test_width, test_height) {
+        return None;
+    }
+    let reason = format!(
+        "size differs: the reference has {width} × {height} pixels, \
+         the test image {test_width} × {test_height}"
+    );
+    Some(Judgement::new(gate, false, reason, &[]))
+}
+
+/// Pixels that are named where something is wrong with single ones.
+const MOST_NAMED: usize = 8;
+
+fn not_finite(gate: &'static dyn Gate, name: &str, film: &Film) -> Option<Judgement> {
+    let (width, height) = (film.width(), film.height());
+    let broken = |&index: &usize| film.pixel(index).iter().any(|value| !value.is_finite());
+    let broken: Vec<usize> = (0..width * height).filter(broken).collect();
+    let &first = broken.first()?;
+    let pixel = |&index: &usize| format!("({}, {})", index % width, index / width);
+    let mut named: Vec<String> = broken.iter().take(MOST_NAMED).map(pixel).collect();
+    if broken.len() > MOST_NAMED {
+        named.push("…".to_owned());
+    }
+    let reason = format!(
+        "{} of {} pixels of the {name} are not finite: {}; the first has red, green, blue, opacity \
+         {:?}",
+        broken.len(),
+        width * height,
+        named.join(", "),
+        film.pixel(first)
+    );
+    let metrics = [(NON_FINITE.0, broken.len() as f64)];
+    Some(Judgement::new(gate, false, reason, &metrics))
+}
+
+fn no_variance(gate: &'static dyn Gate, name: &str, film: &Film) -> Option<Judgement> {
+    let noise = film.noise()?;
+    let first = noise.first_without_variance()?;
+    let reason = format!(
+        "a variance of the {name} is negative or not finite; the first is ({}, {}) with red, green, \
+         blue {:?}",
+        first % film.width(),
+        first / film.width(),
+        noise.variance()[first]
+    );
+    Some(Judgement::new(gate, false, reason, &[]))
+}
