@@ -15,7 +15,7 @@ use volref::math::rng::{Purpose, Stream};
 use volref::math::{Frame, Moments, cos, exp, ln_1p, sin};
 use volref::media::{Deflection, Density, Field, optical_depth, source_factor};
 use volref::optics::Light;
-use volref::render::classified::empty_space::{EmptySpace, Space};
+use volref::render::classified::empty_space::{EmptySpace, Skipping};
 use volref::render::classified::field::NodePath;
 use volref::render::classified::steps::Steps;
 use volref::render::counters::Uncounted;

@@ -6,7 +6,7 @@ use crate::math::{exp, ln_1p};
 use crate::media::{Appearance, TransferFunction};
 use crate::render::Counters;
 use crate::render::classified::compositing::{FrontToBack, Layers};
-use crate::render::classified::empty_space::{EmptySpace, Space};
+use crate::render::classified::empty_space::{EmptySpace, Skipping};
 use crate::render::classified::field::{GridField, ScalarField};
 use crate::render::classified::ray_caster::RayCaster;
 use crate::render::classified::shading::{Shaded, Shading};
@@ -286,7 +286,7 @@ fn caster<'s>(scene: &'s Classified, shade: Shade) -> impl Caster + 's {
         order: FrontToBack,
         shading: AnyShading(shading),
         visibility,
-        space: EmptySpace::of(&*scene.grid, &scene.transfer_function),
+        skipping: EmptySpace::of(&*scene.grid, &scene.transfer_function),
         transfer_function: &scene.transfer_function,
         step: scene.step,
         bounds,
@@ -322,17 +322,17 @@ enum AnyVisibility<'c> {
 }
 
 impl Visibility for AnyVisibility<'_> {
-    fn at<F: ScalarField, S: Space, W: Work>(
+    fn at<F: ScalarField, S: Skipping, W: Work>(
         &self,
         sample: SamplePoint,
         field: &F,
-        space: &S,
+        skipping: &S,
         work: &mut W,
     ) -> f64 {
         match self {
             AnyVisibility::All => 1.0,
-            AnyVisibility::Sampled(shadow) => shadow.at(sample, field, space, work),
-            AnyVisibility::Exact(shadow) => shadow.at(sample, field, space, work),
+            AnyVisibility::Sampled(shadow) => shadow.at(sample, field, skipping, work),
+            AnyVisibility::Exact(shadow) => shadow.at(sample, field, skipping, work),
         }
     }
 }
@@ -347,7 +347,7 @@ struct ExactShadow {
 }
 
 impl Visibility for ExactShadow {
-    fn at<F: ScalarField, S: Space, W: Work>(
+    fn at<F: ScalarField, S: Skipping, W: Work>(
         &self,
         sample: SamplePoint,
         _: &F,

@@ -693,7 +693,7 @@ fn d14_zero_gradient_and_touched_surfaces(margin: &mut Margin) {
             order: FrontToBack,
             shading: Unshaded,
             visibility: Unshadowed,
-            space: NoSkipping,
+            skipping: NoSkipping,
             transfer_function: &surface,
             // From z = 0 on: the third sample lies at 2 exactly.
             step: 0.8,

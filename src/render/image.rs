@@ -7,7 +7,7 @@ use super::footprint::{Footprint, footprint};
 use super::pixels::{Detail, Pixels};
 use super::plan::{Kernel, Plan};
 use super::progress::{Progress, steps_of};
-use super::radiative::kernels::{ByLineOfSight, ByPathTracing, with_parts};
+use super::radiative::kernels::{ByLineOfSight, ByPathTracing, with_features};
 use super::radiative::path_tracer::PathFault;
 use super::sampling::Sampling;
 use crate::film::Film;
@@ -168,12 +168,12 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<(Film, W), Re
         } => {
             let task = ByLineOfSight {
                 scene,
-                parts: features,
+                features,
                 scattering: scatters,
                 pixels: &pixels,
                 work: PhantomData,
             };
-            let (pixels, work) = with_parts(features, task);
+            let (pixels, work) = with_features(features, task);
             finished(pixels.len())?;
             let pixels = without_faults(scene, width, pixels)?;
             return Ok((Film::new(width, height, pixels), work));
@@ -185,14 +185,14 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<(Film, W), Re
         } => {
             let task = ByPathTracing {
                 scene,
-                parts: features,
-                limit: max_order,
+                features,
+                max_order,
                 seed: job.sampling.seed_of(scene),
                 pixels: &pixels,
                 work: PhantomData,
             };
             let samples = pixels.samples;
-            let (pixels, work) = with_parts(features, task);
+            let (pixels, work) = with_features(features, task);
             finished(pixels.len())?;
             let pixels = without_faults(scene, width, pixels)?;
             return Ok((mean_of_samples([width, height], samples, &pixels), work));

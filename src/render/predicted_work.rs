@@ -254,7 +254,7 @@ fn of_lines(
     scatters: bool,
 ) -> Vec<(Event, Amount)> {
     let rays = (panel.width * panel.height) as u64;
-    let around = SceneContext::<Everything>::for_integrals(scene, false);
+    let context = SceneContext::<Everything>::for_integrals(scene, false);
     let surfaces = surfaces(scene) * rays;
     let tests = if scatters {
         Bound::AtLeast
@@ -272,7 +272,7 @@ fn of_lines(
         work.push((Event::ChannelAttenuation, exactly(2 * rays)));
     }
     if !scatters && features.heterogeneous {
-        let of_ray = |ray: &Ray| line_lookups(&around, ray, features.emission);
+        let of_ray = |ray: &Ray| line_lookups(&context, ray, features.emission);
         let (part, [lookups, unknown]) = over_rays(panel, scene.camera, of_ray);
         if unknown > 0 {
             return work;
@@ -326,12 +326,12 @@ fn shadow_steps(scene: &Classified, ray: &Ray) -> u64 {
 
 /// Look-ups for the optical depth along `ray` up to the nearest surface and, with `emission`, for
 /// the emission of its media; and the number of segments whose look-ups are not known.
-fn line_lookups(around: &SceneContext<'_, Everything>, ray: &Ray, emission: bool) -> [u64; 2] {
-    let nearest = around.intersect(ray, &mut Uncounted);
+fn line_lookups(context: &SceneContext<'_, Everything>, ray: &Ray, emission: bool) -> [u64; 2] {
+    let nearest = context.intersect(ray, &mut Uncounted);
     let end = nearest.map_or(f64::INFINITY, |nearest| nearest.hit.t);
     let mut lookups = 0;
     let mut spans = Vec::new();
-    for medium in around
+    for medium in context
         .media
         .all()
         .iter()
@@ -353,12 +353,12 @@ fn line_lookups(around: &SceneContext<'_, Everything>, ray: &Ray, emission: bool
     let mut unknown = 0;
     if emission {
         let mut segments = MediumSegments::default();
-        segments.build(&around.media, ray, end);
+        segments.build(&context.media, ray, end);
         for segment in segments.all() {
-            if around.media.heterogeneous(segment.set) == 0 {
+            if context.media.heterogeneous(segment.set) == 0 {
                 continue;
             }
-            let medium = around.media.medium(segment.set.trailing_zeros() as usize);
+            let medium = context.media.medium(segment.set.trailing_zeros() as usize);
             match (segment.set.count_ones(), medium.density) {
                 (1, Some(density)) => lookups += cell_lookups(density, ray, segment.span),
                 _ => unknown += 1,

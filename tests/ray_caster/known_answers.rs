@@ -181,7 +181,7 @@ fn march<O: CompositingOrder + Default>(
         order: O::default(),
         shading: Unshaded,
         visibility: Unshadowed,
-        space: NoSkipping,
+        skipping: NoSkipping,
         transfer_function: &transfer_function,
         step: length / input(entry, "steps"),
         bounds: lattice.bounds(),

@@ -320,7 +320,7 @@ fn with_all<F: ScalarField, O: CompositingOrder + Default, S: Shading, V: Visibi
         order: O::default(),
         shading,
         visibility,
-        space: NoSkipping,
+        skipping: NoSkipping,
         transfer_function: &scene.transfer_function,
         step: scene.step,
         bounds: scene.grid.lattice().bounds(),

@@ -10,7 +10,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// Empty-space skipping along a ray.
-pub trait Space: Sync {
+pub trait Skipping: Sync {
     /// Number of samples, from the one at `point` on, that are certainly transparent. `point` is in
     /// node units; from sample to sample no coordinate changes by more than `reach`.
     fn transparent_samples<W: Work>(&self, point: DVec3, reach: f64, work: &mut W) -> usize;
@@ -20,7 +20,7 @@ pub trait Space: Sync {
 #[derive(Clone, Copy, Debug)]
 pub struct NoSkipping;
 
-impl Space for NoSkipping {
+impl Skipping for NoSkipping {
     fn transparent_samples<W: Work>(&self, _: DVec3, _: f64, _: &mut W) -> usize {
         0
     }
@@ -135,7 +135,7 @@ fn range_of_nodes<T: Scalar>(grid: &Grid<T>, block: [usize; 3]) -> (f64, f64) {
     (least, most)
 }
 
-impl Space for EmptySpace {
+impl Skipping for EmptySpace {
     fn transparent_samples<W: Work>(&self, point: DVec3, reach: f64, work: &mut W) -> usize {
         work.count(Event::CellWalked);
         let mut block = [0; 3];

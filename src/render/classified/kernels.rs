@@ -2,7 +2,7 @@
 //! the ray caster for the types picked.
 
 use super::compositing::{BackToFront, CompositingOrder, EarlyTermination, FrontToBack};
-use super::empty_space::{EmptySpace, NoSkipping, Space};
+use super::empty_space::{EmptySpace, NoSkipping, Skipping};
 use super::field::{ConstantField, GridField, ScalarField};
 use super::ray_caster::RayCaster;
 use super::shading::{Shaded, Shading, Unshaded};
@@ -20,7 +20,7 @@ trait Task {
     type Output;
 
     /// Does the task with `caster`.
-    fn with<F: ScalarField, O: CompositingOrder + Sync, S: Shading, V: Visibility, E: Space>(
+    fn with<F: ScalarField, O: CompositingOrder + Sync, S: Shading, V: Visibility, E: Skipping>(
         self,
         caster: RayCaster<'_, F, O, S, V, E>,
     ) -> Self::Output;
@@ -55,7 +55,7 @@ struct RenderTask<'p, W> {
 impl<W: Work> Task for RenderTask<'_, W> {
     type Output = (Vec<[f32; 4]>, W);
 
-    fn with<F: ScalarField, O: CompositingOrder + Sync, S: Shading, V: Visibility, E: Space>(
+    fn with<F: ScalarField, O: CompositingOrder + Sync, S: Shading, V: Visibility, E: Skipping>(
         self,
         caster: RayCaster<'_, F, O, S, V, E>,
     ) -> Self::Output {
@@ -157,8 +157,8 @@ fn with_space<T: Task, F: ScalarField, O: CompositingOrder + Sync, S: Shading, V
     visibility: V,
 ) -> T::Output {
     if features.skip_empty {
-        let space = EmptySpace::of(&*scene.grid, &scene.transfer_function);
-        with_all(scene, task, field, order, shading, visibility, space)
+        let skipping = EmptySpace::of(&*scene.grid, &scene.transfer_function);
+        with_all(scene, task, field, order, shading, visibility, skipping)
     } else {
         with_all(scene, task, field, order, shading, visibility, NoSkipping)
     }
@@ -170,7 +170,7 @@ fn with_all<
     O: CompositingOrder + Sync,
     S: Shading,
     V: Visibility,
-    E: Space,
+    E: Skipping,
 >(
     scene: &Classified,
     task: T,
@@ -178,14 +178,14 @@ fn with_all<
     order: O,
     shading: S,
     visibility: V,
-    space: E,
+    skipping: E,
 ) -> T::Output {
     task.with(RayCaster {
         field,
         order,
         shading,
         visibility,
-        space,
+        skipping,
         transfer_function: &scene.transfer_function,
         step: scene.step,
         bounds: scene.grid.lattice().bounds(),
@@ -207,7 +207,13 @@ mod tests {
     impl Task for Name {
         type Output = String;
 
-        fn with<F: ScalarField, O: CompositingOrder + Sync, S: Shading, V: Visibility, E: Space>(
+        fn with<
+            F: ScalarField,
+            O: CompositingOrder + Sync,
+            S: Shading,
+            V: Visibility,
+            E: Skipping,
+        >(
             self,
             caster: RayCaster<'_, F, O, S, V, E>,
         ) -> String {

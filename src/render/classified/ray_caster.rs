@@ -4,17 +4,18 @@
 //! C = Σᵢ Lᵢ aᵢ Tᵢ,     Tᵢ = Π (1 − aⱼ) over the samples j before i
 //! ```
 //!
-//! The density of sample `i` is interpolated and classified: `aᵢ` is its opacity over its step,
-//! `Lᵢ` its shaded colour times the visibility of the light. The parts have a file each: [`steps`
-//! ](super::steps), [`field`](super::field), [`shading`](super::shading), [`volume_shadow`
-//! ](super::volume_shadow), [`compositing`](super::compositing). What they leave out where a scene
-//! does not call for it changes no bit.
+//! The density of sample `i` is interpolated ([`field`](super::field)) and classified: `aᵢ` is its
+//! opacity over its step ([`steps`](super::steps)), `Lᵢ` its colour, shaded
+//! ([`shading`](super::shading)), times the visibility of the light
+//! ([`volume_shadow`](super::volume_shadow)); [`compositing`](super::compositing) adds up. A part
+//! that a scene does not call for is left out of the compiled loop and changes no bit.
+//! `src/reference/ray_caster.rs` is the same loop without parts.
 //!
 //! Source: Levoy 1988, "Display of surfaces from volume data"; Max 1995, "Optical models for
 //! direct volume rendering".
 
 use super::compositing::{CompositingOrder, Layers};
-use super::empty_space::Space;
+use super::empty_space::Skipping;
 use super::field::{NodePath, ScalarField};
 use super::shading::Shading;
 use super::steps::Steps;
@@ -37,7 +38,7 @@ pub struct RayCaster<'c, F, O, S, V, E> {
     /// Visibility of the light.
     pub visibility: V,
     /// Empty-space skipping.
-    pub space: E,
+    pub skipping: E,
     /// Opacity and colour by density.
     pub transfer_function: &'c TransferFunction,
     /// Distance between samples, world units.
@@ -46,7 +47,7 @@ pub struct RayCaster<'c, F, O, S, V, E> {
     pub bounds: Aabb,
 }
 
-impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Space>
+impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping>
     RayCaster<'_, F, O, S, V, E>
 {
     /// The samples of `ray`, composited.
@@ -67,7 +68,7 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Space>
         while done < steps.count() {
             let (t, length) = steps.sample(O::index(done, steps.count()));
             let nodes = path.at(t);
-            let skipped = self.space.transparent_samples(nodes, reach, work);
+            let skipped = self.skipping.transparent_samples(nodes, reach, work);
             if skipped > 0 {
                 done += skipped;
                 continue;
@@ -108,7 +109,9 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Space>
         let shaded = self
             .shading
             .shade(colour, &self.field, location, sample.world, ray, work);
-        let visibility = self.visibility.at(sample, &self.field, &self.space, work);
+        let visibility = self
+            .visibility
+            .at(sample, &self.field, &self.skipping, work);
         shaded * (self.transfer_function.strength(density) * visibility)
     }
 

@@ -1,6 +1,6 @@
 //! Visibility of the light from a sample, through the volume.
 
-use super::empty_space::Space;
+use super::empty_space::Skipping;
 use super::field::{NodePath, ScalarField};
 use super::steps::Steps;
 use crate::geometry::{Aabb, Ray, Span, length_of};
@@ -13,11 +13,11 @@ use glam::DVec3;
 /// Visibility of the light from samples.
 pub trait Visibility: Sync {
     /// Share of the light that reaches a sample, in [0, 1].
-    fn at<F: ScalarField, S: Space, W: Work>(
+    fn at<F: ScalarField, S: Skipping, W: Work>(
         &self,
         sample: SamplePoint,
         field: &F,
-        space: &S,
+        skipping: &S,
         work: &mut W,
     ) -> f64;
 }
@@ -36,7 +36,7 @@ pub struct SamplePoint {
 pub struct Unshadowed;
 
 impl Visibility for Unshadowed {
-    fn at<F: ScalarField, S: Space, W: Work>(
+    fn at<F: ScalarField, S: Skipping, W: Work>(
         &self,
         _: SamplePoint,
         _: &F,
@@ -70,11 +70,11 @@ pub struct VolumeShadow<'c> {
 }
 
 impl Visibility for VolumeShadow<'_> {
-    fn at<F: ScalarField, S: Space, W: Work>(
+    fn at<F: ScalarField, S: Skipping, W: Work>(
         &self,
         sample: SamplePoint,
         field: &F,
-        space: &S,
+        skipping: &S,
         work: &mut W,
     ) -> f64 {
         let to_light = self.light - sample.world;
@@ -98,7 +98,7 @@ impl Visibility for VolumeShadow<'_> {
         while done < steps.count() {
             let (t, length) = steps.sample(done);
             let point = path.at(t);
-            let skipped = space.transparent_samples(point, reach, work);
+            let skipped = skipping.transparent_samples(point, reach, work);
             if skipped > 0 {
                 done += skipped;
                 continue;

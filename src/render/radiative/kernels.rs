@@ -30,41 +30,44 @@ pub(in crate::render) trait KernelTask {
     fn run<E: Effects>(self) -> Self::Output;
 }
 
-/// Runs `task` by the code compiled for `parts`.
-pub(in crate::render) fn with_parts<R: KernelTask>(parts: RadiativeFeatures, task: R) -> R::Output {
+/// Runs `task` by the code compiled for `features`.
+pub(in crate::render) fn with_features<R: KernelTask>(
+    features: RadiativeFeatures,
+    task: R,
+) -> R::Output {
     // Unit tests are spared compiling all of it once more: the general code gives the same bits,
     // as tests/transport shows.
     if cfg!(test) {
         return task.run::<Everything>();
     }
-    with_special_parts(parts, task)
+    with_special_features(features, task)
 }
 
-fn with_special_parts<R: KernelTask>(parts: RadiativeFeatures, task: R) -> R::Output {
-    if parts.heterogeneous {
-        return with_heterogeneous_media(parts, task);
+fn with_special_features<R: KernelTask>(features: RadiativeFeatures, task: R) -> R::Output {
+    if features.heterogeneous {
+        return with_heterogeneous_media(features, task);
     }
-    match (parts.media, parts.surfaces) {
+    match (features.media, features.surfaces) {
         (false, false) => task.run::<Only<false, false, false, false, false, false>>(),
         (false, true) => task.run::<Only<false, true, false, false, false, false>>(),
-        (true, false) => with_emission::<R, false>(parts, task),
-        (true, true) => with_emission::<R, true>(parts, task),
+        (true, false) => with_emission::<R, false>(features, task),
+        (true, true) => with_emission::<R, true>(features, task),
     }
 }
 
 /// Tracking light through heterogeneous media costs far more than to find that there are no
 /// surfaces: no code is compiled without them.
-fn with_heterogeneous_media<R: KernelTask>(parts: RadiativeFeatures, task: R) -> R::Output {
+fn with_heterogeneous_media<R: KernelTask>(features: RadiativeFeatures, task: R) -> R::Output {
     // Without scattering there is no phase function.
-    if parts.anisotropic || !R::SCATTERS_IN_HETEROGENEOUS {
-        match (parts.emission, parts.chromatic) {
+    if features.anisotropic || !R::SCATTERS_IN_HETEROGENEOUS {
+        match (features.emission, features.chromatic) {
             (false, false) => task.run::<Only<true, true, false, false, true, true>>(),
             (false, true) => task.run::<Only<true, true, false, true, true, true>>(),
             (true, false) => task.run::<Only<true, true, true, false, true, true>>(),
             (true, true) => task.run::<Only<true, true, true, true, true, true>>(),
         }
     } else {
-        match (parts.emission, parts.chromatic) {
+        match (features.emission, features.chromatic) {
             (false, false) => task.run::<Only<true, true, false, false, false, true>>(),
             (false, true) => task.run::<Only<true, true, false, true, false, true>>(),
             (true, false) => task.run::<Only<true, true, true, false, false, true>>(),
@@ -74,21 +77,21 @@ fn with_heterogeneous_media<R: KernelTask>(parts: RadiativeFeatures, task: R) ->
 }
 
 fn with_emission<R: KernelTask, const SURFACES: bool>(
-    parts: RadiativeFeatures,
+    features: RadiativeFeatures,
     task: R,
 ) -> R::Output {
-    if parts.emission {
-        with_colour::<R, SURFACES, true>(parts, task)
+    if features.emission {
+        with_colour::<R, SURFACES, true>(features, task)
     } else {
-        with_colour::<R, SURFACES, false>(parts, task)
+        with_colour::<R, SURFACES, false>(features, task)
     }
 }
 
 fn with_colour<R: KernelTask, const SURFACES: bool, const EMISSION: bool>(
-    parts: RadiativeFeatures,
+    features: RadiativeFeatures,
     task: R,
 ) -> R::Output {
-    match (parts.chromatic, parts.anisotropic) {
+    match (features.chromatic, features.anisotropic) {
         (false, false) => task.run::<Only<true, SURFACES, EMISSION, false, false, false>>(),
         (false, true) => task.run::<Only<true, SURFACES, EMISSION, false, true, false>>(),
         (true, false) => task.run::<Only<true, SURFACES, EMISSION, true, false, false>>(),
@@ -99,7 +102,7 @@ fn with_colour<R: KernelTask, const SURFACES: bool, const EMISSION: bool>(
 /// Renders a scene by integrals along the line of sight.
 pub(in crate::render) struct ByLineOfSight<'p, W> {
     pub scene: &'p Radiative,
-    pub parts: RadiativeFeatures,
+    pub features: RadiativeFeatures,
     pub scattering: bool,
     pub pixels: &'p Pixels<'p>,
     pub work: PhantomData<W>,
@@ -112,7 +115,7 @@ impl<W: Work> KernelTask for ByLineOfSight<'_, W> {
 
     fn run<E: Effects>(self) -> Self::Output {
         let renderer = LineOfSight::<E> {
-            scene: SceneContext::for_integrals(self.scene, self.parts.vacuum_media),
+            scene: SceneContext::for_integrals(self.scene, self.features.vacuum_media),
             scattering: self.scattering,
             tolerance: TOLERANCE,
         };
@@ -132,8 +135,8 @@ impl<W: Work> KernelTask for ByLineOfSight<'_, W> {
 /// Renders a scene by tracing paths, each through a random place of its pixel.
 pub(in crate::render) struct ByPathTracing<'p, W> {
     pub scene: &'p Radiative,
-    pub parts: RadiativeFeatures,
-    pub limit: Option<u32>,
+    pub features: RadiativeFeatures,
+    pub max_order: Option<u32>,
     pub seed: u64,
     pub pixels: &'p Pixels<'p>,
     pub work: PhantomData<W>,
@@ -147,7 +150,7 @@ impl<W: Work> KernelTask for ByPathTracing<'_, W> {
 
     fn run<E: Effects>(self) -> Self::Output {
         let scene = self.scene;
-        let tracer = PathTracer::<E>::new(scene, self.limit, self.parts.vacuum_media);
+        let tracer = PathTracer::<E>::new(scene, self.max_order, self.features.vacuum_media);
         let size = [self.pixels.width, self.pixels.height];
         let edge = self.pixels.edge();
         let given_up = GivenUp::default();
@@ -246,7 +249,7 @@ mod tests {
             heterogeneous: switches & 32 != 0,
         });
         let kernels: BTreeSet<_> = choices
-            .map(|parts| with_special_parts(parts, EffectsName::<SCATTERS>))
+            .map(|features| with_special_features(features, EffectsName::<SCATTERS>))
             .collect();
         assert!(kernels.contains(type_name::<Everything>()));
         kernels.len()
