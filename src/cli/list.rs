@@ -34,12 +34,14 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     for case in cases {
         text.push_str(&format!(
             "{:<widest$}  {:<13}  {}\n",
-            case.name, case.class, case.source
+            case.name,
+            case.class(),
+            case.source
         ));
         entries.push(json!({
             "name": case.name,
             "family": case.family,
-            "class": case.class,
+            "class": case.class(),
             "gate": case.gate().name(),
             "scene": case.scene,
             "source": case.source,

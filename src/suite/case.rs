@@ -31,6 +31,11 @@ const MOST_MANIFEST_BYTES: u64 = 1 << 20;
 /// that mean plus [`DARK`](crate::compare::stochastic::DARK): a slip in a factor is larger.
 pub const MEAN_RESOLUTION: f64 = 0.02;
 
+/// The class of cases that are rendered without random numbers.
+const DETERMINISTIC: &str = "deterministic";
+/// The class of cases of which each pixel is a mean of random samples.
+const STOCHASTIC: &str = "stochastic";
+
 /// The declaration of a manifest, `fixtures/cases/<family>/<name>.toml`.
 pub const MANIFEST: Table = Table {
     doc: "A case: a scene, where it comes from, and how images of it are judged.",
@@ -61,7 +66,7 @@ pub const MANIFEST: Table = Table {
         },
         Key {
             name: "class",
-            kind: Kind::Choice(&["deterministic", "stochastic"]),
+            kind: Kind::Choice(&[DETERMINISTIC, STOCHASTIC]),
             absent: Absent::Error,
             doc: "Deterministic: rendered without random numbers. Stochastic: each pixel is a mean of random samples.",
         },
@@ -132,8 +137,6 @@ pub struct Case {
     pub shows: String,
     /// Exactly what is computed.
     pub computes: String,
-    /// How it is rendered.
-    pub class: String,
     /// Radiance that every pixel has, where it is known beforehand.
     pub answer: Option<Answer>,
     /// Mistakes that it must catch, by name.
@@ -159,6 +162,14 @@ pub struct CaseSampling {
 }
 
 impl Case {
+    /// `stochastic` for a case that is sampled, else `deterministic`, as in manifests and results.
+    pub fn class(&self) -> &'static str {
+        match self.sampling {
+            Some(_) => STOCHASTIC,
+            None => DETERMINISTIC,
+        }
+    }
+
     /// The gate that images of other renderers are judged by.
     pub fn gate(&self) -> &'static dyn ImageGate {
         match self.sampling {
@@ -453,16 +464,15 @@ fn read_manifest(path: &Path) -> Result<Case, Box<SceneError>> {
                 .join(format!("{name}.toml"))
         }
     };
-    let class = reader.text("class")?;
-    let sampling = read_sampling(&reader, class == "stochastic")?;
-    let answer = read_answer(&reader, class == "stochastic")?;
+    let is_stochastic = reader.text("class")? == STOCHASTIC;
+    let sampling = read_sampling(&reader, is_stochastic)?;
+    let answer = read_answer(&reader, is_stochastic)?;
     Ok(Case {
         name: format!("{family}/{name}"),
         scene,
         source: reader.text("source")?,
         shows: reader.text("shows")?,
         computes: reader.text("computes")?,
-        class,
         answer,
         mistakes: read_mistakes(&reader)?,
         exposure: reader.number("exposure")?,

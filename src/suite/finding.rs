@@ -44,7 +44,7 @@ impl CaseFinding {
         CaseResult {
             name: case.name.clone(),
             family: case.family.clone(),
-            class: case.class.clone(),
+            class: case.class().to_owned(),
             verdict: self.verdict,
             metrics: self.metrics,
             gate,

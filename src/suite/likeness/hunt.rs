@@ -10,11 +10,13 @@ use crate::suite::mistakes;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Hypotheses with a mistake of the scene that get a second look, at most.
+/// Hypotheses with a mistake of the scene that get a second look, at most. One takes up to 16 times
+/// the work of a first look, so that eight take as much as first looks at the whole catalogue of 110.
 const MOST_SECOND_LOOKS: usize = 8;
 
 /// Pairs of mistakes of the scene that are rendered, at most: those which are nearest by what each
-/// mistake does by itself. Few scenes have occasion for so many.
+/// mistake does by itself. Of 28 mistakes that a scene has occasion for there are 378 pairs; few scenes
+/// have occasion for more.
 const MOST_SCENE_PAIRS: usize = 400;
 
 /// Hypotheses that explain an image, and how well.
