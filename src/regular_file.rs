@@ -84,9 +84,10 @@ pub fn check_kind(path: &Path) -> Result<(), OpenError> {
     if metadata.is_file() {
         return Ok(());
     }
-    Err(OpenError::NotAFile(match metadata.is_dir() {
-        true => "a directory",
-        false => "a device or pipe",
+    Err(OpenError::NotAFile(if metadata.is_dir() {
+        "a directory"
+    } else {
+        "a device or pipe"
     }))
 }
 

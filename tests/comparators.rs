@@ -180,9 +180,12 @@ fn noise_that_gates_must_accept() {
             both,
             // Not on black: clipped at zero, noise has one way only, and is a bias.
             edited(|i, pixel| {
-                pixel.map(|value| match value > 0.01 {
-                    true => value + 0.5 * sign(i) * (1e-3 + 0.01 * value),
-                    false => value,
+                pixel.map(|value| {
+                    if value > 0.01 {
+                        value + 0.5 * sign(i) * (1e-3 + 0.01 * value)
+                    } else {
+                        value
+                    }
                 })
             }),
         ),
@@ -253,9 +256,12 @@ fn places_of_what_is_not_finite() {
         (8, "(16, 0), (19, 0), (22, 0); the first"),
         (9, "(16, 0), (19, 0), (22, 0), …; the first"),
     ] {
-        let pixels = edited(|i, pixel| match i % 3 == 1 && i / 3 < broken {
-            true => [f32::NAN; 3],
-            false => pixel,
+        let pixels = edited(|i, pixel| {
+            if i % 3 == 1 && i / 3 < broken {
+                [f32::NAN; 3]
+            } else {
+                pixel
+            }
         });
         let judgement = judged(&Deterministic, pixels);
         let said = &judgement.reason;

@@ -20,15 +20,16 @@ fn trial(row: &'static Row) -> Trial {
             margin.share(),
             row.tolerance
         );
-        match margin.passed() {
-            true => Ok(()),
-            false => Err(format!(
+        if margin.passed() {
+            Ok(())
+        } else {
+            Err(format!(
                 "{} times the tolerance, which is {}: {}",
                 margin.share(),
                 row.tolerance,
                 margin.worst()
             )
-            .into()),
+            .into())
         }
     })
 }

@@ -844,10 +844,7 @@ proptest! {
         let pixels = values[..width * height].to_vec();
         let colours = pixels.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect();
         let plain = Film::new(width, height, colours);
-        let film = match has_opacity {
-            true => Film::with_opacity(width, height, pixels),
-            false => plain.clone(),
-        };
+        let film = if has_opacity { Film::with_opacity(width, height, pixels) } else { plain.clone() };
         let read = Film::from_npy(&film.to_npy()).unwrap();
         prop_assert_eq!(read.pixel_hash(), film.pixel_hash());
         let read = Film::from_pfm(&film.to_pfm()).unwrap();

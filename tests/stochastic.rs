@@ -171,9 +171,12 @@ fn what_it_must_reject() {
     assert_rejected(
         "a bias of one block",
         &reference,
-        &edited(&test, |i, pixel| match in_block(i) {
-            true => pixel.map(|value| value * 1.15),
-            false => pixel,
+        &edited(&test, |i, pixel| {
+            if in_block(i) {
+                pixel.map(|value| value * 1.15)
+            } else {
+                pixel
+            }
         }),
         "from column 8 and row 8",
     );
@@ -353,9 +356,12 @@ fn copies_are_of_noise() {
     let reference = sampled(1, 256, exponential, truth);
     let test = sampled(2, 64, exponential, truth);
     let mixed = |part: usize| {
-        edited(&test, |i, pixel| match i % 10 < part {
-            true => reference.radiance()[i],
-            false => pixel,
+        edited(&test, |i, pixel| {
+            if i % 10 < part {
+                reference.radiance()[i]
+            } else {
+                pixel
+            }
         })
     };
     assert!(judged(&reference, &mixed(1)).metrics["copied_pixels"] > 0.0);

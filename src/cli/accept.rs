@@ -62,9 +62,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             Change::SamePicture => ("recorded", "same picture; scene or plan changed".to_owned()),
             Change::Replaced(difference) => ("replaced", difference.clone()),
         };
-        let detail = match entry.resumed {
-            true => format!("{detail} (rendered by an earlier run)"),
-            false => detail,
+        let detail = if entry.resumed {
+            format!("{detail} (rendered by an earlier run)")
+        } else {
+            detail
         };
         text.push_str(&format!("{word:<9}  {}: {detail}\n", entry.case));
         entries.push(json!({ "name": entry.case, "change": word, "reason": detail }));

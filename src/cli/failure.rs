@@ -139,9 +139,10 @@ mod tests {
         for first in Exit::ORDER {
             for second in Exit::ORDER {
                 let rank = |exit: Exit| order.iter().position(|code| *code == exit as u8);
-                let expected = match rank(first) <= rank(second) {
-                    true => first,
-                    false => second,
+                let expected = if rank(first) <= rank(second) {
+                    first
+                } else {
+                    second
                 };
                 assert_eq!(Exit::first_of([first, second]), expected);
             }

@@ -384,9 +384,12 @@ fn plot(bins: &[Bin]) -> String {
         return String::new();
     };
     let logarithmic = second.is_some_and(|&second| largest > 10 * second);
-    let size = |count: usize| match logarithmic {
-        true => ln(1.0 + count as f64),
-        false => count as f64,
+    let size = |count: usize| {
+        if logarithmic {
+            ln(1.0 + count as f64)
+        } else {
+            count as f64
+        }
     };
     let edges: Vec<(String, String)> = bins
         .iter()

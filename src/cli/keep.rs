@@ -21,9 +21,10 @@ pub fn run(arguments: Arguments) -> Outcome {
 /// This program as the keeper of a renderer; none where there are no keepers.
 pub fn keeper() -> Option<Keeper> {
     // What is running, even if another build has taken its place.
-    let program = match cfg!(target_os = "linux") {
-        true => "/proc/self/exe".into(),
-        false => std::env::current_exe().ok()?,
+    let program = if cfg!(target_os = "linux") {
+        "/proc/self/exe".into()
+    } else {
+        std::env::current_exe().ok()?
     };
     cfg!(unix).then(|| Keeper {
         program,

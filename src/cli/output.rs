@@ -34,9 +34,10 @@ pub fn print_usage(error: &clap::Error) {
         let argument = argument.to_string_lossy();
         visible(&argument) == argument
     });
-    let _ = match is_plain || !error.use_stderr() {
-        true => error.print(),
-        false => write!(std::io::stderr(), "{}", visible(&error.to_string())),
+    let _ = if is_plain || !error.use_stderr() {
+        error.print()
+    } else {
+        write!(std::io::stderr(), "{}", visible(&error.to_string()))
     };
 }
 

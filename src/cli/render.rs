@@ -68,9 +68,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let plans = render::plans(&scene);
     let is_sampled = plans.iter().any(Plan::is_sampled);
     let film = with_threads(arguments.threads, || {
-        let advice = match is_sampled {
-            true => "--spp N takes less, with more noise",
-            false => "fewer pixels in [film] take less",
+        let advice = if is_sampled {
+            "--spp N takes less, with more noise"
+        } else {
+            "fewer pixels in [film] take less"
         };
         let bar = progress::image("rendering", advice, &warnings_of_all(&plans));
         let film = if arguments.reference {

@@ -136,12 +136,13 @@ pub fn check_not_golden(path: &Path, suite: &Suite) -> Result<(), Failure> {
 /// Whether `path` names something in `folder`, however either is spelt.
 fn is_below(path: &Path, folder: &Path) -> bool {
     // Of what is yet to be made, the folder that is there already.
-    let mut folders = path
-        .ancestors()
-        .map(|existing| match existing.as_os_str().is_empty() {
-            true => Path::new("."),
-            false => existing,
-        });
+    let mut folders = path.ancestors().map(|existing| {
+        if existing.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            existing
+        }
+    });
     let existing = folders.find_map(|existing| existing.canonicalize().ok());
     matches!((existing, folder.canonicalize()), (Some(existing), Ok(folder)) if existing.starts_with(&folder))
 }

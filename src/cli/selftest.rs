@@ -42,9 +42,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         let made = made(arguments.naming.unwrap_or(0), arguments.pairs.unwrap_or(0));
         return measure_naming(&cases, &store, &made, &arguments.json);
     }
-    let extent = match arguments.quick {
-        true => SelfTestExtent::Quick,
-        false => SelfTestExtent::Full,
+    let extent = if arguments.quick {
+        SelfTestExtent::Quick
+    } else {
+        SelfTestExtent::Full
     };
     let bar = progress::counted("steps", self_test_steps(cases.len()));
     let is_whole = arguments.filters.is_empty();
@@ -55,9 +56,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     bar.finish_and_clear();
     let value = report::self_test_json(&test);
     let golden = (!test.unusable.is_empty()).then_some(Exit::Golden);
-    let of_the_suite = match test.judges_right() {
-        true => Exit::Passed,
-        false => Exit::SelfTest,
+    let of_the_suite = if test.judges_right() {
+        Exit::Passed
+    } else {
+        Exit::SelfTest
     };
     let exit = Exit::first_of(golden.into_iter().chain([of_the_suite]));
     let text = arguments

@@ -200,9 +200,10 @@ fn shown(text: &str, length: usize) -> String {
             break;
         }
         let ends_line = letter == '\r' && letters.peek().is_some_and(|(_, next)| *next == '\n');
-        shown.push(match ends_line {
-            true => letter,
-            false => visible_char(letter),
+        shown.push(if ends_line {
+            letter
+        } else {
+            visible_char(letter)
         });
     }
     shown

@@ -74,9 +74,10 @@ impl fmt::Display for Advice {
                 two_digits(self.times)
             )?,
         }
-        match self.is_stated {
-            true => Ok(()),
-            false => f.write_str(" (fewer, if the image states its variance)"),
+        if self.is_stated {
+            Ok(())
+        } else {
+            f.write_str(" (fewer, if the image states its variance)")
         }
     }
 }

@@ -229,9 +229,10 @@ fn crossing(at: &impl Fn(f64) -> f64, value: f64, rises: bool, [from, to]: [f64;
     // Fifty-three halvings leave neighbouring numbers.
     for _ in 0..53 {
         let middle = from + 0.5 * (to - from);
-        match (at(middle) < value) == rises {
-            true => from = middle,
-            false => to = middle,
+        if (at(middle) < value) == rises {
+            from = middle
+        } else {
+            to = middle
         }
     }
     to

@@ -28,18 +28,20 @@ impl Here {
     pub fn with_source(extinction: f64, source: DVec3) -> Here {
         Here {
             extinction,
-            emission: match extinction.is_finite() {
-                true => source * extinction,
-                false => source,
+            emission: if extinction.is_finite() {
+                source * extinction
+            } else {
+                source
             },
         }
     }
 
     /// Radiance of `length` of this, seen through itself.
     pub fn seen_over(&self, length: f64) -> DVec3 {
-        match self.extinction.is_finite() || length == 0.0 {
-            true => self.emission * (length * source_factor(self.extinction * length)),
-            false => self.emission,
+        if self.extinction.is_finite() || length == 0.0 {
+            self.emission * (length * source_factor(self.extinction * length))
+        } else {
+            self.emission
         }
     }
 }
@@ -136,9 +138,10 @@ impl Collocation {
                 let mut halves = first.light.before(&second.light);
                 let transmittance = exp(-depth.value());
                 // Two that are opaque agree in depth.
-                halves.depth_error = match halves.depth == whole.light.depth {
-                    true => 0.0,
-                    false => (halves.depth - whole.light.depth).abs(),
+                halves.depth_error = if halves.depth == whole.light.depth {
+                    0.0
+                } else {
+                    (halves.depth - whole.light.depth).abs()
                 };
                 halves.radiance_error =
                     (halves.radiance - whole.light.radiance).abs().max_element();
@@ -293,9 +296,12 @@ mod tests {
         let light = Collocation::new().light(&[0.0, 1.0], 1e-12, jump);
         let depth = 2.0 / 3.0 + 0.2 * 2.0 / 3.0;
         assert!((light.depth - depth).abs() < 1e-11, "{light:?}");
-        let wall = |t: f64| match t < 0.7 {
-            true => Here::with_source(0.5, DVec3::ONE),
-            false => Here::with_source(f64::INFINITY, DVec3::splat(5.0)),
+        let wall = |t: f64| {
+            if t < 0.7 {
+                Here::with_source(0.5, DVec3::ONE)
+            } else {
+                Here::with_source(f64::INFINITY, DVec3::splat(5.0))
+            }
         };
         let light = Collocation::new().light(&[0.0, 1.0], 1e-12, wall);
         let transmittance = exp(-0.35);

@@ -155,10 +155,7 @@ impl Known {
             Some(BoundedSegment { low, high, .. }) => (*low, *high),
             None => (0.0, 0.0),
         };
-        let share = |squared: f64, bound: f64| match bound > 0.0 {
-            true => squared / bound,
-            false => 0.0,
-        };
+        let share = |squared: f64, bound: f64| if bound > 0.0 { squared / bound } else { 0.0 };
         let attenuated = collocation.light(&cuts, TOLERANCE, |t| Here {
             extinction: profile.at(t),
             emission: DVec3::new(bounds(t).1, 0.0, 0.0),

@@ -66,9 +66,10 @@ impl<'s> Rays<'s> {
             None => (SIDE, TOLERANCE),
             Some(_) => (SIDE_WITH_SHADOW, TOLERANCE_WITH_SHADOW),
         };
-        let shade = match ShadedVolume::has_exact_shadow(scene) {
-            true => Shade::Exact,
-            false => Shade::AsGiven,
+        let shade = if ShadedVolume::has_exact_shadow(scene) {
+            Shade::Exact
+        } else {
+            Shade::AsGiven
         };
         let collocation = Collocation::new();
         let steepest = OPAQUE / scene.grid.lattice().voxel();

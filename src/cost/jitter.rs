@@ -114,9 +114,10 @@ impl Jitter {
             });
             let norms: Vec<Norms> = norms.collect();
             // Sums of some hundred terms: what is far above their rounding is known.
-            let expected = match rough || is_closed {
-                true => ExpectedOrder::NOTHING,
-                false => ExpectedOrder::of_step(expected),
+            let expected = if rough || is_closed {
+                ExpectedOrder::NOTHING
+            } else {
+                ExpectedOrder::of_step(expected)
             };
             order(steps, &norms, expected, 1e-15)
         };

@@ -46,9 +46,10 @@ impl Errors {
             l1: self.absolute.value() / count / scale,
             l2: (self.squares.value() / count).sqrt() / scale,
             max: self.largest / scale,
-            uncertainty: match mean > 0.0 {
-                true => 0.5 * (spread / count).sqrt() / mean,
-                false => 0.0,
+            uncertainty: if mean > 0.0 {
+                0.5 * (spread / count).sqrt() / mean
+            } else {
+                0.0
             },
         }
     }

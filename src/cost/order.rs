@@ -76,9 +76,10 @@ pub fn order(
                 .filter(|_| squares[fine] > bound)
         })
         .collect();
-    let (floor, ceiling) = match expected.by_chance {
-        true => (ABOVE_THE_NOISE * bound, f64::INFINITY),
-        false => (ABOVE_THE_BOUND * bound, COARSE),
+    let (floor, ceiling) = if expected.by_chance {
+        (ABOVE_THE_NOISE * bound, f64::INFINITY)
+    } else {
+        (ABOVE_THE_BOUND * bound, COARSE)
     };
     let counting = |sizes: &[f64]| -> Vec<ErrorPoint> {
         let all = values.iter().zip(sizes).zip(errors);
@@ -120,9 +121,10 @@ pub fn order(
                 (low.min(at), high.max(at))
             });
             // From setting to setting chance leaves any order; together they have one.
-            match !expected.by_chance && high - low > 2.0 * doubt {
-                true => OrderVerdict::NotYetAPower,
-                false => OrderVerdict::Otherwise,
+            if !expected.by_chance && high - low > 2.0 * doubt {
+                OrderVerdict::NotYetAPower
+            } else {
+                OrderVerdict::Otherwise
             }
         }
     };

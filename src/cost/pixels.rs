@@ -116,9 +116,10 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
         estimator: "centres of pixels, silhouettes left out".to_owned(),
         is_ours: true,
         parameter: Parameter::Pixel,
-        expected: match has_jumps(scene) {
-            true => ExpectedOrder::NOTHING,
-            false => ExpectedOrder::of_step(2.0),
+        expected: if has_jumps(scene) {
+            ExpectedOrder::NOTHING
+        } else {
+            ExpectedOrder::of_step(2.0)
         },
         settings: settings(true),
     }];

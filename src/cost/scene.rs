@@ -135,11 +135,11 @@ fn has_time(
     missing: &str,
 ) -> bool {
     let is_over = options.clock.is_over();
-    match is_over {
-        true => cost
-            .notes
-            .push(format!("{missing}: the time given was over")),
-        false => report(step),
+    if is_over {
+        cost.notes
+            .push(format!("{missing}: the time given was over"))
+    } else {
+        report(step)
     }
     !is_over
 }

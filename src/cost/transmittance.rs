@@ -167,9 +167,10 @@ pub fn crossings<'s>(
     let (scene, media) = (around.radiative, &around.media);
     let first = media.all().iter().find_map(|medium| medium.density)?;
     let densities = || media.all().iter().filter_map(|medium| medium.density);
-    let side = match densities().all(|density| density.is_integrable()) {
-        true => SIDE,
-        false => SIDE_WITHOUT_INTEGRAL,
+    let side = if densities().all(|density| density.is_integrable()) {
+        SIDE
+    } else {
+        SIDE_WITHOUT_INTEGRAL
     };
     let size = thumbnail::thumbnail(size, side);
     let blocks = first.blocks();
@@ -301,9 +302,10 @@ fn crossing<'s>(
         });
     }
     // As many look-ups at every place, or a number that is not known.
-    let densities = match pieces.iter().all(|(_, set)| *set == first) {
-        true => members(first).count(),
-        false => 0,
+    let densities = if pieces.iter().all(|(_, set)| *set == first) {
+        members(first).count()
+    } else {
+        0
     };
     let extinction = move |t: f64, lookups: &mut u64| {
         let inside = pieces
@@ -497,17 +499,19 @@ impl Asked<'_, '_> {
             (false, false) => 1.0,
         };
         let rough = self.crossings.rough || !stratified && self.crossings.ends == Ends::Alike;
-        let name = match stratified {
-            true => "jittered, stratified",
-            false => "jittered, one offset a ray",
+        let name = if stratified {
+            "jittered, stratified"
+        } else {
+            "jittered, one offset a ray"
         };
         PlannedSweep {
             estimator: name.to_owned(),
             is_ours: false,
             parameter: Parameter::Step,
-            expected: match rough {
-                true => ExpectedOrder::NOTHING,
-                false => ExpectedOrder::of_step(order),
+            expected: if rough {
+                ExpectedOrder::NOTHING
+            } else {
+                ExpectedOrder::of_step(order)
             },
             settings: self.steps(|step| {
                 self.run(move |ray, index| {

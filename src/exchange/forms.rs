@@ -163,9 +163,10 @@ impl Form {
             Form::Box { corner, edges } => {
                 let face = |axis: usize, far: bool| {
                     let (u, v) = (edges[(axis + 1) % 3], edges[(axis + 2) % 3]);
-                    let (u, v, corner) = match far {
-                        true => (u, v, corner + edges[axis]),
-                        false => (v, u, *corner),
+                    let (u, v, corner) = if far {
+                        (u, v, corner + edges[axis])
+                    } else {
+                        (v, u, *corner)
                     };
                     vec![corner, corner + u, corner + u + v, corner + v]
                 };

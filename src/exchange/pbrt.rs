@@ -205,9 +205,10 @@ impl ScatteringOrders {
 
     /// Absorption and scattering of a mixture.
     fn coefficients(&self, mixture: &Mixture) -> [DVec3; 2] {
-        match self.never {
-            true => [mixture.sigma_t(), DVec3::ZERO],
-            false => [mixture.sigma_a, mixture.sigma_s],
+        if self.never {
+            [mixture.sigma_t(), DVec3::ZERO]
+        } else {
+            [mixture.sigma_a, mixture.sigma_s]
         }
     }
 
@@ -360,9 +361,10 @@ impl PbrtWriter<'_, '_> {
         self.line(&format!("Sampler \"independent\" {samples}"));
         let depth = integer("maxdepth", self.orders.depth);
         let mut lights = scene.lights.iter();
-        let chosen = match lights.any(|light| matches!(light, Light::Spot(_))) {
-            true => " \"string lightsampler\" [ \"power\" ]",
-            false => "",
+        let chosen = if lights.any(|light| matches!(light, Light::Spot(_))) {
+            " \"string lightsampler\" [ \"power\" ]"
+        } else {
+            ""
         };
         self.line(&format!("Integrator \"volpath\" {depth}{chosen}"));
     }

@@ -180,9 +180,12 @@ fn beside<'f>(
     samples_of(colours.part, full_name).or_else(|| {
         let parts = file.layer_data.iter();
         let mut at_its_place = parts.filter(|part| position(part) == position(colours.part));
-        at_its_place.find_map(|part| match name_of(part) == layer_name {
-            true => samples_of(part, name).or_else(|| samples_of(part, full_name)),
-            false => samples_of(part, full_name),
+        at_its_place.find_map(|part| {
+            if name_of(part) == layer_name {
+                samples_of(part, name).or_else(|| samples_of(part, full_name))
+            } else {
+                samples_of(part, full_name)
+            }
         })
     })
 }

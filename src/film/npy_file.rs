@@ -45,9 +45,10 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
         )));
     }
     let value = |row: usize, column: usize, channel: usize| {
-        let index = match header.fortran_order {
-            false => (row * width + column) * channels + channel,
-            true => row + height * (column + width * channel),
+        let index = if header.fortran_order {
+            row + height * (column + width * channel)
+        } else {
+            (row * width + column) * channels + channel
         };
         number.read(&data[index * number.bytes..][..number.bytes])
     };
@@ -166,9 +167,10 @@ impl<'t> Rest<'t> {
     }
 
     fn expect(&mut self, letter: char) -> Result<(), FilmError> {
-        match self.take(letter) {
-            true => Ok(()),
-            false => Err(self.trouble(&format!("{letter:?}"))),
+        if self.take(letter) {
+            Ok(())
+        } else {
+            Err(self.trouble(&format!("{letter:?}")))
         }
     }
 

@@ -67,9 +67,12 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
             data.len()
         )));
     }
-    let number = |bytes: &[u8; 4]| match scale < 0.0 {
-        true => f32::from_le_bytes(*bytes) * -scale,
-        false => f32::from_be_bytes(*bytes) * scale,
+    let number = |bytes: &[u8; 4]| {
+        if scale < 0.0 {
+            f32::from_le_bytes(*bytes) * -scale
+        } else {
+            f32::from_be_bytes(*bytes) * scale
+        }
     };
     let (numbers, _) = data.as_chunks::<4>();
     let rows = numbers.chunks_exact(width * channels).rev();

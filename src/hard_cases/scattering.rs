@@ -235,17 +235,18 @@ fn s2_henyey_greenstein_value(margin: &mut Margin) {
             let from_peak = 2.0 * width * width * s * s / (rest * rest);
             let slope = 4.0 * width * width * s / (rest * rest * rest);
             let (near, far) = (from_peak, 2.0 - from_peak);
-            let deflection = match g >= 0.0 {
-                true => Deflection {
+            let deflection = if g >= 0.0 {
+                Deflection {
                     cos: 1.0 - near,
                     one_minus_cos: near,
                     one_plus_cos: far,
-                },
-                false => Deflection {
+                }
+            } else {
+                Deflection {
                     cos: near - 1.0,
                     one_minus_cos: far,
                     one_plus_cos: near,
-                },
+                }
             };
             let density = TAU * phase.per_steradian(&deflection) * slope;
             DVec3::new(density, density * deflection.cos, 0.0)
@@ -350,9 +351,10 @@ fn s4_white_furnace(margin: &mut Margin) {
             let what = format_args!("{name}, path {sample}");
             // One of several media is chosen in the proportion of their densities there, which
             // takes four roundings; no path is scattered more than a thousand times.
-            match name == OVERLAP {
-                true => margin.within(what, (seen - 1.0).abs().max_element(), 0.0, 1e-12),
-                false => margin.exact(what, seen, DVec3::ONE),
+            if name == OVERLAP {
+                margin.within(what, (seen - 1.0).abs().max_element(), 0.0, 1e-12)
+            } else {
+                margin.exact(what, seen, DVec3::ONE)
             }
         }
     }

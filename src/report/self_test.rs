@@ -137,9 +137,10 @@ pub fn naming_text(namings: &[Naming]) -> String {
         let is_named = |naming: &&&Naming| naming.rank().is_some_and(|rank| rank <= within);
         for naming in seen.iter().filter(|naming| !is_named(naming)) {
             let named: Vec<_> = naming.named.iter().map(|n| n.mistake.as_str()).collect();
-            let named = match named.is_empty() {
-                true => "nothing".to_owned(),
-                false => named.join(", "),
+            let named = if named.is_empty() {
+                "nothing".to_owned()
+            } else {
+                named.join(", ")
             };
             text.push_str(&format!(
                 "{} ({} failed): named {named}\n",

@@ -132,9 +132,10 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         } else {
             ""
         };
-        let why = match was_cut_short {
-            true => "was interrupted".to_owned(),
-            false => format!("reached its limit of {seconds} s"),
+        let why = if was_cut_short {
+            "was interrupted".to_owned()
+        } else {
+            format!("reached its limit of {seconds} s")
         };
         let name = |of: &Unfinished| {
             let (case, stage) = (&of.case, of.stage.name());

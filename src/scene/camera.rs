@@ -110,9 +110,10 @@ impl View {
 /// then.
 fn eye_that_sees_all(bounds: &Aabb, up: DVec3, vertical_fov: f64, aspect: f64) -> DVec3 {
     let half = bounds.size() * 0.5;
-    let (forward, half_depth, half_of_up) = match up.x == 0.0 && up.y == 0.0 {
-        true => (DVec3::Y, half.y, half.z),
-        false => (DVec3::Z, half.z, half.y),
+    let (forward, half_depth, half_of_up) = if up.x == 0.0 && up.y == 0.0 {
+        (DVec3::Y, half.y, half.z)
+    } else {
+        (DVec3::Z, half.z, half.y)
     };
     let half_height = half_of_up.max(half.x / aspect);
     let to_front = half_height / (0.95 * math::tan(0.5 * vertical_fov));

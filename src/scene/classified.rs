@@ -302,14 +302,16 @@ impl Classified {
         let shaded = self.phong.map_or(colour, |phong| {
             let lit = phong.ambient + phong.diffuse;
             // Black under a weight beyond all numbers would be NaN.
-            match lit.is_finite() {
-                true => (colour * lit + phong.specular).max(colour),
-                false => f64::INFINITY,
+            if lit.is_finite() {
+                (colour * lit + phong.specular).max(colour)
+            } else {
+                f64::INFINITY
             }
         });
-        let sent = match self.transfer_function.is_transparent_between(least, most) {
-            true => 0.0,
-            false => self.transfer_function.strength(most) * shaded,
+        let sent = if self.transfer_function.is_transparent_between(least, most) {
+            0.0
+        } else {
+            self.transfer_function.strength(most) * shaded
         };
         sent.max(self.background.max_element())
     }

@@ -288,9 +288,10 @@ impl Suite {
             };
             for entry in entries.flatten().filter(|_| is_new) {
                 let path = entry.path();
-                match path.is_dir() {
-                    true => folders.push(path),
-                    false => files.push(path),
+                if path.is_dir() {
+                    folders.push(path)
+                } else {
+                    files.push(path)
                 }
             }
         }

@@ -501,12 +501,11 @@ mod tests {
                 })
             };
             let pixels = values.radiance().iter().enumerate().map(pixel).collect();
-            match states {
-                true => {
-                    let variance = (factor * factor * sigma * sigma) as f32;
-                    Film::with_noise(32, 24, pixels, vec![[variance; 3]; 32 * 24], 16)
-                }
-                false => Film::new(32, 24, pixels),
+            if states {
+                let variance = (factor * factor * sigma * sigma) as f32;
+                Film::with_noise(32, 24, pixels, vec![[variance; 3]; 32 * 24], 16)
+            } else {
+                Film::new(32, 24, pixels)
             }
         };
         let case = case("fog/forward");

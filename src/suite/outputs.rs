@@ -171,9 +171,10 @@ impl Outputs {
             return Err(OutputError::Variance {
                 case: case.to_owned(),
                 file: file.clone(),
-                there: match images.is_empty() {
-                    true => "is none",
-                    false => "are several, whose spread says it already",
+                there: if images.is_empty() {
+                    "is none"
+                } else {
+                    "are several, whose spread says it already"
                 },
             });
         }

@@ -40,9 +40,10 @@ impl Gate for Analytic {
 impl Suite {
     /// The rows that go with this suite.
     pub fn rows(&self) -> Vec<&'static Row> {
-        match self.cases().iter().any(|case| case.family == HARD) {
-            true => rows().collect(),
-            false => vec![],
+        if self.cases().iter().any(|case| case.family == HARD) {
+            rows().collect()
+        } else {
+            vec![]
         }
     }
 

@@ -175,12 +175,13 @@ fn moved_inputs(checked: &CheckedGolden) -> String {
         .filter(|(path, hash)| checked.golden.provenance.inputs.get(*path) != Some(hash))
         .map(|(path, _)| path.as_str())
         .collect();
-    match moved.is_empty() {
-        true => String::new(),
-        false => format!(
+    if moved.is_empty() {
+        String::new()
+    } else {
+        format!(
             "; input changed since the golden was made: {}",
             moved.join(", ")
-        ),
+        )
     }
 }
 
@@ -221,9 +222,10 @@ fn compare_sampled(checked: &CheckedGolden, quick: &Quick, film: &Film) -> CaseF
         },
         checked.omissions()
     );
-    let mut finding = match passed {
-        true => CaseFinding::new(Verdict::Pass, Cause::None, reason),
-        false => CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason),
+    let mut finding = if passed {
+        CaseFinding::new(Verdict::Pass, Cause::None, reason)
+    } else {
+        CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason)
     };
     finding.metrics = judgement.metrics;
     finding

@@ -100,9 +100,10 @@ impl<'l> Choices<'l> {
 
     /// A number between two usual ones, or any legal one.
     pub fn number(&mut self, legal: Legal, usual: [f64; 2]) -> f64 {
-        let number = match self.is_wild() {
-            true => self.any_number(legal),
-            false => self.between(usual),
+        let number = if self.is_wild() {
+            self.any_number(legal)
+        } else {
+            self.between(usual)
         };
         number.clamp(legal.0, legal.1)
     }
@@ -122,9 +123,10 @@ impl<'l> Choices<'l> {
     /// A number between `low` and `high`: on the marks of a ruler, so that places coincide as
     /// they do in scenes that people write, or anywhere.
     fn between(&mut self, [low, high]: [f64; 2]) -> f64 {
-        let share = match self.one_in(4) {
-            false => self.below(9) as f64 / 8.0,
-            true => f64::from(self.word()) / f64::from(u32::MAX),
+        let share = if self.one_in(4) {
+            f64::from(self.word()) / f64::from(u32::MAX)
+        } else {
+            self.below(9) as f64 / 8.0
         };
         low + (high - low) * share
     }
@@ -214,9 +216,10 @@ impl<'l> Choices<'l> {
 
     /// Bytes of samples: 32-bit numbers that are finite, of both signs if asked for.
     pub fn sample(&mut self, signed: bool) -> f32 {
-        let legal = match signed {
-            true => Legal(f64::from(f32::MIN), f64::from(f32::MAX)),
-            false => Legal(0.0, f64::from(f32::MAX)),
+        let legal = if signed {
+            Legal(f64::from(f32::MIN), f64::from(f32::MAX))
+        } else {
+            Legal(0.0, f64::from(f32::MAX))
         };
         let usual = if signed { [-1.0, 1.0] } else { [0.0, 1.5] };
         self.number(legal, usual) as f32

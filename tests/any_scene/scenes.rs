@@ -662,9 +662,10 @@ fn mesh(choices: &mut Choices<'_>, closed: bool) -> Vec<u8> {
         let [x, y, z] = corner.map(|usual| choices.length(FINITE, [usual, usual]));
         text.push_str(&format!("v {x:?} {y:?} {z:?}\n"));
     }
-    text.push_str(match closed {
-        true => "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n",
-        false => "f 1 2 3\nf 2 4 3\n",
+    text.push_str(if closed {
+        "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n"
+    } else {
+        "f 1 2 3\nf 2 4 3\n"
     });
     text.into_bytes()
 }

@@ -273,9 +273,10 @@ fn uses(code: &str, module: &Module) -> (Vec<Use>, String) {
         for (name, path) in tree(&[], after[..end].trim()) {
             let is_local = ["crate", "super", "self"].contains(&&*path[0]);
             // A module of this file, or another crate: which, the map of modules says.
-            let path = match is_local {
-                true => from_root(module, &path),
-                false => module.iter().cloned().chain(path).collect(),
+            let path = if is_local {
+                from_root(module, &path)
+            } else {
+                module.iter().cloned().chain(path).collect()
             };
             found.push(Use {
                 name,

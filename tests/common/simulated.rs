@@ -214,9 +214,10 @@ pub fn faults() -> Vec<Fault> {
     }
     fn block(film: &Film, factor: f32) -> Film {
         edited(film, |x, y, pixel| {
-            match (16..24).contains(&x) && (16..24).contains(&y) {
-                true => pixel.map(|value| value * factor),
-                false => pixel,
+            if (16..24).contains(&x) && (16..24).contains(&y) {
+                pixel.map(|value| value * factor)
+            } else {
+                pixel
             }
         })
     }
@@ -232,9 +233,12 @@ pub fn faults() -> Vec<Fault> {
             let hits: Vec<bool> = (0..film.radiance().len())
                 .map(|_| bits.word().is_multiple_of(500))
                 .collect();
-            edited(film, |x, y, pixel| match hits[y * film.width() + x] {
-                true => pixel.map(|value| value + 10.0),
-                false => pixel,
+            edited(film, |x, y, pixel| {
+                if hits[y * film.width() + x] {
+                    pixel.map(|value| value + 10.0)
+                } else {
+                    pixel
+                }
             })
         }),
         ("one pixel to the right", |film| {

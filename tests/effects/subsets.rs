@@ -162,9 +162,10 @@ fn classified_volumes() {
             panic!("{what}: {}", plan.kernel);
         };
         let features = RayCasterFeatures {
-            field: match made_of.nearest {
-                true => FieldKind::Nearest,
-                false => FieldKind::Trilinear,
+            field: if made_of.nearest {
+                FieldKind::Nearest
+            } else {
+                FieldKind::Trilinear
             },
             shading: made_of.shading != Shading::None,
             shadow: made_of.shadow,

@@ -48,9 +48,10 @@ impl Sample {
             ..Conditions::default()
         };
         let judgement = judge(gate, &golden, test, &conditions).unwrap();
-        let verdict = match judgement.passed {
-            true => Verdict::Pass,
-            false => Verdict::Fail,
+        let verdict = if judgement.passed {
+            Verdict::Pass
+        } else {
+            Verdict::Fail
         };
         let result = self.push(name, verdict, evidence);
         result.gate = gate;

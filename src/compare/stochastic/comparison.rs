@@ -129,9 +129,10 @@ impl<'f> Comparison<'f> {
             Some(_) => beyond > 0.0,
             None => false,
         };
-        let variance = match is_brighter {
-            true => total.own,
-            false => self.variance_of_whole(total),
+        let variance = if is_brighter {
+            total.own
+        } else {
+            self.variance_of_whole(total)
         };
         deviation(beyond, variance)
     }

@@ -91,9 +91,10 @@ impl PixelDifferences {
         // No number of normal noise above its rounding is likelier than 0.4, no number of events
         // other than none likelier than 1/e, no side of a coin thrown twice than 1/2.
         (at_least(self.copied, self.noisy, 0.5) <= level).then(|| {
-            let what = match self.copied == self.noisy {
-                true => "it is the same image, not an independent estimate",
-                false => "part of it is copied",
+            let what = if self.copied == self.noisy {
+                "it is the same image, not an independent estimate"
+            } else {
+                "part of it is copied"
             };
             format!(
                 "{} of {} pixels with noise are those of the reference bit for bit: {what}",

@@ -88,9 +88,10 @@ impl<'c> Limits<'c> {
     pub fn of_block(&self, block: &Block, channel: usize) -> f64 {
         let [own, guard] = self.terms(block, channel);
         let variance = block.channels[channel].variance.largest();
-        match variance > 0.0 {
-            true => (own.max(guard) / variance).sqrt(),
-            false => self.guard,
+        if variance > 0.0 {
+            (own.max(guard) / variance).sqrt()
+        } else {
+            self.guard
         }
     }
 
@@ -125,9 +126,10 @@ impl<'c> Limits<'c> {
         // To a thousandth, of an estimate that is known to a tenth at best.
         while enough > 1.001 * few {
             let middle = f64::sqrt(few * enough);
-            match with(middle) > promise {
-                true => few = middle,
-                false => enough = middle,
+            if with(middle) > promise {
+                few = middle
+            } else {
+                enough = middle
             }
         }
         let safety = (1.0 + SAFETY * self.comparison.shape.error).min(MOST_SAFETY);

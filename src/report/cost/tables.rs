@@ -91,9 +91,10 @@ pub(super) fn sweep(study: &Study, sweep: &Sweep) -> ReportTable {
             .and_then(|before| sweep.order.local.get(before));
         let mut row: Vec<TableCell> = vec![
             level.setting.as_str().into(),
-            words::count(match by_random {
-                true => level.work[Event::RandomDraw],
-                false => level.work[Event::DensityLookup] + level.work[Event::GradientLookup],
+            words::count(if by_random {
+                level.work[Event::RandomDraw]
+            } else {
+                level.work[Event::DensityLookup] + level.work[Event::GradientLookup]
             })
             .into(),
             words::error(l1).into(),

@@ -78,9 +78,10 @@ pub(super) fn verdict(verdict: OrderVerdict) -> (Mark, &'static str) {
 
 /// Whether an estimator keeps its promises, with a sign.
 pub(super) fn agreement(row: &EstimatorRow) -> (Mark, &'static str) {
-    match row.agrees {
-        true => (Mark::Good, "✓ agrees"),
-        false => (Mark::Bad, "✗ disagrees"),
+    if row.agrees {
+        (Mark::Good, "✓ agrees")
+    } else {
+        (Mark::Bad, "✗ disagrees")
     }
 }
 
@@ -335,9 +336,10 @@ pub(super) fn judgement(costs: &[Cost]) -> OrderSummary {
         None => Mark::Good,
         Some((mark, _)) => *mark,
     };
-    let headline = match parts.is_empty() {
-        true => "Nothing was expected, so nothing was judged.".to_owned(),
-        false => format!("{}.", parts.join("; ")),
+    let headline = if parts.is_empty() {
+        "Nothing was expected, so nothing was judged.".to_owned()
+    } else {
+        format!("{}.", parts.join("; "))
     };
     OrderSummary {
         mark,

@@ -30,9 +30,10 @@ pub(super) fn means(golden: &Film, test: &Film) -> Vec<Mean> {
             }
         }
         let [a, b] = sums.map(|sum| sum / count.max(1.0));
-        let ratio = match a > 0.0 && b > 0.0 {
-            true => format!("× {:.4}", b / a),
-            false => "–".to_owned(),
+        let ratio = if a > 0.0 && b > 0.0 {
+            format!("× {:.4}", b / a)
+        } else {
+            "–".to_owned()
         };
         means.push(Mean {
             channel,

@@ -18,9 +18,10 @@ pub(super) fn headline(results: &[CaseResult], likely: &[Likeness]) -> String {
     .filter(|(count, _)| *count > 0)
     .map(|(count, word)| format!("{count} {word}"))
     .collect();
-    let rest = match undecided.is_empty() {
-        true => String::new(),
-        false => format!(" Not judged: {}.", undecided.join(", ")),
+    let rest = if undecided.is_empty() {
+        String::new()
+    } else {
+        format!(" Not judged: {}.", undecided.join(", "))
     };
     if summary.fail > 0 {
         let verb = if summary.fail == 1 { "fails" } else { "fail" };

@@ -144,9 +144,10 @@ impl Cells {
             for (c, mean) in means.iter_mut().enumerate() {
                 let (other, base) = (other.means[cell][c], base.means[cell][c]);
                 let product = *mean * other / base;
-                *mean = match base > 0.0 && product.is_finite() {
-                    true => product,
-                    false => *mean + other - base,
+                *mean = if base > 0.0 && product.is_finite() {
+                    product
+                } else {
+                    *mean + other - base
                 };
             }
         }
@@ -198,9 +199,10 @@ impl Cells {
         };
         let lent = other * samples / own_samples;
         let borrowed = own * own_samples / samples;
-        match samples > own_samples {
-            true => own.max(lent) + other,
-            false => own + other.max(borrowed),
+        if samples > own_samples {
+            own.max(lent) + other
+        } else {
+            own + other.max(borrowed)
         }
     }
 }
@@ -250,12 +252,11 @@ mod tests {
                 (mean + (u - 0.5) * sigma * 12_f64.sqrt()) as f32
             }));
         }
-        match states_noise {
-            true => {
-                let variance = vec![[(sigma * sigma) as f32; 3]; edge * edge];
-                Film::with_noise(edge, edge, pixels, variance, 16)
-            }
-            false => Film::new(edge, edge, pixels),
+        if states_noise {
+            let variance = vec![[(sigma * sigma) as f32; 3]; edge * edge];
+            Film::with_noise(edge, edge, pixels, variance, 16)
+        } else {
+            Film::new(edge, edge, pixels)
         }
     }
 

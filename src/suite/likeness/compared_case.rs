@@ -90,9 +90,12 @@ impl ComparedCase {
             return None;
         }
         let is_sampled = case.sampling.is_some();
-        let in_cells = |film: &Film| match is_sampled {
-            true => Cells::of_blocks(film),
-            false => Cells::of_pixels(film),
+        let in_cells = |film: &Film| {
+            if is_sampled {
+                Cells::of_blocks(film)
+            } else {
+                Cells::of_pixels(film)
+            }
         };
         let bounded = clamped(&golden, ceiling);
         let golden_cells = in_cells(&bounded);
@@ -203,9 +206,12 @@ impl ComparedCase {
     /// How far the image would be from two mistakes together, if each changed by the same factor
     /// what it finds; of the looks at each by itself.
     pub fn distance_of_both(&self, first: &Film, second: &Film) -> Option<f64> {
-        let cells = |film: &Film| match self.is_sampled {
-            true => in_cells(film, &self.golden_cells),
-            false => Some(Cells::of_pixels(film).without_noise()),
+        let cells = |film: &Film| {
+            if self.is_sampled {
+                in_cells(film, &self.golden_cells)
+            } else {
+                Some(Cells::of_pixels(film).without_noise())
+            }
         };
         let (golden, test) = match &self.glimpse {
             Some(glimpse) => (&glimpse.golden, &glimpse.test),
@@ -262,9 +268,10 @@ impl ComparedCase {
             );
             return Some(judgement.is_ok_and(|judgement| !judgement.passed));
         }
-        let look = match self.is_sampled {
-            true => self.first,
-            false => self.second,
+        let look = if self.is_sampled {
+            self.first
+        } else {
+            self.second
         };
         let film = self.predict(hypothesis, look, clock)?;
         Some(!self.misfit(&film)?.is_noise())

@@ -44,15 +44,16 @@ pub(super) fn in_words(
             let square = explanation.mean(|misfit| misfit.distance);
             square.max(ROUNDING * ROUNDING).sqrt()
         });
-        return Some(match near <= ROUNDING {
-            true => format!(
+        return Some(if near <= ROUNDING {
+            format!(
                 "likelier than {other}: it leaves nothing but rounding, the other {} of the image",
                 percent(far)
-            ),
-            false => format!(
+            )
+        } else {
+            format!(
                 "likelier than {other}: nearer to the images by a factor of {}",
                 factor(far / near)
-            ),
+            )
         });
     }
     let hint = match telling(&first.hypothesis, &second.hypothesis, unjudged) {

@@ -112,9 +112,10 @@ impl Predictions {
             Some(before) => before + written,
             None => files(folder).iter().map(|file| file.bytes).sum(),
         };
-        *bytes = Some(match now > MOST_BYTES {
-            true => without_the_oldest(folder, BYTES_LEFT),
-            false => now,
+        *bytes = Some(if now > MOST_BYTES {
+            without_the_oldest(folder, BYTES_LEFT)
+        } else {
+            now
         });
     }
 }

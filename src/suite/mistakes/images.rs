@@ -77,10 +77,10 @@ pub(super) const MISTAKES: &[Mistake] = &[
         name: "clamped",
         advice: "radiance above 1 is cut off: keep it, the file holds floating-point numbers",
         edit: Edit::Pixels(|film| {
-            Some(mapped(film, |x| match x > 1.0 {
-                true => (1.0, 0.0),
-                false => (x, 1.0),
-            }))
+            Some(mapped(
+                film,
+                |x| if x > 1.0 { (1.0, 0.0) } else { (x, 1.0) },
+            ))
         }),
     },
     Mistake {
@@ -136,9 +136,12 @@ pub(super) const MISTAKES: &[Mistake] = &[
         name: "unpremultiplied",
         advice: "colours are divided by opacity: what is wanted is the radiance that arrives, multiplied by opacity, in front of the background",
         edit: Edit::Pixels(|film| {
-            by_opacity(film, |colour, opacity| match opacity > 0.0 {
-                true => colour / opacity,
-                false => colour,
+            by_opacity(film, |colour, opacity| {
+                if opacity > 0.0 {
+                    colour / opacity
+                } else {
+                    colour
+                }
             })
         }),
     },
@@ -205,9 +208,12 @@ pub(super) const MISTAKES: &[Mistake] = &[
                 film.height() / 2..film.height() * 3 / 4,
             ];
             let inside = |[x, y]: [usize; 2]| black[0].contains(&x) && black[1].contains(&y);
-            Some(rebuilt(film, |film, at| match inside(at) {
-                true => ([0.0; 3], [0.0; 3]),
-                false => value(film, at),
+            Some(rebuilt(film, |film, at| {
+                if inside(at) {
+                    ([0.0; 3], [0.0; 3])
+                } else {
+                    value(film, at)
+                }
             }))
         }),
     },

@@ -21,9 +21,12 @@ pub(super) const MISTAKES: &[Mistake] = &[
         name: "absorption-scatters",
         advice: "sigma_t is used for sigma_s: what is absorbed is scattered as well, so that the albedo is 1; multiply by sigma_s / sigma_t at every collision",
         edit: Edit::Radiative(|scene| {
-            coefficients(scene, |a, s| match s == DVec3::ZERO {
-                true => (a, s),
-                false => (DVec3::ZERO, a + s),
+            coefficients(scene, |a, s| {
+                if s == DVec3::ZERO {
+                    (a, s)
+                } else {
+                    (DVec3::ZERO, a + s)
+                }
             })
         }),
     },
@@ -91,9 +94,12 @@ pub(super) const MISTAKES: &[Mistake] = &[
         advice: "media have no colour: coefficients are the mean of their channels; they differ from channel to channel, and so does transmittance",
         edit: Edit::Radiative(|scene| {
             // The mean of equal numbers may be off by a rounding.
-            let mean = |c: DVec3| match c.min_element() == c.max_element() {
-                true => c,
-                false => DVec3::splat(c.element_sum() / 3.0),
+            let mean = |c: DVec3| {
+                if c.min_element() == c.max_element() {
+                    c
+                } else {
+                    DVec3::splat(c.element_sum() / 3.0)
+                }
             };
             coefficients(scene, |a, s| (mean(a), mean(s)))
         }),

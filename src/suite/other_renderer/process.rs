@@ -62,12 +62,13 @@ pub fn run(words: &[String], timeout: Duration, keeper: Option<&Keeper>) -> Ran 
     // the other.
     RUNNING.fetch_add(1, Ordering::SeqCst);
     let printed = Printed::hear(reader);
-    let ended = match STOPPED.load(Ordering::SeqCst) {
-        true => Err("volref is ending".to_owned()),
-        false => match keeper {
+    let ended = if STOPPED.load(Ordering::SeqCst) {
+        Err("volref is ending".to_owned())
+    } else {
+        match keeper {
             Some(keeper) => run_kept(words, writer, timeout, keeper),
             None => run_in_group(words, writer, timeout),
-        },
+        }
     };
     RUNNING.fetch_sub(1, Ordering::SeqCst);
     match ended {
@@ -220,9 +221,10 @@ fn has_ended(
 }
 
 fn time_is_over(timeout: Duration, with_daemons: bool) -> String {
-    let reach = match with_daemons {
-        true => "with all that it had started",
-        false => "with its process group; a daemon that has left the group may still run",
+    let reach = if with_daemons {
+        "with all that it had started"
+    } else {
+        "with its process group; a daemon that has left the group may still run"
     };
     let seconds = timeout.as_secs_f64();
     format!("the renderer did not end within {seconds} s and was ended, {reach}")

@@ -126,9 +126,10 @@ impl Mutator {
             7 | 8 if length >= 4 => {
                 let at = self.below(length - 3);
                 let word = *self.one_of(&WORDS);
-                let word = match self.chance() {
-                    true => word.to_le_bytes(),
-                    false => word.to_be_bytes(),
+                let word = if self.chance() {
+                    word.to_le_bytes()
+                } else {
+                    word.to_be_bytes()
                 };
                 let count = *self.one_of(&[1, 2, 4]);
                 bytes[at..at + count].copy_from_slice(&word[..count]);
@@ -157,9 +158,10 @@ impl Mutator {
         if places.is_empty() {
             return;
         }
-        let number = match self.chance() {
-            true => self.one_of(&TEXTS).as_bytes().to_vec(),
-            false => bytes[self.one_of(&places).clone()].to_vec(),
+        let number = if self.chance() {
+            self.one_of(&TEXTS).as_bytes().to_vec()
+        } else {
+            bytes[self.one_of(&places).clone()].to_vec()
         };
         bytes.splice(self.one_of(&places).clone(), number);
     }

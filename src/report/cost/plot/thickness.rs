@@ -21,13 +21,15 @@ pub(in super::super) fn thickness(sweep: &ThicknessSweep, theme: Theme) -> Plot 
         let name = &curve.estimator;
         let predicted = predicted(curve);
         legend.push(LegendEntry {
-            key: match predicted.is_empty() {
-                true => LegendKey::Mark(style),
-                false => LegendKey::Curve(style, false),
+            key: if predicted.is_empty() {
+                LegendKey::Mark(style)
+            } else {
+                LegendKey::Curve(style, false)
             },
-            text: match predicted.is_empty() {
-                true => format!("{name} (no theory)"),
-                false => name.clone(),
+            text: if predicted.is_empty() {
+                format!("{name} (no theory)")
+            } else {
+                name.clone()
             },
         });
         let known = curve.points.iter().filter_map(|point| {
