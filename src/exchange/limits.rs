@@ -81,7 +81,7 @@ pub(super) fn check(export: &ExportScene, faults: &mut Faults) {
         let paths = free_paths(nested);
         if paths > THICKEST {
             let what = format!(
-                "{paths:.1e} mean free paths across it, where pbrt's 32-bit numbers tell points \
+                "{paths:.1e} mean free paths across it, where pbrt's 32-bit numbers tell places \
                  apart for {THICKEST:e}; lower sigma_a and sigma_s, or make it smaller"
             );
             faults.add(key, what);

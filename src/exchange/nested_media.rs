@@ -384,7 +384,7 @@ fn nest(list: &mut [NestedMedium], gap: f64, faults: &mut Faults) {
                 let (one, other) = (list[first].index, list[second].index);
                 let what = format!(
                     "it and {} overlap or touch, or boxes around them do, and neither lies within \
-                     the other; only one medium can be at a point",
+                     the other; only one medium can be at a place",
                     key_of(one)
                 );
                 faults.add(key_of(other), what);

@@ -156,7 +156,7 @@ fn check(scene: &Radiative, export: &ExportScene, faults: &mut Faults) {
         }
         let layers: Vec<&NestedMedium> = export.nested_media.layers(at).collect();
         if Mixture::of(&layers).parts.len() > 1 {
-            let what = "a medium within another of a different g: one phase function is at a point";
+            let what = "a medium within another of a different g: one phase function is at a place";
             faults.add(key, what);
         }
     }

@@ -1,7 +1,7 @@
 //! New goldens, on purpose and with a reason.
 
 use super::finding::MARGIN;
-use super::golden::{Golden, input_hashes, plan_hash, scene_hash};
+use super::golden::{Golden, Reasons, input_hashes, plan_hash, scene_hash};
 use super::rendering::{CaseRendering, ReferenceRenderer, Renderer, check_class, render_case};
 use super::verify::judge_quick;
 use super::{Cache, Case, CaseSampling, GoldenError, Quick, Store, StoreError};
@@ -414,10 +414,20 @@ fn prepare(
             Change::Replaced(judgement.expect("both images are radiance").reason)
         }
     };
-    let replaces = old
-        .map(|golden| golden.provenance.pixels)
-        .unwrap_or_default();
-    let files = Golden::encode(case, scene, &plans, &golden, quick, reason, replaces)
+    // A picture that stays keeps its reason.
+    let reasons = match &old {
+        Some(old) if change == Change::SamePicture => Reasons {
+            picture: &old.provenance.reason,
+            record: reason,
+        },
+        _ => Reasons {
+            picture: reason,
+            record: "",
+        },
+    };
+    let replaces = old.as_ref().map(|golden| golden.provenance.pixels.clone());
+    let replaces = replaces.unwrap_or_default();
+    let files = Golden::encode(case, scene, &plans, &golden, quick, reasons, replaces)
         .map_err(|error| incomplete(case, error))?;
     Ok((change, files))
 }

@@ -114,6 +114,9 @@ impl CheckedGolden {
             ("libm", of.libm.clone()),
             ("rendered on", of.target.clone()),
         ];
+        if !of.record_reason.is_empty() {
+            facts.push(("recorded anew because", of.record_reason.clone()));
+        }
         let omitted = self.without();
         if !omitted.is_empty() {
             facts.push(("leaves out", omitted));

@@ -22,8 +22,12 @@ pub struct Provenance {
     pub schema: String,
     /// `family/name`.
     pub case: String,
-    /// Why the golden was last changed, in the words of whoever accepted it.
+    /// Why the picture was last changed, in the words of whoever accepted it.
     pub reason: String,
+    /// Why this record was written anew while the picture stayed; empty where it is as old as the
+    /// picture.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub record_reason: String,
     /// Hash of the image that it replaced; empty for a first golden.
     pub replaces: String,
     /// Hash of the pixels of the EXR image.
@@ -93,6 +97,13 @@ impl Provenance {
         };
         hash(unsealed.to_toml().as_bytes())
     }
+}
+
+/// Why a golden is as it is: [`Provenance::reason`] and [`Provenance::record_reason`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reasons<'a> {
+    pub picture: &'a str,
+    pub record: &'a str,
 }
 
 /// A golden as it stands.
@@ -232,7 +243,7 @@ impl Golden {
         plans: &[Plan<'_>],
         film: &Film,
         quick: Option<Quick>,
-        reason: &str,
+        reasons: Reasons<'_>,
         replaces: String,
     ) -> Result<Vec<(PathBuf, Vec<u8>)>, FilmError> {
         let exr = film.to_exr()?;
@@ -240,7 +251,8 @@ impl Golden {
         let provenance = Provenance {
             schema: Provenance::SCHEMA.to_owned(),
             case: case.name.clone(),
-            reason: reason.to_owned(),
+            reason: reasons.picture.to_owned(),
+            record_reason: reasons.record.to_owned(),
             replaces,
             pixels: film.pixel_hash(),
             preview: hash(&png),

@@ -62,6 +62,12 @@ fn another_scene_with_the_same_picture_is_recorded() {
         "[curve]\ndensities = 1.20",
     );
     assert_eq!(suite.volref(&["verify", "plots"]).code, 0);
+    let reasons = |key: &str| -> Option<String> {
+        let record: toml::Table = suite.text("golden/smoke/plain.toml").parse().unwrap();
+        Some(record.get(key)?.as_str().unwrap().to_owned())
+    };
+    let of_the_picture = reasons("reason").unwrap();
+    assert_eq!(reasons("record_reason"), None);
     // Another text for the same picture: a row of voxels as a length.
     suite.edit("fixtures/scenes/smoke/plain.toml", "0.2 voxels", "0.04");
     let run = suite.volref(&["verify", "smoke/plain"]);
@@ -72,6 +78,8 @@ fn another_scene_with_the_same_picture_is_recorded() {
     --- stdout
     recorded   smoke/plain: same picture; scene or plan changed
     ");
+    assert_eq!(reasons("reason").unwrap(), of_the_picture);
+    assert_eq!(reasons("record_reason").unwrap(), "world units read better");
     assert_eq!(suite.volref(&["verify"]).code, 0);
 }
 
