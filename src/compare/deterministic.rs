@@ -7,7 +7,8 @@
 //! between one and twelve, this rule all.
 
 use super::difference_scale::DifferenceScale;
-use super::gate::{Conditions, Gate, ImageGate, MEAN_DIFFERENCES, Metric};
+use super::gate::{Gate, MEAN_DIFFERENCES, Metric};
+use super::image_gate::{Conditions, ImageGate};
 use super::judgement::Judgement;
 use super::picture::{Picture, PictureError};
 use crate::film::Film;

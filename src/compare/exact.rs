@@ -1,6 +1,7 @@
 //! The exact gate: every bit of every pixel.
 
-use super::gate::{Conditions, Gate, ImageGate, Metric};
+use super::gate::{Gate, Metric};
+use super::image_gate::{Conditions, ImageGate};
 use super::judgement::Judgement;
 use super::picture::{Picture, PictureError};
 use crate::film::Film;

@@ -1,7 +1,8 @@
 //! The perceptual gate: 8-bit images that look the same.
 
 use super::flip::{DEFAULT_PIXELS_PER_DEGREE, SrgbImage, flip};
-use super::gate::{Conditions, Gate, ImageGate, Metric};
+use super::gate::{Gate, Metric};
+use super::image_gate::{Conditions, ImageGate};
 use super::judgement::Judgement;
 use super::picture::{Picture, PictureError};
 

@@ -1,6 +1,7 @@
 //! Cases, their goldens, and what `verify` and `accept` do with them.
 
 mod accept;
+mod analytic;
 mod answer;
 mod cache;
 mod case;
@@ -26,6 +27,7 @@ mod validate;
 mod verify;
 
 pub use accept::{AcceptError, AcceptWatch, Accepted, Change, accept};
+pub use analytic::{ANALYTIC, Analytic, ERROR_OF_TOLERANCE};
 pub use answer::Answer;
 pub use cache::Cache;
 pub use case::{Case, CaseSampling, MANIFEST, MEAN_RESOLUTION, Suite, SuiteError};
@@ -41,7 +43,7 @@ pub use other_renderer::{CommandTemplate, Keeper, Kept, Ran, TemplateError, keep
 pub use outputs::{Found, OutputError, Outputs, UnknownFile};
 pub use results::{CaseResult, Cause, Summary, Verdict, metric_meaning};
 pub use row_name::{HARD, row_name};
-pub use rows::{ANALYTIC, Analytic, ERROR_OF_TOLERANCE, verify_row};
+pub use rows::verify_row;
 pub use self_test::{
     BenignTrials, MistakeTrials, Rejection, SelfTest, SelfTestExtent, Step, Trial, self_test,
     self_test_steps,

@@ -1,10 +1,15 @@
 //! What came of a case.
 
-use super::rows::Analytic;
-use super::verify::SAME_BITS;
-use crate::compare::{self, Gate};
+use super::analytic::Analytic;
+use crate::compare::{self, Gate, Metric};
 use serde::Serialize;
 use std::collections::BTreeMap;
+
+/// The metric of a stochastic case beside those of the gate.
+pub(super) const SAME_BITS: Metric = (
+    "same_bits",
+    "1 if every bit is that of the reference's own quick rendering, else 0.",
+);
 
 /// What came of a case, in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]

@@ -1,41 +1,11 @@
 //! The rows of the catalogue of hard cases, as results of the suite.
 
+use super::analytic::{ANALYTIC, Analytic, ERROR_OF_TOLERANCE};
 use super::row_name::{HARD, row_name};
 use super::{Case, CaseResult, Cause, Evidence, Judged, Suite, SuiteError, Verdict};
-use crate::compare::{Gate, Metric};
 use crate::hard_cases::{Row, rows};
 use std::collections::BTreeMap;
 use std::time::Instant;
-
-/// The class of rows in results.
-pub const ANALYTIC: &str = "analytic";
-
-/// The number by which results say how far from a known answer they are, as a share of what they
-/// may be.
-pub const ERROR_OF_TOLERANCE: &str = "error_of_tolerance";
-
-/// A known answer and a bound. It judges numbers, not pairs of images.
-#[derive(Clone, Copy, Debug)]
-pub struct Analytic;
-
-impl Gate for Analytic {
-    fn name(&self) -> &'static str {
-        ANALYTIC
-    }
-
-    fn rule(&self) -> &'static str {
-        "The answer is known beforehand, and how far from it a number may be follows from how many \
-         roundings or samples it takes."
-    }
-
-    fn metrics(&self) -> &'static [Metric] {
-        &[(
-            ERROR_OF_TOLERANCE,
-            "Error against the answer that is known beforehand, as a share of what it may be: 0 is \
-             exact, 1 the edge.",
-        )]
-    }
-}
 
 impl Suite {
     /// The rows that go with this suite.

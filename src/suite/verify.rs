@@ -1,15 +1,16 @@
 //! The reference against its own goldens.
 
+use super::analytic::ERROR_OF_TOLERANCE;
 use super::finding::{CaseFinding, CheckedGolden};
 use super::golden::{input_hashes, short};
 use super::rendering::{CaseRendering, ReferenceRenderer, Renderer, render_case};
-use super::rows::ERROR_OF_TOLERANCE;
+use super::results::SAME_BITS;
 use super::{
     Answer, Case, CaseResult, Cause, Evidence, Judged, Quick, Store, Suite, SuiteError, Verdict,
 };
 use crate::compare::{
-    Conditions, Deterministic, Exact, Gate, ImageGate, Judgement, Metric, Picture, Stochastic,
-    judge, stochastic,
+    Conditions, Deterministic, Exact, Gate, ImageGate, Judgement, Picture, Stochastic, judge,
+    stochastic,
 };
 use crate::film::Film;
 use crate::render;
@@ -20,12 +21,6 @@ use std::time::Instant;
 /// no verdict depends on what other cases there are. It costs little: in place of one case, a
 /// thousand move the limit of a block of a 192 × 192 image from 6.4 to 7.4 standard errors.
 pub(super) const MOST_CASES: usize = 1000;
-
-/// The metric of a stochastic case beside those of the gate.
-pub(super) const SAME_BITS: Metric = (
-    "same_bits",
-    "1 if every bit is that of the reference's own quick rendering, else 0.",
-);
 
 /// Renders `case` and compares every bit with its golden; of a stochastic case the quick
 /// rendering, which must also agree with the converged image. Reads goldens, never writes them.

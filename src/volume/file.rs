@@ -4,7 +4,8 @@ use super::VOLUME_READERS;
 use super::error::VolumeError;
 use super::grid::Grid;
 use super::load_options::LoadOptions;
-use super::reader::{self, Stored, VolumeReader};
+use super::reader::{Stored, VolumeReader};
+use super::source::ends_in;
 use super::source::{FileRead, VolumeSource};
 use std::path::Path;
 
@@ -26,7 +27,7 @@ pub struct Loaded {
 pub fn volume_reader(path: &Path) -> Option<&'static dyn VolumeReader> {
     VOLUME_READERS.into_iter().find(|reader| {
         let mut extensions = reader.extensions().iter();
-        extensions.any(|extension| reader::ends_in(path, extension))
+        extensions.any(|extension| ends_in(path, extension))
     })
 }
 

@@ -10,7 +10,6 @@ use super::samples::Layout;
 use super::source::VolumeSource;
 use crate::geometry::Aabb;
 use std::fmt;
-use std::path::Path;
 
 /// A format of volume files: how it is recognised, and how it is read.
 pub trait VolumeReader: Send + Sync {
@@ -56,12 +55,4 @@ impl fmt::Debug for dyn VolumeReader {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }
-}
-
-/// Whether the name of the file at `path` ends in `ending`, in capitals or not, after at least one
-/// other letter.
-pub(super) fn ends_in(path: &Path, ending: &str) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let name = name.to_ascii_lowercase();
-    name.len() > ending.len() && name.ends_with(ending)
 }

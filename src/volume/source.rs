@@ -62,7 +62,7 @@ impl VolumeSource {
 
     /// Whether the name of the file ends in `ending`, in capitals or not.
     pub(super) fn ends_in(&self, ending: &str) -> bool {
-        super::reader::ends_in(&self.path, ending)
+        ends_in(&self.path, ending)
     }
 
     /// Opens the file `name` of the data, which this file names as its header.
@@ -198,4 +198,12 @@ fn open(path: &Path) -> Result<(File, u64), VolumeError> {
             source,
         },
     })
+}
+
+/// Whether the name of the file at `path` ends in `ending`, in capitals or not, after at least one
+/// other letter.
+pub(super) fn ends_in(path: &Path, ending: &str) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = name.to_ascii_lowercase();
+    name.len() > ending.len() && name.ends_with(ending)
 }

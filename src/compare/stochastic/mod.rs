@@ -83,7 +83,8 @@ pub use map::{block_error, block_map};
 
 use super::advice::Undecided;
 use super::difference_scale::DifferenceScale;
-use super::gate::{Conditions, Gate, ImageGate, MEAN_DIFFERENCES, Metric};
+use super::gate::{Gate, MEAN_DIFFERENCES, Metric};
+use super::image_gate::{Conditions, ImageGate};
 use super::incomparable;
 use super::judgement::Judgement;
 use super::picture::{Picture, PictureError};
