@@ -60,15 +60,14 @@
 //!
 //! # Where to begin
 //!
-//! [`reference`] holds the plain renderers, [`scene`] what they are given. [`render`] does the same
-//! fast, and [`render::plan`] says how the
-//! code that runs follows from the scene. [`compare`] judges two images, [`suite`] keeps the
-//! goldens and knows the [mistakes](suite::mistakes) people make, [`hard_cases`] is the catalogue of
-//! inputs that make renderers wrong, [`exchange`] says a scene in other renderers' words. Other
-//! renderers' tests begin at [`suite::check`]. Arrows between modules only point down this list:
-//! `cli`, [`report`], [`suite`], [`hard_cases`], [`cost`], [`compare`], [`exchange`], [`reference`],
-//! [`render`],
-//! [`scene`], [`media`], [`optics`], [`volume`], [`geometry`], [`film`], [`math`].
+//! [`mod@reference`] holds the plain renderers, [`scene`] what they are given. [`render`] does the
+//! same fast, and [`render::plan`] says which code runs for a scene, and why. [`compare`] judges two
+//! images, [`suite`] keeps the goldens and knows the [mistakes](suite::mistakes) people make,
+//! [`hard_cases`] is the catalogue of inputs that make renderers wrong, [`exchange`] says a scene in
+//! other renderers' words. Other renderers' tests begin at [`suite::check`]. Arrows between modules
+//! only point down this list: `cli`, [`report`], [`suite`], [`hard_cases`], [`cost`], [`compare`],
+//! [`exchange`], [`mod@reference`], [`render`], [`scene`], [`media`], [`optics`], [`volume`],
+//! [`geometry`], [`film`], [`math`].
 //!
 //! ```no_run
 //! use volref::render::{Sampling, plans, render};

@@ -251,7 +251,7 @@ impl<'s> PathTracer<'s> {
         for light in &self.scene.lights {
             let in_medium = matches!(vertex.scattering, Scatterer::Phase(_));
             if !in_medium || light.position().is_none() {
-                radiance += self.from_light(vertex, light, random);
+                radiance += self.light_of(vertex, light, random);
             }
         }
         for light in &self.scene.area_lights {
@@ -272,7 +272,7 @@ impl<'s> PathTracer<'s> {
     }
 
     /// Light of a point, spot or directional light scattered at `vertex`.
-    fn from_light(&self, vertex: &Vertex, light: &Light, random: &mut Random) -> DVec3 {
+    fn light_of(&self, vertex: &Vertex, light: &Light, random: &mut Random) -> DVec3 {
         let connection = match light {
             Light::Point(point) => vertex.point.towards_point(point.position),
             Light::Spot(spot) => vertex.point.towards_point(spot.position),
@@ -309,7 +309,7 @@ impl<'s> PathTracer<'s> {
             let t = foot + from_foot;
             for medium in segments.at(t) {
                 let vertex = Vertex::in_medium(ray, t, medium.phase);
-                let scattered = medium.sigma_s * self.from_light(&vertex, light, random);
+                let scattered = medium.sigma_s * self.light_of(&vertex, light, random);
                 let transmittance = self.transmittance(ray, t, random);
                 radiance += scattered * transmittance / angles.pdf(from_foot);
             }
