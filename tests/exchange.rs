@@ -376,7 +376,7 @@ fn the_suite() {
     fog/balance mitsuba: balance.xml, balance.mesh0.ply
     fog/balance pbrt: balance.red.pbrt, balance.green.pbrt, balance.blue.pbrt, balance.mesh0.ply
     fog/dense-body mitsuba: dense-body.xml, dense-body.red.xml, dense-body.green.xml, dense-body.blue.xml, dense-body.mesh0.ply
-    fog/dense-body pbrt: pbrt cannot say radiative.light[0]: a spotlight whose edge falls off linearly in the angle; pbrt's falls off in another way: make inner_angle the outer_angle; radiative.medium[0]: a medium within another of a different g: one phase function is at a point
+    fog/dense-body pbrt: pbrt cannot say radiative.light[0]: a spotlight whose edge falls off linearly in the angle; pbrt's falls off in another way: make inner_angle the outer_angle; radiative.medium[0]: a medium within another of a different g: one phase function is at a place
     fog/forward mitsuba: forward.xml
     fog/forward pbrt: pbrt cannot say radiative.light[0]: a spotlight whose edge falls off linearly in the angle; pbrt's falls off in another way: make inner_angle the outer_angle
     fog/heterogeneous mitsuba: mitsuba cannot say radiative.medium[0]: fractal noise
