@@ -42,7 +42,8 @@ pub struct Arguments {
         value_parser = output::stops
     )]
     exposure: f64,
-    /// Render by the plain reference renderers (src/reference), which are slower and noisier
+    /// Render by the plain reference renderers (src/reference): usually slower, and by random
+    /// samples wherever there are media, surfaces and lights
     #[arg(long)]
     reference: bool,
     #[command(flatten)]
@@ -66,7 +67,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     };
     let start = Instant::now();
     let plans = render::plans(&scene);
-    let is_sampled = plans.iter().any(Plan::is_sampled);
+    let is_radiative = |plan: &Plan| matches!(plan.panel.model, Model::Radiative(_));
+    let is_sampled = plans
+        .iter()
+        .any(|plan| plan.is_sampled() || arguments.reference && is_radiative(plan));
     let film = with_threads(arguments.threads, || {
         let advice = if is_sampled {
             "--spp N takes less, with more noise"

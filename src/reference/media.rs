@@ -46,12 +46,17 @@ impl<'s> Segments<'s> {
         }
     }
 
-    /// From the beginning of the first segment to the end of the last; `None` without media.
-    pub fn span(&self) -> Option<Span> {
+    /// From the beginning of the first segment to the end of the last; without segments nothing,
+    /// beyond every light.
+    pub fn span(&self) -> Span {
         let spans = self.segments.iter().map(|(span, _)| *span);
-        spans.reduce(|a, b| Span {
+        let hull = spans.reduce(|a, b| Span {
             near: a.near.min(b.near),
             far: a.far.max(b.far),
+        });
+        hull.unwrap_or(Span {
+            near: f64::MAX,
+            far: f64::MAX,
         })
     }
 

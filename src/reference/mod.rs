@@ -12,7 +12,7 @@ pub mod ray_caster;
 mod vertex;
 
 use crate::film::Film;
-use crate::render::Sampling;
+use crate::render::{Sampling, plans};
 use crate::scene::{Model, Scene};
 use thiserror::Error;
 
@@ -21,7 +21,7 @@ use thiserror::Error;
 pub enum ReferenceError {
     /// A panel that simulates no light.
     #[error(
-        "the scene plots a transfer function; there is no light in it for --reference to follow"
+        "the scene plots a transfer function and simulates no light; render it without --reference"
     )]
     Plot,
     /// A path that does not end.
@@ -47,20 +47,16 @@ pub enum ReferenceError {
     },
 }
 
-/// The image of `scene`, its panels side by side.
+/// The image of `scene`, its panels side by side. A pixel is what the fast renderers make of it: the
+/// radiance through its centre where they need no random numbers, else the mean over its square.
 pub fn render(scene: &Scene, sampling: Sampling) -> Result<Film, ReferenceError> {
     let mut films = Vec::new();
-    for panel in &scene.panels {
+    for (panel, plan) in scene.panels.iter().zip(plans(scene)) {
         let size = [panel.width, panel.height];
         films.push(match &panel.model {
             Model::Classified(scene) => ray_caster::render(scene, size),
             Model::Radiative(scene) => {
-                let film = path_tracer::render(
-                    scene,
-                    size,
-                    sampling.samples_of(scene),
-                    sampling.seed_of(scene),
-                );
+                let film = path_tracer::render(scene, size, sampling, !plan.is_sampled());
                 film.map_err(|pixel| ReferenceError::Endless {
                     column: pixel % panel.width,
                     row: pixel / panel.width,

@@ -38,23 +38,34 @@ use crate::geometry::{Emitter, Hit, Ray, Side, Surface};
 use crate::math::Moments;
 use crate::math::sampling::{Equiangular, free_flight, power_heuristic};
 use crate::optics::{Light, Material, Sides, reflected, split};
-use crate::scene::{AreaLight, Object, Radiative, Scattering};
+use crate::render::Sampling;
+use crate::scene::{AreaLight, Object, Radiative};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// The image of `scene`: mean radiance of `samples` paths through each pixel, and the variance of
-/// that mean. Fails with the index of a pixel one of whose paths has no end.
-pub fn render(scene: &Radiative, size: [usize; 2], samples: u32, seed: u64) -> Result<Film, usize> {
-    let tracer = PathTracer {
-        scene,
-        majorant: majorant(&scene.media),
-    };
+/// The image of `scene`: mean radiance of paths through each pixel, and the variance of that mean.
+/// Paths begin at random points of the pixel, or all in its centre. Fails with the index of a pixel
+/// one of whose paths has no end.
+pub fn render(
+    scene: &Radiative,
+    size: [usize; 2],
+    sampling: Sampling,
+    through_centres: bool,
+) -> Result<Film, usize> {
+    let (samples, seed) = (sampling.samples_of(scene), sampling.seed_of(scene));
+    let majorant = majorant(&scene.media);
+    let tracer = PathTracer { scene, majorant };
     let trace = |pixel: usize| {
         let [column, row] = [pixel % size[0], pixel / size[0]];
         let mut moments = [Moments::default(); 3];
         for sample in 0..samples {
             let mut random = Random::new(seed, pixel as u32, sample);
-            let point = [column as f64 + random.next(), row as f64 + random.next()];
+            let [x, y] = if through_centres {
+                [0.5; 2]
+            } else {
+                random.pair()
+            };
+            let point = [column as f64 + x, row as f64 + y];
             let ray = scene.camera.ray_through(point, size);
             let radiance = tracer.radiance(ray, &mut random).to_array();
             if random.is_exhausted() {
@@ -67,8 +78,8 @@ pub fn render(scene: &Radiative, size: [usize; 2], samples: u32, seed: u64) -> R
         Ok(moments)
     };
     let pixels = (0..size[0] * size[1]).into_par_iter().map(trace);
-    let pixels: Vec<_> = pixels.collect::<Result<_, _>>()?;
-    Ok(Film::of_moments(size, &pixels, samples))
+    let pixels: Result<Vec<_>, _> = pixels.collect();
+    Ok(Film::of_moments(size, &pixels?, samples))
 }
 
 struct PathTracer<'s> {
@@ -97,11 +108,7 @@ enum Target<'s> {
 impl<'s> PathTracer<'s> {
     /// Radiance that one path brings back along `ray`.
     fn radiance(&self, ray: Ray, random: &mut Random) -> DVec3 {
-        let max_bounces = match self.scene.scattering {
-            Scattering::None => 0,
-            Scattering::Single => 1,
-            Scattering::Multiple(limit) => limit.unwrap_or(u32::MAX),
-        };
+        let max_bounces = self.scene.scattering.max_bounces();
         let mut path = Path {
             ray,
             pdf: None,
@@ -166,7 +173,7 @@ impl<'s> PathTracer<'s> {
     /// Delta tracking along `segments` of the ray of `path`: the collision that scatters, if one
     /// does. Adds emission and direct light at every collision to the path.
     fn collide(&self, path: &mut Path, segments: &Segments, random: &mut Random) -> Option<Vertex> {
-        let span = segments.span()?;
+        let span = segments.span();
         let mut t = span.near;
         loop {
             t += free_flight(self.majorant, random.next())?;
@@ -213,9 +220,7 @@ impl<'s> PathTracer<'s> {
     fn transmittance(&self, ray: &Ray, end: f64, random: &mut Random) -> DVec3 {
         let segments = Segments::along(ray, end, &self.scene.media);
         let mut transmittance = DVec3::ONE;
-        let Some(span) = segments.span() else {
-            return transmittance;
-        };
+        let span = segments.span();
         let mut t = span.near;
         while let Some(flight) = free_flight(self.majorant, random.next()) {
             t += flight;
@@ -255,7 +260,7 @@ impl<'s> PathTracer<'s> {
             }
         }
         for light in &self.scene.area_lights {
-            let point = light.shape.sample([random.next(), random.next()]);
+            let point = light.shape.sample(random.pair());
             let Some((ray, distance)) = vertex.point.towards(&point) else {
                 continue;
             };
@@ -293,9 +298,7 @@ impl<'s> PathTracer<'s> {
     /// light by equiangular sampling.
     fn point_lights_along(&self, ray: &Ray, segments: &Segments, random: &mut Random) -> DVec3 {
         let mut radiance = DVec3::ZERO;
-        let Some(span) = segments.span() else {
-            return radiance;
-        };
+        let span = segments.span();
         for light in &self.scene.lights {
             let Some(position) = light.position() else {
                 continue;
@@ -303,7 +306,7 @@ impl<'s> PathTracer<'s> {
             let foot = (position - ray.origin).dot(ray.direction);
             let distance = (ray.at(foot) - position).length();
             let Ok(angles) = Equiangular::new(distance, span.near - foot, span.far - foot) else {
-                return DVec3::INFINITY; // the light lies on the ray
+                return DVec3::INFINITY; // the light lies on the ray, in media
             };
             let from_foot = angles.place(random.next());
             let t = foot + from_foot;

@@ -28,6 +28,11 @@ impl Random {
         number
     }
 
+    /// The next two numbers.
+    pub fn pair(&mut self) -> [f64; 2] {
+        [self.next(), self.next()]
+    }
+
     /// Whether all numbers are drawn.
     pub fn is_exhausted(&self) -> bool {
         self.drawn == MOST

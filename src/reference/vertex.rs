@@ -79,7 +79,7 @@ impl Vertex {
 
     /// A direction with a density in proportion to the phase function or to the cosine.
     pub fn sample(&self, random: &mut Random) -> Option<Scattered> {
-        let numbers = [random.next(), random.next()];
+        let numbers = random.pair();
         let (local, weight) = match self.scattering {
             Scatterer::Phase(phase) => {
                 let deflection = phase.deflection(numbers[0]);

@@ -135,6 +135,17 @@ pub struct Radiative {
     pub seed: u64,
 }
 
+impl Scattering {
+    /// Scattering events of a path, at most.
+    pub fn max_bounces(self) -> u32 {
+        match self {
+            Scattering::None => 0,
+            Scattering::Single => 1,
+            Scattering::Multiple(limit) => limit.unwrap_or(u32::MAX),
+        }
+    }
+}
+
 impl Body {
     /// The medium, if it is provably homogeneous: it has no density, or one that is constant and
     /// leaves its coefficients in the range of numbers.

@@ -7,9 +7,8 @@ use crate::compare::BlockMap;
 use crate::film::Film;
 
 /// The standard error of the mean of a block, relative to that mean plus [`DARK`], that nine
-/// tenths of the blocks and channels do not exceed, as with
-/// [`Judgement::resolution`](crate::compare::Judgement::resolution); nothing of an image without
-/// noise.
+/// tenths of the blocks and channels do not exceed, as in the metric of the gate; nothing of an image
+/// without noise.
 pub fn block_error(film: &Film) -> Option<f64> {
     let noise = film.noise()?;
     let mut errors = Vec::new();
