@@ -2,10 +2,9 @@
 //! plan, no traits, no counters, no threads, no memory but the image.
 //!
 //! They are what a kernel compiled for its scene is measured against, in instructions
-//! (`scripts/instructions.rs`). They stand in the library because a loop beside the kernels is
-//! optimised as they are, and one in a program of its own is not: small functions are not inlined
-//! into another crate. Like the kernels they call the camera, the grid, the transfer function,
-//! the random numbers. Each returns the bits that [`render`](volref::render::render) does.
+//! (`scripts/instructions.rs`). Like the kernels they call the camera, the grid, the transfer
+//! function and the random numbers of the library; unlike them they are another crate, into which the
+//! compiler inlines less. Each returns the bits that [`render`](volref::render::render) does.
 
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};

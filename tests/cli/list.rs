@@ -209,8 +209,8 @@ fn help_of_a_command() {
           --threads <N>       Threads to use; the image is the same for any number [default: all cores]
           --exposure <STOPS>  Exposure of a .png, in stops: radiance is multiplied by 2^STOPS [default:
                               0]
-          --reference         Render by the plain reference renderers (src/reference): usually slower, and
-                              by random samples wherever there are media, surfaces and lights
+          --reference         Render by the plain reference renderers (src/reference): usually slower,
+                              and by random samples wherever there are media, surfaces and lights
           --json[=<FILE>]     Print the result as JSON instead of text; with =FILE, write it there as
                               well as the text
       -h, --help              Print help

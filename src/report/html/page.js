@@ -82,6 +82,7 @@ const viewer = find("#viewer");
 const figures = findAll("#stage figure");
 const canvases = figures.map(figure => find("canvas", figure));
 
+let unpackings = 0;
 let pictures = null;      // of the open case
 const state = {
   view: "side", exposure: 0, channel: -1, swipe: 0.5, isTest: false,
@@ -594,9 +595,12 @@ async function openCase(which) {
   viewer.hidden = false;
   const message = find("#stage-message");
   message.textContent = "Unpacking the pictures …";
+  // A case that is opened twice is unpacked twice; only the later one may show and say so.
+  const mine = ++unpackings;
   try {
     const unpacked = await unpack(JSON.parse(stored.textContent));
-    if (open === which) showPictures(unpacked);
+    if (mine !== unpackings || open !== which) return;
+    showPictures(unpacked);
     message.textContent = "";
   } catch (error) {
     message.textContent = "DecompressionStream" in window
