@@ -579,6 +579,8 @@ function step(by) {
 
 // Opens the case at that place of the list, or none for -1.
 async function openCase(which) {
+  // The first case is open before anybody chooses it: what was read in it stays.
+  if (which === open) return;
   open = which;
   pictures = null;
   setBlinking(false);
