@@ -7,11 +7,11 @@
 //! compiler inlines less. Each returns the bits that [`render`](volref::render::render) does.
 
 use glam::DVec3;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 use volref::film::Film;
 use volref::geometry::{Aabb, Boundary, Camera, Ray, Span, length_of};
 use volref::math::rng::{Purpose, Stream};
-use volref::math::{Frame, Moments, cos, exp, ln_1p, sin};
+use volref::math::{Frame, Moments, exp, ln_1p};
 use volref::media::{Deflection, Density, Field, optical_depth, source_factor};
 use volref::optics::Light;
 use volref::render::classified::empty_space::{EmptySpace, Skipping};
@@ -220,9 +220,7 @@ pub fn scattering_box(scene: &Radiative, size: Size) -> Film {
 
                 let [u, v] = random.pair(bounce, Purpose::PhaseDirection, 0);
                 let turn = Deflection::from_cos(2.0 * u - 1.0);
-                let (azimuth, sine) = (TAU * v, turn.sin());
-                let local = DVec3::new(sine * cos(azimuth), sine * sin(azimuth), turn.cos);
-                let direction = Frame::around(ray.direction).to_world(local);
+                let direction = Frame::around(ray.direction).to_world(turn.direction(v));
                 ray = Ray::new(point, direction).expect("a direction");
                 let survival: f64 = (2.0 * carried / first).min(1.0);
                 if survival < 1.0 {

@@ -246,7 +246,7 @@ fn s9_every_warp_at_the_ends_of_the_random_range() {
             assert!(light.place(u).is_finite() && light.pdf(light.place(u)) > 0.0);
         }
         let turn = phase(0.9).deflection(u);
-        assert!(turn.sin().is_finite() && phase(0.9).per_steradian(&turn) > 0.0);
+        assert!(turn.sine().is_finite() && phase(0.9).per_steradian(&turn) > 0.0);
     }
     // No cone has no inside.
     assert_eq!(Cone::of_half_angle(0.0), None);

@@ -1,7 +1,7 @@
 //! A classified volume, ready to be asked in every way there is to composite it.
 
 use super::collocation::{CollocatedLight, Collocation, Here};
-use crate::geometry::{Aabb, Ray, Span, length_of};
+use crate::geometry::{Aabb, Ray, Span};
 use crate::math::{exp, ln_1p};
 use crate::media::{Appearance, TransferFunction};
 use crate::render::Counters;
@@ -11,7 +11,7 @@ use crate::render::classified::field::{GridField, ScalarField};
 use crate::render::classified::ray_caster::RayCaster;
 use crate::render::classified::shading::{Shaded, Shading};
 use crate::render::classified::steps::Steps;
-use crate::render::classified::volume_shadow::{SamplePoint, Visibility, VolumeShadow};
+use crate::render::classified::volume_shadow::{SamplePoint, Visibility, VolumeShadow, shadow_ray};
 use crate::render::counters::{Event, Work};
 use crate::scene::{Classified, Shadow};
 use crate::volume::{DensityField, GridDensity, Interpolation, relative_gradients};
@@ -355,18 +355,10 @@ impl Visibility for ExactShadow {
         _: &S,
         work: &mut W,
     ) -> f64 {
-        let to_light = self.light - sample.world;
-        let Some(ray) = Ray::new(sample.world, to_light) else {
-            return 1.0;
-        };
-        let Some(inside) = self.bounds.span(&ray) else {
+        let Some((ray, span)) = shadow_ray(sample.world, self.light, &self.bounds) else {
             return 1.0;
         };
         work.count(Event::ShadowRay);
-        let span = Span {
-            near: 0.0,
-            far: inside.far.min(length_of(to_light)),
-        };
         let mut lookups = 0;
         let (origin, direction) = (ray.origin, ray.direction);
         let sum = self.density.integral(origin, direction, span, &mut lookups);

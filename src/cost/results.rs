@@ -2,8 +2,8 @@
 
 use crate::render::Counters;
 pub use crate::render::Event;
+use crate::render::counters::PerEvent;
 use serde::{Serialize, Serializer};
-use std::ops::{Index, IndexMut};
 
 /// What accuracy costs in one scene, or in one panel of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -114,8 +114,7 @@ pub struct Level {
 }
 
 /// Work of a ray, mean over all rays, by event.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct MeanWork([f64; Event::COUNT]);
+pub type MeanWork = PerEvent<f64>;
 
 impl MeanWork {
     /// The events that are reported; studies of single integrals count no others.
@@ -132,7 +131,7 @@ impl MeanWork {
 
     /// The counts of `rays` rays, for each of them.
     pub fn per_ray(counters: &Counters, rays: usize) -> MeanWork {
-        MeanWork(Event::ALL.map(|event| counters[event] as f64 / rays as f64))
+        counters.map(|count| count as f64 / rays as f64)
     }
 
     /// The number by which settings are compared: look-ups of densities and gradients, or random
@@ -155,31 +154,6 @@ impl MeanWork {
         } else {
             Counted::Nothing
         }
-    }
-}
-
-impl Index<Event> for MeanWork {
-    type Output = f64;
-
-    fn index(&self, event: Event) -> &f64 {
-        &self.0[event as usize]
-    }
-}
-
-impl IndexMut<Event> for MeanWork {
-    fn index_mut(&mut self, event: Event) -> &mut f64 {
-        &mut self.0[event as usize]
-    }
-}
-
-/// The given means; of all other events 0.
-impl<const N: usize> From<[(Event, f64); N]> for MeanWork {
-    fn from(means: [(Event, f64); N]) -> MeanWork {
-        let mut work = MeanWork::default();
-        for (event, mean) in means {
-            work[event] = mean;
-        }
-        work
     }
 }
 

@@ -1,5 +1,7 @@
 //! Deflections, and the asymmetry of their distribution.
 
+use crate::math::sampling::from_cosine;
+use glam::DVec3;
 use thiserror::Error;
 
 /// The asymmetry parameter `g` of a phase function: −1 < g < 1, positive forward. The mean cosine
@@ -62,8 +64,14 @@ impl Deflection {
     }
 
     /// `sin θ ≥ 0`.
-    pub fn sin(&self) -> f64 {
+    pub fn sine(&self) -> f64 {
         (self.one_minus_cos * self.one_plus_cos).sqrt()
+    }
+
+    /// The direction after this deflection from +z, at the share `v` of a turn about it.
+    #[inline]
+    pub fn direction(&self, v: f64) -> DVec3 {
+        from_cosine(self.cos, self.sine(), v)
     }
 
     pub(super) fn mirrored(self) -> Deflection {

@@ -2,11 +2,10 @@
 
 use super::random::Random;
 use crate::geometry::{Hit, Ray, SurfacePoint};
+use crate::math::Frame;
 use crate::math::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
-use crate::math::{Frame, cos, sin};
 use crate::media::{Deflection, Phase};
 use glam::DVec3;
-use std::f64::consts::TAU;
 
 /// A collision in a medium, or a point of a diffuse surface.
 pub struct Vertex {
@@ -83,9 +82,7 @@ impl Vertex {
         let (local, weight) = match self.scattering {
             Scatterer::Phase(phase) => {
                 let deflection = phase.deflection(numbers[0]);
-                let (azimuth, sine) = (TAU * numbers[1], deflection.sin());
-                let local = DVec3::new(sine * cos(azimuth), sine * sin(azimuth), deflection.cos);
-                (local, DVec3::ONE)
+                (deflection.direction(numbers[1]), DVec3::ONE)
             }
             Scatterer::Diffuse(reflectance) => (cosine_hemisphere(numbers), reflectance),
         };

@@ -109,21 +109,42 @@ impl Work for Uncounted {
     fn add(&mut self, _: &Self) {}
 }
 
-/// Units of work done, by event. The same on every run, for any number of threads.
+/// A number for each event.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counters([u64; Event::COUNT]);
+pub struct PerEvent<T>([T; Event::COUNT]);
 
-impl Index<Event> for Counters {
-    type Output = u64;
+/// Units of work done, by event. The same on every run, for any number of threads.
+pub type Counters = PerEvent<u64>;
 
-    fn index(&self, event: Event) -> &u64 {
+impl<T: Copy> PerEvent<T> {
+    /// These numbers, each converted by `convert`.
+    pub fn map<U>(self, convert: impl Fn(T) -> U) -> PerEvent<U> {
+        PerEvent(self.0.map(convert))
+    }
+}
+
+impl<T> Index<Event> for PerEvent<T> {
+    type Output = T;
+
+    fn index(&self, event: Event) -> &T {
         &self.0[event as usize]
     }
 }
 
-impl IndexMut<Event> for Counters {
-    fn index_mut(&mut self, event: Event) -> &mut u64 {
+impl<T> IndexMut<Event> for PerEvent<T> {
+    fn index_mut(&mut self, event: Event) -> &mut T {
         &mut self.0[event as usize]
+    }
+}
+
+/// The given numbers; of all other events 0.
+impl<T: Copy + Default, const N: usize> From<[(Event, T); N]> for PerEvent<T> {
+    fn from(numbers: [(Event, T); N]) -> PerEvent<T> {
+        let mut all = PerEvent::default();
+        for (event, number) in numbers {
+            all[event] = number;
+        }
+        all
     }
 }
 
@@ -136,17 +157,6 @@ impl Work for Counters {
         for (count, more) in self.0.iter_mut().zip(other.0) {
             *count += more;
         }
-    }
-}
-
-/// The given counts; of all other events 0.
-impl<const N: usize> From<[(Event, u64); N]> for Counters {
-    fn from(counts: [(Event, u64); N]) -> Counters {
-        let mut counters = Counters::default();
-        for (event, count) in counts {
-            counters.count_times(event, count);
-        }
-        counters
     }
 }
 

@@ -2,6 +2,7 @@
 //! density look-up.
 
 use super::classified::steps::Steps;
+use super::classified::volume_shadow::shadow_ray;
 use super::counters::{Event, Uncounted};
 use super::plan::{FieldKind, Kernel, Plan, RadiativeFeatures, RayCasterFeatures};
 use super::radiative::media::tracked;
@@ -311,15 +312,8 @@ fn shadow_steps(scene: &Classified, ray: &Ray) -> u64 {
     }
     let of_sample = |index| {
         let sample = ray.at(steps.sample(index).0);
-        let to_light = scene.light - sample;
-        let inside = Ray::new(sample, to_light).and_then(|ray| bounds.span(&ray));
-        inside.map_or(0, |inside| {
-            let span = Span {
-                near: 0.0,
-                far: inside.far.min(length_of(to_light)),
-            };
-            Steps::over(span, shadow.step).count() as u64
-        })
+        shadow_ray(sample, scene.light, &bounds)
+            .map_or(0, |(_, span)| Steps::over(span, shadow.step).count() as u64)
     };
     (0..steps.count()).map(of_sample).sum()
 }

@@ -63,7 +63,7 @@ proptest! {
         // The shift is itself known to its roundings only: of second order.
         let bound = bound * U * (1.0 + 1e-12);
         prop_assert!((turn.cos - (1.0 - turn.one_minus_cos)).abs() <= bound);
-        prop_assert!(turn.sin() >= 0.0 && turn.sin().is_finite());
+        prop_assert!(turn.sine() >= 0.0 && turn.sine().is_finite());
         prop_assert_eq!(phase(-g).deflection(1.0 - u), mirrored(turn));
     }
 

@@ -65,7 +65,9 @@ impl Cone {
     }
 }
 
-fn from_cosine(cosine: f64, sine: f64, turn: f64) -> DVec3 {
-    let azimuth = TAU * turn;
+/// The direction of the given cosine and sine to +z, at the share `v` of a turn about it.
+#[inline]
+pub fn from_cosine(cosine: f64, sine: f64, v: f64) -> DVec3 {
+    let azimuth = TAU * v;
     DVec3::new(sine * cos(azimuth), sine * sin(azimuth), cosine)
 }

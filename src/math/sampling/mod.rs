@@ -8,7 +8,9 @@ mod equiangular;
 mod free_flight;
 mod heuristic;
 
-pub use directions::{Cone, cosine_hemisphere, cosine_hemisphere_pdf, sphere, sphere_pdf};
+pub use directions::{
+    Cone, cosine_hemisphere, cosine_hemisphere_pdf, from_cosine, sphere, sphere_pdf,
+};
 pub use equiangular::{Equiangular, LightOnRay};
 pub use free_flight::{
     free_flight, optical_distance, truncated_free_flight_pdf, truncated_optical_distance,

@@ -31,6 +31,20 @@ pub struct SamplePoint {
     pub nodes: DVec3,
 }
 
+/// The ray from a world point towards `light`, and its span inside the volume; `None` where it has no
+/// direction or misses the volume.
+#[inline]
+pub fn shadow_ray(point: DVec3, light: DVec3, bounds: &Aabb) -> Option<(Ray, Span)> {
+    let to_light = light - point;
+    let ray = Ray::new(point, to_light)?;
+    let inside = bounds.span(&ray)?;
+    let span = Span {
+        near: 0.0,
+        far: inside.far.min(length_of(to_light)),
+    };
+    Some((ray, span))
+}
+
 /// No shadow: visibility 1, without a shadow ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Unshadowed;
@@ -77,18 +91,10 @@ impl Visibility for VolumeShadow<'_> {
         skipping: &S,
         work: &mut W,
     ) -> f64 {
-        let to_light = self.light - sample.world;
-        let Some(ray) = Ray::new(sample.world, to_light) else {
-            return 1.0;
-        };
-        let Some(inside) = self.bounds.span(&ray) else {
+        let Some((ray, span)) = shadow_ray(sample.world, self.light, &self.bounds) else {
             return 1.0;
         };
         work.count(Event::ShadowRay);
-        let span = Span {
-            near: 0.0,
-            far: inside.far.min(length_of(to_light)),
-        };
         let steps = Steps::over(span, self.shadow.step);
         let path = NodePath::from(sample.nodes, ray.direction, field.lattice());
         let reach = path.reach(self.shadow.step);

@@ -7,14 +7,14 @@ use super::scene_context::SceneContext;
 use super::tracker::Tracker;
 use super::vertex::Vertex;
 use crate::geometry::Ray;
+use crate::math::Frame;
 use crate::math::rng::Purpose;
 use crate::math::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
-use crate::math::{Frame, cos, sin};
 use crate::media::{Deflection, Density, Phase};
 use crate::render::counters::{Event, Work};
 use glam::DVec3;
 use std::cell::Cell;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// The response of a vertex to light from one direction.
 #[derive(Clone, Copy, Debug)]
@@ -83,9 +83,7 @@ impl<E: Effects> SceneContext<'_, E> {
                 } else {
                     Deflection::from_cos(2.0 * u - 1.0)
                 };
-                let azimuth = TAU * v;
-                let sine = deflection.sin();
-                let local = DVec3::new(sine * cos(azimuth), sine * sin(azimuth), deflection.cos);
+                let local = deflection.direction(v);
                 let ray = vertex.leave(Frame::around(*direction).to_world(local))?;
                 let pdf = self
                     .medium_response(*set, *point, deflection.cos, *work)
