@@ -1,4 +1,4 @@
-//! What it takes to decide a comparison that noise leaves open.
+//! The samples that decide a comparison which noise leaves open.
 
 use crate::math;
 use std::fmt;
@@ -19,7 +19,7 @@ pub enum Undecided {
 pub struct Advice {
     /// That many times those it has.
     pub times: f64,
-    /// Those it has per pixel, of all its renderings together; nothing where it does not say.
+    /// Samples per pixel, of all its renderings together; `None` where it does not say.
     pub has: Option<u64>,
     /// Its renderings: 1 of a single image.
     pub renderings: u32,

@@ -16,7 +16,7 @@ pub enum DifferenceScale {
     StandardErrors(BlockMap),
 }
 
-/// How far blocks of 8 × 8 pixels deviate, for a map.
+/// Deviations of blocks of 8 × 8 pixels, for a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockMap {
     /// Blocks in a row.

@@ -37,7 +37,7 @@ pub trait ImageGate: Gate {
     }
 }
 
-/// What a comparison depends on beside the images.
+/// The conditions of a comparison beside the images.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditions {
     /// Stops at which radiance is shown.

@@ -1,4 +1,4 @@
-//! What makes images incomparable, whatever the gate: another size, pixels that are no numbers.
+//! Reasons why no gate can compare two images: another size, pixels that are no numbers.
 //!
 //! Looked for first, because `error > limit` is false for NaN.
 

@@ -1,4 +1,4 @@
-//! What accuracy costs: sweeps of settings, error against time.
+//! Cost of accuracy: sweeps of settings, error against time.
 //!
 //! Each parameter of a scene's approximations is swept from coarse to fine ([`study`]), each against a reference that
 //! carries its own bound ([`collocation`]). [`rules`], [`marching`], [`jitter`], [`estimators`],

@@ -18,7 +18,7 @@ const COARSE: f64 = 0.1;
 const FEWEST: usize = 3;
 const MOST: usize = 4;
 
-/// What theory says of a sweep.
+/// The order of convergence that theory expects of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExpectedOrder {
     /// The order, if anything is expected.

@@ -66,7 +66,7 @@ pub struct Sweep {
     pub estimator: String,
     /// Whether it is what the reference renderer does.
     pub is_ours: bool,
-    /// What is varied.
+    /// The parameter that is varied.
     pub parameter: Parameter,
     /// The settings.
     pub levels: Vec<Level>,
@@ -145,7 +145,7 @@ impl MeanWork {
         }
     }
 
-    /// What [`MeanWork::price`] counts.
+    /// The kind of work that [`MeanWork::price`] counts.
     pub fn counted(&self) -> Counted {
         if self[Event::DensityLookup] + self[Event::GradientLookup] > 0.0 {
             Counted::Lookups
@@ -209,7 +209,7 @@ pub struct Times {
     pub is_noisy: bool,
 }
 
-/// How an error falls as a parameter is refined: as the `order`-th power of it.
+/// Order of convergence: the error falls as the `order`-th power of the parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ConvergenceOrder {
     /// From theory, where that says; of a number of samples, negative.
@@ -259,12 +259,12 @@ pub struct Price {
     pub offers: Vec<Offer>,
 }
 
-/// What a sweep asks for a wanted error.
+/// The price of a sweep for a wanted error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Offer {
     /// The estimator.
     pub estimator: String,
-    /// What is varied.
+    /// The parameter that is varied.
     pub parameter: Parameter,
     /// The setting; none if no setting of the sweep reaches the error.
     pub setting: Option<String>,

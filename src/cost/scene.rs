@@ -33,7 +33,7 @@ pub enum CostError {
     Render(#[from] RenderError),
 }
 
-/// What accuracy costs in `scene`, panel by panel. `report` is called with what is done next.
+/// Cost of accuracy in `scene`, panel by panel. `report` is called with what is done next.
 pub fn cost(
     scene: &Scene,
     options: &Options,

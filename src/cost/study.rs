@@ -41,9 +41,9 @@ pub struct PlannedSweep<'a> {
     pub estimator: String,
     /// Whether it is what the reference renderer does.
     pub is_ours: bool,
-    /// What is varied.
+    /// The parameter that is varied.
     pub parameter: Parameter,
-    /// What theory says.
+    /// The order that theory expects.
     pub expected: ExpectedOrder,
     /// From coarse to fine.
     pub settings: Vec<Setting<'a>>,
@@ -155,7 +155,7 @@ fn time(planned: &[PlannedSweep<'_>], levels: &mut [Vec<Level>], rays: usize, cl
 }
 
 impl Study {
-    /// What came of `sweeps`, and their prices; without pictures.
+    /// The results of `sweeps`, with prices and without pictures.
     pub fn of(
         name: &'static str,
         quantity: String,

@@ -1,4 +1,4 @@
-//! What the transmittance of heterogeneous media costs, along the rays of the camera.
+//! Cost of transmittance estimates in heterogeneous media, along the rays of the camera.
 
 use super::collocation::{Collocation, Here};
 use super::estimators::TransmittanceEstimator;

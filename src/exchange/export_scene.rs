@@ -105,7 +105,7 @@ impl<'s> ExportScene<'s> {
     }
 }
 
-/// How often light may be scattered; none without limit.
+/// The limit of scattering events; `None` without limit.
 pub(super) fn most_bounces(scattering: Scattering) -> Option<u32> {
     match scattering {
         Scattering::None => Some(0),

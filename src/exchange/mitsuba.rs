@@ -494,7 +494,7 @@ fn medium_id(nested: &NestedMedium) -> String {
     format!("medium{}", nested.index)
 }
 
-/// What is inside and outside the boundary of a nested medium.
+/// The interior and the exterior medium of a nested medium's boundary.
 fn sides(export: &ExportScene, at: usize) -> Vec<String> {
     let list = &export.nested_media.list;
     let inside = reference("interior", &medium_id(&list[at]));

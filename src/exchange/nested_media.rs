@@ -29,7 +29,7 @@ pub(super) struct NestedMedium<'s> {
     pub moved: bool,
     /// The scene's object that has the same shape: the boundary is its surface.
     pub interface: Option<usize>,
-    /// What it is made of at density 1.
+    /// The medium at density 1.
     pub medium: Homogeneous,
     /// Its density, if that varies.
     pub grid: Option<PlacedGrid<'s>>,
@@ -59,7 +59,7 @@ pub(super) struct BoundarySurface {
 
 /// All media of a scene.
 pub(super) struct NestedMedia<'s> {
-    /// Those that do something to light, in the scene's order.
+    /// Media that attenuate or emit, in the scene's order.
     pub list: Vec<NestedMedium<'s>>,
     /// The innermost that the eye is in.
     pub eye: Option<usize>,
@@ -304,7 +304,7 @@ impl Contacts<'_> {
         Ok(touched)
     }
 
-    /// How a face of a boundary meets a flat piece of surface.
+    /// The meeting of a boundary's face with a flat piece of surface.
     fn meet(&self, face: &[DVec3], piece: &[DVec3]) -> Meeting {
         let normal = normal_of(face);
         let heights = || piece.iter().map(|point| (point - face[0]).dot(normal));

@@ -508,7 +508,7 @@ impl PbrtWriter<'_, '_> {
         self.line(&format!("\n# {key}\nAttributeBegin"));
     }
 
-    /// What is inside and outside the boundary of a nested medium.
+    /// The interior and the exterior medium of a nested medium's boundary.
     fn sides(&mut self, list: &[NestedMedium], at: usize) {
         let inside = medium_name(&list[at]);
         let outside = list[at].parent.map(|at| medium_name(&list[at]));

@@ -151,7 +151,7 @@ fn line_of_sight(scene: &Radiative, ray: &Ray, scattered: bool, tolerance: f64) 
     renderer.radiance(ray, &mut Scratch::default(), &mut Uncounted)
 }
 
-/// What path number `sample` brings back along `ray`, scattered `limit` times at most.
+/// Radiance of path number `sample` along `ray`, scattered `limit` times at most.
 pub fn paths<'s>(
     scene: &'s Radiative,
     limit: Option<u32>,

@@ -55,7 +55,7 @@ impl TransferFunction {
         }
     }
 
-    /// How much light a sample emits, whatever its colour and shading: `d²` by the formula.
+    /// Emission of a sample before its colour and shading: `d²` by the formula.
     /// That belongs to the assignment and to densities; the colours of a table are radiances as
     /// they stand, so there it is 1.
     pub fn strength(&self, value: f64) -> f64 {

@@ -99,7 +99,7 @@ struct Path {
     may_scatter: bool,
 }
 
-/// What a ray hits.
+/// The object or the light that a ray hits.
 enum Target<'s> {
     Object(&'s Object),
     Light(&'s AreaLight),
@@ -320,7 +320,7 @@ impl<'s> PathTracer<'s> {
         radiance
     }
 
-    /// How `path` goes on from a surface. Adds direct light to the path.
+    /// Reflection of `path` at a surface. Adds direct light to the path.
     fn reflect(
         &self,
         path: &mut Path,

@@ -17,7 +17,7 @@ pub struct Vertex {
     pub scattering: Scatterer,
 }
 
-/// How a vertex scatters.
+/// The distribution by which a vertex scatters.
 #[derive(Clone, Copy)]
 pub enum Scatterer {
     /// By a phase function.
@@ -26,7 +26,7 @@ pub enum Scatterer {
     Diffuse(DVec3),
 }
 
-/// How a path goes on.
+/// The continuation of a path.
 pub struct Scattered {
     /// The ray into the new direction.
     pub ray: Ray,

@@ -46,7 +46,7 @@ pub struct Amount {
     pub count: u64,
 }
 
-/// How a predicted count relates to the measured one.
+/// Relation of a predicted count to the measured one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bound {
     /// Equal.

@@ -25,7 +25,7 @@ pub enum VolumeError {
     NotAFile {
         /// Where.
         path: PathBuf,
-        /// What is there instead.
+        /// The thing in its place.
         what: &'static str,
     },
     /// A point cloud too large to be meant.
@@ -46,7 +46,7 @@ pub enum VolumeError {
     Read {
         /// Where.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// The file does not hold what its extension promises.
@@ -56,7 +56,7 @@ pub enum VolumeError {
         path: PathBuf,
         /// Between path and message: a colon, and a space unless the message begins with a line.
         separator: &'static str,
-        /// What is wrong in it.
+        /// The reader's error.
         error: Box<dyn std::error::Error + Send + Sync>,
     },
     /// Data in another folder.
@@ -76,7 +76,7 @@ pub enum VolumeError {
     Data {
         /// Where the header is.
         path: PathBuf,
-        /// What is wrong with the other file.
+        /// The other file's error.
         error: Box<VolumeError>,
     },
     /// A cloud, but not with this splatting.
@@ -84,7 +84,7 @@ pub enum VolumeError {
     Splat {
         /// Where.
         path: PathBuf,
-        /// What is wrong.
+        /// The splatting's error.
         error: SplatError,
     },
 }

@@ -19,7 +19,7 @@ pub struct Loaded {
     pub files: Vec<FileRead>,
     /// Name of the format of the files.
     pub format: &'static str,
-    /// How they hold the volume.
+    /// The form in which they hold the volume.
     pub stored: Stored,
 }
 

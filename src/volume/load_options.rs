@@ -40,7 +40,7 @@ impl From<Splatting> for LoadOptions {
     }
 }
 
-/// What stands for a sample that is no finite number.
+/// The replacement of a sample that is no finite number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum NonFinite {
     /// Nothing does: an error names the voxel.

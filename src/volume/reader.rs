@@ -37,7 +37,7 @@ pub trait VolumeReader: Send + Sync {
     ) -> Result<(Grid<f32>, Stored), VolumeError>;
 }
 
-/// How a file holds a volume.
+/// The form in which a file holds a volume.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Stored {
     /// As points.

@@ -11,9 +11,9 @@ pub(super) struct Comparison<'f> {
     pub films: [&'f Film; 2],
     /// Row by row from the top.
     pub blocks: Vec<Block>,
-    /// What they say of their noise.
+    /// The noise that each image states.
     pub stated: [Stated; 2],
-    /// How the variances were completed.
+    /// The completion of variances that are not stated.
     pub shape: NoiseShape,
     /// Probability with which noise that is not stated may be underestimated.
     level: f64,
@@ -119,7 +119,7 @@ impl<'f> Comparison<'f> {
         totals
     }
 
-    /// How far the whole image is off, in standard errors. Where one image does not state its
+    /// Deviation of the whole image, in standard errors. Where one image does not state its
     /// noise and is the brighter one, by its own variance alone: k rare events make it brighter by
     /// √k of the standard errors that they cause themselves, at most.
     pub fn deviation(&self, total: &Total) -> f64 {

@@ -66,7 +66,7 @@ impl fmt::Display for Reason {
     }
 }
 
-/// What the scene says about one effect.
+/// The scene's say about one effect.
 pub(super) enum EffectFinding {
     /// The model does not have it.
     Absent(&'static str),

@@ -131,12 +131,12 @@ impl<'s> Media<'s> {
         self.heterogeneous != 0
     }
 
-    /// Those of `set` that are heterogeneous.
+    /// Heterogeneous media of `set`.
     pub fn heterogeneous(&self, set: Set) -> Set {
         set & self.heterogeneous
     }
 
-    /// Those of `set` that scatter.
+    /// Scattering media of `set`.
     pub fn scattering(&self, set: Set) -> Set {
         let scatters = |&index: &usize| self.media[index].unit.scatters();
         members(set).filter(scatters).map(|index| 1 << index).sum()

@@ -1,4 +1,4 @@
-//! What an estimate along a ray needs beside the media: random numbers, memory and counters.
+//! Random numbers, memory and counters of an estimate along a ray.
 
 use super::majorants::HeterogeneousSegment;
 use super::sampler::Sampler;

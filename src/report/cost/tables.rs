@@ -155,7 +155,7 @@ pub(super) fn sweep(study: &Study, sweep: &Sweep) -> ReportTable {
     }
 }
 
-/// How the error of each sweep falls.
+/// Orders of convergence, sweep by sweep.
 pub(super) fn orders(study: &Study) -> ReportTable {
     let row = |sweep: &Sweep| {
         let mut row: Vec<TableCell> = vec![

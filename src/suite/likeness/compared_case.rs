@@ -13,7 +13,7 @@ use crate::scene::Scene;
 use crate::suite::measured::{decoded, is_another_exposure, is_simple};
 use crate::suite::{Case, Judged};
 
-/// What a mistake may leave unexplained, where there is no noise: this share of the squared
+/// The share that a mistake may leave unexplained, where there is no noise: of the squared
 /// difference.
 const REMAINDER: f64 = 0.02;
 
@@ -49,7 +49,7 @@ pub(super) struct ComparedCase {
     picture: Picture,
     golden_cells: Cells,
     test_cells: Cells,
-    /// How far the image is from the golden: a mistake has to do better.
+    /// Misfit of the golden to the image: a mistake has to do better.
     from_golden: Misfit,
     /// Pixels of a first look, and samples in each.
     first: (Detail, u32),
@@ -142,7 +142,7 @@ impl ComparedCase {
         misfit.is_noise() && misfit.at_most() < self.from_golden.at_least().max(0.0)
     }
 
-    /// How far the image is from `film`, a prediction of the whole image or in blocks.
+    /// Misfit of `film` to the image: a prediction of the whole image or in blocks.
     pub fn misfit(&self, film: &Film) -> Option<Misfit> {
         let film = clamped(film, self.ceiling);
         let (cells, golden) = (&self.test_cells, &self.golden_cells);
@@ -176,7 +176,7 @@ impl ComparedCase {
         })
     }
 
-    /// How far the image is from `look`, as [`ComparedCase::look`] returns it, if it may be the image:
+    /// Misfit of `look`, as [`ComparedCase::look`] returns it, to the image, if it may be the image:
     /// whether it is, a closer look says.
     pub fn promise(&self, look: &Film) -> Option<Misfit> {
         if self.sees_all_at_once() || self.is_sampled {
@@ -187,7 +187,7 @@ impl ComparedCase {
         (misfit.distance <= FAR_OFF_ON_LATTICE * from_golden).then_some(misfit)
     }
 
-    /// How far the image is from `look`; [`Misfit::in_noise`] means nothing where there is none.
+    /// Misfit of `look` to the image; [`Misfit::in_noise`] means nothing where there is none.
     pub fn distance(&self, look: &Film) -> Option<Misfit> {
         let look = clamped(look, self.ceiling);
         match &self.glimpse {
@@ -203,7 +203,7 @@ impl ComparedCase {
         }
     }
 
-    /// How far the image would be from two mistakes together, if each changed by the same factor
+    /// Misfit of two mistakes together to the image, if each changed by the same factor
     /// what it finds; of the looks at each by itself.
     pub fn distance_of_both(&self, first: &Film, second: &Film) -> Option<f64> {
         let cells = |film: &Film| {
@@ -226,7 +226,7 @@ impl ComparedCase {
         !self.is_sampled && self.first.0 == Detail::Whole
     }
 
-    /// What the first look at a scene with `hypothesis` sees, or nothing where it has no occasion,
+    /// The first look at a scene with `hypothesis`; `None` where it has no occasion,
     /// cannot be rendered, or the time is over.
     pub fn look(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Film> {
         self.predict(hypothesis, self.first, clock)
@@ -246,7 +246,7 @@ impl ComparedCase {
         }
     }
 
-    /// How far the image is from what `hypothesis` would make, closely looked at.
+    /// Misfit of `hypothesis` to the image, closely looked at.
     pub fn test(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Misfit> {
         let film = self.predict(hypothesis, self.second, clock)?;
         self.misfit(&film)

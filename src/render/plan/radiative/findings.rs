@@ -1,4 +1,4 @@
-//! What a scene of surfaces, media and lights says about each effect.
+//! Findings on each effect in a scene of surfaces, media and lights.
 
 use super::super::{Decisions, Effect, EffectFinding, Reason, State};
 use super::contents::*;

@@ -15,7 +15,7 @@ pub(in super::super) enum Theme {
     Standalone,
 }
 
-/// What is drawn with.
+/// Line styles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stroke {
     Text,

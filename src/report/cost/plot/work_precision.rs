@@ -336,7 +336,7 @@ fn short(sweep: &Sweep, level: &Level) -> String {
     }
 }
 
-/// What all settings of a sweep have after their numbers.
+/// The unit after the numbers of all settings of a sweep.
 fn unit(sweep: &Sweep) -> Option<&str> {
     fn parts(level: &Level) -> Option<&str> {
         let (number, unit) = level.setting.split_once(' ')?;
