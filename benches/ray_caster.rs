@@ -14,7 +14,7 @@ use volref::render::classified::steps::Steps;
 use volref::render::plan::Kernel;
 use volref::render::{Plan, Sampling, render};
 use volref::scene::{Model, Scene};
-use volref::volume::{Cell, Grid, Lattice};
+use volref::volume::{Cell, Grid, Lattice, NodePoint};
 
 fn main() {
     println!("nominal samples a frame: {}", nominal_samples(&SCENE));
@@ -134,7 +134,7 @@ fn trilinear_lookups(bencher: Bencher) {
     bencher.counter(ItemsCount::new(count)).bench_local(|| {
         let step = DVec3::new(30.3, 29.7, 30.9) / f64::from(count);
         (0..count)
-            .map(|i| Cell::around(&lattice, step * f64::from(i)).trilinear(&grid))
+            .map(|i| Cell::around(&lattice, NodePoint(step * f64::from(i))).trilinear(&grid))
             .sum::<f64>()
     });
 }

@@ -15,11 +15,10 @@ use volref::math::{Frame, Moments, exp, ln_1p};
 use volref::media::{Deflection, Density, Field, optical_depth, source_factor};
 use volref::optics::Light;
 use volref::render::classified::empty_space::{EmptySpace, Skipping};
-use volref::render::classified::field::NodePath;
 use volref::render::classified::steps::Steps;
 use volref::render::counters::Uncounted;
 use volref::scene::{Classified, Radiative, Scattering};
-use volref::volume::{Cell, relative_gradients};
+use volref::volume::{Cell, NodeLine, relative_gradients};
 
 /// Columns and rows of an image.
 pub type Size = [usize; 2];
@@ -34,7 +33,7 @@ pub fn unshaded(scene: &Classified, size: Size) -> Film {
         let (mut colour, mut opacity, mut through) = (DVec3::ZERO, 0.0, 1.0);
         if let Some(span) = bounds.span(&ray) {
             let steps = Steps::over(span, scene.step);
-            let path = NodePath::new(&ray, lattice);
+            let path = NodeLine::new(&ray, lattice);
             for index in 0..steps.count() {
                 let (t, length) = steps.sample(index);
                 let density = Cell::around(lattice, path.at(t)).trilinear(grid);
@@ -68,7 +67,7 @@ pub fn shaded_with_shadow(scene: &Classified, size: Size) -> Film {
         let (mut colour, mut opacity, mut through) = (DVec3::ZERO, 0.0, 1.0);
         let span = bounds.span(&ray).unwrap_or(NOTHING);
         let steps = Steps::over(span, scene.step);
-        let path = NodePath::new(&ray, lattice);
+        let path = NodeLine::new(&ray, lattice);
         let reach = path.reach(scene.step);
         let mut index = 0;
         while index < steps.count() {
@@ -99,7 +98,7 @@ pub fn shaded_with_shadow(scene: &Classified, size: Size) -> Film {
                 far: inside.min(length_of(to_light)),
             };
             let shadow_steps = Steps::over(span, shadow.step);
-            let shadow_path = NodePath::from(nodes, towards.direction, lattice);
+            let shadow_path = NodeLine::from(nodes, towards.direction, lattice);
             let shadow_reach = shadow_path.reach(shadow.step);
             let (mut sum, mut done) = (0.0, 0);
             while done < shadow_steps.count() {

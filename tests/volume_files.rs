@@ -680,7 +680,7 @@ proptest! {
     fn any_point_can_be_looked_up(point in prop::array::uniform3(any::<f64>())) {
         let lattice = Lattice::new([3, 1, 2], DVec3::ONE, DVec3::ZERO).unwrap();
         let grid = Grid::new(lattice, vec![1.0; 6]).unwrap();
-        let cell = Cell::around(&lattice, point.into());
+        let cell = Cell::around(&lattice, NodePoint(point.into()));
         prop_assert_eq!(cell.nearest(&grid), 1.0);
         let value = cell.trilinear(&grid);
         prop_assert!(value == 1.0 || !DVec3::from(point).is_finite());

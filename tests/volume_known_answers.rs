@@ -79,7 +79,7 @@ fn inner_queries(entry: &Value) -> Vec<(usize, DVec3)> {
     let lattice = lattice(entry);
     let last = DVec3::from_array(lattice.nodes().map(|n| (n - 2) as f64));
     let inner = |query: DVec3| {
-        let at = lattice.to_nodes(query);
+        let at = lattice.to_nodes(query).0;
         at.cmpge(DVec3::ONE).all() && at.cmple(last).all()
     };
     let queries = vectors(&entry["inputs"]["query"]).into_iter().enumerate();

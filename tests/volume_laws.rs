@@ -116,7 +116,7 @@ proptest! {
         let largest = largest.fold(0.0, f64::max);
         let slack = 20.0 * U * (largest / lattice.voxel() + longest.unwrap() as f64);
         for point in &points {
-            let position = lattice.to_nodes(point.position);
+            let position = lattice.to_nodes(point.position).0;
             prop_assert!(position.cmpge(DVec3::splat(padding - slack)).all());
             prop_assert!(position.cmple(last + slack).all());
         }
@@ -163,7 +163,7 @@ proptest! {
     fn a_constant_grid_is_constant(
         lattice in lattice(1), value in 0.0..1e300_f64, single in 0.0..1e30_f32, at in position()
     ) {
-        let cell = Cell::around(&lattice, at);
+        let cell = Cell::around(&lattice, NodePoint(at));
         let grid = sampled(lattice, |_| value);
         prop_assert_eq!(cell.trilinear(&grid).to_bits(), value.to_bits());
         prop_assert_eq!(cell.nearest(&grid).to_bits(), value.to_bits());
@@ -188,7 +188,7 @@ proptest! {
         let last = in_node_units(lattice.nodes().map(|n| n - 1));
         let at = within * last;
         let expected: f64 = terms(at).iter().sum();
-        let value = Cell::around(&lattice, at).trilinear(&grid);
+        let value = Cell::around(&lattice, NodePoint(at)).trilinear(&grid);
         // Let S bound the sum of the magnitudes of the terms throughout the cell, hence the
         // values at its corners. One a + (b − a)·t takes a difference and a product, each at
         // most 2S, and a sum of at most S: 5uS, three times in a row. The expected value takes
@@ -207,7 +207,7 @@ proptest! {
             .fold(DVec3::INFINITY, DVec3::min);
         // Of several, the last: the one with the larger index on each axis.
         let nearest = nodes_of(&lattice).filter(|&node| distance(node) == least).last();
-        let found = Cell::around(&lattice, at).nearest(&indices);
+        let found = Cell::around(&lattice, NodePoint(at)).nearest(&indices);
         prop_assert_eq!(Some(lattice.node(found as usize)), nearest);
     }
 }
@@ -218,7 +218,7 @@ where
 {
     for (index, &stored) in grid.values().iter().enumerate() {
         let node = grid.lattice().node(index);
-        let cell = Cell::around(grid.lattice(), in_node_units(node));
+        let cell = Cell::around(grid.lattice(), NodePoint(in_node_units(node)));
         prop_assert_eq!(cell.trilinear(grid), value(stored), "{:?}", node);
         prop_assert_eq!(cell.nearest(grid), value(stored), "{:?}", node);
     }

@@ -14,7 +14,7 @@ use crate::math::exp;
 use crate::media::Field;
 use crate::render::{Counters, Event};
 use crate::scene::Classified;
-use crate::volume::{Cell, Centring, Grid, GridDensity, Interpolation, Lattice};
+use crate::volume::{Cell, Centring, Grid, GridDensity, Interpolation, Lattice, NodePoint};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -49,7 +49,7 @@ pub fn coarsened(grid: &Grid<f32>, factor: f64) -> Option<Grid<f32>> {
     let coarse = Lattice::new(nodes, lattice.spacing() * apart, lattice.first()).ok()?;
     let value = |index: usize| {
         let node = coarse.node(index).map(|index| index as f64);
-        let point = DVec3::from_array(node) * apart;
+        let point = NodePoint(DVec3::from_array(node) * apart);
         Cell::around(lattice, point).trilinear(grid) as f32
     };
     let values = (0..coarse.node_count()).map(value).collect();

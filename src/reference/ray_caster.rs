@@ -30,7 +30,7 @@ use crate::geometry::{Ray, Span, direction_of, length_of};
 use crate::math::exp;
 use crate::media::{Appearance, over_length};
 use crate::scene::{Classified, Compositing};
-use crate::volume::{Cell, Grid, Reconstruction, relative_gradients};
+use crate::volume::{Cell, Grid, NodeLine, NodePoint, Reconstruction, relative_gradients};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -82,10 +82,7 @@ impl Volume<'_> {
         let Some(span) = lattice.bounds().span(ray) else {
             return seen;
         };
-        let (origin, direction) = (
-            lattice.to_nodes(ray.origin),
-            ray.direction / lattice.spacing(),
-        );
+        let line = NodeLine::new(ray, lattice);
         let steps = step_count(span, scene.step);
         for step in 0..steps {
             let index = match scene.compositing {
@@ -93,7 +90,7 @@ impl Volume<'_> {
                 Compositing::FrontToBack | Compositing::EarlyTermination(_) => step,
             };
             let (t, length) = sample(span, scene.step, steps, index);
-            let nodes = origin + direction * t;
+            let nodes = line.at(t);
             let cell = Cell::around(lattice, nodes);
             let density = scene.interpolation.read(&*scene.grid, &cell);
             let opacity = scene.transfer_function.opacity(density, length);
@@ -142,7 +139,7 @@ impl Volume<'_> {
     /// Transmittance from `point` to the light. With the formula of the assignment
     /// `min(1, exp(−S/100))`, `S` the sum of densities over steps of the reference length; with a
     /// table the product of `1 − a` over all steps.
-    fn visibility(&self, point: DVec3, nodes: DVec3) -> f64 {
+    fn visibility(&self, point: DVec3, nodes: NodePoint) -> f64 {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let to_light = scene.light - point;
         let (Some(shadow), Some(ray)) = (scene.shadow, Ray::new(point, to_light)) else {
@@ -155,12 +152,12 @@ impl Volume<'_> {
             near: 0.0,
             far: inside.far.min(length_of(to_light)),
         };
-        let direction = ray.direction / lattice.spacing();
+        let line = NodeLine::from(nodes, ray.direction, lattice);
         let steps = step_count(span, shadow.step);
         let (mut sum, mut transparency) = (0.0, 1.0);
         for index in 0..steps {
             let (t, length) = sample(span, shadow.step, steps, index);
-            let cell = Cell::around(lattice, nodes + direction * t);
+            let cell = Cell::around(lattice, line.at(t));
             let density = scene.interpolation.read(&*scene.grid, &cell);
             match &scene.transfer_function.appearance {
                 Appearance::Formula { .. } => sum += density * length,

@@ -1,6 +1,8 @@
 //! The density of a grid, between its nodes.
 
-use super::{Blocks, Cell, Centring, DensityField, DensityRange, Grid, Interpolation, Walk};
+use super::{
+    Blocks, Cell, Centring, DensityField, DensityRange, Grid, Interpolation, NodeLine, Walk,
+};
 use crate::geometry::{Aabb, Span};
 use crate::math::Sum;
 use crate::math::quadrature::cubic_integral;
@@ -83,11 +85,11 @@ impl GridDensity {
     /// less certain, the more a ray runs along the planes between nodes (`tests/exact/grids.rs`).
     pub fn integral(&self, origin: DVec3, direction: DVec3, span: Span, lookups: &mut u64) -> f64 {
         let lattice = self.grid.lattice();
-        let (origin, direction) = (lattice.to_nodes(origin), direction / lattice.spacing());
+        let line = NodeLine::from(lattice.to_nodes(origin), direction, lattice);
         let mut sum = Sum::default();
-        for visit in self.pieces(origin, direction, span) {
+        for visit in self.pieces(line, span) {
             let Span { near, far } = visit;
-            let at = |t: f64| self.read(&Cell::around(lattice, origin + direction * t));
+            let at = |t: f64| self.read(&Cell::around(lattice, line.at(t)));
             let part = match self.interpolation {
                 Interpolation::Trilinear => {
                     *lookups += 2;
@@ -112,20 +114,12 @@ impl GridDensity {
         span: Span,
     ) -> impl Iterator<Item = Span> {
         let lattice = self.grid.lattice();
-        self.pieces(
-            lattice.to_nodes(origin),
-            direction / lattice.spacing(),
-            span,
-        )
+        let line = NodeLine::from(lattice.to_nodes(origin), direction, lattice);
+        self.pieces(line, span)
     }
 
-    /// As above, in node units.
-    fn pieces(
-        &self,
-        origin: DVec3,
-        direction: DVec3,
-        span: Span,
-    ) -> impl Iterator<Item = Span> + use<> {
+    /// As above, along a line in node coordinates.
+    fn pieces(&self, line: NodeLine, span: Span) -> impl Iterator<Item = Span> + use<> {
         let lattice = self.grid.lattice();
         let mut cells = lattice.nodes();
         let mut first = DVec3::ZERO;
@@ -143,7 +137,7 @@ impl GridDensity {
                 Interpolation::Trilinear => cells[axis] -= 1,
             }
         }
-        Walk::new(cells, origin - first, direction, span).map(|visit| visit.span)
+        Walk::new(cells, line.origin.0 - first, line.direction, span).map(|visit| visit.span)
     }
 }
 
@@ -159,7 +153,7 @@ impl DensityField for GridDensity {
     /// above its largest corner.
     fn range_over(&self, bounds: &Aabb) -> DensityRange {
         let lattice = self.grid.lattice();
-        let (low, high) = (lattice.to_nodes(bounds.min), lattice.to_nodes(bounds.max));
+        let [low, high] = [bounds.min, bounds.max].map(|corner| lattice.to_nodes(corner).0);
         let nodes = |axis: usize| {
             let last = lattice.nodes()[axis] - 1;
             // Casts clamp at 0.

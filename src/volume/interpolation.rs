@@ -3,7 +3,7 @@
 //! A look-up has two halves: finding the [`Cell`] around a point, and reading a grid there.
 //! Density and gradient at one point share the first half.
 
-use super::{Grid, Lattice};
+use super::{Grid, Lattice, NodePoint};
 use glam::DVec3;
 use std::ops::{Add, Mul, Sub};
 
@@ -91,10 +91,10 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// The cell of `lattice` around `point`, a position in node units: any finite point.
+    /// The cell of `lattice` around any finite `point`.
     // Always: a call hands the cell over in memory.
     #[inline(always)]
-    pub fn around(lattice: &Lattice, point: DVec3) -> Cell {
+    pub fn around(lattice: &Lattice, NodePoint(point): NodePoint) -> Cell {
         let nodes = lattice.nodes();
         let strides = [1, nodes[0], nodes[0] * nodes[1]];
         let mut cell = Cell {
@@ -200,7 +200,7 @@ mod tests {
                 (DVec3::new(-far, far, -far), 5.0),
                 (DVec3::new(far, far, far), 6.0),
             ] {
-                let cell = Cell::around(&lattice, point);
+                let cell = Cell::around(&lattice, NodePoint(point));
                 assert_eq!(cell.trilinear(&grid), value, "{point}");
                 assert_eq!(cell.nearest(&grid), value, "{point}");
             }

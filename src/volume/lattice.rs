@@ -4,6 +4,11 @@ use crate::geometry::Aabb;
 use glam::DVec3;
 use thiserror::Error;
 
+/// A point in node coordinates of a lattice: node (i, j, k) lies at (i, j, k). World points are plain
+/// vectors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodePoint(pub DVec3);
+
 /// A box of regularly spaced nodes, x fastest.
 ///
 /// [Node-centred](Centring::Nodes) unless asked otherwise: the first and last node of an axis lie
@@ -147,10 +152,10 @@ impl Lattice {
         [index % nx, index / nx % ny, index / (nx * ny)]
     }
 
-    /// World point in node units: node (i, j, k) lies at (i, j, k).
+    /// Node coordinates of a world point.
     #[inline]
-    pub fn to_nodes(&self, point: DVec3) -> DVec3 {
-        (point - self.first) / self.spacing
+    pub fn to_nodes(&self, point: DVec3) -> NodePoint {
+        NodePoint((point - self.first) / self.spacing)
     }
 
     /// The world box the field fills.

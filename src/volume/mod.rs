@@ -17,6 +17,7 @@ mod layers;
 mod load_options;
 mod mitsuba_vol;
 mod nifti;
+mod node_line;
 mod noise_range;
 mod nrrd;
 mod obj_points;
@@ -43,11 +44,12 @@ pub use grid_density::GridDensity;
 pub use interpolation::{
     Cell, Interpolation, Lerp, Nearest, Node, Reconstruction, Scalar, Trilinear,
 };
-pub use lattice::{Centring, Lattice, LatticeError};
+pub use lattice::{Centring, Lattice, LatticeError, NodePoint};
 pub use layers::{ConstantDensity, ExponentialLayer, LayerError, LinearRamp};
 pub use load_options::{LoadOptions, NonFinite};
 pub use mitsuba_vol::{MitsubaVol, VolError, read_vol, write_vol};
 pub use nifti::{Nifti, NiftiError, read_nifti};
+pub use node_line::NodeLine;
 pub use noise_range::NOISE_BOUND;
 pub use nrrd::{Nrrd, NrrdError, NrrdFault, NrrdHeader, read_nrrd, read_nrrd_header};
 pub use obj_points::{CloudPoint, ObjError, ObjFault, read_obj_points};

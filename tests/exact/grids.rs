@@ -120,7 +120,7 @@ pub fn integral_error(density: &GridDensity, origin: DVec3, direction: DVec3, sp
     let range = most - least;
     let direction = direction / lattice.spacing();
     let reach = span.near.abs().max(span.far.abs());
-    let coordinates = lattice.to_nodes(origin).abs() + direction.abs() * reach + 1.0;
+    let coordinates = lattice.to_nodes(origin).0.abs() + direction.abs() * reach + 1.0;
     match density.interpolation() {
         Interpolation::Trilinear => {
             let places = coordinates.x + coordinates.y + coordinates.z;
@@ -134,7 +134,7 @@ pub fn integral_error(density: &GridDensity, origin: DVec3, direction: DVec3, sp
                     return 2.0 * planes * beside / direction[axis].abs();
                 }
                 // Along a plane, the whole ray may be taken to lie on the other side of it.
-                let from_node = lattice.to_nodes(origin)[axis].fract().abs();
+                let from_node = lattice.to_nodes(origin).0[axis].fract().abs();
                 let in_a_plane = (from_node - 0.5).abs() <= beside;
                 if in_a_plane { span.length() } else { 0.0 }
             });

@@ -43,7 +43,7 @@ proptest! {
         let bounds = grid_lattice.bounds();
         let mut origin = bounds.min + bounds.size() * DVec3::from_array(place);
         if snapped {
-            let node = grid_lattice.to_nodes(origin).round();
+            let node = grid_lattice.to_nodes(origin).0.round();
             origin = grid_lattice.first() + node * grid_lattice.spacing();
         }
         origin[axis] = bounds.min[axis] - bounds.size()[axis];

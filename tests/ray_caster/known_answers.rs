@@ -19,7 +19,7 @@ use volref::render::classified::ray_caster::RayCaster;
 use volref::render::classified::shading::Unshaded;
 use volref::render::classified::volume_shadow::Unshadowed;
 use volref::render::counters::Work;
-use volref::volume::{Grid, Lattice};
+use volref::volume::{Grid, Lattice, NodePoint};
 
 fn entries(case: &str) -> Vec<Value> {
     let text = include_str!("../../fixtures/known-answers/compositing.json");
@@ -146,21 +146,21 @@ struct Extinction<S> {
 }
 
 impl<S: Fn(f64) -> f64 + Sync> ScalarField for Extinction<S> {
-    type Location = DVec3;
+    type Location = NodePoint;
 
     fn lattice(&self) -> &Lattice {
         &self.lattice
     }
 
-    fn locate(&self, point: DVec3) -> DVec3 {
+    fn locate(&self, point: NodePoint) -> NodePoint {
         point
     }
 
-    fn density<W: Work>(&self, place: &DVec3, _: &mut W) -> f64 {
-        (self.sigma)(place.z * self.lattice.spacing().z).sqrt()
+    fn density<W: Work>(&self, point: &NodePoint, _: &mut W) -> f64 {
+        (self.sigma)(point.0.z * self.lattice.spacing().z).sqrt()
     }
 
-    fn gradient<W: Work>(&self, _: &Grid<[f32; 3]>, _: &DVec3, _: &mut W) -> DVec3 {
+    fn gradient<W: Work>(&self, _: &Grid<[f32; 3]>, _: &NodePoint, _: &mut W) -> DVec3 {
         unreachable!("nothing is shaded")
     }
 }

@@ -5,15 +5,14 @@
 
 use crate::media::TransferFunction;
 use crate::render::counters::{Event, Work};
-use crate::volume::{Grid, Lattice, Scalar};
-use glam::DVec3;
+use crate::volume::{Grid, Lattice, NodePoint, Scalar};
 use rayon::prelude::*;
 
 /// Empty-space skipping along a ray.
 pub trait Skipping: Sync {
-    /// Number of samples, from the one at `point` on, that are certainly transparent. `point` is in
-    /// node units; from sample to sample no coordinate changes by more than `reach`.
-    fn transparent_samples<W: Work>(&self, point: DVec3, reach: f64, work: &mut W) -> usize;
+    /// Number of samples, from the one at `point` on, that are certainly transparent. From
+    /// sample to sample no coordinate changes by more than `reach`.
+    fn transparent_samples<W: Work>(&self, point: NodePoint, reach: f64, work: &mut W) -> usize;
 }
 
 /// No skipping: every sample is taken.
@@ -21,7 +20,7 @@ pub trait Skipping: Sync {
 pub struct NoSkipping;
 
 impl Skipping for NoSkipping {
-    fn transparent_samples<W: Work>(&self, _: DVec3, _: f64, _: &mut W) -> usize {
+    fn transparent_samples<W: Work>(&self, _: NodePoint, _: f64, _: &mut W) -> usize {
         0
     }
 }
@@ -136,7 +135,12 @@ fn range_of_nodes<T: Scalar>(grid: &Grid<T>, block: [usize; 3]) -> (f64, f64) {
 }
 
 impl Skipping for EmptySpace {
-    fn transparent_samples<W: Work>(&self, point: DVec3, reach: f64, work: &mut W) -> usize {
+    fn transparent_samples<W: Work>(
+        &self,
+        NodePoint(point): NodePoint,
+        reach: f64,
+        work: &mut W,
+    ) -> usize {
         work.count(Event::CellWalked);
         let mut block = [0; 3];
         for axis in 0..3 {
@@ -160,6 +164,7 @@ mod tests {
     use super::*;
     use crate::media::{Appearance, Colormap, TransferOpacity};
     use crate::render::counters::Counters;
+    use glam::DVec3;
 
     fn spike(nodes: [usize; 3], at: [usize; 3]) -> EmptySpace {
         let lattice = Lattice::new(nodes, DVec3::ONE, DVec3::ZERO).unwrap();
@@ -195,7 +200,8 @@ mod tests {
             let node = [index % 40, index / 40 % 30, index / 1200];
             let point = DVec3::new(node[0] as f64, node[1] as f64, node[2] as f64) + 0.3;
             for reach in [0.01, 0.7, 3.0, 50.0] {
-                let skipped = space.transparent_samples(point, reach, &mut Counters::default());
+                let skipped =
+                    space.transparent_samples(NodePoint(point), reach, &mut Counters::default());
                 if skipped > 0 {
                     // The last sample passed over may have come this close, on some axis.
                     let moved = (skipped - 1) as f64 * reach;
@@ -209,7 +215,7 @@ mod tests {
     fn an_empty_grid_is_crossed_in_one_leap() {
         let mut space = spike([100, 1, 1], [0, 0, 0]);
         space.distance.fill(u8::MAX);
-        let leap = space.transparent_samples(DVec3::ZERO, 0.5, &mut Counters::default());
+        let leap = space.transparent_samples(NodePoint(DVec3::ZERO), 0.5, &mut Counters::default());
         assert!(leap >= 200);
     }
 }

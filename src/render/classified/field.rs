@@ -1,44 +1,8 @@
 //! The scalar field along a ray, and its reconstruction between nodes.
 
-use crate::geometry::Ray;
 use crate::render::counters::{Event, Work};
-use crate::volume::{Cell, Grid, Lattice, Reconstruction};
+use crate::volume::{Cell, Grid, Lattice, NodePoint, Reconstruction};
 use glam::DVec3;
-
-/// A ray in node units, parametrised by distance in world units.
-///
-/// The origin is taken relative to the first node before anything is scaled, so that a volume
-/// far from the world's origin loses no digits along the ray.
-#[derive(Clone, Copy, Debug)]
-pub struct NodePath {
-    origin: DVec3,
-    direction: DVec3,
-}
-
-impl NodePath {
-    /// The path of `ray` over `lattice`.
-    pub fn new(ray: &Ray, lattice: &Lattice) -> NodePath {
-        NodePath::from(lattice.to_nodes(ray.origin), ray.direction, lattice)
-    }
-
-    /// The path from `origin`, in node units, along `direction`, of world length 1.
-    pub fn from(origin: DVec3, direction: DVec3, lattice: &Lattice) -> NodePath {
-        NodePath {
-            origin,
-            direction: direction / lattice.spacing(),
-        }
-    }
-
-    /// Position in node units at distance `t`.
-    pub fn at(&self, t: f64) -> DVec3 {
-        self.origin + self.direction * t
-    }
-
-    /// Largest change of a coordinate over `length` world units.
-    pub fn reach(&self, length: f64) -> f64 {
-        self.direction.abs().max_element() * length
-    }
-}
 
 /// A scalar field with gradients, reconstructed from a lattice.
 pub trait ScalarField: Sync {
@@ -48,8 +12,8 @@ pub trait ScalarField: Sync {
     /// The lattice below the field.
     fn lattice(&self) -> &Lattice;
 
-    /// The location of `point`, given in node units.
-    fn locate(&self, point: DVec3) -> Self::Location;
+    /// The location of `point`.
+    fn locate(&self, point: NodePoint) -> Self::Location;
 
     /// Density at a location.
     fn density<W: Work>(&self, location: &Self::Location, work: &mut W) -> f64;
@@ -90,7 +54,7 @@ impl<R: Reconstruction> ScalarField for GridField<'_, R> {
     // Always, here and below: as calls, with a cell handed over in memory, these took a tenth of the
     // ray caster's instructions (scripts/instructions.sh).
     #[inline(always)]
-    fn locate(&self, point: DVec3) -> Cell {
+    fn locate(&self, point: NodePoint) -> Cell {
         Cell::around(self.grid.lattice(), point)
     }
 
@@ -118,21 +82,26 @@ impl<R: Reconstruction> ScalarField for GridField<'_, R> {
 pub struct ConstantField<'g>(pub &'g Lattice, pub f64);
 
 impl ScalarField for ConstantField<'_> {
-    type Location = DVec3;
+    type Location = NodePoint;
 
     fn lattice(&self) -> &Lattice {
         self.0
     }
 
-    fn locate(&self, point: DVec3) -> DVec3 {
+    fn locate(&self, point: NodePoint) -> NodePoint {
         point
     }
 
-    fn density<W: Work>(&self, _: &DVec3, _: &mut W) -> f64 {
+    fn density<W: Work>(&self, _: &NodePoint, _: &mut W) -> f64 {
         self.1
     }
 
-    fn gradient<W: Work>(&self, gradients: &Grid<[f32; 3]>, point: &DVec3, work: &mut W) -> DVec3 {
+    fn gradient<W: Work>(
+        &self,
+        gradients: &Grid<[f32; 3]>,
+        point: &NodePoint,
+        work: &mut W,
+    ) -> DVec3 {
         work.count(Event::GradientLookup);
         Cell::around(gradients.lattice(), *point).trilinear(gradients)
     }

@@ -16,13 +16,14 @@
 
 use super::compositing::{CompositingOrder, Layers};
 use super::empty_space::Skipping;
-use super::field::{NodePath, ScalarField};
+use super::field::ScalarField;
 use super::shading::Shading;
 use super::steps::Steps;
 use super::volume_shadow::{SamplePoint, Visibility};
 use crate::geometry::{Aabb, Ray};
 use crate::media::TransferFunction;
 use crate::render::counters::{Event, Work};
+use crate::volume::NodeLine;
 use glam::DVec3;
 
 /// A ray caster. Its parts are types, so that an image is rendered by code compiled for exactly the
@@ -62,12 +63,12 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
             return layers;
         };
         let steps = Steps::over(span, step);
-        let path = NodePath::new(ray, self.field.lattice());
-        let reach = path.reach(step);
+        let line = NodeLine::new(ray, self.field.lattice());
+        let reach = line.reach(step);
         let mut done = 0;
         while done < steps.count() {
             let (t, length) = steps.sample(O::index(done, steps.count()));
-            let nodes = path.at(t);
+            let nodes = line.at(t);
             let skipped = self.skipping.transparent_samples(nodes, reach, work);
             if skipped > 0 {
                 done += skipped;

@@ -1,13 +1,14 @@
 //! Visibility of the light from a sample, through the volume.
 
 use super::empty_space::Skipping;
-use super::field::{NodePath, ScalarField};
+use super::field::ScalarField;
 use super::steps::Steps;
 use crate::geometry::{Aabb, Ray, Span, length_of};
 use crate::math;
 use crate::media::{Appearance, TransferFunction, over_length};
 use crate::render::counters::{Event, Work};
 use crate::scene::Shadow;
+use crate::volume::{NodeLine, NodePoint};
 use glam::DVec3;
 
 /// Visibility of the light from samples.
@@ -28,7 +29,7 @@ pub struct SamplePoint {
     /// World position.
     pub world: DVec3,
     /// Position in node units.
-    pub nodes: DVec3,
+    pub nodes: NodePoint,
 }
 
 /// The ray from a world point towards `light`, and its span inside the volume; `None` where it has no
@@ -96,14 +97,14 @@ impl Visibility for VolumeShadow<'_> {
         };
         work.count(Event::ShadowRay);
         let steps = Steps::over(span, self.shadow.step);
-        let path = NodePath::from(sample.nodes, ray.direction, field.lattice());
-        let reach = path.reach(self.shadow.step);
+        let line = NodeLine::from(sample.nodes, ray.direction, field.lattice());
+        let reach = line.reach(self.shadow.step);
         let reference = self.shadow.reference_step;
         let (mut sum, mut transmittance) = (0.0, 1.0);
         let mut done = 0;
         while done < steps.count() {
             let (t, length) = steps.sample(done);
-            let point = path.at(t);
+            let point = line.at(t);
             let skipped = skipping.transparent_samples(point, reach, work);
             if skipped > 0 {
                 done += skipped;

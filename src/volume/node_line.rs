@@ -1,0 +1,46 @@
+//! A line through a lattice.
+
+use super::{Lattice, NodePoint};
+use crate::geometry::Ray;
+use glam::DVec3;
+
+/// A line in node coordinates, parametrised by distance in world units.
+///
+/// The origin is taken relative to the first node before anything is scaled, so that a volume
+/// far from the world's origin loses no digits along the line.
+#[derive(Clone, Copy, Debug)]
+pub struct NodeLine {
+    /// The point at distance 0.
+    pub origin: NodePoint,
+    /// Change of the node coordinates per world unit.
+    pub direction: DVec3,
+}
+
+impl NodeLine {
+    /// The line of `ray` over `lattice`.
+    #[inline]
+    pub fn new(ray: &Ray, lattice: &Lattice) -> NodeLine {
+        NodeLine::from(lattice.to_nodes(ray.origin), ray.direction, lattice)
+    }
+
+    /// The line from `origin` along `direction`, a world vector.
+    #[inline]
+    pub fn from(origin: NodePoint, direction: DVec3, lattice: &Lattice) -> NodeLine {
+        NodeLine {
+            origin,
+            direction: direction / lattice.spacing(),
+        }
+    }
+
+    /// The point at distance `t`.
+    #[inline]
+    pub fn at(&self, t: f64) -> NodePoint {
+        NodePoint(self.origin.0 + self.direction * t)
+    }
+
+    /// Largest change of a coordinate over `length` world units.
+    #[inline]
+    pub fn reach(&self, length: f64) -> f64 {
+        self.direction.abs().max_element() * length
+    }
+}
