@@ -35,8 +35,10 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
     let number = NpyNumber::of(&header.descr)?;
     let [height, width, channels] = axes(&header.shape)?;
     check_size(width, height)?;
-    let expected = width * height * channels * number.bytes;
-    if data.len() != expected {
+    // In 64 bits: with words of 32 the product can overflow.
+    let lengths = [width, height, channels, number.bytes].map(|length| length as u64);
+    let expected: u64 = lengths.into_iter().product();
+    if data.len() as u64 != expected {
         return Err(unreadable(format!(
             "an array of shape {} and type {} has {expected} bytes, and {} follow the header",
             shown(&header.shape),

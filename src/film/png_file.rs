@@ -52,12 +52,14 @@ fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
     let limits = png::Limits {
         bytes: MOST_MEMORY as usize,
     };
-    let reader = png::Decoder::new_with_limits(Cursor::new(bytes), limits).read_info();
-    let mut reader = reader.map_err(broken)?;
-    let info = reader.info();
-    check_size(info.width as usize, info.height as usize)?;
-    check_claim(info.raw_bytes() as u64, bytes.len())?;
-    check_meaning(info)?;
+    let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
+    let header = decoder.read_header_info().map_err(broken)?;
+    check_size(header.width as usize, header.height as usize)?;
+    // In 64 bits: `raw_bytes` overflows words of 32.
+    let claimed = u64::from(header.height) * header.raw_row_length() as u64;
+    check_claim(claimed, bytes.len())?;
+    let mut reader = decoder.read_info().map_err(broken)?;
+    check_meaning(reader.info())?;
     check_palette(&mut reader)?;
 
     let mut limits = Limits::no_limits();
