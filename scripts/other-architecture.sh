@@ -67,17 +67,24 @@ build() {
     rm "$said"
     # The tests of the commands start volref by this name, and nobody but us knows about the emulator.
     if [ "$(head -c 2 "$folder/volref")" != '#!' ]; then
-        mv "$folder/volref" "$folder/volref-$name"
-        printf '#!/bin/sh\nexec %s %s "$@"\n' $emulator "$PWD/$folder/volref-$name" >"$folder/volref"
+        # In a folder of its own, since volref says by which name it was called. Cargo may have linked
+        # the same file again, which mv refuses to move.
+        mkdir -p "$folder/emulated"
+        rm -f "$folder/emulated/volref"
+        mv "$folder/volref" "$folder/emulated/volref"
+        printf '#!/bin/sh\nexec %s %s "$@"\n' $emulator "$PWD/$folder/emulated/volref" >"$folder/volref"
         chmod +x "$folder/volref"
     fi
 }
 
 run_tests() {
     local program failed=0
+    local skipped=()
+    # The memory that plans state depends on the size of a word.
+    [ "$name" != i686 ] || skipped=(--skip plan::plans_of_the_suite)
     for program in "${programs[@]}"; do
         echo "${program##*/}"
-        $emulator "$program" --quiet || failed=1
+        $emulator "$program" --quiet "${skipped[@]}" || failed=1
     done
     return $failed
 }
