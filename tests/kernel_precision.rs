@@ -260,7 +260,7 @@ fn e6_free_flight() {
         optical.see(optical_distance(u), &exact, 2.0, u);
         let sigma = octaves(-30.0, 30.0, size);
         let exact = exact / big(sigma);
-        free.see(free_flight(sigma, u).unwrap(), &exact, 3.0, (sigma, u));
+        free.see(free_flight(sigma, u), &exact, 3.0, (sigma, u));
 
         // Near the very end the condition is that of no digit at all.
         let u = u.min(1.0 - 1e-6);

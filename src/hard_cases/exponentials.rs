@@ -199,35 +199,38 @@ fn e5_opaque_and_zero_times_infinity(margin: &mut Margin) {
 }
 
 fn e6_free_flight_at_the_ends(margin: &mut Margin) {
-    let flight = |sigma, u| free_flight(sigma, u).unwrap_or(f64::NAN);
     for sigma in [0.25, 1.0, 3.0] {
         margin.exact(
             format_args!("sigma {sigma}, u = 0"),
-            flight(sigma, 0.0),
+            free_flight(sigma, 0.0),
             0.0,
         );
         let right = 36.736_800_569_677_1 / sigma;
         margin.roundings(
             format_args!("sigma {sigma}, the last u"),
-            flight(sigma, LAST),
+            free_flight(sigma, LAST),
             right,
             4.0,
         );
     }
     for (nothing, u) in [(0.0, 0.5), (-0.0, 0.0)] {
-        margin.exact("nothing to collide with", free_flight(nothing, u), None);
+        margin.exact(
+            "nothing to collide with",
+            free_flight(nothing, u),
+            f64::INFINITY,
+        );
         let collides = optical_distance(u) < optical_depth(nothing, f64::INFINITY);
         margin.holds(format_args!("no collision, sigma {nothing:?}"), !collides);
     }
     margin.roundings(
         "sigma 1e-300",
-        flight(1e-300, 0.5),
+        free_flight(1e-300, 0.5),
         6.931_471_805_599_453e299,
         4.0,
     );
     margin.exact(
         "the least sigma",
-        flight(f64::from_bits(1), LAST),
+        free_flight(f64::from_bits(1), LAST),
         f64::INFINITY,
     );
 }

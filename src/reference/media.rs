@@ -5,7 +5,7 @@ use crate::media::Phase;
 use crate::scene::Body;
 use glam::DVec3;
 
-/// A medium at a point; coefficients and emission per length and channel.
+/// A medium at a point; coefficients and emission per length and channel, at the density there.
 pub struct Properties {
     /// Extinction.
     pub sigma_t: DVec3,
@@ -17,15 +17,17 @@ pub struct Properties {
     pub phase: Phase,
 }
 
-/// The parts of a ray inside media. Media may overlap.
-pub struct Segments<'s> {
+/// A part of a ray inside a medium.
+pub struct Segment<'s> {
+    /// Where it begins and ends.
+    pub span: Span,
     ray: Ray,
-    segments: Vec<(Span, &'s Body)>,
+    body: &'s Body,
 }
 
-impl<'s> Segments<'s> {
-    /// Segments of `ray` up to distance `end`, which may be infinite.
-    pub fn along(ray: &Ray, end: f64, media: &'s [Body]) -> Segments<'s> {
+impl<'s> Segment<'s> {
+    /// Segments of `ray` up to distance `end`, which may be infinite. They overlap where media do.
+    pub fn along(ray: &Ray, end: f64, media: &'s [Body]) -> Vec<Segment<'s>> {
         let mut segments = Vec::new();
         for body in media.iter().filter(|body| !is_vacuum(body)) {
             let unbounded = Span {
@@ -36,53 +38,52 @@ impl<'s> Segments<'s> {
             for Span { near, far } in boundary.map_or(vec![unbounded], |shape| shape.spans(ray)) {
                 let far = far.min(end);
                 if near < far {
-                    segments.push((Span { near, far }, body));
+                    let (span, ray) = (Span { near, far }, *ray);
+                    segments.push(Segment { span, ray, body });
                 }
             }
         }
-        Segments {
-            ray: *ray,
-            segments,
-        }
+        segments
     }
 
-    /// From the beginning of the first segment to the end of the last; without segments nothing,
-    /// beyond every light.
-    pub fn span(&self) -> Span {
-        let spans = self.segments.iter().map(|(span, _)| *span);
-        let hull = spans.reduce(|a, b| Span {
-            near: a.near.min(b.near),
-            far: a.far.max(b.far),
-        });
-        hull.unwrap_or(Span {
-            near: f64::MAX,
-            far: f64::MAX,
+    /// Whether the medium scatters anywhere.
+    pub fn scatters(&self) -> bool {
+        self.body.medium.coefficients.sigma_s() != DVec3::ZERO
+    }
+
+    /// The medium at distance `t`; `None` outside the segment.
+    pub fn at(&self, t: f64) -> Option<Properties> {
+        if !(self.span.near <= t && t < self.span.far) {
+            return None;
+        }
+        let Body {
+            medium, density, ..
+        } = self.body;
+        let density = density
+            .as_ref()
+            .map_or(1.0, |field| field.looked_up_at(self.ray.at(t), &mut 0));
+        Some(Properties {
+            sigma_t: medium.coefficients.sigma_t() * density,
+            sigma_s: medium.coefficients.sigma_s() * density,
+            emission: medium.emission * density,
+            phase: medium.phase,
         })
     }
+}
 
-    /// The media at distance `t`.
-    pub fn at(&self, t: f64) -> Vec<Properties> {
-        let point = self.ray.at(t);
-        let mut media = Vec::new();
-        for (span, body) in &self.segments {
-            if span.near <= t && t < span.far {
-                let field = body.density.as_ref();
-                let density = field.map_or(1.0, |field| field.looked_up_at(point, &mut 0));
-                media.push(Properties {
-                    sigma_t: body.medium.coefficients.sigma_t() * density,
-                    sigma_s: body.medium.coefficients.sigma_s() * density,
-                    emission: body.medium.emission * density,
-                    phase: body.medium.phase,
-                });
-            }
-        }
-        media
-    }
+/// From the beginning of the first segment to the end of the last; `None` without segments.
+pub fn hull(segments: &[Segment]) -> Option<Span> {
+    let spans = segments.iter().map(|segment| segment.span);
+    spans.reduce(|a, b| Span {
+        near: a.near.min(b.near),
+        far: a.far.max(b.far),
+    })
+}
 
-    /// Extinction of all media at distance `t`, per length and channel.
-    pub fn extinction(&self, t: f64) -> DVec3 {
-        self.at(t).iter().map(|medium| medium.sigma_t).sum()
-    }
+/// Extinction of all media at distance `t`, per length and channel.
+pub fn extinction(segments: &[Segment], t: f64) -> DVec3 {
+    let media = segments.iter().filter_map(|segment| segment.at(t));
+    media.map(|medium| medium.sigma_t).sum()
 }
 
 /// Whether a medium neither attenuates nor emits. Tracking through one without a boundary would
@@ -96,7 +97,7 @@ fn is_vacuum(body: &Body) -> bool {
 ///
 /// Not below one over the size of a medium, however thin it is, since paths collect light at
 /// collisions; not 0 in one that only emits.
-pub fn majorant(media: &[Body]) -> f64 {
+pub fn global_majorant(media: &[Body]) -> f64 {
     let mut majorant = 0.0;
     for body in media.iter().filter(|body| !is_vacuum(body)) {
         let density = body

@@ -14,6 +14,7 @@ mod vertex;
 use crate::film::Film;
 use crate::render::{Sampling, plans};
 use crate::scene::{Model, Scene};
+use random::Exhausted;
 use thiserror::Error;
 
 /// The reason why a scene has no reference image.
@@ -57,9 +58,9 @@ pub fn render(scene: &Scene, sampling: Sampling) -> Result<Film, ReferenceError>
             Model::Classified(scene) => ray_caster::render(scene, size),
             Model::Radiative(scene) => {
                 let film = path_tracer::render(scene, size, sampling, !plan.is_sampled());
-                film.map_err(|pixel| ReferenceError::Endless {
-                    column: pixel % panel.width,
-                    row: pixel / panel.width,
+                film.map_err(|Exhausted { pixel }| ReferenceError::Endless {
+                    column: pixel as usize % panel.width,
+                    row: pixel as usize / panel.width,
                 })?
             }
             Model::Curve(_) => return Err(ReferenceError::Plot),

@@ -2,12 +2,20 @@
 
 use crate::math::rng::{Purpose, Stream};
 
-/// Numbers for one path, at most. A path that draws all of them is reported as endless.
+/// Numbers for one path, at most.
 const MOST: u32 = 1 << 26;
+
+/// A path that drew all its random numbers and did not end.
+#[derive(Clone, Copy, Debug)]
+pub struct Exhausted {
+    /// Index of its pixel.
+    pub pixel: u32,
+}
 
 /// The random numbers of one path.
 pub struct Random {
     stream: Stream,
+    pixel: u32,
     drawn: u32,
 }
 
@@ -15,26 +23,25 @@ impl Random {
     /// The numbers of sample `sample` of the pixel with index `pixel`, under `seed`.
     pub fn new(seed: u64, pixel: u32, sample: u32) -> Random {
         let stream = Stream::new(seed, pixel, sample);
-        Random { stream, drawn: 0 }
+        Random {
+            stream,
+            pixel,
+            drawn: 0,
+        }
     }
 
-    /// The next number, uniform in [0, 1); NaN once all are drawn.
-    pub fn next(&mut self) -> f64 {
-        if self.is_exhausted() {
-            return f64::NAN;
+    /// The next number, uniform in [0, 1).
+    pub fn next(&mut self) -> Result<f64, Exhausted> {
+        if self.drawn == MOST {
+            return Err(Exhausted { pixel: self.pixel });
         }
         let number = self.stream.uniform(0, Purpose::Reference, self.drawn);
         self.drawn += 1;
-        number
+        Ok(number)
     }
 
     /// The next two numbers.
-    pub fn pair(&mut self) -> [f64; 2] {
-        [self.next(), self.next()]
-    }
-
-    /// Whether all numbers are drawn.
-    pub fn is_exhausted(&self) -> bool {
-        self.drawn == MOST
+    pub fn pair(&mut self) -> Result<[f64; 2], Exhausted> {
+        Ok([self.next()?, self.next()?])
     }
 }

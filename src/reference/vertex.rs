@@ -1,6 +1,6 @@
 //! Points where a path scatters into a range of directions.
 
-use super::random::Random;
+use super::random::{Exhausted, Random};
 use crate::geometry::{Hit, Ray, SurfacePoint};
 use crate::math::Frame;
 use crate::math::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
@@ -30,10 +30,9 @@ pub enum Scatterer {
 pub struct Scattered {
     /// The ray into the new direction.
     pub ray: Ray,
-    /// By channel, response over density.
+    /// By channel, phase function or BRDF times cosine, over the density.
     pub weight: DVec3,
-    /// Density, per steradian, of the choice of direction; `None` where a mirror or glass left no
-    /// choice.
+    /// Probability density, per steradian, of the direction; `None` for a mirror and glass.
     pub pdf: Option<f64>,
 }
 
@@ -60,9 +59,9 @@ impl Vertex {
         }
     }
 
-    /// Radiance scattered back along the path for a unit of radiance from `direction`, by channel
-    /// and per steradian; and the density of [`Vertex::sample`] there.
-    pub fn response(&self, direction: DVec3) -> (DVec3, f64) {
+    /// The phase function, or the BRDF times the cosine, for light from `direction`, by channel and
+    /// per steradian; and the probability density of [`Vertex::sample`] there.
+    pub fn evaluate(&self, direction: DVec3) -> (DVec3, f64) {
         let cosine = self.axis.dot(direction).clamp(-1.0, 1.0);
         match self.scattering {
             Scatterer::Phase(phase) => {
@@ -76,9 +75,10 @@ impl Vertex {
         }
     }
 
-    /// A direction with a density in proportion to the phase function or to the cosine.
-    pub fn sample(&self, random: &mut Random) -> Option<Scattered> {
-        let numbers = random.pair();
+    /// A direction with a density in proportion to the phase function or to the cosine; `None` where
+    /// rounding leaves no ray.
+    pub fn sample(&self, random: &mut Random) -> Result<Option<Scattered>, Exhausted> {
+        let numbers = random.pair()?;
         let (local, weight) = match self.scattering {
             Scatterer::Phase(phase) => {
                 let deflection = phase.deflection(numbers[0]);
@@ -86,8 +86,11 @@ impl Vertex {
             }
             Scatterer::Diffuse(reflectance) => (cosine_hemisphere(numbers), reflectance),
         };
-        let ray = self.point.leave(Frame::around(self.axis).to_world(local))?;
-        let pdf = Some(self.response(ray.direction).1);
-        Some(Scattered { ray, weight, pdf })
+        let ray = self.point.leave(Frame::around(self.axis).to_world(local));
+        Ok(ray.map(|ray| Scattered {
+            ray,
+            weight,
+            pdf: Some(self.evaluate(ray.direction).1),
+        }))
     }
 }

@@ -11,14 +11,17 @@ pub fn optical_distance(u: f64) -> f64 {
     -ln_1p(-u)
 }
 
-/// Distance to the next collision in a homogeneous medium, `−ln(1 − u)/σ`; `None` without
-/// extinction: no collision, ever.
+/// Distance to the next collision in a homogeneous medium, `−ln(1 − u)/σ`; infinite without
+/// extinction and beyond the range of numbers: no collision, ever.
 ///
-/// Domain: `sigma_t ≥ 0` per length, `u` in [0, 1). A distance beyond the range of numbers is
-/// infinite, beyond every exit. Relative error at most 3 · 2^-53; measured on 100 000 pairs: at most
+/// Domain: `sigma_t ≥ 0` per length, `u` in [0, 1). Relative error at most 3 · 2^-53; measured on 100 000 pairs: at most
 /// 1.5 ulp.
-pub fn free_flight(sigma_t: f64, u: f64) -> Option<f64> {
-    (sigma_t > 0.0).then(|| optical_distance(u) / sigma_t)
+pub fn free_flight(sigma_t: f64, u: f64) -> f64 {
+    if sigma_t > 0.0 {
+        optical_distance(u) / sigma_t
+    } else {
+        f64::INFINITY
+    }
 }
 
 /// [`optical_distance`] of those flights alone that collide before an optical depth `τ`, with the
