@@ -38,7 +38,7 @@ pub fn unshaded(scene: &Classified, size: Size) -> Film {
                 let (t, length) = steps.sample(index);
                 let density = Cell::around(lattice, path.at(t)).trilinear(grid);
                 let own = looks.opacity(density, length);
-                let radiance = looks.colour(density) * looks.strength(density);
+                let radiance = looks.colour(density) * looks.emission(density);
                 colour += radiance * own * through;
                 let left = through * (1.0 - own);
                 opacity = match left < 0.5 {
@@ -112,7 +112,7 @@ pub fn shaded_with_shadow(scene: &Classified, size: Size) -> Film {
             }
             let visibility = exp(-(sum / shadow.reference_step) / 100.0).min(1.0);
 
-            let radiance = shaded * (looks.strength(density) * visibility);
+            let radiance = shaded * (looks.emission(density) * visibility);
             colour += radiance * own * through;
             let left = through * (1.0 - own);
             opacity = match left < 0.5 {

@@ -41,7 +41,7 @@ fn crossed(transfer: &TransferFunction, length: f64, steps: u32) -> [Layers; 2] 
         let index = f64::from(index);
         let middle = value(index + 0.5);
         let opacity = transfer.opacity(middle, step);
-        let colour = transfer.colour(middle) * transfer.strength(middle) * opacity;
+        let colour = transfer.colour(middle) * transfer.emission(middle) * opacity;
         crossed[0] = FrontToBack::add(crossed[0], colour, opacity);
         let segment = prepared.segment(value(index), value(index + 1.0), step);
         crossed[1] = FrontToBack::add(crossed[1], segment.colour, segment.opacity);

@@ -120,7 +120,7 @@ impl<'s> ShadedVolume<'s> {
     /// What an opaque sample of `value` would send back, were it neither shaded nor shadowed.
     pub fn unlit(&self, value: f64) -> DVec3 {
         let transfer_function = &self.scene.transfer_function;
-        transfer_function.colour(value) * transfer_function.strength(value)
+        transfer_function.colour(value) * transfer_function.emission(value)
     }
 
     /// The value of the field alone, at distance `t`.

@@ -113,7 +113,7 @@ impl Preintegrated {
         }
         if front == back {
             let opacity = transfer.opacity(front, length);
-            let colour = transfer.colour(front) * transfer.strength(front) * opacity;
+            let colour = transfer.colour(front) * transfer.emission(front) * opacity;
             return Layers::single(colour, opacity);
         }
         let lengths = length / transfer.reference_length;
@@ -520,7 +520,7 @@ mod tests {
             for i in 0..=30 {
                 let value = f64::from(i) * 0.1;
                 let opacity = transfer.opacity(value, 0.3);
-                let colour = transfer.colour(value) * transfer.strength(value) * opacity;
+                let colour = transfer.colour(value) * transfer.emission(value) * opacity;
                 let expected = Layers::single(colour, opacity);
                 assert_eq!(prepared.segment(value, value, 0.3), expected);
                 // And next to it: the depth follows from values that differ by roundings.

@@ -58,7 +58,7 @@ impl TransferFunction {
     /// Emission of a sample before its colour and shading: `d²` by the formula.
     /// That belongs to the assignment and to densities; the colours of a table are radiances as
     /// they stand, so there it is 1.
-    pub fn strength(&self, value: f64) -> f64 {
+    pub fn emission(&self, value: f64) -> f64 {
         match &self.appearance {
             Appearance::Formula { .. } => value * value,
             Appearance::Points(_) => 1.0,
@@ -133,7 +133,7 @@ mod tests {
         assert_eq!(table.opacity(1.0, 2.0), 0.75);
         assert!((table.opacity(1.0, 1.0) - 0.5).abs() <= f64::EPSILON);
         assert_eq!(table.opacity(-1.0, 1.0), 0.0);
-        assert_eq!(table.strength(-1000.0), 1.0);
+        assert_eq!(table.emission(-1000.0), 1.0);
     }
 
     /// The interval of the nodes is not quite that of the field between them.

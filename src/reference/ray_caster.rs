@@ -1,26 +1,35 @@
 //! The ray caster for classified volumes, as plainly as it can be written.
 //!
-//! A ray sees the volume-rendering integral over its span inside the volume, in front of the
-//! background `B` (Max 1995, §4): at distance `t` the volume has an extinction `σ` and, towards the
-//! eye, a colour `c`.
+//! The radiance along a ray is the volume-rendering integral over its span inside the volume, in
+//! front of the background `B` (Max 1995, §4): at distance `t` the volume has an extinction `σ` and,
+//! towards the eye, a colour `c`.
 //!
 //! ```text
 //! L = ∫ c(t) σ(t) T(t) dt + B T(end),     T(t) = exp(−∫₀ᵗ σ(s) ds)
 //! ```
 //!
-//! A sum over steps of length `h` replaces the integral; the middle of a step stands for all of it.
-//! The transfer function states the opacity `a₀ = 1 − exp(−σ h₀)` of each density over a reference
-//! length `h₀`, from which that of a step of any length follows (Levoy 1988):
+//! The midpoint rule, with steps of length `h`, replaces the integral. The transfer function states
+//! the opacity `a₀ = 1 − exp(−σ h₀)` of each density `d` over a reference length `h₀`, from which that
+//! of a step follows:
 //!
 //! ```text
 //! L = Σᵢ cᵢ aᵢ Tᵢ + B Tₙ,     Tᵢ = Π (1 − aⱼ) over j < i,     a = 1 − (1 − a₀)^(h/h₀)
-//! c = shade(colour(d)) · strength(d) · visibility
+//! c = shade(colour(d)) · emission(d) · visibility
 //! ```
 //!
-//! The density `d` is interpolated in the grid. `shade` is Phong's model with minus the density
-//! gradient as normal, if the scene asks for it; `strength` is `d²` for the formula of the
-//! ray-casting assignment ([`TransferOpacity`](crate::media::TransferOpacity)) and 1 for a table of
-//! points; `visibility` is the share of light that reaches the sample through the volume.
+//! `shade` is Phong's model, if the scene asks for it; its normal points against the density
+//! gradient. `visibility` is the transmittance towards the light. Transfer functions come in two
+//! forms:
+//!
+//! ```text
+//!                       a₀(d)                                 emission(d)   visibility
+//! a table of points     interpolated                          1             Π (1 − a)
+//! a formula             min(1, (1 − exp(−d²)) / (1 − f))      d²            min(1, exp(−S/100))
+//! ```
+//!
+//! The formula is that of a ray-casting assignment, with a floor `f` that the scene gives; `S` sums up
+//! the densities towards the light, so that this visibility is no transmittance of `σ`. A shadow has
+//! a step and a reference length of its own.
 //!
 //! Sources: Levoy 1988, "Display of surfaces from volume data"; Max 1995, "Optical models for
 //! direct volume rendering"; Porter & Duff 1984, "Compositing digital images".
@@ -37,87 +46,93 @@ use rayon::prelude::*;
 /// The image of `scene`: radiance, background included, and the opacity of the volume in front of
 /// it; one ray through the centre of each pixel.
 pub fn render(scene: &Classified, [width, height]: [usize; 2]) -> Film {
-    let volume = Volume {
-        scene,
-        gradients: relative_gradients(&*scene.grid),
-    };
+    let gradients = relative_gradients(&*scene.grid);
+    let caster = RayCaster { scene, gradients };
     let pixels: Vec<[f32; 4]> = (0..width * height)
         .into_par_iter()
         .map(|index| {
             let pixel = [index % width, index / width];
-            let seen = volume.cast(&scene.camera.ray(pixel, [width, height]));
-            let radiance = seen.colour + scene.background * seen.transparency;
-            [radiance.x, radiance.y, radiance.z, seen.opacity].map(|value| value as f32)
+            let volume = caster.cast(&scene.camera.ray(pixel, [width, height]));
+            let radiance = volume.colour + scene.background * volume.transparency;
+            [radiance.x, radiance.y, radiance.z, volume.opacity].map(|value| value as f32)
         })
         .collect();
     Film::with_opacity(width, height, pixels)
 }
 
-/// A scene, and the density gradient at every node of its grid, in a unit of the grid's own: shading
-/// uses the direction alone.
-struct Volume<'s> {
+struct RayCaster<'s> {
     scene: &'s Classified,
+    /// Density gradients at the nodes of the grid, all scaled by one factor: shading uses their
+    /// directions alone.
     gradients: Grid<[f32; 3]>,
 }
 
-/// The samples of a ray, composited.
-struct Composite {
+/// Samples of a ray, composited.
+struct Layer {
     /// Associated colour: multiplied by opacity.
     colour: DVec3,
-    /// Share of the light from behind that is absorbed.
+    /// Fraction of the light from behind that is absorbed.
     opacity: f64,
-    /// Share of the light from behind that passes.
+    /// Fraction of the light from behind that passes.
     transparency: f64,
 }
 
-impl Volume<'_> {
-    /// Marches along `ray` and composites its samples.
-    fn cast(&self, ray: &Ray) -> Composite {
+impl Layer {
+    const EMPTY: Layer = Layer {
+        colour: DVec3::ZERO,
+        opacity: 0.0,
+        transparency: 1.0,
+    };
+
+    /// This layer in front of `back`: the operator "over" of Porter & Duff 1984.
+    fn over(self, back: Layer) -> Layer {
+        let passed = self.transparency * back.transparency;
+        let sum = self.opacity + back.opacity * self.transparency;
+        Layer {
+            colour: self.colour + back.colour * self.transparency,
+            // The sum is the more accurate for small opacities; a large one could exceed 1 by rounding.
+            opacity: if passed < 0.5 { 1.0 - passed } else { sum },
+            transparency: passed,
+        }
+    }
+}
+
+impl RayCaster<'_> {
+    /// The samples along `ray`, composited.
+    fn cast(&self, ray: &Ray) -> Layer {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
-        let mut seen = Composite {
-            colour: DVec3::ZERO,
-            opacity: 0.0,
-            transparency: 1.0,
-        };
+        let mut seen = Layer::EMPTY;
         let Some(span) = lattice.bounds().span(ray) else {
             return seen;
         };
         let line = NodeLine::new(ray, lattice);
-        let steps = step_count(span, scene.step);
-        for step in 0..steps {
-            let index = match scene.compositing {
-                Compositing::BackToFront => steps - 1 - step,
-                Compositing::FrontToBack | Compositing::EarlyTermination(_) => step,
-            };
-            let (t, length) = sample(span, scene.step, steps, index);
-            let nodes = line.at(t);
-            let cell = Cell::around(lattice, nodes);
+        let count = step_count(span, scene.step);
+        let reversed = scene.compositing == Compositing::BackToFront;
+        for done in 0..count {
+            let index = if reversed { count - 1 - done } else { done };
+            let (t, length) = midpoint(span, scene.step, count, index);
+            let node_point = line.at(t);
+            let cell = Cell::around(lattice, node_point);
             let density = scene.interpolation.read(&*scene.grid, &cell);
             let opacity = scene.transfer_function.opacity(density, length);
             if opacity == 0.0 {
                 continue; // nothing to add, whatever its colour
             }
             let point = ray.at(t);
-            let light = scene.transfer_function.strength(density) * self.visibility(point, nodes);
-            let colour = self.shade(ray, point, &cell, density) * light * opacity;
-
-            // The operator "over" of Porter & Duff 1984.
-            let passed = seen.transparency * (1.0 - opacity);
-            if scene.compositing == Compositing::BackToFront {
-                seen.colour = colour + seen.colour * (1.0 - opacity);
-                seen.opacity = opacity + seen.opacity * (1.0 - opacity);
+            let light =
+                scene.transfer_function.emission(density) * self.visibility(point, node_point);
+            let sample = Layer {
+                colour: self.shade(ray, point, &cell, density) * light * opacity,
+                opacity,
+                transparency: 1.0 - opacity,
+            };
+            seen = if reversed {
+                sample.over(seen)
             } else {
-                seen.colour += colour * seen.transparency;
-                seen.opacity += opacity * seen.transparency;
-            }
-            seen.transparency = passed;
-            // A thin volume keeps the digits of its opacity in the sum; the sum of a thick one could
-            // exceed 1 by rounding, where the difference cannot.
-            if passed < 0.5 {
-                seen.opacity = 1.0 - passed;
-            }
-            if let Compositing::EarlyTermination(below) = scene.compositing
-                && passed < below
+                seen.over(sample)
+            };
+            if let Compositing::EarlyTermination(threshold) = scene.compositing
+                && seen.transparency < threshold
             {
                 break;
             }
@@ -136,10 +151,8 @@ impl Volume<'_> {
         phong.shade(colour, gradient, to_light, -ray.direction)
     }
 
-    /// Transmittance from `point` to the light. With the formula of the assignment
-    /// `min(1, exp(−S/100))`, `S` the sum of densities over steps of the reference length; with a
-    /// table the product of `1 − a` over all steps.
-    fn visibility(&self, point: DVec3, nodes: NodePoint) -> f64 {
+    /// Visibility of the light from `point`; 1 where the scene has no shadow.
+    fn visibility(&self, point: DVec3, node_point: NodePoint) -> f64 {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let to_light = scene.light - point;
         let (Some(shadow), Some(ray)) = (scene.shadow, Ray::new(point, to_light)) else {
@@ -152,22 +165,24 @@ impl Volume<'_> {
             near: 0.0,
             far: inside.far.min(length_of(to_light)),
         };
-        let line = NodeLine::from(nodes, ray.direction, lattice);
-        let steps = step_count(span, shadow.step);
-        let (mut sum, mut transparency) = (0.0, 1.0);
-        for index in 0..steps {
-            let (t, length) = sample(span, shadow.step, steps, index);
+        let line = NodeLine::from(node_point, ray.direction, lattice);
+        let count = step_count(span, shadow.step);
+        let samples = (0..count).map(|index| {
+            let (t, length) = midpoint(span, shadow.step, count, index);
             let cell = Cell::around(lattice, line.at(t));
-            let density = scene.interpolation.read(&*scene.grid, &cell);
-            match &scene.transfer_function.appearance {
-                Appearance::Formula { .. } => sum += density * length,
-                Appearance::Points(points) => {
-                    let opacity = points.opacity(density);
-                    transparency *= 1.0 - over_length(opacity, length / shadow.reference_step);
-                }
+            (scene.interpolation.read(&*scene.grid, &cell), length)
+        });
+        match &scene.transfer_function.appearance {
+            Appearance::Formula { .. } => {
+                let sum: f64 = samples.map(|(density, length)| density * length).sum();
+                exp(-(sum / shadow.reference_step) / 100.0).min(1.0)
             }
+            Appearance::Points(points) => samples
+                .map(|(density, length)| {
+                    1.0 - over_length(points.opacity(density), length / shadow.reference_step)
+                })
+                .product(),
         }
-        exp(-(sum / shadow.reference_step) / 100.0).min(1.0) * transparency
     }
 }
 
@@ -182,9 +197,9 @@ fn step_count(span: Span, step: f64) -> usize {
     }
 }
 
-/// Distance of the middle of step `index` of `count`, and the length of the step. Computed from the
+/// Distance of the midpoint of step `index` of `count`, and the length of the step. Computed from the
 /// index: sums of lengths accumulate rounding errors.
-fn sample(span: Span, step: f64, count: usize, index: usize) -> (f64, f64) {
+fn midpoint(span: Span, step: f64, count: usize, index: usize) -> (f64, f64) {
     if index + 1 < count {
         return (span.near + (index as f64 + 0.5) * step, step);
     }

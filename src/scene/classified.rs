@@ -311,7 +311,7 @@ impl Classified {
         let sent = if self.transfer_function.is_transparent_between(least, most) {
             0.0
         } else {
-            self.transfer_function.strength(most) * shaded
+            self.transfer_function.emission(most) * shaded
         };
         sent.max(self.background.max_element())
     }

@@ -51,7 +51,7 @@ impl Homogeneous {
         let ratio = self.length / scene.transfer_function.reference_length;
         let closed = -math::exp_m1(ratio * math::ln_1p(-a0));
         let radiance = scene.transfer_function.colour(self.density)
-            * scene.transfer_function.strength(self.density);
+            * scene.transfer_function.emission(self.density);
         let mut found = Vec::new();
         for interpolation in [Interpolation::Nearest, Interpolation::Trilinear] {
             for compositing in [Compositing::FrontToBack, Compositing::BackToFront] {

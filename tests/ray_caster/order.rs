@@ -36,7 +36,7 @@ proptest! {
         // Sums of Phong's weights, of which no cosine is above 1 by more than roundings.
         let weights = scene.phong.map_or(1.0, |p| p.ambient + p.diffuse + p.specular);
         let (_, most) = scene.grid.range();
-        let brightest = scene.transfer_function.strength(most) * weights.max(1.0);
+        let brightest = scene.transfer_function.emission(most) * weights.max(1.0);
         let [front, back] = both_orders(scene, 3);
         for (front, back) in front.iter().zip(&back) {
             let apart = (front.colour - back.colour).abs().max_element();

@@ -113,7 +113,7 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
         let visibility = self
             .visibility
             .at(sample, &self.field, &self.skipping, work);
-        shaded * (self.transfer_function.strength(density) * visibility)
+        shaded * (self.transfer_function.emission(density) * visibility)
     }
 
     /// Density at the world point `world` of `ray`, and the radiance of an opaque sample there; 0
