@@ -503,7 +503,7 @@ fn s8_equiangular_sampling() {
         let turn = big(u) * &whole;
         let (t, square) = at(&turn, &n);
         let bound = (9.0 * rounded(&turn) + 10.0) * square * U * SECOND_ORDER;
-        let found = ended.place(u);
+        let found = ended.sample(u);
         places.see_within(found, &t, bound, (distance, near, far, u));
 
         // The infinite end is a right angle and the foot away.
@@ -512,7 +512,7 @@ fn s8_equiangular_sampling() {
         let t = &d * cosine / sine;
         let square = rounded(&((&d * &d + &t * &t) / &d));
         let bound = (5.0 * rounded(&turn) + 6.0) * square * U * SECOND_ORDER;
-        far_places.see_within(endless.place(u), &t, bound, (distance, near, u));
+        far_places.see_within(endless.sample(u), &t, bound, (distance, near, u));
 
         let t = big(found);
         let density = &d / (whole * (&d * &d + &t * &t));

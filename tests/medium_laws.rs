@@ -190,7 +190,7 @@ proptest! {
     ) {
         let far = if endless { f64::INFINITY } else { near + length };
         let light = Equiangular::new(distance, near, far).unwrap();
-        let t = light.place(u);
+        let t = light.sample(u);
         prop_assert!((near..=far).contains(&t));
         let inverse_square = 1.0 / (distance * distance + t * t);
         let integral = light.angle() / distance;
@@ -202,7 +202,7 @@ proptest! {
         distance in 1e-3..10.0_f64, near in -3.0..3.0_f64, length in 1e-3..10.0_f64, u in share(),
     ) {
         let whole = Equiangular::new(distance, near, near + length).unwrap();
-        let t = whole.place(u);
+        let t = whole.sample(u);
         prop_assume!(t > near);
         let part = Equiangular::new(distance, near, t).unwrap();
         // t is rounded relative to the size of the stretch, seen from at least the distance.
@@ -243,7 +243,7 @@ fn s9_every_warp_at_the_ends_of_the_random_range() {
         assert!(truncated_free_flight_pdf(2.0, depth, opacity(6.0)) > 0.0);
         for far in [2.0, f64::INFINITY] {
             let light = Equiangular::new(1e-6, 1.0, far).unwrap();
-            assert!(light.place(u).is_finite() && light.pdf(light.place(u)) > 0.0);
+            assert!(light.sample(u).is_finite() && light.pdf(light.sample(u)) > 0.0);
         }
         let turn = phase(0.9).deflection(u);
         assert!(turn.sine().is_finite() && phase(0.9).per_steradian(&turn) > 0.0);

@@ -480,7 +480,7 @@ fn the_reference_may_be_in_the_way() {
     assert!(
         hopeless
             .reason
-            .contains("no number of samples would decide")
+            .contains("no number of samples of this image would decide")
     );
     let exact = (0..SIDE * SIDE).map(|i| truth(i).map(|value| value as f32));
     let exact = Film::new(SIDE, SIDE, exact.collect());

@@ -49,8 +49,8 @@ impl fmt::Display for Undecided {
             Undecided::Samples(advice) => advice.fmt(f),
             Undecided::Reference(bias) => write!(
                 f,
-                "no number of samples would decide: the noise of the reference alone hides a bias below \
-                 {:.2} %",
+                "no number of samples of this image would decide: the noise of the reference image alone \
+                 hides a bias below {:.2} %",
                 100.0 * bias
             ),
         }

@@ -10,7 +10,7 @@ pub struct Profile<'p> {
     pub segments: Vec<BoundedSegment>,
     /// Extinction at a distance, per length; adds what it looked up to the number.
     pub extinction: Extinction<'p>,
-    /// Places between which the extinction is smooth, or nearly so, beside the ends of segments.
+    /// KeyLines between which the extinction is smooth, or nearly so, beside the ends of segments.
     pub kinks: Vec<f64>,
     /// Densities that a look-up of the extinction looks up; 0 if that differs along the ray.
     pub densities: usize,

@@ -493,7 +493,7 @@ fn s8_light_near_the_ray(margin: &mut Margin) {
             continue;
         };
         for u in [0.0, 0.1, 0.5, 0.9, LAST] {
-            let t = light.place(u);
+            let t = light.sample(u);
             let estimate = 1.0 / (distance * distance + t * t) / light.pdf(t);
             margin.within(
                 format_args!("u = {u}, {distance:e} beside"),
@@ -584,7 +584,7 @@ fn s9_spotlight_edge_and_warps(margin: &mut Margin) {
             truncated_free_flight_pdf(2.0, depth, colliding),
         );
         let light = Equiangular::new(1e-6, 1.0, f64::INFINITY).expect("beside the ray");
-        pdf("a place before a light", light.pdf(light.place(u)));
+        pdf("a place before a light", light.pdf(light.sample(u)));
         pdf(
             "a deflection",
             henyey_greenstein(0.9).per_steradian(&henyey_greenstein(0.9).deflection(u)),

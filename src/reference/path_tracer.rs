@@ -325,7 +325,7 @@ impl<'s> PathTracer<'s> {
                     }
                     continue;
                 };
-                let from_foot = angles.place(random.next()?);
+                let from_foot = angles.sample(random.next()?);
                 let t = foot + from_foot;
                 if let Some(medium) = segment.at(t) {
                     let vertex = Vertex::in_medium(ray, t, medium.phase);

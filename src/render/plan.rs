@@ -175,7 +175,7 @@ impl<'s> Plan<'s> {
 
 fn curve_plan<'s>(panel: &'s Panel, curve: &'s Curve) -> Plan<'s> {
     const NO_LIGHT: &str = "a plot of the transfer function has no light";
-    let decisions = Decisions::new(|_| EffectFinding::Absent(NO_LIGHT), &[], &panel.places);
+    let decisions = Decisions::new(|_| EffectFinding::Absent(NO_LIGHT), &[], &panel.key_lines);
     Plan {
         panel,
         decisions: decisions.0,
@@ -183,7 +183,7 @@ fn curve_plan<'s>(panel: &'s Panel, curve: &'s Curve) -> Plan<'s> {
         warnings: vec![],
         estimator: Estimator {
             method: Method::Plot,
-            why: Reason::of("curve", NO_LIGHT, &panel.places),
+            why: Reason::of("curve", NO_LIGHT, &panel.key_lines),
         },
         kernel: Kernel::Curve(curve),
     }

@@ -5,7 +5,7 @@ use super::classified::CLASSIFIED;
 use super::curve::CURVE;
 use super::files::{Files, InputFile};
 use super::format::{Absent, Key, Kind, Literal, Rule, Table};
-use super::places::{Lines, Places};
+use super::key_lines::{KeyLines, Lines};
 use super::radiative::RADIATIVE;
 use super::reader::{Document, Origin, Reader, Reading, overridden};
 use super::sampling::{SAMPLING, SamplingTable};
@@ -133,7 +133,7 @@ pub struct Panel {
     /// Every key as read, defaults included, in a fixed order.
     pub readings: Vec<Reading>,
     /// Where the file gives what it gives.
-    pub places: Places,
+    pub key_lines: KeyLines,
 }
 
 /// What is rendered, and by which equation.
@@ -303,7 +303,7 @@ impl Panel {
             model,
             inputs: vec![],
             readings: vec![],
-            places: Places::default(),
+            key_lines: KeyLines::default(),
         }
     }
 
@@ -337,7 +337,7 @@ impl Panel {
             model,
             inputs: files.take_used(),
             readings: log.into_inner(),
-            places: Places::of(lines, table.get_ref()),
+            key_lines: KeyLines::of(lines, table.get_ref()),
         })
     }
 }

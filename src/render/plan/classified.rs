@@ -5,7 +5,7 @@ use super::{
     RayCasterFeatures, Reason, State,
 };
 use crate::media::{Appearance, Phong};
-use crate::scene::{Classified, Compositing, Panel, Places};
+use crate::scene::{Classified, Compositing, KeyLines, Panel};
 use crate::volume::Interpolation;
 
 const TRANSFER_FUNCTION: &str = "transfer_function";
@@ -17,7 +17,7 @@ const EARLY_TERMINATION: &str = "classified.early_termination";
 
 /// The plan for a classified volume.
 pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect]) -> Plan<'s> {
-    let places = &panel.places;
+    let key_lines = &panel.key_lines;
     use EffectFinding::{Absent, NotAsked};
     let null = |field: &str, reason: String| EffectFinding::Null(field.to_owned(), reason);
     let matters = |field: &str, reason: String| EffectFinding::Matters(field.to_owned(), reason);
@@ -87,11 +87,11 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
         Effect::ChromaticCoefficients => Absent("opacity is the same for all colours"),
         Effect::AnisotropicPhase => Absent("the classified model has no phase function"),
     };
-    let decisions = Decisions::new(finding, forced, places);
+    let decisions = Decisions::new(finding, forced, key_lines);
     let on = |effect| decisions.is_on(effect);
 
     let (kernel, method, why) = if !Effect::ALL.into_iter().any(on) {
-        let why = Reason::of(TRANSFER_FUNCTION, nothing(), places);
+        let why = Reason::of(TRANSFER_FUNCTION, nothing(), key_lines);
         (Kernel::Background(scene), Method::Background, why)
     } else {
         let field = match scene.interpolation {
@@ -112,16 +112,16 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
         };
         let kernel = Kernel::RayCaster { scene, features };
         let reason = "a classified volume is the composite of its samples, a step apart";
-        let why = Reason::of("classified.step", reason, places);
+        let why = Reason::of("classified.step", reason, key_lines);
         (kernel, Method::RayCasting, why)
     };
     Plan {
         panel,
         approximations: match kernel {
-            Kernel::RayCaster { .. } => early_termination(scene, places).into_iter().collect(),
+            Kernel::RayCaster { .. } => early_termination(scene, key_lines).into_iter().collect(),
             _ => vec![],
         },
-        warnings: warnings(scene, &decisions, places),
+        warnings: warnings(scene, &decisions, key_lines),
         estimator: Estimator { method, why },
         decisions: decisions.0,
         kernel,
@@ -129,11 +129,11 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
 }
 
 /// Keys of the file without any effect.
-fn warnings(scene: &Classified, decisions: &Decisions, places: &Places) -> Vec<Reason> {
+fn warnings(scene: &Classified, decisions: &Decisions, key_lines: &KeyLines) -> Vec<Reason> {
     let mut warnings = Vec::new();
     let mut warn = |key: &str, message: String| {
-        if places.has(key) {
-            warnings.push(Reason::of(key, message, places));
+        if key_lines.has(key) {
+            warnings.push(Reason::of(key, message, key_lines));
         }
     };
     for (effect, key, what) in [
@@ -161,12 +161,12 @@ fn warnings(scene: &Classified, decisions: &Decisions, places: &Places) -> Vec<R
 
 /// Bias of early ray termination: at most the transmittance at which a ray ends, times the
 /// brightest radiance of the scene.
-fn early_termination(scene: &Classified, places: &Places) -> Option<Approximation> {
+fn early_termination(scene: &Classified, key_lines: &KeyLines) -> Option<Approximation> {
     match scene.compositing {
         Compositing::EarlyTermination(below) => Some(Approximation {
             without: format!("light behind a transmittance below {below}"),
             field: EARLY_TERMINATION,
-            line: places.line(EARLY_TERMINATION),
+            line: key_lines.line(EARLY_TERMINATION),
             bias: below * scene.brightest(),
         }),
         Compositing::FrontToBack | Compositing::BackToFront => None,

@@ -1,7 +1,7 @@
 //! The decision about each effect, and the key of the scene behind it.
 
 use super::{Effect, State};
-use crate::scene::Places;
+use crate::scene::KeyLines;
 use serde::Serialize;
 use std::fmt;
 
@@ -35,12 +35,12 @@ impl Reason {
     pub(super) fn of(
         field: impl Into<String>,
         reason: impl Into<String>,
-        places: &Places,
+        key_lines: &KeyLines,
     ) -> Reason {
         let field = field.into();
         Reason {
             reason: reason.into(),
-            line: places.line(&field),
+            line: key_lines.line(&field),
             field: Some(field),
         }
     }
@@ -89,12 +89,12 @@ impl Decisions {
     pub fn new(
         finding: impl Fn(Effect) -> EffectFinding,
         forced: &[Effect],
-        places: &Places,
+        key_lines: &KeyLines,
     ) -> Decisions {
         let decide = |effect| {
             let finding = finding(effect);
             let forced = forced.contains(&effect) && matches!(finding, EffectFinding::Null(..));
-            let (state, why) = decide(finding, forced, places);
+            let (state, why) = decide(finding, forced, key_lines);
             Decision {
                 effect,
                 state,
@@ -117,21 +117,21 @@ impl Decisions {
     }
 }
 
-fn decide(finding: EffectFinding, forced: bool, places: &Places) -> (State, Reason) {
+fn decide(finding: EffectFinding, forced: bool, key_lines: &KeyLines) -> (State, Reason) {
     match finding {
         EffectFinding::Absent(reason) => (State::Elided, Reason::always(reason)),
         EffectFinding::NotAsked(field) => {
             let reason = format!("not asked for: the scene has no [{field}]");
-            (State::Omitted, Reason::of(field, reason, places))
+            (State::Omitted, Reason::of(field, reason, key_lines))
         }
         EffectFinding::LeftOut(field, reason) => {
-            (State::Omitted, Reason::of(field, reason, places))
+            (State::Omitted, Reason::of(field, reason, key_lines))
         }
-        EffectFinding::Matters(field, reason) => (State::On, Reason::of(field, reason, places)),
+        EffectFinding::Matters(field, reason) => (State::On, Reason::of(field, reason, key_lines)),
         EffectFinding::Null(field, reason) if forced => {
             let reason = format!("forced, although null: {reason}");
-            (State::On, Reason::of(field, reason, places))
+            (State::On, Reason::of(field, reason, key_lines))
         }
-        EffectFinding::Null(field, reason) => (State::Elided, Reason::of(field, reason, places)),
+        EffectFinding::Null(field, reason) => (State::Elided, Reason::of(field, reason, key_lines)),
     }
 }

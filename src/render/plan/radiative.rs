@@ -12,9 +12,9 @@ use contents::{Contents, DENSITY, SCATTERING};
 
 /// The plan for a scene of surfaces, media and lights: the cheapest kernel that is exact for it.
 pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Radiative, forced: &[Effect]) -> Plan<'s> {
-    let places = &panel.places;
-    let contents = Contents::of(scene, places);
-    let decisions = Decisions::new(|effect| contents.finding(effect), forced, places);
+    let key_lines = &panel.key_lines;
+    let contents = Contents::of(scene, key_lines);
+    let decisions = Decisions::new(|effect| contents.finding(effect), forced, key_lines);
     let on = |effect| decisions.is_on(effect);
 
     let of_media = [
@@ -61,7 +61,7 @@ impl<'s> Contents<'s> {
     /// The cheapest kernel that is exact, with the reason. Forced effects do not count: the path
     /// tracer samples the whole pixel, not its centre.
     fn kernel(&self, features: RadiativeFeatures, scatters: bool) -> (Kernel<'s>, Reason) {
-        let because = |field: String, reason: &str| Reason::of(field, reason, self.places);
+        let because = |field: String, reason: &str| Reason::of(field, reason, self.key_lines);
         let scene = self.scene;
         let line_of_sight = Kernel::LineOfSight {
             scene,

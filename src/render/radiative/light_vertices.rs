@@ -172,7 +172,7 @@ impl<E: Effects> SceneContext<'_, E> {
     ) -> Option<DVec3> {
         let tracker = &mut path.tracker;
         let (foot, angle) = distances(self, &out.ray, vertex.point())?;
-        let s = angle.place(u);
+        let s = angle.sample(u);
         let from_light = foot + s;
         let (ray, distance) = vertex.towards_point(out.ray.at(from_light))?;
         let response = self.response(vertex, ray.direction, tracker.work);

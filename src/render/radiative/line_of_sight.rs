@@ -151,7 +151,7 @@ impl<E: Effects> LineOfSight<'_, E> {
                         };
                         self.integral(
                             |u| {
-                                let s = angle.place(u);
+                                let s = angle.sample(u);
                                 at(foot + s) / angle.pdf(s)
                             },
                             [0.0, 1.0],

@@ -258,7 +258,7 @@ impl<'p, E: Effects> ScatteringPointSampler<'p, E> {
     /// The point that belongs to two numbers in [0, 1).
     pub fn sample(&self, [choice, u]: [f64; 2]) -> Option<ScatteringPoint> {
         let t = if choice < 0.5 {
-            self.foot + self.equiangular.place(u)
+            self.foot + self.equiangular.sample(u)
         } else {
             // The rest of the choice chooses the channel.
             self.flight.sample(self.segments, u, 2.0 * choice - 1.0)

@@ -4,7 +4,8 @@ use super::hypothesis::Hypothesis;
 use super::{Explanation, Misfit};
 use crate::suite::Case;
 
-/// Cases of which the scene is loaded to see whether they tell two mistakes apart, at most.
+/// Scenes loaded for a hint, at most. Loading one takes up to a quarter of a second (figure 5): two
+/// seconds in all.
 const MOST_SCENES: usize = 8;
 
 /// A mistake that leaves less than this share of an image unexplained, root mean square, leaves its

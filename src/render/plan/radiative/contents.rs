@@ -3,7 +3,7 @@
 use crate::geometry::Boundary;
 use crate::media::Density;
 use crate::optics::{Light, Material};
-use crate::scene::{Body, Places, Radiative, Scattering};
+use crate::scene::{Body, KeyLines, Radiative, Scattering};
 use glam::DVec3;
 
 pub(super) const SURFACE: &str = "radiative.surface";
@@ -25,7 +25,7 @@ pub(super) const DENSITY: &[&str] = &Radiative::DENSITY_KEYS;
 /// Contents of a scene. Media are those that have any density.
 pub(super) struct Contents<'s> {
     pub scene: &'s Radiative,
-    pub places: &'s Places,
+    pub key_lines: &'s KeyLines,
     /// Number of media.
     pub media: usize,
     pub surfaces: usize,
@@ -53,7 +53,7 @@ pub(super) struct Contents<'s> {
 }
 
 impl<'s> Contents<'s> {
-    pub fn of(scene: &'s Radiative, places: &'s Places) -> Contents<'s> {
+    pub fn of(scene: &'s Radiative, key_lines: &'s KeyLines) -> Contents<'s> {
         // A medium whose density is 0 everywhere counts as none.
         let is_there = |(_, body): &(usize, &Body)| {
             let density = body.density.as_ref();
@@ -112,7 +112,7 @@ impl<'s> Contents<'s> {
                 || scene.area_lights.iter().any(|light| any(light.radiance)),
             environment: any(scene.environment),
             scene,
-            places,
+            key_lines,
         }
     }
 
@@ -163,7 +163,7 @@ impl<'s> Contents<'s> {
     /// first of all.
     pub fn key_of(&self, index: usize, keys: &[&str]) -> String {
         let full = |key: &str| format!("{MEDIUM}[{index}].{key}");
-        let given = keys.iter().find(|key| self.places.has(&full(key)));
+        let given = keys.iter().find(|key| self.key_lines.has(&full(key)));
         full(given.unwrap_or(&keys[0]))
     }
 

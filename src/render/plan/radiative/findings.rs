@@ -158,12 +158,12 @@ impl Contents<'_> {
                 "the density is 0 everywhere in every medium that scatters, and no surface reflects",
             ),
             [ref body]
-                if self.places.has(&albedo)
+                if self.key_lines.has(&albedo)
                     && body.medium.coefficients.sigma_t() != DVec3::ZERO =>
             {
                 null(&albedo, "albedo is 0, and no surface reflects")
             }
-            [_] if self.places.has(&albedo) => null(
+            [_] if self.key_lines.has(&albedo) => null(
                 &format!("{MEDIUM}[0].sigma_t"),
                 "sigma_t is 0, and no surface reflects",
             ),
@@ -273,8 +273,8 @@ impl Contents<'_> {
     pub fn warnings(&self, decisions: &Decisions) -> Vec<Reason> {
         let mut warnings = Vec::new();
         let mut warn = |key: String, message: String| {
-            if self.places.has(&key) {
-                warnings.push(Reason::of(key, message, self.places));
+            if self.key_lines.has(&key) {
+                warnings.push(Reason::of(key, message, self.key_lines));
             }
         };
         let single = decisions.of(Effect::SingleScattering);

@@ -1,4 +1,4 @@
-//! Where the keys of a scene stand in its file.
+//! Lines of a scene file, by key.
 
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
@@ -7,14 +7,14 @@ use toml::de::{DeTable, DeValue};
 /// `classified.phong` or `radiative.medium[0].sigma_a`. A list of tables stands where its first
 /// does. Empty for a scene that was made from no file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Places(BTreeMap<String, usize>);
+pub struct KeyLines(BTreeMap<String, usize>);
 
-impl Places {
-    /// The places of the keys in `table`, which stands in the text of these `lines`.
-    pub(super) fn of(lines: &Lines, table: &DeTable<'_>) -> Places {
-        let mut places = Places::default();
-        places.note_table(lines, "", table);
-        places
+impl KeyLines {
+    /// The lines of the keys in `table`, which stands in the text of these `lines`.
+    pub(super) fn of(lines: &Lines, table: &DeTable<'_>) -> KeyLines {
+        let mut lines_of_keys = KeyLines::default();
+        lines_of_keys.note_table(lines, "", table);
+        lines_of_keys
     }
 
     /// The line, from 1, on which `key` stands; none where the file leaves it out.
@@ -93,7 +93,7 @@ octaves = 2
             text,
         };
         let root = document.parse().unwrap();
-        let places = Places::of(&Lines::of(text), root.get_ref());
+        let key_lines = KeyLines::of(&Lines::of(text), root.get_ref());
         for (key, line) in [
             ("title", 1),
             ("radiative", 2),
@@ -107,9 +107,9 @@ octaves = 2
             ("radiative.medium[1].noise", 11),
             ("radiative.medium[1].noise.octaves", 12),
         ] {
-            assert_eq!(places.line(key), Some(line), "{key}");
+            assert_eq!(key_lines.line(key), Some(line), "{key}");
         }
-        assert_eq!(places.line("radiative.medium[0].g"), None);
-        assert!(!places.has("radiative.light"));
+        assert_eq!(key_lines.line("radiative.medium[0].g"), None);
+        assert!(!key_lines.has("radiative.light"));
     }
 }
