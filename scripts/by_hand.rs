@@ -90,7 +90,12 @@ pub fn shaded_with_shadow(scene: &Classified, size: Size) -> Film {
             let towards = Ray::new(world, to_light).expect("a light outside");
             let gradient = cell.trilinear(&gradients);
             let colour_here = looks.colour(density);
-            let shaded = phong.shade(colour_here, gradient, towards.direction, -ray.direction);
+            let shaded = phong.shade(
+                colour_here,
+                gradient,
+                Some(towards.direction),
+                -ray.direction,
+            );
 
             let inside = bounds.span(&towards).map_or(0.0, |span| span.far);
             let span = Span {
@@ -98,7 +103,7 @@ pub fn shaded_with_shadow(scene: &Classified, size: Size) -> Film {
                 far: inside.min(length_of(to_light)),
             };
             let shadow_steps = Steps::over(span, shadow.step);
-            let shadow_path = NodeLine::from(nodes, towards.direction, lattice);
+            let shadow_path = NodeLine::from(nodes, *towards.direction, lattice);
             let shadow_reach = shadow_path.reach(shadow.step);
             let (mut sum, mut done) = (0.0, 0);
             while done < shadow_steps.count() {
@@ -142,7 +147,7 @@ pub fn absorbing_grid(scene: &Radiative, size: Size) -> Film {
         let Some(span) = bounds.span(&ray).filter(|span| span.near < span.far) else {
             return scene.environment;
         };
-        let column = grid.integral(ray.origin, ray.direction, span, &mut 0);
+        let column = grid.integral(ray.origin, *ray.direction, span, &mut 0);
         let through = |sigma| exp(-optical_depth(sigma, column));
         DVec3::from_array(sigma.to_array().map(through)) * scene.environment
     })
@@ -177,7 +182,7 @@ pub fn scattering_box(scene: &Radiative, size: Size) -> Film {
     };
     let sigma_t = body.medium.coefficients.sigma_t().x;
     let albedo = body.medium.coefficients.sigma_s().x / sigma_t;
-    let towards_sun = Ray::new(DVec3::ZERO, -sun.direction).expect("a direction");
+    let towards_sun = Ray::new(DVec3::ZERO, -*sun.direction).expect("a direction");
     let scattered = DVec3::splat(1.0 / (4.0 * PI)) * sun.irradiance;
 
     let mut moments = Vec::with_capacity(size[0] * size[1]);
@@ -220,7 +225,7 @@ pub fn scattering_box(scene: &Radiative, size: Size) -> Film {
                 let [u, v] = random.pair(bounce, Purpose::PhaseDirection, 0);
                 let turn = Deflection::from_cos(2.0 * u - 1.0);
                 let direction = Frame::around(ray.direction).to_world(turn.direction(v));
-                ray = Ray::new(point, direction).expect("a direction");
+                ray = Ray::new(point, *direction).expect("a direction");
                 let survival: f64 = (2.0 * carried / first).min(1.0);
                 if survival < 1.0 {
                     if random.uniform(bounce, Purpose::Roulette, 0) >= survival {

@@ -356,14 +356,14 @@ fn rules_on_a_grid() {
             .iter()
             .map(|ray| {
                 let span = density.bounds().span(ray).unwrap();
-                density.integral(ray.origin, ray.direction, span, &mut 0)
+                density.integral(ray.origin, *ray.direction, span, &mut 0)
             })
             .collect();
         let collocation = Collocation::new();
         for (ray, exact) in rays.iter().zip(&exact) {
             let span = density.bounds().span(ray).unwrap();
             let mut cuts = vec![span.near];
-            let pieces = density.smooth_stretches(ray.origin, ray.direction, span);
+            let pieces = density.smooth_stretches(ray.origin, *ray.direction, span);
             cuts.extend(pieces.map(|piece| piece.far));
             let light = collocation.light(&cuts, 1e-14, |t| Here {
                 extinction: density.density(ray.at(t)),
@@ -445,7 +445,7 @@ fn finer_data() {
                 let span = density.bounds().span(ray).unwrap();
                 let exact =
                     quadrature::integral(span.near, span.far, 64, |t| blob().density(ray.at(t)));
-                let found = density.integral(ray.origin, ray.direction, span, &mut 0);
+                let found = density.integral(ray.origin, *ray.direction, span, &mut 0);
                 errors.add((found - exact) / exact);
             }
             errors.norms(1.0)

@@ -106,8 +106,8 @@ proptest! {
 
     #[test]
     fn normals_stay_normal(map in transform(), a in direction(), b in direction()) {
-        let Some(normal) = direction_of(a.cross(b)) else { return Ok(()) };
-        let tangent = map.direction(a);
+        let Some(normal) = Direction::of(a.cross(b)) else { return Ok(()) };
+        let tangent = map.vector(a);
         let cosine = map.normal(normal).dot(tangent / tangent.length());
         // `normal` itself is off by a few roundings over the sine of the angle between a and b.
         let sine = a.cross(b).length() / (a.length() * b.length());
@@ -116,7 +116,7 @@ proptest! {
 
     #[test]
     fn a_matrix_and_its_factors_agree(map in transform(), p in vector(1.0)) {
-        let column = |v: DVec3| map.direction(v);
+        let column = |v: DVec3| map.vector(v);
         let matrix = DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z));
         let again = Transform::from_matrix(matrix, map.point(DVec3::ZERO)).unwrap();
         let q = map.point(p);
@@ -130,7 +130,7 @@ proptest! {
         if let Some(hit) = sphere.hit(&ray, f64::INFINITY) {
             // On a grazed ellipsoid the distance is as good as the root of the error.
             prop_assert!((ray.at(hit.t) - hit.point.position).length() <= 1e-5);
-            let facing = hit.point.normal.dot(ray.direction);
+            let facing = hit.point.normal.cosine_to(ray.direction);
             prop_assert!((facing < 1e-6) == (hit.side == Side::Front) || facing.abs() < 1e-6);
         }
     }
@@ -248,7 +248,7 @@ fn spread(index: usize, dimension: usize) -> f64 {
     (index as f64 * steps[dimension % 3] + 0.37 * dimension as f64).fract()
 }
 
-fn sphere_direction(index: usize) -> DVec3 {
+fn sphere_direction(index: usize) -> Direction {
     let unit = Sphere::new(DVec3::ZERO, 1.0).unwrap();
     unit.sample([spread(index, 0), spread(index, 1)]).normal
 }
@@ -344,7 +344,7 @@ fn the_smoke_boxes_of_the_source() {
     let span = placed.spans(&Ray::new(top, DVec3::NEG_Y).unwrap())[0];
     assert!((span.near - 170.0).abs() < 1e-12 && (span.far - 500.0).abs() < 1e-12);
     // Across, along its own x axis, and as a mesh.
-    let along = placed.to_world().direction(DVec3::X);
+    let along = placed.to_world().vector(DVec3::X);
     let ray = Ray::new(
         placed.to_world().point(DVec3::new(-10.0, 99.0, 40.0)),
         along,
@@ -370,13 +370,15 @@ fn g11_leave(shape: &dyn Solid, convex: bool) -> (usize, usize) {
         let Some(hit) = hit else { continue };
         let normal = hit.point.normal;
         let any = sphere_direction(3 * index + 1);
-        let along = (any - normal * any.dot(normal)).normalize();
+        let along = (*any - normal * any.cosine_to(normal)).normalize();
         let steepness = [1.0, 1e-3, 1e-8, 1e-12][index % 4];
-        let outward = hit.point.leave(along + normal * steepness).unwrap();
+        let outward = Direction::of(along + normal * steepness).unwrap();
+        let outward = hit.point.leave(outward).unwrap();
         if convex && shape.hit(&outward, f64::INFINITY).is_some() {
             self_hits += 1;
         }
-        let inward = hit.point.leave(-any * any.dot(normal).signum()).unwrap();
+        let is_inward = any.cosine_to(normal) < 0.0;
+        let inward = hit.point.leave(if is_inward { any } else { -any }).unwrap();
         match shape.hit(&inward, f64::INFINITY) {
             Some(exit) if exit.side == Side::Back => {}
             _ => leaks += 1,
@@ -467,7 +469,7 @@ fn g11_shadow_rays_meet_neither_end() {
             assert!(floor.hit(&ray, limit).is_none() && light.hit(&ray, limit).is_none());
             let at_ball = ball.sample(place(3));
             let (ray, limit) = at_ball.towards(&at_light).unwrap();
-            let facing = at_ball.normal.dot(ray.direction) > 0.0;
+            let facing = at_ball.normal.cosine_to(ray.direction) > 0.0;
             assert_eq!(ball.hit(&ray, limit).is_none(), facing);
         }
     }

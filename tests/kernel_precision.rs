@@ -428,9 +428,9 @@ fn d2_integrals_of_grids() {
         if span.length() == 0.0 {
             continue;
         }
-        let found = density.integral(ray.origin, ray.direction, span, &mut 0);
-        let exact = grids::integral(density, ray.origin, ray.direction, span);
-        let bound = grids::integral_error(density, ray.origin, ray.direction, span);
+        let found = density.integral(ray.origin, *ray.direction, span, &mut 0);
+        let exact = grids::integral(density, ray.origin, *ray.direction, span);
+        let bound = grids::integral_error(density, ray.origin, *ray.direction, span);
         let worst = match density.interpolation() {
             Interpolation::Trilinear => &mut trilinear,
             Interpolation::Nearest => &mut nearest,

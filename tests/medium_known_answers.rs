@@ -15,7 +15,7 @@ use entries::{Entry, numbers};
 use glam::DVec3;
 use quadrature::integral;
 use std::f64::consts::TAU;
-use volref::geometry::{Aabb, Boundary, Camera, Ray, Solid, Sphere, direction_of};
+use volref::geometry::{Aabb, Boundary, Camera, Direction, Ray, Solid, Sphere};
 use volref::math::quadrature::cubic_integral;
 use volref::math::rng::{Purpose, Stream};
 use volref::math::sampling::*;
@@ -344,13 +344,12 @@ fn length_in(solid: &impl Solid, entry: &Entry) -> f64 {
 }
 
 fn linear_depth(entry: &Entry) -> f64 {
-    let (origin, towards) = (
-        entry.vector("origin"),
-        entry.vector("direction_unnormalised"),
-    );
-    let ray = Ray::new(origin, towards).unwrap();
+    let line = DensityLine {
+        origin: entry.vector("origin"),
+        direction: *Direction::of(entry.vector("direction_unnormalised")).unwrap(),
+    };
     let ramp = LinearRamp::new(1.0, DVec3::ZERO, entry.vector("gradient")).unwrap();
-    let profile = LinearProfile::along(&ray, &ramp, entry.input("sigma0"));
+    let profile = LinearProfile::along(&line, &ramp, entry.input("sigma0"));
     profile.optical_depth(entry.input("t_min"), entry.input("t_max"))
 }
 
@@ -364,9 +363,9 @@ fn exponential_depth(entry: &Entry) -> f64 {
 }
 
 fn gaussian_depth(entry: &Entry) -> f64 {
-    let direction = direction_of(entry.vector("direction_unnormalised")).unwrap();
+    let direction = Direction::of(entry.vector("direction_unnormalised")).unwrap();
     let (origin, width) = (entry.vector("origin"), entry.input("width"));
-    let centre = -origin.dot(direction);
+    let centre = -origin.dot(*direction);
     let closest = origin + direction * centre;
     let profile = GaussianProfile {
         peak: entry.input("sigma0") * exp(-closest.length_squared() / (2.0 * width * width)),

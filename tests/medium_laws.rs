@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 use volref::math::rng::{Purpose, Stream};
 use volref::math::sampling::*;
-use volref::math::{Frame, Moments, Sum};
+use volref::math::{Direction, Frame, Moments, Sum};
 use volref::media::profiles::*;
 use volref::media::*;
 
@@ -42,7 +42,7 @@ fn share() -> impl Strategy<Value = f64> {
     ]
 }
 
-fn direction() -> impl Strategy<Value = DVec3> {
+fn direction() -> impl Strategy<Value = Direction> {
     (share(), share()).prop_map(|(u, v)| sphere([u, v]))
 }
 
@@ -219,8 +219,8 @@ proptest! {
 
 fn orthonormality_error(Frame { x, y, z }: Frame) -> f64 {
     let lengths = [x, y].map(|axis| (axis.length_squared() - 1.0).abs());
-    let angles = [x.dot(y), y.dot(z), z.dot(x)].map(f64::abs);
-    let handedness = (x.cross(y) - z).length();
+    let angles = [x.cosine_to(y), y.cosine_to(z), z.cosine_to(x)].map(f64::abs);
+    let handedness = (x.cross(*y) - *z).length();
     let errors = lengths.into_iter().chain(angles).chain([handedness]);
     errors.fold(0.0, f64::max)
 }

@@ -287,7 +287,7 @@ fn rays_follow_from_the_bundle() {
         let expected = volume.camera.ray([x, y], [256, 256]);
         assert_eq!(vector(&ray["eye"]), expected.origin.to_array());
         // Components of at most 1, after a dozen roundings.
-        let off = (direction - expected.direction).abs().max_element();
+        let off = (direction - *expected.direction).abs().max_element();
         assert!(off <= 12.0 * f64::EPSILON, "{off:e}");
     }
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;
-use volref::geometry::{Boundary, Emitter, Luminous, Ray, Shape, Solid, Surface};
+use volref::geometry::{Boundary, Direction, Emitter, Luminous, Ray, Shape, Solid, Surface};
 use volref::media::{Asymmetry, Draine, Droplets, Phase};
 use volref::optics::{Light, Material, Sides};
 use volref::render::{Effect, Plan};
@@ -200,9 +200,9 @@ directional = {{ direction = [0, -2, 0], irradiance = 3 }}
         panic!("{:?}", radiative(&scene, 0).lights)
     };
     assert_eq!(point.intensity, DVec3::splat(10.0));
-    assert_eq!(spot.axis(), DVec3::NEG_Y);
+    assert_eq!(spot.axis(), Direction::NEG_Y);
     assert_eq!(spot.outer(), 30.0_f64.to_radians());
-    assert_eq!(sun.direction, DVec3::NEG_Y);
+    assert_eq!(sun.direction, Direction::NEG_Y);
     assert!(schema_accepts(&more));
 }
 
@@ -263,7 +263,7 @@ fn surfaces_that_send_out_light() {
     // Outside is in front, mirrored or not.
     let ray = Ray::new(DVec3::new(-0.4, 0.7, -2.0), DVec3::Z).unwrap();
     let hit = cuboid.hit(&ray, f64::INFINITY).unwrap();
-    assert_eq!((hit.t, hit.point.normal), (2.0, DVec3::NEG_Z));
+    assert_eq!((hit.t, hit.point.normal), (2.0, Direction::NEG_Z));
     let gem = luminous("mesh = { file = \"../../meshes/gem.obj\" }\ntranslate = [0, 1, 0]");
     assert!(matches!(gem, Luminous::Mesh(_)));
 }

@@ -147,7 +147,7 @@ impl<'s> ShadedVolume<'s> {
         let mut cuts = vec![span.near];
         let pieces = self
             .density
-            .smooth_stretches(ray.origin, ray.direction, span);
+            .smooth_stretches(ray.origin, *ray.direction, span);
         cuts.extend(pieces.map(|piece| piece.far));
         let mut work = Counters::default();
         if let Appearance::Points(points) = &self.scene.transfer_function.appearance {
@@ -360,7 +360,7 @@ impl Visibility for ExactShadow {
         };
         work.count(Event::ShadowRay);
         let mut lookups = 0;
-        let (origin, direction) = (ray.origin, ray.direction);
+        let (origin, direction) = (ray.origin, *ray.direction);
         let sum = self.density.integral(origin, direction, span, &mut lookups);
         work.count_times(Event::DensityLookup, lookups);
         exp(-(sum / self.reference_step) / 100.0).min(1.0)

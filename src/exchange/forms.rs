@@ -85,7 +85,7 @@ impl Form {
         let corner = to_world.point(cuboid.min);
         let size = cuboid.size();
         let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-        let mut edges = axes.map(|axis| to_world.direction(axis * size));
+        let mut edges = axes.map(|axis| to_world.vector(axis * size));
         if let Some(flat) = (0..3).find(|&axis| size[axis] == 0.0) {
             let edges = [edges[(flat + 1) % 3], edges[(flat + 2) % 3]];
             return Form::Rectangle { corner, edges };
@@ -224,7 +224,7 @@ impl Form {
 
 /// The factor of a map that keeps all angles; `None` if it stretches some directions more.
 fn even_scale(to_world: &Transform) -> Option<f64> {
-    let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.direction(axis));
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.vector(axis));
     let lengths = axes.map(DVec3::length);
     // The columns of a turn are off by a dozen roundings at most, and their lengths with them.
     let even = |length: f64| (length - lengths[0]).abs() <= 32.0 * f64::EPSILON * lengths[0];

@@ -25,7 +25,7 @@ use super::nested_media::{NestedMedium, PlacedGrid, key_of};
 use super::refusal::Faults;
 use super::view::{ahead, degrees};
 use super::{Export, Format, Refusal};
-use crate::geometry::{Aabb, Transform};
+use crate::geometry::{Aabb, Direction, Transform};
 use crate::media::Phase;
 use crate::optics::{Light, Material, Sides};
 use crate::scene::{Panel, Radiative};
@@ -300,7 +300,7 @@ impl MitsubaWriter<'_> {
             }
             Light::Directional(light) => {
                 let parts = [
-                    vector("direction", light.direction),
+                    vector("direction", *light.direction),
                     rgb("irradiance", light.irradiance),
                 ];
                 self.element("emitter", "directional", "", &parts);
@@ -538,15 +538,15 @@ fn is_right_angled([u, v]: &[DVec3; 2]) -> bool {
     u.dot(*v).abs() <= 16.0 * f64::EPSILON * u.length() * v.length()
 }
 
-/// A direction perpendicular to `axis`, well away from it.
-fn across(axis: DVec3) -> DVec3 {
+/// A vector perpendicular to `axis`, well away from it.
+fn across(axis: Direction) -> DVec3 {
     axis.any_orthonormal_vector()
 }
 
 /// The map that puts the unit cube where `to_world` puts a box.
 fn unit_cube_to(cube: &Aabb, to_world: &Transform) -> String {
     let size = cube.size();
-    let edges = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.direction(axis * size));
+    let edges = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.vector(axis * size));
     let [u, v, w] = edges;
     matrix([u, v, w, to_world.point(cube.min)])
 }

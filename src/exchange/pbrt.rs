@@ -464,7 +464,7 @@ impl PbrtWriter<'_, '_> {
             }
             Light::Directional(light) => {
                 let irradiance = self.rgb("L", light.irradiance);
-                let (from, to) = (point("from", DVec3::ZERO), point("to", light.direction));
+                let (from, to) = (point("from", DVec3::ZERO), point("to", *light.direction));
                 format!("LightSource \"distant\" {from} {to} {irradiance}")
             }
         };
@@ -613,7 +613,7 @@ fn listed(v: DVec3) -> String {
 
 /// The sixteen numbers of a map, column by column, as pbrt takes them.
 fn matrix(map: &Transform) -> String {
-    let columns = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| map.direction(axis));
+    let columns = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| map.vector(axis));
     let [x, y, z] = columns.map(listed);
     format!("{x} 0  {y} 0  {z} 0  {} 1", listed(map.point(DVec3::ZERO)))
 }

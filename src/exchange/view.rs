@@ -1,6 +1,6 @@
 //! The eye, in the numbers that other renderers ask for.
 
-use crate::geometry::Camera;
+use crate::geometry::{Camera, Direction};
 use crate::math::atan2;
 use glam::DVec3;
 
@@ -25,8 +25,8 @@ impl ExportView {
         ExportView {
             eye: middle.origin,
             target: ahead(middle.origin, middle.direction),
-            up: (upper - lower).normalize(),
-            vertical_fov: degrees(atan2(upper.cross(lower).length(), upper.dot(lower))),
+            up: (*upper - *lower).normalize(),
+            vertical_fov: degrees(atan2(upper.cross(*lower).length(), upper.cosine_to(lower))),
         }
     }
 
@@ -41,15 +41,15 @@ impl ExportView {
     }
 }
 
-/// A point of the ray from `origin` along the unit vector `direction`, at the distance of the largest
-/// coordinate of `origin` in magnitude, or 1 from the world's origin. Both points rounded to 32 bits,
-/// their difference is off by a few roundings, whatever the unit of length.
-pub(super) fn ahead(origin: DVec3, direction: DVec3) -> DVec3 {
+/// A point of the ray from `origin` along `direction`, at the distance of the largest coordinate of
+/// `origin` in magnitude, or 1 from the world's origin. Both points rounded to 32 bits, their
+/// difference is off by a few roundings, whatever the unit of length.
+pub(super) fn ahead(origin: DVec3, direction: Direction) -> DVec3 {
     let distance = match origin.abs().max_element() {
         0.0 => 1.0,
         reach => reach,
     };
-    origin + distance * direction
+    origin + direction * distance
 }
 
 /// Degrees, to twelve digits after the point: what conversions to radians and back have left of

@@ -1,9 +1,17 @@
 //! The faces of an axis-aligned box as a surface, and its inside as a solid.
 
-use super::aabb::FacePassage;
 use super::hit::RELATIVE_CLEARANCE;
-use super::{Aabb, Hit, Ray, Side, Solid, Span, Surface, SurfacePoint};
-use glam::DVec3;
+use super::{Aabb, Direction, Hit, Ray, Side, Solid, Span, Surface, SurfacePoint};
+
+/// Outward normals, by face.
+const NORMALS: [Direction; 6] = [
+    Direction::NEG_X,
+    Direction::NEG_Y,
+    Direction::NEG_Z,
+    Direction::X,
+    Direction::Y,
+    Direction::Z,
+];
 
 impl Surface for Aabb {
     fn bounds(&self) -> Aabb {
@@ -22,11 +30,12 @@ impl Surface for Aabb {
         }
         let forward = ray.direction[passage.axis] > 0.0;
         let upper = forward == (side == Side::Back);
+        let face = passage.axis + if upper { 3 } else { 0 };
         Some(Hit {
             t: passage.t,
-            point: point(self, ray, passage, upper),
+            point: point(self, ray, passage.t, face),
             side,
-            face: passage.axis + if upper { 3 } else { 0 },
+            face,
             uv: [0.0; 2],
         })
     }
@@ -38,25 +47,19 @@ impl Solid for Aabb {
     }
 }
 
-/// The point where the ray passes the maximum (`upper`) or minimum face of an axis: exactly
-/// in that face, and not beyond its edges.
+/// The point where the ray passes a face, at distance `t`: exactly in that face, and not beyond
+/// its edges.
 ///
 /// So the point needs no clearance for itself. A ray that starts off the face by more than
 /// a rounding of its coordinate is on the right side of it in [`passages`](Aabb::passages),
 /// where the sign of `face − origin` is exact.
-fn point(bounds: &Aabb, ray: &Ray, passage: FacePassage, upper: bool) -> SurfacePoint {
-    let mut position = ray.at(passage.t).clamp(bounds.min, bounds.max);
-    let mut normal = DVec3::ZERO;
-    let (face, outward) = if upper {
-        (bounds.max, 1.0)
-    } else {
-        (bounds.min, -1.0)
-    };
-    position[passage.axis] = face[passage.axis];
-    normal[passage.axis] = outward;
+fn point(bounds: &Aabb, ray: &Ray, t: f64, face: usize) -> SurfacePoint {
+    let (corner, axis) = ([bounds.min, bounds.max][face / 3], face % 3);
+    let mut position = ray.at(t).clamp(bounds.min, bounds.max);
+    position[axis] = corner[axis];
     SurfacePoint {
         position,
-        normal,
+        normal: NORMALS[face],
         clearance: RELATIVE_CLEARANCE * bounds.reach(),
     }
 }
@@ -65,6 +68,7 @@ fn point(bounds: &Aabb, ray: &Ray, passage: FacePassage, upper: bool) -> Surface
 mod tests {
     use super::*;
     use crate::geometry::ShapeError;
+    use glam::DVec3;
 
     const UNIT: Aabb = Aabb {
         min: DVec3::ZERO,
@@ -98,16 +102,16 @@ mod tests {
         let up = [0.0, 0.0, 1.0];
         assert_eq!(
             hit([0.5, 0.5, -1.0], up),
-            (1.0, 2, Side::Front, DVec3::NEG_Z)
+            (1.0, 2, Side::Front, Direction::NEG_Z)
         );
-        assert_eq!(hit([0.5, 0.5, 0.5], up), (0.5, 5, Side::Back, DVec3::Z));
+        assert_eq!(hit([0.5, 0.5, 0.5], up), (0.5, 5, Side::Back, Direction::Z));
         assert_eq!(
             hit([2.0, 0.5, 0.5], [-1.0, 0.0, 0.0]),
-            (1.0, 3, Side::Front, DVec3::X)
+            (1.0, 3, Side::Front, Direction::X)
         );
         assert_eq!(
             hit([0.5, 0.5, 0.5], [-1.0, 0.0, 0.0]),
-            (0.5, 0, Side::Back, DVec3::NEG_X)
+            (0.5, 0, Side::Back, Direction::NEG_X)
         );
     }
 }

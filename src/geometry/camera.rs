@@ -1,6 +1,6 @@
 //! The pinhole camera.
 
-use super::{Ray, direction_of};
+use super::{Direction, Ray};
 use crate::math;
 use glam::DVec3;
 use thiserror::Error;
@@ -13,8 +13,8 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     eye: DVec3,
-    forward: DVec3,
-    upright: DVec3,
+    forward: Direction,
+    upright: Direction,
     /// Half the height of the image plane at distance 1, along the image's two axes.
     half_right: DVec3,
     half_up: DVec3,
@@ -40,11 +40,11 @@ impl Camera {
         up: DVec3,
         vertical_fov: f64,
     ) -> Result<Camera, CameraError> {
-        let forward = direction_of(target - eye).ok_or(CameraError::NoDirection)?;
-        let up = direction_of(up).ok_or(CameraError::NoUpright)?;
-        let right = direction_of(forward.cross(up)).ok_or(CameraError::NoUpright)?;
+        let forward = Direction::of(target - eye).ok_or(CameraError::NoDirection)?;
+        let up = Direction::of(up).ok_or(CameraError::NoUpright)?;
+        let right = Direction::of(forward.cross(*up)).ok_or(CameraError::NoUpright)?;
         let half = math::tan(0.5 * vertical_fov);
-        let upright = right.cross(forward);
+        let upright = Direction::unit(right.cross(*forward));
         Ok(Camera {
             eye,
             forward,
@@ -74,13 +74,13 @@ impl Camera {
         }
     }
 
-    /// Upwards in the image, of length 1 and at a right angle to [`Camera::forward`].
-    pub fn upright(&self) -> DVec3 {
+    /// Upwards in the image, at a right angle to [`Camera::forward`].
+    pub fn upright(&self) -> Direction {
         self.upright
     }
 
-    /// Direction of the middle of the image, of length 1.
-    pub fn forward(&self) -> DVec3 {
+    /// Direction of the middle of the image.
+    pub fn forward(&self) -> Direction {
         self.forward
     }
 
@@ -111,11 +111,11 @@ impl Camera {
 
     /// The ray at twice the distance in pixels from the image centre, to the right and down.
     fn ray_at(&self, across: f64, down: f64, height: usize) -> Ray {
-        let towards = self.forward + self.half_right * (across / height as f64)
+        let towards = *self.forward + self.half_right * (across / height as f64)
             - self.half_up * (down / height as f64);
         Ray {
             origin: self.eye,
-            direction: towards / towards.length(),
+            direction: Direction::unit(towards / towards.length()),
         }
     }
 }
@@ -135,7 +135,7 @@ mod tests {
         assert!(top_left.x > 0.0 && top_left.y > 0.0 && top_left.z > 0.0);
         let bottom_right = camera().ray([3, 3], [4, 4]).direction;
         assert_eq!(
-            bottom_right,
+            *bottom_right,
             DVec3::new(-top_left.x, -top_left.y, top_left.z)
         );
     }

@@ -26,7 +26,7 @@
 //! Sources: Wächter & Binder 2019, "A fast and robust method for avoiding self-intersection",
 //! Ray Tracing Gems, ch. 6; Pharr, Jakob & Humphreys 2023, *Physically Based Rendering*, §6.8.
 
-use super::{Ray, direction_of};
+use super::{Direction, Ray};
 use glam::DVec3;
 
 /// The unit of clearance, 2^−44 = 512u, relative to a shape's largest coordinate. Each shape
@@ -47,9 +47,9 @@ pub enum Side {
 pub struct SurfacePoint {
     /// World point, on the surface up to a quarter of `clearance`.
     pub position: DVec3,
-    /// Unit geometric normal: outward for closed shapes, by the order of edges or vertices for
-    /// open ones. It does not turn towards the ray.
-    pub normal: DVec3,
+    /// Geometric normal: outward for closed shapes, by the order of edges or vertices for open
+    /// ones. It does not turn towards the ray.
+    pub normal: Direction,
     /// How far off the surface a ray must start not to meet it, in world units.
     pub clearance: f64,
 }
@@ -71,11 +71,11 @@ pub struct Hit {
 }
 
 impl SurfacePoint {
-    /// The ray that leaves the surface towards `direction` (any length; `None` if it is zero):
-    /// it starts off the surface, on the side it heads for. A direction exactly along the
-    /// surface counts as heading for the front.
-    pub fn leave(&self, direction: DVec3) -> Option<Ray> {
-        Ray::new(self.origin_towards(direction), direction)
+    /// The ray that leaves the surface along `direction`, brought to length 1 once more; `None`
+    /// where roundings have left nothing of it. It starts off the surface, on the side it heads
+    /// for. A direction exactly along the surface counts as heading for the front.
+    pub fn leave(&self, direction: Direction) -> Option<Ray> {
+        Ray::new(self.origin_towards(*direction), *direction)
     }
 
     /// The ray from this point to another one, and the distance at which to stop looking for
@@ -85,20 +85,20 @@ impl SurfacePoint {
         let line = other.position - self.position;
         let (from, to) = (self.origin_towards(line), other.origin_towards(-line));
         let ray = Ray::new(from, to - from)?;
-        Some((ray, (to - from).dot(ray.direction)))
+        Some((ray, (to - from).dot(*ray.direction)))
     }
 
     /// The ray from this point to a point in free space, and its distance.
     pub fn towards_point(&self, target: DVec3) -> Option<(Ray, f64)> {
         let from = self.origin_towards(target - self.position);
         let ray = Ray::new(from, target - from)?;
-        Some((ray, (target - from).dot(ray.direction)))
+        Some((ray, (target - from).dot(*ray.direction)))
     }
 
-    fn origin_towards(&self, direction: DVec3) -> DVec3 {
-        // Products of a normal and a tiny direction may vanish: compare what has length 1.
-        let direction = direction_of(direction).unwrap_or(DVec3::ZERO);
-        let off = if direction.dot(self.normal) < 0.0 {
+    fn origin_towards(&self, towards: DVec3) -> DVec3 {
+        // Products of a normal and a tiny vector may vanish: compare what has length 1.
+        let behind = |direction: Direction| direction.cosine_to(self.normal) < 0.0;
+        let off = if Direction::of(towards).is_some_and(behind) {
             -self.clearance
         } else {
             self.clearance

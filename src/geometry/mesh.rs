@@ -3,7 +3,7 @@
 use super::bvh::Bvh;
 use super::crossing::{RayFrame, TriangleCrossing};
 use super::hit::RELATIVE_CLEARANCE;
-use super::{Aabb, Emitter, Hit, MeshError, Ray, Surface, SurfacePoint, Transform, direction_of};
+use super::{Aabb, Direction, Emitter, Hit, MeshError, Ray, Surface, SurfacePoint, Transform};
 use crate::math::Sum;
 use glam::DVec3;
 
@@ -13,7 +13,7 @@ use glam::DVec3;
 pub struct Mesh {
     vertices: Vec<DVec3>,
     faces: Vec<[usize; 3]>,
-    normals: Vec<DVec3>,
+    normals: Vec<Direction>,
     /// Area of all faces up to and including each.
     areas: Vec<f64>,
     bounds: Aabb,
@@ -205,21 +205,21 @@ fn corners(vertices: &[DVec3], face: [usize; 3], number: usize) -> Result<[DVec3
     Ok(corners)
 }
 
-/// The unit normal, or `None` for corners on a line.
-fn normal([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
+/// The normal, or `None` for corners on a line.
+fn normal([a, b, c]: [DVec3; 3]) -> Option<Direction> {
     perpendicular(b - a, c - a)
 }
 
-/// The unit vector perpendicular to two others, or `None` where they are parallel up to
+/// The direction perpendicular to two others, or `None` where they are parallel up to
 /// rounding.
-pub(super) fn perpendicular(first: DVec3, second: DVec3) -> Option<DVec3> {
-    let across = direction_of(first)?.cross(direction_of(second)?);
+pub(super) fn perpendicular(first: DVec3, second: DVec3) -> Option<Direction> {
+    let across = Direction::of(first)?.cross(*Direction::of(second)?);
     // Each component is a difference of products of numbers off by 4u: an error of at most 10u,
     // so below 16·√3·u the direction of the product is noise.
     if across.length() <= 16.0 * f64::EPSILON {
         return None;
     }
-    direction_of(across)
+    Direction::of(across)
 }
 
 #[cfg(test)]
@@ -258,7 +258,7 @@ mod tests {
         let (above, below) = (hit(2.0), hit(-3.0));
         assert_eq!((above.t, above.side), (2.0, super::super::Side::Front));
         assert_eq!((below.t, below.side), (3.0, super::super::Side::Back));
-        assert_eq!(above.point.normal, DVec3::Z);
+        assert_eq!(above.point.normal, Direction::Z);
         assert_eq!(above.uv, [0.25, 0.5]);
         assert_eq!(above.point.position, DVec3::new(0.25, 0.5, 0.0));
         assert_eq!(mesh.area(), 0.5);

@@ -25,6 +25,7 @@ mod sphere;
 mod surface;
 mod transform;
 
+pub use crate::math::Direction;
 pub use aabb::{Aabb, longest_axis};
 pub use camera::{Camera, CameraError};
 pub use closed_mesh::ClosedMesh;
@@ -32,7 +33,7 @@ pub use hit::{Hit, Side, SurfacePoint};
 pub use mesh::Mesh;
 pub use mesh_error::MeshError;
 pub use placed::Placed;
-pub use ray::{Ray, Span, direction_of, length_of};
+pub use ray::{Ray, Span, length_of};
 pub use rectangle::Rectangle;
 pub use shape::{Boundary, Luminous, Shape};
 pub use shape_error::ShapeError;

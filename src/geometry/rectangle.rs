@@ -4,7 +4,9 @@ use super::crossing::RayFrame;
 use super::hit::RELATIVE_CLEARANCE;
 use super::mesh::perpendicular;
 use super::shape_error::finite;
-use super::{Aabb, Emitter, Hit, Ray, ShapeError, Side, Surface, SurfacePoint, Transform};
+use super::{
+    Aabb, Direction, Emitter, Hit, Ray, ShapeError, Side, Surface, SurfacePoint, Transform,
+};
 use glam::DVec3;
 
 /// A flat piece spanned by two edges at a corner; a parallelogram if they are not perpendicular.
@@ -16,7 +18,7 @@ pub struct Rectangle {
     corner: DVec3,
     edge_u: DVec3,
     edge_v: DVec3,
-    normal: DVec3,
+    normal: Direction,
     /// Vectors in the plane whose products with a vector are its parts along the two edges.
     duals: [DVec3; 2],
     /// Largest component of the duals, per world unit.
@@ -44,7 +46,7 @@ impl Rectangle {
         let no_area = ShapeError::NoArea(edge_u, edge_v);
         let normal = perpendicular(edge_u, edge_v).ok_or(no_area)?;
         // Across the edges within the plane; the products are the area, up to its sign.
-        let (across_u, across_v) = (edge_v.cross(normal), normal.cross(edge_u));
+        let (across_u, across_v) = (edge_v.cross(*normal), normal.cross(edge_u));
         let duals = [
             across_u / across_u.dot(edge_u),
             across_v / across_v.dot(edge_v),
@@ -84,8 +86,8 @@ impl Rectangle {
         }
         Rectangle::new(
             transform.point(self.corner),
-            transform.direction(u),
-            transform.direction(v),
+            transform.vector(u),
+            transform.vector(v),
         )
     }
 
@@ -93,11 +95,11 @@ impl Rectangle {
     pub fn holds(&self, point: DVec3) -> bool {
         let offset = point - self.corner;
         let within = |dual: DVec3| (0.0..=1.0).contains(&offset.dot(dual));
-        offset.dot(self.normal) == 0.0 && self.duals.into_iter().all(within)
+        offset.dot(*self.normal) == 0.0 && self.duals.into_iter().all(within)
     }
 
-    /// Unit normal.
-    pub fn normal(&self) -> DVec3 {
+    /// Normal, along `edge_u × edge_v`.
+    pub fn normal(&self) -> Direction {
         self.normal
     }
 
@@ -136,8 +138,8 @@ impl Rectangle {
     /// duals and √3. 2^-47 is 64u.
     fn crossing(&self, ray: &Ray, limit: f64) -> Option<RectangleCrossing> {
         let away = self.corner - ray.origin;
-        let slope = ray.direction.dot(self.normal);
-        let t = away.dot(self.normal) / slope;
+        let slope = ray.direction.cosine_to(self.normal);
+        let t = away.dot(*self.normal) / slope;
         let size = |v: DVec3| v.x.abs() + v.y.abs() + v.z.abs();
         let lengths = size(away) + size(self.edge_u) + size(self.edge_v);
         let in_t = ROUNDING * lengths / slope.abs();
@@ -223,7 +225,7 @@ mod tests {
     #[test]
     fn corners_centre_and_normal() {
         let light = Rectangle::centred(DVec3::Y * 5.0, DVec3::X * 2.0, DVec3::Z).unwrap();
-        assert_eq!(light.normal(), DVec3::NEG_Y);
+        assert_eq!(light.normal(), Direction::NEG_Y);
         assert_eq!(light.area(), 8.0);
         assert_eq!(light.sample([0.5, 0.5]).position, DVec3::Y * 5.0);
         let ray = Ray::new(DVec3::new(1.0, 0.0, -0.5), DVec3::Y).unwrap();

@@ -4,7 +4,7 @@ use super::hit::RELATIVE_CLEARANCE;
 use super::ray::ahead;
 use super::shape_error::finite;
 use super::{
-    Aabb, Emitter, Hit, Ray, ShapeError, Side, Solid, Span, Surface, SurfacePoint, direction_of,
+    Aabb, Direction, Emitter, Hit, Ray, ShapeError, Side, Solid, Span, Surface, SurfacePoint,
 };
 use crate::math;
 use glam::DVec3;
@@ -62,7 +62,7 @@ impl Sphere {
     /// Tracing Gems, ch. 7.
     fn chord(&self, ray: &Ray) -> Option<Chord> {
         let to_centre = self.centre - ray.origin;
-        let along = to_centre.dot(ray.direction);
+        let along = to_centre.dot(*ray.direction);
         let foot = to_centre - ray.direction * along;
         let miss = foot.length();
         if miss > self.radius {
@@ -99,7 +99,7 @@ impl Sphere {
         RELATIVE_CLEARANCE * (self.centre.abs().max_element() + self.radius)
     }
 
-    fn point(&self, normal: DVec3) -> SurfacePoint {
+    fn point(&self, normal: Direction) -> SurfacePoint {
         SurfacePoint {
             position: self.centre + normal * self.radius,
             normal,
@@ -126,7 +126,7 @@ impl Surface for Sphere {
         if !(t > 0.0 && t < limit) {
             return None;
         }
-        let normal = direction_of((ray.origin - self.centre) + ray.direction * t)?;
+        let normal = Direction::of((ray.origin - self.centre) + ray.direction * t)?;
         Some(Hit {
             t,
             point: self.point(normal),
@@ -157,11 +157,11 @@ impl Emitter for Sphere {
         // (1 − z)(1 + z), not 1 − z²: keeps its digits at the poles.
         let ring = (2.0 * u * (2.0 - 2.0 * u)).sqrt();
         let angle = TAU * v;
-        self.point(DVec3::new(
+        self.point(Direction::unit(DVec3::new(
             ring * math::cos(angle),
             ring * math::sin(angle),
             height,
-        ))
+        )))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Affine maps between object space and the world.
 
-use super::{Aabb, Ray, direction_of};
+use super::{Aabb, Direction, Ray};
 use crate::math;
 use glam::{DMat3, DVec3};
 use thiserror::Error;
@@ -66,7 +66,7 @@ impl Transform {
     pub fn rotation(axis: DVec3, degrees: f64) -> Result<Transform, TransformError> {
         finite(axis)?;
         finite(DVec3::splat(degrees))?;
-        let axis = direction_of(axis).ok_or(TransformError::NoAxis)?;
+        let axis = Direction::of(axis).ok_or(TransformError::NoAxis)?;
         let (sine, cosine) = sine_and_cosine_of_degrees(degrees);
         // Rodrigues: R·v = v cos θ + (a × v) sin θ + a (a·v)(1 − cos θ).
         let rotated =
@@ -152,16 +152,16 @@ impl Transform {
     }
 
     /// Where the difference of two points goes; its length changes with the scale.
-    pub fn direction(&self, v: DVec3) -> DVec3 {
+    pub fn vector(&self, v: DVec3) -> DVec3 {
         self.linear * v
     }
 
-    /// The unit normal, after the map, of a surface whose normal was `normal`: by the inverse
+    /// The normal, after the map, of a surface whose normal was `normal`: by the inverse
     /// transpose, so that it stays perpendicular to the surface under unequal scaling. A mirror
-    /// keeps outward normals outward. `normal` must not be zero.
-    pub fn normal(&self, normal: DVec3) -> DVec3 {
-        let turned = self.inverse_linear.transpose() * normal;
-        direction_of(turned).expect("an invertible map keeps a normal from vanishing")
+    /// keeps outward normals outward.
+    pub fn normal(&self, normal: Direction) -> Direction {
+        let turned = self.inverse_linear.transpose() * *normal;
+        Direction::of(turned).expect("an invertible map keeps a normal from vanishing")
     }
 
     /// Whether the map turns right-handed frames into left-handed ones.
@@ -174,13 +174,13 @@ impl Transform {
     ///
     /// `None` if the direction leaves the range of numbers on the way.
     pub fn ray_to_object(&self, ray: &Ray) -> Option<(Ray, f64)> {
-        let towards = self.inverse_linear * ray.direction;
+        let towards = self.inverse_linear * *ray.direction;
         // Relative to the ray's own length, 1 up to rounding: so a scaling by a power of two
         // gives back every digit of the direction.
-        let factor = length(towards)? / length(ray.direction)?;
+        let factor = length(towards)? / length(*ray.direction)?;
         let object_ray = Ray {
             origin: self.inverse().point(ray.origin),
-            direction: towards / factor,
+            direction: Direction::unit(towards / factor),
         };
         Some((object_ray, factor))
     }
@@ -214,7 +214,7 @@ impl Transform {
 
 /// `|v|`, by projection: no square that could leave the range. `None` for the zero vector.
 fn length(v: DVec3) -> Option<f64> {
-    direction_of(v).map(|direction| v.dot(direction))
+    Direction::of(v).map(|direction| v.dot(*direction))
 }
 
 /// Largest row sum of magnitudes: the norm that belongs to the largest coordinate.
@@ -278,8 +278,9 @@ mod tests {
     #[test]
     fn normals_stay_perpendicular_under_unequal_scaling() {
         let squash = Transform::scale(DVec3::new(1.0, 0.25, 1.0)).unwrap();
-        let (normal, tangent) = (DVec3::new(1.0, 1.0, 0.0), DVec3::new(1.0, -1.0, 0.0));
-        assert_eq!(squash.normal(normal).dot(squash.direction(tangent)), 0.0);
+        let normal = Direction::of(DVec3::new(1.0, 1.0, 0.0)).unwrap();
+        let tangent = DVec3::new(1.0, -1.0, 0.0);
+        assert_eq!(squash.normal(normal).dot(squash.vector(tangent)), 0.0);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::margin::{Margin, U};
 use super::scenes::*;
 use super::test_ray::{LENGTH, SQUARED, TRANSMITTANCE, by_delta, by_last_number, by_ratio, smooth};
 use crate::cost::preintegration::Preintegrated;
-use crate::geometry::{Ray, Span};
+use crate::geometry::{Direction, Ray, Span};
 use crate::math::quadrature::integrate;
 use crate::math::rng::Stream;
 use crate::math::{Moments, Sum, exp, ln_1p, log2};
@@ -159,7 +159,7 @@ fn depth(density: &GridDensity, ray: &Ray) -> (f64, f64) {
         far: 0.0,
     };
     let inside = density.bounds().span(ray).unwrap_or(nowhere);
-    let depth = density.integral(ray.origin, ray.direction, inside, &mut 0);
+    let depth = density.integral(ray.origin, *ray.direction, inside, &mut 0);
     (depth, inside.length())
 }
 
@@ -642,7 +642,7 @@ fn d14_zero_gradient_and_touched_surfaces(margin: &mut Margin) {
         shininess: 32,
     };
     let colour = DVec3::new(0.2, 0.5, 0.9);
-    let shaded = phong.shade(colour, DVec3::ZERO, DVec3::Y, DVec3::Z);
+    let shaded = phong.shade(colour, DVec3::ZERO, Some(Direction::Y), Direction::Z);
     margin.exact("no gradient: the colour as it is", shaded, colour);
     // A constant volume, shaded, is the same volume unshaded; what is null is forced, so that
     // gradients are asked for.

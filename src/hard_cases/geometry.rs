@@ -4,8 +4,8 @@ use super::Row;
 use super::margin::{Margin, U};
 use super::scenes::*;
 use crate::geometry::{
-    Aabb, Camera, ClosedMesh, Emitter, Mesh, Placed, Ray, Rectangle, ShapeError, Side, Solid, Span,
-    Surface, Transform,
+    Aabb, Camera, ClosedMesh, Direction, Emitter, Mesh, Placed, Ray, Rectangle, ShapeError, Side,
+    Solid, Span, Surface, Transform,
 };
 use crate::math::sampling;
 use crate::media::{Field, optical_depth, transmittance};
@@ -400,12 +400,14 @@ fn leave(shape: &dyn Solid) -> (usize, usize, usize) {
         let Some(hit) = hit else { continue };
         hits += 1;
         let normal = hit.point.normal;
-        let along = (any - normal * any.dot(normal)).normalize();
+        let along = (*any - normal * any.cosine_to(normal)).normalize();
         let steepness = [1.0, 1e-3, 1e-8, 1e-12][index % 4];
-        let outward = hit.point.leave(along + normal * steepness);
+        let outward = Direction::of(along + normal * steepness);
+        let outward = outward.and_then(|outward| hit.point.leave(outward));
         self_hits +=
             usize::from(outward.is_none_or(|ray| shape.hit(&ray, f64::INFINITY).is_some()));
-        let inward = hit.point.leave(-any * any.dot(normal).signum());
+        let is_inward = any.cosine_to(normal) < 0.0;
+        let inward = hit.point.leave(if is_inward { any } else { -any });
         let exit = inward.and_then(|ray| shape.hit(&ray, f64::INFINITY));
         leaks += usize::from(exit.is_none_or(|exit| exit.side != Side::Back));
     }
@@ -431,8 +433,8 @@ fn g12_grid_walk(margin: &mut Margin) {
             near: 0.0,
             far: f64::NAN,
         });
-        let visits: Vec<_> = Walk::new([SIDE; 3], ray.origin, ray.direction, chord).collect();
-        let what = format!("from {} along {}", ray.origin, ray.direction);
+        let visits: Vec<_> = Walk::new([SIDE; 3], ray.origin, *ray.direction, chord).collect();
+        let what = format!("from {} along {}", ray.origin, *ray.direction);
         margin.holds(
             format_args!("{what}: few cells"),
             visits.len() <= MOST_CELLS,

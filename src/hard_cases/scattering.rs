@@ -3,7 +3,7 @@
 use super::Row;
 use super::margin::{Margin, STANDARD_ERRORS, U};
 use super::scenes::*;
-use crate::geometry::{Ray, Rectangle, Shape, direction_of};
+use crate::geometry::{Direction, Ray, Rectangle, Shape};
 use crate::math::quadrature::integrate;
 use crate::math::rng::{Purpose, Stream};
 use crate::math::sampling::{
@@ -284,14 +284,19 @@ fn s2_henyey_greenstein_value(margin: &mut Margin) {
 }
 
 fn s3_orthonormal_frame(margin: &mut Margin) {
-    let mut directions = vec![DVec3::Z, DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y];
-    directions.push(DVec3::new(1.0, -0.0, -0.0));
-    directions.push(DVec3::new(-0.0, 1.0, -0.0));
+    let mut directions = vec![
+        Direction::Z,
+        Direction::NEG_Z,
+        Direction::X,
+        Direction::NEG_Y,
+    ];
+    directions.push(Direction::unit(DVec3::new(1.0, -0.0, -0.0)));
+    directions.push(Direction::unit(DVec3::new(-0.0, 1.0, -0.0)));
     for tenths in -90..=-30 {
         let sine = pow(10.0, f64::from(tenths) / 10.0);
         for (a, b) in [(sine, 0.0), (0.0, -sine), (sine, sine), (-sine, -0.0)] {
-            directions.extend(direction_of(DVec3::new(a, b, -1.0)));
-            directions.extend(direction_of(DVec3::new(a, b, 1.0)));
+            directions.extend(Direction::of(DVec3::new(a, b, -1.0)));
+            directions.extend(Direction::of(DVec3::new(a, b, 1.0)));
         }
     }
     directions.extend(numbers(33, 1000).map(|[u, v, _]| sphere([u, v])));
@@ -299,13 +304,14 @@ fn s3_orthonormal_frame(margin: &mut Margin) {
         let frame = Frame::around(around);
         let Frame { x, y, z } = frame;
         let lengths = [x, y].map(|axis| axis.length_squared() - 1.0);
-        let angles = [x.dot(y), y.dot(z), z.dot(x), (x.cross(y) - z).length()];
+        let turned = (x.cross(*y) - *z).length();
+        let angles = [x.cosine_to(y), y.cosine_to(z), z.cosine_to(x), turned];
         for error in lengths.into_iter().chain(angles) {
-            margin.within(format_args!("around {around}"), error, 0.0, 8.0 * U);
+            margin.within(format_args!("around {}", *around), error, 0.0, 8.0 * U);
         }
         // That the z axis goes where it was to go, be its zeros of either sign.
-        let up = (frame.to_world(DVec3::Z) - around).length();
-        margin.within(format_args!("up, around {around}"), up, 0.0, 0.0);
+        let up = (*frame.to_world(Direction::Z) - *around).length();
+        margin.within(format_args!("up, around {}", *around), up, 0.0, 0.0);
     }
 }
 
@@ -347,7 +353,7 @@ fn s4_white_furnace(margin: &mut Margin) {
         for (sample, [u, v, w]) in (0..400).zip(numbers(34, 400)) {
             // From anywhere, inside and outside, into any direction.
             let origin = sphere([u, v]) * (3.0 * w);
-            let seen = paths(&scene, None, ray(origin, sphere([v, w])))(sample);
+            let seen = paths(&scene, None, ray(origin, *sphere([v, w])))(sample);
             let what = format_args!("{name}, path {sample}");
             // One of several media is chosen in the proportion of their densities there, which
             // takes four roundings; no path is scattered more than a thousand times.
@@ -432,7 +438,7 @@ fn s7_depth_limit(margin: &mut Margin) {
     let mut scene = slab(1.0, 0.5);
     scene.environment = DVec3::ZERO;
     scene.lights.push(Light::Directional(Directional {
-        direction: DVec3::NEG_Z,
+        direction: Direction::NEG_Z,
         irradiance: DVec3::ONE,
     }));
     // The same layer cut into ten has eighteen boundaries more.
@@ -528,9 +534,10 @@ fn s9_spotlight_edge_and_warps(margin: &mut Margin) {
     match Spot::new(DVec3::ZERO, DVec3::Z, DVec3::ONE, [angle, angle]) {
         Ok(spot) => {
             let edge = spot.cos_outer();
-            let on = DVec3::new((1.0 - edge * edge).sqrt(), 0.0, edge);
+            let towards = |sine, cosine| Direction::unit(DVec3::new(sine, 0.0, cosine));
+            let on = towards((1.0 - edge * edge).sqrt(), edge);
             margin.exact("on the edge", spot.falloff(on), 0.0);
-            let at = |angle: f64| DVec3::new(sin(angle.to_radians()), 0.0, cos(angle.to_radians()));
+            let at = |angle: f64| towards(sin(angle.to_radians()), cos(angle.to_radians()));
             margin.exact("within", spot.falloff(at(angle - 1e-9)), 1.0);
             margin.exact("beyond", spot.falloff(at(angle + 1e-9)), 0.0);
         }

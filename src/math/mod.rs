@@ -2,6 +2,7 @@
 //! random numbers and what is made of them.
 
 mod cube_root;
+mod direction;
 mod elementary;
 mod frame;
 mod moments;
@@ -12,6 +13,7 @@ mod srgb;
 mod sum;
 
 pub use cube_root::quick_cbrt;
+pub use direction::Direction;
 pub use elementary::*;
 pub use frame::Frame;
 pub use moments::Moments;

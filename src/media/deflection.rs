@@ -1,7 +1,7 @@
 //! Deflections, and the asymmetry of their distribution.
 
+use crate::math::Direction;
 use crate::math::sampling::from_cosine;
-use glam::DVec3;
 use thiserror::Error;
 
 /// The asymmetry parameter `g` of a phase function: −1 < g < 1, positive forward. The mean cosine
@@ -70,7 +70,7 @@ impl Deflection {
 
     /// The direction after this deflection from +z, at the share `v` of a turn about it.
     #[inline]
-    pub fn direction(&self, v: f64) -> DVec3 {
+    pub fn direction(&self, v: f64) -> Direction {
         from_cosine(self.cos, self.sine(), v)
     }
 

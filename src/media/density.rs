@@ -1,5 +1,6 @@
 //! Densities of heterogeneous media.
 
+use super::density_line::DensityLine;
 use super::profiles::{ExponentialProfile, GaussianProfile, LinearProfile};
 use crate::geometry::{Aabb, Ray, Span, Transform};
 use crate::volume::{
@@ -253,9 +254,9 @@ impl Density {
             Field::Noise(_) => panic!("noise has no integral"),
             // From the denser end on: downwards the density may grow out of nothing to all there is.
             Field::Exponential(layer) => {
-                let mut from = self.from(line, span.near);
+                let mut from = line.from(span.near);
                 if ExponentialProfile::along(&from, layer, 1.0).rate < 0.0 {
-                    from = Ray {
+                    from = DensityLine {
                         origin: line.at(span.far),
                         direction: -line.direction,
                     };
@@ -264,7 +265,7 @@ impl Density {
                 profile.optical_depth(0.0, span.length())
             }
             Field::Linear(ramp) => {
-                let profile = LinearProfile::along(&self.from(line, span.near), ramp, 1.0);
+                let profile = LinearProfile::along(&line.from(span.near), ramp, 1.0);
                 let positive = profile.positive_part(0.0, span.length());
                 positive.map_or(0.0, |(near, far)| profile.optical_depth(near, far))
             }
@@ -290,7 +291,7 @@ impl Density {
                 kinks.extend(pieces.map(|piece| piece.far));
             }
             Field::Linear(ramp) => {
-                let profile = LinearProfile::along(&self.from(line, span.near), ramp, 1.0);
+                let profile = LinearProfile::along(&line.from(span.near), ramp, 1.0);
                 if let Some((near, far)) = profile.positive_part(0.0, span.length()) {
                     kinks.extend([span.near + near, span.near + far]);
                 }
@@ -301,7 +302,7 @@ impl Density {
                 kinks.extend(cuts.map(|widths| centre + widths * width));
             }
             Field::Exponential(layer) => {
-                let rate = ExponentialProfile::along(&self.from(line, span.near), layer, 1.0).rate;
+                let rate = ExponentialProfile::along(&line.from(span.near), layer, 1.0).rate;
                 let cuts = [1.0, 8.0, 64.0, 745.0].map(|heights| heights / rate.abs());
                 // From the denser end on.
                 kinks.extend(cuts.map(|distance| {
@@ -315,15 +316,6 @@ impl Density {
             Field::Constant(_) | Field::Noise(_) => {}
         }
     }
-
-    /// `line` from distance `t` on, as profiles want it: its direction has any length, and
-    /// distances along it remain world distances.
-    fn from(&self, line: &DensityLine, t: f64) -> Ray {
-        Ray {
-            origin: line.at(t),
-            direction: line.direction,
-        }
-    }
 }
 
 /// Where a line comes nearest to the centre of a blob, and the width of the blob along it, in
@@ -332,21 +324,4 @@ fn blob_along(blob: &Blob, line: &DensityLine) -> (f64, f64) {
     let squared = line.direction.length_squared();
     let foot = (blob.centre - line.origin).dot(line.direction) / squared;
     (foot, blob.width / squared.sqrt())
-}
-
-/// A straight line in the coordinates of a field, parametrised by world distance: `direction` is
-/// as long as a world unit is there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DensityLine {
-    /// Where it begins.
-    pub origin: DVec3,
-    /// How far it goes for a world unit.
-    pub direction: DVec3,
-}
-
-impl DensityLine {
-    /// The point at world distance `t`.
-    pub fn at(&self, t: f64) -> DVec3 {
-        self.origin + self.direction * t
-    }
 }

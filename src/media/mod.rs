@@ -4,6 +4,7 @@ mod coefficients;
 mod colormap;
 mod deflection;
 mod density;
+mod density_line;
 mod draine;
 mod droplets;
 pub mod emission;
@@ -23,7 +24,8 @@ pub use coefficients::{
 };
 pub use colormap::Colormap;
 pub use deflection::{Asymmetry, AsymmetryOutOfRange, Deflection};
-pub use density::{Density, DensityLine, Field};
+pub use density::{Density, Field};
+pub use density_line::DensityLine;
 pub use draine::{AlphaOutOfRange, Draine};
 pub use droplets::{DiameterOutOfRange, Droplets};
 pub use henyey_greenstein::HenyeyGreenstein;

@@ -1,6 +1,6 @@
 //! Local shading of a sample by its gradient.
 
-use crate::geometry::direction_of;
+use crate::geometry::Direction;
 use crate::math;
 use glam::DVec3;
 
@@ -23,21 +23,32 @@ pub struct Phong {
 }
 
 impl Phong {
-    /// The shaded `colour` of a sample with the given density gradient (any unit).
-    /// `to_light` and `to_eye` are directions of length 1, pointing away from the sample.
+    /// The shaded `colour` of a sample with the given density gradient (any unit). Both directions
+    /// point away from the sample; without one to the light, at the sample itself, only ambient
+    /// light is left.
     ///
     /// The normal is `−∇d/|∇d|`, out of the dense part. A zero gradient has no normal: such a
     /// sample keeps its unshaded colour.
-    pub fn shade(&self, colour: DVec3, gradient: DVec3, to_light: DVec3, to_eye: DVec3) -> DVec3 {
-        let Some(normal) = direction_of(-gradient) else {
+    pub fn shade(
+        &self,
+        colour: DVec3,
+        gradient: DVec3,
+        to_light: Option<Direction>,
+        to_eye: Direction,
+    ) -> DVec3 {
+        let Some(normal) = Direction::of(-gradient) else {
             return colour;
         };
-        let cosine = normal.dot(to_light);
+        let ambient = colour * self.ambient;
+        let Some(to_light) = to_light else {
+            return ambient;
+        };
+        let cosine = normal.cosine_to(to_light);
         if cosine <= 0.0 {
-            return colour * self.ambient;
+            return ambient;
         }
-        let mirrored = normal * (2.0 * cosine) - to_light;
-        let highlight = math::powu(mirrored.dot(to_eye).max(0.0), self.shininess);
+        let mirrored = normal * (2.0 * cosine) - *to_light;
+        let highlight = math::powu(mirrored.dot(*to_eye).max(0.0), self.shininess);
         colour * (self.ambient + self.diffuse * cosine) + DVec3::splat(self.specular * highlight)
     }
 }
@@ -57,15 +68,15 @@ mod tests {
     #[test]
     fn lit_head_on_the_three_terms_add_up() {
         // Density falls towards the viewer: its gradient points away from them.
-        let shaded = PHONG.shade(RED, DVec3::NEG_Z, DVec3::Z, DVec3::Z);
+        let shaded = PHONG.shade(RED, DVec3::NEG_Z, Some(Direction::Z), Direction::Z);
         assert_eq!(shaded, DVec3::new(1.6, 0.5, 0.5));
     }
 
     #[test]
     fn lit_from_the_side_the_highlight_falls_by_its_exponent() {
         // n = v = z, l at the angle of the triangle 3, 4, 5: n·l = r·v = 0.8.
-        let to_light = DVec3::new(0.6, 0.0, 0.8);
-        let shaded = PHONG.shade(RED, DVec3::NEG_Z, to_light, DVec3::Z);
+        let to_light = Direction::unit(DVec3::new(0.6, 0.0, 0.8));
+        let shaded = PHONG.shade(RED, DVec3::NEG_Z, Some(to_light), Direction::Z);
         // 0.8^32, half of it for the weight; Blinn's half vector would give 0.90^32 = 0.034.
         let highlight = 0.5 * 7.922_816_251_426_434e-4;
         let expected = DVec3::new(0.1 + 0.8 + highlight, highlight, highlight);
@@ -75,14 +86,26 @@ mod tests {
 
     #[test]
     fn the_far_side_gets_ambient_light_only() {
-        assert_eq!(PHONG.shade(RED, DVec3::Z, DVec3::Z, DVec3::Z), RED * 0.1);
+        assert_eq!(
+            PHONG.shade(RED, DVec3::Z, Some(Direction::Z), Direction::Z),
+            RED * 0.1
+        );
+    }
+
+    #[test]
+    fn without_a_direction_to_the_light_there_is_ambient_light_only() {
+        let shaded = PHONG.shade(RED, DVec3::NEG_Z, None, Direction::Z);
+        assert_eq!(shaded, RED * 0.1);
     }
 
     #[test]
     fn without_a_gradient_there_is_no_normal_and_the_colour_stays() {
-        assert_eq!(PHONG.shade(RED, DVec3::ZERO, DVec3::Z, DVec3::Z), RED);
         assert_eq!(
-            PHONG.shade(RED, DVec3::splat(-0.0), DVec3::Z, DVec3::Z),
+            PHONG.shade(RED, DVec3::ZERO, Some(Direction::Z), Direction::Z),
+            RED
+        );
+        assert_eq!(
+            PHONG.shade(RED, DVec3::splat(-0.0), Some(Direction::Z), Direction::Z),
             RED
         );
     }
@@ -90,13 +113,13 @@ mod tests {
     #[test]
     fn the_length_of_the_gradient_does_not_matter() {
         let steep = DVec3::new(-3.0, 1.0, -2.0);
-        let to_light = DVec3::new(0.6, 0.0, 0.8);
+        let to_light = Direction::unit(DVec3::new(0.6, 0.0, 0.8));
         // A power of two changes no digit of the normal, however small or large.
         for exponent in [-500, -40, 40, 500] {
             let scaled = steep * libm::exp2(f64::from(exponent));
             let (a, b) = (
-                PHONG.shade(RED, steep, to_light, DVec3::Z),
-                PHONG.shade(RED, scaled, to_light, DVec3::Z),
+                PHONG.shade(RED, steep, Some(to_light), Direction::Z),
+                PHONG.shade(RED, scaled, Some(to_light), Direction::Z),
             );
             assert_eq!(a, b, "2^{exponent}");
         }

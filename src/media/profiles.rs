@@ -1,9 +1,8 @@
 //! Extinction along a ray as a function of the distance `t`, where its integral has a closed
 //! form.
 
-use crate::geometry::Ray;
 use crate::math::{erf, erfc, exp};
-use crate::media::{optical_depth, source_factor};
+use crate::media::{DensityLine, optical_depth, source_factor};
 use crate::volume::{ExponentialLayer, LinearRamp};
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -17,10 +16,10 @@ pub struct LinearProfile {
 }
 
 impl LinearProfile {
-    /// Along `ray` through a ramp of density, `sigma_t` the extinction of density 1. Where the
+    /// Along `line` through a ramp of density, `sigma_t` the extinction of density 1. Where the
     /// ramp ends the profile goes on below 0: see [`LinearProfile::positive_part`].
-    pub fn along(ray: &Ray, ramp: &LinearRamp, sigma_t: f64) -> LinearProfile {
-        let (density, slope) = ramp.along(ray);
+    pub fn along(line: &DensityLine, ramp: &LinearRamp, sigma_t: f64) -> LinearProfile {
+        let (density, slope) = ramp.along(line.origin, line.direction);
         LinearProfile {
             start: sigma_t * density,
             slope: sigma_t * slope,
@@ -58,9 +57,9 @@ pub struct ExponentialProfile {
 }
 
 impl ExponentialProfile {
-    /// Along `ray` through a layer of density, `sigma_t` the extinction of density 1.
-    pub fn along(ray: &Ray, layer: &ExponentialLayer, sigma_t: f64) -> ExponentialProfile {
-        let (density, rate) = layer.along(ray);
+    /// Along `line` through a layer of density, `sigma_t` the extinction of density 1.
+    pub fn along(line: &DensityLine, layer: &ExponentialLayer, sigma_t: f64) -> ExponentialProfile {
+        let (density, rate) = layer.along(line.origin, line.direction);
         ExponentialProfile {
             start: sigma_t * density,
             rate,
@@ -118,6 +117,7 @@ impl GaussianProfile {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Direction;
     use crate::volume::DensityField;
     use glam::DVec3;
 
@@ -147,26 +147,29 @@ mod tests {
     }
 
     #[test]
-    fn profiles_along_rays_are_those_of_the_field() {
-        let towards = DVec3::new(2.0, 3.0, -6.0);
-        let ray = Ray::new(DVec3::new(0.5, -1.0, 2.0), towards).unwrap();
+    fn profiles_along_lines_are_those_of_the_field() {
+        let line = |origin, towards| DensityLine {
+            origin,
+            direction: *Direction::of(towards).unwrap(),
+        };
+        let slanted = line(DVec3::new(0.5, -1.0, 2.0), DVec3::new(2.0, 3.0, -6.0));
         let up = DVec3::new(1.0, 2.0, 2.0);
         let layer = ExponentialLayer::new(0.8, DVec3::new(0.0, 0.5, 0.0), up, 2.5).unwrap();
         for far in [0.5, 10.0] {
-            let depth = ExponentialProfile::along(&ray, &layer, 3.0).optical_depth(0.0, far);
-            let seen = by_quadrature(|t| 3.0 * layer.density(ray.at(t)), far);
+            let depth = ExponentialProfile::along(&slanted, &layer, 3.0).optical_depth(0.0, far);
+            let seen = by_quadrature(|t| 3.0 * layer.density(slanted.at(t)), far);
             assert!((depth / seen - 1.0).abs() < 1e-12, "{depth} for {seen}");
         }
         // Straight up the depth is σ₀ H (1 − e^(−L/H)).
-        let straight = Ray::new(DVec3::new(0.0, 0.5, 0.0), up).unwrap();
+        let straight = line(DVec3::new(0.0, 0.5, 0.0), up);
         let profile = ExponentialProfile::along(&straight, &layer, 1.0);
         let depth = 0.8 * 2.5 * -crate::math::exp_m1(-4.0 / 2.5);
         assert!((profile.optical_depth(0.0, 4.0) / depth - 1.0).abs() < 1e-14);
 
         let ramp = LinearRamp::new(1.0, DVec3::ZERO, DVec3::new(0.25, 0.0, 0.5)).unwrap();
-        let profile = LinearProfile::along(&ray, &ramp, 2.0);
+        let profile = LinearProfile::along(&slanted, &ramp, 2.0);
         let depth = profile.optical_depth(0.0, 4.0);
-        let seen = by_quadrature(|t| 2.0 * ramp.density(ray.at(t)), 4.0);
+        let seen = by_quadrature(|t| 2.0 * ramp.density(slanted.at(t)), 4.0);
         assert!((depth / seen - 1.0).abs() < 1e-12, "{depth} for {seen}");
     }
 

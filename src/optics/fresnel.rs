@@ -1,32 +1,32 @@
 //! What happens where the refractive index jumps.
 
-use glam::DVec3;
+use crate::math::Direction;
 
 /// Light that meets the smooth boundary between two clear substances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Split {
     /// The share that is reflected, in [0, 1]; the rest is refracted.
     pub reflectance: f64,
-    /// Direction of what is refracted, length 1; `None` where all is reflected.
-    pub refracted: Option<DVec3>,
+    /// Direction of what is refracted; `None` where all is reflected.
+    pub refracted: Option<Direction>,
 }
 
-/// Splits unpolarised light that travels along `direction` and meets a boundary with the unit
-/// normal `normal`, on the side it comes from. `ratio` is the refractive index of the side it
-/// comes from over that of the other; positive.
+/// Splits unpolarised light that travels along `direction` and meets a boundary with the normal
+/// `normal`, on the side it comes from. `ratio` is the refractive index of the side it comes from
+/// over that of the other; positive.
 ///
 /// Fresnel's equations and Snell's law, for real indices. At `ratio` 1 nothing is reflected
 /// and nothing turned, exactly.
 ///
 /// Source: Born & Wolf 1999, *Principles of Optics*, 7th ed., §1.5.
-pub fn split(direction: DVec3, normal: DVec3, ratio: f64) -> Split {
+pub fn split(direction: Direction, normal: Direction, ratio: f64) -> Split {
     if ratio == 1.0 {
         return Split {
             reflectance: 0.0,
             refracted: Some(direction),
         };
     }
-    let cos_in = (-direction.dot(normal)).clamp(0.0, 1.0);
+    let cos_in = (-direction.cosine_to(normal)).clamp(0.0, 1.0);
     // sin² = (1 − cos)(1 + cos): no cancellation at grazing or at normal incidence.
     let sine_squared_out = ratio * ratio * ((1.0 - cos_in) * (1.0 + cos_in));
     if sine_squared_out >= 1.0 {
@@ -45,39 +45,40 @@ pub fn split(direction: DVec3, normal: DVec3, ratio: f64) -> Split {
     let refracted = direction * ratio + normal * (ratio * cos_in - cos_out);
     Split {
         reflectance,
-        refracted: Some(refracted),
+        refracted: Some(Direction::unit(refracted)),
     }
 }
 
-/// The direction of what a mirror with the unit normal `normal` makes of light that travels
+/// The direction of what a mirror with the normal `normal` makes of light that travels
 /// along `direction`.
-pub fn reflected(direction: DVec3, normal: DVec3) -> DVec3 {
-    direction - normal * (2.0 * direction.dot(normal))
+pub fn reflected(direction: Direction, normal: Direction) -> Direction {
+    Direction::unit(*direction - normal * (2.0 * direction.cosine_to(normal)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::math::{cos, sin};
+    use glam::DVec3;
 
-    fn slanted(degrees: f64) -> DVec3 {
+    fn slanted(degrees: f64) -> Direction {
         let angle = degrees.to_radians();
-        DVec3::new(sin(angle), -cos(angle), 0.0)
+        Direction::unit(DVec3::new(sin(angle), -cos(angle), 0.0))
     }
 
     #[test]
     fn normal_incidence_on_glass_reflects_four_percent() {
-        let split = split(DVec3::NEG_Y, DVec3::Y, 1.0 / 1.5);
+        let split = split(Direction::NEG_Y, Direction::Y, 1.0 / 1.5);
         // ((1.5 − 1)/(1.5 + 1))², a few roundings.
         assert!((split.reflectance - 0.04).abs() < 1e-16);
-        assert_eq!(split.refracted, Some(DVec3::NEG_Y));
+        assert_eq!(split.refracted, Some(Direction::NEG_Y));
     }
 
     #[test]
     fn snell_and_lengths() {
         for degrees in [0.0, 10.0, 45.0, 80.0, 89.9] {
             let direction = slanted(degrees);
-            let out = split(direction, DVec3::Y, 1.0 / 1.5).refracted.unwrap();
+            let out = split(direction, Direction::Y, 1.0 / 1.5).refracted.unwrap();
             assert!((out.length() - 1.0).abs() < 1e-15);
             assert!((out.x * 1.5 - direction.x).abs() < 1e-15);
         }
@@ -87,7 +88,7 @@ mod tests {
     #[test]
     fn brewster() {
         let angle = crate::math::atan2(1.5, 1.0).to_degrees();
-        let reflectance = split(slanted(angle), DVec3::Y, 1.0 / 1.5).reflectance;
+        let reflectance = split(slanted(angle), Direction::Y, 1.0 / 1.5).reflectance;
         let s = (1.0 - 2.25_f64) / (1.0 + 2.25);
         assert!((reflectance - 0.5 * s * s).abs() < 1e-15);
     }
@@ -95,25 +96,25 @@ mod tests {
     /// The same share is reflected on the way back.
     #[test]
     fn both_ways_reflect_alike_and_beyond_the_critical_angle_all() {
-        let inwards = split(slanted(50.0), DVec3::Y, 1.0 / 1.5);
+        let inwards = split(slanted(50.0), Direction::Y, 1.0 / 1.5);
         let back = -inwards.refracted.unwrap();
-        let outwards = split(back, DVec3::NEG_Y, 1.5);
+        let outwards = split(back, Direction::NEG_Y, 1.5);
         assert!((inwards.reflectance - outwards.reflectance).abs() < 1e-15);
-        assert!((outwards.refracted.unwrap() + slanted(50.0)).length() < 1e-15);
-        let total = split(slanted(45.0), DVec3::Y, 1.5);
+        assert!((*outwards.refracted.unwrap() + *slanted(50.0)).length() < 1e-15);
+        let total = split(slanted(45.0), Direction::Y, 1.5);
         assert_eq!((total.reflectance, total.refracted), (1.0, None));
     }
 
     #[test]
     fn equal_indices_are_no_boundary_and_mirrors_mirror() {
-        let through = split(slanted(89.0), DVec3::Y, 1.0);
+        let through = split(slanted(89.0), Direction::Y, 1.0);
         assert_eq!(
             (through.reflectance, through.refracted),
             (0.0, Some(slanted(89.0)))
         );
         assert_eq!(
-            reflected(DVec3::new(0.6, -0.8, 0.0), DVec3::Y),
-            DVec3::new(0.6, 0.8, 0.0)
+            reflected(Direction::unit(DVec3::new(0.6, -0.8, 0.0)), Direction::Y),
+            Direction::unit(DVec3::new(0.6, 0.8, 0.0))
         );
     }
 }

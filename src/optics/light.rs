@@ -1,6 +1,6 @@
 //! Lights without extent. Those with extent are shapes that emit, and the environment.
 
-use crate::geometry::direction_of;
+use crate::geometry::Direction;
 use crate::math::{atan2, cos};
 use glam::DVec3;
 use thiserror::Error;
@@ -41,7 +41,7 @@ impl Light {
         match self {
             Light::Point(light) => light.intensity,
             Light::Spot(light) => {
-                let towards = direction_of(point - light.position);
+                let towards = Direction::of(point - light.position);
                 light.intensity * towards.map_or(0.0, |towards| light.falloff(towards))
             }
             Light::Directional(light) => light.irradiance,
@@ -62,8 +62,8 @@ pub struct Point {
 /// Light from far away: the same direction everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Directional {
-    /// Where the light travels, length 1.
-    pub direction: DVec3,
+    /// Where the light travels.
+    pub direction: Direction,
     /// Irradiance by channel on a plane perpendicular to the direction.
     pub irradiance: DVec3,
 }
@@ -77,7 +77,7 @@ pub struct Spot {
     pub position: DVec3,
     /// Intensity on the axis by channel, power per steradian.
     pub intensity: DVec3,
-    axis: DVec3,
+    axis: Direction,
     inner: f64,
     outer: f64,
     cos_outer: f64,
@@ -110,7 +110,7 @@ impl Spot {
         intensity: DVec3,
         [inner, outer]: [f64; 2],
     ) -> Result<Spot, SpotError> {
-        let axis = direction_of(towards).ok_or(SpotError::NoDirection)?;
+        let axis = Direction::of(towards).ok_or(SpotError::NoDirection)?;
         // Written so that NaN fails.
         if !(0.0 <= inner && inner <= outer && outer > 0.0 && outer <= 180.0) {
             return Err(SpotError::Angles { inner, outer });
@@ -126,8 +126,8 @@ impl Spot {
         })
     }
 
-    /// Direction of the axis, length 1.
-    pub fn axis(&self) -> DVec3 {
+    /// Direction of the axis.
+    pub fn axis(&self) -> Direction {
         self.axis
     }
 
@@ -146,16 +146,16 @@ impl Spot {
         self.cos_outer
     }
 
-    /// Intensity sent into `direction`, of length 1, as a share of that on the axis: 1 within
-    /// the inner cone, 0 from its outer edge on.
-    pub fn falloff(&self, direction: DVec3) -> f64 {
-        let cosine = direction.dot(self.axis);
+    /// Intensity sent into `direction`, as a share of that on the axis: 1 within the inner cone, 0
+    /// from its outer edge on.
+    pub fn falloff(&self, direction: Direction) -> f64 {
+        let cosine = direction.cosine_to(self.axis);
         // The edge itself is dark, also where both angles are one: no 0/0 there.
         if cosine <= self.cos_outer {
             return 0.0;
         }
         // From sine and cosine: the arc cosine alone loses a narrow cone near its axis.
-        let angle = atan2(direction.cross(self.axis).length(), cosine);
+        let angle = atan2(direction.cross(*self.axis).length(), cosine);
         if angle <= self.inner {
             return 1.0;
         }
@@ -168,9 +168,9 @@ mod tests {
     use super::*;
     use crate::math::sin;
 
-    fn at(degrees: f64) -> DVec3 {
+    fn at(degrees: f64) -> Direction {
         let angle = degrees.to_radians();
-        DVec3::new(sin(angle), 0.0, cos(angle))
+        Direction::unit(DVec3::new(sin(angle), 0.0, cos(angle)))
     }
 
     fn spot(inner: f64, outer: f64) -> Spot {
@@ -180,24 +180,24 @@ mod tests {
     #[test]
     fn full_inside_none_outside_linear_in_between() {
         let spot = spot(10.0, 30.0);
-        assert_eq!(spot.falloff(DVec3::Z), 1.0);
+        assert_eq!(spot.falloff(Direction::Z), 1.0);
         assert_eq!(spot.falloff(at(9.9)), 1.0);
         // Angles to a few roundings, over a range of a third of a radian.
         assert!((spot.falloff(at(15.0)) - 0.75).abs() < 1e-14);
         assert!((spot.falloff(at(25.0)) - 0.25).abs() < 1e-14);
         assert_eq!(spot.falloff(at(30.1)), 0.0);
-        assert_eq!(spot.falloff(DVec3::NEG_Z), 0.0);
+        assert_eq!(spot.falloff(Direction::NEG_Z), 0.0);
     }
 
     /// Hard case S9: equal angles are a step, and the edge is dark.
     #[test]
     fn s9_a_cone_with_a_sharp_edge_is_a_step() {
         let spot = spot(60.0, 60.0);
-        let edge = DVec3::new(
+        let edge = Direction::unit(DVec3::new(
             (1.0 - spot.cos_outer() * spot.cos_outer()).sqrt(),
             0.0,
             spot.cos_outer(),
-        );
+        ));
         assert_eq!(spot.falloff(edge), 0.0);
         assert_eq!(spot.falloff(at(59.999_999)), 1.0);
         assert_eq!(spot.falloff(at(60.000_001)), 0.0);

@@ -273,7 +273,7 @@ impl<'s> PathTracer<'s> {
             let Some((ray, distance)) = vertex.point.towards(&point) else {
                 continue;
             };
-            let cosine = ray.direction.dot(point.normal);
+            let cosine = ray.direction.cosine_to(point.normal);
             if cosine < 0.0 || (cosine > 0.0 && light.sides == Sides::Both) {
                 let light_pdf = pdf_of_point(light, distance, cosine);
                 let (value, pdf) = vertex.evaluate(ray.direction);
@@ -313,7 +313,7 @@ impl<'s> PathTracer<'s> {
             let Some(position) = light.position() else {
                 continue;
             };
-            let foot = (position - ray.origin).dot(ray.direction);
+            let foot = (position - ray.origin).dot(*ray.direction);
             let distance = (ray.at(foot) - position).length();
             for segment in segments.iter().filter(|segment| segment.scatters()) {
                 let [near, far] = [segment.span.near, segment.span.far];
@@ -347,7 +347,8 @@ impl<'s> PathTracer<'s> {
         random: &mut Random,
     ) -> Result<Option<Scattered>, Exhausted> {
         let outside = hit.side == Side::Front;
-        let normal = hit.point.normal * if outside { 1.0 } else { -1.0 };
+        let outward = hit.point.normal;
+        let normal = if outside { outward } else { -outward };
         let mirrored = reflected(path.ray.direction, normal);
         let (direction, weight) = match material {
             Material::Diffuse(reflectance) => {
@@ -377,7 +378,7 @@ fn weighted_emission(light: &AreaLight, hit: &Hit, path: &Path) -> DVec3 {
     if hit.side == Side::Back && light.sides == Sides::Front {
         return DVec3::ZERO;
     }
-    let cosine = path.ray.direction.dot(hit.point.normal);
+    let cosine = path.ray.direction.cosine_to(hit.point.normal);
     let weight = |pdf| power_heuristic(pdf, pdf_of_point(light, hit.t, cosine));
     light.radiance * path.pdf.map_or(1.0, weight)
 }

@@ -35,7 +35,7 @@
 //! direct volume rendering"; Porter & Duff 1984, "Compositing digital images".
 
 use crate::film::Film;
-use crate::geometry::{Ray, Span, direction_of, length_of};
+use crate::geometry::{Direction, Ray, Span, length_of};
 use crate::math::exp;
 use crate::media::{Appearance, over_length};
 use crate::scene::{Classified, Compositing};
@@ -147,7 +147,7 @@ impl RayCaster<'_> {
             return colour;
         };
         let gradient = self.scene.interpolation.read(&self.gradients, cell);
-        let to_light = direction_of(self.scene.light - point).unwrap_or(DVec3::ZERO);
+        let to_light = Direction::of(self.scene.light - point);
         phong.shade(colour, gradient, to_light, -ray.direction)
     }
 
@@ -165,7 +165,7 @@ impl RayCaster<'_> {
             near: 0.0,
             far: inside.far.min(length_of(to_light)),
         };
-        let line = NodeLine::from(node_point, ray.direction, lattice);
+        let line = NodeLine::from(node_point, *ray.direction, lattice);
         let count = step_count(span, shadow.step);
         let samples = (0..count).map(|index| {
             let (t, length) = midpoint(span, shadow.step, count, index);

@@ -1,7 +1,7 @@
 //! Points where a path scatters into a range of directions.
 
 use super::random::{Exhausted, Random};
-use crate::geometry::{Hit, Ray, SurfacePoint};
+use crate::geometry::{Direction, Hit, Ray, SurfacePoint};
 use crate::math::Frame;
 use crate::math::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
 use crate::media::{Deflection, Phase};
@@ -9,11 +9,11 @@ use glam::DVec3;
 
 /// A collision in a medium, or a point of a diffuse surface.
 pub struct Vertex {
-    /// The point; in a medium without normal, and without clearance for the rays that leave it.
+    /// The point; in a medium without clearance, so that its normal moves no ray.
     pub point: SurfacePoint,
-    /// Unit axis of the directions: in a medium the direction of the ray that arrives, at a surface
+    /// Axis of the directions: in a medium the direction of the ray that arrives, at a surface
     /// the normal on the side of that ray.
-    axis: DVec3,
+    axis: Direction,
     pub scattering: Scatterer,
 }
 
@@ -42,7 +42,7 @@ impl Vertex {
         Vertex {
             point: SurfacePoint {
                 position: ray.at(t),
-                normal: DVec3::ZERO,
+                normal: ray.direction,
                 clearance: 0.0,
             },
             axis: ray.direction,
@@ -50,8 +50,8 @@ impl Vertex {
         }
     }
 
-    /// A point of a surface with the unit `normal` on the side of the ray that arrives.
-    pub fn on_surface(hit: &Hit, normal: DVec3, reflectance: DVec3) -> Vertex {
+    /// A point of a surface with the `normal` on the side of the ray that arrives.
+    pub fn on_surface(hit: &Hit, normal: Direction, reflectance: DVec3) -> Vertex {
         Vertex {
             point: hit.point,
             axis: normal,
@@ -61,8 +61,8 @@ impl Vertex {
 
     /// The phase function, or the BRDF times the cosine, for light from `direction`, by channel and
     /// per steradian; and the probability density of [`Vertex::sample`] there.
-    pub fn evaluate(&self, direction: DVec3) -> (DVec3, f64) {
-        let cosine = self.axis.dot(direction).clamp(-1.0, 1.0);
+    pub fn evaluate(&self, direction: Direction) -> (DVec3, f64) {
+        let cosine = self.axis.cosine_to(direction).clamp(-1.0, 1.0);
         match self.scattering {
             Scatterer::Phase(phase) => {
                 let value = phase.per_steradian(&Deflection::from_cos(cosine));

@@ -145,7 +145,7 @@ mod tests {
                         };
                         let eye = eye_that_sees_all(&bounds, up, fov, aspect);
                         let camera = Camera::new(eye, bounds.centre(), up, fov).unwrap();
-                        let (up, forward) = (camera.upright(), camera.forward());
+                        let (up, forward) = (*camera.upright(), *camera.forward());
                         let right = forward.cross(up);
                         let edge = math::tan(0.5 * fov);
                         let mut widest = 0.0_f64;

@@ -1,7 +1,7 @@
 //! Densities that vary along one direction, or not at all: along a ray they have closed forms.
 
 use super::{DensityField, DensityRange};
-use crate::geometry::{Aabb, Ray, direction_of};
+use crate::geometry::{Aabb, Direction};
 use crate::math::exp;
 use glam::DVec3;
 use thiserror::Error;
@@ -17,7 +17,7 @@ pub struct ConstantDensity(f64);
 pub struct ExponentialLayer {
     density: f64,
     base: DVec3,
-    up: DVec3,
+    up: Direction,
     scale_height: f64,
 }
 
@@ -81,21 +81,21 @@ impl ExponentialLayer {
         Ok(ExponentialLayer {
             density: checked_density(density)?,
             base: finite("base", base)?,
-            up: direction_of(up).ok_or(LayerError::Up(up))?,
+            up: Direction::of(up).ok_or(LayerError::Up(up))?,
             scale_height,
         })
     }
 
-    /// Density at the origin of `ray`, and how much its logarithm falls per unit of distance
-    /// along it: what the exponential profile of the extinction is made of.
-    pub fn along(&self, ray: &Ray) -> (f64, f64) {
-        let rise = self.up.dot(ray.direction);
-        (self.density(ray.origin), rise / self.scale_height)
+    /// Density at the point `origin`, and the fall of its logarithm over the vector `pace`: what
+    /// the exponential profile of the extinction is made of.
+    pub fn along(&self, origin: DVec3, pace: DVec3) -> (f64, f64) {
+        let rise = self.up.dot(pace);
+        (self.density(origin), rise / self.scale_height)
     }
 
     /// Scale heights above the base.
     fn height(&self, point: DVec3) -> f64 {
-        let [x, y, z] = [0, 1, 2].map(|axis| rise(self.up, self.base, point, axis));
+        let [x, y, z] = [0, 1, 2].map(|axis| rise(*self.up, self.base, point, axis));
         (x + y + z) / self.scale_height
     }
 
@@ -120,10 +120,10 @@ impl LinearRamp {
         })
     }
 
-    /// The linear function at the origin of `ray`, negative where there is nothing, and its
-    /// change per unit of distance along it.
-    pub fn along(&self, ray: &Ray) -> (f64, f64) {
-        (self.value(ray.origin), self.gradient.dot(ray.direction))
+    /// The linear function at the point `origin`, negative where there is nothing, and its change
+    /// over the vector `pace`.
+    pub fn along(&self, origin: DVec3, pace: DVec3) -> (f64, f64) {
+        (self.value(origin), self.gradient.dot(pace))
     }
 
     /// The linear function, which may be negative.
@@ -153,7 +153,7 @@ impl DensityField for ExponentialLayer {
     /// two of them, of four at most in the finer spacing below a power of two; the product with
     /// the density keeps order.
     fn range_over(&self, bounds: &Aabb) -> DensityRange {
-        let [low, high] = extremes(bounds, self.up).map(|corner| self.height(corner));
+        let [low, high] = extremes(bounds, *self.up).map(|corner| self.height(corner));
         let steps_of_four = |share: f64, step: fn(f64) -> f64| (0..4).fold(share, |x, _| step(x));
         DensityRange {
             low: self.of_share(steps_of_four(exp(-high), f64::next_down).max(0.0)),

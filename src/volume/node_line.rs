@@ -20,7 +20,7 @@ impl NodeLine {
     /// The line of `ray` over `lattice`.
     #[inline]
     pub fn new(ray: &Ray, lattice: &Lattice) -> NodeLine {
-        NodeLine::from(lattice.to_nodes(ray.origin), ray.direction, lattice)
+        NodeLine::from(lattice.to_nodes(ray.origin), *ray.direction, lattice)
     }
 
     /// The line from `origin` along `direction`, a world vector.

@@ -138,7 +138,7 @@ mod tests {
             max: DVec3::splat(SIDE as f64),
         };
         let span = bounds.span(&ray)?;
-        let walk = Walk::new([SIDE; 3], ray.origin, ray.direction, span);
+        let walk = Walk::new([SIDE; 3], ray.origin, *ray.direction, span);
         Some((span, walk.collect()))
     }
 

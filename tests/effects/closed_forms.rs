@@ -93,7 +93,7 @@ fn planes_crossed(
     for pixel in 0..SIZE * SIZE {
         let ray = camera.ray([pixel % SIZE, pixel / SIZE], [SIZE, SIZE]);
         // By slabs, as anybody would write it down.
-        let to = |face: DVec3| (face - ray.origin) / ray.direction;
+        let to = |face: DVec3| (face - ray.origin) / *ray.direction;
         let (a, b) = (to(bounds.min), to(bounds.max));
         let near = a.min(b).max_element().max(0.0);
         let far = a.max(b).min_element();
@@ -232,7 +232,7 @@ fn sampled_rays(scene: &Scene, bounds: Aabb) -> [u64; 2] {
             let [x, y] = stream.pair(0, Purpose::Camera, 0);
             let place = [(pixel % size[0]) as f64 + x, (pixel / size[0]) as f64 + y];
             let ray = radiative.camera.ray_through(place, size);
-            let to = |face: DVec3| (face - ray.origin) / ray.direction;
+            let to = |face: DVec3| (face - ray.origin) / *ray.direction;
             let (a, b) = (to(bounds.min), to(bounds.max));
             let (near, far) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
             rays += 1;

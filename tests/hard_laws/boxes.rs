@@ -7,7 +7,7 @@ use super::{
 };
 use glam::DVec3;
 use proptest::prelude::*;
-use volref::geometry::{Aabb, Ray, Span};
+use volref::geometry::{Aabb, Direction, Ray, Span};
 
 fn coordinate() -> impl Strategy<Value = f64> {
     prop_oneof![
@@ -109,7 +109,7 @@ proptest! {
         };
         let ray_with = |in_origin, in_direction| Ray {
             origin: with_zeros(ray.origin, in_origin),
-            direction: with_zeros(ray.direction, in_direction),
+            direction: Direction::unit(with_zeros(*ray.direction, in_direction)),
         };
         let expected = shape_with(0.0).span(&ray_with(0.0, 0.0));
         for (in_origin, in_direction) in [(0.0, -0.0), (-0.0, 0.0), (-0.0, -0.0)] {
@@ -195,7 +195,7 @@ proptest! {
         let turned = Aabb { min: permuted(shape.min, order), max: permuted(shape.max, order) };
         let along = Ray {
             origin: permuted(ray.origin, order),
-            direction: permuted(ray.direction, order),
+            direction: Direction::unit(permuted(*ray.direction, order)),
         };
         // As numbers: which of two zeros is first depends on the order.
         prop_assert_eq!(turned.span(&along), shape.span(&ray));
@@ -209,7 +209,10 @@ proptest! {
         let sign = DVec3::from_array(signs.map(|turned| if turned { -1.0 } else { 1.0 }));
         let (a, b) = (shape.min * sign, shape.max * sign);
         let mirrored = Aabb { min: a.min(b), max: a.max(b) };
-        let image = Ray { origin: ray.origin * sign, direction: ray.direction * sign };
+        let image = Ray {
+            origin: ray.origin * sign,
+            direction: Direction::unit(*ray.direction * sign),
+        };
         let (found, expected) = (mirrored.span(&image), shape.span(&ray));
         prop_assert!(found == expected || in_a_face(&shape, &ray), "{found:?} {expected:?}");
     }

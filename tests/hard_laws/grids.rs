@@ -6,7 +6,7 @@ use super::{config, direction, dyadic, octaves, offset, permuted, scale, vector}
 use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
-use volref::geometry::{Aabb, Ray, Span};
+use volref::geometry::{Aabb, Direction, Ray, Span};
 use volref::media::optical_depth;
 use volref::volume::{
     Centring, DensityField, Grid, GridDensity, Interpolation, Lattice, Visit, Walk,
@@ -116,7 +116,7 @@ impl GridCase {
 
     fn integral_over(&self, span: Span) -> f64 {
         let Ray { origin, direction } = self.ray;
-        self.density.integral(origin, direction, span, &mut 0)
+        self.density.integral(origin, *direction, span, &mut 0)
     }
 
     /// The bound on its rounding.
@@ -125,7 +125,7 @@ impl GridCase {
     }
 
     fn error_over(&self, span: Span) -> f64 {
-        integral_error(&self.density, self.ray.origin, self.ray.direction, span)
+        integral_error(&self.density, self.ray.origin, *self.ray.direction, span)
     }
 
     /// The same values on another lattice, along a stretch of another ray.
@@ -178,7 +178,7 @@ proptest! {
         let GridCase { density, ray, span } = case;
         let [nx, ny, nz] = density.grid().lattice().nodes();
         let (mut at, mut count) = (span.near, 0);
-        for piece in density.smooth_stretches(ray.origin, ray.direction, span) {
+        for piece in density.smooth_stretches(ray.origin, *ray.direction, span) {
             prop_assert_eq!(piece.near, at);
             prop_assert!(piece.length() > 0.0);
             (at, count) = (piece.far, count + 1);
@@ -193,7 +193,7 @@ proptest! {
     #[test]
     fn g1_g12_visits_are_where_they_say((cells, ray, span) in division()) {
         let walk = |direction| Walk::new(cells, ray.origin, direction, span).collect::<Vec<_>>();
-        let visits = walk(ray.direction);
+        let visits = walk(*ray.direction);
         let zeros_of = |zero| ray.direction.map(|x| if x == 0.0 { zero } else { x });
         prop_assert_eq!(&walk(zeros_of(0.0)), &visits);
         prop_assert_eq!(&walk(zeros_of(-0.0)), &visits);
@@ -239,7 +239,7 @@ proptest! {
     #[test]
     fn d2_d5_integrals_are_those_of_many_digits(case in case()) {
         let GridCase { density, ray, span } = &case;
-        let exact = integral(density, ray.origin, ray.direction, *span);
+        let exact = integral(density, ray.origin, *ray.direction, *span);
         let (found, bound) = (case.integral(), case.error());
         prop_assert!(apart(found, &exact) <= bound, "{found:e} {bound:e}");
     }
@@ -306,7 +306,7 @@ proptest! {
             ),
             ray: Ray {
                 origin: permuted(case.ray.origin, order),
-                direction: permuted(case.ray.direction, order),
+                direction: Direction::unit(permuted(*case.ray.direction, order)),
             },
             span: case.span,
         };

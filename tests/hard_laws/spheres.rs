@@ -5,7 +5,7 @@ use super::exact::{U, apart, big, rounded};
 use super::{config, direction, dyadic, octaves, offset, scale, scaled, scales_exactly, vector};
 use glam::DVec3;
 use proptest::prelude::*;
-use volref::geometry::{Ray, Solid, Span, Sphere};
+use volref::geometry::{Direction, Ray, Solid, Span, Sphere};
 
 fn span(sphere: &Sphere, ray: &Ray) -> Option<Span> {
     sphere.spans(ray).first().copied()
@@ -35,7 +35,7 @@ fn grazing(sphere: &Sphere, (axis, places, back): (usize, i32, f64)) -> Ray {
     let foot = sphere.centre() + DVec3::AXES[(axis + 1) % 3] * beside;
     Ray {
         origin: foot - DVec3::AXES[axis] * (back * sphere.radius()),
-        direction: DVec3::AXES[axis],
+        direction: Direction::unit(DVec3::AXES[axis]),
     }
 }
 
@@ -106,7 +106,7 @@ proptest! {
     /// Only exponents change.
     #[test]
     fn g8_another_unit_of_length_moves_no_bit((sphere, ray) in case(), factor in scale()) {
-        prop_assume!([sphere.centre(), ray.origin, ray.direction].into_iter().all(scales_exactly));
+        prop_assume!([sphere.centre(), ray.origin, *ray.direction].into_iter().all(scales_exactly));
         let other = Sphere::new(sphere.centre() * factor, sphere.radius() * factor).unwrap();
         let found = span(&other, &Ray { origin: ray.origin * factor, ..ray });
         prop_assert_eq!(found, scaled(span(&sphere, &ray), factor));
@@ -133,7 +133,10 @@ proptest! {
     ) {
         let sign = DVec3::from_array(signs.map(|turned| if turned { -1.0 } else { 1.0 }));
         let mirrored = Sphere::new(sphere.centre() * sign, sphere.radius()).unwrap();
-        let image = Ray { origin: ray.origin * sign, direction: ray.direction * sign };
+        let image = Ray {
+            origin: ray.origin * sign,
+            direction: Direction::unit(*ray.direction * sign),
+        };
         prop_assert_eq!(span(&mirrored, &image), span(&sphere, &ray));
     }
 }

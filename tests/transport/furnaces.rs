@@ -158,7 +158,7 @@ fn from_anywhere(random: &Stream) -> Ray {
     let place = random.pair(0, Purpose::Camera, 1);
     let [along, _] = random.pair(0, Purpose::Camera, 2);
     let origin = sampling::sphere(place) * (3.0 * along);
-    ray(origin, sampling::sphere([u, v]))
+    ray(origin, *sampling::sphere([u, v]))
 }
 
 /// Hard case S4: an environment of radiance 1 around `media` that absorb nothing and `objects`

@@ -479,7 +479,7 @@ fn anisotropic_spacing_and_cells() {
                 let view = ray(bounds.centre() - towards * 20.0, towards);
                 let span = bounds.span(&view).unwrap();
                 let mut lookups = 0;
-                let found = density.integral(view.origin, view.direction, span, &mut lookups);
+                let found = density.integral(view.origin, *view.direction, span, &mut lookups);
                 let expected = 0.5 * span.length();
                 assert!((found - expected).abs() <= 1e-14 * expected);
             }

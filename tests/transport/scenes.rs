@@ -4,7 +4,7 @@ use crate::U;
 use crate::entries::Entry;
 use glam::DVec3;
 use std::sync::Arc;
-use volref::geometry::{Aabb, Boundary, Camera, Ray, Rectangle, Shape, Sphere};
+use volref::geometry::{Aabb, Boundary, Camera, Direction, Ray, Rectangle, Shape, Sphere};
 use volref::math::{cos, sin};
 use volref::media::{Asymmetry, Coefficients, Density, Field, Homogeneous, Phase};
 use volref::optics::{Directional, Light, Material, Point};
@@ -163,7 +163,7 @@ pub fn ray_of(entry: &Entry) -> Ray {
 /// Light that travels along `travel`.
 pub fn sun(travel: DVec3, irradiance: DVec3) -> Light {
     Light::Directional(Directional {
-        direction: travel.normalize(),
+        direction: Direction::unit(travel.normalize()),
         irradiance,
     })
 }
@@ -237,7 +237,7 @@ pub fn leaving(face: Face, mu: f64) -> Ray {
 pub fn shining(mu0: f64, phi_deg: f64, irradiance: DVec3) -> Light {
     let travel = tilted(mu0, phi_deg) * DVec3::new(1.0, 1.0, -1.0);
     Light::Directional(Directional {
-        direction: travel,
+        direction: Direction::unit(travel),
         irradiance,
     })
 }

@@ -6,7 +6,7 @@ use crate::scenes::*;
 use crate::statistics::*;
 use glam::DVec3;
 use std::f64::consts::PI;
-use volref::geometry::{Ray, Rectangle, Shape};
+use volref::geometry::{Direction, Ray, Rectangle, Shape};
 use volref::math::{Frame, atan2, exp};
 use volref::media::Asymmetry;
 use volref::optics::{Directional, Light, Point};
@@ -59,9 +59,8 @@ fn question(entry: &Entry) -> (Radiative, Ray) {
 fn airlight(entry: &Entry) -> (Radiative, Ray) {
     let ray = ray(DVec3::ZERO, entry.vector("direction"));
     let plate = entry.given("t_max").map(|end| {
-        let frame = Frame::around(ray.direction);
-        let half = |axis: DVec3| frame.to_world(axis * 1e-3);
-        let plate = Rectangle::centred(ray.at(end), half(DVec3::X), half(DVec3::Y)).unwrap();
+        let Frame { x, y, .. } = Frame::around(ray.direction);
+        let plate = Rectangle::centred(ray.at(end), x * 1e-3, y * 1e-3).unwrap();
         object(Shape::Rectangle(plate), black())
     });
     let scene = Radiative {
@@ -277,7 +276,7 @@ fn a_narrow_shadow_is_seen() {
         let scene = Radiative {
             media,
             lights: vec![Light::Directional(Directional {
-                direction: DVec3::NEG_Y,
+                direction: Direction::NEG_Y,
                 irradiance: DVec3::ONE,
             })],
             ..empty()

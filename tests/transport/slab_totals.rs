@@ -42,7 +42,7 @@ pub fn under_sky(scene: &Radiative, lit: Face) -> Radiative {
 /// A direction of diffuse light that falls on the upper face.
 pub fn diffuse(random: &Stream) -> Ray {
     let from = cosine_hemisphere(random.pair(0, Purpose::Camera, 0));
-    ray(DVec3::Z, -from)
+    ray(DVec3::Z, -*from)
 }
 
 /// Shares of light.

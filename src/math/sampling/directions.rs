@@ -1,11 +1,11 @@
 //! Directions, around +z where one is distinguished. Lengths are 1 to 8 roundings.
 
-use crate::math::{cos, sin};
+use crate::math::{Direction, cos, sin};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
 /// A direction from anywhere. `1 − z` and `1 + z` are uniform, and their product is `sin²`.
-pub fn sphere([u, v]: [f64; 2]) -> DVec3 {
+pub fn sphere([u, v]: [f64; 2]) -> Direction {
     from_cosine(1.0 - 2.0 * u, 2.0 * (u * (1.0 - u)).sqrt(), v)
 }
 
@@ -18,7 +18,7 @@ pub fn sphere_pdf() -> f64 {
 ///
 /// The smallest cosine is `√(1 − u)`, 1e-8 at the end of the random range: never 0, so that the
 /// density is positive at every direction there is.
-pub fn cosine_hemisphere([u, v]: [f64; 2]) -> DVec3 {
+pub fn cosine_hemisphere([u, v]: [f64; 2]) -> Direction {
     from_cosine((1.0 - u).sqrt(), u.sqrt(), v)
 }
 
@@ -53,7 +53,7 @@ impl Cone {
     }
 
     /// A direction inside, all equally likely.
-    pub fn direction(&self, [u, v]: [f64; 2]) -> DVec3 {
+    pub fn direction(&self, [u, v]: [f64; 2]) -> Direction {
         let one_minus_cos = u * self.one_minus_cos;
         let sine_squared = one_minus_cos * (2.0 - one_minus_cos);
         from_cosine(1.0 - one_minus_cos, sine_squared.sqrt(), v)
@@ -67,7 +67,7 @@ impl Cone {
 
 /// The direction of the given cosine and sine to +z, at the share `v` of a turn about it.
 #[inline]
-pub fn from_cosine(cosine: f64, sine: f64, v: f64) -> DVec3 {
+pub fn from_cosine(cosine: f64, sine: f64, v: f64) -> Direction {
     let azimuth = TAU * v;
-    DVec3::new(sine * cos(azimuth), sine * sin(azimuth), cosine)
+    Direction::unit(DVec3::new(sine * cos(azimuth), sine * sin(azimuth), cosine))
 }

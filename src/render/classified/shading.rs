@@ -3,7 +3,7 @@
 //! Source: Phong 1975, "Illumination for computer generated pictures"; Levoy 1988.
 
 use super::field::ScalarField;
-use crate::geometry::{Ray, direction_of};
+use crate::geometry::{Direction, Ray};
 use crate::media::Phong;
 use crate::render::counters::Work;
 use crate::volume::Grid;
@@ -63,8 +63,7 @@ impl Shading for Shaded {
         work: &mut W,
     ) -> DVec3 {
         let gradient = field.gradient(&self.gradients, location, work);
-        // A light at the sample itself has no direction: only ambient light is left.
-        let to_light = direction_of(self.light - point).unwrap_or(DVec3::ZERO);
+        let to_light = Direction::of(self.light - point);
         self.phong.shade(colour, gradient, to_light, -ray.direction)
     }
 }

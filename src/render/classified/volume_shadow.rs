@@ -97,7 +97,7 @@ impl Visibility for VolumeShadow<'_> {
         };
         work.count(Event::ShadowRay);
         let steps = Steps::over(span, self.shadow.step);
-        let line = NodeLine::from(sample.nodes, ray.direction, field.lattice());
+        let line = NodeLine::from(sample.nodes, *ray.direction, field.lattice());
         let reach = line.reach(self.shadow.step);
         let reference = self.shadow.reference_step;
         let (mut sum, mut transmittance) = (0.0, 1.0);

@@ -62,7 +62,7 @@ impl<E: Effects> SceneContext<'_, E> {
         let Some((ray, distance)) = vertex.towards(&point) else {
             return DVec3::ZERO;
         };
-        let cosine = -ray.direction.dot(point.normal);
+        let cosine = -ray.direction.cosine_to(point.normal);
         let emits = match light.sides {
             Sides::Front => cosine > 0.0,
             Sides::Both => cosine != 0.0,
@@ -92,7 +92,7 @@ pub fn emitted_radiance(light: &AreaLight, hit: &Hit) -> DVec3 {
 /// Weight of a light hit by a direction of density `scattered_pdf`, against direct light from
 /// that point.
 pub fn weight_of_hit(light: &AreaLight, ray: &Ray, hit: &Hit, scattered_pdf: f64) -> f64 {
-    let cosine = ray.direction.dot(hit.point.normal);
+    let cosine = ray.direction.cosine_to(hit.point.normal);
     power_heuristic(scattered_pdf, solid_angle_pdf(light, hit.t, cosine))
 }
 

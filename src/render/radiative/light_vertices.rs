@@ -21,7 +21,7 @@ use super::single_scattering::{ScatteringPoint, ScatteringPointSampler};
 use super::specular::facing;
 use super::tracker::Tracker;
 use super::vertex::Vertex;
-use crate::geometry::{Ray, SurfacePoint, direction_of, length_of};
+use crate::geometry::{Direction, Ray, SurfacePoint, length_of};
 use crate::math::Frame;
 use crate::math::rng::Purpose;
 use crate::math::sampling::{Cone, Equiangular, power_heuristic, sphere, sphere_pdf};
@@ -57,7 +57,7 @@ fn distances<E: Effects>(
     vertex: DVec3,
 ) -> Option<(f64, Equiangular)> {
     let within = scene.media.scattering_span(out)?;
-    let foot = (vertex - out.origin).dot(out.direction);
+    let foot = (vertex - out.origin).dot(*out.direction);
     let distance = (out.at(foot) - vertex).length();
     let angle = Equiangular::new(distance, within.near - foot, within.far - foot).ok()?;
     Some((foot, angle))
@@ -73,7 +73,7 @@ fn medium_vertex_pdf<E: Effects>(
     let density = || {
         let (_, per_steradian) = directions(light.light)?;
         let out = Ray::new(light.position, at - light.position)?;
-        let distance = (at - light.position).dot(out.direction);
+        let distance = (at - light.position).dot(*out.direction);
         let (foot, angle) = distances(scene, &out, vertex)?;
         Some(per_steradian * angle.pdf(distance - foot) / (distance * distance))
     };
@@ -88,7 +88,7 @@ fn surface_vertex_pdf(light: &PositionedLight<'_>, from: DVec3, at: &SurfacePoin
         // Cosine over squared distance, of each end.
         let geometry = |towards: DVec3| {
             let length = length_of(towards);
-            towards.dot(at.normal).abs() / (length * length * length)
+            towards.dot(*at.normal).abs() / (length * length * length)
         };
         Some(per_steradian * geometry(to_light) / geometry(to_vertex))
     };
@@ -138,7 +138,7 @@ impl<E: Effects> SceneContext<'_, E> {
             None => sphere(uv),
             Some((cone, frame)) => frame.to_world(cone.direction(uv)),
         };
-        let Some(direction) = direction_of(direction) else {
+        let Some(direction) = Direction::of(*direction) else {
             return DVec3::ZERO;
         };
         let ray = Ray {
@@ -213,7 +213,7 @@ impl<E: Effects> SceneContext<'_, E> {
         };
         let (ray, distance) = vertex.towards(&hit.point)?;
         // Light leaves on the side that it arrived on.
-        let cosine = -ray.direction.dot(facing(&hit));
+        let cosine = -ray.direction.cosine_to(facing(&hit));
         let response = self.response(vertex, ray.direction, tracker.work);
         if cosine <= 0.0 || response.value == DVec3::ZERO {
             return None;

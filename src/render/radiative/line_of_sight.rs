@@ -144,7 +144,7 @@ impl<E: Effects> LineOfSight<'_, E> {
                     // By the angle at which the light sees the ray: in it, the integrand is
                     // smooth however near the ray passes, and the end may be infinitely far away.
                     Some(position) => {
-                        let foot = (position - ray.origin).dot(ray.direction);
+                        let foot = (position - ray.origin).dot(*ray.direction);
                         let distance = (ray.at(foot) - position).length();
                         let Ok(angle) = Equiangular::new(distance, near - foot, far - foot) else {
                             return DVec3::INFINITY;

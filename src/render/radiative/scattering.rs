@@ -6,7 +6,7 @@ use super::sampler::Sampler;
 use super::scene_context::SceneContext;
 use super::tracker::Tracker;
 use super::vertex::Vertex;
-use crate::geometry::Ray;
+use crate::geometry::{Direction, Ray};
 use crate::math::Frame;
 use crate::math::rng::Purpose;
 use crate::math::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
@@ -40,20 +40,25 @@ pub struct SampledDirection {
 }
 
 impl<E: Effects> SceneContext<'_, E> {
-    /// The response of `vertex` to light from `direction`, of length 1, seen from there.
-    pub fn response<W: Work>(&self, vertex: &Vertex, direction: DVec3, work: &mut W) -> Response {
+    /// The response of `vertex` to light from `direction`, seen from there.
+    pub fn response<W: Work>(
+        &self,
+        vertex: &Vertex,
+        direction: Direction,
+        work: &mut W,
+    ) -> Response {
         match vertex {
             Vertex::Medium {
                 point,
                 direction: arrived,
                 set,
-            } => self.medium_response(*set, *point, arrived.dot(direction), work),
+            } => self.medium_response(*set, *point, arrived.cosine_to(direction), work),
             Vertex::Diffuse {
                 normal,
                 reflectance,
                 ..
             } => {
-                let cosine = normal.dot(direction);
+                let cosine = normal.cosine_to(direction);
                 Response {
                     value: *reflectance * (cosine.max(0.0) / PI),
                     pdf: cosine_hemisphere_pdf(cosine),

@@ -8,7 +8,7 @@
 //! circle. The lines from the light through the corners of the one, and along the tangents of the
 //! other, meet the ray at the edges.
 
-use crate::geometry::{Aabb, Boundary, Placed, Ray, Sphere, Surface, Transform, direction_of};
+use crate::geometry::{Aabb, Boundary, Direction, Placed, Ray, Sphere, Surface, Transform};
 use glam::{DVec2, DVec3};
 
 /// The direction or position of a light without extent.
@@ -16,8 +16,8 @@ use glam::{DVec2, DVec3};
 pub enum LightSource {
     /// World point.
     At(DVec3),
-    /// Unit direction towards a light infinitely far away.
-    Towards(DVec3),
+    /// Direction towards a light infinitely far away.
+    Towards(Direction),
 }
 
 /// The plane through a ray and a light.
@@ -25,8 +25,8 @@ struct ShadowPlane {
     /// Origin of the ray, and of the coordinates in the plane.
     origin: DVec3,
     /// The ray, and the side of the light.
-    axes: [DVec3; 2],
-    normal: DVec3,
+    axes: [Direction; 2],
+    normal: Direction,
     source: PlaneSource,
 }
 
@@ -66,7 +66,7 @@ fn placed_edges<S: Surface>(
     let source = match source {
         LightSource::At(position) => LightSource::At(to_world.inverse().point(position)),
         LightSource::Towards(direction) => {
-            let Some(direction) = direction_of(to_world.inverse().direction(direction)) else {
+            let Some(direction) = Direction::of(to_world.inverse().vector(*direction)) else {
                 return vec![];
             };
             LightSource::Towards(direction)
@@ -134,14 +134,14 @@ impl ShadowPlane {
         let along = ray.direction;
         let towards = match source {
             LightSource::At(position) => position - ray.origin,
-            LightSource::Towards(direction) => direction,
+            LightSource::Towards(direction) => *direction,
         };
-        let aside = direction_of(towards - along * towards.dot(along))?;
-        let local = DVec2::new(towards.dot(along), towards.dot(aside));
+        let aside = Direction::of(towards - along * towards.dot(*along))?;
+        let local = DVec2::new(towards.dot(*along), towards.dot(*aside));
         Some(ShadowPlane {
             origin: ray.origin,
             axes: [along, aside],
-            normal: along.cross(aside),
+            normal: Direction::unit(along.cross(*aside)),
             source: match source {
                 LightSource::At(_) => PlaneSource::At(local),
                 LightSource::Towards(_) => PlaneSource::Towards(local),
@@ -151,7 +151,7 @@ impl ShadowPlane {
 
     fn coordinates(&self, point: DVec3) -> DVec2 {
         let offset = point - self.origin;
-        DVec2::new(offset.dot(self.axes[0]), offset.dot(self.axes[1]))
+        DVec2::new(offset.dot(*self.axes[0]), offset.dot(*self.axes[1]))
     }
 
     /// The point at which the line between two points crosses the plane.
@@ -212,7 +212,7 @@ mod tests {
     #[test]
     fn a_box_and_a_ball_before_a_far_light() {
         let bounds = Aabb::new(DVec3::new(4.0, 2.0, -1.0), DVec3::new(5.0, 3.0, 1.0)).unwrap();
-        let light = LightSource::Towards(DVec3::new(-0.6, 0.8, 0.0));
+        let light = LightSource::Towards(Direction::unit(DVec3::new(-0.6, 0.8, 0.0)));
         let edges = sorted(shadow_edges(&Boundary::Box(bounds), &ray(), light));
         for (found, expected) in edges.iter().zip([5.5, 6.25, 6.5, 7.25]) {
             assert!((found - expected).abs() < 1e-14, "{edges:?}");

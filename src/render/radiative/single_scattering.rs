@@ -15,7 +15,7 @@ use super::scene_context::{PositionedLight, SceneContext};
 use super::segments::{MediumSegment, MediumSegments, OpticalDepths};
 use super::tracker::Tracker;
 use super::vertex::Vertex;
-use crate::geometry::{Ray, Span, direction_of};
+use crate::geometry::{Direction, Ray, Span};
 use crate::math::sampling::{
     Equiangular, LightOnRay, truncated_free_flight_pdf, truncated_optical_distance,
 };
@@ -152,7 +152,7 @@ pub fn edges(light: &Light, ray: &Ray) -> Vec<f64> {
 /// `spot` shines on the point at distance `t`, without occlusion.
 fn shines_on(spot: &Spot, ray: &Ray, t: f64) -> bool {
     // At the light itself the ray leaves it along its direction.
-    let towards = direction_of(ray.at(t) - spot.position).unwrap_or(ray.direction);
+    let towards = Direction::of(ray.at(t) - spot.position).unwrap_or(ray.direction);
     spot.falloff(towards) > 0.0
 }
 
@@ -171,9 +171,9 @@ impl ConeRoots {
     fn new(spot: &Spot, ray: &Ray) -> ConeRoots {
         let c = spot.cos_outer();
         // Both measured from the foot of the perpendicular from the light, where v² is smallest.
-        let foot = (spot.position - ray.origin).dot(ray.direction);
+        let foot = (spot.position - ray.origin).dot(*ray.direction);
         let v = ray.at(foot) - spot.position;
-        let (along, aside) = (ray.direction.dot(spot.axis()), v.dot(spot.axis()));
+        let (along, aside) = (ray.direction.cosine_to(spot.axis()), v.dot(*spot.axis()));
         // A s² + 2 B s + C = 0 at distance s from the foot.
         let a = along * along - c * c;
         let b = along * aside;
@@ -244,7 +244,7 @@ impl<'p, E: Effects> ScatteringPointSampler<'p, E> {
         let Some(lit) = lit_span(segments, ray, light.light) else {
             return Ok(None);
         };
-        let foot = (light.position - ray.origin).dot(ray.direction);
+        let foot = (light.position - ray.origin).dot(*ray.direction);
         let distance = (ray.at(foot) - light.position).length();
         Ok(Some(ScatteringPointSampler {
             segments,

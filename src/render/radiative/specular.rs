@@ -1,10 +1,9 @@
 //! Mirrors and glass: surfaces where a path goes on in one or two directions.
 
 use super::sampler::Sampler;
-use crate::geometry::{Hit, Ray, Side};
+use crate::geometry::{Direction, Hit, Ray, Side};
 use crate::math::rng::Purpose;
 use crate::optics::{reflected, split};
-use glam::DVec3;
 
 /// The ray reflected by a mirror at `hit`.
 pub fn mirrored(ray: &Ray, hit: &Hit) -> Option<Ray> {
@@ -34,8 +33,8 @@ pub fn through_glass(
     }
 }
 
-/// The unit normal on the side that was hit.
-pub fn facing(hit: &Hit) -> DVec3 {
+/// The normal on the side that was hit.
+pub fn facing(hit: &Hit) -> Direction {
     match hit.side {
         Side::Front => hit.point.normal,
         Side::Back => -hit.point.normal,

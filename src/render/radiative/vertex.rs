@@ -1,7 +1,7 @@
 //! A vertex of a path: a collision in media, or a point of a diffuse surface.
 
 use super::media::Set;
-use crate::geometry::{Ray, SurfacePoint};
+use crate::geometry::{Direction, Ray, SurfacePoint};
 use glam::DVec3;
 
 /// A vertex that scatters into a range of directions.
@@ -12,7 +12,7 @@ pub enum Vertex {
         /// World point.
         point: DVec3,
         /// Direction of the path that arrived.
-        direction: DVec3,
+        direction: Direction,
         /// The media there.
         set: Set,
     },
@@ -20,8 +20,8 @@ pub enum Vertex {
     Diffuse {
         /// The point.
         point: SurfacePoint,
-        /// Unit normal on the side that the path arrived from.
-        normal: DVec3,
+        /// Normal on the side that the path arrived from.
+        normal: Direction,
         /// Share of light reflected, by channel.
         reflectance: DVec3,
     },
@@ -41,7 +41,7 @@ impl Vertex {
         match self {
             Vertex::Medium { point, .. } => {
                 let ray = Ray::new(*point, target - *point)?;
-                Some((ray, (target - *point).dot(ray.direction)))
+                Some((ray, (target - *point).dot(*ray.direction)))
             }
             Vertex::Diffuse { point, .. } => point.towards_point(target),
         }
@@ -62,10 +62,10 @@ impl Vertex {
         }
     }
 
-    /// The ray from here along `direction`, of length 1.
-    pub fn leave(&self, direction: DVec3) -> Option<Ray> {
+    /// The ray from here along `direction`, as [`SurfacePoint::leave`] makes it.
+    pub fn leave(&self, direction: Direction) -> Option<Ray> {
         match self {
-            Vertex::Medium { point, .. } => Ray::new(*point, direction),
+            Vertex::Medium { point, .. } => Ray::new(*point, *direction),
             Vertex::Diffuse { point, .. } => point.leave(direction),
         }
     }

@@ -174,7 +174,7 @@ impl SceneParts<'_, '_, '_> {
             let positions = || grid.into_iter().flat_map(|u| grid.map(|v| [u, v]));
             let flush = rectangles().any(|wall| {
                 let within = positions().any(|uv| wall.holds(lamp.sample(uv).position));
-                within && lamp.normal().dot(wall.normal()).abs() == 1.0
+                within && lamp.normal().cosine_to(wall.normal()).abs() == 1.0
             });
             if flush {
                 let message = "an emitting rectangle lies exactly in another surface: either hides \

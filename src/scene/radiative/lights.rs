@@ -2,7 +2,7 @@
 
 use super::radiance;
 use super::shapes::FARTHEST;
-use crate::geometry::direction_of;
+use crate::geometry::Direction;
 use crate::optics::{Directional, Light, Point, Spot, SpotError};
 use crate::scene::SceneError;
 use crate::scene::format::{Absent, Key, Kind, Range, Rule, Table};
@@ -110,7 +110,7 @@ pub(super) fn read(reader: &Reader<'_, '_>) -> Result<Light, Box<SceneError>> {
         return read_spot(&spot).map(Light::Spot);
     }
     let directional = reader.table("directional")?.expect("one of the lights");
-    let direction = direction_of(directional.vector("direction")?).ok_or_else(|| {
+    let direction = Direction::of(directional.vector("direction")?).ok_or_else(|| {
         let message = "the light travels nowhere: its direction is the zero vector";
         directional.error("direction", message)
     })?;

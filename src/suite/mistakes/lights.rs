@@ -156,7 +156,7 @@ fn cones(scene: &mut Radiative, edit: fn([f64; 2]) -> [f64; 2]) -> bool {
     lights(scene, |light| {
         if let Light::Spot(spot) = light {
             let angles = edit([spot.inner().to_degrees(), spot.outer().to_degrees()]);
-            let edited = Spot::new(spot.position, spot.axis(), spot.intensity, angles);
+            let edited = Spot::new(spot.position, *spot.axis(), spot.intensity, angles);
             *spot = edited.unwrap_or(*spot);
         }
     })
