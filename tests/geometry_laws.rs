@@ -465,10 +465,10 @@ fn g11_shadow_rays_meet_neither_end() {
         for index in 0..5000 {
             let place = |k: usize| [spread(index + k, 0), spread(index + k, 1)];
             let at_light = light.sample(place(0));
-            let (ray, limit) = floor.sample(place(77)).towards(&at_light).unwrap();
+            let (ray, limit) = floor.sample(place(77)).towards_surface(&at_light).unwrap();
             assert!(floor.hit(&ray, limit).is_none() && light.hit(&ray, limit).is_none());
             let at_ball = ball.sample(place(3));
-            let (ray, limit) = at_ball.towards(&at_light).unwrap();
+            let (ray, limit) = at_ball.towards_surface(&at_light).unwrap();
             let facing = at_ball.normal.cosine_to(ray.direction) > 0.0;
             assert_eq!(ball.hit(&ray, limit).is_none(), facing);
         }

@@ -81,7 +81,7 @@ impl SurfacePoint {
     /// The ray from this point to another one, and the distance at which to stop looking for
     /// anything in between: both surfaces lie outside that segment. `None` where the two
     /// starting points coincide.
-    pub fn towards(&self, other: &SurfacePoint) -> Option<(Ray, f64)> {
+    pub fn towards_surface(&self, other: &SurfacePoint) -> Option<(Ray, f64)> {
         let line = other.position - self.position;
         let (from, to) = (self.origin_towards(line), other.origin_towards(-line));
         let ray = Ray::new(from, to - from)?;

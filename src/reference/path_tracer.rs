@@ -17,26 +17,29 @@
 //! and the surfaces that it meets:
 //!
 //! ```text
-//! L ≈ Σ β (j + σ_s L_direct) / σ̄  +  Σ β L_direct  +  β L_hit
-//!     collisions                     surfaces         area light or environment at the end
+//! L ≈ Σ β (j + σ_s L_direct) / σ̄  +  Σ β L_direct  +  Σ β σ_s T L_point / pdf  +  β L_hit
+//!     collisions                     surfaces         media, by point lights      end
 //! ```
 //!
-//! - Delta tracking finds collisions at the rate of the majorant `σ̄`, at least `σ_t` everywhere. A
-//!   collision scatters in a medium or is null; absorption lowers the throughput. (Kutz et al. 2017,
-//!   "Spectral and decomposition tracking for rendering heterogeneous volumes".)
+//! `L_direct` and `L_point` are light from the lights, weighted by the phase function or by BRDF times
+//! cosine; `L_hit` is the radiance of an area light or of the environment.
+//!
+//! - Delta tracking finds collisions at the rate of the majorant `σ̄ > 0`, at least `σ_t` everywhere.
+//!   A collision scatters in a medium or is null; absorption lowers the throughput. (Kutz et al.
+//!   2017, "Spectral and decomposition tracking for rendering heterogeneous volumes".)
 //! - Next-event estimation samples the lights for `L_direct`, at surfaces and at every collision, null
 //!   ones too; ratio tracking estimates the transmittance (Novák et al. 2014, "Residual ratio
 //!   tracking for estimating attenuation in participating media").
 //! - A path may also hit an area light: multiple importance sampling combines both estimates (Veach &
-//!   Guibas 1995, "Optimally combining sampling techniques for Monte Carlo rendering"). Point lights
-//!   in media are sampled by equiangular sampling along the ray, since `1/r²` at collisions has
-//!   infinite variance (Kulla & Fajardo 2012, "Importance sampling techniques for path tracing in
-//!   participating media").
+//!   Guibas 1995, "Optimally combining sampling techniques for Monte Carlo rendering"). Point and
+//!   spot lights in media are sampled at one point of each segment of the ray, by equiangular
+//!   sampling: at collisions the factor `1/r²` would give infinite variance (Kulla & Fajardo 2012,
+//!   "Importance sampling techniques for path tracing in participating media").
 //! - Russian roulette ends paths of low throughput.
 //!
-//! A scene limits the bounces of a path, those by mirrors and glass included. Point, spot and
-//! directional lights reach a point on straight lines only, never by a mirror or through glass.
-//! Random numbers are limited too: a path that draws them all ends in the error `Exhausted`.
+//! A scene limits the bounces of a path, including those at mirrors and glass. Point, spot and
+//! directional lights reach a point on straight lines only, never by a mirror or through glass. The
+//! random numbers of a path are limited, too: one that uses them up fails with `Exhausted`.
 
 use super::media::{Segment, extinction, global_majorant, hull};
 use super::random::{Exhausted, Random};
@@ -52,8 +55,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// The image of `scene`: mean radiance of paths through each pixel, and the variance of that mean.
-/// Paths begin at random points of the pixel, or all in its centre. Fails where a
-/// path drew all its random numbers.
+/// Paths begin at random points of the pixel, or all in its centre. Fails if a path uses up its random
+/// numbers.
 pub fn render(
     scene: &Radiative,
     size: [usize; 2],
@@ -81,8 +84,8 @@ pub fn render(
         Ok(moments)
     };
     let pixels = (0..size[0] * size[1]).into_par_iter().map(trace);
-    let pixels: Result<Vec<_>, _> = pixels.collect();
-    Ok(Film::of_moments(size, &pixels?, samples))
+    let moments = pixels.collect::<Result<Vec<_>, _>>()?;
+    Ok(Film::of_moments(size, &moments, samples))
 }
 
 /// A random estimate by colour channel.
@@ -102,7 +105,7 @@ struct Path {
     pdf: Option<f64>,
     throughput: DVec3,
     radiance: DVec3,
-    /// Whether the limit of bounces leaves another one.
+    /// Whether the limit on bounces allows another.
     may_bounce: bool,
 }
 
@@ -132,7 +135,11 @@ impl<'s> PathTracer<'s> {
                 let light = self.point_lights_along(&path.ray, &segments, random)?;
                 path.radiance += path.throughput * light;
             }
-            let next = match (self.collide(&mut path, &segments, random)?, hit) {
+            let collision = self.collide(&mut path, &segments, random)?;
+            if path.throughput == DVec3::ZERO {
+                break;
+            }
+            let next = match (collision, hit) {
                 (Some(collision), _) => collision.sample(random)?,
                 (None, Some((Target::Object(object), hit))) if path.may_bounce => {
                     self.scatter_at_surface(&mut path, object.material, &hit, random)?
@@ -152,7 +159,8 @@ impl<'s> PathTracer<'s> {
             };
             (path.ray, path.pdf) = (ray, pdf);
             path.throughput *= weight;
-            // Russian roulette. It always draws a number, so that no path is endless.
+            // Russian roulette. It draws a number even if survival is certain, so that an endless path
+            // uses up its numbers.
             let survival = path.throughput.max_element().min(1.0);
             if random.next()? >= survival {
                 break;
@@ -164,21 +172,18 @@ impl<'s> PathTracer<'s> {
 
     /// The nearest surface on `ray`.
     fn hit(&self, ray: &Ray) -> Option<(Target<'s>, Hit)> {
-        let objects = self.scene.objects.iter().filter_map(|object| {
-            let hit = object.shape.hit(ray, f64::INFINITY)?;
-            Some((Target::Object(object), hit))
-        });
-        let lights = self.scene.area_lights.iter().filter_map(|light| {
-            let hit = light.shape.hit(ray, f64::INFINITY)?;
-            Some((Target::Light(light), hit))
-        });
-        objects
-            .chain(lights)
-            .min_by(|(_, a), (_, b)| a.t.total_cmp(&b.t))
+        let far = f64::INFINITY;
+        let objects = self.scene.objects.iter();
+        let objects = objects.filter_map(|it| Some((Target::Object(it), it.shape.hit(ray, far)?)));
+        let lights = self.scene.area_lights.iter();
+        let lights = lights.filter_map(|it| Some((Target::Light(it), it.shape.hit(ray, far)?)));
+        let targets = objects.chain(lights);
+        targets.min_by(|(_, a), (_, b)| a.t.total_cmp(&b.t))
     }
 
-    /// Delta tracking along `segments` of the ray of `path`: the collision that scatters; `None` where
-    /// the ray leaves the media or is absorbed first. Adds emission and direct light at every collision to the path.
+    /// Delta tracking along `segments` of the ray of `path`: the vertex where it scatters; `None` if it
+    /// leaves the media, or is absorbed (throughput 0). Updates the throughput; adds emission and
+    /// direct light at every collision.
     fn collide(
         &self,
         path: &mut Path,
@@ -214,7 +219,7 @@ impl<'s> PathTracer<'s> {
             let total: f64 = events.iter().map(|(rate, _)| weight(*rate)).sum();
             let mut left = random.next()? * total;
             let mut chosen = None;
-            path.throughput = DVec3::ZERO; // where every channel is absorbed
+            path.throughput = DVec3::ZERO; // if there is no event: every channel is absorbed
             for (rate, vertex) in events {
                 if weight(rate) > 0.0 && left >= 0.0 {
                     path.throughput = throughput * rate / self.majorant * (total / weight(rate));
@@ -241,12 +246,12 @@ impl<'s> PathTracer<'s> {
             if t >= span.far || transmittance == DVec3::ZERO {
                 return Ok(transmittance);
             }
-            let null = 1.0 - extinction(&segments, t) / self.majorant;
-            transmittance *= null.max(DVec3::ZERO); // below 0 by rounding only
+            // Below 0 by rounding only.
+            transmittance *= (1.0 - extinction(&segments, t) / self.majorant).max(DVec3::ZERO);
         }
     }
 
-    /// Fraction of light that passes surfaces and media along `ray` up to distance `end`.
+    /// Transmittance along `ray` up to distance `end`; 0 if a surface blocks it.
     fn visibility(&self, ray: &Ray, end: f64, random: &mut Random) -> Estimate {
         let mut objects = self.scene.objects.iter();
         let mut lights = self.scene.area_lights.iter();
@@ -269,11 +274,11 @@ impl<'s> PathTracer<'s> {
             }
         }
         for light in &self.scene.area_lights {
-            let point = light.shape.sample(random.pair()?);
-            let Some((ray, distance)) = vertex.point.towards(&point) else {
+            let on_light = light.shape.sample(random.pair()?);
+            let Some((ray, distance)) = vertex.point.towards_surface(&on_light) else {
                 continue;
             };
-            let cosine = ray.direction.cosine_to(point.normal);
+            let cosine = ray.direction.cosine_to(on_light.normal);
             if cosine < 0.0 || (cosine > 0.0 && light.sides == Sides::Both) {
                 let light_pdf = pdf_of_point(light, distance, cosine);
                 let (value, pdf) = vertex.evaluate(ray.direction);
@@ -318,9 +323,9 @@ impl<'s> PathTracer<'s> {
             for segment in segments.iter().filter(|segment| segment.scatters()) {
                 let [near, far] = [segment.span.near, segment.span.far];
                 let Ok(angles) = Equiangular::new(distance, near - foot, far - foot) else {
-                    // The light lies on the segment.
-                    let lights = |t: f64| light.strength_towards(ray.at(t)) != DVec3::ZERO;
-                    if lights(near) || lights(far) {
+                    // The light lies on the segment: where it shines, the integral of 1/r² diverges.
+                    let reaches = |t: f64| light.strength_towards(ray.at(t)) != DVec3::ZERO;
+                    if reaches(near) || reaches(far) {
                         return Ok(DVec3::INFINITY);
                     }
                     continue;
@@ -329,9 +334,9 @@ impl<'s> PathTracer<'s> {
                 let t = foot + from_foot;
                 if let Some(medium) = segment.at(t) {
                     let vertex = Vertex::in_medium(ray, t, medium.phase);
-                    let light = self.delta_light(&vertex, light, random)?;
+                    let direct = self.delta_light(&vertex, light, random)?;
                     let transmittance = self.transmittance(ray, t, random)?;
-                    radiance += medium.sigma_s * light * transmittance / angles.pdf(from_foot);
+                    radiance += medium.sigma_s * direct * transmittance / angles.pdf(from_foot);
                 }
             }
         }
@@ -367,7 +372,7 @@ impl<'s> PathTracer<'s> {
                 }
             }
         };
-        let ray = hit.point.leave(direction);
+        let ray = hit.point.leave(direction); // `None` only if rounding leaves no direction
         let pdf = None;
         Ok(ray.map(|ray| Scattered { ray, weight, pdf }))
     }

@@ -8,9 +8,9 @@
 //! L = ∫ c(t) σ(t) T(t) dt + B T(end),     T(t) = exp(−∫₀ᵗ σ(s) ds)
 //! ```
 //!
-//! The midpoint rule, with steps of length `h`, replaces the integral. The transfer function states
-//! the opacity `a₀ = 1 − exp(−σ h₀)` of each density `d` over a reference length `h₀`, from which that
-//! of a step follows:
+//! Over each step of length `h`, colour and extinction are taken as constant, with their values at
+//! its midpoint. The transfer function states the opacity `a₀ = 1 − exp(−σ h₀)` of each density `d`
+//! over a reference length `h₀`; the opacity `a` over a step follows from it:
 //!
 //! ```text
 //! L = Σᵢ cᵢ aᵢ Tᵢ + B Tₙ,     Tᵢ = Π (1 − aⱼ) over j < i,     a = 1 − (1 − a₀)^(h/h₀)
@@ -18,8 +18,8 @@
 //! ```
 //!
 //! `shade` is Phong's model, if the scene asks for it; its normal points against the density
-//! gradient. `visibility` is the transmittance towards the light. Transfer functions come in two
-//! forms:
+//! gradient. `visibility` is the fraction of the light that passes the volume on its way to the
+//! sample; it dims the ambient term of Phong's model, too. Transfer functions come in two forms:
 //!
 //! ```text
 //!                       a₀(d)                                 emission(d)   visibility
@@ -27,9 +27,9 @@
 //! a formula             min(1, (1 − exp(−d²)) / (1 − f))      d²            min(1, exp(−S/100))
 //! ```
 //!
-//! The formula is that of a ray-casting assignment, with a floor `f` that the scene gives; `S` sums up
-//! the densities towards the light, so that this visibility is no transmittance of `σ`. A shadow has
-//! a step and a reference length of its own.
+//! The formula is that of a ray-casting assignment: the scene gives `f`, the value of `exp(−d²)` that
+//! counts as opaque, and `S = Σ d h/h₀` is no optical depth of `σ`. The step and the reference length
+//! of the shadow are its own.
 //!
 //! Sources: Levoy 1988, "Display of surfaces from volume data"; Max 1995, "Optical models for
 //! direct volume rendering"; Porter & Duff 1984, "Compositing digital images".
@@ -39,7 +39,7 @@ use crate::geometry::{Direction, Ray, Span, length_of};
 use crate::math::exp;
 use crate::media::{Appearance, over_length};
 use crate::scene::{Classified, Compositing};
-use crate::volume::{Cell, Grid, NodeLine, NodePoint, Reconstruction, relative_gradients};
+use crate::volume::{Cell, Grid, NodeLine, NodePoint, Reconstruction as _, relative_gradients};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -90,7 +90,7 @@ impl Layer {
         let sum = self.opacity + back.opacity * self.transparency;
         Layer {
             colour: self.colour + back.colour * self.transparency,
-            // The sum is the more accurate for small opacities; a large one could exceed 1 by rounding.
+            // The sum is more accurate while it is small; near 1, rounding could carry it above 1.
             opacity: if passed < 0.5 { 1.0 - passed } else { sum },
             transparency: passed,
         }
@@ -165,6 +165,7 @@ impl RayCaster<'_> {
             near: 0.0,
             far: inside.far.min(length_of(to_light)),
         };
+        // Not from `point`: far from the world's origin its node coordinates have lost digits.
         let line = NodeLine::from(node_point, *ray.direction, lattice);
         let count = step_count(span, shadow.step);
         let samples = (0..count).map(|index| {
@@ -198,7 +199,7 @@ fn step_count(span: Span, step: f64) -> usize {
 }
 
 /// Distance of the midpoint of step `index` of `count`, and the length of the step. Computed from the
-/// index: sums of lengths accumulate rounding errors.
+/// index, because adding up lengths would accumulate rounding errors.
 fn midpoint(span: Span, step: f64, count: usize, index: usize) -> (f64, f64) {
     if index + 1 < count {
         return (span.near + (index as f64 + 0.5) * step, step);

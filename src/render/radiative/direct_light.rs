@@ -59,7 +59,7 @@ impl<E: Effects> SceneContext<'_, E> {
         }
         let numbers = tracker.sampler.pair(Purpose::LightPoint, index);
         let point = light.shape.sample(numbers);
-        let Some((ray, distance)) = vertex.towards(&point) else {
+        let Some((ray, distance)) = vertex.towards_surface(&point) else {
             return DVec3::ZERO;
         };
         let cosine = -ray.direction.cosine_to(point.normal);

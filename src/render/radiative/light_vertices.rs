@@ -211,7 +211,7 @@ impl<E: Effects> SceneContext<'_, E> {
         let Material::Diffuse(reflectance) = self.radiative.objects[index].material else {
             return None;
         };
-        let (ray, distance) = vertex.towards(&hit.point)?;
+        let (ray, distance) = vertex.towards_surface(&hit.point)?;
         // Light leaves on the side that it arrived on.
         let cosine = -ray.direction.cosine_to(facing(&hit));
         let response = self.response(vertex, ray.direction, tracker.work);

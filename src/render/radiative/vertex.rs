@@ -48,7 +48,7 @@ impl Vertex {
     }
 
     /// The ray from here to a point of a surface, and its length up to that surface.
-    pub fn towards(&self, target: &SurfacePoint) -> Option<(Ray, f64)> {
+    pub fn towards_surface(&self, target: &SurfacePoint) -> Option<(Ray, f64)> {
         match self {
             Vertex::Medium { point, .. } => {
                 let (back, length) = target.towards_point(*point)?;
@@ -58,7 +58,7 @@ impl Vertex {
                 };
                 Some((ray, length))
             }
-            Vertex::Diffuse { point, .. } => point.towards(target),
+            Vertex::Diffuse { point, .. } => point.towards_surface(target),
         }
     }
 
