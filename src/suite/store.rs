@@ -26,6 +26,7 @@ use std::collections::BTreeSet;
 use std::fs::{File, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use crate::atomic_file::directory_of;
 use crate::regular_file::{self, OpenError, ReadError};
@@ -95,15 +96,21 @@ impl<D: Disk> Store<D> {
                 .map(|path| self.read(path.as_ref()))
                 .collect::<Result<Vec<_>, _>>()
         };
-        let mut before = collect()?;
         loop {
-            // Twice the same: then these were the contents at the moment between the two.
-            let after = collect()?;
-            if before == after {
-                return Ok(after);
+            let begun = self.last_accept();
+            // Twice the same, and no accept began meanwhile: each file changed once at most, so these
+            // were the contents at the moment between the two.
+            let contents = collect()?;
+            if contents == collect()? && self.last_accept() == begun {
+                return Ok(contents);
             }
-            before = after;
         }
+    }
+
+    /// The moment at which the last accept began, if one ever did.
+    fn last_accept(&self) -> Option<SystemTime> {
+        let lock = std::fs::metadata(self.root.join(LOCK));
+        lock.and_then(|lock| lock.modified()).ok()
     }
 
     fn journal(&self) -> Result<Option<Journal>, StoreError> {
@@ -213,7 +220,12 @@ impl<D: Disk> Store<D> {
         let file = opened.map_err(failed("open the lock file", &lock));
         let file = file.map_err(StoreError::Untouched)?;
         match file.try_lock() {
-            Ok(()) => Ok(Lock(file)),
+            Ok(()) => {
+                // For `last_accept`. If the lock is another user's, it keeps its time, and readers
+                // rely on no accept being undone by another while they read.
+                let _ = file.set_modified(SystemTime::now());
+                Ok(Lock(file))
+            }
             Err(TryLockError::WouldBlock) => Err(StoreError::Locked { lock }),
             Err(TryLockError::Error(cause)) => {
                 Err(StoreError::Untouched(failed("lock", &lock)(cause)))
