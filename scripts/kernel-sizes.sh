@@ -32,7 +32,7 @@ nm -S -C "$binary" | awk -v text="$text" '
         else next
     }
     {
-        work = /counters::Counters/ ? "counted" : /counters::Uncounted/ ? "uncounted" : "either"
+        work = /counters::PerEvent</ ? "counted" : /counters::Uncounted/ ? "uncounted" : "either"
         bytes[family, work] += hexadecimal($2)
         if (/pixels::rows::</ && /::\{closure#0\}$/) kernels[family, work]++
     }
