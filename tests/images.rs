@@ -425,8 +425,15 @@ fn numbers_that_are_not_finite_are_kept() {
         Film::from_npy(&film.to_npy()),
     ] {
         let read = read.unwrap();
+        // The sign of NaN means nothing, and differs on aarch64.
+        let is_kept = |read: f32, value: f32| {
+            read.to_bits() == value.to_bits() || read.is_nan() && value.is_nan()
+        };
         for (pixel, value) in read.radiance().iter().zip(values) {
-            assert_eq!(pixel.map(f32::to_bits), [value.to_bits(); 3]);
+            assert!(
+                pixel.iter().all(|&channel| is_kept(channel, value)),
+                "{pixel:?}"
+            );
         }
         assert_eq!(read.first_without_radiance().unwrap().0, [0, 0]);
     }
