@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes what another renderer came to as a table to keep, golden/peers/NAME.toml.
 
-    volref validate fog smoke procedural --run '...' --spp 64 --json results.json
+    volref validate fog smoke procedural --run '...' --spp 64 --json=results.json
     peer_table.py results.json --name mitsuba --version 3.9.1 --spp 64 --notes notes.toml
 
 NOTES is TOML, a sentence for a case: who is right where they differ, and how that is known.

@@ -4,6 +4,7 @@
 
 mod accept;
 mod compare;
+mod completions;
 mod cost;
 mod export;
 mod failure;
@@ -11,6 +12,7 @@ mod info;
 mod interrupt;
 mod keep;
 mod list;
+mod man;
 mod output;
 mod plan;
 mod progress;
@@ -52,6 +54,8 @@ enum Command {
     Info(info::Arguments),
     List(list::Arguments),
     Schema(schema::Arguments),
+    Completions(completions::Arguments),
+    Man(man::Arguments),
     #[command(name = keep::NAME, hide = true)]
     Keep(keep::Arguments),
 }
@@ -102,6 +106,8 @@ pub fn main() -> ExitCode {
         Command::Info(arguments) => progress::during("reading", || info::run(arguments)),
         Command::List(arguments) => list::run(arguments),
         Command::Schema(arguments) => Ok(schema::run(arguments)),
+        Command::Completions(arguments) => Ok(completions::run(arguments)),
+        Command::Man(arguments) => man::run(arguments),
         Command::Keep(arguments) => Ok(keep::run(arguments)),
     };
     match result {

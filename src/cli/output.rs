@@ -8,6 +8,7 @@ use crate::regular_file::{Identity, is_input, note_input};
 use crate::report::{visible, visible_json};
 use clap::Args;
 use serde::Serialize;
+use serde_json::json;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -20,15 +21,37 @@ pub fn print(text: &str) {
         .and_then(|()| stdout.flush());
 }
 
-/// Writes a failure to stderr.
+/// Writes a failure to stderr; where the command line asks for JSON, as an object to stdout as well.
 pub fn print_error(failure: &Failure) {
-    let shown = miette::Report::new(VisibleReport::of(failure.report.as_ref()));
+    let diagnostic: &dyn miette::Diagnostic = failure.report.as_ref();
+    print_error_object(
+        failure.exit,
+        diagnostic.to_string(),
+        diagnostic.help().map(|help| help.to_string()),
+    );
+    let shown = miette::Report::new(VisibleReport::of(diagnostic));
     let _ = writeln!(std::io::stderr(), "{shown:?}");
+}
+
+/// A command that fails prints this in place of its JSON.
+fn print_error_object(exit: Exit, message: String, help: Option<String>) {
+    let asked = |argument: OsString| argument == "--json" || argument == "--json=-";
+    if std::env::args_os().any(asked) {
+        print(&pretty(&json!({
+            "schema": "volref/error/1",
+            "error": message,
+            "help": help,
+            "exit_code": exit as u8,
+        })));
+    }
 }
 
 /// Writes what clap has to say of the command line, or its help. Where the arguments hold control
 /// characters, which it repeats, the message goes without colours.
 pub fn print_usage(error: &clap::Error) {
+    if error.use_stderr() {
+        print_error_object(Exit::BadInput, error.to_string(), None);
+    }
     let mut arguments = std::env::args_os();
     let is_plain = arguments.all(|argument| {
         let argument = argument.to_string_lossy();
@@ -53,6 +76,13 @@ impl Json {
     /// The file to write, if there is to be one.
     pub fn file(&self) -> Option<&Path> {
         named_file(self.json.as_deref())
+    }
+
+    /// Whether standard output is for JSON alone.
+    pub fn is_printed(&self) -> bool {
+        self.json
+            .as_ref()
+            .is_some_and(|path| path.as_os_str() == "-")
     }
 
     /// The text to print: `text`, or `value` as JSON if asked for on stdout.

@@ -1,7 +1,7 @@
 //! What `verify` and `validate` write beside their text.
 
 use super::failure::{Exit, Failure};
-use super::output;
+use super::output::{self, Json};
 use crate::report;
 use crate::suite::{CaseResult, Evidence, Judged, Likeness, Suite};
 use std::path::{Path, PathBuf};
@@ -9,9 +9,8 @@ use std::path::{Path, PathBuf};
 /// Where results go.
 #[derive(clap::Args, Debug)]
 pub struct ResultFiles {
-    /// Write the results as JSON; without FILE, print them instead of the text
-    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: Json,
     /// Write the results as JUnit XML, for build servers
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
@@ -45,9 +44,7 @@ impl Findings<'_> {
 impl ResultFiles {
     /// Whether standard output is for JSON alone.
     pub fn prints_json(&self) -> bool {
-        self.json
-            .as_ref()
-            .is_some_and(|path| path.as_os_str() == "-")
+        self.json.is_printed()
     }
 
     /// Whether the images behind the results are wanted.
@@ -55,19 +52,9 @@ impl ResultFiles {
         self.report.is_some()
     }
 
-    /// Fails where a file cannot be written, lies among the goldens, or has the name of a case:
-    /// asked before long work, not after it.
+    /// Fails where a file cannot be written or lies among the goldens: asked before long work, not
+    /// after it.
     pub fn check(&self, suite: &Suite) -> Result<(), Failure> {
-        if let Some(path) = &self.json
-            && suite.select(&[path.display().to_string()]).is_ok()
-        {
-            let message = format!(
-                "--json {0}: is {0} a file to write or the cases to take?",
-                path.display()
-            );
-            let help = "write filters before --json, or a file name that is no case";
-            return Err(Failure::new(Exit::BadInput, message, Some(help)));
-        }
         let page = self.report.as_deref().map(page_in);
         if let Some(folder) = &self.report {
             std::fs::create_dir_all(folder).map_err(|error| {
@@ -75,8 +62,7 @@ impl ResultFiles {
                 Failure::new(Exit::BadInput, message, None)
             })?;
         }
-        let json = output::named_file(self.json.as_deref());
-        let outputs = [json, self.junit.as_deref(), page.as_deref()];
+        let outputs = [self.json.file(), self.junit.as_deref(), page.as_deref()];
         for path in outputs.into_iter().flatten() {
             check_not_golden(path, suite)?;
         }
@@ -98,12 +84,7 @@ impl ResultFiles {
             "validate" => report::validation_json(&results, &findings.likely),
             command => report::results_json(command, &results),
         };
-        match &self.json {
-            Some(_) if self.prints_json() => text = output::pretty(&json),
-            Some(path) => output::write(path, output::pretty(&json).as_bytes())?,
-            None => {}
-        }
-        Ok(text)
+        self.json.instead_of(text, &json)
     }
 }
 

@@ -36,7 +36,24 @@ impl Selection {
 
 /// The cases that the filters name.
 pub fn select<'s>(suite: &'s Suite, filters: &[String]) -> Result<Vec<&'s Case>, Failure> {
-    suite.select(filters).map_err(suite_failure)
+    suite.select(filters).map_err(|error| match error {
+        SuiteError::NoMatch { filter, help } => {
+            let help = output_help(&filter).unwrap_or(help);
+            suite_failure(SuiteError::NoMatch { filter, help })
+        }
+        error => suite_failure(error),
+    })
+}
+
+/// Help for a filter that looks like the name of an output.
+fn output_help(filter: &str) -> Option<String> {
+    let extension = Path::new(filter).extension()?.to_str()?;
+    match extension.to_ascii_lowercase().as_str() {
+        "json" => Some(format!("to write the results there: --json={filter}")),
+        "xml" => Some(format!("to write the results there: --junit {filter}")),
+        "html" => Some("to write a page: --report DIR".to_owned()),
+        _ => None,
+    }
 }
 
 /// The goldens of the suite.

@@ -165,8 +165,8 @@ fn no_output_is_written_over_another() {
         "render curve.toml -o c.exr --json=./c.exr",
         "render curve.toml -o c.exr --json=out/../c.exr",
         "compare a.png b.png --heatmap c.png --json=c.png",
-        "verify smoke/plain --json c.json --junit c.json",
-        "verify smoke/plain --json out/index.html --report out",
+        "verify smoke/plain --json=c.json --junit c.json",
+        "verify smoke/plain --json=out/index.html --report out",
         "validate smoke/plain --outputs images --junit out/index.html --report out",
         "cost scene.toml --runs 0 --report out --json=out/index.html",
         "export curve.toml --to bundle -o out --json=out/curve.json",
@@ -226,8 +226,8 @@ fn outputs_may_be_written_again() {
     std::fs::create_dir(folder.path("out")).unwrap();
     for command in [
         "render curve.toml -o c.exr --json=c.json",
-        "verify smoke/plain --json out/v.json --junit out/v.xml --report out",
-        "validate smoke/plain --outputs images --json out/v.json --report out",
+        "verify smoke/plain --json=out/v.json --junit out/v.xml --report out",
+        "validate smoke/plain --outputs images --json=out/v.json --report out",
         "export scene.toml --to bundle -o out --json=out/e.json",
         "plan apart.toml --json=out/p.json",
     ] {
@@ -384,7 +384,7 @@ fn images_that_make_a_decoder_panic_are_unreadable() {
     ] {
         folder.write(&format!("images/{name}"), bad);
     }
-    let run = folder.volref(&["validate", "--outputs", "images", "--json", "r.json"]);
+    let run = folder.volref(&["validate", "--outputs", "images", "--json=r.json"]);
     assert_eq!(run.code, 4, "{}{}", run.stdout, run.stderr);
     let results: serde_json::Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
     let said: Vec<String> = (results["cases"].as_array().unwrap().iter())

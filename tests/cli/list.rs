@@ -267,3 +267,20 @@ fn no_colour_in_a_pipe() {
         );
     }
 }
+
+#[test]
+fn completions_and_manual_pages_know_every_command() {
+    let folder = Folder::new();
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let run = folder.volref(&["completions", shell]);
+        run.expect(0, &["validate", "selftest", "only-present"]);
+    }
+    folder
+        .volref(&["man"])
+        .expect(0, &[".TH volref", "validate"]);
+    let page = folder.volref(&["man", "validate"]);
+    page.expect(0, &[".TH", "only\\-present"]);
+    folder
+        .volref(&["man", "absent"])
+        .expect(2, &["volref has no command \"absent\""]);
+}

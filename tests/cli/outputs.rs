@@ -83,3 +83,37 @@ fn exposures_that_are_no_number() {
     }
     assert!(!folder.path("image.png").exists());
 }
+
+#[test]
+fn json_has_one_form() {
+    let folder = Folder::with_goldens();
+    for command in ["verify", "selftest", "list"] {
+        folder
+            .volref(&[command, "--json", "results.json"])
+            .expect(5, &["no case matches", "--json=results.json"]);
+    }
+    folder
+        .volref(&["verify", "results.xml"])
+        .expect(5, &["no case matches", "--junit results.xml"]);
+}
+
+#[test]
+fn failures_are_json_where_json_is_asked_for() {
+    let folder = Folder::with_goldens();
+    for (arguments, exit_code, said) in [
+        (&["plan", "absent.toml", "--json"][..], 2, "absent.toml"),
+        (&["verify", "absent", "--json"], 5, "no case matches"),
+        (&["render", "--json"], 2, "required arguments"),
+    ] {
+        let run = folder.volref(arguments);
+        assert_eq!(run.code, exit_code);
+        let error = run.json();
+        assert_eq!(error["schema"], "volref/error/1");
+        assert_eq!(error["exit_code"], exit_code);
+        assert!(error["error"].as_str().unwrap().contains(said), "{error}");
+        assert!(run.stderr.contains(said), "{}", run.stderr);
+    }
+    let written = folder.volref(&["plan", "absent.toml", "--json=plan.json"]);
+    assert_eq!(written.stdout, "");
+    assert!(!folder.path("plan.json").exists());
+}

@@ -156,7 +156,12 @@ fn json_and_junit_in_files() {
     suite.remove("golden/plots/curve.toml");
     suite.edit("fixtures/volumes/cloud.obj", "v 1 0.5 0.5", "v 1 0.5 0.6");
     let arguments = [
-        "verify", "curve", "plain", "--json", "out.json", "--junit", "out.xml",
+        "verify",
+        "curve",
+        "plain",
+        "--json=out.json",
+        "--junit",
+        "out.xml",
     ];
     let run = suite.volref(&arguments);
     assert_eq!(run.code, 3, "{}", run.stdout);

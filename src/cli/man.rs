@@ -1,0 +1,35 @@
+//! `volref man`
+
+use super::Outcome;
+use super::failure::{Exit, Failure};
+use clap::CommandFactory;
+use clap_mangen::Man;
+
+/// Print the manual page of volref or of a command, for man -l
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Command; without it, volref itself
+    command: Option<String>,
+}
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+    let mut volref = super::Arguments::command();
+    volref.build();
+    let page = match &arguments.command {
+        None => volref,
+        Some(name) => match volref.find_subcommand(name) {
+            Some(command) => command.clone(),
+            None => {
+                let message = format!("volref has no command {name:?}");
+                let help = "volref --help lists the commands";
+                return Err(Failure::new(Exit::BadInput, message, Some(help)));
+            }
+        },
+    };
+    let mut roff = Vec::new();
+    match Man::new(page).render(&mut roff) {
+        Ok(()) => Ok(Outcome::from(String::from_utf8_lossy(&roff).into_owned())),
+        Err(error) => Err(Failure::new(Exit::BadInput, error.to_string(), None)),
+    }
+}
