@@ -5,7 +5,7 @@
 //!
 //! **Read [`reference::ray_caster`] first, then [`reference::path_tracer`]:** the two reference
 //! renderers, deliberately straightforward, a file each. [`render`] holds the fast renderers, which
-//! are tested against them.
+//! are tested against them. [`guide`] is the manual of the commands.
 //!
 //! # What is solved
 //!
@@ -87,6 +87,7 @@ mod decoder;
 pub mod exchange;
 pub mod film;
 pub mod geometry;
+pub mod guide;
 pub mod hard_cases;
 pub mod math;
 pub mod media;

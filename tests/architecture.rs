@@ -108,6 +108,8 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("volume", &["geometry", "math", "decoder", "regular_file"]),
     ("geometry", &["math", "decoder", "regular_file"]),
     ("film", &["math", "decoder"]),
+    // Chapters, no code.
+    ("guide", &[]),
     ("math", &[]),
     ("decoder", &[]),
     ("atomic_file", &[]),

@@ -1,4 +1,4 @@
-//! The plots in the README are what the program draws today.
+//! The plots that the guide describes are those the program draws today.
 
 use std::path::Path;
 use volref::cost::image;

@@ -1,7 +1,7 @@
 //! What the stochastic gate promises, simulated: honest suites raise no alarms, and what it must
 //! see it sees.
 //!
-//! The tables of the README are printed by the long versions of both:
+//! The tables in `src/guide/comparing.md` are printed by the long versions of both:
 //! `cargo test --release --test gate -- --ignored --nocapture`.
 
 #[path = "common/simulated.rs"]
@@ -144,7 +144,7 @@ fn what_a_large_image_misses_is_not_held_against_it() {
 }
 
 #[test]
-#[ignore = "minutes: the figures of the README"]
+#[ignore = "minutes: the figures of the guide"]
 fn a_thousand_honest_suites_raise_no_alarm() {
     let suites = 1000;
     let (alarms, said) = honest(suites, [512, 1024]);
@@ -288,7 +288,7 @@ fn faults_are_called_out() {
 }
 
 #[test]
-#[ignore = "minutes: the figures of the README"]
+#[ignore = "minutes: the figures of the guide"]
 fn power_in_full() {
     for shape in &Shape::all()[1..5] {
         let (side, trials) = (192, 10);

@@ -1,0 +1,50 @@
+//! The guide to the commands. This module has no code.
+//!
+//! | chapter | about |
+//! | --- | --- |
+//! | [`scenes`] | your own cloud, camera, transfer functions, messages |
+//! | [`volume_files`] | formats, spacing, centring |
+//! | [`fog_and_smoke`] | media, surfaces, lights, and the estimators behind them |
+//! | [`suite`] | the cases, their goldens, a new golden, a new case |
+//! | [`comparing`] | judging a renderer, reading a failure, two images, gates, samples and noise |
+//! | [`accuracy_and_cost`] | error against look-ups and time |
+//! | [`effects`] | the effects a scene calls for, and the instructions saved |
+//! | [`hard_cases`] | inputs that make renderers wrong; the same bits on every architecture |
+//! | [`peers`] | exports to Mitsuba, pbrt and bundles |
+//! | [`working_on_volref`] | checks, self-test, fuzzing, speed |
+//!
+//! The chapters are the files `src/guide/*.md`, readable in the repository as well. A test runs every
+//! command block and compares the output with the one shown.
+
+// In the repository the links of a chapter lead to other files. `links.md` defines the same links
+// as paths of this crate; it stands first because the first definition of a link counts.
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/scenes.md")]
+pub mod scenes {}
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/volume_files.md")]
+pub mod volume_files {}
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/fog_and_smoke.md")]
+pub mod fog_and_smoke {}
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/suite.md")]
+pub mod suite {}
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/comparing.md")]
+pub mod comparing {}
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/accuracy_and_cost.md")]
+pub mod accuracy_and_cost {}
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/effects.md")]
+pub mod effects {}
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/hard_cases.md")]
+pub mod hard_cases {}
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/peers.md")]
+pub mod peers {}
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/working_on_volref.md")]
+pub mod working_on_volref {}
