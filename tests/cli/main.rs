@@ -9,6 +9,8 @@ mod compare;
 mod cost;
 mod export;
 mod folder;
+#[cfg(unix)]
+mod guide;
 mod hard;
 #[cfg(unix)]
 mod hostile;
