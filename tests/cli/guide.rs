@@ -535,6 +535,19 @@ fn links(text: &str) -> Vec<(Option<&str>, &str)> {
     inline.chain(defined).collect()
 }
 
+/// The anchors of the headings, by the rule that rustdoc and GitHub share.
+fn anchors(text: &str) -> Vec<String> {
+    let headings = text.lines().filter(|line| line.starts_with('#'));
+    let anchor = |heading: &str| {
+        let words = heading.trim_start_matches('#').trim().to_lowercase();
+        let kept = words
+            .chars()
+            .filter(|c| c.is_alphanumeric() || " -_".contains(*c));
+        kept.collect::<String>().replace(' ', "-")
+    };
+    headings.map(anchor).collect()
+}
+
 #[test]
 fn links_lead_somewhere() {
     let rustdoc = text(RUSTDOC_LINKS);
@@ -544,8 +557,16 @@ fn links_lead_somewhere() {
         .collect();
     for file in DOCUMENTS {
         let folder = root().join(file).parent().unwrap().to_owned();
-        for (label, target) in links(&text(file)) {
+        let text = text(file);
+        for (label, target) in links(&text) {
             if target.starts_with("https://") {
+                continue;
+            }
+            if let Some(anchor) = target.strip_prefix('#') {
+                assert!(
+                    anchors(&text).iter().any(|other| other == anchor),
+                    "{file}: no {target}"
+                );
                 continue;
             }
             assert!(folder.join(target).exists(), "{file}: no {target}");
