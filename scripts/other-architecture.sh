@@ -79,14 +79,15 @@ build() {
 
 run_tests() {
     local program failed=0
-    local skipped=()
+    # The guide's commands are not about numbers, and take long.
+    local skipped=(--skip guide::)
     if [ "$name" = i686 ]; then
         # The memory that plans state depends on the size of a word.
-        skipped=(--skip plan::plans_of_the_suite)
+        skipped+=(--skip plan::plans_of_the_suite)
     else
         # Processes are the same everywhere but under QEMU: there a program that does not exist has
         # ended with 127, and volref cannot start itself once more, as it does beside a renderer.
-        skipped=(
+        skipped+=(
             --skip exit_codes_and_signals_are_failures --skip a_killed_process_leaves_old_or_new
             --skip renderers:: --skip a_renderer_is_run --skip a_report_says_how_it_is_reproduced
             --skip renderers_that_fail --skip verdicts_come_as_they_are_known
