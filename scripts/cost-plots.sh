@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The plots of the README: error against work in figure 3 and in fractal noise.
+# The plots of the guide: error against work in figure 3 and in fractal noise.
 #
 # They are counted, not timed: the same on every machine, and a test holds them.
 set -euo pipefail
