@@ -6,9 +6,11 @@ use clap_complete::Shell;
 
 /// Print the completions of a shell, which complete commands and options
 ///
-/// bash: volref completions bash > ~/.local/share/bash-completion/completions/volref.
-/// zsh: into a folder of $fpath, as _volref. fish: into ~/.config/fish/completions, as volref.fish.
+/// bash: volref completions bash > ~/.local/share/bash-completion/completions/volref
+/// zsh:  volref completions zsh > _volref, in a folder of $fpath
+/// fish: volref completions fish > ~/.config/fish/completions/volref.fish
 #[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
 pub struct Arguments {
     /// Shell
     #[arg(value_enum)]

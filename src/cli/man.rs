@@ -19,7 +19,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let page = match &arguments.command {
         None => volref,
         Some(name) => match volref.find_subcommand(name) {
-            Some(command) => command.clone(),
+            Some(command) => command.clone().version(env!("CARGO_PKG_VERSION")),
             None => {
                 let message = format!("volref has no command {name:?}");
                 let help = "volref --help lists the commands";

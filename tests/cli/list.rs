@@ -161,19 +161,22 @@ fn help() {
     Usage: volref <COMMAND>
 
     Commands:
-      verify    Render the suite with the reference and compare every bit with the goldens
-      validate  Judge another renderer's images by the goldens, and name the mistake
-      compare   Compare one pair of images
-      render    Render a scene to an image
-      plan      Show what a scene calls for: effects with reasons, the kernel, filled-in defaults
-      cost      Show what accuracy costs in a scene: error against look-ups and time, by parameter
-      export    Write a scene for another renderer
-      accept    Render cases and make the results their goldens; look at the pictures before and after
-      selftest  Make every known mistake and see that the suite catches it, and nothing that is right
-      info      Show what a volume file holds: where it lies, how it is stored, its values
-      list      List the cases of the suite
-      schema    Print the JSON Schema of a kind of file, for completion and checks in editors
-      help      Print this message or the help of the given subcommand(s)
+      verify       Render the suite with the reference and compare every bit with the goldens
+      validate     Judge another renderer's images by the goldens, and name the mistake
+      compare      Compare one pair of images
+      render       Render a scene to an image
+      plan         Show what a scene calls for: effects with reasons, the kernel, filled-in defaults
+      cost         Show what accuracy costs in a scene: error against look-ups and time, by parameter
+      export       Write a scene for another renderer
+      accept       Render cases and make the results their goldens; look at the pictures before and
+                   after
+      selftest     Make every known mistake and see that the suite catches it, and nothing that is right
+      info         Show what a volume file holds: where it lies, how it is stored, its values
+      list         List the cases of the suite
+      schema       Print the JSON Schema of a kind of file, for completion and checks in editors
+      completions  Print the completions of a shell, which complete commands and options
+      man          Print the manual page of volref or of a command, for man -l
+      help         Print this message or the help of the given subcommand(s)
 
     Options:
       -h, --help     Print help
