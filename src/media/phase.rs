@@ -31,7 +31,6 @@ impl Phase {
 
     /// The phase function at a deflection, per steradian; also the density with which
     /// [`Phase::deflection`] samples that direction.
-    #[inline]
     pub fn per_steradian(&self, deflection: &Deflection) -> f64 {
         match self {
             Phase::HenyeyGreenstein(phase) => phase.per_steradian(deflection),
@@ -41,7 +40,6 @@ impl Phase {
     }
 
     /// The deflection that belongs to `u`, uniform in [0, 1).
-    #[inline]
     pub fn deflection(&self, u: f64) -> Deflection {
         match self {
             Phase::HenyeyGreenstein(phase) => phase.deflection(u),

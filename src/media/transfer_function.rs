@@ -58,7 +58,6 @@ impl TransferFunction {
     /// Emission of a sample before its colour and shading: `d²` by the formula.
     /// That belongs to the assignment and to densities; the colours of a table are radiances as
     /// they stand, so there it is 1.
-    #[inline(always)]
     pub fn emission(&self, value: f64) -> f64 {
         match &self.appearance {
             Appearance::Formula { .. } => value * value,
