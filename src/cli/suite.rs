@@ -36,13 +36,7 @@ impl Selection {
 
 /// The cases that the filters name.
 pub fn select<'s>(suite: &'s Suite, filters: &[String]) -> Result<Vec<&'s Case>, Failure> {
-    suite.select(filters).map_err(|error| match error {
-        SuiteError::NoMatch { filter, help } => {
-            let help = output_help(&filter).unwrap_or(help);
-            suite_failure(SuiteError::NoMatch { filter, help })
-        }
-        error => suite_failure(error),
-    })
+    suite.select(filters).map_err(suite_failure)
 }
 
 /// Help for a filter that looks like the name of an output.
@@ -63,9 +57,12 @@ pub fn store(suite: &Suite) -> Store {
 
 /// No such case is exit code 5, a suite that cannot be read 2.
 pub fn suite_failure(error: SuiteError) -> Failure {
-    let exit = match error {
-        SuiteError::NoMatch { .. } => Exit::Undecided,
-        _ => Exit::BadInput,
+    let (exit, error) = match error {
+        SuiteError::NoMatch { filter, help } => {
+            let help = output_help(&filter).unwrap_or(help);
+            (Exit::Undecided, SuiteError::NoMatch { filter, help })
+        }
+        error => (Exit::BadInput, error),
     };
     Failure {
         exit,

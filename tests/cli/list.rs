@@ -276,13 +276,14 @@ fn completions_and_manual_pages_know_every_command() {
     let folder = Folder::new();
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         let run = folder.volref(&["completions", shell]);
-        run.expect(0, &["validate", "selftest", "only-present"]);
+        for word in ["validate", "selftest", "only-present"] {
+            assert!(run.stdout.contains(word), "{shell}: {word}");
+        }
     }
-    folder
-        .volref(&["man"])
-        .expect(0, &[".TH volref", "validate"]);
-    let page = folder.volref(&["man", "validate"]);
-    page.expect(0, &[".TH", "only\\-present"]);
+    let page = folder.volref(&["man"]).stdout;
+    assert!(page.contains(".TH volref 1") && page.contains("validate"));
+    let page = folder.volref(&["man", "validate"]).stdout;
+    assert!(page.contains(".TH volref-validate 1") && page.contains("only\\-present"));
     folder
         .volref(&["man", "absent"])
         .expect(2, &["volref has no command \"absent\""]);

@@ -123,8 +123,7 @@ fn missing_images_are_counted_once() {
         "validate",
         "--outputs",
         "out",
-        "--json",
-        "r.json",
+        "--json=r.json",
         "--junit",
         "r.xml",
     ]);
@@ -723,8 +722,7 @@ fn reports_for_people_and_build_servers() {
         "report",
         "--junit",
         "r.xml",
-        "--json",
-        "r.json",
+        "--json=r.json",
     ]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     let page = folder.text("report/index.html");
