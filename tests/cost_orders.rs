@@ -363,7 +363,7 @@ fn rules_on_a_grid() {
         for (ray, exact) in rays.iter().zip(&exact) {
             let span = density.bounds().span(ray).unwrap();
             let mut cuts = vec![span.near];
-            let pieces = density.smooth_stretches(ray.origin, *ray.direction, span);
+            let pieces = density.smooth_segments(ray.origin, *ray.direction, span);
             cuts.extend(pieces.map(|piece| piece.far));
             let light = collocation.light(&cuts, 1e-14, |t| Here {
                 extinction: density.density(ray.at(t)),

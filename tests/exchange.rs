@@ -399,7 +399,7 @@ fn the_suite() {
     procedural/absorbing-grid pbrt: absorbing-grid.red.pbrt, absorbing-grid.green.pbrt, absorbing-grid.blue.pbrt
     procedural/coloured mitsuba: coloured.xml, coloured.medium0.vol, coloured.red.xml, coloured.green.xml, coloured.blue.xml
     procedural/coloured pbrt: coloured.red.pbrt, coloured.green.pbrt, coloured.blue.pbrt
-    procedural/emissive-grid mitsuba: mitsuba cannot say radiative.medium[0]: a medium that sends out light
+    procedural/emissive-grid mitsuba: mitsuba cannot say radiative.medium[0]: an emissive medium
     procedural/emissive-grid pbrt: emissive-grid.red.pbrt, emissive-grid.green.pbrt, emissive-grid.blue.pbrt
     procedural/gain-0.1 mitsuba: mitsuba cannot say radiative.medium[0]: fractal noise
     procedural/gain-0.1 pbrt: pbrt cannot say radiative.medium[0]: fractal noise
@@ -1245,7 +1245,7 @@ fn what_one_of_them_can_say_is_refused_by_the_other() {
     for (body, expected) in [
         (
             glow.as_str(),
-            "radiative.medium[0]: a medium that sends out light",
+            "radiative.medium[0]: an emissive medium",
         ),
         (ellipsoid, "radiative.surface[0]: an ellipsoid"),
         (

@@ -76,7 +76,7 @@ impl<'s> ShadedVolume<'s> {
         )
     }
 
-    /// The stretch of `ray` in the volume.
+    /// The span of `ray` in the volume.
     pub fn span(&self, ray: &Ray) -> Option<Span> {
         self.scene.grid.lattice().bounds().span(ray)
     }
@@ -147,7 +147,7 @@ impl<'s> ShadedVolume<'s> {
         let mut cuts = vec![span.near];
         let pieces = self
             .density
-            .smooth_stretches(ray.origin, *ray.direction, span);
+            .smooth_segments(ray.origin, *ray.direction, span);
         cuts.extend(pieces.map(|piece| piece.far));
         let mut work = Counters::default();
         if let Appearance::Points(points) = &self.scene.transfer_function.appearance {

@@ -63,7 +63,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
     }
     for nested in &export.nested_media.list {
         if nested.medium.emission != DVec3::ZERO {
-            faults.add(key_of(nested.index), "a medium that sends out light");
+            faults.add(key_of(nested.index), "an emissive medium");
         }
         let scatters = nested.medium.coefficients.sigma_s() != DVec3::ZERO;
         if scatters && phase(0, &nested.medium.phase).is_none() {

@@ -72,7 +72,7 @@ impl Aabb {
     /// Either end is off by a difference and a quotient, 2 · 2^-53 of it, at any angle; measured on
     /// 100 000 rays: 0.98 of that, 1.5 ulp.
     pub fn span(&self, ray: &Ray) -> Option<Span> {
-        let [near, far] = self.passages(ray)?;
+        let [near, far] = self.crossings(ray)?;
         ahead(near.t, far.t)
     }
 }
@@ -90,7 +90,7 @@ pub fn longest_axis(v: DVec3) -> usize {
 
 /// Where a line goes in or out of a box.
 #[derive(Clone, Copy)]
-pub(super) struct FacePassage {
+pub(super) struct FaceCrossing {
     pub t: f64,
     pub axis: usize,
 }
@@ -100,12 +100,12 @@ impl Aabb {
     ///
     /// Neither is widened by a tolerance: a line that only touches an edge has a segment of length
     /// 0 at most, in which nothing is lost.
-    pub(super) fn passages(&self, ray: &Ray) -> Option<[FacePassage; 2]> {
-        let mut near = FacePassage {
+    pub(super) fn crossings(&self, ray: &Ray) -> Option<[FaceCrossing; 2]> {
+        let mut near = FaceCrossing {
             t: f64::NEG_INFINITY,
             axis: 0,
         };
-        let mut far = FacePassage {
+        let mut far = FaceCrossing {
             t: f64::INFINITY,
             axis: 0,
         };
@@ -128,10 +128,10 @@ impl Aabb {
             }
             .map(|face| (face - origin) / direction);
             if first > near.t {
-                near = FacePassage { t: first, axis };
+                near = FaceCrossing { t: first, axis };
             }
             if last < far.t {
-                far = FacePassage { t: last, axis };
+                far = FaceCrossing { t: last, axis };
             }
         }
         (near.t <= far.t).then_some([near, far])

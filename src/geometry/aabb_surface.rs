@@ -19,21 +19,21 @@ impl Surface for Aabb {
     }
 
     fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
-        let [near, far] = self.passages(ray)?;
-        let (passage, side) = if near.t > 0.0 {
+        let [near, far] = self.crossings(ray)?;
+        let (crossing, side) = if near.t > 0.0 {
             (near, Side::Front)
         } else {
             (far, Side::Back)
         };
-        if !(passage.t > 0.0 && passage.t < limit) {
+        if !(crossing.t > 0.0 && crossing.t < limit) {
             return None;
         }
-        let forward = ray.direction[passage.axis] > 0.0;
+        let forward = ray.direction[crossing.axis] > 0.0;
         let upper = forward == (side == Side::Back);
-        let face = passage.axis + if upper { 3 } else { 0 };
+        let face = crossing.axis + if upper { 3 } else { 0 };
         Some(Hit {
-            t: passage.t,
-            point: point(self, ray, passage.t, face),
+            t: crossing.t,
+            point: point(self, ray, crossing.t, face),
             side,
             face,
             uv: [0.0; 2],
@@ -51,7 +51,7 @@ impl Solid for Aabb {
 /// its edges.
 ///
 /// So the point needs no clearance for itself. A ray that starts off the face by more than
-/// a rounding of its coordinate is on the right side of it in [`passages`](Aabb::passages),
+/// a rounding of its coordinate is on the right side of it in [`crossings`](Aabb::crossings),
 /// where the sign of `face − origin` is exact.
 fn point(bounds: &Aabb, ray: &Ray, t: f64, face: usize) -> SurfacePoint {
     let (corner, axis) = ([bounds.min, bounds.max][face / 3], face % 3);

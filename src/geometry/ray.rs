@@ -1,4 +1,4 @@
-//! Rays and the spans of them that matter.
+//! Rays and spans of rays.
 
 use super::Direction;
 use glam::DVec3;

@@ -287,7 +287,7 @@ impl Density {
     pub fn append_kinks(&self, line: &DensityLine, span: Span, kinks: &mut Vec<f64>) {
         match &self.field {
             Field::Grid(grid) => {
-                let pieces = grid.smooth_stretches(line.origin, line.direction, span);
+                let pieces = grid.smooth_segments(line.origin, line.direction, span);
                 kinks.extend(pieces.map(|piece| piece.far));
             }
             Field::Linear(ramp) => {

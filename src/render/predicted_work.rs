@@ -372,7 +372,7 @@ fn cell_lookups(density: &Density, ray: &Ray, span: Span) -> u64 {
         return 0;
     };
     let cells = grid
-        .smooth_stretches(line.origin, line.direction, span)
+        .smooth_segments(line.origin, line.direction, span)
         .count() as u64;
     match grid.interpolation() {
         Interpolation::Trilinear => 2 * cells,

@@ -93,8 +93,8 @@ pub(super) fn likeness_with(
         let Some(case) = case else { continue };
         match judged.result.cause {
             Cause::Mismatch => {
-                let suspect = ComparedCase::new(index, case, judged, scenes);
-                failing.extend(suspect.filter(|suspect| !suspect.is_another_exposure));
+                let failed = ComparedCase::new(index, case, judged, scenes);
+                failing.extend(failed.filter(|case| !case.is_another_exposure));
             }
             Cause::None | Cause::Undecided => passing.push((index, *case)),
             _ => {}

@@ -107,7 +107,7 @@ impl GridDensity {
 
     /// The segments of the line in which the field is one polynomial, `origin` and `direction`
     /// being those of [`GridDensity::integral`].
-    pub fn smooth_stretches(
+    pub fn smooth_segments(
         &self,
         origin: DVec3,
         direction: DVec3,

@@ -101,7 +101,7 @@ fn what_cannot_be_said_is_named_and_nothing_is_written() {
     assert_shown!(run.shown(), @r##"
     exit code 2
     --- stderr
-      × mitsuba cannot say radiative.medium[0]: a medium that sends out light
+      × mitsuba cannot say radiative.medium[0]: an emissive medium
       help: nothing was written; leave these out of the scene, or say them another way
     "##);
     assert_eq!(folder.files(), before);

@@ -178,7 +178,7 @@ proptest! {
         let GridCase { density, ray, span } = case;
         let [nx, ny, nz] = density.grid().lattice().nodes();
         let (mut at, mut count) = (span.near, 0);
-        for piece in density.smooth_stretches(ray.origin, *ray.direction, span) {
+        for piece in density.smooth_segments(ray.origin, *ray.direction, span) {
             prop_assert_eq!(piece.near, at);
             prop_assert!(piece.length() > 0.0);
             (at, count) = (piece.far, count + 1);

@@ -97,7 +97,7 @@ mod tests {
 
     /// On the line of the light, before it and behind it, the limit of small distances.
     #[test]
-    fn a_light_on_the_line_beside_the_stretch() {
+    fn a_light_on_the_line_beside_the_span() {
         for (near, far) in [(1.0, 3.0), (-3.0, -1.0), (2.0, f64::INFINITY)] {
             let on = Equiangular::new(0.0, near, far).unwrap();
             let beside = Equiangular::new(1e-9, near, far).unwrap();

@@ -56,7 +56,7 @@ pub(super) const SURFACE: Table = Table {
         Key {
             name: "emitter",
             kind: Kind::Table(&Table {
-                doc: "Sends out light and reflects none.",
+                doc: "Emits light and reflects none.",
                 keys: &[
                     Key {
                         name: "radiance",
@@ -100,7 +100,7 @@ const REFLECTANCE: Key = Key {
 pub(super) enum SurfaceKind {
     /// Scatters light.
     Object(Object),
-    /// Sends out light.
+    /// Emits light.
     AreaLight(AreaLight),
 }
 
