@@ -94,6 +94,8 @@ run_tests() {
             --skip samples_that_were_asked_for_are_known
         )
     fi
+    # QEMU before 8.0.4 multiplies two 32-bit floats wrongly where a 64-bit product is wanted (MDEBR).
+    [ "$name" != s390x ] || skipped+=(--skip a_camera_is_read_back --skip quaternions_turn_and_mirror)
     for program in "${programs[@]}"; do
         echo "${program##*/}"
         $emulator "$program" --quiet "${skipped[@]}" || failed=1
