@@ -1243,10 +1243,7 @@ fn what_one_of_them_can_say_is_refused_by_the_other() {
                     emitter = { radiance = 1, sides = \"both\" }\n";
     let glow = medium("sigma_a = 1\nemission = 1");
     for (body, expected) in [
-        (
-            glow.as_str(),
-            "radiative.medium[0]: an emissive medium",
-        ),
+        (glow.as_str(), "radiative.medium[0]: an emissive medium"),
         (ellipsoid, "radiative.surface[0]: an ellipsoid"),
         (
             box_lamp,
