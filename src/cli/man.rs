@@ -16,17 +16,15 @@ pub struct Arguments {
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let mut volref = super::Arguments::command();
     volref.build();
-    let page = match &arguments.command {
-        None => volref,
-        Some(name) => match volref.find_subcommand(name) {
-            Some(command) => command.clone().version(env!("CARGO_PKG_VERSION")),
-            None => {
-                let message = format!("volref has no command {name:?}");
-                let help = "volref --help lists the commands";
-                return Err(Failure::new(Exit::BadInput, message, Some(help)));
-            }
-        },
-    };
+    let mut page = volref.clone();
+    if let Some(name) = &arguments.command {
+        let Some(command) = volref.find_subcommand(name) else {
+            let message = format!("volref has no command {name:?}");
+            let help = "volref --help lists the commands";
+            return Err(Failure::new(Exit::BadInput, message, Some(help)));
+        };
+        page = command.clone().version(env!("CARGO_PKG_VERSION"));
+    }
     let mut roff = Vec::new();
     match Man::new(page).render(&mut roff) {
         Ok(()) => Ok(Outcome::from(String::from_utf8_lossy(&roff).into_owned())),

@@ -73,25 +73,26 @@ pub struct Json {
 }
 
 impl Json {
-    /// The file to write, if there is to be one.
+    /// The file to write, if there is to be one; `-` stands for standard output.
     pub fn file(&self) -> Option<&Path> {
-        named_file(self.json.as_deref())
+        let file = self.json.as_deref();
+        file.filter(|path| path.as_os_str() != "-")
     }
 
-    /// Whether standard output is for JSON alone.
+    /// Standard output is for JSON alone.
     pub fn is_printed(&self) -> bool {
-        self.json
-            .as_ref()
-            .is_some_and(|path| path.as_os_str() == "-")
+        self.json.is_some() && self.file().is_none()
     }
 
     /// The text to print: `text`, or `value` as JSON if asked for on stdout.
     pub fn instead_of(&self, text: String, value: &impl Serialize) -> Result<String, Failure> {
-        match &self.json {
-            None => Ok(text),
-            Some(path) if path.as_os_str() == "-" => Ok(pretty(value)),
-            Some(path) => write(path, pretty(value).as_bytes()).map(|()| text),
+        if self.is_printed() {
+            return Ok(pretty(value));
         }
+        if let Some(path) = self.file() {
+            write(path, pretty(value).as_bytes())?;
+        }
+        Ok(text)
     }
 }
 
@@ -100,11 +101,6 @@ pub fn pretty(value: &impl Serialize) -> String {
     let mut text = serde_json::to_string_pretty(value).expect("plain data becomes JSON");
     text.push('\n');
     visible_json(&text)
-}
-
-/// The file that an option names, where `-` stands for standard output.
-pub fn named_file(path: Option<&Path>) -> Option<&Path> {
-    path.filter(|path| path.as_os_str() != "-")
 }
 
 /// Writes a whole file or nothing; over no input.

@@ -25,13 +25,13 @@ pub trait ImageGate: Gate {
         None
     }
 
-    /// Whether `reference` and `test` are such a pair, with the reason as the end of a sentence; it
-    /// is empty where it is plain.
+    /// The reason why `reference` and `test` are such a pair, as the end of a sentence; empty where it
+    /// is plain, `None` for another pair.
     fn default_reason(&self, _reference: &Picture, _test: &Picture) -> Option<&'static str> {
         None
     }
 
-    /// Whether it judges what a display shows, so that the exposure decides.
+    /// The gate judges what a display shows, so that the exposure decides.
     fn depends_on_exposure(&self) -> bool {
         false
     }

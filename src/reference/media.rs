@@ -46,7 +46,7 @@ impl<'s> Segment<'s> {
         segments
     }
 
-    /// Whether the medium scatters anywhere.
+    /// The medium scatters somewhere.
     pub fn scatters(&self) -> bool {
         self.body.medium.coefficients.sigma_s() != DVec3::ZERO
     }

@@ -105,7 +105,7 @@ struct Path {
     pdf: Option<f64>,
     throughput: DVec3,
     radiance: DVec3,
-    /// Whether the limit on bounces allows another.
+    /// The limit on bounces allows another.
     may_bounce: bool,
 }
 

@@ -60,7 +60,7 @@ impl VolumeSource {
         self.length
     }
 
-    /// Whether the name of the file ends in `ending`, in capitals or not.
+    /// The name of the file ends in `ending`, in capitals or not.
     pub(super) fn ends_in(&self, ending: &str) -> bool {
         ends_in(&self.path, ending)
     }
@@ -200,8 +200,8 @@ fn open(path: &Path) -> Result<(File, u64), VolumeError> {
     })
 }
 
-/// Whether the name of the file at `path` ends in `ending`, in capitals or not, after at least one
-/// other letter.
+/// The name of the file at `path` ends in `ending`, in capitals or not, after at least one other
+/// letter.
 pub(super) fn ends_in(path: &Path, ending: &str) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let name = name.to_ascii_lowercase();
