@@ -6,7 +6,7 @@ use super::refusal::Faults;
 use super::view::ExportView;
 use crate::geometry::{ClosedMesh, Emitter, Mesh, Ray, Shape, Side, Surface};
 use crate::optics::{Light, Material};
-use crate::scene::{AreaLight, Object, Panel, Radiative, Scattering};
+use crate::scene::{AreaLight, Object, Panel, Radiative};
 use glam::DVec3;
 
 /// Everything of a scene, by its coordinates, with the names that messages use.
@@ -102,15 +102,6 @@ impl<'s> ExportScene<'s> {
             reach,
             gap: gap(reach),
         }
-    }
-}
-
-/// The limit of scattering events; `None` without limit.
-pub(super) fn most_bounces(scattering: Scattering) -> Option<u32> {
-    match scattering {
-        Scattering::None => Some(0),
-        Scattering::Single => Some(1),
-        Scattering::Multiple(limit) => limit,
     }
 }
 

@@ -17,7 +17,7 @@
 //! - A grid is a `gridvolume`, put so that the middles of its voxels are volref's nodes; the
 //!   medium ends with its shape, and beyond the outermost values both are constant.
 
-use super::export_scene::{ExportScene, most_bounces};
+use super::export_scene::ExportScene;
 use super::files::{ply, vol};
 use super::forms::Form;
 use super::mixture::Mixture;
@@ -129,7 +129,7 @@ impl MitsubaWriter<'_> {
     }
 
     fn integrator(&mut self, panel: &Panel, scene: &Radiative, export: &ExportScene) {
-        let depth = match most_bounces(scene.scattering) {
+        let depth = match scene.scattering.max_bounces() {
             None => "-1".to_owned(),
             Some(bounces) => (bounces + 1).to_string(),
         };

@@ -34,7 +34,7 @@
 //! phase functions in one place; emission where nothing absorbs; and what 32-bit numbers lose,
 //! which is in `limits`.
 
-use super::export_scene::{ExportScene, most_bounces};
+use super::export_scene::ExportScene;
 use super::files::ply;
 use super::forms::Form;
 use super::limits;
@@ -173,7 +173,9 @@ struct ScatteringOrders {
 impl ScatteringOrders {
     fn of(scene: &Radiative, export: &ExportScene, faults: &mut Faults) -> ScatteringOrders {
         let list = &export.nested_media.list;
-        let limit = most_bounces(scene.scattering)
+        let limit = scene
+            .scattering
+            .max_bounces()
             .unwrap_or(ENDLESS)
             .min(ENDLESS);
         let is_emissive = |nested: &NestedMedium| nested.medium.emission != DVec3::ZERO;

@@ -118,7 +118,7 @@ enum Target<'s> {
 impl<'s> PathTracer<'s> {
     /// Radiance that one path brings back along `ray`.
     fn radiance(&self, ray: Ray, random: &mut Random) -> Estimate {
-        let max_bounces = self.scene.scattering.max_bounces();
+        let max_bounces = self.scene.scattering.max_bounces().unwrap_or(u32::MAX);
         let mut path = Path {
             ray,
             pdf: None,

@@ -136,12 +136,12 @@ pub struct Radiative {
 }
 
 impl Scattering {
-    /// Scattering events of a path, at most.
-    pub fn max_bounces(self) -> u32 {
+    /// Scattering events of a path, at most; `None` without limit.
+    pub fn max_bounces(self) -> Option<u32> {
         match self {
-            Scattering::None => 0,
-            Scattering::Single => 1,
-            Scattering::Multiple(limit) => limit.unwrap_or(u32::MAX),
+            Scattering::None => Some(0),
+            Scattering::Single => Some(1),
+            Scattering::Multiple(limit) => limit,
         }
     }
 }
