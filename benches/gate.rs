@@ -1,7 +1,7 @@
 //! The stochastic gate on a 256 × 256 pair, with and without the variance of the test image.
 #![allow(missing_docs, reason = "a program, not a library")]
 
-#[path = "../tests/common/simulated.rs"]
+#[path = "../tests/library/common/simulated.rs"]
 #[allow(dead_code, reason = "the tests use the rest")]
 mod simulated;
 

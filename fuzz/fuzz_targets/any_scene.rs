@@ -1,14 +1,14 @@
 //! Any bytes are the decisions by which a valid scene is written; what is demanded of it is what
-//! `tests/any_scene` demands, whose generator this is.
+//! `tests/library/any_scene` demands, whose generator this is.
 #![no_main]
 
-#[path = "../../tests/any_scene/bounds.rs"]
+#[path = "../../tests/library/any_scene/bounds.rs"]
 mod bounds;
-#[path = "../../tests/any_scene/check.rs"]
+#[path = "../../tests/library/any_scene/check.rs"]
 mod check;
-#[path = "../../tests/any_scene/choices.rs"]
+#[path = "../../tests/library/any_scene/choices.rs"]
 mod choices;
-#[path = "../../tests/any_scene/scenes.rs"]
+#[path = "../../tests/library/any_scene/scenes.rs"]
 mod scenes;
 
 use libfuzzer_sys::fuzz_target;

@@ -11,7 +11,7 @@ use super::picture::{Picture, PictureError};
 /// An honest 8-bit writer may round the other way, and be off by one code anywhere. Over thirty
 /// images, dark and bright, grey and coloured, the worst such image (one code more in every
 /// pixel of a channel) reaches 0.060; half a pixel of shift on smooth smoke reaches 0.080.
-/// `tests/flip_scale.rs` measures both sides.
+/// `tests/library/flip_scale.rs` measures both sides.
 pub const MOST_P99: f64 = 0.065;
 
 /// Largest mean of FLIP that passes. The same worst honest images reach 0.057.

@@ -102,7 +102,7 @@ struct BundleImage {
 }
 
 /// The deterministic gate. It is the business of [`crate`]'s comparisons, which lie above this
-/// room; `tests/peers.rs` holds these numbers against what they do.
+/// room; `tests/cli/peers.rs` holds these numbers against what they do.
 #[derive(Serialize)]
 struct BundleGate {
     rule: &'static str,

@@ -55,7 +55,7 @@ impl Sphere {
     ///
     /// With `D` the distance of the centre from the origin and `h` half the chord, an end is off by
     /// some 2^-53 times `D` and, for a ray that grazes, `bD/h`. The bound with its factors stands in
-    /// `tests/exact/shapes.rs`; measured on 100 000 rays: 0.22 of it, and 3.1 ulp for the far end of
+    /// `tests/library/exact/shapes.rs`; measured on 100 000 rays: 0.22 of it, and 3.1 ulp for the far end of
     /// a chord longer than the radius from no farther than eight radii.
     ///
     /// Source: Haines et al. 2019, "Precision improvements for ray/sphere intersection", Ray

@@ -3,7 +3,7 @@
 //! [`ray_caster`] renders classified volumes, [`path_tracer`] surfaces, media and lights. They are
 //! the obvious programs, one line of the method after the other, without anything clever:
 //! [`render`](crate::render) is the fast program, and is tested against them. Classified volumes
-//! agree to the bit, sampled images within their noise (`tests/reference.rs`).
+//! agree to the bit, sampled images within their noise (`tests/library/reference.rs`).
 
 mod media;
 pub mod path_tracer;

@@ -19,6 +19,7 @@ mod inputs;
 mod list;
 mod mutated_inputs;
 mod outputs;
+mod peers;
 mod plan;
 mod progress;
 mod render;

@@ -7,7 +7,7 @@
 
 mod kinds;
 mod mutation;
-#[path = "../common/watch.rs"]
+#[path = "../library/common/watch.rs"]
 mod watch;
 
 use kinds::{KINDS, Kind, Workshop};

@@ -1,4 +1,4 @@
-//! `volref selftest` on a small suite. The real one is tested in `tests/self_test.rs`.
+//! `volref selftest` on a small suite. The real one is tested in `tests/library/self_test.rs`.
 
 use crate::folder::Folder;
 

@@ -36,7 +36,7 @@ pub(in crate::render) fn with_features<R: KernelTask>(
     task: R,
 ) -> R::Output {
     // Unit tests are spared compiling all of it once more: the general code gives the same bits,
-    // as tests/transport shows.
+    // as tests/library/transport shows.
     if cfg!(test) {
         return task.run::<Everything>();
     }

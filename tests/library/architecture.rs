@@ -1,0 +1,545 @@
+//! The rooms of `src/` and the arrows between them: imports only point down, and between files they
+//! make no circles.
+
+#[path = "architecture/files.rs"]
+mod files;
+
+use files::{Files, circles};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Each room, and the rooms it may import, from the top down. `main.rs` and `lib.rs` are doors,
+/// not rooms.
+const ROOMS: &[(&str, &[&str])] = &[
+    (
+        "cli",
+        &[
+            "report",
+            "suite",
+            "hard_cases",
+            "cost",
+            "exchange",
+            "compare",
+            "reference",
+            "render",
+            "scene",
+            "media",
+            "optics",
+            "volume",
+            "geometry",
+            "film",
+            "math",
+            "atomic_file",
+            "regular_file",
+        ],
+    ),
+    ("report", &["suite", "cost", "compare", "film", "math"]),
+    (
+        "suite",
+        // Mistakes are edits of a scene, down to the nodes of its grids.
+        &[
+            "hard_cases",
+            "compare",
+            "render",
+            "scene",
+            "media",
+            "optics",
+            "volume",
+            "film",
+            "math",
+            "atomic_file",
+            "regular_file",
+        ],
+    ),
+    (
+        "hard_cases",
+        &[
+            "cost", "render", "scene", "media", "optics", "volume", "geometry", "film", "math",
+        ],
+    ),
+    (
+        "cost",
+        &[
+            "compare",
+            "render",
+            "scene",
+            "media",
+            "optics",
+            "volume",
+            "geometry",
+            "film",
+            "math",
+            "regular_file",
+        ],
+    ),
+    ("compare", &["film", "math", "regular_file"]),
+    (
+        "exchange",
+        &[
+            "render", "scene", "media", "optics", "volume", "geometry", "math",
+        ],
+    ),
+    (
+        // Of `render` only what a rendering is asked for (tests/library/reference.rs).
+        "reference",
+        &[
+            "render", "scene", "media", "optics", "volume", "geometry", "film", "math",
+        ],
+    ),
+    (
+        "render",
+        &[
+            "scene", "media", "optics", "volume", "geometry", "film", "math",
+        ],
+    ),
+    (
+        "scene",
+        &[
+            "media",
+            "optics",
+            "volume",
+            "geometry",
+            "math",
+            "regular_file",
+        ],
+    ),
+    ("media", &["volume", "geometry", "math"]),
+    ("optics", &["geometry", "math"]),
+    ("volume", &["geometry", "math", "decoder", "regular_file"]),
+    ("geometry", &["math", "decoder", "regular_file"]),
+    ("film", &["math", "decoder"]),
+    // Chapters, no code.
+    ("guide", &[]),
+    ("math", &[]),
+    ("decoder", &[]),
+    ("atomic_file", &[]),
+    ("regular_file", &[]),
+];
+
+/// What is wrong with the imports of `text`, a source file of the room `room`.
+fn wrong_arrows(room: &str, text: &str) -> Vec<String> {
+    let Some((_, allowed)) = ROOMS.iter().find(|(name, _)| *name == room) else {
+        return vec![format!("{room} is no room of the map")];
+    };
+    let mut wrong = Vec::new();
+    for target in imports(text) {
+        if target == room || allowed.contains(&target.as_str()) {
+            continue;
+        }
+        wrong.push(if ROOMS.iter().any(|(name, _)| *name == target) {
+            format!("{room} must not import {target}")
+        } else {
+            format!("{room} imports {target}, which is no room of the map")
+        });
+    }
+    wrong
+}
+
+/// The first name of every `crate::…` path outside comments: code and tests alike, for a test
+/// that reaches up makes its room as hard to move as code does.
+fn imports(text: &str) -> BTreeSet<String> {
+    let code = text
+        .lines()
+        .map(|line| line.split("//").next().unwrap_or(""))
+        .collect::<Vec<_>>()
+        .join("\n");
+    let mut found = BTreeSet::new();
+    for (at, path) in code.match_indices("crate::") {
+        // `$crate::` and `some_crate::` are other things.
+        let before = code[..at].chars().next_back();
+        if before.is_some_and(|letter| letter.is_alphanumeric() || letter == '_' || letter == '$') {
+            continue;
+        }
+        let after = code[at + path.len()..].trim_start();
+        match after.strip_prefix('{') {
+            Some(list) => found.extend(first_names(list)),
+            None => found.extend(name_at_start(after)),
+        }
+    }
+    found
+}
+
+/// The first name of each entry of `a::b, c::{d, e}, f}`, up to the closing brace.
+fn first_names(list: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    let mut depth = 0;
+    let mut entry_begins = true;
+    for (at, letter) in list.char_indices() {
+        match letter {
+            '{' => depth += 1,
+            '}' if depth == 0 => break,
+            '}' => depth -= 1,
+            ',' if depth == 0 => entry_begins = true,
+            _ if letter.is_whitespace() => {}
+            _ if entry_begins => {
+                names.extend(name_at_start(&list[at..]));
+                entry_begins = false;
+            }
+            _ => {}
+        }
+    }
+    names
+}
+
+fn name_at_start(text: &str) -> Option<String> {
+    let name: String = text
+        .chars()
+        .take_while(|letter| letter.is_alphanumeric() || *letter == '_')
+        .collect();
+    (!name.is_empty()).then_some(name)
+}
+
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files.extend(rust_files(&path));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    files
+}
+
+/// The room a file of `src/` is in: `film/png_file.rs` and `film.rs` are in `film`.
+fn room_of(relative: &Path) -> String {
+    let first = relative.iter().next().unwrap().to_str().unwrap();
+    first.trim_end_matches(".rs").to_owned()
+}
+
+#[test]
+fn arrows_only_point_down() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut wrong = Vec::new();
+    let mut seen = BTreeSet::new();
+    for path in rust_files(&source) {
+        let relative = path.strip_prefix(&source).unwrap();
+        let room = room_of(relative);
+        if room == "main" || room == "lib" {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        let faults = wrong_arrows(&room, &text);
+        wrong.extend(
+            faults
+                .into_iter()
+                .map(|fault| format!("src/{}: {fault}", relative.display())),
+        );
+        seen.insert(room);
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    // A walk that finds nothing finds no fault either.
+    for room in ["cli", "suite", "render", "scene", "film", "math"] {
+        assert!(seen.contains(room), "no file of {room} was read");
+    }
+}
+
+fn source() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+}
+
+#[test]
+fn files_import_each_other_in_no_circles() {
+    let files = Files::read(&source(), &rust_files(&source()));
+    let imports = files.imports();
+    let found = circles(&imports);
+    assert!(found.is_empty(), "files that import each other: {found:?}");
+    // A graph without arrows has no circles either.
+    for (file, target) in [
+        ("render/image.rs", "render/classified/kernels.rs"),
+        ("render/classified/kernels.rs", "render/pixels.rs"),
+        ("render/classified/shading.rs", "volume/grid.rs"),
+        ("scene/load.rs", "scene/radiative.rs"),
+    ] {
+        assert!(imports[file].contains(target), "{file} imports {target}");
+    }
+}
+
+/// Whoever reads one model of light need not know the other. What is shared stands above their
+/// folders, or below in other rooms.
+#[test]
+fn each_model_of_light_is_read_by_itself() {
+    const MODELS: [&str; 4] = [
+        "render/classified/",
+        "render/radiative/",
+        "render/plan/classified.rs",
+        "render/plan/radiative",
+    ];
+    let of = |file: &str| {
+        let place = MODELS.iter().position(|model| file.starts_with(model));
+        place.map(|place| place % 2)
+    };
+    let files = Files::read(&source(), &rust_files(&source()));
+    let mut seen = [0; 2];
+    for (file, targets) in files.imports() {
+        let Some(model) = of(file) else { continue };
+        seen[model] += 1;
+        for target in targets {
+            assert!(
+                of(target).is_none_or(|other| other == model),
+                "{file} names {target}"
+            );
+        }
+    }
+    assert!(seen[0] > 8 && seen[1] > 15, "{seen:?}");
+}
+
+#[test]
+fn circles_are_found_through_every_kind_of_import() {
+    let found = |texts: &[(&str, &str)]| {
+        let files = Files::of(texts.iter().copied());
+        let groups = circles(&files.imports());
+        let groups = groups.iter().map(|group| group.join(" "));
+        groups.collect::<Vec<_>>().join("; ")
+    };
+    let module = (
+        "a/mod.rs",
+        "mod b;\nmod c;\npub use b::B;\npub use c::{C, D as E};",
+    );
+    let b = |code| ("a/b.rs", code);
+    let c = |code| ("a/c.rs", code);
+    let both = "a/b.rs a/c.rs";
+    // By the parent's re-exports, by modules, in a list, renamed, without an import at all.
+    for code in [
+        "use super::C;\nfn f(c: C) {}",
+        "use crate::a::{C as Other};\nfn f(c: Other) {}",
+        "use super::c::{self, D};\nfn f(d: D) {}",
+        "use crate::a::c;\nfn f() { c::g() }",
+        "use super::E;\nfn f(e: E) {}",
+        "use super::c::*;",
+        "fn f() { super::c::g() }",
+        "fn f(c: crate::a::C) {}",
+    ] {
+        let back = c("use super::b::B;\nfn g(b: B) {}\nstruct C;\nstruct D;");
+        assert_eq!(found(&[module, b(code), back]), both, "{code}");
+        // One of the two arrows alone is no circle.
+        assert_eq!(
+            found(&[module, b(code), c("struct C;\nstruct D;\nfn g() {}")]),
+            ""
+        );
+    }
+    let back = c("use super::b::B;\nfn g(b: B) {}\nstruct C;");
+    // Comments, strings and tests name what they like; and other crates have modules, too.
+    for code in [
+        "// use super::C;\nstruct B;",
+        "fn f() -> &'static str { \"super::C\" }",
+        "struct B;\n#[cfg(test)]\nmod tests {\n    use super::super::C;\n}",
+        "use other::c::C;\nfn f(c: C) {}",
+    ] {
+        assert_eq!(found(&[module, b(code), back]), "", "{code}");
+    }
+    // Three files; and a child that uses what its parent defines is no circle.
+    let d = ("a/d.rs", "use super::b::B;\nfn f(b: B) {}\nstruct D;");
+    let chain = c("use super::d::D;\nstruct C;\nfn g(d: D) {}");
+    let b = b("use super::C;\nstruct B;\nfn f(c: C) {}");
+    assert_eq!(found(&[module, b, chain, d]), "a/b.rs a/c.rs a/d.rs");
+    let parent = ("a.rs", "mod b;\nuse b::B;\nstruct A(B);");
+    assert_eq!(
+        found(&[parent, ("a/b.rs", "use super::A;\nfn f(a: A) {}")]),
+        ""
+    );
+}
+
+/// Ways to open a file that ask neither what it is nor how long.
+const UNASKED: [&str; 6] = [
+    "File::open(",
+    "File::options(",
+    "OpenOptions",
+    "fs::read(",
+    "fs::read)",
+    "fs::read_to_string",
+];
+
+/// Lines that open what is no input: a folder to be synced, a stream or a lock to be written, the
+/// system's words on a process.
+const ASKED: [(&str, &str); 4] = [
+    (
+        "atomic_file.rs",
+        "let mut stream = File::options().append(true).open(path)?;",
+    ),
+    (
+        "atomic_file.rs",
+        "match File::open(directory)?.sync_all() {",
+    ),
+    (
+        "suite/other_renderer/keeper.rs",
+        "&& let Ok(bytes) = std::fs::read(entry.path().join(\"stat\"))",
+    ),
+    ("suite/store.rs", "let opened = File::options()"),
+];
+
+/// The lines of `text` that open a file unasked, up to its tests.
+fn unasked_lines(text: &str) -> Vec<&str> {
+    let code = text.split("\nmod tests {").next().unwrap_or("");
+    let lines = code.lines().map(str::trim);
+    let lines = lines.filter(|line| !line.starts_with("//"));
+    lines
+        .filter(|line| UNASKED.iter().any(|way| line.contains(way)))
+        .collect()
+}
+
+/// Whoever opens a file by himself waits for ever at a pipe, reads a device until memory is gone,
+/// and lets an output be written over it.
+#[test]
+fn files_are_read_through_one_door() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut found = Vec::new();
+    for path in rust_files(&source) {
+        let relative = path.strip_prefix(&source).unwrap();
+        let relative = relative.display().to_string().replace('\\', "/");
+        let only_tests = relative.ends_with("tests.rs");
+        if relative == "regular_file.rs" || only_tests {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        for line in unasked_lines(&text) {
+            found.push((relative.clone(), line.to_owned()));
+        }
+    }
+    let asked: Vec<_> = ASKED
+        .iter()
+        .map(|(file, line)| ((*file).to_owned(), (*line).to_owned()))
+        .collect();
+    assert_eq!(found, asked, "open files by crate::regular_file");
+    let text =
+        "// File::open(path)\nlet a = std::fs::read(path);\n#[cfg(test)]\nmod tests {\nfs::read(x)";
+    assert_eq!(unasked_lines(text), ["let a = std::fs::read(path);"]);
+}
+
+/// Code of a file without comments, tests and re-exports.
+fn rendering_code(text: &str) -> String {
+    let code = text.split("#[cfg(test)]").next().unwrap_or("");
+    let lines = code
+        .lines()
+        .map(|line| line.split("//").next().unwrap_or(""));
+    let mut code = lines.collect::<Vec<_>>().join("\n");
+    while let Some(start) = code.find("pub use ") {
+        let end = code[start..]
+            .find(';')
+            .map_or(code.len(), |end| start + end + 1);
+        code.replace_range(start..end, "");
+    }
+    code
+}
+
+/// Names of the public functions that `code` defines.
+fn public_functions(code: &str) -> impl Iterator<Item = &str> {
+    let plain = code.split("pub fn ").skip(1);
+    let definitions = plain.chain(code.split("pub const fn ").skip(1));
+    definitions.filter_map(|rest| rest.split(['(', '<']).next())
+}
+
+/// Whether `code` names `function` other than by defining it.
+fn names(code: &str, function: &str) -> bool {
+    let is_part = |c: char| c.is_alphanumeric() || c == '_';
+    code.match_indices(function).any(|(at, _)| {
+        let (before, after) = (&code[..at], &code[at + function.len()..]);
+        !before.ends_with("fn ") && !before.ends_with(is_part) && !after.starts_with(is_part)
+    })
+}
+
+/// Functions that compute nothing: a test observes by them what has been made.
+const OBSERVED: &[(&str, &str)] = &[("media/density.rs", "bytes_of_blocks")];
+
+/// Known answers and hard cases ask the functions that render: one that only they named would
+/// prove nothing about an image.
+#[test]
+fn no_function_of_media_and_sampling_is_there_for_tests_alone() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let files = rust_files(&source).into_iter().filter_map(|path| {
+        let relative = path.strip_prefix(&source).unwrap().display().to_string();
+        let relative = relative.replace('\\', "/");
+        let tests = relative.starts_with("hard_cases/") || relative.ends_with("tests.rs");
+        let code = rendering_code(&std::fs::read_to_string(&path).unwrap());
+        (!tests).then_some((relative, code))
+    });
+    let files: Vec<_> = files.collect();
+    let held = |file: &str| file.starts_with("media/") || file.starts_with("math/sampling/");
+    let mut checked = 0;
+    let mut unused = Vec::new();
+    for (file, code) in files.iter().filter(|(file, _)| held(file)) {
+        for function in public_functions(code) {
+            checked += 1;
+            let observed = OBSERVED.contains(&(file.as_str(), function));
+            if !observed && !files.iter().any(|(_, code)| names(code, function)) {
+                unused.push(format!("{file}: {function}"));
+            }
+        }
+    }
+    assert!(checked > 60, "{checked}");
+    assert_eq!(unused, Vec::<String>::new());
+    let code = rendering_code("pub use a::{\nf};\npub fn f() {} // f\n#[cfg(test)] f()");
+    assert_eq!(public_functions(&code).collect::<Vec<_>>(), ["f"]);
+    assert!(!names(&code, "f") && names("g(f())", "f"));
+}
+
+/// A number drawn beside the sampler would be missing in the counters.
+#[test]
+fn the_sampler_alone_draws_random_numbers() {
+    let room = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/render/radiative");
+    let mut found = Vec::new();
+    for path in rust_files(&room) {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let code = text.split("#[cfg(test)]").next().unwrap_or("");
+        if code.contains("Stream") {
+            found.push(path.file_name().unwrap().display().to_string());
+        }
+    }
+    found.sort();
+    // The kernels name the stream of a path, and give it to its sampler.
+    assert_eq!(found, ["kernels.rs", "sampler.rs"]);
+}
+
+#[test]
+fn main_only_calls_the_command_line() {
+    let main = include_str!("../../src/main.rs");
+    let calls: Vec<_> = main
+        .lines()
+        .filter(|line| line.contains("volref::"))
+        .collect();
+    assert_eq!(calls, ["    volref::cli::main()"]);
+}
+
+#[test]
+fn the_map_itself_has_no_rings() {
+    let place = |name: &str| ROOMS.iter().position(|(room, _)| *room == name).unwrap();
+    for (room, allowed) in ROOMS {
+        for target in *allowed {
+            assert!(place(target) > place(room), "{room} → {target} points up");
+        }
+    }
+}
+
+#[test]
+fn the_checker_can_fail() {
+    let faults = |room: &str, text: &str| wrong_arrows(room, text).join("; ");
+    let upward = "use crate::scene::Scene;";
+    assert_eq!(faults("film", upward), "film must not import scene");
+    assert_eq!(faults("render", upward), "");
+    assert_eq!(
+        faults("volume", "fn f() { crate::atomic_file::write() }"),
+        "volume must not import atomic_file"
+    );
+    assert_eq!(
+        faults(
+            "math",
+            "use crate::{\n    math::Sum,\n    film::{Film, render},\n    suite,\n};"
+        ),
+        "math must not import film; math must not import suite"
+    );
+    assert_eq!(
+        faults("cli", "use crate::kitchen::Sink;"),
+        "cli imports kitchen, which is no room of the map"
+    );
+    assert_eq!(faults("attic", ""), "attic is no room of the map");
+    assert_eq!(
+        faults("math", "//! See [`crate::film`].\nuse other_crate::film;"),
+        ""
+    );
+    assert_eq!(
+        faults("geometry", "#[cfg(test)]\nmod tests { use crate::render; }"),
+        "geometry must not import render"
+    );
+}

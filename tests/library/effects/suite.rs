@@ -1,0 +1,111 @@
+//! Every scene of the suite, small.
+
+use crate::effects::scenes::{as_predicted, rendered};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use volref::render::counters::Event;
+use volref::render::{Effect, Plan, State};
+use volref::scene::{Model, Panel, Scene};
+
+/// Pixels of the larger side: what is asked of an image is asked of each of its rays.
+const SIDE: usize = 8;
+
+fn paths() -> Vec<PathBuf> {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes");
+    let entries = |folder: &Path| -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(folder).unwrap();
+        entries.map(|entry| entry.unwrap().path()).collect()
+    };
+    let mut paths: Vec<_> = entries(&scenes).iter().flat_map(|f| entries(f)).collect();
+    paths.retain(|path| {
+        path.extension()
+            .is_some_and(|extension| extension == "toml")
+    });
+    paths.sort();
+    paths
+}
+
+/// The pictures of the suite, each as a scene of its own.
+fn pictures() -> impl Iterator<Item = (String, Scene)> {
+    paths().into_iter().flat_map(|path| {
+        let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error:?}"));
+        let panels = scene.panels.into_iter().enumerate();
+        panels.map(move |(index, panel)| {
+            let larger = panel.width.max(panel.height);
+            let small = |side: usize| (side * SIDE).div_ceil(larger).max(1);
+            let mut panel = Panel {
+                width: small(panel.width),
+                height: small(panel.height),
+                ..panel
+            };
+            if let Model::Radiative(scene) = &mut panel.model {
+                scene.samples = 2;
+            }
+            let scene = Scene::of(panel);
+            let name = path.file_stem().unwrap().display();
+            (format!("{name}, panel {}", index + 1), scene)
+        })
+    })
+}
+
+/// Also: the predicted work holds.
+#[test]
+fn what_is_off_does_no_work() {
+    let done: Vec<_> = Event::ALL.iter().map(|_| AtomicU64::new(0)).collect();
+    let mut pictures_with_something_off = 0;
+    for (name, scene) in pictures() {
+        let plan = Plan::new(&scene.panels[0]);
+        let (_, work) = rendered(&plan);
+        pictures_with_something_off +=
+            usize::from(Effect::ALL.iter().any(|&effect| !plan.is_on(effect)));
+        for event in Event::ALL {
+            let counted = work[event];
+            done[event as usize].fetch_add(counted, Ordering::Relaxed);
+            if !plan.may_do(event) {
+                assert_eq!(counted, 0, "{name}: {}, though off", event.key());
+            }
+            let null = |effect: &Effect| plan.state(*effect) == State::Elided;
+            if event.effects().iter().all(null) {
+                assert_eq!(counted, 0, "{name}: {}, though null", event.key());
+            }
+        }
+        as_predicted(&name, &plan, &work);
+    }
+    assert!(pictures_with_something_off > 100);
+    for event in Event::ALL {
+        let done = done[event as usize].load(Ordering::Relaxed);
+        assert!(
+            done > 0,
+            "no scene of the suite shows that {} are counted",
+            event.key()
+        );
+    }
+}
+
+/// What can be forced, forced: each null effect alone, and all of them.
+#[test]
+fn forced_effects_change_no_bit() {
+    let mut forced_pictures = 0;
+    for (name, scene) in pictures() {
+        let panel = &scene.panels[0];
+        let null = Plan::null_effects(panel);
+        let (film, work) = rendered(&Plan::new(panel));
+        let alone = null.iter().map(|&effect| vec![effect]);
+        for effects in alone.chain([null.clone()]) {
+            let plan = Plan::forcing(panel, &effects).unwrap();
+            let (forced, more) = rendered(&plan);
+            let same = film.pixel_hash() == forced.pixel_hash();
+            assert!(same, "{name}: {effects:?} forced change the picture");
+            for event in Event::ALL {
+                let (more, less) = (more[event], work[event]);
+                let what = event.key();
+                assert!(
+                    more >= less,
+                    "{name}: {effects:?} forced: {more} {what}, not {less}"
+                );
+            }
+        }
+        forced_pictures += usize::from(!null.is_empty());
+    }
+    assert!(forced_pictures > 100);
+}

@@ -1,0 +1,104 @@
+//! Laws over the ground of the catalogue of hard cases, each on ten thousand random cases: boxes,
+//! spheres, depths, turns, grids and whole rays. Names begin with the rows that they generalise.
+
+mod boxes;
+mod depths;
+mod grids;
+mod phases;
+mod rays;
+mod spheres;
+
+use crate::common;
+use crate::exact;
+use crate::ray_caster::scenes;
+use glam::DVec3;
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use volref::geometry::Span;
+
+/// The same ten thousand cases in every run. `PROPTEST_RNG_SEED` gives others, `PROPTEST_CASES`
+/// more.
+fn config() -> ProptestConfig {
+    let usual = common::failures_in("fixtures/proptest-regressions/hard_laws.txt");
+    ProptestConfig {
+        cases: usual.cases.max(10_000),
+        max_global_rejects: 100_000,
+        rng_seed: match usual.rng_seed {
+            RngSeed::Random => RngSeed::Fixed(1),
+            fixed => fixed,
+        },
+        ..usual
+    }
+}
+
+/// From `2^low` to `2^high`, each octave as likely as the next.
+fn octaves(low: f64, high: f64) -> impl Strategy<Value = f64> {
+    (low..high).prop_map(volref::math::exp2)
+}
+
+/// Powers of two by which lengths are scaled.
+fn scale() -> impl Strategy<Value = f64> {
+    (-200..=200_i32).prop_map(scenes::power_of_two)
+}
+
+/// Three coordinates.
+fn vector(coordinate: impl Strategy<Value = f64>) -> impl Strategy<Value = DVec3> {
+    prop::array::uniform3(coordinate).prop_map(DVec3::from_array)
+}
+
+/// A multiple of 1/256 between −4 and 4.
+fn dyadic() -> impl Strategy<Value = f64> {
+    (-1024..=1024_i32).prop_map(|n| f64::from(n) / 256.0)
+}
+
+/// An offset so large that multiples of 1/256 near it are still exact: 2^40 and 10 bits.
+fn offset() -> impl Strategy<Value = DVec3> {
+    let power = (0..=40_i32, any::<bool>()).prop_map(|(exponent, negative)| {
+        scenes::power_of_two(exponent) * if negative { -1.0 } else { 1.0 }
+    });
+    vector(power)
+}
+
+/// Directions as renderers meet them: any, along an axis or a plane of axes with zeros of either
+/// sign, nearly so, with denormal components.
+fn direction() -> impl Strategy<Value = DVec3> {
+    let component = prop_oneof![
+        4 => -1.0..1.0,
+        1 => Just(0.0),
+        1 => Just(-0.0),
+        1 => prop_oneof![Just(1e-17), Just(-1e-9), Just(5e-324), Just(-1e-310)],
+    ];
+    vector(component).prop_filter("a direction", |v| v.abs().max_element() > 0.1)
+}
+
+/// A random number as the generator makes them, also close to 0 and to 1, and either end.
+fn share() -> impl Strategy<Value = f64> {
+    const U: f64 = exact::U;
+    let bits = (0..1_u64 << 53, 0..53_u32);
+    prop_oneof![
+        4 => (0..1_u64 << 53).prop_map(|n| n as f64 * U),
+        2 => bits.clone().prop_map(|(n, shift)| (n >> shift) as f64 * U),
+        2 => bits.prop_map(|(n, shift)| 1.0 - U - (n >> shift) as f64 * U),
+        1 => Just(0.0),
+        1 => Just(1.0 - U),
+    ]
+}
+
+/// Whether no component is so close to 0 that products with it, scaled down, would leave the normal
+/// numbers: there scaling by a power of two moves digits.
+fn scales_exactly(v: DVec3) -> bool {
+    v.to_array().iter().all(|&x| x == 0.0 || x.abs() > 1e-40)
+}
+
+/// What scaling every length by `factor` makes of a span.
+fn scaled(span: Option<Span>, factor: f64) -> Option<Span> {
+    span.map(|Span { near, far }| Span {
+        near: near * factor,
+        far: far * factor,
+    })
+}
+
+/// The axes of a vector in another order.
+fn permuted(v: DVec3, order: [usize; 3]) -> DVec3 {
+    DVec3::from_array(order.map(|axis| v[axis]))
+}

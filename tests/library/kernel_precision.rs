@@ -1,0 +1,521 @@
+//! How many digits the formulas keep, judged by arithmetic of 120 bits on 100 000 random inputs
+//! each. Every bound is derived where it stands, in units of `u = 2^-53`, half an ulp of 1; the
+//! exponentials and logarithms of `libm` are within one ulp by their own analysis, so within `2u`.
+//! Run with `--nocapture` to see the worst errors, which the documentation quotes.
+
+use crate::exact::functions::{angle, exp_m1, ln_1p, sin_cos};
+use crate::exact::shapes::{FACE, SECOND_ORDER, chord, line_in_box};
+use crate::exact::{Big, U, apart, big, grids, rounded};
+
+use dashu_float::ops::SquareRoot;
+use glam::DVec3;
+use std::f64::consts::PI;
+use std::sync::Arc;
+use volref::geometry::{Aabb, Ray, Solid, Sphere};
+use volref::math::rng::{Purpose, Stream};
+use volref::math::sampling::{
+    Equiangular, free_flight, optical_distance, truncated_optical_distance,
+};
+use volref::math::{self, Sum, exp2};
+use volref::media::*;
+use volref::render::classified::compositing::{BackToFront, CompositingOrder, FrontToBack, Layers};
+use volref::volume::{Centring, Grid, GridDensity, Interpolation, Lattice};
+
+const INPUTS: u32 = 100_000;
+
+/// The worst error of a formula: in last places of the result, and against its bound.
+#[derive(Default)]
+struct WorstRay {
+    last_places: f64,
+    of_bound: f64,
+    at: String,
+}
+
+impl WorstRay {
+    /// A result that may be off by `roundings · u`, relatively.
+    fn see(&mut self, found: f64, exact: &Big, roundings: f64, at: impl std::fmt::Debug) {
+        let bound = roundings * U * SECOND_ORDER * rounded(exact).abs();
+        self.see_within(found, exact, bound, at);
+    }
+
+    /// A result that may be off by `bound`.
+    fn see_within(&mut self, found: f64, exact: &Big, bound: f64, at: impl std::fmt::Debug) {
+        let error = apart(found, exact);
+        if error > self.of_bound * bound {
+            self.of_bound = error / bound;
+            self.at = format!("{at:?}");
+        }
+        let nearest = rounded(exact).abs();
+        self.last_places = self.last_places.max(error / (nearest.next_up() - nearest));
+    }
+
+    #[track_caller]
+    fn is_within_bounds(&self, what: &str) {
+        let WorstRay {
+            last_places,
+            of_bound,
+            at,
+        } = self;
+        println!("{what}: at most {last_places:.2e} ulp; {of_bound:.1e} of the bound at {at}");
+        assert!(*of_bound <= 1.0, "{what}: {of_bound} of the bound at {at}");
+    }
+}
+
+/// Random numbers, `N` for each input; the same in every run.
+fn inputs<const N: usize>(seed: u64) -> impl Iterator<Item = [f64; N]> {
+    let stream = Stream::new(seed, 0, 0);
+    (0..INPUTS).map(move |input| {
+        let number = |k: usize| N as u32 * input + k as u32;
+        std::array::from_fn(|k| stream.uniform(0, Purpose::PhaseDirection, number(k)))
+    })
+}
+
+/// From `2^low` to `2^high`, each octave as likely as the next.
+fn octaves(low: f64, high: f64, share: f64) -> f64 {
+    exp2(low + (high - low) * share)
+}
+
+/// A random number as the generator makes them, a multiple of `2^-53`: a half of all is as it is
+/// drawn, the others are of any size, or as close to 1.
+fn share(u: f64, kind: f64) -> f64 {
+    let quarter = 4.0 * kind;
+    let of_any_size = (u * exp2(53.0 * quarter.fract())).floor() * U;
+    match quarter as u32 {
+        0 => of_any_size,
+        1 => 1.0 - U - of_any_size,
+        _ => u,
+    }
+}
+
+/// The judge himself: by the slow functions of `dashu-float`, and by what the functions invert.
+#[test]
+fn many_digits_agree() {
+    let close = |a: &Big, b: &Big| rounded(&((a - b) / b)).abs() < 1e-27;
+    for [u, v] in inputs(1).take(40) {
+        let x = big(octaves(-60.0, 6.0, u) * (1.0 + v));
+        assert!(close(&exp_m1(&x), &x.exp_m1()), "{x}");
+        let share = big(octaves(-50.0, 0.0, u) * (v + 1.0) / 2.0);
+        assert!(close(&ln_1p(&-&share), &(-&share).ln_1p()), "{share}");
+        assert!(close(&exp_m1(&ln_1p(&x)), &x), "{x}");
+        let turn = big(PI * u);
+        let [sine, cosine] = sin_cos(&turn);
+        let (of_dashu, also) = turn.sin_cos();
+        assert!(rounded(&(&sine - of_dashu)).abs() < 1e-30, "{turn}");
+        assert!(rounded(&(&cosine - also)).abs() < 1e-30, "{turn}");
+        assert!(close(&angle(&sine, &cosine), &turn), "{turn}");
+    }
+}
+
+/// One function each, of a depth that is given: `2u`; a quotient more for the source factor.
+#[test]
+fn e1_to_e3_opacity_source_factor_and_transmittance() {
+    let (mut opacities, mut factors) = (WorstRay::default(), WorstRay::default());
+    let mut transmittances = WorstRay::default();
+    for [u, v] in inputs(1) {
+        // From 2^-60 to 2^7, with a random significand.
+        let depth = octaves(-60.0, 6.0, u) * (1.0 + v);
+        // 1/T − 1: nothing cancels.
+        let grown = exp_m1(&big(depth));
+        let whole = big(1.0) + &grown;
+        let exact = &grown / &whole;
+        opacities.see(opacity(depth), &exact, 2.0, depth);
+        factors.see(source_factor(depth), &(exact / big(depth)), 3.0, depth);
+        transmittances.see(transmittance(depth), &(big(1.0) / whole), 2.0, depth);
+    }
+    opacities.is_within_bounds("opacity");
+    factors.is_within_bounds("source_factor");
+    transmittances.is_within_bounds("transmittance");
+}
+
+/// The depth `x = r·ln1p(−a)` is off by 2 and a product; opacity has the condition `x/(e^x − 1)`,
+/// at most 1, in it, and is off by 2 more.
+#[test]
+fn e4_opacity_correction() {
+    let mut worst = WorstRay::default();
+    for [kind, u, v, w] in inputs(2) {
+        let opacity = match (3.0 * kind) as u32 {
+            0 => octaves(-60.0, 0.0, u),
+            1 => 1.0 - octaves(-52.0, -1.0, u),
+            _ => u,
+        };
+        if opacity == 0.0 || opacity == 1.0 {
+            continue;
+        }
+        let ratio = octaves(-20.0, 10.0, v) * (1.0 + w);
+        let depth = big(ratio) * -ln_1p(&big(-opacity));
+        let grown = exp_m1(&depth);
+        let exact = &grown / (big(1.0) + &grown);
+        let depth = rounded(&depth);
+        let roundings = 3.0 * depth / math::exp_m1(depth) + 2.0;
+        worst.see(
+            over_length(opacity, ratio),
+            &exact,
+            roundings,
+            (opacity, ratio),
+        );
+    }
+    worst.is_within_bounds("over_length");
+}
+
+/// Asymmetries of every size and sign, close to 0 and to ±1 too.
+fn asymmetry(kind: f64, u: f64) -> Asymmetry {
+    let magnitude = match (6.0 * kind) as u32 / 2 {
+        0 => u,
+        1 => exp2(-60.0 * u),
+        _ => 1.0 - exp2(-1.0 - 52.0 * u),
+    };
+    let magnitude = magnitude.min(1.0 - U);
+    let forward = ((6.0 * kind) as u32).is_multiple_of(2);
+    Asymmetry::new(if forward { magnitude } else { -magnitude }).unwrap()
+}
+
+/// With `D = 1 − g + 2gu`, for `g ≥ 0`. `1 − g` is exact from ½ on and rounds once below, where
+/// `2gu/D ≤ 2/3`; `1 − u` is exact.
+///
+/// - `(1 − g)/D`: the roundings of `1 − g` and of `gu` count with the weight `2gu/D`: 1, or two
+///   times 2/3; the sum and the quotient, 2. So 10/3, its square 23/3. `1 + gu` is off by 1 in all,
+///   as the sum is at least 1. Two products: 10 2/3 for `1 − cos θ`.
+/// - `(1 + g)/D`: 1; D by 1 in all and the sum, 2; the quotient, 1. Its square 9. `1 − g + gu` 2,
+///   two products: 13 for `1 + cos θ`.
+/// - The cosine is `2u − 1` and a shift; their sum is rounded, and `2u − 1` once if at all. The
+///   shift: `gu` and its product 2; `(1 − g)(3 + g)` 3 and the sum with `4gu` 1; that product 1;
+///   `D²` 5, the quotient 1: 13.
+#[test]
+fn s1_both_distances_of_the_cosine_from_one() {
+    let (mut minus, mut plus, mut of_shift) = (WorstRay::default(), WorstRay::default(), 0.0_f64);
+    // What the row of the catalogue allows to either.
+    let mut row = WorstRay::default();
+    for [kind, size, kind_of_share, drawn] in inputs(3) {
+        let phase = HenyeyGreenstein(asymmetry(kind, size));
+        let xi = share(drawn, kind_of_share);
+        if xi == 0.0 {
+            continue;
+        }
+        let turn = phase.deflection(xi);
+        let (one, two, g, u) = (big(1.0), big(2.0), big(phase.0.g()), big(xi));
+        let denominator = &one - &g + &two * &g * &u;
+        let square = &denominator * &denominator;
+        let back = &one - &g;
+        let ahead = &one + &g;
+        let exact_minus = &two * &back * &back * (&one - &u) * (&one + &g * &u) / &square;
+        let exact_plus = &two * &ahead * &ahead * &u * (&one - &g + &g * &u) / &square;
+        let mirrored = phase.0.g() < 0.0;
+        let (of_minus, of_plus) = if mirrored { (13.0, 11.0) } else { (11.0, 13.0) };
+        minus.see(turn.one_minus_cos, &exact_minus, of_minus, (phase, xi));
+        plus.see(turn.one_plus_cos, &exact_plus, of_plus, (phase, xi));
+        row.see(turn.one_minus_cos, &exact_minus, 8.0, (phase, xi));
+        row.see(turn.one_plus_cos, &exact_plus, 8.0, (phase, xi));
+        let exact = &one - &exact_minus;
+        let balance = &two * &u - &one;
+        let shift = rounded(&(&exact - &balance)).abs();
+        let both = rounded(&exact).abs() + rounded(&balance).abs();
+        of_shift = of_shift.max((apart(turn.cos, &exact) / U - both) / shift);
+    }
+    minus.is_within_bounds("1 - cos");
+    plus.is_within_bounds("1 + cos");
+    row.is_within_bounds("1 - cos and 1 + cos, by the catalogue");
+    println!("cos: {of_shift:.2} u of the shift");
+    assert!(of_shift <= 13.0 * SECOND_ORDER);
+}
+
+/// `1 − g` rounds below ½, `1 ± cos θ` too: then `r²` is off by 4, of a square and a sum, and `r`
+/// by 3.
+///
+/// - Value: numerator 3, over `r²` 5, over `4πr` with π as an `f64` 3 and 2.4: 14.
+/// - Distribution: numerator 3; `r` 3, `1 + g + r` 4, their product 1; the quotient 1: 12.
+#[test]
+fn s2_phase_function_and_distribution() {
+    let (mut values, mut distribution) = (WorstRay::default(), WorstRay::default());
+    let four_pi = Big::pi(120) * big(4.0);
+    for [kind, size, v] in inputs(4) {
+        let phase = HenyeyGreenstein(asymmetry(kind, size));
+        let turn = Deflection::from_cos(2.0 * v - 1.0);
+        let (one, g, mu) = (big(1.0), big(phase.0.g()), big(turn.cos));
+        let bracket = &one + &g * &g - big(2.0) * &g * &mu;
+        let r = bracket.sqrt();
+        let value = (&one - &g) * (&one + &g) / (&four_pi * &bracket * &r);
+        values.see(phase.per_steradian(&turn), &value, 14.0, (phase, turn));
+        let cdf = (&one - &g) * (&one + &mu) / (&r * (&one + &g + &r));
+        distribution.see(phase.cdf(&turn), &cdf, 12.0, (phase, turn));
+    }
+    values.is_within_bounds("phase function");
+    distribution.is_within_bounds("distribution");
+}
+
+/// A flight: the logarithm, 2, and a quotient. A truncated one: the share `v` of collisions is off by a function
+/// and a product, 3; the logarithm has the condition `v/((1 − v)(−ln(1 − v)))` in it, which grows without bound towards the end of a deep medium.
+#[test]
+fn e6_free_flight() {
+    let [mut optical, mut free, mut truncated] = std::array::from_fn(|_| WorstRay::default());
+    for [drawn, kind, size, depth] in inputs(5) {
+        let u = share(drawn, kind);
+        if u == 0.0 {
+            continue;
+        }
+        let exact = -ln_1p(&big(-u));
+        optical.see(optical_distance(u), &exact, 2.0, u);
+        let sigma = octaves(-30.0, 30.0, size);
+        let exact = exact / big(sigma);
+        free.see(free_flight(sigma, u), &exact, 3.0, (sigma, u));
+
+        // Near the very end the condition is that of no digit at all.
+        let u = u.min(1.0 - 1e-6);
+        let depth = octaves(-40.0, 6.0, depth);
+        let grown = exp_m1(&big(depth));
+        let collided = big(u) * &grown / (big(1.0) + &grown);
+        let passed = -ln_1p(&-&collided);
+        let condition = &collided / ((big(1.0) - &collided) * &passed);
+        let roundings = 3.0 * rounded(&condition) + 2.0;
+        let found = truncated_optical_distance(opacity(depth), u);
+        truncated.see(found, &passed, roundings, (depth, u));
+    }
+    optical.is_within_bounds("optical_distance");
+    free.is_within_bounds("free_flight");
+    truncated.is_within_bounds("truncated_optical_distance");
+}
+
+fn vector([x, y, z]: [f64; 3]) -> DVec3 {
+    2.0 * DVec3::new(x, y, z) - 1.0
+}
+
+/// A difference and a quotient: 2, whatever the angle.
+#[test]
+fn g_distances_to_the_faces_of_a_box() {
+    let (mut ends, mut hits) = (WorstRay::default(), 0);
+    for [a, b, c, d, e, f, g, h, i, size] in inputs(6) {
+        let min = vector([a, b, c]) * 4.0;
+        let edges = DVec3::new(
+            octaves(-20.0, 3.0, size),
+            0.1 + a * b,
+            octaves(-3.0, 3.0, d * e),
+        );
+        let shape = Aabb::new(min, min + edges).unwrap();
+        let target = shape.min + edges * DVec3::new(g, h, i);
+        let origin = vector([d, e, f]) * octaves(0.0, 20.0, size * g);
+        let ray = Ray::new(origin, target - origin).unwrap();
+        let (Some(found), Some([near, far])) = (shape.span(&ray), line_in_box(&shape, &ray)) else {
+            continue;
+        };
+        hits += 1;
+        ends.see_within(found.far, &far, FACE * rounded(&far).abs(), (shape, ray));
+        if found.near > 0.0 {
+            ends.see_within(found.near, &near, FACE * rounded(&near).abs(), (shape, ray));
+        }
+    }
+    ends.is_within_bounds("Aabb::span");
+    assert!(hits > INPUTS / 2);
+}
+
+/// By the bound of [`chord`]. It is in proportion to the distance of the centre, and grows where
+/// the ray grazes: rays that know less than a quarter of half their chord are left out.
+#[test]
+fn g10_chords_of_a_sphere() {
+    let (mut all, mut plain, mut seen) = (WorstRay::default(), WorstRay::default(), 0);
+    for [a, b, c, d, e, f, g, h, i, size] in inputs(7) {
+        let radius = octaves(-3.0, 3.0, i);
+        let sphere = Sphere::new(vector([a, b, c]) * 4.0, radius).unwrap();
+        let away = vector([d, e, f]) * radius * octaves(-1.0, 20.0, size * size);
+        let aim = sphere.centre() + vector([g, h, b]) * radius * 0.9;
+        let origin = sphere.centre() + away;
+        let Some(ray) = Ray::new(origin, aim - origin) else {
+            continue;
+        };
+        let Some(exact) = chord(&sphere, &ray) else {
+            continue;
+        };
+        if exact.error > exact.half / 4.0 {
+            continue;
+        }
+        for span in sphere.spans(&ray) {
+            seen += 1;
+            all.see_within(span.far, &exact.far, exact.error, (sphere, ray));
+            if span.near > 0.0 {
+                all.see_within(span.near, &exact.near, exact.error, (sphere, ray));
+            }
+            // From outside, near by and well inside the outline.
+            if span.near > 0.0 && away.length() < 8.0 * radius && exact.half > radius / 2.0 {
+                plain.see_within(span.far, &exact.far, exact.error, (sphere, ray));
+            }
+        }
+    }
+    all.is_within_bounds("Sphere::spans");
+    plain.is_within_bounds("Sphere::spans, the far end of a long chord from near by");
+    assert!(seen > INPUTS / 2);
+}
+
+/// A million layers against the product of what they let through.
+///
+/// With `n` layers of opacity `a`: what a layer adds, `a·(1 − A)`, is off by a product, and by what
+/// `1 − A` is: the error of `A`, which so shrinks by `1 − a` and never grows, and a rounding. Or,
+/// where the product itself is carried, by `2n` of it. The sum rounds once a layer, to a unit of at
+/// most 1. So `A` is off by at most `3n + 3` in units of `u`, absolutely; a colour by that times
+/// all the colours there are, behind whatever.
+#[test]
+fn a1_a_million_layers() {
+    const LAYERS: u32 = 1_000_000;
+    let stream = Stream::new(8, 0, 0);
+    for depth in [1e-3, 1.0, 30.0] {
+        let layer = |index: u32| {
+            let [u, v] = stream.pair(0, Purpose::PhaseDirection, index);
+            (2.0 * u * depth / f64::from(LAYERS), v)
+        };
+        let bound = f64::from(3 * LAYERS + 3) * U;
+        let (mut front, mut back) = (Layers::default(), Layers::default());
+        let mut through = big(1.0);
+        let (mut colour, mut colours) = (big(0.0), 0.0);
+        for index in 0..LAYERS {
+            let (opacity, tint) = layer(index);
+            let own = tint * opacity;
+            front = FrontToBack::add(front, DVec3::splat(own), opacity);
+            colour += big(own) * &through;
+            colours += own;
+            through *= big(1.0) - big(opacity);
+            let (opacity, tint) = layer(LAYERS - 1 - index);
+            back = BackToFront::add(back, DVec3::splat(tint * opacity), opacity);
+        }
+        let opacity = big(1.0) - through;
+        for (name, layers) in [("front to back", front), ("back to front", back)] {
+            let mut worst = WorstRay::default();
+            worst.see_within(layers.opacity, &opacity, bound, depth);
+            worst.is_within_bounds(&format!("opacity, {name}, depth {depth}"));
+            let mut worst = WorstRay::default();
+            worst.see_within(layers.colour.y, &colour, bound * colours, depth);
+            worst.is_within_bounds(&format!("colour, {name}, depth {depth}"));
+        }
+    }
+}
+
+/// By the bound of [`grids::integral_error`]: in proportion to the range of the values, and to the
+/// largest node coordinate on the way. A thousand rays each through a hundred grids.
+#[test]
+fn d2_integrals_of_grids() {
+    let (mut trilinear, mut nearest) = (WorstRay::default(), WorstRay::default());
+    let mut density: Option<GridDensity> = None;
+    for (number, [a, b, c, d, e, f, g, h, i]) in inputs(9).enumerate() {
+        if number % 1000 == 0 {
+            let nodes = [a, b, c].map(|share| 1 + (5.0 * share) as usize);
+            let spacing = DVec3::new(d, e, f) * 3.0 + 0.01;
+            let lattice = Lattice::new(nodes, spacing, vector([g, h, i]) * 10.0).unwrap();
+            let centring = if a < 0.5 {
+                Centring::Nodes
+            } else {
+                Centring::Cells
+            };
+            let lattice = lattice.with_centring(centring).unwrap();
+            let stream = Stream::new(10, number as u32, 0);
+            let values = (0..lattice.node_count() as u32)
+                .map(|node| stream.uniform(0, Purpose::PhaseDirection, node) as f32);
+            let grid = Arc::new(Grid::new(lattice, values.collect()).unwrap());
+            let smooth = number % 2000 == 0;
+            let interpolation = if smooth {
+                Interpolation::Trilinear
+            } else {
+                Interpolation::Nearest
+            };
+            density = Some(GridDensity::new(grid, interpolation));
+        }
+        let density = density.as_ref().unwrap();
+        let bounds = density.bounds();
+        let (centre, size) = (bounds.centre(), bounds.size());
+        let origin = centre + vector([a, b, c]) * size * 2.0;
+        let target = centre + vector([d, e, f]) * size * 0.49;
+        let ray = Ray::new(origin, target - origin).unwrap();
+        let span = bounds.span(&ray).unwrap();
+        if span.length() == 0.0 {
+            continue;
+        }
+        let found = density.integral(ray.origin, *ray.direction, span, &mut 0);
+        let exact = grids::integral(density, ray.origin, *ray.direction, span);
+        let bound = grids::integral_error(density, ray.origin, *ray.direction, span);
+        let worst = match density.interpolation() {
+            Interpolation::Trilinear => &mut trilinear,
+            Interpolation::Nearest => &mut nearest,
+        };
+        worst.see_within(found, &exact, bound, (density.grid().lattice(), ray));
+    }
+    trilinear.is_within_bounds("GridDensity::integral, trilinear");
+    nearest.is_within_bounds("GridDensity::integral, nearest");
+}
+
+/// Every addition's own error is found exactly, and is at most `u` of a partial sum, which is at
+/// most all magnitudes M: the errors are up to `nuM` together, and adding them up rounds as often:
+/// `n²u²M`. The result rounds once.
+#[test]
+fn a3_compensated_sums() {
+    let mut worst = WorstRay::default();
+    for numbers in inputs::<16>(11) {
+        // Terms of 60 octaves, and after them all the same with the other sign but two.
+        let term =
+            |k: usize| (2.0 * numbers[k] - 1.0) * octaves(-30.0, 30.0, numbers[(k + 1) % 16]);
+        let terms = (0..16).map(term).chain((2..16).map(|k| -term(17 - k)));
+        let (mut sum, mut exact, mut magnitudes) = (Sum::default(), big(0.0), 0.0);
+        let mut count = 0.0;
+        for term in terms {
+            sum.add(term);
+            exact += big(term);
+            magnitudes += term.abs();
+            count += 1.0;
+        }
+        let bound = U * rounded(&exact).abs() + (count * U) * (count * U) * magnitudes;
+        worst.see_within(sum.value(), &exact, bound * SECOND_ORDER, numbers);
+    }
+    worst.is_within_bounds("Sum");
+}
+
+/// In units of `u`, for a light at distance D and a place at `t` from the foot, `w² = D² + t²`:
+///
+/// - Angle: the cross product is off by 2, relatively; the dot product by 2 of the product of the
+///   sides at most, so that the angle moves by `2 sin θ` for either: 4 of itself, no more. The arc
+///   tangent is within 2 of that of a quotient, subtracted from π in places: 4. So 8.
+/// - Place, at the angle `φ = uθ`: that is off by 9, and moves the place by `φw²/D`. The products
+///   of the numerator move it by 3w, their sum by `|t|`; those of the denominator, with the slope,
+///   by `4|t|w/D`, their sum by `|t|`; the quotient by `|t|`. All of these are at most `w²/D`:
+///   `(9φ + 10) w²/D`. Turned back from an end that is infinite: the angle 4 and a product, then
+///   sine, cosine, product and quotient: `(5φ + 6) w²/D`.
+/// - Density: the angle 8; squares and sum, product, quotient 4: 12.
+#[test]
+fn s8_equiangular_sampling() {
+    let (mut angles, mut places) = (WorstRay::default(), WorstRay::default());
+    let (mut far_places, mut densities) = (WorstRay::default(), WorstRay::default());
+    for [a, b, c, drawn, kind] in inputs(12) {
+        let distance = octaves(-20.0, 10.0, a);
+        let near = (4.0 * b - 2.0) * octaves(-5.0, 5.0, kind);
+        let length = octaves(-10.0, 10.0, c);
+        let u = share(drawn, kind);
+        let endless = Equiangular::new(distance, near, f64::INFINITY).unwrap();
+        let ended = Equiangular::new(distance, near, near + length).unwrap();
+        let far = near + length;
+        let (d, n, f) = (big(distance), big(near), big(far));
+        let whole = angle(&(&d * (&f - &n)), &(&d * &d + &n * &f));
+        angles.see(ended.angle(), &whole, 8.0, (distance, near, far));
+
+        // The place at an angle, from the direction of the near end.
+        let at = |turn: &Big, n: &Big| {
+            let [sine, cosine] = sin_cos(turn);
+            let t = &d * (n * &cosine + &d * &sine) / (&d * &cosine - n * &sine);
+            let square = rounded(&((&d * &d + &t * &t) / &d));
+            (t, square)
+        };
+        let turn = big(u) * &whole;
+        let (t, square) = at(&turn, &n);
+        let bound = (9.0 * rounded(&turn) + 10.0) * square * U * SECOND_ORDER;
+        let found = ended.sample(u);
+        places.see_within(found, &t, bound, (distance, near, far, u));
+
+        // The infinite end is a right angle and the foot away.
+        let turn = (big(1.0) - big(u)) * angle(&d, &n);
+        let [sine, cosine] = sin_cos(&turn);
+        let t = &d * cosine / sine;
+        let square = rounded(&((&d * &d + &t * &t) / &d));
+        let bound = (5.0 * rounded(&turn) + 6.0) * square * U * SECOND_ORDER;
+        far_places.see_within(endless.sample(u), &t, bound, (distance, near, u));
+
+        let t = big(found);
+        let density = &d / (whole * (&d * &d + &t * &t));
+        densities.see(ended.pdf(found), &density, 12.0, (distance, near, far, u));
+    }
+    angles.is_within_bounds("Equiangular::angle");
+    places.is_within_bounds("Equiangular::place");
+    far_places.is_within_bounds("Equiangular::place, endless");
+    densities.is_within_bounds("Equiangular::pdf");
+}

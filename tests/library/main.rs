@@ -1,0 +1,44 @@
+//! The library by its public interface: laws, known answers and comparisons with second
+//! implementations, a file or a folder for each subject.
+//!
+//! One test program: each one more would compile the generic code of the library again.
+
+mod any_scene;
+mod architecture;
+mod common;
+mod comparators;
+mod cost_orders;
+mod cost_plots;
+mod effects;
+mod exact;
+mod exchange;
+mod film_noise;
+mod flip_laws;
+#[cfg(flip_oracle)]
+mod flip_oracle;
+mod flip_scale;
+mod gate;
+mod geometry_laws;
+mod hard_laws;
+mod images;
+mod kernel_precision;
+mod known_answers_flip;
+mod known_answers_statistics;
+mod medium_known_answers;
+mod medium_laws;
+mod meshes;
+mod pinned_crates;
+mod preintegration;
+mod radiative_scenes;
+mod ray_caster;
+mod reference;
+mod report;
+mod self_test;
+mod stochastic;
+mod support;
+mod tracking;
+mod transport;
+mod unbiased_ray_marching;
+mod volume_files;
+mod volume_known_answers;
+mod volume_laws;

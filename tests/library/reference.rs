@@ -1,0 +1,288 @@
+//! The plain renderers of `src/reference` and the fast ones of `src/render` make the same images.
+//!
+//! Classified volumes agree to the bit, on the suite and on generated scenes. Radiative scenes are
+//! sampled by two programs that share no random number and hardly a method, so their images agree
+//! by the stochastic gate: pixel by pixel they differ by noise, and by no more.
+
+use crate::any_scene::scenes;
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use volref::compare::stochastic;
+use volref::film::Film;
+use volref::geometry::length_of;
+use volref::math::rng::philox4x32_10;
+use volref::reference;
+use volref::render::{Sampling, Seed, plans, render};
+use volref::scene::{Classified, Model, Scene};
+use volref::suite::mistakes;
+
+/// Radiative scenes that the plain path tracer cannot render within a test, and what holds them
+/// instead: known answers, which `volref verify` and `tests/hard_cases.rs` check.
+const HELD_BY_KNOWN_ANSWERS: [(&str, &str); 6] = [
+    (
+        "hard/d10-tiny-and-huge-voxels",
+        "1e12 null collisions a path under one majorant",
+    ),
+    (
+        "hard/d7-bright-voxel-glow",
+        "a majorant of 20000 for one voxel",
+    ),
+    (
+        "hard/e2-seen-through-80",
+        "an optical depth of 80, which no collision estimator passes",
+    ),
+    (
+        "hard/e2-thick-and-thin",
+        "a majorant of 100000 for one of three channels",
+    ),
+    (
+        "hard/e5-endless-glow",
+        "an endless medium that is transparent in one channel",
+    ),
+    (
+        "hard/s10-coloured-scattering",
+        "a majorant of 1000, where one channel has 0.001",
+    ),
+];
+
+/// A judge that calls the one it judges says nothing. Of the fast renderers it takes how an image is
+/// sampled, and from their plan whether pixels are points.
+#[test]
+fn the_reference_calls_nothing_of_the_fast_renderers() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/reference");
+    let mut imports = Vec::new();
+    for file in std::fs::read_dir(folder).unwrap() {
+        let text = std::fs::read_to_string(file.unwrap().path()).unwrap();
+        let code = text
+            .lines()
+            .filter(|line| !line.trim_start().starts_with("//"));
+        imports.extend(
+            code.filter(|line| line.contains("render::"))
+                .map(str::to_owned),
+        );
+    }
+    imports.retain(|line| line.contains("crate::render") || line.contains("super::super"));
+    imports.sort();
+    let asked = [
+        "use crate::render::Sampling;",
+        "use crate::render::{Sampling, plans};",
+    ];
+    assert_eq!(imports, asked);
+}
+
+/// Scene files of the suite with their names.
+fn suite() -> Vec<(String, PathBuf)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes");
+    let mut found = Vec::new();
+    for family in std::fs::read_dir(&root).unwrap() {
+        for file in std::fs::read_dir(family.unwrap().path()).unwrap() {
+            let path = file.unwrap().path();
+            if path
+                .extension()
+                .is_some_and(|extension| extension == "toml")
+            {
+                let name = path.strip_prefix(&root).unwrap().with_extension("");
+                found.push((name.to_str().unwrap().replace('\\', "/"), path));
+            }
+        }
+    }
+    found.sort();
+    assert!(
+        found.len() > 130,
+        "a walk that finds nothing finds no fault either"
+    );
+    found
+}
+
+/// `scene` with panels of `side` × `side` pixels at most.
+fn small(mut scene: Scene, side: usize) -> Scene {
+    for panel in &mut scene.panels {
+        panel.width = panel.width.min(side);
+        panel.height = panel.height.min(side);
+    }
+    scene
+}
+
+fn rendered(scene: &Scene) -> Result<Film, String> {
+    let rendering = render(&plans(scene), SAMPLING, &|| {});
+    rendering
+        .map(|rendering| rendering.film)
+        .map_err(|error| error.to_string())
+}
+
+fn all(scene: &Scene, is: impl Fn(&Model) -> bool) -> bool {
+    scene.panels.iter().all(|panel| is(&panel.model))
+}
+
+#[test]
+fn classified_scenes_of_the_suite_agree_to_the_bit() {
+    let mut compared = 0;
+    for (name, path) in suite() {
+        let scene = small(Scene::load(&path).unwrap(), 40);
+        if all(&scene, |model| matches!(model, Model::Classified(_))) {
+            let (fast, plain) = (
+                rendered(&scene).unwrap(),
+                reference::render(&scene, SAMPLING).unwrap(),
+            );
+            assert_eq!(fast, plain, "{name}");
+            compared += 1;
+        }
+    }
+    assert!(compared >= 20, "{compared} classified scenes");
+}
+
+/// Generated scenes that are compared.
+const GENERATED: usize = 600;
+
+/// Density look-ups of the largest scene that is compared; a shadow ray at every sample.
+const MOST_LOOKUPS: f64 = 1e5;
+
+fn lookups(scene: &Classified, pixels: usize) -> f64 {
+    let across = length_of(scene.grid.lattice().bounds().size());
+    let shadow = scene.shadow.map_or(0.0, |shadow| across / shadow.step);
+    pixels as f64 * (across / scene.step) * (1.0 + shadow)
+}
+
+#[test]
+fn generated_classified_scenes_agree_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut compared, mut refused, mut with_light) = (0, 0, 0);
+    for number in 0.. {
+        if compared == GENERATED {
+            break;
+        }
+        let list: Vec<u32> = (0..200)
+            .map(|i| philox4x32_10([i, number, 0, 0], [7, 0])[0])
+            .collect();
+        let written = scenes::written(&list);
+        if !written.text.contains("[classified]") {
+            continue;
+        }
+        for (name, bytes) in &written.files {
+            std::fs::write(folder.path().join(name), bytes).unwrap();
+        }
+        let Ok(scene) = Scene::parse(&written.text, &folder.path().join("scene.toml")) else {
+            continue;
+        };
+        let scene = small(scene, 8);
+        let Model::Classified(classified) = &scene.panels[0].model else {
+            panic!("a classified scene");
+        };
+        if lookups(classified, 64) > MOST_LOOKUPS {
+            continue;
+        }
+        match (rendered(&scene), reference::render(&scene, SAMPLING)) {
+            (Ok(fast), Ok(plain)) => {
+                assert_eq!(fast, plain, "{}", written.text);
+                let lit = |pixel: &[f32; 3]| pixel.iter().any(|&channel| channel > 0.0);
+                with_light += usize::from(plain.radiance().iter().any(lit));
+                compared += 1;
+            }
+            (Err(_), Err(_)) => refused += 1,
+            (fast, plain) => panic!("{fast:?}\n{plain:?}\n{}", written.text),
+        }
+    }
+    println!("{compared} agree, {with_light} of them not black; both refuse {refused}");
+    assert!(with_light >= GENERATED / 2, "{with_light} not black");
+}
+
+/// Pixels along each side of sampled images: four blocks of the stochastic gate.
+const SIDE: usize = 16;
+
+/// Samples of both programs, and their seed.
+const SAMPLING: Sampling = Sampling {
+    samples: Some(32),
+    seed: Seed::Given(1),
+};
+
+/// What the stochastic gate finds against `test`, one of `cases` images that are judged by `right`;
+/// nothing where they agree. Images that agree to 16 roundings of 32-bit numbers need no gate: where
+/// every sample is the same, the noise that an image states is rounding, and so is the difference.
+fn fault(right: &Film, test: &Film, cases: usize) -> Option<String> {
+    let pixels = right
+        .radiance()
+        .iter()
+        .flatten()
+        .zip(test.radiance().iter().flatten());
+    let mut differences = pixels.map(|(a, b)| (a - b).abs() / a.abs().max(b.abs()).max(1e-30));
+    if differences.all(|difference| difference <= 8.0 * f32::EPSILON) {
+        return None;
+    }
+    let judgement = stochastic::judge(right, test, cases).unwrap();
+    (!judgement.passed).then_some(judgement.reason)
+}
+
+/// The radiative scenes of the suite, small, but for those held by known answers.
+fn radiative() -> Vec<(String, Scene)> {
+    let mut scenes = Vec::new();
+    for (name, path) in suite() {
+        if HELD_BY_KNOWN_ANSWERS.iter().any(|(held, _)| *held == name) {
+            continue;
+        }
+        // 80 mean free paths without absorption: as many bounces as all other scenes together.
+        let side = if name == "hard/e7-thick-furnace" {
+            4
+        } else {
+            SIDE
+        };
+        let scene = small(Scene::load(&path).unwrap(), side);
+        if all(&scene, |model| matches!(model, Model::Radiative(_))) {
+            scenes.push((name, scene));
+        }
+    }
+    scenes
+}
+
+#[test]
+fn radiative_scenes_of_the_suite_agree_within_noise() {
+    let scenes = radiative();
+    let faults: Vec<String> = scenes
+        .par_iter()
+        .filter_map(|(name, scene)| {
+            let (fast, plain) = (
+                rendered(scene).unwrap(),
+                reference::render(scene, SAMPLING).unwrap(),
+            );
+            Some(format!("{name}: {}", fault(&fast, &plain, scenes.len())?))
+        })
+        .collect();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    assert!(scenes.len() >= 110, "{} radiative scenes", scenes.len());
+}
+
+/// Scenes in which mistakes are made, with occasions for many.
+const WITH_MISTAKES: [&str; 6] = [
+    "fog/absorption",
+    "fog/forward",
+    "hard/s9-cone-of-light",
+    "procedural/coloured",
+    "procedural/emissive-grid",
+    "smoke/cornell",
+];
+
+/// The comparison is worth something: a mistake in the plain renderer shows.
+#[test]
+fn mistakes_in_the_reference_are_found() {
+    let scenes = radiative();
+    let scenes_in_all = scenes.len();
+    let scenes = scenes
+        .iter()
+        .filter(|(name, _)| WITH_MISTAKES.contains(&name.as_str()));
+    let mut found = BTreeSet::new();
+    for (name, scene) in scenes {
+        let right = rendered(scene).unwrap();
+        for mistake in mistakes::catalogue() {
+            let Some(wrong) = mistake.in_scene(scene) else {
+                continue;
+            };
+            let wrong = reference::render(&wrong, SAMPLING).unwrap();
+            match fault(&right, &wrong, scenes_in_all) {
+                Some(_) => _ = found.insert(mistake.name),
+                None => println!("{name}: {} is not seen", mistake.name),
+            }
+        }
+    }
+    println!("{} mistakes found: {found:?}", found.len());
+    assert!(found.len() >= 10, "only {found:?}");
+}

@@ -1,0 +1,501 @@
+//! The page in a browser: opened from `file://`, driven by keys and pointer, and read.
+//!
+//! Needs Chromium and its driver (Debian: `apt-get install chromium chromium-driver`). Without
+//! them this is skipped, and says so; with `VOLREF_REQUIRE_BROWSER` set it fails instead.
+
+use crate::report::cost_samples::{costs, extremes};
+use crate::report::samples::{self, CHECKED};
+use crate::report::webdriver::Browser;
+use serde_json::Value;
+use std::io::Write;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use volref::compare::Picture;
+use volref::film::Film;
+use volref::report::results_html;
+use volref::suite::Verdict;
+
+const ENTER: &str = "\u{e007}";
+const ESCAPE: &str = "\u{e00c}";
+const RIGHT: &str = "\u{e014}";
+const DOWN: &str = "\u{e015}";
+
+/// A browser that shows a page.
+struct Opened {
+    browser: Browser,
+    /// Where the page is.
+    _folder: tempfile::TempDir,
+    /// One browser at a time is work enough for a small machine.
+    _turn: MutexGuard<'static, ()>,
+}
+
+fn open(html: &str, width: u32, height: u32) -> Option<Opened> {
+    static TURN: Mutex<()> = Mutex::new(());
+    // A test that failed has broken nothing for the next.
+    let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let browser = match Browser::start(width, height) {
+        Ok(browser) => browser,
+        Err(reason) => {
+            assert!(
+                std::env::var_os("VOLREF_REQUIRE_BROWSER").is_none(),
+                "{reason}"
+            );
+            // Not by println! and eprintln!, which are not shown of tests that pass.
+            let said = format!("SKIPPED: the report is not tested in a browser: {reason}");
+            let _ = writeln!(std::io::stdout(), "{said}");
+            let _ = writeln!(std::io::stderr(), "{said}");
+            return None;
+        }
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("index.html");
+    std::fs::write(&path, html).unwrap();
+    browser.open(&format!("file://{}", path.display()));
+    Some(Opened {
+        browser,
+        _folder: folder,
+        _turn: turn,
+    })
+}
+
+/// Returns when the pictures of the open case are shown.
+fn wait_for_pictures(browser: &Browser) {
+    browser.wait_for(
+        "document.querySelector('article.open #viewer') && \
+         document.querySelector('#stage-message').textContent === ''",
+    );
+}
+
+/// Nothing may be complained of, and nothing asked for but the page itself.
+fn check_quiet(browser: &Browser) {
+    let mut console = browser.console();
+    // That is about this test, which reads what the page only draws.
+    console.retain(|message| !message.contains("getImageData"));
+    assert_eq!(console, Vec::<String>::new());
+    for url in browser.requests() {
+        assert!(
+            url.starts_with("file://") && url.ends_with("/index.html")
+                || url.starts_with("data:image/png;"),
+            "the page asked for {url}"
+        );
+    }
+}
+
+fn text(browser: &Browser, selector: &str) -> String {
+    let script = format!("return document.querySelector({selector:?}).textContent");
+    browser.run(&script).as_str().unwrap().to_owned()
+}
+
+fn number(text: &str) -> f64 {
+    let plain = text.replace('−', "-").replace(['+', '%'], "");
+    plain
+        .trim()
+        .parse()
+        .unwrap_or_else(|_| panic!("{text:?} is no number"))
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|number| number.as_f64().unwrap())
+        .collect()
+}
+
+/// Of the read-out: golden, test and difference of a channel.
+fn read_out(browser: &Browser, channel: usize) -> [f64; 3] {
+    [2, 3, 4].map(|column| {
+        let selector = format!(
+            "#read-out tbody tr:nth-child({}) :nth-child({column})",
+            channel + 1
+        );
+        number(&text(browser, &selector))
+    })
+}
+
+/// Where the middle of a pixel is in the window, when the whole picture is shown in one pane.
+fn place(browser: &Browser, film: &Film, [x, y]: [usize; 2]) -> [i64; 2] {
+    let bounds = browser.run(
+        "const box = document.querySelector('#stage canvas').getBoundingClientRect();
+         return [box.left, box.top, box.width, box.height]",
+    );
+    let [left, top, width, height] = numbers(&bounds)[..] else {
+        panic!("{bounds}")
+    };
+    let size = [film.width() as f64, film.height() as f64];
+    let scale = (width / size[0]).min(height / size[1]);
+    [
+        left + width / 2.0 + (x as f64 + 0.5 - size[0] / 2.0) * scale,
+        top + height / 2.0 + (y as f64 + 0.5 - size[1] / 2.0) * scale,
+    ]
+    .map(|at| at.round() as i64)
+}
+
+/// The colour that the first canvas shows there.
+fn colour(browser: &Browser, [x, y]: [i64; 2]) -> [f64; 3] {
+    let data = browser.run(&format!(
+        "const canvas = document.querySelector('#stage canvas');
+         const box = canvas.getBoundingClientRect();
+         return [...canvas.getContext('2d').getImageData({x} - box.left, {y} - box.top, 1, 1).data]"
+    ));
+    let data = numbers(&data);
+    [data[0], data[1], data[2]]
+}
+
+/// Eleven significant bits are off by half of 2⁻¹⁰, codes have 16384 steps of light, and the
+/// steepest part of their curve makes 0.2 codes of one: a code can be rounded the other way.
+fn assert_shows(browser: &Browser, at: [i64; 2], film: &Film, pixel: usize, exposure: f64) {
+    let shown = colour(browser, at);
+    let codes = film.srgb_codes(exposure)[pixel];
+    for c in 0..3 {
+        let expected = f64::from(codes[c]);
+        assert!(
+            (shown[c] - expected).abs() <= 1.0,
+            "{shown:?} in place of {codes:?}"
+        );
+    }
+}
+
+#[test]
+fn somebody_looks_into_a_failure() {
+    let sample = samples::suite();
+    let Some(Opened { browser, .. }) = &open(samples::suite_html(), 1400, 1100) else {
+        return;
+    };
+    let index = sample
+        .results
+        .iter()
+        .position(|result| result.name == CHECKED)
+        .unwrap();
+    let evidence = &sample.evidence[index];
+    let golden = evidence.golden.as_ref().unwrap();
+    let Some(Picture::Radiance(test)) = &evidence.test else {
+        panic!("the test image is radiance");
+    };
+
+    // Failures come first, and the first is open.
+    wait_for_pictures(browser);
+    let first = text(browser, "#cases li .verdict");
+    assert!(first.contains("fail"), "{first}");
+    let failed = sample
+        .results
+        .iter()
+        .filter(|r| r.verdict == Verdict::Fail)
+        .count();
+    let headline = text(browser, ".headline");
+    let sentence = format!(
+        "{failed} of {} cases fail; one of them looks like “g negated”.",
+        sample.results.len()
+    );
+    assert!(headline.contains(&sentence), "{headline}");
+
+    // The list is filtered by what is typed, and the case is opened by keys.
+    let visible = "return document.querySelectorAll('#cases li:not([hidden])').length";
+    assert_eq!(browser.run(visible), sample.results.len());
+    browser.press(&format!("/{CHECKED}"));
+    assert_eq!(browser.run(visible), 1);
+    browser.press(&format!("{ESCAPE}j{ENTER}"));
+    browser.wait_for(&format!(
+        "document.querySelector('article.open h2').textContent.includes('{CHECKED}')"
+    ));
+    wait_for_pictures(browser);
+
+    // The worst pixel is the one of the gate.
+    browser.press("w");
+    let metric = |name: &str| sample.results[index].metrics[name];
+    let worst = [metric("worst_column"), metric("worst_row")].map(|place| place as usize);
+    assert_eq!(
+        text(browser, "#read-place"),
+        format!("pixel ({}, {})", worst[0], worst[1])
+    );
+
+    // The read-out holds the values of the films.
+    browser.press("01");
+    let at = place(browser, golden, worst);
+    browser.point(at);
+    assert_eq!(
+        text(browser, "#read-place"),
+        format!("pixel ({}, {})", worst[0], worst[1])
+    );
+    let pixel = worst[1] * golden.width() + worst[0];
+    for c in 0..3 {
+        let [a, b] = [golden, test].map(|film| f64::from(film.radiance()[pixel][c]));
+        // 2⁻¹¹ of it by the stored bits, and half of the fourth digit.
+        let close =
+            |shown: f64, value: f64| (shown - value).abs() <= value.abs() * (1.0 / 2048.0 + 0.5e-3);
+        let [shown_a, shown_b, difference] = read_out(browser, c);
+        assert!(close(shown_a, a), "golden {shown_a}, not {a}");
+        assert!(close(shown_b, b), "test {shown_b}, not {b}");
+        assert!(
+            close(difference, b - a),
+            "difference {difference}, not {}",
+            b - a
+        );
+        assert!(b - a != 0.0, "the pixel says nothing");
+    }
+    assert_shows(browser, at, golden, pixel, evidence.exposure);
+
+    // Exposure: two steps of half a stop.
+    browser.press("++");
+    assert_shows(browser, at, golden, pixel, evidence.exposure + 1.0);
+    browser.press("2-");
+    assert_shows(browser, at, test, pixel, evidence.exposure + 0.5);
+    browser.press("-");
+
+    // Swipe: at first in the middle; then the line is dragged beside the pixel, to either side.
+    let line = "return Number(document.querySelector('#swipe').value)";
+    browser.press("s");
+    assert_eq!(browser.run(line), 0.5);
+    let middle = place(browser, golden, [golden.width() / 2, golden.height() / 2]);
+    for (side, film) in [(20, golden), (-20, test)] {
+        browser.drag(middle, [at[0] + side, at[1]]);
+        assert_shows(browser, at, film, pixel, evidence.exposure);
+    }
+    let before = browser.run(line).as_f64().unwrap();
+    browser.press(RIGHT);
+    let after = browser.run(line).as_f64().unwrap();
+    assert!(after > before, "{before} → {after}");
+
+    // The difference is red where the test is too bright, and nearly white where nothing is off.
+    browser.press("3");
+    let [red, _, blue] = colour(browser, at);
+    assert!(red > blue + 50.0);
+    let right = place(browser, golden, [worst[0], 20]);
+    assert!(colour(browser, right).iter().all(|&code| code > 230.0));
+    // Half of a scale finer, twice the colour.
+    let limit = number(&text(browser, "#scale-value"));
+    browser.press("[[");
+    let finer = number(&text(browser, "#scale-value"));
+    assert!((finer / limit - 0.5).abs() < 2e-3, "{limit} → {finer}");
+
+    // Theme and help.
+    let back = "return getComputedStyle(document.body).backgroundColor";
+    let light = browser.run(back);
+    browser.press("t");
+    assert_ne!(browser.run(back), light);
+    browser.press("t");
+    assert_eq!(browser.run(back), light);
+    browser.press("?");
+    assert_eq!(
+        browser.run("return document.querySelector('#help').open"),
+        true
+    );
+    browser.press(ESCAPE);
+    assert_eq!(
+        browser.run("return document.querySelector('#help').open"),
+        false
+    );
+
+    check_quiet(browser);
+}
+
+#[test]
+fn every_case_opens_in_every_view() {
+    let sample = samples::suite();
+    let Some(Opened { browser, .. }) = &open(samples::suite_html(), 1400, 1100) else {
+        return;
+    };
+    let mut opened = Vec::new();
+    for place in 0..sample.results.len() {
+        browser.run(&format!("location.hash = '#case-{place}'"));
+        browser.wait_for(&format!("document.querySelector('#case-{place}.open')"));
+        let name = browser.run(&format!(
+            "return document.querySelectorAll('#cases .name')[{place}].textContent"
+        ));
+        opened.push(name.as_str().unwrap().to_owned());
+        if browser.run("return Boolean(document.querySelector('article.open .pictures'))") == true {
+            wait_for_pictures(browser);
+            browser.press("123456bswnc+[z0");
+        }
+    }
+    opened.sort();
+    let mut names: Vec<_> = sample
+        .results
+        .iter()
+        .map(|result| result.name.clone())
+        .collect();
+    names.sort();
+    assert_eq!(opened, names);
+    check_quiet(browser);
+}
+
+#[test]
+fn a_pixel_that_is_no_number_is_found() {
+    let Some(Opened { browser, .. }) = &open(samples::suite_html(), 1400, 1100) else {
+        return;
+    };
+    browser.press(&format!("/gain-0.1{ENTER}"));
+    browser.wait_for("document.querySelector('article.open h2').textContent.includes('gain-0.1')");
+    wait_for_pictures(browser);
+    let notes = text(browser, "article.open .note");
+    assert!(
+        notes.contains("19 of ") && notes.contains("the first is at (64, 60)"),
+        "{notes}"
+    );
+    browser.press(&format!("{ESCAPE}n"));
+    assert_eq!(text(browser, "#read-place"), "pixel (64, 60)");
+    assert_eq!(
+        text(browser, "#read-out tbody tr:nth-child(1) :nth-child(3)"),
+        "NaN"
+    );
+    browser.press(&"n".repeat(18));
+    assert_eq!(text(browser, "#read-place"), "pixel (90, 90)");
+    assert_eq!(
+        text(browser, "#read-out tbody tr:nth-child(1) :nth-child(3)"),
+        "∞"
+    );
+    check_quiet(browser);
+}
+
+#[test]
+fn a_narrow_window_shows_the_list_or_the_case() {
+    // Chromium's windows are no narrower than 500.
+    let Some(Opened { browser, .. }) = &open(samples::suite_html(), 500, 900) else {
+        return;
+    };
+    let shown = |selector: &str| {
+        browser.run(&format!(
+            "return document.querySelector({selector:?})?.checkVisibility() ?? false"
+        ))
+    };
+    assert_eq!([shown("nav"), shown("article.open")], [true, false]);
+    browser.press(&format!("{DOWN}{ENTER}"));
+    wait_for_pictures(browser);
+    assert_eq!([shown("nav"), shown("article.open")], [false, true]);
+    // Nothing is cut off at the side.
+    let fits = browser.run("return document.documentElement.scrollWidth <= innerWidth");
+    assert_eq!(fits, true);
+    browser.run("document.querySelector('article.open .back').click()");
+    browser.wait_for("document.querySelector('nav').checkVisibility()");
+    check_quiet(browser);
+}
+
+/// The values under the pointer and what stands beside them do not run into one another, nor out of
+/// the window.
+#[test]
+fn the_read_out_keeps_clear_of_the_histogram() {
+    for width in [1000, 1400, 1900] {
+        let Some(Opened { browser, .. }) = &open(samples::suite_html(), width, 1100) else {
+            return;
+        };
+        wait_for_pictures(browser);
+        let boxes = browser.run(
+            "const bounds = ['#read-out', '.histogram'].map(name =>
+                 document.querySelector(name).getBoundingClientRect());
+             return bounds.flatMap(box => [box.left, box.top, box.right, box.bottom])",
+        );
+        let [.., right, bottom, left, top, outer, _] = numbers(&boxes)[..] else {
+            panic!("{boxes}")
+        };
+        assert!(right <= left || bottom <= top, "{width}: {boxes}");
+        assert!(right.max(outer) <= f64::from(width), "{width}: {boxes}");
+        check_quiet(browser);
+    }
+}
+
+#[test]
+fn names_are_only_text() {
+    let sample = samples::hostile();
+    let Some(Opened { browser, .. }) = &open(&results_html(&sample.page()), 1400, 1100) else {
+        return;
+    };
+    wait_for_pictures(browser);
+    assert_eq!(browser.run("return window.hacked === undefined"), true);
+    assert_eq!(text(browser, "#cases .name"), sample.results[0].name);
+    assert_eq!(
+        text(browser, "article.open .copyable pre"),
+        sample.evidence[0].reproduce[0]
+    );
+    check_quiet(browser);
+}
+
+/// Pictures of the page in several states, in the folder of the temporary files.
+#[test]
+#[ignore = "for looking at"]
+fn take_screenshots() {
+    let save = |browser: &Browser, name: &str| {
+        let png = data_encoding::BASE64
+            .decode(browser.screenshot().as_bytes())
+            .unwrap();
+        let path = std::env::temp_dir().join(format!("volref-report-{name}.png"));
+        std::fs::write(&path, png).unwrap();
+        println!("{}", path.display());
+    };
+    let opened = open(samples::suite_html(), 1500, 1400).unwrap();
+    let browser = &opened.browser;
+    let show = |case: &str, keys: &str, name: &str| {
+        browser.press(&format!("/{case}{ENTER}"));
+        browser.wait_for(&format!(
+            "document.querySelector('article.open h2').textContent.includes('{case}')"
+        ));
+        wait_for_pictures(browser);
+        browser.press(&format!("{ESCAPE}{keys}"));
+        save(browser, name);
+        browser.run("const f = document.querySelector('#filter'); f.value = ''; f.dispatchEvent(new Event('input'))");
+    };
+    wait_for_pictures(browser);
+    save(browser, "first");
+    show(CHECKED, "6w0", "deterministic");
+    show(CHECKED, "s", "swipe");
+    show("fog/backward", "6w0", "stochastic");
+    show("fog/backward", "t5", "z-dark");
+    show("figures/figure-5", "6", "codes");
+    show("figures/figure-4", "6", "sizes");
+    show("gain-0.1", "2n", "nan");
+    show("cornell", "", "missing");
+    show("gain-0.6", "", "no-golden");
+    browser.press("?");
+    save(browser, "help");
+    drop(opened);
+    let opened = open(samples::suite_html(), 500, 1000).unwrap();
+    let browser = &opened.browser;
+    save(browser, "narrow-list");
+    browser.press(&format!("{DOWN}{ENTER}"));
+    wait_for_pictures(browser);
+    save(browser, "narrow-case");
+    browser.run("document.querySelector('#read-out').scrollIntoView()");
+    save(browser, "narrow-lower");
+}
+
+/// The page of costs complains of nothing, asks for nothing, is no wider than the window, and no
+/// text of its drawings is cut off.
+#[test]
+fn the_cost_page_fits() {
+    let html = crate::report::cost::page(&[costs(), vec![extremes()]].concat());
+    for width in [1280, 500] {
+        let Some(opened) = open(&html, width, 900) else {
+            return;
+        };
+        let browser = &opened.browser;
+        browser.wait_for("document.querySelector('main')");
+        let is_too_wide = "return document.documentElement.scrollWidth > innerWidth";
+        assert_eq!(browser.run(is_too_wide), false);
+        let cut_off = browser.run(
+            "return [...document.querySelectorAll('svg')].flatMap(svg => {
+                 const outer = svg.getBoundingClientRect();
+                 return [...svg.querySelectorAll('text')].filter(text => {
+                     const inner = text.getBoundingClientRect();
+                     return inner.left < outer.left || inner.right > outer.right + 1
+                         || inner.top < outer.top || inner.bottom > outer.bottom;
+                 }).map(text => text.textContent.trim());
+             })",
+        );
+        assert_eq!(cut_off.as_array().unwrap(), &Vec::<Value>::new());
+        // Nor need anybody scroll to see an axis, or a glass to read it: letters of 10 units, and
+        // none smaller than 8 pixels.
+        let hard_to_see = browser.run(
+            "return [...document.querySelectorAll('.plot svg')]
+                 .filter(svg => svg.checkVisibility())
+                 .filter(svg => {
+                     const bounds = svg.getBoundingClientRect();
+                     const scale = bounds.width / (svg.viewBox.baseVal.width / 10);
+                     return bounds.right > innerWidth || 10.5 * scale < 8;
+                 }).length",
+        );
+        assert_eq!(hard_to_see, 0);
+        let shown = "return [...document.querySelectorAll('.plot')].every(plot =>
+            [...plot.children].filter(svg => svg.checkVisibility()).length === 1)";
+        assert_eq!(browser.run(shown), true);
+        check_quiet(browser);
+    }
+}

@@ -1,0 +1,251 @@
+//! Media that overlap add up, and channels do not know of each other.
+
+use crate::transport::U;
+use crate::transport::scenes::*;
+use crate::transport::statistics::*;
+use glam::DVec3;
+use volref::geometry::{Luminous, Sphere};
+use volref::math::Moments;
+use volref::media::{Asymmetry, Coefficients, Homogeneous, Phase};
+use volref::optics::Sides;
+use volref::scene::{AreaLight, Radiative};
+
+/// Standard errors near 0.5 %.
+const SAMPLES: u32 = 40_000;
+
+#[track_caller]
+fn close(a: DVec3, b: DVec3, roundings: f64) {
+    assert!(
+        (a - b).abs().max_element() <= roundings * U * b.max_element(),
+        "{a} {b}"
+    );
+}
+
+/// Half the matter twice.
+#[test]
+fn two_halves_in_one_place() {
+    let half = within(cube(), grey(1.0, 0.8, 0.6));
+    let whole = lit(vec![within(cube(), grey(2.0, 0.8, 0.6))]);
+    let halves = lit(vec![half.clone(), half]);
+    let ray = into_the_middle();
+    assert_eq!(straight(&halves, &ray), straight(&whole, &ray));
+    // Sums of halves are exact, but for the phase function: a sum over a sum.
+    close(
+        by_quadrature(&halves, &ray),
+        by_quadrature(&whole, &ray),
+        8.0,
+    );
+    let [a, ..] = sampled(&whole, None, (61, SAMPLES), |_| ray);
+    let [b, ..] = sampled(&halves, None, (62, SAMPLES), |_| ray);
+    same("two halves", &a, &b);
+}
+
+/// Two layers that overlap are three that touch.
+#[test]
+fn layers_that_overlap() {
+    let layer = |from: f64, to: f64, medium| {
+        within(
+            cuboid(DVec3::new(-1.0, -1.0, from), DVec3::new(1.0, 1.0, to)),
+            medium,
+        )
+    };
+    let (thin, dense) = (grey(0.5, 0.9, 0.4), grey(1.5, 0.9, 0.4));
+    let overlapping = lit(vec![layer(-1.0, 0.3, thin), layer(-0.2, 1.0, dense)]);
+    let touching = lit(vec![
+        layer(-1.0, -0.2, thin),
+        layer(-0.2, 0.3, grey(2.0, 0.9, 0.4)),
+        layer(0.3, 1.0, dense),
+    ]);
+    let ray = into_the_middle();
+    // Depths to a few roundings; the integral adds as many as it has pieces.
+    close(
+        straight(&overlapping, &ray),
+        straight(&touching, &ray),
+        16.0,
+    );
+    close(
+        by_quadrature(&overlapping, &ray),
+        by_quadrature(&touching, &ray),
+        64.0,
+    );
+    let [a, ..] = sampled(&overlapping, None, (63, SAMPLES), |_| ray);
+    let [b, ..] = sampled(&touching, None, (64, SAMPLES), |_| ray);
+    same("layers", &a, &b);
+}
+
+/// Where phase functions differ, each has the share of its scattering.
+#[test]
+fn phase_functions_in_proportion() {
+    let (forward, backward) = (grey(1.5, 0.8, 0.7), grey(0.5, 0.6, -0.4));
+    let mixed = Radiative {
+        environment: DVec3::ZERO,
+        ..lit(vec![within(cube(), forward), within(cube(), backward)])
+    };
+    // The same matter with one phase function.
+    let with_g = |g| {
+        let (a, b) = (forward.coefficients, backward.coefficients);
+        let medium = Homogeneous {
+            coefficients: Coefficients::new(a.sigma_a() + b.sigma_a(), a.sigma_s() + b.sigma_s())
+                .unwrap(),
+            emission: DVec3::ZERO,
+            phase: Phase::henyey_greenstein(Asymmetry::new(g).unwrap()),
+        };
+        Radiative {
+            media: vec![within(cube(), medium)],
+            ..mixed.clone()
+        }
+    };
+    let ray = into_the_middle();
+    let share = 1.2 / (1.2 + 0.3);
+    let [one, other] = [0.7, -0.4].map(|g| by_quadrature(&with_g(g), &ray));
+    let exact = one * share + other * (1.0 - share);
+    close(by_quadrature(&mixed, &ray), exact, 64.0);
+    let [found, ..] = sampled(&mixed, Some(1), (65, SAMPLES), |_| ray);
+    agrees("mixed phases, one turn", &found, exact.x, 0.0);
+}
+
+/// A sky that is met by turning, and the same sky as a surface that is connected to as well: the
+/// density of a direction is that of the turn, also where phase functions mix and channels
+/// differ.
+#[test]
+fn mixed_phases_under_two_kinds_of_sky() {
+    let mut blue = grey(0.5, 0.6, -0.4);
+    blue.coefficients =
+        Coefficients::new(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.2, 0.8, 1.6)).unwrap();
+    let sky = DVec3::new(1.0, 0.8, 0.6);
+    let half = DVec3::new(0.0, 9.0, 0.0);
+    let media = vec![within(cube(), grey(1.5, 0.8, 0.7)), within(cube(), blue)];
+    // Half a sky: everything is the same from all sides of a whole one.
+    let floor =
+        volref::geometry::Rectangle::centred(DVec3::NEG_Y * 2.0, DVec3::X * 1e5, DVec3::Z * 1e5)
+            .unwrap();
+    let floor = object(volref::geometry::Shape::Rectangle(floor), black());
+    let met = Radiative {
+        objects: vec![floor.clone()],
+        media: media.clone(),
+        environment: sky,
+        ..empty()
+    };
+    let connected = Radiative {
+        objects: vec![floor],
+        area_lights: vec![AreaLight {
+            shape: Luminous::Sphere(Sphere::new(DVec3::ZERO, 1e4).unwrap()),
+            radiance: sky,
+            sides: Sides::Both,
+        }],
+        media,
+        ..empty()
+    };
+    let ray = ray(half, DVec3::new(0.02, -1.0, 0.03));
+    let a = sampled(&met, None, (66, SAMPLES), |_| ray);
+    let b = sampled(&connected, None, (67, SAMPLES), |_| ray);
+    for channel in 0..3 {
+        same(
+            format_args!("sky, channel {channel}"),
+            &a[channel],
+            &b[channel],
+        );
+    }
+}
+
+/// What only absorbs is never sampled; mixed into what scatters it is. The same light.
+#[test]
+fn an_absorber_within_what_scatters() {
+    let apart = lit(vec![
+        within(cube(), grey(1.2, 1.0, 0.5)),
+        within(cube(), grey(0.8, 0.0, 0.0)),
+    ]);
+    let together = lit(vec![within(cube(), grey(2.0, 0.6, 0.5))]);
+    let ray = into_the_middle();
+    close(straight(&apart, &ray), straight(&together, &ray), 16.0);
+    close(
+        by_quadrature(&apart, &ray),
+        by_quadrature(&together, &ray),
+        64.0,
+    );
+    let [a, ..] = sampled(&apart, None, (68, SAMPLES), |_| ray);
+    let [b, ..] = sampled(&together, None, (69, SAMPLES), |_| ray);
+    same("an absorber apart", &a, &b);
+}
+
+/// Each channel of a coloured medium is a grey medium.
+#[test]
+fn channels_on_their_own() {
+    let (sigma_t, albedo) = ([0.4, 1.0, 4.0], [0.5, 1.0, 0.9]);
+    let channels = [0, 1, 2].map(|c| grey(sigma_t[c], albedo[c], 0.5));
+    let of = |coefficient: fn(&Coefficients) -> DVec3| {
+        DVec3::from_array(channels.map(|medium| coefficient(&medium.coefficients).x))
+    };
+    let coefficients =
+        Coefficients::new(of(Coefficients::sigma_a), of(Coefficients::sigma_s)).unwrap();
+    let coloured = Homogeneous {
+        coefficients,
+        ..channels[0]
+    };
+    let coloured = lit(vec![within(unit_ball(), coloured)]);
+    let ray = into_the_middle();
+    let exact = by_quadrature(&coloured, &ray);
+    let found = sampled(&coloured, None, (70, 2 * SAMPLES), |_| ray);
+    for (channel, medium) in channels.into_iter().enumerate() {
+        let alone = lit(vec![within(unit_ball(), medium)]);
+        let exact_alone = by_quadrature(&alone, &ray)[channel];
+        // One cut of the interval of integration for all channels, another for one alone.
+        assert!((exact[channel] - exact_alone).abs() <= 1e-13 * exact_alone);
+        let found_alone = sampled(&alone, None, (71, SAMPLES), |_| ray);
+        same(
+            format_args!("channel {channel}"),
+            &found[channel],
+            &found_alone[channel],
+        );
+    }
+}
+
+/// Hard case S10: transmittance by tracking where channels differ by a million. A path is seen by
+/// all channels, so none weighs more than 3, however often it is turned.
+#[test]
+fn s10_a_strongly_coloured_medium() {
+    let medium = Homogeneous {
+        coefficients: Coefficients::new(DVec3::ZERO, DVec3::new(1e-3, 1.0, 1e3)).unwrap(),
+        emission: DVec3::ZERO,
+        phase: Phase::ISOTROPIC,
+    };
+    let scene = Radiative {
+        media: vec![within(cuboid(DVec3::ZERO, DVec3::ONE), medium)],
+        environment: DVec3::ONE,
+        ..empty()
+    };
+    let ray = ray(DVec3::new(0.5, 0.5, 2.0), DVec3::NEG_Z);
+    let exact = [0.999_000_499_833_375, 0.367_879_441_171_442_3, 0.0];
+    for (found, exact) in straight(&scene, &ray).to_array().into_iter().zip(exact) {
+        assert!((found - exact).abs() <= 4.0 * U);
+    }
+    // Not turned at all: what gets through is all that is seen.
+    let mut paths = Paths::new(&scene, Some(0), 72);
+    for sample in 0..1000 {
+        let weight = paths.radiance(sample, |_| ray);
+        assert!(weight.min_element() >= 0.0 && weight.max_element() <= 3.0);
+    }
+    let found = sampled(&scene, Some(0), (72, SAMPLES), |_| ray);
+    for (channel, exact) in exact.into_iter().enumerate() {
+        if exact == 0.0 {
+            assert_eq!(found[channel].mean(), 0.0);
+        } else {
+            agrees(format_args!("S10 {channel}"), &found[channel], exact, 0.0);
+        }
+    }
+    // Any number of turns: nothing is absorbed, so the environment is all that is seen, and what
+    // the channels of a path carry adds up to it, path by path and not only in the mean.
+    let mut paths = Paths::new(&scene, None, 73);
+    let mut found = [Moments::default(); 3];
+    for sample in 0..5_000 {
+        let radiance = paths.radiance(sample, |_| ray);
+        // A rounding for each of a thousand turns and more; they add up at random.
+        assert!((radiance.element_sum() - 3.0).abs() <= 1e-12);
+        for (found, channel) in found.iter_mut().zip(radiance.to_array()) {
+            found.add(channel);
+        }
+    }
+    for (channel, found) in found.iter().enumerate() {
+        agrees(format_args!("S10 furnace {channel}"), found, 1.0, 0.0);
+    }
+}
