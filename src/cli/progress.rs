@@ -16,6 +16,9 @@ use std::time::{Duration, Instant};
 /// A terminal is drawn anew after this time.
 const FRAME: Duration = Duration::from_millis(100);
 
+/// Positions of the bar: more than a terminal has columns.
+const BAR_LENGTH: u64 = 1000;
+
 /// In a pipe the first line comes after this time: what takes less needs none.
 const FIRST_LINE: Duration = Duration::from_secs(2);
 
@@ -268,9 +271,6 @@ impl SharedBar {
     /// Shows how far the work is, until it has ended.
     fn tick(&self) {
         let mut next = FIRST_LINE;
-        if let Some(bar) = &self.bar {
-            bar.set_style(style());
-        }
         loop {
             let wait = match self.bar {
                 Some(_) => FRAME,
@@ -290,9 +290,13 @@ impl SharedBar {
             if elapsed >= FIRST_LINE {
                 self.notes();
             }
-            let state = self.state(elapsed.as_secs_f64());
+            let done = share_done(self.parts.get(), self.steps.get());
+            let state = self.state(done, elapsed.as_secs_f64());
             match &self.bar {
                 Some(bar) => {
+                    bar.set_style(style(done.is_some()));
+                    bar.set_length(BAR_LENGTH);
+                    bar.set_position((done.unwrap_or(0.0) * BAR_LENGTH as f64) as u64);
                     bar.set_message(state);
                     bar.tick();
                 }
@@ -305,11 +309,18 @@ impl SharedBar {
         }
     }
 
-    fn state(&self, elapsed: f64) -> String {
+    fn state(&self, done: Option<f64>, elapsed: f64) -> String {
         let said = self.said();
         let parts = said.parts.map(|name| (name, self.parts.get()));
-        let done = share_done(self.parts.get(), self.steps.get());
-        state(&said.message, parts, done, elapsed, said.expected)
+        let beside_bar = self.bar.is_some() && done.is_some();
+        state(
+            &said.message,
+            parts,
+            done,
+            elapsed,
+            said.expected,
+            beside_bar,
+        )
     }
 
     fn notes(&self) {
@@ -330,8 +341,15 @@ impl SharedBar {
     }
 }
 
-fn style() -> ProgressStyle {
-    ProgressStyle::with_template("{spinner} {wide_msg}").expect("a valid template")
+/// A bar only where it is known how much is done.
+fn style(is_known: bool) -> ProgressStyle {
+    let template = if is_known {
+        "{spinner} [{bar:16}] {wide_msg}"
+    } else {
+        "{spinner} {wide_msg}"
+    };
+    let style = ProgressStyle::with_template(template).expect("a valid template");
+    style.progress_chars("=> ")
 }
 
 /// When the next line follows one at `elapsed`: at three times the time, so that there are few of
@@ -362,25 +380,34 @@ fn left(done: Option<f64>, elapsed: f64, expected: Option<f64>) -> Option<f64> {
     }
 }
 
-/// One line: what is being done, how far it is, how long it has taken and will take.
+/// One line: what is being done, how far it is, how long it has taken and will take. Beside a bar
+/// what may be cut off comes last, and the time it has taken goes without saying.
 fn state(
     message: &str,
     parts: Option<(&str, [u64; 2])>,
     done: Option<f64>,
     elapsed: f64,
     expected: Option<f64>,
+    beside_bar: bool,
 ) -> String {
-    let mut text = message.to_owned();
-    match (parts, done) {
-        (Some((name, [done, all])), _) => text.push_str(&format!(", {done} of {all} {name} done")),
-        (None, Some(done)) => text.push_str(&format!(", {} done", percent(done))),
-        (None, None) => {}
-    }
-    text.push_str(&format!(", {} so far", duration(elapsed)));
-    if let Some(left) = left(done, elapsed, expected) {
-        text.push_str(&format!(", about {} left", duration(left)));
-    }
-    text.trim_start_matches([',', ' ']).to_owned()
+    let amount = match (parts, done) {
+        (Some((name, [done, all])), _) => format!("{done} of {all} {name} done"),
+        (None, Some(done)) => format!("{} done", percent(done)),
+        (None, None) => String::new(),
+    };
+    let so_far = format!("{} so far", duration(elapsed));
+    let left = left(done, elapsed, expected);
+    let left = left.map_or(String::new(), |left| {
+        format!("about {} left", duration(left))
+    });
+    let message = message.to_owned();
+    let facts = if beside_bar {
+        vec![amount, left, message]
+    } else {
+        vec![message, amount, so_far, left]
+    };
+    let facts: Vec<String> = facts.into_iter().filter(|fact| !fact.is_empty()).collect();
+    facts.join(", ")
 }
 
 /// That `what` takes long.
@@ -452,28 +479,27 @@ mod tests {
     #[test]
     fn lines_say_what_how_far_and_how_long() {
         assert_eq!(
-            state("rendering", None, Some(0.125), 30.0, None),
+            state("rendering", None, Some(0.125), 30.0, None, false),
             "rendering, 12 % done, 30 seconds so far, about 4 minutes left"
         );
         assert_eq!(
-            state("rendering", None, Some(0.0002), 30.0, Some(1e4)),
+            state("rendering", None, Some(0.0002), 30.0, Some(1e4), false),
             "rendering, 0.02 % done, 30 seconds so far, about 3 hours left"
         );
+        let cases = Some(("cases", [49, 194]));
         assert_eq!(
-            state(
-                "fog/forward",
-                Some(("cases", [49, 194])),
-                Some(0.25),
-                20.0,
-                None
-            ),
+            state("fog/forward", cases, Some(0.25), 20.0, None, false),
             "fog/forward, 49 of 194 cases done, 20 seconds so far, about 60 seconds left"
         );
         assert_eq!(
-            state("fog/forward: sweep", None, None, 2.0, None),
+            state("fog/forward", cases, Some(0.25), 20.0, None, true),
+            "49 of 194 cases done, about 60 seconds left, fog/forward"
+        );
+        assert_eq!(
+            state("fog/forward: sweep", None, None, 2.0, None, false),
             "fog/forward: sweep, 2 seconds so far"
         );
-        assert_eq!(state("", None, None, 2.0, None), "2 seconds so far");
+        assert_eq!(state("", None, None, 2.0, None, false), "2 seconds so far");
     }
 
     #[test]

@@ -17,6 +17,9 @@ pub struct Arguments {
     filters: Vec<String>,
     #[command(flatten)]
     selection: Selection,
+    /// List every case, also those that passed
+    #[arg(long)]
+    verbose: bool,
     #[command(flatten)]
     files: ResultFiles,
     /// Threads to use; the images are the same for any number [default: all cores]
@@ -72,7 +75,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         likely: Vec::new(),
     };
     let results = findings.results();
-    let text = report::results_text(&results) + &what_moved(&results, &cases, &suite);
+    let text = if arguments.verbose {
+        report::results_text(&results)
+    } else {
+        report::families_text(&results)
+    };
+    let text = text + &what_moved(&results, &cases, &suite);
     Ok(Outcome {
         text: arguments.files.write(&findings, text)?,
         exit: exit(&results),

@@ -3,13 +3,71 @@
 use crate::suite::{
     ANALYTIC, CaseResult, ERROR_OF_TOLERANCE, Likenesses, Summary, Unfinished, Verdict,
 };
+use std::collections::BTreeMap;
+
+/// A line for each family with cases that passed, every other case with its reason, and a summary.
+pub fn families_text(results: &[CaseResult]) -> String {
+    let mut families: BTreeMap<&str, Vec<&CaseResult>> = BTreeMap::new();
+    for result in results {
+        families.entry(&result.family).or_default().push(result);
+    }
+    let rows: Vec<_> = families.into_iter().filter_map(family_row).collect();
+    let widths =
+        [0, 1, 2].map(|column| rows.iter().map(|row| row[column].len()).max().unwrap_or(0));
+    let mut text = String::new();
+    for [family, passed, worst, seconds] in &rows {
+        text.push_str(&format!("{family:<0$}  {passed:>1$}", widths[0], widths[1]));
+        if widths[2] > 0 {
+            text.push_str(&format!("   {worst:<0$}", widths[2]));
+        }
+        text.push_str(&format!("  {seconds:>7} s\n"));
+    }
+    let others: Vec<_> = results
+        .iter()
+        .filter(|result| result.verdict != Verdict::Pass)
+        .collect();
+    if !rows.is_empty() && !others.is_empty() {
+        text.push('\n');
+    }
+    text + &verdicts_text(&others) + &summary_text(results)
+}
+
+/// Name, cases that passed, worst error of a known answer and seconds of a family, of which at
+/// least one case passed.
+fn family_row((family, results): (&str, Vec<&CaseResult>)) -> Option<[String; 4]> {
+    let passed = || {
+        results
+            .iter()
+            .filter(|result| result.verdict == Verdict::Pass)
+    };
+    let shares = passed().filter_map(|result| result.metrics.get(ERROR_OF_TOLERANCE));
+    let worst = shares
+        .copied()
+        .reduce(f64::max)
+        .map_or(String::new(), |share| {
+            format!("worst {} of its tolerance", closeness(share))
+        });
+    let seconds: f64 = passed().map(|result| result.seconds).sum();
+    (passed().count() > 0).then(|| {
+        [
+            family.to_owned(),
+            format!("{} of {} pass", passed().count(), results.len()),
+            worst,
+            format!("{seconds:.2}"),
+        ]
+    })
+}
 
 /// A line for each case, the reason below each that did not pass, and a summary.
 pub fn results_text(results: &[CaseResult]) -> String {
+    verdicts_text(&results.iter().collect::<Vec<_>>()) + &summary_text(results)
+}
+
+fn verdicts_text(results: &[&CaseResult]) -> String {
     let names = results.iter().map(|result| result.name.len());
     let widest = names.max().unwrap_or(0);
     let lines = results.iter().map(|result| verdict_text(result, widest));
-    lines.collect::<String>() + &summary_text(results)
+    lines.collect()
 }
 
 /// A line for `result`, whose name is given room for `widest` letters, and the reason below unless

@@ -50,7 +50,18 @@ fn rows_go_with_the_family_and_are_chosen_like_cases() {
         suite.volref(&["accept", "hard", "--reason", "first"]).code,
         0
     );
-    let run = suite.volref(&["verify", "g4-*", "G[13]", "hard/E8"]);
+    let filters = ["g4-*", "G[13]", "hard/E8"];
+    let run = suite.volref(&[&["verify"], &filters[..]].concat());
+    assert_shown!(run.shown(), @r"
+    exit code 0
+    --- stdout
+    hard  4 of 4 pass   worst 0.486 of its tolerance [seconds]
+
+    The number is the error of what is known beforehand, as a share of what it may be: 0 is exact, 1 the edge.
+
+    4 cases: 4 passed
+    ");
+    let run = suite.volref(&[&["verify", "--verbose"], &filters[..]].concat());
     assert_shown!(run.shown(), @r#"
     exit code 0
     --- stdout

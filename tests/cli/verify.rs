@@ -10,6 +10,14 @@ fn a_suite_that_passes() {
     assert_shown!(suite.volref(&["verify"]).shown(), @r"
     exit code 0
     --- stdout
+    plots  1 of 1 pass [seconds]
+    smoke  3 of 3 pass [seconds]
+
+    4 cases: 4 passed
+    ");
+    assert_shown!(suite.volref(&["verify", "--verbose"]).shown(), @r"
+    exit code 0
+    --- stdout
     pass          plots/curve [seconds]
     pass          smoke/nearest [seconds]
     pass          smoke/plain [seconds]
@@ -35,8 +43,8 @@ fn filters_choose_and_the_suite_may_be_elsewhere() {
     assert_shown!(run.shown(), @r"
     exit code 0
     --- stdout
-    pass          plots/curve [seconds]
-    pass          smoke/nearest [seconds]
+    plots  1 of 1 pass [seconds]
+    smoke  1 of 1 pass [seconds]
 
     2 cases: 2 passed
     ");
@@ -211,7 +219,8 @@ fn a_changed_voxel_names_the_figures_it_moved() {
     assert_shown!(suite.volref(&["verify"]).shown(), @"
     exit code 1
     --- stdout
-    pass          plots/curve [seconds]
+    plots  1 of 1 pass [seconds]
+
     fail          smoke/nearest [seconds]
                   4 of 120 pixels have other colours and 4 another opacity; the largest difference of a channel is 5.822e-3 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj; the scene leaves out medium shadow, gradient shading (declared)
     fail          smoke/plain [seconds]
@@ -258,11 +267,11 @@ fn a_scene_that_no_longer_loads_is_bad_input() {
     assert_shown!(run.shown(), @r"
     exit code 2
     --- stdout
-    pass          plots/curve [seconds]
-    pass          smoke/nearest [seconds]
+    plots  1 of 1 pass [seconds]
+    smoke  2 of 3 pass [seconds]
+
     error         smoke/plain [seconds]
                   fixtures/scenes/smoke/plain.toml:2:9: `width` must lie in [1, 16384], got 0
-    pass          smoke/shadow [seconds]
 
     4 cases: 3 passed, 1 in error
     ");
