@@ -2,7 +2,7 @@
 //! character through that stands in a name, a key or the output of another renderer.
 
 use super::failure::{Exit, Failure};
-use super::visible_report::VisibleReport;
+use super::visible_report::visible_report;
 use crate::atomic_file::{directory_of, file_behind, remedy, write_atomically};
 use crate::regular_file::{Identity, is_input, note_input};
 use crate::report::{visible, visible_json};
@@ -29,7 +29,7 @@ pub fn print_error(failure: &Failure) {
         diagnostic.to_string(),
         diagnostic.help().map(|help| help.to_string()),
     );
-    let shown = miette::Report::new(VisibleReport::of(diagnostic));
+    let shown = visible_report(diagnostic);
     let _ = writeln!(std::io::stderr(), "{shown:?}");
 }
 

@@ -3,120 +3,21 @@
 
 use crate::report::{visible, visible_char};
 use miette::{
-    Diagnostic, LabeledSpan, MietteError, MietteSpanContents, Severity, SourceCode, SourceSpan,
-    SpanContents,
+    Diagnostic, LabeledSpan, MietteDiagnostic, MietteError, MietteSpanContents, Report, SourceCode,
+    SourceSpan, SpanContents,
 };
-use std::error::Error;
-use std::fmt::{self, Display, Formatter};
 
-/// A diagnostic with the same words, and pictures in place of control characters.
-#[derive(Debug)]
-pub struct VisibleReport {
-    message: String,
-    code: Option<String>,
-    severity: Option<Severity>,
-    help: Option<String>,
-    url: Option<String>,
-    source_code: Option<VisibleExcerpt>,
-    labels: Vec<LabeledSpan>,
-    related: Vec<VisibleReport>,
-    cause: Option<Box<VisibleReport>>,
-}
-
-impl VisibleReport {
-    /// `diagnostic` to be drawn.
-    pub fn of(diagnostic: &dyn Diagnostic) -> VisibleReport {
-        let shown = |text: Box<dyn Display + '_>| visible(&text.to_string());
-        let labels: Vec<LabeledSpan> = diagnostic.labels().into_iter().flatten().collect();
-        let excerpt = (diagnostic.source_code()).and_then(|code| VisibleExcerpt::of(code, &labels));
-        let cause = match (diagnostic.diagnostic_source(), diagnostic.source()) {
-            (Some(cause), _) => Some(VisibleReport::of(cause)),
-            (None, Some(cause)) => Some(VisibleReport::of_error(cause)),
-            (None, None) => None,
-        };
-        let related = diagnostic.related().into_iter().flatten();
-        VisibleReport {
-            message: visible(&diagnostic.to_string()),
-            code: diagnostic.code().map(shown),
-            severity: diagnostic.severity(),
-            help: diagnostic.help().map(shown),
-            url: diagnostic.url().map(shown),
-            labels: match &excerpt {
-                Some(excerpt) => labels.iter().map(|label| excerpt.shifted(label)).collect(),
-                None => Vec::new(),
-            },
-            source_code: excerpt,
-            related: related.map(VisibleReport::of).collect(),
-            cause: cause.map(Box::new),
-        }
-    }
-
-    fn of_error(error: &dyn Error) -> VisibleReport {
-        let cause = error.source().map(VisibleReport::of_error);
-        VisibleReport {
-            message: visible(&error.to_string()),
-            code: None,
-            severity: None,
-            help: None,
-            url: None,
-            source_code: None,
-            labels: Vec::new(),
-            related: Vec::new(),
-            cause: cause.map(Box::new),
-        }
-    }
-}
-
-impl Display for VisibleReport {
-    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
-        formatter.write_str(&self.message)
-    }
-}
-
-impl Error for VisibleReport {
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        self.cause.as_deref().map(|cause| cause as _)
-    }
-}
-
-impl Diagnostic for VisibleReport {
-    fn code<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
-        self.code.as_ref().map(|code| Box::new(code) as _)
-    }
-
-    fn severity(&self) -> Option<Severity> {
-        self.severity
-    }
-
-    fn help<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
-        self.help.as_ref().map(|help| Box::new(help) as _)
-    }
-
-    fn url<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
-        self.url.as_ref().map(|url| Box::new(url) as _)
-    }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.source_code.as_ref().map(|code| code as _)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        match self.labels[..] {
-            [] => None,
-            _ => Some(Box::new(self.labels.iter().cloned())),
-        }
-    }
-
-    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
-        match self.related[..] {
-            [] => None,
-            _ => Some(Box::new(self.related.iter().map(|report| report as _))),
-        }
-    }
-
-    fn diagnostic_source(&self) -> Option<&dyn Diagnostic> {
-        self.cause.as_deref().map(|cause| cause as _)
-    }
+/// `diagnostic` to be drawn: the same words, and pictures in place of control characters.
+pub fn visible_report(diagnostic: &dyn Diagnostic) -> Report {
+    let mut shown = MietteDiagnostic::new(visible(&diagnostic.to_string()));
+    shown.help = diagnostic.help().map(|help| visible(&help.to_string()));
+    let labels: Vec<LabeledSpan> = diagnostic.labels().into_iter().flatten().collect();
+    let excerpt = (diagnostic.source_code()).and_then(|code| VisibleExcerpt::of(code, &labels));
+    let Some(excerpt) = excerpt else {
+        return shown.into();
+    };
+    shown.labels = Some(labels.iter().map(|label| excerpt.shifted(label)).collect());
+    Report::new(shown).with_source_code(excerpt)
 }
 
 /// The part of a text that labels point into, with some lines around it. Its offsets are those of

@@ -1,5 +1,8 @@
 //! New goldens, on purpose and with a reason.
 
+#[cfg(test)]
+mod tests;
+
 use super::finding::MARGIN;
 use super::golden::{Golden, Reasons, input_hashes, plan_hash, scene_hash};
 use super::rendering::{CaseRendering, ReferenceRenderer, Renderer, check_class, render_case};
@@ -430,32 +433,4 @@ fn prepare(
     let files = Golden::encode(case, scene, &plans, &golden, quick, reasons, replaces)
         .map_err(|error| incomplete(case, error))?;
     Ok((change, files))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::render::Watch as _;
-
-    #[test]
-    fn the_shares_of_all_steps_are_the_work() {
-        struct WorkSum(AtomicU64);
-        impl AcceptWatch for WorkSum {
-            fn did(&self, work: u64) {
-                self.0.fetch_add(work, Ordering::Relaxed);
-            }
-        }
-        for (work, steps) in [(100, 7), (7, 100), (1 << 60, 3)] {
-            let watch = WorkSum(AtomicU64::new(0));
-            let progress = PictureProgress {
-                watch: &watch,
-                work,
-                steps: AtomicU64::new(0),
-                done: AtomicU64::new(0),
-            };
-            progress.begin(steps);
-            (0..steps).for_each(|_| progress.step());
-            assert_eq!(watch.0.into_inner(), work);
-        }
-    }
 }

@@ -19,8 +19,6 @@ mod rendering;
 mod results;
 mod row_name;
 mod rows;
-#[cfg(test)]
-mod sampled_tests;
 mod self_test;
 mod store;
 mod validate;

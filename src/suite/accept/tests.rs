@@ -1,15 +1,14 @@
 //! Stochastic cases with a renderer that is made of noise.
 
-use super::accept::accept_with;
-use super::rendering::Renderer;
-use super::verify::verify_with;
-use super::{AcceptError, Accepted, Cache, CaseResult, Change, Golden, Store, Suite, Verdict};
-use crate::film::Film;
+use super::*;
+use crate::render::Watch as _;
 use crate::render::{Plan, Progress, RenderError, Sampling};
 use crate::scene::Model;
+use crate::suite::verify::verify_with;
+use crate::suite::{CaseResult, Suite, Verdict};
 use std::cell::RefCell;
 
-const SCENE: &str = include_str!("../../fixtures/scenes/smoke/cornell.toml");
+const SCENE: &str = include_str!("../../../fixtures/scenes/smoke/cornell.toml");
 
 const MANIFEST: &str = "source = \"a test\"\nshows = \"noise\"\ncomputes = \"nothing\"\n\
                         class = \"stochastic\"\nconverged_samples = 400\nquick_samples = 16\n";
@@ -267,5 +266,27 @@ fn a_changed_manifest_makes_the_golden_stale() {
         let result = folder.verify(&ExtraNoise::new());
         assert_eq!(result.verdict, Verdict::Error);
         assert!(result.reason.contains("stale") && result.reason.contains(words));
+    }
+}
+
+#[test]
+fn the_shares_of_all_steps_are_the_work() {
+    struct WorkSum(AtomicU64);
+    impl AcceptWatch for WorkSum {
+        fn did(&self, work: u64) {
+            self.0.fetch_add(work, Ordering::Relaxed);
+        }
+    }
+    for (work, steps) in [(100, 7), (7, 100), (1 << 60, 3)] {
+        let watch = WorkSum(AtomicU64::new(0));
+        let progress = PictureProgress {
+            watch: &watch,
+            work,
+            steps: AtomicU64::new(0),
+            done: AtomicU64::new(0),
+        };
+        progress.begin(steps);
+        (0..steps).for_each(|_| progress.step());
+        assert_eq!(watch.0.into_inner(), work);
     }
 }
