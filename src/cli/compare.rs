@@ -1,17 +1,15 @@
 //! `volref compare REFERENCE TEST`
 
 use super::Outcome;
-use super::failure::{Exit, Failure};
+use super::failure::{Exit, Failure, bad_input};
 use super::output::{self, Json};
 use crate::compare::flip::{DEFAULT_PIXELS_PER_DEGREE, flip, magma};
 use crate::compare::{
-    Conditions, GATES, Gate, ImageGate, Judgement, Picture, PictureError, default_gate, gate_named,
-    judge,
+    Conditions, GATES, Gate, ImageGate, Picture, default_gate, gate_named, judge,
 };
 use crate::film::Film;
 use crate::report;
-use crate::suite::{CaseResult, Cause, MEAN_RESOLUTION, Verdict};
-use std::collections::BTreeMap;
+use crate::suite::{CaseFinding, CaseResult, MEAN_RESOLUTION};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -79,10 +77,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         &[&arguments.reference, &arguments.test],
     )?;
     // The reference first: where both are unreadable, its exit code is the one that counts.
-    let reference =
-        Picture::read(&arguments.reference).map_err(|error| unreadable(error, Exit::BadInput))?;
-    let test =
-        Picture::read(&arguments.test).map_err(|error| unreadable(error, Exit::OtherRenderer))?;
+    let reference = Picture::read(&arguments.reference).map_err(bad_input)?;
+    let test = Picture::read(&arguments.test)
+        .map_err(|error| Failure::new(Exit::OtherRenderer, error.to_string(), None))?;
     let (gate, why) = match arguments.gate {
         Some(gate) => (gate, ""),
         None => default_gate(&reference, &test),
@@ -92,8 +89,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         visible_bias: Some(arguments.resolution / 100.0),
         ..Conditions::default()
     };
-    let judgement = judge(gate, &reference, &test, &conditions)
-        .map_err(|error| unreadable(error, Exit::BadInput))?;
+    let judgement = judge(gate, &reference, &test, &conditions).map_err(bad_input)?;
     let mut note = "";
     let codes = |picture: &Picture| matches!(picture, Picture::Codes(_));
     if gate.depends_on_exposure() && codes(&reference) != codes(&test) {
@@ -106,8 +102,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             note = "\nno heat map: images of two sizes cannot be laid over each other\n";
         }
     }
-    let result = result(&arguments.test, judgement, start.elapsed().as_secs_f64());
-
+    let result = CaseResult {
+        family: String::new(),
+        ..CaseFinding::from(judgement).result(&arguments.test.to_string_lossy(), "", gate, start)
+    };
     let verdict = result.verdict.name();
     let mut text = format!(
         "{verdict}  ({} gate{why})\n{}\n",
@@ -128,37 +126,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     Ok(Outcome { text, exit })
 }
 
-fn unreadable(error: PictureError, exit: Exit) -> Failure {
-    Failure::new(exit, error.to_string(), None)
-}
-
-fn result(test: &Path, judgement: Judgement, seconds: f64) -> CaseResult {
-    let (verdict, cause) = match (judgement.passed, judgement.undecided) {
-        (true, None) => (Verdict::Pass, Cause::None),
-        (true, Some(_)) => (Verdict::Inconclusive, Cause::Undecided),
-        (false, _) => (Verdict::Fail, Cause::Mismatch),
-    };
-    CaseResult {
-        name: test.display().to_string(),
-        family: String::new(),
-        class: String::new(),
-        verdict,
-        metrics: judgement.metrics,
-        gate: judgement.gate,
-        reason: judgement.reason,
-        notes: Vec::new(),
-        looks_like: Vec::new(),
-        seconds,
-        work: BTreeMap::new(),
-        cause,
-    }
-}
-
 fn check_heatmap(path: &Path) -> Result<(), Failure> {
     let extension = path.extension();
     if !extension.is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
         let message = format!("--heatmap writes a .png, not {}", path.display());
-        return Err(Failure::new(Exit::BadInput, message, None));
+        return Err(bad_input(message));
     }
     Ok(())
 }
@@ -169,10 +141,9 @@ fn write_heatmap(
     test: &Picture,
     exposure: f64,
 ) -> Result<(), Failure> {
-    let fail = |message: String| Failure::new(Exit::BadInput, message, None);
-    let srgb = |picture: &Picture| picture.srgb(exposure).map_err(|e| fail(e.to_string()));
+    let srgb = |picture: &Picture| picture.srgb(exposure).map_err(bad_input);
     let errors = flip(&srgb(reference)?, &srgb(test)?, DEFAULT_PIXELS_PER_DEGREE)
-        .map_err(|error| fail(format!("no heat map: {error}")))?;
+        .map_err(|error| bad_input(format!("no heat map: {error}")))?;
     let png = Film::codes_to_png(&magma(&errors), errors.width(), errors.height());
     output::write(path, &png)
 }

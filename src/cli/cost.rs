@@ -48,7 +48,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         scenes.push(Scene::load(path)?);
     }
     if let Some(folder) = &arguments.report {
-        make_folder(folder)?;
+        output::make_folder(folder)?;
     }
     let page_path = (arguments.report.as_ref()).map(|folder| folder.join("index.html"));
     output::check(&[arguments.json.file(), page_path.as_deref()], &[])?;
@@ -135,13 +135,6 @@ fn pictures(costs: &[Cost]) -> Vec<(String, String)> {
         }
     }
     pictures
-}
-
-fn make_folder(folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(|error| {
-        let message = format!("cannot make the folder {}: {error}", folder.display());
-        Failure::new(Exit::BadInput, message, None)
-    })
 }
 
 /// Seconds on the command line: up to a year, which no clock overflows by.

@@ -97,6 +97,11 @@ impl Failure {
     }
 }
 
+/// Bad input, in words.
+pub fn bad_input(error: impl ToString) -> Failure {
+    Failure::new(Exit::BadInput, error.to_string(), None)
+}
+
 impl From<Box<SceneError>> for Failure {
     fn from(error: Box<SceneError>) -> Failure {
         Failure {

@@ -1,7 +1,7 @@
 //! `volref info FILE`
 
 use super::Outcome;
-use super::failure::{Exit, Failure};
+use super::failure::{Failure, bad_input};
 use super::output::{self, Json};
 use crate::math::{Sum, ln};
 use crate::volume::{
@@ -150,8 +150,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if arguments.as_stored {
         options.orientation = Orientation::AsStored;
     }
-    let loaded = load_hashed(&arguments.file, &options)
-        .map_err(|error| Failure::new(Exit::BadInput, error.to_string(), None))?;
+    let loaded = load_hashed(&arguments.file, &options).map_err(bad_input)?;
     let info = info(&arguments, &loaded);
     let text = describe(&info);
     arguments.json.instead_of(text, &info).map(Outcome::from)

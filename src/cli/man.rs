@@ -1,7 +1,7 @@
 //! `volref man`
 
 use super::Outcome;
-use super::failure::{Exit, Failure};
+use super::failure::{Exit, Failure, bad_input};
 use clap::CommandFactory;
 use clap_mangen::Man;
 
@@ -28,6 +28,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let mut roff = Vec::new();
     match Man::new(page).render(&mut roff) {
         Ok(()) => Ok(Outcome::from(String::from_utf8_lossy(&roff).into_owned())),
-        Err(error) => Err(Failure::new(Exit::BadInput, error.to_string(), None)),
+        Err(error) => Err(bad_input(error)),
     }
 }

@@ -1,7 +1,7 @@
 //! The door through which all is printed. It survives a reader who leaves early, and lets no control
 //! character through that stands in a name, a key or the output of another renderer.
 
-use super::failure::{Exit, Failure};
+use super::failure::{Exit, Failure, bad_input};
 use super::visible_report::visible_report;
 use crate::atomic_file::{directory_of, file_behind, remedy, write_atomically};
 use crate::regular_file::{Identity, is_input, note_input};
@@ -176,6 +176,17 @@ fn check_target(path: &Path) -> Result<(), Failure> {
     let message = format!("cannot write {}: {what}", path.display());
     let help = "nothing was rendered; give a file in a folder that exists";
     Err(Failure::new(Exit::BadInput, message, Some(help)))
+}
+
+/// Makes a folder for outputs, with its parents.
+pub fn make_folder(folder: &Path) -> Result<(), Failure> {
+    let failed = |error| {
+        bad_input(format!(
+            "cannot make the folder {}: {error}",
+            folder.display()
+        ))
+    };
+    std::fs::create_dir_all(folder).map_err(failed)
 }
 
 /// Stops of exposure on the command line.

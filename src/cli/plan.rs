@@ -1,6 +1,6 @@
 //! `volref plan SCENE`
 
-use super::failure::{Exit, Failure};
+use super::failure::{Failure, bad_input};
 use super::output::{self, Json};
 use super::render::warnings_of_all;
 use super::{Outcome, progress};
@@ -189,15 +189,18 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .iter()
         .map(|panel| plan_for(panel, &arguments.force))
         .collect::<Result<Vec<_>, _>>()
-        .map_err(|error| Failure::new(Exit::BadInput, error.to_string(), None))?;
+        .map_err(bad_input)?;
     let work: Vec<Option<Counters>> = if arguments.counters {
         let advice = "a copy of the scene with fewer pixels or samples takes less";
         let bar = progress::image("counting", advice, &warnings_of_all(&plans));
         let rendering = render::render_counted(&plans, Sampling::default(), &bar);
         bar.finish_and_clear();
-        let rendering =
-            rendering.map_err(|error| Failure::new(Exit::BadInput, error.to_string(), None))?;
-        rendering.work.into_iter().map(Some).collect()
+        rendering
+            .map_err(bad_input)?
+            .work
+            .into_iter()
+            .map(Some)
+            .collect()
     } else {
         vec![None; plans.len()]
     };

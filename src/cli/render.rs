@@ -1,6 +1,6 @@
 //! `volref render SCENE -o FILE`
 
-use super::failure::{Exit, Failure};
+use super::failure::{Failure, bad_input};
 use super::output::{self, Json};
 use super::{Outcome, progress};
 use crate::film::Film;
@@ -88,13 +88,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         bar.finish_and_clear();
         film
     })?
-    .map_err(|error| Failure::new(Exit::BadInput, error, None))?;
+    .map_err(bad_input)?;
     let seconds = start.elapsed().as_secs_f64();
 
     let bytes = match format {
-        ImageFormat::Exr => film
-            .to_exr()
-            .map_err(|error| Failure::new(Exit::BadInput, error.to_string(), None))?,
+        ImageFormat::Exr => film.to_exr().map_err(bad_input)?,
         ImageFormat::Png => film.to_png(arguments.exposure),
     };
     output::write(&arguments.output, &bytes)?;
@@ -185,14 +183,14 @@ impl ImageFormat {
                      .png (preview)",
                     path.display()
                 );
-                Err(Failure::new(Exit::BadInput, message, None))
+                Err(bad_input(message))
             }
         }
     }
 }
 
 fn set_step(scene: &mut Scene, step: Length) -> Result<(), Failure> {
-    let fail = |message: String| Failure::new(Exit::BadInput, format!("--step: {message}"), None);
+    let fail = |message: String| bad_input(format!("--step: {message}"));
     for panel in &mut scene.panels {
         match &mut panel.model {
             Model::Classified(classified) => classified.set_step(step).map_err(fail)?,
@@ -215,5 +213,5 @@ pub fn with_threads<T: Send>(
         .num_threads(threads.into())
         .build()
         .map(|pool| pool.install(work))
-        .map_err(|error| Failure::new(Exit::BadInput, format!("--threads: {error}"), None))
+        .map_err(|error| bad_input(format!("--threads: {error}")))
 }

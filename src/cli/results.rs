@@ -57,10 +57,7 @@ impl ResultFiles {
     pub fn check(&self, suite: &Suite) -> Result<(), Failure> {
         let page = self.report.as_deref().map(page_in);
         if let Some(folder) = &self.report {
-            std::fs::create_dir_all(folder).map_err(|error| {
-                let message = format!("cannot make the folder {}: {error}", folder.display());
-                Failure::new(Exit::BadInput, message, None)
-            })?;
+            output::make_folder(folder)?;
         }
         let outputs = [self.json.file(), self.junit.as_deref(), page.as_deref()];
         for path in outputs.into_iter().flatten() {
@@ -116,14 +113,12 @@ pub fn check_not_golden(path: &Path, suite: &Suite) -> Result<(), Failure> {
 
 /// Whether `path` names something in `folder`, however either is spelt.
 fn is_below(path: &Path, folder: &Path) -> bool {
+    let (Ok(path), Ok(folder)) = (std::path::absolute(path), folder.canonicalize()) else {
+        return false;
+    };
     // Of what is yet to be made, the folder that is there already.
-    let mut folders = path.ancestors().map(|existing| {
-        if existing.as_os_str().is_empty() {
-            Path::new(".")
-        } else {
-            existing
-        }
-    });
-    let existing = folders.find_map(|existing| existing.canonicalize().ok());
-    matches!((existing, folder.canonicalize()), (Some(existing), Ok(folder)) if existing.starts_with(&folder))
+    let existing = path
+        .ancestors()
+        .find_map(|existing| existing.canonicalize().ok());
+    existing.is_some_and(|existing| existing.starts_with(folder))
 }

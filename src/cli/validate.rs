@@ -1,7 +1,7 @@
 //! `volref validate (--outputs DIR | --run CMD) [FILTER…]`
 
 use super::export::write_all;
-use super::failure::{EXIT_CODES, Exit, Failure};
+use super::failure::{EXIT_CODES, Exit, Failure, bad_input};
 use super::keep::keeper;
 use super::results::{Findings, ResultFiles, check_not_golden};
 use super::suite::{Selection, exit, select, store};
@@ -17,7 +17,7 @@ use crate::suite::{
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf, absolute};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard};
+use std::sync::mpsc;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -232,74 +232,55 @@ fn named(
 }
 
 /// Where images come from.
-enum Source {
+enum Source<'a> {
     /// A folder of finished images.
-    Finished(PathBuf, Outputs),
+    Finished(&'a Path, Outputs),
     /// A renderer to run.
-    Renderer(Box<RendererRun>),
+    Renderer(RendererRun<'a>),
 }
 
-struct RendererRun {
-    /// As it was given.
-    command: String,
+struct RendererRun<'a> {
+    arguments: &'a Arguments,
     template: CommandTemplate,
-    timeout: Duration,
-    spp: u32,
-    seed: u64,
-    extension: String,
-    /// Images are written here, exports beside them.
+    /// Images are written here.
     folder: PathBuf,
-    /// Removed at the end, unless the images are to be kept.
+    /// Holds exports, and the images unless they are to be kept; removed at the end.
     temporary: TempDir,
-    exports: PathBuf,
 }
 
-impl Source {
+impl<'a> Source<'a> {
     /// `names` are those of all the cases of the suite.
-    fn of(arguments: &Arguments, names: &[&str]) -> Result<Source, Failure> {
-        let bad = |message: String, help| Failure::new(Exit::BadInput, message, help);
+    fn of(arguments: &'a Arguments, names: &[&str]) -> Result<Source<'a>, Failure> {
         if let Some(folder) = &arguments.outputs {
             if !folder.is_dir() {
                 let message = format!("there is no folder {}", folder.display());
-                return Err(bad(
-                    message,
-                    Some("--outputs takes the folder that holds the images"),
-                ));
+                let help = "--outputs takes the folder that holds the images";
+                return Err(Failure::new(Exit::BadInput, message, Some(help)));
             }
-            let outputs =
-                Outputs::list(folder, names).map_err(|error| bad(error.to_string(), None))?;
+            let outputs = Outputs::list(folder, names).map_err(bad_input)?;
             outputs.files().for_each(note_input);
-            return Ok(Source::Finished(folder.clone(), outputs));
+            return Ok(Source::Finished(folder, outputs));
         }
         let command = arguments.run.as_deref().unwrap_or_default();
         let template = CommandTemplate::parse(command).map_err(|error| {
             let help = "for example: --run 'my-renderer {scene} --out {output} --spp {spp}'";
-            bad(error.to_string(), Some(help))
+            Failure::new(Exit::BadInput, error.to_string(), Some(help))
         })?;
         let temporary = tempfile::Builder::new()
             .prefix("volref-")
             .tempdir()
-            .map_err(|error| bad(format!("cannot make a temporary folder: {error}"), None))?;
-        let folder = match &arguments.keep {
-            Some(folder) => folder.clone(),
-            None => temporary.path().join("images"),
-        };
-        std::fs::create_dir_all(&folder)
-            .and_then(|()| absolute(&folder))
-            .map(|folder| {
-                Source::Renderer(Box::new(RendererRun {
-                    command: command.to_owned(),
-                    template,
-                    timeout: Duration::from_secs_f64(arguments.timeout),
-                    spp: arguments.spp,
-                    seed: arguments.seed,
-                    extension: arguments.format.clone(),
-                    folder,
-                    exports: temporary.path().join("exports"),
-                    temporary,
-                }))
-            })
-            .map_err(|error| bad(format!("cannot make the folder for images: {error}"), None))
+            .map_err(|error| bad_input(format!("cannot make a temporary folder: {error}")))?;
+        let images = temporary.path().join("images");
+        let folder = arguments.keep.as_ref().unwrap_or(&images);
+        let folder = std::fs::create_dir_all(folder)
+            .and_then(|()| absolute(folder))
+            .map_err(|error| bad_input(format!("cannot make the folder for images: {error}")))?;
+        Ok(Source::Renderer(RendererRun {
+            arguments,
+            template,
+            folder,
+            temporary,
+        }))
     }
 
     /// What there is of `case`, and how it came about.
@@ -417,13 +398,14 @@ fn last_words(printed: &str) -> String {
     text
 }
 
-impl RendererRun {
+impl RendererRun<'_> {
     fn output(&self, case: &Case) -> Made {
         let words = match self.words(case) {
             Ok(words) => words,
             Err(output) => return Made::of(output),
         };
-        let ran = run_process(&words, self.timeout, keeper().as_ref());
+        let timeout = Duration::from_secs_f64(self.arguments.timeout);
+        let ran = run_process(&words, timeout, keeper().as_ref());
         let output = match ran.failure {
             Some(failure) => Output::Unusable(failure + &last_words(&ran.printed)),
             None => self.written(case),
@@ -448,7 +430,7 @@ impl RendererRun {
             ),
             // As far as is known, it did what it was asked for.
             Output::Picture(picture) if self.asks_for_samples() => {
-                Output::Picture(Box::new(picture.with_samples(self.spp)))
+                Output::Picture(Box::new(picture.with_samples(self.arguments.spp)))
             }
             output => output,
         }
@@ -457,16 +439,17 @@ impl RendererRun {
     /// The arguments with which it is run in the same way; as they are by default, they are left
     /// out.
     fn arguments(&self) -> Vec<String> {
-        let mut arguments = vec!["--run".to_owned(), self.command.clone()];
+        let given = self.arguments;
+        let mut arguments = vec!["--run".to_owned(), given.run.clone().unwrap_or_default()];
         let mut say = |name: &str, value: String, default: &str| {
             if value != default {
                 arguments.extend([name.to_owned(), value]);
             }
         };
-        say("--spp", self.spp.to_string(), SPP);
-        say("--seed", self.seed.to_string(), SEED);
-        say("--format", self.extension.clone(), FORMAT);
-        say("--timeout", self.timeout.as_secs_f64().to_string(), TIMEOUT);
+        say("--spp", given.spp.to_string(), SPP);
+        say("--seed", given.seed.to_string(), SEED);
+        say("--format", given.format.clone(), FORMAT);
+        say("--timeout", given.timeout.to_string(), TIMEOUT);
         arguments
     }
 
@@ -487,7 +470,7 @@ impl RendererRun {
         let scene = case
             .load_scene()
             .map_err(|error| Output::Unusable(error.to_string()))?;
-        let output = image_of(&self.folder, case, &self.extension);
+        let output = image_of(&self.folder, case, &self.arguments.format);
         if let Some(folder) = output.parent() {
             std::fs::create_dir_all(folder).map_err(failed)?;
         }
@@ -504,8 +487,8 @@ impl RendererRun {
             ("output", shown(&output)),
             ("width", scene.width().to_string()),
             ("height", scene.height().to_string()),
-            ("spp", self.spp.to_string()),
-            ("seed", self.seed.to_string()),
+            ("spp", self.arguments.spp.to_string()),
+            ("seed", self.arguments.seed.to_string()),
             ("case", case.name.clone()),
         ]);
         let used = self.template.placeholders();
@@ -522,7 +505,8 @@ impl RendererRun {
     /// A copy of the scene in another format; what the format cannot say is a missing image.
     fn export(&self, scene: &Scene, case: &Case, format: &str) -> Result<PathBuf, Output> {
         let format: Format = format.parse().expect("placeholders name formats");
-        let folder = self.exports.join(format.to_string()).join(&case.name);
+        let exports = self.temporary.path().join("exports");
+        let folder = exports.join(format.to_string()).join(&case.name);
         let name = case.name.rsplit('/').next().unwrap_or(&case.name);
         let export = exchange::export(scene, format, name)
             .map_err(|refusal| Output::Missing(format!("not rendered: {refusal}")))?;
@@ -538,84 +522,67 @@ impl RendererRun {
 fn judge_all(
     cases: &[&Case],
     store: &Store,
-    source: &Source,
+    source: &Source<'_>,
     arguments: &Arguments,
     said: &PrintedVerdicts,
 ) -> Vec<Judged> {
     let bar = progress::cases(cases.len());
     let next = AtomicUsize::new(0);
-    let done = Mutex::new(Done {
-        cases: cases.iter().map(|_| State::Open).collect(),
-        said: 0,
-    });
+    let (sender, judgements) = mpsc::channel();
+    let work = |sender: mpsc::Sender<(usize, Option<Judged>)>| {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(case) = cases.get(index) else {
+                return;
+            };
+            bar.set_message(case.name.clone());
+            let judged = judge_case(case, store, source, arguments);
+            bar.inc(1);
+            sender.send((index, judged)).expect("all are received");
+        }
+    };
+    let mut in_order = Vec::new();
     std::thread::scope(|scope| {
         for _ in 0..usize::from(arguments.jobs).min(cases.len()) {
-            scope.spawn(|| {
-                loop {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(case) = cases.get(index) else {
-                        return;
-                    };
-                    bar.set_message(case.name.clone());
-                    let start = Instant::now();
-                    let made = source.output(case);
-                    let is_left_out =
-                        arguments.only_present && matches!(made.output, Output::Missing(_));
-                    let state = if is_left_out {
-                        State::LeftOut
-                    } else {
-                        let mut judged = validate(case, store, made.output);
-                        judged.result.seconds = start.elapsed().as_secs_f64();
-                        judged.result.notes = made.notes;
-                        judged.evidence.output = made.printed;
-                        let words = source.arguments();
-                        judged.evidence.reproduce =
-                            vec![arguments.selection.again("validate", &case.name, &words)];
-                        judged.evidence.call = made.call;
-                        State::Judged(Box::new(judged))
-                    };
-                    bar.inc(1);
-                    let mut done = done.lock().expect("no thread panicked");
-                    done.cases[index] = state;
-                    bar.suspend(|| say_what_is_next(&mut done, said));
+            let sender = sender.clone();
+            scope.spawn(|| work(sender));
+        }
+        drop(sender);
+        let mut waiting = BTreeMap::new();
+        let mut first_open = 0;
+        for (index, judged) in judgements {
+            waiting.insert(index, judged);
+            while let Some(judged) = waiting.remove(&first_open) {
+                first_open += 1;
+                if let Some(judged) = judged {
+                    bar.suspend(|| said.verdict(&judged.result));
+                    in_order.push(judged);
                 }
-            });
+            }
         }
     });
     bar.finish_and_clear();
-    let done = done.into_inner().expect("no thread panicked");
-    let judged = done.cases.into_iter().filter_map(|case| match case {
-        State::Judged(judged) => Some(*judged),
-        State::Open | State::LeftOut => None,
-    });
-    judged.collect()
+    in_order
 }
 
-/// State of the cases to judge.
-struct Done {
-    cases: Vec<State>,
-    /// Number of cases whose verdicts are printed, or that are left out.
-    said: usize,
-}
-
-/// State of one case.
-enum State {
-    /// Not judged yet.
-    Open,
-    /// Without an image, and not asked for.
-    LeftOut,
-    /// With its verdict.
-    Judged(Box<Judged>),
-}
-
-/// Prints the verdicts that no case before them holds up.
-fn say_what_is_next(done: &mut MutexGuard<'_, Done>, said: &PrintedVerdicts) {
-    loop {
-        match done.cases.get(done.said) {
-            None | Some(State::Open) => return,
-            Some(State::LeftOut) => {}
-            Some(State::Judged(judged)) => said.verdict(&judged.result),
-        }
-        done.said += 1;
+/// Judges the image of one case; nothing if it has none and is to be left out then.
+fn judge_case(
+    case: &Case,
+    store: &Store,
+    source: &Source<'_>,
+    arguments: &Arguments,
+) -> Option<Judged> {
+    let start = Instant::now();
+    let made = source.output(case);
+    if arguments.only_present && matches!(made.output, Output::Missing(_)) {
+        return None;
     }
+    let mut judged = validate(case, store, made.output);
+    judged.result.seconds = start.elapsed().as_secs_f64();
+    judged.result.notes = made.notes;
+    judged.evidence.output = made.printed;
+    judged.evidence.call = made.call;
+    let words = source.arguments();
+    judged.evidence.reproduce = vec![arguments.selection.again("validate", &case.name, &words)];
+    Some(judged)
 }

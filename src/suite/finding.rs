@@ -5,7 +5,7 @@ use super::rendering::{ReferenceRenderer, Renderer, check_class};
 use super::{
     Case, CaseResult, CaseSampling, Cause, Evidence, Golden, GoldenError, Quick, Store, Verdict,
 };
-use crate::compare::Gate;
+use crate::compare::{Gate, Judgement};
 use crate::render::{Plan, plans};
 use crate::scene::Scene;
 use std::collections::BTreeMap;
@@ -22,14 +22,19 @@ pub struct Judged {
 
 /// What a case came to, before time and names are added.
 #[derive(Debug)]
-pub(super) struct CaseFinding {
+pub struct CaseFinding {
+    /// What came of it.
     pub verdict: Verdict,
+    /// Whose fault it is.
     pub cause: Cause,
+    /// Why, in words.
     pub reason: String,
+    /// Numbers by name, all finite.
     pub metrics: BTreeMap<String, f64>,
 }
 
 impl CaseFinding {
+    /// A finding without numbers.
     pub fn new(verdict: Verdict, cause: Cause, reason: impl Into<String>) -> CaseFinding {
         CaseFinding {
             verdict,
@@ -39,12 +44,18 @@ impl CaseFinding {
         }
     }
 
-    /// The result of `case`, judged by `gate` since `start`.
-    pub fn result(self, case: &Case, gate: &'static dyn Gate, start: Instant) -> CaseResult {
+    /// The result of a case of this name and class, judged by `gate` since `start`.
+    pub fn result(
+        self,
+        name: &str,
+        class: &str,
+        gate: &'static dyn Gate,
+        start: Instant,
+    ) -> CaseResult {
         CaseResult {
-            name: case.name.clone(),
-            family: case.family.clone(),
-            class: case.class().to_owned(),
+            family: name.split('/').next().unwrap_or_default().to_owned(),
+            name: name.to_owned(),
+            class: class.to_owned(),
             verdict: self.verdict,
             metrics: self.metrics,
             gate,
@@ -54,6 +65,20 @@ impl CaseFinding {
             seconds: start.elapsed().as_secs_f64(),
             work: BTreeMap::new(),
             cause: self.cause,
+        }
+    }
+}
+
+impl From<Judgement> for CaseFinding {
+    fn from(judgement: Judgement) -> CaseFinding {
+        let (verdict, cause) = match (judgement.passed, judgement.undecided) {
+            (true, None) => (Verdict::Pass, Cause::None),
+            (true, Some(_)) => (Verdict::Inconclusive, Cause::Undecided),
+            (false, _) => (Verdict::Fail, Cause::Mismatch),
+        };
+        CaseFinding {
+            metrics: judgement.metrics,
+            ..CaseFinding::new(verdict, cause, judgement.reason)
         }
     }
 }

@@ -31,7 +31,7 @@ pub use cache::Cache;
 pub use case::{Case, CaseSampling, MANIFEST, MEAN_RESOLUTION, Suite, SuiteError};
 pub use check::{SUITE_VARIABLE, check};
 pub use evidence::{Evidence, Likeness};
-pub use finding::Judged;
+pub use finding::{CaseFinding, Judged};
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
 pub use likeness::{
     CACHE_VARIABLE, Likenesses, Predictions, Search, SearchStep, Stage, Unfinished, likeness,

@@ -1,10 +1,10 @@
 //! The rows of the catalogue of hard cases, as results of the suite.
 
 use super::analytic::{ANALYTIC, Analytic, ERROR_OF_TOLERANCE};
+use super::finding::CaseFinding;
 use super::row_name::{HARD, row_name};
-use super::{Case, CaseResult, Cause, Evidence, Judged, Suite, SuiteError, Verdict};
+use super::{Case, Cause, Evidence, Judged, Suite, SuiteError, Verdict};
 use crate::hard_cases::{Row, rows};
-use std::collections::BTreeMap;
 use std::time::Instant;
 
 impl Suite {
@@ -47,42 +47,24 @@ pub fn verify_row(row: &Row) -> Judged {
     let start = Instant::now();
     let margin = row.run();
     let share = margin.share();
-    let (verdict, cause, reason) = match margin.passed() {
-        true => {
-            let reason = format!("{} [{}]", row.what, row.tolerance);
-            (Verdict::Pass, Cause::None, reason)
-        }
-        false => {
-            let reason = format!(
-                "{}: {share:.3} times the tolerance, which is: {}\n{}",
-                row.what,
-                row.tolerance,
-                margin.worst()
-            );
-            (Verdict::Fail, Cause::Mismatch, reason)
-        }
+    let mut finding = if margin.passed() {
+        let reason = format!("{} [{}]", row.what, row.tolerance);
+        CaseFinding::new(Verdict::Pass, Cause::None, reason)
+    } else {
+        let reason = format!(
+            "{}: {share:.3} times the tolerance, which is: {}\n{}",
+            row.what,
+            row.tolerance,
+            margin.worst()
+        );
+        CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason)
     };
-    let mut metrics = BTreeMap::new();
     // What is to be exact and is not has no number.
     if share.is_finite() {
-        metrics.insert(ERROR_OF_TOLERANCE.to_owned(), share);
+        finding.metrics.insert(ERROR_OF_TOLERANCE.to_owned(), share);
     }
-    let result = CaseResult {
-        name: row_name(row),
-        family: HARD.to_owned(),
-        class: ANALYTIC.to_owned(),
-        verdict,
-        metrics,
-        gate: &Analytic,
-        reason,
-        notes: Vec::new(),
-        looks_like: Vec::new(),
-        seconds: start.elapsed().as_secs_f64(),
-        work: BTreeMap::new(),
-        cause,
-    };
     Judged {
-        result,
+        result: finding.result(&row_name(row), ANALYTIC, &Analytic, start),
         evidence: Evidence {
             source: format!("Catalogue of hard cases, {}", row.id),
             shows: format!("{}. It may be off by: {}.", row.what, row.tolerance),

@@ -33,7 +33,7 @@ pub fn validate(case: &Case, store: &Store, output: Output) -> Judged {
         (Output::Unusable(reason), checked) => weighed(Verdict::Error, reason, checked),
     };
     Judged {
-        result: finding.result(case, case.gate(), start),
+        result: finding.result(&case.name, case.class(), case.gate(), start),
         evidence: match checked {
             Some(checked) => evidence(case, &checked),
             None => Evidence::of(case),
@@ -68,7 +68,7 @@ pub(super) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     let (gate, _) = default_gate(&golden, &picture);
     let finding = judged(case, gate, checked, &golden, &picture);
     Judged {
-        result: finding.result(case, gate, start),
+        result: finding.result(&case.name, case.class(), gate, start),
         evidence: Evidence {
             test: Some(picture),
             ..evidence(case, checked)
@@ -107,25 +107,18 @@ fn judged(
             return CaseFinding::new(Verdict::Error, Cause::OtherRenderer, error.to_string());
         }
     };
-    let mut finding = match (judgement.passed, judgement.undecided) {
-        (false, _) => {
-            // What holds for the whole image comes first: it explains what the gate saw.
-            let mut said = measured(case, &checked.golden.film, picture);
-            said.push(judgement.reason);
-            let reason = said.join("; ");
-            CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason)
-        }
-        (true, Some(_)) => {
-            CaseFinding::new(Verdict::Inconclusive, Cause::Undecided, judgement.reason)
-        }
-        (true, None) => CaseFinding::new(Verdict::Pass, Cause::None, judgement.reason),
-    };
+    let mut finding = CaseFinding::from(judgement);
+    if finding.verdict == Verdict::Fail {
+        // What holds for the whole image comes first: it explains what the gate saw.
+        let mut said = measured(case, &checked.golden.film, picture);
+        said.push(finding.reason);
+        finding.reason = said.join("; ");
+    }
     if gate.depends_on_exposure() {
         finding
             .reason
             .push_str(&format!("; exposure of the case: {} stops", case.exposure));
     }
     finding.reason.push_str(&checked.omissions());
-    finding.metrics = judgement.metrics;
     finding
 }

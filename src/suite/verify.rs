@@ -14,7 +14,6 @@ use crate::compare::{
 };
 use crate::film::Film;
 use crate::render;
-use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// Cases among which the false alarms of a suite are divided: as many as any suite has, so that
@@ -70,7 +69,7 @@ pub(super) fn verify_with(
         None => &Exact,
     };
     Judged {
-        result: finding.result(case, gate, start),
+        result: finding.result(&case.name, case.class(), gate, start),
         evidence,
     }
 }
@@ -105,24 +104,14 @@ pub fn without_case(suite: &Suite) -> Result<Vec<Judged>, SuiteError> {
     let unknown = names
         .into_iter()
         .filter(|name| suite.cases().iter().all(|c| c.name != *name));
-    let result = |name: String| CaseResult {
-        family: name.split('/').next().unwrap_or_default().to_owned(),
-        class: String::new(),
-        verdict: Verdict::Error,
-        metrics: BTreeMap::new(),
-        gate: &Exact,
-        reason:
-            "this golden belongs to no case: restore the manifest, or remove the golden with it"
-                .to_owned(),
-        notes: Vec::new(),
-        looks_like: Vec::new(),
-        seconds: 0.0,
-        work: BTreeMap::new(),
-        cause: Cause::Golden,
-        name,
-    };
-    let judged = |name| Judged {
-        result: result(name),
+    let reason =
+        "this golden belongs to no case: restore the manifest, or remove the golden with it";
+    let finding = || CaseFinding::new(Verdict::Error, Cause::Golden, reason);
+    let judged = |name: String| Judged {
+        result: CaseResult {
+            seconds: 0.0,
+            ..finding().result(&name, "", &Exact, Instant::now())
+        },
         evidence: Evidence::default(),
     };
     Ok(unknown.map(judged).collect())
