@@ -5,6 +5,7 @@
 //! holds for all of the image.
 
 use super::Case;
+use super::edited_film::mapped;
 use super::likeness::Cells;
 use crate::compare::flip::SrgbImage;
 use crate::compare::{Conditions, Deterministic, Perceptual, Picture, judge};
@@ -129,24 +130,8 @@ impl Map {
         }
     }
 
-    /// `film`, and its noise to first order.
     fn of(&self, film: &Film) -> Film {
-        let (width, height) = (film.width(), film.height());
-        let mapped = |pixel: &[f32; 3]| -> [f32; 3] {
-            std::array::from_fn(|c| self.at(f64::from(pixel[c]), c).0 as f32)
-        };
-        let radiance = film.radiance().iter().map(mapped).collect();
-        let Some(noise) = film.noise() else {
-            return Film::new(width, height, radiance);
-        };
-        let pixels = film.radiance().iter().zip(noise.variance());
-        let variance = pixels.map(|(pixel, variance)| {
-            std::array::from_fn(|c| {
-                let slope = self.at(f64::from(pixel[c]), c).1;
-                (slope * slope * f64::from(variance[c])) as f32
-            })
-        });
-        Film::with_noise(width, height, radiance, variance.collect(), noise.samples())
+        mapped(film, |x, channel| self.at(x, channel))
     }
 
     fn in_words(&self) -> String {

@@ -6,6 +6,7 @@ mod answer;
 mod cache;
 mod case;
 mod check;
+mod edited_film;
 mod evidence;
 mod finding;
 mod golden;

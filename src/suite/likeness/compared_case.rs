@@ -10,6 +10,7 @@ use crate::film::Film;
 use crate::math;
 use crate::render::Detail;
 use crate::scene::Scene;
+use crate::suite::edited_film::mapped;
 use crate::suite::measured::{decoded, is_another_exposure, is_simple};
 use crate::suite::{Case, Judged};
 
@@ -334,17 +335,8 @@ fn in_cells(film: &Film, like: &Cells) -> Option<Cells> {
 
 /// `film` as a file keeps it that holds nothing above `ceiling`.
 fn clamped(film: &Film, ceiling: Option<f64>) -> Film {
-    let Some(ceiling) = ceiling else {
-        return film.clone();
-    };
-    let below = |pixel: &[f32; 3]| pixel.map(|value| value.min(ceiling as f32));
-    let radiance = film.radiance().iter().map(below).collect();
-    let (width, height) = (film.width(), film.height());
-    match film.noise() {
-        Some(noise) => {
-            let variance = noise.variance().to_vec();
-            Film::with_noise(width, height, radiance, variance, noise.samples())
-        }
-        None => Film::new(width, height, radiance),
+    match ceiling {
+        Some(ceiling) => mapped(film, |value, _| (value.min(ceiling), 1.0)),
+        None => film.clone(),
     }
 }

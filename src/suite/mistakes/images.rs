@@ -3,6 +3,7 @@
 use super::{Edit, Mistake};
 use crate::film::Film;
 use crate::math;
+use crate::suite::edited_film::{mapped, rebuilt, value};
 use std::f64::consts::PI;
 
 pub(super) const MISTAKES: &[Mistake] = &[
@@ -51,7 +52,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
         name: "srgb-encoded",
         advice: "the image is encoded for a display: linear radiance is wanted, without the sRGB curve; set the output to raw or linear",
         edit: Edit::Pixels(|film| {
-            Some(mapped(film, |x| {
+            Some(mapped(film, |x, _| {
                 (math::linear_to_srgb(x), slope(math::linear_to_srgb, x))
             }))
         }),
@@ -61,14 +62,14 @@ pub(super) const MISTAKES: &[Mistake] = &[
         advice: "the image is encoded with a gamma of 2.2: linear radiance is wanted",
         edit: Edit::Pixels(|film| {
             let encode = |x: f64| math::exp(math::ln(x.max(f64::MIN_POSITIVE)) / 2.2);
-            Some(mapped(film, |x| (encode(x), slope(encode, x))))
+            Some(mapped(film, |x, _| (encode(x), slope(encode, x))))
         }),
     },
     Mistake {
         name: "srgb-decoded",
         advice: "the image is decoded as though it had been for a display: linear radiance must be written as it is",
         edit: Edit::Pixels(|film| {
-            Some(mapped(film, |x| {
+            Some(mapped(film, |x, _| {
                 (math::srgb_to_linear(x), slope(math::srgb_to_linear, x))
             }))
         }),
@@ -79,7 +80,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
         edit: Edit::Pixels(|film| {
             Some(mapped(
                 film,
-                |x| if x > 1.0 { (1.0, 0.0) } else { (x, 1.0) },
+                |x, _| if x > 1.0 { (1.0, 0.0) } else { (x, 1.0) },
             ))
         }),
     },
@@ -87,7 +88,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
         name: "tone-mapped",
         advice: "the image is tone mapped, x / (1 + x) or alike: radiance is wanted as it is",
         edit: Edit::Pixels(|film| {
-            Some(mapped(film, |x| {
+            Some(mapped(film, |x, _| {
                 (x / (1.0 + x), 1.0 / ((1.0 + x) * (1.0 + x)))
             }))
         }),
@@ -223,41 +224,6 @@ pub(super) const MISTAKES: &[Mistake] = &[
 /// Source: ITU-R BT.709.
 const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
-/// Radiance and variance of a pixel.
-type Value = ([f64; 3], [f64; 3]);
-
-fn value(film: &Film, [x, y]: [usize; 2]) -> Value {
-    let index = x + film.width() * y;
-    let variance = film
-        .noise()
-        .map_or([0.0; 3], |noise| noise.variance()[index]);
-    (
-        film.radiance()[index].map(f64::from),
-        variance.map(f64::from),
-    )
-}
-
-/// The film with other pixels; opacity stays where it is.
-fn rebuilt(film: &Film, pixel: impl Fn(&Film, [usize; 2]) -> Value) -> Film {
-    let (width, height) = (film.width(), film.height());
-    let single = |values: [f64; 3]| values.map(|value| value as f32);
-    let (mut radiance, mut variance) = (Vec::new(), Vec::new());
-    for index in 0..width * height {
-        let (mean, spread) = pixel(film, [index % width, index / width]);
-        radiance.push(single(mean));
-        variance.push(single(spread));
-    }
-    if let Some(noise) = film.noise() {
-        return Film::with_noise(width, height, radiance, variance, noise.samples());
-    }
-    let Some(opacity) = film.opacity() else {
-        return Film::new(width, height, radiance);
-    };
-    let pixels = radiance.iter().zip(opacity);
-    let pixels = pixels.map(|(&[r, g, b], &a)| [r, g, b, a]);
-    Film::with_opacity(width, height, pixels.collect())
-}
-
 /// The pixel at each place comes from another.
 fn rearranged(film: &Film, source: fn(&Film, [usize; 2]) -> [usize; 2]) -> Film {
     rebuilt(film, |film, at| value(film, source(film, at)))
@@ -277,22 +243,8 @@ fn mixed(film: &Film, weights: [[f64; 3]; 3]) -> Film {
     })
 }
 
-/// Each value is mapped to another; with the derivative of the map, by which noise grows.
-fn mapped(film: &Film, map: impl Fn(f64) -> (f64, f64)) -> Film {
-    rebuilt(film, |film, at| {
-        let (mean, variance) = value(film, at);
-        (
-            mean.map(|x| map(x).0),
-            std::array::from_fn(|c| {
-                let slope = map(mean[c]).1;
-                variance[c] * slope * slope
-            }),
-        )
-    })
-}
-
 fn scaled(film: &Film, factor: f64) -> Film {
-    mapped(film, |x| (x * factor, factor))
+    mapped(film, |x, _| (x * factor, factor))
 }
 
 /// Derivative of `map` at `x`, by a small difference.

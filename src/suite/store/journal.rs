@@ -1,20 +1,24 @@
 //! The record of one accept: which files it replaces, and by what.
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use serde::{Deserialize, Serialize};
+
 use super::name::StoreName;
 
-const HEADING: &str = "volref accept journal 1: completed by the next `volref accept`, do not edit";
+const HEADING: &str = "volref accept journal 2: completed by the next `volref accept`, do not edit";
 
 /// The files one accept replaces.
 ///
-/// As text: a heading, `tag TAG`, a line `DIGEST LENGTH PATH` for each file and `end COUNT`, so
-/// that no beginning of a journal is a journal.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// As text it is indented JSON with a newline at its end. No other spelling is read, so that no
+/// beginning of a journal is a journal.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct Journal {
+    heading: String,
     /// Part of the names of the staged files. No two accepts share it, so a staged file that
     /// exists is that of this very accept.
     pub(super) tag: String,
@@ -22,11 +26,12 @@ pub(super) struct Journal {
 }
 
 /// One file and how to recognise its new contents.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct JournalEntry {
     pub(super) name: StoreName,
-    length: u64,
-    digest: u64,
+    /// BLAKE3 hash of the contents.
+    hash: String,
 }
 
 /// Why a text is not a journal.
@@ -43,6 +48,7 @@ impl Journal {
             .duration_since(UNIX_EPOCH)
             .unwrap_or_default();
         Journal {
+            heading: HEADING.to_owned(),
             tag: format!("{:x}-{:x}", now.as_nanos(), process::id()),
             entries,
         }
@@ -53,7 +59,7 @@ impl Journal {
     }
 
     /// The directories in which names change, each once.
-    pub(super) fn directories(&self, root: &Path) -> BTreeSet<std::path::PathBuf> {
+    pub(super) fn directories(&self, root: &Path) -> BTreeSet<PathBuf> {
         self.entries
             .iter()
             .flat_map(|entry| entry.name.directories(root))
@@ -61,56 +67,35 @@ impl Journal {
     }
 
     pub(super) fn to_text(&self) -> String {
-        let mut text = format!("{HEADING}\ntag {}\n", self.tag);
-        for JournalEntry {
-            name,
-            length,
-            digest,
-        } in &self.entries
-        {
-            text += &format!("{digest:016x} {length} {}\n", name.as_str());
-        }
-        text + &format!("end {}\n", self.entries.len())
+        serde_json::to_string_pretty(self).expect("plain data becomes JSON") + "\n"
     }
 
     /// Accepts what [`to_text`](Self::to_text) writes and nothing else.
     pub(super) fn parse(bytes: &[u8]) -> Result<Journal, Malformed> {
-        let malformed = |line, problem: &str| Malformed {
+        let journal: Journal = serde_json::from_slice(bytes).map_err(|error| Malformed {
+            line: error.line().max(1),
+            problem: error.to_string(),
+        })?;
+        let text = journal.to_text();
+        let in_tag = |byte: u8| byte.is_ascii_hexdigit() || byte == b'-';
+        let names: BTreeSet<_> = journal.entries.iter().map(|entry| &entry.name).collect();
+        let (line, problem) = if text.as_bytes() != bytes {
+            let same = text.bytes().zip(bytes).take_while(|(a, b)| a == *b);
+            let lines = same.filter(|(byte, _)| *byte == b'\n').count();
+            (lines + 1, "it is not spelt the way volref writes it")
+        } else if journal.heading != HEADING {
+            (2, "the heading is not that of a journal")
+        } else if journal.tag.is_empty() || !journal.tag.bytes().all(in_tag) {
+            (3, "expected a hexadecimal tag")
+        } else if names.len() < journal.entries.len() {
+            (4, "a path is listed twice")
+        } else {
+            return Ok(journal);
+        };
+        Err(Malformed {
             line,
             problem: problem.to_owned(),
-        };
-        let text = str::from_utf8(bytes).map_err(|_| malformed(1, "the file is not UTF-8"))?;
-        let lines: Vec<&str> = text.split('\n').collect();
-        let [heading, tag, entries @ .., end, ""] = &lines[..] else {
-            return Err(malformed(lines.len(), "the file is cut off"));
-        };
-        if *heading != HEADING {
-            return Err(malformed(1, "the heading is not that of a journal"));
-        }
-        let tag = (tag.strip_prefix("tag "))
-            .filter(|tag| {
-                !tag.is_empty() && tag.bytes().all(|b| b.is_ascii_hexdigit() || b == b'-')
-            })
-            .ok_or_else(|| malformed(2, "expected `tag` and a hexadecimal tag"))?;
-        let mut journal = Journal {
-            tag: tag.to_owned(),
-            entries: Vec::new(),
-        };
-        for (index, text) in entries.iter().enumerate() {
-            let line = index + 3;
-            let entry = JournalEntry::parse(text).map_err(|problem| Malformed { line, problem })?;
-            if journal.entry(&entry.name).is_some() {
-                return Err(malformed(line, "the path is listed twice"));
-            }
-            journal.entries.push(entry);
-        }
-        if *end != format!("end {}", entries.len()) {
-            return Err(malformed(
-                entries.len() + 3,
-                "expected `end` and the number of files",
-            ));
-        }
-        Ok(journal)
+        })
     }
 }
 
@@ -118,52 +103,18 @@ impl JournalEntry {
     pub(super) fn new(name: StoreName, bytes: &[u8]) -> JournalEntry {
         JournalEntry {
             name,
-            length: bytes.len() as u64,
-            digest: fnv1a(bytes),
+            hash: hash(bytes),
         }
     }
 
     /// Whether these are the contents the accept gave to the file.
     pub(super) fn describes(&self, bytes: &[u8]) -> bool {
-        self.length == bytes.len() as u64 && self.digest == fnv1a(bytes)
-    }
-
-    fn parse(line: &str) -> Result<JournalEntry, String> {
-        let mut fields = line.splitn(3, ' ');
-        let (Some(digest), Some(length), Some(path)) =
-            (fields.next(), fields.next(), fields.next())
-        else {
-            return Err("expected a digest, a length and a path".to_owned());
-        };
-        let name = StoreName::new(Path::new(path))
-            .map_err(|problem| format!("the path {path:?} is refused: {problem}"))?;
-        let entry = JournalEntry {
-            name,
-            length: length
-                .parse()
-                .map_err(|_| format!("{length:?} is not a length"))?,
-            digest: u64::from_str_radix(digest, 16)
-                .map_err(|_| format!("{digest:?} is not a digest"))?,
-        };
-        // One spelling only: no `+7`, no `a//b`.
-        let JournalEntry {
-            name,
-            length,
-            digest,
-        } = &entry;
-        if line != format!("{digest:016x} {length} {}", name.as_str()) {
-            return Err("the line is not spelt the way volref writes it".to_owned());
-        }
-        Ok(entry)
+        self.hash == hash(bytes)
     }
 }
 
-/// The 64-bit FNV-1a hash: enough to notice a file that was restored or edited by mistake,
-/// and not meant against anyone who does it on purpose.
-fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
+fn hash(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex().to_string()
 }
 
 #[cfg(test)]
@@ -198,28 +149,19 @@ mod tests {
     fn refuses_changed_lines_and_names_them() {
         let text = journal().to_text();
         for (old, new, line) in [
-            ("volref", "Volref", 1),
-            ("tag ", "tag ../", 2),
-            (" a/b c.exr", " ../b c.exr", 3),
-            (" a/b c.exr", " /b c.exr", 3),
-            (" a/b c.exr", " a//b c.exr", 3),
-            (" 3 ", " +3 ", 3),
+            ("volref", "Volref", 2),
+            ("\"tag\": \"", "\"tag\": \"../", 3),
+            ("a/b c.exr", "../b c.exr", 6),
+            ("a/b c.exr", "/b c.exr", 6),
+            ("a/b c.exr", "a//b c.exr", 6),
+            ("\"hash\"", "\"Hash\"", 7),
             ("a/b c.toml", "a/b c.exr", 4),
-            ("end 3", "end 2", 6),
-            ("end 3\n", "end 3\n\n", 6),
+            ("  ]", "]", 17),
         ] {
             let changed = text.replacen(old, new, 1);
             assert_ne!(changed, text);
             let malformed = Journal::parse(changed.as_bytes()).unwrap_err();
             assert_eq!(malformed.line, line, "{old:?} to {new:?}: {malformed:?}");
         }
-    }
-
-    #[test]
-    fn digest_is_fnv1a() {
-        // Test vectors of the authors, Fowler, Noll and Vo.
-        assert_eq!(fnv1a(b""), 0xcbf2_9ce4_8422_2325);
-        assert_eq!(fnv1a(b"a"), 0xaf63_dc4c_8601_ec8c);
-        assert_eq!(fnv1a(b"foobar"), 0x8594_4171_f739_67e8);
     }
 }

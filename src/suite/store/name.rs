@@ -1,5 +1,6 @@
 //! The names a golden may have.
 
+use serde::{Deserialize, Serialize};
 use std::path::{Component, Path, PathBuf};
 
 /// The lock file, under the golden root.
@@ -13,8 +14,18 @@ const STAGED: &str = ".volref-new";
 
 /// A file under the golden root: a relative path in one spelling, with `/` on every platform,
 /// that does not leave the root and is not one of the store's own files.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
+#[serde(try_from = "String")]
 pub(super) struct StoreName(String);
+
+impl TryFrom<String> for StoreName {
+    type Error = String;
+
+    fn try_from(path: String) -> Result<StoreName, String> {
+        let name = StoreName::new(Path::new(&path));
+        name.map_err(|problem| format!("the path {path:?} is refused: {problem}"))
+    }
+}
 
 impl StoreName {
     /// The name, or why the path cannot be one.

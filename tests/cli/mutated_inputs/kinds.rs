@@ -86,11 +86,16 @@ fn golden(ending: &str) -> Vec<Vec<u8>> {
 }
 
 fn journals() -> Vec<Vec<u8>> {
-    let heading = "volref accept journal 1: completed by the next `volref accept`, do not edit";
-    let entries = "0123456789abcdef 12 smoke/plain.exr\n0123456789abcdef 7 smoke/plain.toml\n";
+    let heading = "volref accept journal 2: completed by the next `volref accept`, do not edit";
+    let hash = "0123456789abcdef".repeat(4);
+    let entry = |name: &str| {
+        format!("    {{\n      \"name\": \"{name}\",\n      \"hash\": \"{hash}\"\n    }}")
+    };
+    let entries = [entry("smoke/plain.exr"), entry("smoke/plain.toml")].join(",\n");
+    let start = format!("{{\n  \"heading\": \"{heading}\",\n  \"tag\": \"1-2\",\n  \"entries\": ");
     vec![
-        format!("{heading}\ntag 1-2\n{entries}end 2\n").into_bytes(),
-        format!("{heading}\ntag 1-2\nend 0\n").into_bytes(),
+        format!("{start}[\n{entries}\n  ]\n}}\n").into_bytes(),
+        format!("{start}[]\n}}\n").into_bytes(),
     ]
 }
 
