@@ -4,9 +4,9 @@ use super::densities::{
     cells_for_nodes, half_a_voxel_back, half_a_voxel_on, in_classified, upside_down,
     x_and_z_exchanged,
 };
-use super::{Edit, Mistake};
+use super::{Edit, Mistake, set};
 use crate::media::{Appearance, Colormap, Phong, TransferPoint, TransferPoints};
-use crate::scene::Classified;
+use crate::scene::{Classified, Shadow};
 use crate::volume::Interpolation;
 use glam::DVec3;
 
@@ -34,30 +34,22 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "transparency-not-normalised",
         advice: "transparency is exp(-d^2) as it stands: subtract the floor and divide by what is left, so that it falls from 1 to 0",
-        edit: Edit::Opacity(|opacity| {
-            let occurs = opacity.floor != 0.0;
-            opacity.floor = 0.0;
-            occurs
-        }),
+        edit: Edit::Opacity(|opacity| set(&mut opacity.floor, 0.0)),
     },
     Mistake {
         name: "transparency-floor-too-high",
         advice: "the volume turns opaque too early: the floor of the transparency is not the one that the scene gives",
-        edit: Edit::Opacity(|opacity| {
-            let occurs = opacity.floor != 0.5;
-            opacity.floor = 0.5;
-            occurs
-        }),
+        edit: Edit::Opacity(|opacity| set(&mut opacity.floor, 0.5)),
     },
     Mistake {
         name: "nearest-for-trilinear",
         advice: "samples take the value of the nearest node: interpolate between the eight nodes around them",
-        edit: Edit::Classified(|scene| interpolated(scene, Interpolation::Nearest)),
+        edit: Edit::Classified(|scene| set(&mut scene.interpolation, Interpolation::Nearest)),
     },
     Mistake {
         name: "trilinear-for-nearest",
         advice: "samples are interpolated where the nearest node is asked for",
-        edit: Edit::Classified(|scene| interpolated(scene, Interpolation::Trilinear)),
+        edit: Edit::Classified(|scene| set(&mut scene.interpolation, Interpolation::Trilinear)),
     },
     Mistake {
         name: "step-doubled",
@@ -75,27 +67,27 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "ambient-left-out",
         advice: "sides that face away from the light are black: the ambient term is missing",
-        edit: Edit::Classified(|scene| weighed(scene, |phong| &mut phong.ambient, 0.0)),
+        edit: Edit::Classified(|scene| shaded(scene, |phong| set(&mut phong.ambient, 0.0))),
     },
     Mistake {
         name: "diffuse-left-out",
         advice: "the diffuse term is missing or has the wrong sign: the normal is minus the gradient, so that it points out of the dense",
-        edit: Edit::Classified(|scene| weighed(scene, |phong| &mut phong.diffuse, 0.0)),
+        edit: Edit::Classified(|scene| shaded(scene, |phong| set(&mut phong.diffuse, 0.0))),
     },
     Mistake {
         name: "specular-left-out",
         advice: "highlights are missing: the specular term of Phong's model",
-        edit: Edit::Classified(|scene| weighed(scene, |phong| &mut phong.specular, 0.0)),
+        edit: Edit::Classified(|scene| shaded(scene, |phong| set(&mut phong.specular, 0.0))),
     },
     Mistake {
         name: "highlight-too-wide",
         advice: "highlights are too wide: the exponent is that of Phong's model, of the reflected ray; with the halfway vector of Blinn's it must be about four times as large",
-        edit: Edit::Classified(|scene| match &mut scene.phong {
-            Some(phong) if phong.shininess >= 4 && phong.specular != 0.0 => {
-                phong.shininess /= 4;
-                true
-            }
-            _ => false,
+        edit: Edit::Classified(|scene| {
+            shaded(scene, |phong| {
+                let is_seen = phong.shininess >= 4 && phong.specular != 0.0;
+                let quarter = phong.shininess / 4;
+                is_seen && set(&mut phong.shininess, quarter)
+            })
         }),
     },
     Mistake {
@@ -115,17 +107,18 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "shadow-hundredfold",
         advice: "shadows are too dark by far: the sum of densities is divided by 100 before exp(-S)",
-        edit: Edit::Classified(|scene| shadowed(scene, 0.01)),
+        edit: Edit::Classified(|scene| {
+            shadowed(scene, |shadow| {
+                let hundredth = 0.01 * shadow.reference_step;
+                set(&mut shadow.reference_step, hundredth)
+            })
+        }),
     },
     Mistake {
         name: "shadow-step-not-counted",
         advice: "shadows depend on the step: the sum towards the light counts densities times step over reference step",
-        edit: Edit::Classified(|scene| match &mut scene.shadow {
-            Some(shadow) if shadow.reference_step != shadow.step => {
-                shadow.reference_step = shadow.step;
-                true
-            }
-            _ => false,
+        edit: Edit::Classified(|scene| {
+            shadowed(scene, |shadow| set(&mut shadow.reference_step, shadow.step))
         }),
     },
     Mistake {
@@ -178,11 +171,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "background-white",
         advice: "what shines through the volume is white: the scene gives the background",
-        edit: Edit::Classified(|scene| {
-            let occurs = scene.background != DVec3::ONE;
-            scene.background = DVec3::ONE;
-            occurs
-        }),
+        edit: Edit::Classified(|scene| set(&mut scene.background, DVec3::ONE)),
     },
     Mistake {
         name: "viewed-too-wide",
@@ -198,47 +187,22 @@ pub(super) const MISTAKES: &[Mistake] = &[
 
 /// Another reference length, from the old one and the step.
 fn referred(scene: &mut Classified, edit: fn(f64, f64) -> f64) -> bool {
-    let old = scene.transfer_function.reference_length;
-    let new = edit(old, scene.step);
-    let occurs = new != old && new.is_normal();
-    if occurs {
-        scene.transfer_function.reference_length = new;
-    }
-    occurs
+    let length = &mut scene.transfer_function.reference_length;
+    let new = edit(*length, scene.step);
+    new.is_normal() && set(length, new)
 }
 
-fn interpolated(scene: &mut Classified, interpolation: Interpolation) -> bool {
-    let occurs = scene.interpolation != interpolation;
-    scene.interpolation = interpolation;
-    occurs
+fn shaded(scene: &mut Classified, edit: fn(&mut Phong) -> bool) -> bool {
+    scene.phong.as_mut().is_some_and(edit)
 }
 
-fn weighed(scene: &mut Classified, weight: fn(&mut Phong) -> &mut f64, new: f64) -> bool {
-    let Some(phong) = &mut scene.phong else {
-        return false;
-    };
-    let weight = weight(phong);
-    let occurs = *weight != new;
-    *weight = new;
-    occurs
+fn shadowed(scene: &mut Classified, edit: fn(&mut Shadow) -> bool) -> bool {
+    scene.shadow.as_mut().is_some_and(edit)
 }
 
-fn shadowed(scene: &mut Classified, factor: f64) -> bool {
-    let Some(shadow) = &mut scene.shadow else {
-        return false;
-    };
-    shadow.reference_step *= factor;
-    true
-}
-
-fn coloured(scene: &mut Classified, edit: impl Fn(&Colormap) -> Colormap) -> bool {
+fn coloured(scene: &mut Classified, edit: fn(&Colormap) -> Colormap) -> bool {
     match &mut scene.transfer_function.appearance {
-        Appearance::Formula { colormap, .. } => {
-            let edited = edit(colormap);
-            let occurs = edited != *colormap;
-            *colormap = edited;
-            occurs
-        }
+        Appearance::Formula { colormap, .. } => set(colormap, edit(colormap)),
         Appearance::Points(_) => false,
     }
 }

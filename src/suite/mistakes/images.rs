@@ -10,51 +10,50 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "mirrored",
         advice: "left and right are exchanged: looking along +z with y up, +x is to the left of the image",
-        edit: Edit::Image(|film| Some(rearranged(film, |film, [x, y]| [film.width() - 1 - x, y]))),
+        edit: Edit::Image(|film| rearranged(film, |film, [x, y]| [film.width() - 1 - x, y])),
     },
     Mistake {
         name: "upside-down",
         advice: "the image stands on its head: the top row is written first (PFM alone begins with the bottom row)",
-        edit: Edit::Image(|film| Some(rearranged(film, |film, [x, y]| [x, film.height() - 1 - y]))),
+        edit: Edit::Image(|film| rearranged(film, |film, [x, y]| [x, film.height() - 1 - y])),
     },
     Mistake {
         name: "turned-half",
         advice: "the image is turned by half: both axes run backwards",
         edit: Edit::Image(|film| {
-            Some(rearranged(film, |film, [x, y]| {
+            rearranged(film, |film, [x, y]| {
                 [film.width() - 1 - x, film.height() - 1 - y]
-            }))
+            })
         }),
     },
     Mistake {
         name: "transposed",
         advice: "rows and columns are exchanged: pixel (x, y) is number x + width y of the file",
         edit: Edit::Image(|film| {
-            (film.width() == film.height()).then(|| rearranged(film, |_, [x, y]| [y, x]))
+            if film.width() == film.height() {
+                rearranged(film, |_, [x, y]| [y, x])
+            } else {
+                film.clone()
+            }
         }),
     },
     Mistake {
         name: "red-and-blue-exchanged",
         advice: "red and blue are exchanged: channels are red, green, blue, in this order",
-        edit: Edit::Pixels(|film| {
-            Some(mixed(
-                film,
-                [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]],
-            ))
-        }),
+        edit: Edit::Pixels(|film| mixed(film, [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])),
     },
     Mistake {
         name: "grey",
         advice: "the image has no colour: three channels are wanted, not luminance",
-        edit: Edit::Pixels(|film| Some(mixed(film, [LUMINANCE; 3]))),
+        edit: Edit::Pixels(|film| mixed(film, [LUMINANCE; 3])),
     },
     Mistake {
         name: "srgb-encoded",
         advice: "the image is encoded for a display: linear radiance is wanted, without the sRGB curve; set the output to raw or linear",
         edit: Edit::Pixels(|film| {
-            Some(mapped(film, |x, _| {
+            mapped(film, |x, _| {
                 (math::linear_to_srgb(x), slope(math::linear_to_srgb, x))
-            }))
+            })
         }),
     },
     Mistake {
@@ -62,71 +61,64 @@ pub(super) const MISTAKES: &[Mistake] = &[
         advice: "the image is encoded with a gamma of 2.2: linear radiance is wanted",
         edit: Edit::Pixels(|film| {
             let encode = |x: f64| math::exp(math::ln(x.max(f64::MIN_POSITIVE)) / 2.2);
-            Some(mapped(film, |x, _| (encode(x), slope(encode, x))))
+            mapped(film, |x, _| (encode(x), slope(encode, x)))
         }),
     },
     Mistake {
         name: "srgb-decoded",
         advice: "the image is decoded as though it had been for a display: linear radiance must be written as it is",
         edit: Edit::Pixels(|film| {
-            Some(mapped(film, |x, _| {
+            mapped(film, |x, _| {
                 (math::srgb_to_linear(x), slope(math::srgb_to_linear, x))
-            }))
+            })
         }),
     },
     Mistake {
         name: "clamped",
         advice: "radiance above 1 is cut off: keep it, the file holds floating-point numbers",
-        edit: Edit::Pixels(|film| {
-            Some(mapped(
-                film,
-                |x, _| if x > 1.0 { (1.0, 0.0) } else { (x, 1.0) },
-            ))
-        }),
+        edit: Edit::Pixels(|film| mapped(film, |x, _| if x > 1.0 { (1.0, 0.0) } else { (x, 1.0) })),
     },
     Mistake {
         name: "tone-mapped",
         advice: "the image is tone mapped, x / (1 + x) or alike: radiance is wanted as it is",
         edit: Edit::Pixels(|film| {
-            Some(mapped(film, |x, _| {
-                (x / (1.0 + x), 1.0 / ((1.0 + x) * (1.0 + x)))
-            }))
+            mapped(film, |x, _| (x / (1.0 + x), 1.0 / ((1.0 + x) * (1.0 + x))))
         }),
     },
     Mistake {
         name: "bright-times-pi",
         advice: "everything is too bright by pi: is irradiance written in place of radiance, or the 1/pi of Lambert's reflection missing?",
-        edit: Edit::Pixels(|film| Some(scaled(film, PI))),
+        edit: Edit::Pixels(|film| scaled(film, PI)),
     },
     Mistake {
         name: "bright-over-pi",
         advice: "everything is too dark by pi: is something divided by pi twice?",
-        edit: Edit::Pixels(|film| Some(scaled(film, 1.0 / PI))),
+        edit: Edit::Pixels(|film| scaled(film, 1.0 / PI)),
     },
     Mistake {
         name: "bright-times-4pi",
         advice: "everything is too bright by 4 pi: is the phase function without its 1/(4 pi)?",
-        edit: Edit::Pixels(|film| Some(scaled(film, 4.0 * PI))),
+        edit: Edit::Pixels(|film| scaled(film, 4.0 * PI)),
     },
     Mistake {
         name: "bright-over-4pi",
         advice: "everything is too dark by 4 pi: is the phase function divided by 4 pi twice, or intensity taken for power?",
-        edit: Edit::Pixels(|film| Some(scaled(film, 1.0 / (4.0 * PI)))),
+        edit: Edit::Pixels(|film| scaled(film, 1.0 / (4.0 * PI))),
     },
     Mistake {
         name: "bright-doubled",
         advice: "everything is twice too bright: is something counted twice, such as light met by chance and sampled on purpose, without weights?",
-        edit: Edit::Pixels(|film| Some(scaled(film, 2.0))),
+        edit: Edit::Pixels(|film| scaled(film, 2.0)),
     },
     Mistake {
         name: "bright-halved",
         advice: "everything is half as bright as it should be: is a probability of one half divided out only once, or a sum of two averaged?",
-        edit: Edit::Pixels(|film| Some(scaled(film, 0.5))),
+        edit: Edit::Pixels(|film| scaled(film, 0.5)),
     },
     Mistake {
         name: "black",
         advice: "the image is black: nothing was rendered, or nothing was written",
-        edit: Edit::Pixels(|film| Some(scaled(film, 0.0))),
+        edit: Edit::Pixels(|film| scaled(film, 0.0)),
     },
     Mistake {
         name: "premultiplied-twice",
@@ -149,22 +141,22 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "one-pixel-right",
         advice: "the image is a pixel too far to the right: count pixels from 0",
-        edit: Edit::Image(|film| Some(shifted(film, [1, 0]))),
+        edit: Edit::Image(|film| shifted(film, [1, 0])),
     },
     Mistake {
         name: "one-pixel-left",
         advice: "the image is a pixel too far to the left: count pixels from 0",
-        edit: Edit::Image(|film| Some(shifted(film, [-1, 0]))),
+        edit: Edit::Image(|film| shifted(film, [-1, 0])),
     },
     Mistake {
         name: "one-pixel-down",
         advice: "the image is a pixel too low: count rows from 0",
-        edit: Edit::Image(|film| Some(shifted(film, [0, 1]))),
+        edit: Edit::Image(|film| shifted(film, [0, 1])),
     },
     Mistake {
         name: "one-pixel-up",
         advice: "the image is a pixel too high: count rows from 0",
-        edit: Edit::Image(|film| Some(shifted(film, [0, -1]))),
+        edit: Edit::Image(|film| shifted(film, [0, -1])),
     },
     Mistake {
         name: "half-a-pixel-off",
@@ -176,7 +168,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
                 ([0, -1], 0.25),
                 ([-1, -1], 0.25),
             ];
-            Some(convolved(film, &corners))
+            convolved(film, &corners)
         }),
     },
     Mistake {
@@ -192,13 +184,13 @@ pub(super) const MISTAKES: &[Mistake] = &[
                     )
                 })
                 .collect();
-            Some(convolved(film, &taps))
+            convolved(film, &taps)
         }),
     },
     Mistake {
         name: "half-resolution",
         advice: "the image was rendered with half the pixels each way and enlarged",
-        edit: Edit::Image(|film| Some(coarsened(film))),
+        edit: Edit::Image(|film| coarsened(film)),
     },
     Mistake {
         name: "tile-missing",
@@ -209,13 +201,13 @@ pub(super) const MISTAKES: &[Mistake] = &[
                 film.height() / 2..film.height() * 3 / 4,
             ];
             let inside = |[x, y]: [usize; 2]| black[0].contains(&x) && black[1].contains(&y);
-            Some(rebuilt(film, |film, at| {
+            rebuilt(film, |film, at| {
                 if inside(at) {
                     ([0.0; 3], [0.0; 3])
                 } else {
                     value(film, at)
                 }
-            }))
+            })
         }),
     },
 ];
@@ -253,13 +245,15 @@ fn slope(map: fn(f64) -> f64, x: f64) -> f64 {
     (map(x + step) - map(x - step)) / (2.0 * step)
 }
 
-fn by_opacity(film: &Film, map: fn(f64, f64) -> f64) -> Option<Film> {
-    let opacity = film.opacity()?;
-    Some(rebuilt(film, |film, at| {
+/// A film without opacity stays as it is.
+fn by_opacity(film: &Film, map: fn(f64, f64) -> f64) -> Film {
+    rebuilt(film, |film, at| {
         let (mean, variance) = value(film, at);
-        let opacity = f64::from(opacity[at[0] + film.width() * at[1]]);
-        (mean.map(|x| map(x, opacity)), variance)
-    }))
+        let index = at[0] + film.width() * at[1];
+        let opacity = film.opacity().map(|opacity| f64::from(opacity[index]));
+        let mapped = opacity.map_or(mean, |opacity| mean.map(|x| map(x, opacity)));
+        (mapped, variance)
+    })
 }
 
 /// Everything is moved; what comes in from outside repeats the edge.

@@ -1,6 +1,6 @@
 //! Mistakes about lights, and about who looks at them.
 
-use super::{Edit, Mistake};
+use super::{Edit, Mistake, set};
 use crate::optics::{Light, Sides, Spot};
 use crate::scene::Radiative;
 use glam::DVec3;
@@ -10,49 +10,47 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "point-lights-over-4pi",
         advice: "point and spot lights are too dark by 4 pi: their intensity is power per steradian, not power; do not divide it by 4 pi",
-        edit: Edit::Radiative(|scene| intensities(scene, 1.0 / (4.0 * PI))),
+        edit: Edit::Light(|light| intensity(light, 1.0 / (4.0 * PI))),
     },
     Mistake {
         name: "point-lights-times-4pi",
         advice: "point and spot lights are too bright by 4 pi: is the phase function without its 1/(4 pi), or intensity turned into power?",
-        edit: Edit::Radiative(|scene| intensities(scene, 4.0 * PI)),
+        edit: Edit::Light(|light| intensity(light, 4.0 * PI)),
     },
     Mistake {
         name: "point-lights-left-out",
         advice: "point and spot lights are missing: no ray meets them by chance, so each vertex of a path needs a shadow ray to them",
-        edit: Edit::Radiative(|scene| intensities(scene, 0.0)),
+        edit: Edit::Light(|light| intensity(light, 0.0)),
     },
     Mistake {
         name: "sun-over-pi",
         advice: "directional light is too dark by pi: its irradiance is that on a plane across it, to be divided by nothing",
-        edit: Edit::Radiative(|scene| irradiances(scene, 1.0 / PI)),
+        edit: Edit::Light(|light| irradiance(light, 1.0 / PI)),
     },
     Mistake {
         name: "sun-left-out",
         advice: "directional light is missing: no ray meets it by chance, so each vertex of a path needs a shadow ray towards it",
-        edit: Edit::Radiative(|scene| irradiances(scene, 0.0)),
+        edit: Edit::Light(|light| irradiance(light, 0.0)),
     },
     Mistake {
         name: "sun-reversed",
         advice: "directional light comes from where it should go: its direction is that in which it travels",
-        edit: Edit::Radiative(|scene| {
-            lights(scene, |light| {
-                if let Light::Directional(sun) = light {
-                    sun.direction = -sun.direction;
-                }
-            })
+        edit: Edit::Light(|light| {
+            if let Light::Directional(sun) = light {
+                sun.direction = -sun.direction;
+            }
         }),
     },
     Mistake {
         name: "spot-angles-halved",
         advice: "the cone of spotlights is too narrow by half: their angles are between axis and edge, not from edge to edge",
-        edit: Edit::Radiative(|scene| cones(scene, |[inner, outer]| [inner / 2.0, outer / 2.0])),
+        edit: Edit::Light(|light| cone(light, |[inner, outer]| [inner / 2.0, outer / 2.0])),
     },
     Mistake {
         name: "spot-angles-doubled",
         advice: "the cone of spotlights is twice too wide: their angles are between axis and edge",
-        edit: Edit::Radiative(|scene| {
-            cones(scene, |[inner, outer]| {
+        edit: Edit::Light(|light| {
+            cone(light, |[inner, outer]| {
                 [inner * 2.0, (outer * 2.0).min(180.0)]
             })
         }),
@@ -60,24 +58,19 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "spot-without-fall-off",
         advice: "spotlights end with a hard edge: their intensity falls linearly in the angle from inner_angle to outer_angle",
-        edit: Edit::Radiative(|scene| cones(scene, |[_, outer]| [outer, outer])),
+        edit: Edit::Light(|light| cone(light, |[_, outer]| [outer, outer])),
     },
     Mistake {
         name: "environment-left-out",
         advice: "the environment is missing: rays that leave the scene bring its radiance back",
-        edit: Edit::Radiative(|scene| {
-            let occurs = scene.environment != DVec3::ZERO;
-            scene.environment = DVec3::ZERO;
-            occurs
-        }),
+        edit: Edit::Radiative(|scene| set(&mut scene.environment, DVec3::ZERO)),
     },
     Mistake {
         name: "environment-doubled",
         advice: "the environment is twice too bright: is it both met by rays and sampled as a light, without weights?",
         edit: Edit::Radiative(|scene| {
-            let occurs = scene.environment != DVec3::ZERO;
-            scene.environment *= 2.0;
-            occurs
+            let doubled = 2.0 * scene.environment;
+            set(&mut scene.environment, doubled)
         }),
     },
     Mistake {
@@ -124,42 +117,27 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
 ];
 
-/// Applies `edit` to every light without extent; whether any changed.
-fn lights(scene: &mut Radiative, edit: impl Fn(&mut Light)) -> bool {
-    let mut occurs = false;
-    for light in &mut scene.lights {
-        let before = *light;
-        edit(light);
-        occurs |= *light != before;
-    }
-    occurs
-}
-
-fn intensities(scene: &mut Radiative, factor: f64) -> bool {
-    lights(scene, |light| match light {
+fn intensity(light: &mut Light, factor: f64) {
+    match light {
         Light::Point(point) => point.intensity *= factor,
         Light::Spot(spot) => spot.intensity *= factor,
         Light::Directional(_) => {}
-    })
+    }
 }
 
-fn irradiances(scene: &mut Radiative, factor: f64) -> bool {
-    lights(scene, |light| {
-        if let Light::Directional(sun) = light {
-            sun.irradiance *= factor;
-        }
-    })
+fn irradiance(light: &mut Light, factor: f64) {
+    if let Light::Directional(sun) = light {
+        sun.irradiance *= factor;
+    }
 }
 
-/// Edits the inner and the outer angle of spotlights, degrees.
-fn cones(scene: &mut Radiative, edit: fn([f64; 2]) -> [f64; 2]) -> bool {
-    lights(scene, |light| {
-        if let Light::Spot(spot) = light {
-            let angles = edit([spot.inner().to_degrees(), spot.outer().to_degrees()]);
-            let edited = Spot::new(spot.position, *spot.axis(), spot.intensity, angles);
-            *spot = edited.unwrap_or(*spot);
-        }
-    })
+/// Edits the inner and the outer angle of a spotlight, degrees.
+fn cone(light: &mut Light, edit: fn([f64; 2]) -> [f64; 2]) {
+    if let Light::Spot(spot) = light {
+        let angles = edit([spot.inner().to_degrees(), spot.outer().to_degrees()]);
+        let edited = Spot::new(spot.position, *spot.axis(), spot.intensity, angles);
+        *spot = edited.unwrap_or(*spot);
+    }
 }
 
 fn lamps(scene: &mut Radiative, factor: f64) -> bool {

@@ -1,8 +1,8 @@
 //! Mistakes about what media do to light.
 
 use super::{Edit, Mistake};
-use crate::media::{Asymmetry, Coefficients};
-use crate::scene::{Body, Radiative, Scattering};
+use crate::media::{Asymmetry, Coefficients, Homogeneous};
+use crate::scene::{Radiative, Scattering};
 use glam::DVec3;
 use std::f64::consts::{LN_2, LN_10};
 
@@ -10,18 +10,18 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "phase-reversed",
         advice: "the phase function has forward and backward exchanged: check the sign convention of your direction vectors; here g > 0 is forward, and the cosine is that between the directions of travel before and after",
-        edit: Edit::Radiative(|scene| phases(scene, |g| -g)),
+        edit: Edit::Medium(|medium| phase(medium, |g| -g)),
     },
     Mistake {
         name: "phase-isotropic",
         advice: "light is scattered into all directions alike although g is not 0: check that g reaches the phase function, in its value and in the sampling",
-        edit: Edit::Radiative(|scene| phases(scene, |_| 0.0)),
+        edit: Edit::Medium(|medium| phase(medium, |_| 0.0)),
     },
     Mistake {
         name: "absorption-scatters",
         advice: "sigma_t is used for sigma_s: what is absorbed is scattered as well, so that the albedo is 1; multiply by sigma_s / sigma_t at every collision",
-        edit: Edit::Radiative(|scene| {
-            coefficients(scene, |a, s| {
+        edit: Edit::Medium(|medium| {
+            coefficients(medium, |a, s| {
                 if s == DVec3::ZERO {
                     (a, s)
                 } else {
@@ -33,22 +33,22 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "absorption-left-out",
         advice: "sigma_s is used for sigma_t: nothing is absorbed; the extinction is sigma_a + sigma_s",
-        edit: Edit::Radiative(|scene| coefficients(scene, |_, s| (DVec3::ZERO, s))),
+        edit: Edit::Medium(|medium| coefficients(medium, |_, s| (DVec3::ZERO, s))),
     },
     Mistake {
         name: "scattering-left-out",
         advice: "scattering is missing altogether: light that is scattered is neither taken from the ray nor sent elsewhere; the extinction is sigma_a + sigma_s",
-        edit: Edit::Radiative(|scene| coefficients(scene, |a, _| (a, DVec3::ZERO))),
+        edit: Edit::Medium(|medium| coefficients(medium, |a, _| (a, DVec3::ZERO))),
     },
     Mistake {
         name: "in-scattering-left-out",
         advice: "light that is scattered is lost: the extinction is right, but no light is scattered into the ray; check that the medium is lit at all, by shadow rays and by further turns",
-        edit: Edit::Radiative(|scene| coefficients(scene, |a, s| (a + s, DVec3::ZERO))),
+        edit: Edit::Medium(|medium| coefficients(medium, |a, s| (a + s, DVec3::ZERO))),
     },
     Mistake {
         name: "absorption-and-scattering-exchanged",
         advice: "sigma_a and sigma_s are exchanged, or the albedo is 1 minus what it should be",
-        edit: Edit::Radiative(|scene| coefficients(scene, |a, s| (s, a))),
+        edit: Edit::Medium(|medium| coefficients(medium, |a, s| (s, a))),
     },
     Mistake {
         name: "single-scattering",
@@ -63,22 +63,22 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "extinction-doubled",
         advice: "media are twice as dense as they should be: is the optical depth counted twice, or a diameter taken for a radius?",
-        edit: Edit::Radiative(|scene| coefficients(scene, |a, s| (a * 2.0, s * 2.0))),
+        edit: Edit::Medium(|medium| coefficients(medium, |a, s| (a * 2.0, s * 2.0))),
     },
     Mistake {
         name: "extinction-halved",
         advice: "media are half as dense as they should be: coefficients are per world unit; is the distance through a medium measured in full?",
-        edit: Edit::Radiative(|scene| coefficients(scene, |a, s| (a * 0.5, s * 0.5))),
+        edit: Edit::Medium(|medium| coefficients(medium, |a, s| (a * 0.5, s * 0.5))),
     },
     Mistake {
         name: "extinction-base-ten",
         advice: "transmittance is 10^-depth in place of e^-depth: the coefficients are natural ones, not decadic",
-        edit: Edit::Radiative(|scene| coefficients(scene, |a, s| (a * LN_10, s * LN_10))),
+        edit: Edit::Medium(|medium| coefficients(medium, |a, s| (a * LN_10, s * LN_10))),
     },
     Mistake {
         name: "extinction-base-two",
         advice: "transmittance is 2^-depth in place of e^-depth: exp, not exp2",
-        edit: Edit::Radiative(|scene| coefficients(scene, |a, s| (a * LN_2, s * LN_2))),
+        edit: Edit::Medium(|medium| coefficients(medium, |a, s| (a * LN_2, s * LN_2))),
     },
     Mistake {
         name: "media-left-out",
@@ -92,7 +92,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "coefficients-grey",
         advice: "media have no colour: coefficients are the mean of their channels; they differ from channel to channel, and so does transmittance",
-        edit: Edit::Radiative(|scene| {
+        edit: Edit::Medium(|medium| {
             // The mean of equal numbers may be off by a rounding.
             let mean = |c: DVec3| {
                 if c.min_element() == c.max_element() {
@@ -101,61 +101,42 @@ pub(super) const MISTAKES: &[Mistake] = &[
                     DVec3::splat(c.element_sum() / 3.0)
                 }
             };
-            coefficients(scene, |a, s| (mean(a), mean(s)))
+            coefficients(medium, |a, s| (mean(a), mean(s)))
         }),
     },
     Mistake {
         name: "coefficients-of-red",
         advice: "the coefficients of red are used for all channels: distances may be sampled by one channel, but every channel needs its own transmittance over the pdf of that distance",
-        edit: Edit::Radiative(|scene| {
-            coefficients(scene, |a, s| (DVec3::splat(a.x), DVec3::splat(s.x)))
+        edit: Edit::Medium(|medium| {
+            coefficients(medium, |a, s| (DVec3::splat(a.x), DVec3::splat(s.x)))
         }),
     },
     Mistake {
         name: "emission-left-out",
         advice: "media do not emit: emission is missing along the ray",
-        edit: Edit::Radiative(|scene| emissions(scene, |_, _| DVec3::ZERO)),
+        edit: Edit::Medium(|medium| emission(medium, |_, _| DVec3::ZERO)),
     },
     Mistake {
         name: "emission-times-absorption",
         advice: "emission is multiplied by sigma_a: here it is radiance per world length as it stands, not the radiance of a black body",
-        edit: Edit::Radiative(|scene| emissions(scene, |emission, sigma_a| emission * sigma_a)),
+        edit: Edit::Medium(|medium| emission(medium, |emission, sigma_a| emission * sigma_a)),
     },
 ];
 
-/// Applies `edit` to every medium; whether any changed.
-fn bodies(scene: &mut Radiative, mut edit: impl FnMut(&mut Body)) -> bool {
-    let mut occurs = false;
-    for body in &mut scene.media {
-        let before = body.medium;
-        edit(body);
-        occurs |= body.medium != before;
-    }
-    occurs
-}
-
-fn phases(scene: &mut Radiative, edit: fn(f64) -> f64) -> bool {
-    bodies(scene, |body| {
-        let edit =
-            |g: Asymmetry| Asymmetry::new(edit(g.g())).expect("no farther from 0 than it was");
-        body.medium.phase = body.medium.phase.with_asymmetry(edit);
-    })
+fn phase(medium: &mut Homogeneous, edit: fn(f64) -> f64) {
+    let edit = |g: Asymmetry| Asymmetry::new(edit(g.g())).expect("no farther from 0 than it was");
+    medium.phase = medium.phase.with_asymmetry(edit);
 }
 
 /// Edits absorption and scattering, in this order; leaves alone what would overflow.
-fn coefficients(scene: &mut Radiative, edit: impl Fn(DVec3, DVec3) -> (DVec3, DVec3)) -> bool {
-    bodies(scene, |body| {
-        let old = body.medium.coefficients;
-        let (sigma_a, sigma_s) = edit(old.sigma_a(), old.sigma_s());
-        body.medium.coefficients = Coefficients::new(sigma_a, sigma_s).unwrap_or(old);
-    })
+fn coefficients(medium: &mut Homogeneous, edit: impl Fn(DVec3, DVec3) -> (DVec3, DVec3)) {
+    let old = medium.coefficients;
+    let (sigma_a, sigma_s) = edit(old.sigma_a(), old.sigma_s());
+    medium.coefficients = Coefficients::new(sigma_a, sigma_s).unwrap_or(old);
 }
 
-fn emissions(scene: &mut Radiative, edit: fn(DVec3, DVec3) -> DVec3) -> bool {
-    bodies(scene, |body| {
-        let medium = &mut body.medium;
-        medium.emission = edit(medium.emission, medium.coefficients.sigma_a());
-    })
+fn emission(medium: &mut Homogeneous, edit: fn(DVec3, DVec3) -> DVec3) {
+    medium.emission = edit(medium.emission, medium.coefficients.sigma_a());
 }
 
 /// Light is scattered less often than it should be.

@@ -13,7 +13,8 @@ mod media;
 mod surfaces;
 
 use crate::film::Film;
-use crate::media::{Appearance, TransferOpacity};
+use crate::media::{Appearance, Homogeneous, TransferOpacity};
+use crate::optics::{Light, Material};
 use crate::scene::{Classified, Curve, Model, Radiative, Scene};
 
 /// A mistake, under the name that reports use.
@@ -35,10 +36,16 @@ enum Edit {
     Opacity(fn(&mut TransferOpacity) -> bool),
     /// Of media among surfaces and lights.
     Radiative(fn(&mut Radiative) -> bool),
+    /// Of every medium.
+    Medium(fn(&mut Homogeneous)),
+    /// Of every light without extent.
+    Light(fn(&mut Light)),
+    /// Of the material of every surface.
+    Material(fn(&mut Material)),
     /// Of the finished image, in each pixel by itself.
-    Pixels(fn(&Film) -> Option<Film>),
+    Pixels(fn(&Film) -> Film),
     /// Of the finished image, in where its pixels are or in how they mix.
-    Image(fn(&Film) -> Option<Film>),
+    Image(fn(&Film) -> Film),
 }
 
 impl Mistake {
@@ -62,7 +69,7 @@ impl Mistake {
             occurs |= match (&self.edit, &mut panel.model) {
                 (Edit::Classified(edit), Model::Classified(classified)) => edit(classified),
                 (Edit::Opacity(edit), model) => opacity_of(model).is_some_and(edit),
-                (Edit::Radiative(edit), Model::Radiative(radiative)) => edit(radiative),
+                (edit, Model::Radiative(radiative)) => in_radiative(edit, radiative),
                 _ => false,
             };
         }
@@ -73,10 +80,44 @@ impl Mistake {
     /// the scene. The noise of the image changes with it, to first order.
     pub fn in_image(&self, film: &Film) -> Option<Film> {
         match self.edit {
-            Edit::Pixels(edit) | Edit::Image(edit) => edit(film).filter(|edited| edited != film),
-            Edit::Classified(_) | Edit::Opacity(_) | Edit::Radiative(_) => None,
+            Edit::Pixels(edit) | Edit::Image(edit) => Some(edit(film)).filter(|new| new != film),
+            _ => None,
         }
     }
+}
+
+/// Edits `scene`; whether there is occasion for it.
+fn in_radiative(edit: &Edit, scene: &mut Radiative) -> bool {
+    match edit {
+        Edit::Radiative(edit) => edit(scene),
+        Edit::Medium(edit) => changed(scene.media.iter_mut().map(|body| &mut body.medium), *edit),
+        Edit::Light(edit) => changed(&mut scene.lights, *edit),
+        Edit::Material(edit) => {
+            let materials = scene.objects.iter_mut().map(|object| &mut object.material);
+            changed(materials, *edit)
+        }
+        _ => false,
+    }
+}
+
+/// Edits each of the `items`; whether any changed.
+fn changed<'i, T: Copy + PartialEq + 'i>(
+    items: impl IntoIterator<Item = &'i mut T>,
+    edit: fn(&mut T),
+) -> bool {
+    let mut occurs = false;
+    for item in items {
+        let before = *item;
+        edit(item);
+        occurs |= *item != before;
+    }
+    occurs
+}
+
+/// Sets `value` to `new`; whether it changed.
+fn set<T: PartialEq>(value: &mut T, new: T) -> bool {
+    let old = std::mem::replace(value, new);
+    old != *value
 }
 
 /// The formula for opacity, where the model has one.

@@ -2,7 +2,6 @@
 
 use super::{Edit, Mistake};
 use crate::optics::Material;
-use crate::scene::Radiative;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -10,67 +9,46 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "diffuse-over-pi",
         advice: "matt surfaces are too dark by pi: Lambert's reflection is reflectance / pi, once; sampled by the cosine, the pi of the pdf cancels it",
-        edit: Edit::Radiative(|scene| {
-            materials(scene, |material| {
-                if let Material::Diffuse(reflectance) = material {
-                    *reflectance /= PI;
-                }
-            })
+        edit: Edit::Material(|material| {
+            if let Material::Diffuse(reflectance) = material {
+                *reflectance /= PI;
+            }
         }),
     },
     Mistake {
         name: "diffuse-black",
         advice: "matt surfaces reflect nothing: rays that meet them must go on, or ask the lights",
-        edit: Edit::Radiative(|scene| {
-            materials(scene, |material| {
-                if let Material::Diffuse(reflectance) = material {
-                    *reflectance = DVec3::ZERO;
-                }
-            })
+        edit: Edit::Material(|material| {
+            if let Material::Diffuse(reflectance) = material {
+                *reflectance = DVec3::ZERO;
+            }
         }),
     },
     Mistake {
         name: "mirror-black",
         advice: "mirrors are black: a reflection that only one direction brings cannot be found by sampling lights, so the mirrored ray must be followed and see the lights itself",
-        edit: Edit::Radiative(|scene| {
-            materials(scene, |material| {
-                if let Material::Mirror(reflectance) = material {
-                    *reflectance = DVec3::ZERO;
-                }
-            })
+        edit: Edit::Material(|material| {
+            if let Material::Mirror(reflectance) = material {
+                *reflectance = DVec3::ZERO;
+            }
         }),
     },
     Mistake {
         name: "glass-inside-out",
         advice: "glass refracts the wrong way: its index is that of the inside over that of the outside; check which side the ray comes from",
-        edit: Edit::Radiative(|scene| {
-            materials(scene, |material| {
-                if let Material::Glass(index) = material {
-                    *index = 1.0 / *index;
-                }
-            })
+        edit: Edit::Material(|material| {
+            if let Material::Glass(index) = material {
+                *index = 1.0 / *index;
+            }
         }),
     },
     Mistake {
         name: "glass-without-refraction",
         advice: "light goes straight through glass: refract by Snell's law and split by Fresnel's equations",
-        edit: Edit::Radiative(|scene| {
-            materials(scene, |material| {
-                if let Material::Glass(index) = material {
-                    *index = 1.0;
-                }
-            })
+        edit: Edit::Material(|material| {
+            if let Material::Glass(index) = material {
+                *index = 1.0;
+            }
         }),
     },
 ];
-
-/// Applies `edit` to every material; whether any changed.
-fn materials(scene: &mut Radiative, edit: impl Fn(&mut Material)) -> bool {
-    let mut occurs = false;
-    for object in &mut scene.objects {
-        let before = object.material;
-        edit(&mut object.material);
-        occurs |= object.material != before;
-    }
-    occurs
-}
