@@ -455,10 +455,7 @@ impl RendererRun<'_> {
 
     /// Whether the renderer is told how many samples it is to take.
     fn asks_for_samples(&self) -> bool {
-        self.template
-            .placeholders()
-            .iter()
-            .any(|name| name == "spp")
+        self.template.uses("spp")
     }
 
     /// The command for `case`, its folder and exports made.
@@ -491,10 +488,9 @@ impl RendererRun<'_> {
             ("seed", self.arguments.seed.to_string()),
             ("case", case.name.clone()),
         ]);
-        let used = self.template.placeholders();
         for name in CommandTemplate::PLACEHOLDERS {
             let format = name.strip_prefix("export:");
-            if let Some(format) = format.filter(|_| used.iter().any(|used| used == name)) {
+            if let Some(format) = format.filter(|_| self.template.uses(name)) {
                 let path = self.export(&scene, case, format)?;
                 values.insert(name, shown(&path));
             }

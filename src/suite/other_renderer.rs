@@ -16,7 +16,16 @@ use thiserror::Error;
 /// A command with placeholders such as `{output}`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CommandTemplate {
-    words: Vec<String>,
+    words: Vec<Vec<Part>>,
+}
+
+/// A part of a word.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Part {
+    /// As it stands.
+    Text(String),
+    /// The name of a value.
+    Placeholder(String),
 }
 
 /// Why a text is no command.
@@ -63,82 +72,70 @@ impl CommandTemplate {
         if words.is_empty() {
             return Err(TemplateError::Empty);
         }
+        let words = words.iter().map(|word| parts(word)).collect();
         let template = CommandTemplate { words };
-        let used = template.placeholders();
-        if let Some(name) = used
-            .iter()
-            .find(|name| !Self::PLACEHOLDERS.contains(&name.as_str()))
+        if let Some(name) = template
+            .placeholders()
+            .find(|name| !Self::PLACEHOLDERS.contains(name))
         {
-            let known = Self::PLACEHOLDERS
-                .map(|name| format!("{{{name}}}"))
-                .join(" ");
+            let known = Self::PLACEHOLDERS.map(|name| format!("{{{name}}}"));
             return Err(TemplateError::Unknown {
-                name: name.clone(),
-                known,
+                name: name.to_owned(),
+                known: known.join(" "),
             });
         }
-        if !used.iter().any(|name| name == "output") {
+        if !template.uses("output") {
             return Err(TemplateError::NoOutput);
         }
         Ok(template)
     }
 
     /// The names in braces, in order.
-    pub fn placeholders(&self) -> Vec<String> {
-        let mut names = Vec::new();
-        for word in &self.words {
-            replace(word, |name| names.push(name.to_owned()));
-        }
-        names
+    fn placeholders(&self) -> impl Iterator<Item = &str> {
+        self.words.iter().flatten().filter_map(|part| match part {
+            Part::Placeholder(name) => Some(name.as_str()),
+            Part::Text(_) => None,
+        })
+    }
+
+    /// Whether the placeholder `name` is in the command.
+    pub fn uses(&self, name: &str) -> bool {
+        self.placeholders().any(|used| used == name)
     }
 
     /// The words of the command with the placeholders filled in.
     pub fn fill(&self, values: &BTreeMap<&str, String>) -> Vec<String> {
-        let fill = |word: &String| {
-            let mut filled = String::new();
-            let rest = replace_with(word, &mut filled, |name| {
-                values.get(name).cloned().unwrap_or_default()
-            });
-            filled.push_str(rest);
-            filled
+        let filled = |part: &Part| match part {
+            Part::Text(text) => text.clone(),
+            Part::Placeholder(name) => values.get(name.as_str()).cloned().unwrap_or_default(),
         };
+        let fill = |word: &Vec<Part>| word.iter().map(filled).collect();
         self.words.iter().map(fill).collect()
     }
 }
 
-/// Names `{like-this}` in `word`. Braces around anything else stand for themselves.
-fn replace(word: &str, mut each: impl FnMut(&str)) {
-    let mut nothing = String::new();
-    replace_with(word, &mut nothing, |name| {
-        each(name);
-        String::new()
-    });
-}
-
-/// Copies `word` to `filled` up to its last placeholder, values put in; returns what is left.
-fn replace_with<'w>(
-    word: &'w str,
-    filled: &mut String,
-    mut value: impl FnMut(&str) -> String,
-) -> &'w str {
+/// The parts of a word. Braces around anything but a name stand for themselves.
+fn parts(word: &str) -> Vec<Part> {
+    let is_name = |c: char| c.is_ascii_alphanumeric() || matches!(c, ':' | '-' | '_');
+    let mut parts = Vec::new();
+    let mut text = String::new();
     let mut rest = word;
-    let mut from = 0;
-    while let Some(open) = rest[from..].find('{').map(|at| from + at) {
-        let Some(close) = rest[open..].find('}').map(|at| open + at) else {
-            break;
-        };
-        let name = &rest[open + 1..close];
-        let is_name = |c: char| c.is_ascii_alphanumeric() || matches!(c, ':' | '-' | '_');
-        if name.is_empty() || !name.chars().all(is_name) {
-            from = open + 1;
-            continue;
+    while let Some((before, after)) = rest.split_once('{') {
+        text.push_str(before);
+        match after.split_once('}') {
+            Some((name, behind)) if !name.is_empty() && name.chars().all(is_name) => {
+                parts.push(Part::Text(std::mem::take(&mut text)));
+                parts.push(Part::Placeholder(name.to_owned()));
+                rest = behind;
+            }
+            _ => {
+                text.push('{');
+                rest = after;
+            }
         }
-        filled.push_str(&rest[..open]);
-        filled.push_str(&value(name));
-        rest = &rest[close + 1..];
-        from = 0;
     }
-    rest
+    parts.push(Part::Text(text + rest));
+    parts
 }
 
 #[cfg(test)]

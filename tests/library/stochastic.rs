@@ -1,14 +1,25 @@
 //! The stochastic gate against the pairs it must reject and the noise it must accept.
 
-use volref::compare::stochastic::{FALSE_ALARM, judge, judge_at, judge_case};
+use volref::compare::stochastic::{FALSE_ALARM, judge, judge_at};
 use volref::compare::{
-    Advice, Conditions, Judgement, Picture, PictureError, Stochastic, Undecided, metric_meaning,
+    self, Advice, Conditions, Judgement, Picture, PictureError, Stochastic, Undecided,
+    metric_meaning,
 };
 use volref::film::Film;
 use volref::math::rng::{Purpose, Stream};
 use volref::math::{Moments, ln};
 
 const SIDE: usize = 48;
+
+/// One comparison by which a bias of `promise` is to be seen.
+fn promising(reference: &Film, test: &Film, promise: f64) -> Judgement {
+    let [reference, test] = [reference, test].map(|film| Picture::Radiance(film.clone()));
+    let conditions = Conditions {
+        visible_bias: Some(promise),
+        ..Conditions::default()
+    };
+    compare::judge(&Stochastic, &reference, &test, &conditions).unwrap()
+}
 
 /// What is seen without noise: a ball on black, a gradient below it.
 fn truth(index: usize) -> [f64; 3] {
@@ -427,7 +438,7 @@ fn advice_decides_in_every_form() {
         for (form, has, words) in forms {
             let with = |seed, samples| {
                 let film = form(seed, samples, shape);
-                judge_case(&reference, &film, 1, promise).unwrap()
+                promising(&reference, &film, promise)
             };
             let few = with(3, 32);
             let advice = advised(&few);
@@ -468,7 +479,7 @@ fn renderings_are_no_samples() {
 #[test]
 fn the_reference_may_be_in_the_way() {
     let test = sampled(2, 64, even, truth);
-    let with = |reference: &Film, promise| judge_case(reference, &test, 1, promise).unwrap();
+    let with = |reference: &Film, promise| promising(reference, &test, promise);
     let noisy = silent(&sampled(1, 64, even, truth));
     let promise = 0.3 * mean_resolution(&judged(&noisy, &test));
     let hopeless = with(&noisy, promise);
@@ -541,7 +552,7 @@ fn the_worst_block_has_a_limit_beside_it() {
 fn a_promise_that_was_not_kept() {
     let reference = sampled(1, 4096, even, truth);
     let test = |samples| sampled(2, samples, even, truth);
-    let with_promise = |test: &Film, promise| judge_case(&reference, test, 1, promise).unwrap();
+    let with_promise = |test: &Film, promise| promising(&reference, test, promise);
 
     let resolution = mean_resolution(&judged(&reference, &test(16)));
     let kept = with_promise(&test(16), resolution);

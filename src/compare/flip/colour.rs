@@ -100,14 +100,9 @@ impl OpponentPlanes {
         &self.0[0]
     }
 
-    /// Redness less greenness.
-    pub fn red_green(&self) -> &Plane {
-        &self.0[1]
-    }
-
-    /// Yellowness less blueness.
-    pub fn blue_yellow(&self) -> &Plane {
-        &self.0[2]
+    /// Luminance, redness less greenness and yellowness less blueness.
+    pub fn planes(&self) -> &[Plane; 3] {
+        &self.0
     }
 }
 

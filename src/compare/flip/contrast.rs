@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use super::colour::{Colour, OpponentPlanes};
-use super::kernel::Blur;
-use super::plane::{PaddedRow, Plane};
+use super::kernel::Kernel;
+use super::plane::PaddedRow;
 use crate::math::exp;
 
 /// A term `a·√(π/b)·exp(−π²x²/b)` of a filter, with x the distance in degrees: the inverse
@@ -45,15 +45,10 @@ impl Gaussian {
 ///
 /// A Gaussian of the distance is a product of one along the row and one along the column. The
 /// blue–yellow filter is a sum of two, each blurred on its own and then added.
+/// Of each term the first kernel is that along columns, which sums to one; that along rows is the
+/// same times the term's share of the sum.
 #[derive(Clone, Debug)]
-pub struct ContrastFilter {
-    achromatic: Blur,
-    red_green: Blur,
-    /// Along columns, each summing to one.
-    blue_yellow: [Blur; 2],
-    /// The same along rows, times each term's share of the sum.
-    blue_yellow_shares: [Blur; 2],
-}
+pub struct ContrastFilter([Vec<[Kernel; 2]>; 3]);
 
 impl ContrastFilter {
     pub fn new(pixels_per_degree: f64) -> Self {
@@ -61,7 +56,7 @@ impl ContrastFilter {
         let widest = BLUE_YELLOW[0].standard_deviation();
         let radius = (3.0 * widest * pixels_per_degree).ceil() as usize;
         let blur = |term: Gaussian| {
-            Blur::new(radius, |pixels| {
+            Kernel::blur(radius, |pixels| {
                 let degrees = pixels / pixels_per_degree;
                 term.shape(degrees * degrees)
             })
@@ -70,13 +65,19 @@ impl ContrastFilter {
         // The sum of a term over the plane is its height times the square of its sum on a line.
         let sums = [0, 1].map(|i| BLUE_YELLOW[i].height() * terms[i].1 * terms[i].1);
         let shares = sums.map(|sum| sum / (sums[0] + sums[1]));
-        let [first, second] = terms.map(|(kernel, _)| kernel);
-        Self {
-            achromatic: blur(ACHROMATIC).0,
-            red_green: blur(RED_GREEN).0,
-            blue_yellow_shares: [first.scaled(shares[0]), second.scaled(shares[1])],
-            blue_yellow: [first, second],
-        }
+        let single = |term: Gaussian| {
+            let (kernel, _) = blur(term);
+            vec![[kernel.clone(), kernel]]
+        };
+        let shared =
+            |((kernel, _), share): ((Kernel, f64), f64)| [kernel.clone(), kernel.scaled(share)];
+        let blue_yellow = terms.into_iter().zip(shares).map(shared).collect();
+        Self([single(ACHROMATIC), single(RED_GREEN), blue_yellow])
+    }
+
+    /// Of every kernel.
+    fn radius(&self) -> usize {
+        self.0[0][0][0].radius()
     }
 }
 
@@ -91,49 +92,26 @@ pub struct BlurredRow {
 impl BlurredRow {
     pub fn new(width: usize, filter: &ContrastFilter) -> Self {
         Self {
-            column_blurred: PaddedRow::new(width, filter.achromatic.radius()),
+            column_blurred: PaddedRow::new(width, filter.radius()),
             channels: [(); 3].map(|()| vec![0.0; width]),
         }
     }
 
     /// Blurs row `y` of the image into this row.
     pub fn fill(&mut self, filter: &ContrastFilter, image: &OpponentPlanes, y: usize) {
-        let [luminance, red_green, blue_yellow] = &mut self.channels;
         let between = &mut self.column_blurred;
-        let mut blur = |plane: &Plane, along_column: &Blur, along_row: &Blur, sum: &mut [f64]| {
-            between.fill(|row| {
-                row.fill(0.0);
-                along_column.add(|k| plane.row(y, k), row);
-            });
-            along_row.add(|k| between.shifted(k), sum);
-        };
-
-        luminance.fill(0.0);
-        blur(
-            image.luminance(),
-            &filter.achromatic,
-            &filter.achromatic,
-            luminance,
-        );
-        red_green.fill(0.0);
-        blur(
-            image.red_green(),
-            &filter.red_green,
-            &filter.red_green,
-            red_green,
-        );
-        blue_yellow.fill(0.0);
-        for (along_column, along_row) in filter.blue_yellow.iter().zip(&filter.blue_yellow_shares) {
-            blur(image.blue_yellow(), along_column, along_row, blue_yellow);
+        let channels = image.planes().iter().zip(&filter.0).zip(&mut self.channels);
+        for ((plane, terms), channel) in channels {
+            channel.fill(0.0);
+            for [along_column, along_row] in terms {
+                between.filter(plane, y, along_column);
+                between.add_filtered(along_row, channel);
+            }
         }
     }
 
     /// The blurred colour of column `x`.
     pub fn colour(&self, x: usize) -> Colour {
-        [
-            self.channels[0][x],
-            self.channels[1][x],
-            self.channels[2][x],
-        ]
+        self.channels.each_ref().map(|channel| channel[x])
     }
 }

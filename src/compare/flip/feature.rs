@@ -1,6 +1,6 @@
 //! Edges and points that one image has and the other has not (the paper's feature pipeline, section 4.2).
 
-use super::kernel::{Bend, Blur, Slope};
+use super::kernel::Kernel;
 use super::plane::{PaddedRow, Plane};
 use crate::math::exp;
 
@@ -11,9 +11,9 @@ const FEATURE_WIDTH: f64 = 0.082;
 /// feature, and the Gaussian itself along it.
 #[derive(Clone, Debug)]
 pub struct FeatureFilter {
-    along: Blur,
-    edge: Slope,
-    point: Bend,
+    along: Kernel,
+    edge: Kernel,
+    point: Kernel,
 }
 
 impl FeatureFilter {
@@ -23,9 +23,9 @@ impl FeatureFilter {
         let radius = (3.0 * sigma).ceil() as usize;
         let gaussian = |x: f64| exp(-x * x / (2.0 * sigma * sigma));
         Self {
-            along: Blur::new(radius, gaussian).0,
-            edge: Slope::new(radius, |x| x * gaussian(x)),
-            point: Bend::new(radius, |x| (x * x / (sigma * sigma) - 1.0) * gaussian(x)),
+            along: Kernel::blur(radius, gaussian).0,
+            edge: Kernel::slope(radius, |x| x * gaussian(x)),
+            point: Kernel::bend(radius, |x| (x * x / (sigma * sigma) - 1.0) * gaussian(x)),
         }
     }
 }
@@ -59,26 +59,13 @@ impl FeatureRow {
             row.fill(0.0);
         }
         let between = &mut self.column_filtered;
-        let column = |k| luminance.row(y, k);
-
-        between.fill(|row| {
-            row.fill(0.0);
-            filter.along.add(column, row);
-        });
-        filter.edge.add(|k| between.shifted(k), edge_across);
-        filter.point.add(|k| between.shifted(k), point_across);
-
-        between.fill(|row| {
-            row.fill(0.0);
-            filter.edge.add(column, row);
-        });
-        filter.along.add(|k| between.shifted(k), edge_down);
-
-        between.fill(|row| {
-            row.fill(0.0);
-            filter.point.add(column, row);
-        });
-        filter.along.add(|k| between.shifted(k), point_down);
+        between.filter(luminance, y, &filter.along);
+        between.add_filtered(&filter.edge, edge_across);
+        between.add_filtered(&filter.point, point_across);
+        between.filter(luminance, y, &filter.edge);
+        between.add_filtered(&filter.along, edge_down);
+        between.filter(luminance, y, &filter.point);
+        between.add_filtered(&filter.along, point_down);
     }
 
     /// Strength of edge and point at column `x`: the lengths of the two gradients.

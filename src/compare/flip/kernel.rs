@@ -7,83 +7,55 @@
 //! derivative of equal samples exactly zero, where a plain weighted sum leaves a rounding error
 //! that the square root of the feature difference would blow up.
 
-/// A kernel equal on both sides, with weights that sum to one: a blur.
+/// A kernel of one of three symmetries.
 #[derive(Clone, Debug)]
-pub struct Blur {
-    centre: f64,
+pub struct Kernel {
+    symmetry: Symmetry,
     /// Weights at distance 1, 2, …
     sides: Vec<f64>,
 }
 
-/// A kernel of opposite signs on either side: a first derivative. The weights of one side sum
-/// to one.
-#[derive(Clone, Debug)]
-pub struct Slope {
-    /// Weights at distance 1, 2, …
-    sides: Vec<f64>,
+#[derive(Clone, Copy, Debug)]
+enum Symmetry {
+    /// Equal on both sides, with weights that sum to one: a blur.
+    Blur { centre: f64 },
+    /// Of opposite signs on either side: a first derivative. The weights of one side sum to one.
+    Slope,
+    /// Equal on both sides, with weights that sum to zero: a second derivative. Its centre weight is
+    /// minus the sum of the others.
+    Bend,
 }
 
-/// A kernel equal on both sides, with weights that sum to zero: a second derivative. Its centre
-/// weight is minus the sum of the others.
-#[derive(Clone, Debug)]
-pub struct Bend {
-    /// Weights at distance 1, 2, …
-    sides: Vec<f64>,
-}
-
-impl Blur {
-    /// From `weight(distance)` up to and including `radius`, scaled to sum to one. The second
+impl Kernel {
+    /// A blur from `weight(distance)` up to and including `radius`, scaled to sum to one. The second
     /// value is the sum before.
-    pub fn new(radius: usize, weight: impl Fn(f64) -> f64) -> (Self, f64) {
+    pub fn blur(radius: usize, weight: impl Fn(f64) -> f64) -> (Kernel, f64) {
         let centre = weight(0.0);
         let sides = sides(radius, weight);
         let total = centre + 2.0 * sides.iter().sum::<f64>();
-        let sides = sides.iter().map(|w| w / total).collect();
-        let centre = centre / total;
-        (Self { centre, sides }, total)
+        let kernel = Kernel {
+            symmetry: Symmetry::Blur {
+                centre: centre / total,
+            },
+            sides: sides.iter().map(|w| w / total).collect(),
+        };
+        (kernel, total)
     }
 
-    /// The kernel times a factor.
-    pub fn scaled(&self, factor: f64) -> Self {
-        Self {
-            centre: self.centre * factor,
-            sides: self.sides.iter().map(|w| w * factor).collect(),
-        }
-    }
-
-    pub fn radius(&self) -> usize {
-        self.sides.len()
-    }
-
-    /// Adds the blurred samples to `sum`.
-    pub fn add<'a>(&self, tap: impl Fn(isize) -> &'a [f64], sum: &mut [f64]) {
-        for (sum, &here) in sum.iter_mut().zip(tap(0)) {
-            *sum += self.centre * here;
-        }
-        add_mirrored(&self.sides, tap, sum, |before, _, after| before + after);
-    }
-}
-
-impl Slope {
-    /// From `weight(distance)` up to and including `radius`, scaled to sum to one on a side.
-    pub fn new(radius: usize, weight: impl Fn(f64) -> f64) -> Self {
+    /// A first derivative from `weight(distance)` up to and including `radius`, scaled to sum to one
+    /// on a side.
+    pub fn slope(radius: usize, weight: impl Fn(f64) -> f64) -> Kernel {
         let sides = sides(radius, weight);
         let total: f64 = sides.iter().sum();
-        Self {
+        Kernel {
+            symmetry: Symmetry::Slope,
             sides: sides.iter().map(|w| w / total).collect(),
         }
     }
 
-    /// Adds the derivative of the samples to `sum`.
-    pub fn add<'a>(&self, tap: impl Fn(isize) -> &'a [f64], sum: &mut [f64]) {
-        add_mirrored(&self.sides, tap, sum, |before, _, after| after - before);
-    }
-}
-
-impl Bend {
-    /// From `weight(distance)` up to and including `radius`: the positive weights are scaled to
-    /// sum to one and the negative ones, the centre among them, to sum to minus one.
-    pub fn new(radius: usize, weight: impl Fn(f64) -> f64) -> Self {
+    /// A second derivative from `weight(distance)` up to and including `radius`: the positive weights
+    /// are scaled to sum to one and the negative ones, the centre among them, to sum to minus one.
+    pub fn bend(radius: usize, weight: impl Fn(f64) -> f64) -> Kernel {
         let centre = weight(0.0);
         let sides = sides(radius, weight);
         let of_sign = |sign: f64| -> f64 {
@@ -93,16 +65,40 @@ impl Bend {
         };
         let (positive, negative) = (of_sign(1.0), of_sign(-1.0));
         let scaled = |w: &f64| w / if *w > 0.0 { positive } else { negative };
-        Self {
+        Kernel {
+            symmetry: Symmetry::Bend,
             sides: sides.iter().map(scaled).collect(),
         }
     }
 
-    /// Adds the second derivative of the samples to `sum`.
+    /// The blur times a factor.
+    pub fn scaled(mut self, factor: f64) -> Kernel {
+        if let Symmetry::Blur { centre } = &mut self.symmetry {
+            *centre *= factor;
+        }
+        self.sides.iter_mut().for_each(|w| *w *= factor);
+        self
+    }
+
+    pub fn radius(&self) -> usize {
+        self.sides.len()
+    }
+
+    /// Adds the samples, blurred or derived, to `sum`.
     pub fn add<'a>(&self, tap: impl Fn(isize) -> &'a [f64], sum: &mut [f64]) {
-        add_mirrored(&self.sides, tap, sum, |before, here, after| {
-            (before + after) - 2.0 * here
-        });
+        let sides = &self.sides;
+        match self.symmetry {
+            Symmetry::Blur { centre } => {
+                for (sum, &here) in sum.iter_mut().zip(tap(0)) {
+                    *sum += centre * here;
+                }
+                add_mirrored(sides, tap, sum, |before, _, after| before + after);
+            }
+            Symmetry::Slope => add_mirrored(sides, tap, sum, |before, _, after| after - before),
+            Symmetry::Bend => add_mirrored(sides, tap, sum, |before, here, after| {
+                (before + after) - 2.0 * here
+            }),
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! One quantity over an image or a row, continued beyond its borders by its edge value.
 
+use super::kernel::Kernel;
+
 /// One quantity at every pixel, row-major, top row first.
 #[derive(Clone, Debug)]
 pub struct Plane {
@@ -45,18 +47,22 @@ impl PaddedRow {
         }
     }
 
-    /// Lets `write` fill the samples proper, then repeats the ends into the margins.
-    pub fn fill(&mut self, write: impl FnOnce(&mut [f64])) {
+    /// Fills the samples proper with row `y` of `plane`, filtered along columns by `kernel`, and
+    /// repeats the ends into the margins.
+    pub fn filter(&mut self, plane: &Plane, y: usize, kernel: &Kernel) {
         let (left, rest) = self.samples.split_at_mut(self.margin);
         let (row, right) = rest.split_at_mut(self.width);
-        write(row);
+        row.fill(0.0);
+        kernel.add(|k| plane.row(y, k), row);
         left.fill(row[0]);
         right.fill(row[self.width - 1]);
     }
 
-    /// The row seen `offset` samples further right, `|offset| ≤ margin`: its sample `x` is
-    /// sample `x + offset`.
-    pub fn shifted(&self, offset: isize) -> &[f64] {
-        &self.samples[self.margin.wrapping_add_signed(offset)..][..self.width]
+    /// Adds the row, filtered along itself by `kernel`, to `sum`.
+    pub fn add_filtered(&self, kernel: &Kernel, sum: &mut [f64]) {
+        // The row seen `offset` samples further right, by the margin at most.
+        let shifted =
+            |offset: isize| &self.samples[self.margin.wrapping_add_signed(offset)..][..self.width];
+        kernel.add(shifted, sum);
     }
 }

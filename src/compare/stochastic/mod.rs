@@ -252,22 +252,6 @@ pub fn judge(reference: &Film, test: &Film, cases: usize) -> Result<Judgement, P
     judge_at(reference, test, FALSE_ALARM / cases.max(1) as f64)
 }
 
-/// [`judge`], where a bias of `promise` of the mean of the image plus [`DARK`] is to be seen. A pass
-/// that could not have seen it says so in [`Judgement::undecided`].
-pub fn judge_case(
-    reference: &Film,
-    test: &Film,
-    cases: usize,
-    promise: f64,
-) -> Result<Judgement, PictureError> {
-    judge_with(
-        reference,
-        test,
-        FALSE_ALARM / cases.max(1) as f64,
-        Some(promise),
-    )
-}
-
 /// [`judge`], with the probability of a false alarm of this one comparison.
 pub fn judge_at(reference: &Film, test: &Film, level: f64) -> Result<Judgement, PictureError> {
     judge_with(reference, test, level, None)
