@@ -12,7 +12,7 @@
 
 use crate::compare::{Picture, PictureError};
 use crate::film::{Film, FilmError, FilmFormat};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -20,16 +20,8 @@ use thiserror::Error;
 /// The files of a folder, sorted by case.
 #[derive(Clone, Debug, Default)]
 pub struct Outputs {
-    by_case: BTreeMap<String, OutputFiles>,
+    by_case: BTreeMap<String, BTreeSet<(Role, PathBuf)>>,
     unknown_files: Vec<UnknownFile>,
-}
-
-/// All files that belong to one case.
-#[derive(Clone, Debug, Default)]
-struct OutputFiles {
-    single: Vec<PathBuf>,
-    replicates: BTreeMap<u32, Vec<PathBuf>>,
-    variance: Vec<PathBuf>,
 }
 
 /// The image of a case.
@@ -100,10 +92,11 @@ pub enum OutputError {
 }
 
 /// What a file is to its case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Role {
     Single,
-    Replicate(u32),
     Variance,
+    Replicate(u32),
 }
 
 /// Extensions of images that are not read: whoever writes them gets a message.
@@ -136,35 +129,39 @@ impl Outputs {
         let Some(files) = self.by_case.get(case) else {
             return Ok(None);
         };
-        let replicates = files.replicates.values();
-        let candidates = [&files.single, &files.variance];
-        for several in candidates.into_iter().chain(replicates.clone()) {
-            if let [one, other, ..] = &several[..] {
-                return Err(several_for(case, one, other));
-            }
+        let files: Vec<_> = files.iter().collect();
+        let replicates = files.iter().filter_map(|(role, file)| match role {
+            Role::Replicate(number) => Some((*number, file)),
+            Role::Single | Role::Variance => None,
+        });
+        let same = files.windows(2).find(|pair| pair[0].0 == pair[1].0);
+        let same = same.map(|pair| (&pair[0].1, &pair[1].1));
+        let single = files.first().filter(|(role, _)| *role == Role::Single);
+        let both = single.zip(replicates.clone().next());
+        if let Some((one, other)) = same.or(both.map(|((_, one), (_, other))| (one, other))) {
+            return Err(OutputError::Several {
+                case: case.to_owned(),
+                files: [one.to_owned(), other.to_owned()],
+            });
         }
-        if let (Some(one), Some(other)) =
-            (files.single.first(), replicates.clone().flatten().next())
+        let first = replicates
+            .clone()
+            .next()
+            .map_or(0, |(number, _)| number.min(1));
+        if let Some(((_, file), missing)) = replicates
+            .zip(first..)
+            .find(|((number, _), expected)| number != expected)
         {
-            return Err(several_for(case, one, other));
+            return Err(OutputError::Gap {
+                case: case.to_owned(),
+                file: file.to_owned(),
+                missing,
+            });
         }
-        let first = files.replicates.keys().next().copied().unwrap_or(0).min(1);
-        for ((number, named), expected) in files.replicates.iter().zip(first..) {
-            if *number != expected {
-                return Err(OutputError::Gap {
-                    case: case.to_owned(),
-                    file: named[0].clone(),
-                    missing: expected,
-                });
-            }
-        }
-        let images: Vec<PathBuf> = files
-            .single
-            .iter()
-            .chain(replicates.flatten())
-            .cloned()
-            .collect();
-        let variance = files.variance.first().cloned();
+        let (variance, images): (Vec<_>, Vec<_>) = files
+            .into_iter()
+            .partition(|(role, _)| *role == Role::Variance);
+        let variance = variance.first().map(|(_, file)| file.to_owned());
         if let Some(file) = &variance
             && images.len() != 1
         {
@@ -179,18 +176,18 @@ impl Outputs {
             });
         }
         Ok(Some(Found {
-            files: images,
+            files: images
+                .into_iter()
+                .map(|(_, file)| file.to_owned())
+                .collect(),
             variance,
         }))
     }
 
     /// Every file that is read for some case.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        let files = self.by_case.values().flat_map(|files| {
-            let replicates = files.replicates.values().flatten();
-            files.single.iter().chain(&files.variance).chain(replicates)
-        });
-        files.map(PathBuf::as_path)
+        let files = self.by_case.values().flatten();
+        files.map(|(_, file)| file.as_path())
     }
 
     /// Files that look like images and belong to no case, by name.
@@ -200,47 +197,40 @@ impl Outputs {
 
     /// Takes `file`, which lies in the folder of its `family` (with a slash, or none).
     fn sort_in(&mut self, file: PathBuf, family: &str, cases: &[&str]) {
-        let name = last_name(&file);
-        let path = Path::new(&name);
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let extension = path.extension().unwrap_or_default().to_string_lossy();
-        let Some(format) = FilmFormat::of(path) else {
-            let is_image = |other: &&str| extension.eq_ignore_ascii_case(other);
-            if OTHER_IMAGES.iter().any(is_image) {
-                let reason = format!(
-                    "is not read: .{extension} is none of .exr, .pfm, .npy (linear radiance) and \
-                     .png (8-bit sRGB)"
-                );
-                self.unknown_files.push(UnknownFile { file, reason });
-            }
-            return;
-        };
-        match belonging(&format!("{family}{stem}"), cases) {
-            Ok((_, Role::Variance)) if format != FilmFormat::Exr => {
-                let reason = "is not read: variances are an .exr, with R, G, B and samples.Y";
-                let reason = reason.to_owned();
-                self.unknown_files.push(UnknownFile { file, reason });
-            }
-            Ok((case, role)) => {
+        match role_of(&file, family, cases) {
+            Ok(Some((case, role))) => {
                 let files = self.by_case.entry(case.to_owned()).or_default();
-                match role {
-                    Role::Single => files.single.push(file),
-                    Role::Variance => files.variance.push(file),
-                    Role::Replicate(number) => {
-                        files.replicates.entry(number).or_default().push(file);
-                    }
-                }
+                files.insert((role, file));
             }
+            Ok(None) => {}
             Err(reason) => self.unknown_files.push(UnknownFile { file, reason }),
         }
     }
 }
 
-fn several_for(case: &str, one: &Path, other: &Path) -> OutputError {
-    OutputError::Several {
-        case: case.to_owned(),
-        files: [one.to_owned(), other.to_owned()],
+/// The case that `file` is of, and what it is to it; nothing if it is no image.
+fn role_of<'c>(
+    file: &Path,
+    family: &str,
+    cases: &[&'c str],
+) -> Result<Option<(&'c str, Role)>, String> {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = file.extension().unwrap_or_default().to_string_lossy();
+    let Some(format) = FilmFormat::of(file) else {
+        let is_image = |other: &&str| extension.eq_ignore_ascii_case(other);
+        if !OTHER_IMAGES.iter().any(is_image) {
+            return Ok(None);
+        }
+        return Err(format!(
+            "is not read: .{extension} is none of .exr, .pfm, .npy (linear radiance) and .png (8-bit \
+             sRGB)"
+        ));
+    };
+    let (case, role) = belonging(&format!("{family}{stem}"), cases)?;
+    if role == Role::Variance && format != FilmFormat::Exr {
+        return Err("is not read: variances are an .exr, with R, G, B and samples.Y".to_owned());
     }
+    Ok(Some((case, role)))
 }
 
 /// What is in a folder, by name, and whether it is a folder.
