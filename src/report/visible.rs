@@ -28,15 +28,20 @@ pub fn visible_char(letter: char) -> char {
     }
 }
 
-/// [`visible`] text of characters that XML 1.0 may hold. Tabs are blanks: the writer of JUnit would
-/// leave them out.
+/// [`visible`] text as XML 1.0 holds it, within an element or an attribute.
 pub fn xml_text(text: &str) -> String {
-    let in_xml = |letter: char| match letter {
-        '\u{fffe}' | '\u{ffff}' => '�',
-        '\t' => ' ',
-        _ => visible_char(letter),
-    };
-    text.chars().map(in_xml).collect()
+    let mut escaped = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\u{fffe}' | '\u{ffff}' => escaped.push('�'),
+            _ => escaped.push(visible_char(letter)),
+        }
+    }
+    escaped
 }
 
 /// JSON `text` with the characters that [`visible`] replaces as escapes: the same data. JSON has

@@ -19,7 +19,7 @@ use std::cell::RefCell;
 use std::time::Duration;
 
 /// Scenes tried unless `VOLREF_SCENES` asks for another number.
-const SCENES: u32 = 10_000;
+const SCENES: u32 = 1_000;
 
 /// Longest time for one scene. Those that are rendered take milliseconds; the bounds of their work,
 /// seconds.
