@@ -51,7 +51,7 @@ nm -S -C "$binary" | awk -v text="$text" '
         media = "media, surfaces, emission, colour, anisotropy, heterogeneity"
         print "| family | kernels | compiled for | uncounted, KiB | counted | either | of all code |"
         print "|---|---|---|---|---|---|---|"
-        row("ray caster", "field (3), order (3), shading, shadow, empty-space skipping")
+        row("ray caster", "field (3), order (2), shading, shadow, empty-space skipping")
         row("path tracer", media)
         row("line of sight", media)
         row("shared by the latter two", "the same")

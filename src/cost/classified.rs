@@ -284,7 +284,7 @@ fn caster<'s>(scene: &'s Classified, shade: Shade) -> impl Caster + 's {
     });
     RayCaster {
         field: GridField::new(&scene.grid, scene.interpolation),
-        order: FrontToBack,
+        order: FrontToBack::default(),
         shading: AnyShading(shading),
         visibility,
         skipping: EmptySpace::of(&*scene.grid, &scene.transfer_function),

@@ -690,7 +690,7 @@ fn d14_zero_gradient_and_touched_surfaces(margin: &mut Margin) {
     ] {
         let caster = RayCaster {
             field: GridField::new(&grid, Trilinear),
-            order: FrontToBack,
+            order: FrontToBack::default(),
             shading: Unshaded,
             visibility: Unshadowed,
             skipping: NoSkipping,

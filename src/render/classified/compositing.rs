@@ -66,8 +66,17 @@ pub trait CompositingOrder {
 }
 
 /// From the eye into the volume: `C += T·c`, `A += T·a`, `T *= 1 − a`.
+///
+/// Where a ray ends early, with `T` its transparency there, `C` the colour of the samples left out
+/// and `T'` their transparency, the pixel is off by `T (C − (1 − T') background)`: by less than `T`
+/// times the brightest radiance of the scene, which bounds both terms. That bound is part of the
+/// [plan](crate::render::plan::Approximation): an approximation that a scene asks for, never one
+/// made without it.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct FrontToBack;
+pub struct FrontToBack {
+    /// Transparency below which a ray ends; 0 never.
+    pub termination: f64,
+}
 
 impl CompositingOrder for FrontToBack {
     fn index(done: usize, _count: usize) -> usize {
@@ -86,32 +95,9 @@ impl CompositingOrder for FrontToBack {
             transparency,
         }
     }
-}
-
-/// [`FrontToBack`] until the transparency falls below a threshold.
-///
-/// With `T` the transparency at the end, `C` the colour of the samples left out and `T'` their
-/// transparency, the pixel is off by `T (C − (1 − T') background)`: by less than `T` times the
-/// brightest radiance of the scene, which bounds both terms. That bound is part of the
-/// [plan](crate::render::plan::Approximation): it is an approximation that a scene asks for, never one that
-/// is made for it.
-#[derive(Clone, Copy, Debug)]
-pub struct EarlyTermination {
-    /// The threshold, in (0, 1).
-    pub below: f64,
-}
-
-impl CompositingOrder for EarlyTermination {
-    fn index(done: usize, count: usize) -> usize {
-        FrontToBack::index(done, count)
-    }
-
-    fn add(layers: Layers, colour: DVec3, opacity: f64) -> Layers {
-        FrontToBack::add(layers, colour, opacity)
-    }
 
     fn is_over(&self, layers: &Layers) -> bool {
-        layers.transparency < self.below
+        layers.transparency < self.termination
     }
 }
 

@@ -6,6 +6,9 @@ use glam::DVec3;
 
 /// A scalar field with gradients, reconstructed from a lattice.
 pub trait ScalarField: Sync {
+    /// The same density everywhere.
+    const IS_CONSTANT: bool = false;
+
     /// Location of a point in the lattice: found once, used for density and gradient.
     type Location;
 
@@ -82,6 +85,8 @@ impl<R: Reconstruction> ScalarField for GridField<'_, R> {
 pub struct ConstantField<'g>(pub &'g Lattice, pub f64);
 
 impl ScalarField for ConstantField<'_> {
+    const IS_CONSTANT: bool = true;
+
     type Location = NodePoint;
 
     fn lattice(&self) -> &Lattice {

@@ -1,7 +1,7 @@
 //! The kernels of the ray caster: each feature of a plan picks a type, and the last call compiles
 //! the ray caster for the types picked.
 
-use super::compositing::{BackToFront, CompositingOrder, EarlyTermination, FrontToBack};
+use super::compositing::{BackToFront, CompositingOrder, FrontToBack};
 use super::empty_space::{EmptySpace, NoSkipping, Skipping};
 use super::field::{ConstantField, GridField, ScalarField};
 use super::ray_caster::RayCaster;
@@ -95,11 +95,13 @@ fn with_order<T: Task, F: ScalarField>(
     field: F,
 ) -> T::Output {
     match features.compositing {
-        Compositing::FrontToBack => with_shading(scene, features, task, field, FrontToBack),
-        Compositing::BackToFront => with_shading(scene, features, task, field, BackToFront),
-        Compositing::EarlyTermination(below) => {
-            with_shading(scene, features, task, field, EarlyTermination { below })
+        Compositing::FrontToBack => {
+            with_shading(scene, features, task, field, FrontToBack::default())
         }
+        Compositing::EarlyTermination(termination) => {
+            with_shading(scene, features, task, field, FrontToBack { termination })
+        }
+        Compositing::BackToFront => with_shading(scene, features, task, field, BackToFront),
     }
 }
 
@@ -156,7 +158,8 @@ fn with_space<T: Task, F: ScalarField, O: CompositingOrder + Sync, S: Shading, V
     shading: S,
     visibility: V,
 ) -> T::Output {
-    if features.skip_empty {
+    // A constant field is transparent as a whole, or nowhere.
+    if features.skip_empty && !F::IS_CONSTANT {
         let skipping = EmptySpace::of(&*scene.grid, &scene.transfer_function);
         with_all(scene, task, field, order, shading, visibility, skipping)
     } else {
