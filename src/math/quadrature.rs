@@ -24,7 +24,18 @@ pub struct Integral {
 ///
 /// Source: Piessens et al. 1983, *QUADPACK*, Springer; nodes and weights as in its QK15.
 pub fn integrate(mut f: impl FnMut(f64) -> DVec3, from: f64, to: f64, tolerance: f64) -> Integral {
-    let mut pieces = vec![piece(&mut f, from, to)];
+    adaptively(&mut |from, to| piece(&mut f, from, to), from, to, tolerance)
+}
+
+/// [`integrate`] by its `piece`. Behind `dyn`, at one call a piece, it is compiled once for all
+/// integrands.
+fn adaptively(
+    piece: &mut dyn FnMut(f64, f64) -> QuadraturePiece,
+    from: f64,
+    to: f64,
+    tolerance: f64,
+) -> Integral {
+    let mut pieces = vec![piece(from, to)];
     loop {
         let all = total(&pieces);
         if all.error <= tolerance * (all.value.x + all.value.y + all.value.z).abs()
@@ -46,8 +57,8 @@ pub fn integrate(mut f: impl FnMut(f64) -> DVec3, from: f64, to: f64, tolerance:
             // No number lies in between: nothing is left to be cut.
             return all;
         }
-        pieces[worst] = piece(&mut f, from, middle);
-        pieces.push(piece(&mut f, middle, to));
+        pieces[worst] = piece(from, middle);
+        pieces.push(piece(middle, to));
     }
 }
 
