@@ -85,7 +85,7 @@ fn of_classified(scene: &Classified) -> Vec<(String, Model)> {
             shadow: scene.shadow.filter(|_| shadow),
             ..scene.clone()
         };
-        (name.to_owned(), Model::Classified(Box::new(scene)))
+        (name.to_owned(), Model::from(scene))
     };
     let mut variants = vec![with("absorption and emission", false, false)];
     let (shading, shadow) = (scene.phong.is_some(), scene.shadow.is_some());
@@ -121,7 +121,7 @@ fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
         body.medium.phase = Phase::ISOTROPIC;
         body.density = None;
     }
-    let named = |name: &str, scene: Radiative| (name.to_owned(), Model::Radiative(Box::new(scene)));
+    let named = |name: &str, scene: Radiative| (name.to_owned(), Model::from(scene));
     let mut variants = vec![named("absorption, no scattering", plain.clone())];
     let mut add = |name: &str, edit: &dyn Fn(&mut Radiative)| {
         let mut edited = plain.clone();

@@ -34,6 +34,11 @@ pub struct Span {
 }
 
 impl Span {
+    /// From `near` to `far ≥ near`.
+    pub const fn new(near: f64, far: f64) -> Span {
+        Span { near, far }
+    }
+
     /// `far − near`, in world units.
     pub fn length(&self) -> f64 {
         self.far - self.near

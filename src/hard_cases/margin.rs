@@ -48,9 +48,18 @@ impl Margin {
         });
     }
 
+    /// `found` has to be `right` but for a `share` of it; without any, to the bit.
+    pub fn relative(&mut self, what: impl Display, found: f64, right: f64, share: f64) {
+        if share == 0.0 {
+            self.exact(what, found, right);
+        } else {
+            self.within(what, found, right, share * right.abs());
+        }
+    }
+
     /// `found` has to be `right` but for so many roundings.
     pub fn roundings(&mut self, what: impl Display, found: f64, right: f64, roundings: f64) {
-        self.within(what, found, right, roundings * U * right.abs());
+        self.relative(what, found, right, roundings * U);
     }
 
     /// `found` has to be `right`, to the bit: what is printed tells numbers apart that are not the
@@ -80,12 +89,10 @@ impl Margin {
         self.note(share, || format!("not so: {what}"));
     }
 
-    /// A mean of samples has to be `right` within [`STANDARD_ERRORS`]; without any spread, to
-    /// `roundings`.
-    pub fn sampled(&mut self, what: impl Display, found: &Moments, right: f64, roundings: f64) {
+    /// A mean of samples has to be `right` within [`STANDARD_ERRORS`].
+    pub fn sampled(&mut self, what: impl Display, found: &Moments, right: f64) {
         let variance = found.variance_of_mean().unwrap_or(f64::NAN);
-        let allowed = STANDARD_ERRORS * variance.sqrt() + roundings * U * right.abs();
-        self.within(what, found.mean(), right, allowed);
+        self.within(what, found.mean(), right, STANDARD_ERRORS * variance.sqrt());
     }
 
     fn note(&mut self, share: f64, at: impl FnOnce() -> String) {
@@ -126,7 +133,7 @@ mod tests {
             &|margin| margin.within("f", 1.5, 1.0, f64::INFINITY),
             &|margin| margin.exact("g", 0.0, -0.0),
             &|margin| margin.same_picture("h", None, None),
-            &|margin| margin.sampled("e", &Moments::default(), 1.0, 8.0),
+            &|margin| margin.sampled("e", &Moments::default(), 1.0),
         ];
         for compare in far_off {
             let mut margin = Margin::default();
@@ -139,7 +146,7 @@ mod tests {
     fn a_sampled_mean_is_judged_by_its_own_spread() {
         let samples = Moments::from_iter([0.0, 1.0, 0.0, 1.0]);
         let mut margin = Margin::default();
-        margin.sampled("coin", &samples, 0.6, 0.0);
+        margin.sampled("coin", &samples, 0.6);
         // A variance of 1/3 over four samples: a standard error of 0.2887.
         assert!((margin.share() - 0.1 / (4.0 / 12.0_f64.sqrt())).abs() < 1e-12);
     }

@@ -1,11 +1,13 @@
 //! Set-ups in code, and what is seen in them by the code that renders.
 
+use super::margin::U;
+use crate::film::Film;
 use crate::geometry::{Aabb, Boundary, Camera, Ray, Sphere};
 use crate::math::Moments;
 use crate::math::rng::{Purpose, Stream};
 use crate::media::{
     Appearance, Asymmetry, Coefficients, Colormap, Density, Field, Homogeneous, Phase, Phong,
-    TransferFunction, TransferOpacity,
+    TransferFunction, TransferOpacity, TransferPoint, TransferPoints,
 };
 use crate::render::counters::Uncounted;
 use crate::render::radiative::context::Scratch;
@@ -18,15 +20,20 @@ use crate::render::{RenderError, Rendering, Sampling, plans, render_counted};
 use crate::scene::{
     Body, Classified, Compositing, Model, Panel, Radiative, Scattering, Scene, Shadow,
 };
-use crate::volume::{Grid, Interpolation, Lattice};
+use crate::volume::{Grid, GridDensity, Interpolation, Lattice};
 use glam::DVec3;
 use std::sync::Arc;
 
 /// The largest random number there is.
-pub const LAST: f64 = 1.0 - f64::EPSILON / 2.0;
+pub const LAST: f64 = 1.0 - U;
 
 pub fn ray(origin: impl Into<DVec3>, towards: impl Into<DVec3>) -> Ray {
     Ray::new(origin.into(), towards.into()).expect("a direction")
+}
+
+/// Through the middle of the cube from 0 to 1, along +z.
+pub fn middle() -> Ray {
+    ray([0.5, 0.5, -1.0], DVec3::Z)
 }
 
 pub fn cuboid(min: impl Into<DVec3>, max: impl Into<DVec3>) -> Aabb {
@@ -79,28 +86,20 @@ pub fn coloured(sigma_a: DVec3, sigma_s: DVec3, g: Asymmetry) -> Homogeneous {
     }
 }
 
-/// `medium` with the emission of a body in thermal equilibrium with radiance `source`.
-pub fn emissive(medium: Homogeneous, source: f64) -> Homogeneous {
-    Homogeneous {
-        emission: medium.coefficients.sigma_a() * source,
-        ..medium
+fn within(boundary: Boundary, medium: Homogeneous) -> Body {
+    Body {
+        boundary: Some(boundary),
+        medium,
+        density: None,
     }
 }
 
 pub fn in_box(bounds: Aabb, medium: Homogeneous) -> Body {
-    Body {
-        boundary: Some(Boundary::Box(bounds)),
-        medium,
-        density: None,
-    }
+    within(Boundary::Box(bounds), medium)
 }
 
 pub fn in_ball(sphere: Sphere, medium: Homogeneous) -> Body {
-    Body {
-        boundary: Some(Boundary::Sphere(sphere)),
-        medium,
-        density: None,
-    }
+    within(Boundary::Sphere(sphere), medium)
 }
 
 /// A medium in a box, with a density of its own.
@@ -109,6 +108,11 @@ pub fn heterogeneous(bounds: Aabb, field: Field, medium: Homogeneous) -> Body {
         density: Some(Density::new(field, bounds, None)),
         ..in_box(bounds, medium)
     }
+}
+
+/// A medium whose density is a grid, in the box of that grid.
+pub fn in_grid(density: &GridDensity, medium: Homogeneous) -> Body {
+    heterogeneous(density.bounds(), Field::Grid(density.clone()), medium)
 }
 
 /// Media before an environment of radiance 1, seen along +z from z = −3.
@@ -132,17 +136,9 @@ pub fn straight(scene: &Radiative, ray: &Ray) -> DVec3 {
     line_of_sight(scene, ray, false, TOLERANCE)
 }
 
-/// Light along the line of sight, scattered once at most, by the tolerance of images.
-pub fn scattered_once(scene: &Radiative, ray: &Ray) -> DVec3 {
-    scattered_once_within(TOLERANCE, scene, ray)
-}
-
-/// The same by integrals to another tolerance.
-pub fn scattered_once_within(tolerance: f64, scene: &Radiative, ray: &Ray) -> DVec3 {
-    line_of_sight(scene, ray, true, tolerance)
-}
-
-fn line_of_sight(scene: &Radiative, ray: &Ray, scattered: bool, tolerance: f64) -> DVec3 {
+/// Light along the line of sight, without or with what is scattered once, by integrals to
+/// `tolerance`.
+pub fn line_of_sight(scene: &Radiative, ray: &Ray, scattered: bool, tolerance: f64) -> DVec3 {
     let renderer = LineOfSight::<Everything> {
         scene: SceneContext::new(scene, false),
         scattering: scattered,
@@ -169,28 +165,33 @@ pub fn paths<'s>(
 
 /// By channel, the moments of what `samples` paths bring back along `ray`.
 pub fn sampled(scene: &Radiative, limit: Option<u32>, samples: u32, ray: Ray) -> [Moments; 3] {
-    let mut path = paths(scene, limit, ray);
+    by_channel((0..samples).map(paths(scene, limit, ray)))
+}
+
+/// The moments of `samples` by channel.
+pub fn by_channel(samples: impl Iterator<Item = DVec3>) -> [Moments; 3] {
     let mut moments = [Moments::default(); 3];
-    for sample in 0..samples {
-        let channels = path(sample).to_array();
-        moments
-            .iter_mut()
-            .zip(channels)
-            .for_each(|(moments, channel)| moments.add(channel));
+    for sample in samples {
+        for (moments, channel) in moments.iter_mut().zip(sample.to_array()) {
+            moments.add(channel);
+        }
     }
     moments
 }
 
 /// A picture of `model` in a scene of its own, by the code of `volref render`.
-pub fn scene_of(model: Model, size: [usize; 2]) -> Scene {
-    Scene::of(Panel::of(model, size))
+pub fn scene_of(model: impl Into<Model>, size: [usize; 2]) -> Scene {
+    Scene::of(Panel::of(model.into(), size))
 }
 
-/// A hash of the bits of the picture of `scene`; none where it has none.
+/// The film of `scene`, or nothing where it has none.
+pub fn film(scene: &Scene) -> Option<Film> {
+    rendered(scene).ok().map(|rendering| rendering.film)
+}
+
+/// A hash of the bits of the film of `scene`.
 pub fn bits(scene: &Scene) -> Option<String> {
-    rendered(scene)
-        .ok()
-        .map(|rendering| rendering.film.pixel_hash())
+    film(scene).map(|film| film.pixel_hash())
 }
 
 pub fn rendered(scene: &Scene) -> Result<Rendering, RenderError> {
@@ -226,6 +227,23 @@ pub fn by_formula(reference_length: f64) -> TransferFunction {
             opacity: TransferOpacity { floor: 0.36 },
             colormap,
         },
+        reference_length,
+    }
+}
+
+/// A point of a transfer function.
+pub fn point(value: f64, opacity: f64, colour: DVec3) -> TransferPoint {
+    TransferPoint {
+        value,
+        colour,
+        opacity,
+    }
+}
+
+/// A transfer function by its points.
+pub fn table(points: Vec<TransferPoint>, reference_length: f64) -> TransferFunction {
+    TransferFunction {
+        appearance: Appearance::Points(TransferPoints::new(points).expect("a table")),
         reference_length,
     }
 }

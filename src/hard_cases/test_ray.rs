@@ -24,35 +24,49 @@ pub fn smooth(t: f64) -> f64 {
 }
 
 /// Extinction along a ray of [`LENGTH`] as a function, with one bound.
-struct CurvedExtinction<'f> {
-    sigma: &'f dyn Fn(f64) -> f64,
-    bound: f64,
-    done: bool,
+struct TestRay<'f> {
+    sigma: &'f dyn Fn(f64) -> DVec3,
+    segment: Option<MajorantSegment>,
 }
 
-impl Iterator for CurvedExtinction<'_> {
-    type Item = MajorantSegment;
-
-    fn next(&mut self) -> Option<MajorantSegment> {
-        if self.done {
-            return None;
-        }
-        self.done = true;
-        Some(MajorantSegment {
-            span: Span {
-                near: 0.0,
-                far: LENGTH,
-            },
+impl TestRay<'_> {
+    fn new(sigma: &dyn Fn(f64) -> DVec3, bound: f64) -> TestRay<'_> {
+        let segment = MajorantSegment {
+            span: Span::new(0.0, LENGTH),
             minorant: DVec3::ZERO,
-            majorant: DVec3::splat(self.bound),
+            majorant: DVec3::splat(bound),
             emission: DVec3::ZERO,
-        })
+        };
+        TestRay {
+            sigma,
+            segment: Some(segment),
+        }
+    }
+
+    /// Whether a flight of delta tracking collides, and the weights of what did not.
+    fn flight(
+        &mut self,
+        numbers: &mut impl TentativeNumbers,
+        effort: &mut Effort,
+    ) -> (bool, DVec3) {
+        let mut survived = DVec3::ONE;
+        let first = numbers.next();
+        let flight = delta_tracking(self, 0, first, numbers, &mut survived, effort);
+        (flight.is_break(), survived)
     }
 }
 
-impl Majorants for CurvedExtinction<'_> {
+impl Iterator for TestRay<'_> {
+    type Item = MajorantSegment;
+
+    fn next(&mut self) -> Option<MajorantSegment> {
+        self.segment.take()
+    }
+}
+
+impl Majorants for TestRay<'_> {
     fn extinction(&mut self, t: f64) -> DVec3 {
-        DVec3::splat((self.sigma)(t))
+        (self.sigma)(t)
     }
 }
 
@@ -63,69 +77,37 @@ pub struct Estimates {
 }
 
 fn estimates(
+    sigma: &dyn Fn(f64) -> f64,
+    bound: f64,
     samples: u32,
-    mut one: impl FnMut(&mut SamplerRow<'_>, &mut Effort) -> f64,
+    one: impl Fn(&mut TestRay<'_>, &mut SamplerRow<'_>, &mut Effort) -> f64,
 ) -> Estimates {
     let mut effort = Effort::default();
+    let sigma = |t| DVec3::splat(sigma(t));
     let values = (0..samples).map(|sample| {
         let mut sampler = Sampler::new(Stream::new(7, 0, sample));
-        one(
-            &mut sampler.tentative(NumberRow::Transmittance),
-            &mut effort,
-        )
+        let mut numbers = sampler.tentative(NumberRow::Transmittance);
+        one(&mut TestRay::new(&sigma, bound), &mut numbers, &mut effort)
     });
-    let moments = Moments::from_iter(values);
     Estimates {
-        moments,
+        moments: Moments::from_iter(values),
         violations: effort.violations,
     }
 }
 
 /// By delta tracking: 1 for a flight that is not stopped, else 0.
 pub fn by_delta(sigma: &dyn Fn(f64) -> f64, bound: f64, samples: u32) -> Estimates {
-    estimates(samples, |numbers, effort| {
-        let mut curve = CurvedExtinction {
-            sigma,
-            bound,
-            done: false,
-        };
-        let first = numbers.next();
-        let mut survived = DVec3::ONE;
-        let flight = delta_tracking(&mut curve, 0, first, numbers, &mut survived, effort);
-        f64::from(u8::from(flight.is_continue()))
+    estimates(sigma, bound, samples, |ray, numbers, effort| {
+        let (collided, _) = ray.flight(numbers, effort);
+        f64::from(u8::from(!collided))
     })
 }
 
-/// Extinction that is the same all along, by channel.
-struct Even {
-    sigma: DVec3,
-    bound: f64,
-    done: bool,
-}
-
-impl Iterator for Even {
-    type Item = MajorantSegment;
-
-    fn next(&mut self) -> Option<MajorantSegment> {
-        let span = Span {
-            near: 0.0,
-            far: LENGTH,
-        };
-        let segment = MajorantSegment {
-            span,
-            minorant: DVec3::ZERO,
-            majorant: DVec3::splat(self.bound),
-            emission: DVec3::ZERO,
-        };
-        let first = !std::mem::replace(&mut self.done, true);
-        first.then_some(segment)
-    }
-}
-
-impl Majorants for Even {
-    fn extinction(&mut self, _: f64) -> DVec3 {
-        self.sigma
-    }
+/// By ratio tracking.
+pub fn by_ratio(sigma: &dyn Fn(f64) -> f64, bound: f64, samples: u32) -> Estimates {
+    estimates(sigma, bound, samples, |ray, numbers, effort| {
+        ratio_tracking(ray, Control::Nothing, Small::Kept, numbers, effort).x
+    })
 }
 
 /// The last of all random numbers, every time, at a tenth of the mean optical distance.
@@ -143,32 +125,5 @@ impl TentativeNumbers for LastNumber {
 /// Delta tracking by the last of all random numbers: whether it collides, and the weights of what
 /// did not.
 pub fn by_last_number(sigma: DVec3, bound: f64) -> (bool, DVec3) {
-    let mut even = Even {
-        sigma,
-        bound,
-        done: false,
-    };
-    let (mut survived, mut effort) = (DVec3::ONE, Effort::default());
-    let first = LastNumber.next();
-    let flight = delta_tracking(
-        &mut even,
-        0,
-        first,
-        &mut LastNumber,
-        &mut survived,
-        &mut effort,
-    );
-    (flight.is_break(), survived)
-}
-
-/// By ratio tracking.
-pub fn by_ratio(sigma: &dyn Fn(f64) -> f64, bound: f64, samples: u32) -> Estimates {
-    estimates(samples, |numbers, effort| {
-        let mut curve = CurvedExtinction {
-            sigma,
-            bound,
-            done: false,
-        };
-        ratio_tracking(&mut curve, Control::Nothing, Small::Kept, numbers, effort).x
-    })
+    TestRay::new(&|_| sigma, bound).flight(&mut LastNumber, &mut Effort::default())
 }

@@ -147,6 +147,18 @@ pub enum Model {
     Curve(Curve),
 }
 
+impl From<Classified> for Model {
+    fn from(classified: Classified) -> Model {
+        Model::Classified(Box::new(classified))
+    }
+}
+
+impl From<Radiative> for Model {
+    fn from(radiative: Radiative) -> Model {
+        Model::Radiative(Box::new(radiative))
+    }
+}
+
 impl Scene {
     /// A scene of one picture that was read from no file.
     pub fn of(panel: Panel) -> Scene {
@@ -323,9 +335,9 @@ impl Panel {
         let model = if let Some(reader) = root.table("classified")? {
             let aspect = width as f64 / height as f64;
             let classified = read_classified(&root, &reader, files, aspect)?;
-            Model::Classified(Box::new(classified))
+            classified.into()
         } else if let Some(reader) = root.table("radiative")? {
-            Model::Radiative(Box::new(read_radiative(&root, &reader, files)?))
+            read_radiative(&root, &reader, files)?.into()
         } else {
             let reader = root.table("curve")?.expect("one of the models");
             Model::Curve(read_curve(&root, &reader)?)

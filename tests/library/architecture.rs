@@ -54,7 +54,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "hard_cases",
         &[
-            "cost", "render", "scene", "media", "optics", "volume", "geometry", "film", "math",
+            "render", "scene", "media", "optics", "volume", "geometry", "film", "math",
         ],
     ),
     (

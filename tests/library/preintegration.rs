@@ -4,12 +4,12 @@
 use crate::common::quadrature::integral;
 use glam::DVec3;
 use proptest::prelude::*;
-use volref::cost::preintegration::Preintegrated;
 use volref::math::{exp, ln, ln_1p};
 use volref::media::{
     Appearance, Colormap, TransferFunction, TransferOpacity, TransferPoint, TransferPoints,
 };
 use volref::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
+use volref::render::classified::preintegration::Preintegrated;
 
 fn table(points: Vec<TransferPoint>, reference_length: f64) -> TransferFunction {
     TransferFunction {

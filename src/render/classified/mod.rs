@@ -8,6 +8,7 @@ pub mod curve;
 pub mod empty_space;
 pub mod field;
 pub(super) mod kernels;
+pub mod preintegration;
 pub mod ray_caster;
 pub mod shading;
 pub mod steps;

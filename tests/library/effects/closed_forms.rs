@@ -45,7 +45,7 @@ fn grid_scene(
         samples: 4,
         seed: 1,
     };
-    let model = Model::Radiative(Box::new(radiative));
+    let model = Model::from(radiative);
     Scene::of(Panel::of(model, [SIZE, SIZE]))
 }
 

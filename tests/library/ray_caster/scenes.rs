@@ -14,7 +14,7 @@ use volref::render::classified::ray_caster::RayCaster;
 use volref::render::classified::shading::{Shaded, Shading, Unshaded};
 use volref::render::classified::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
 use volref::render::{Counters, Plan, Sampling, render_counted};
-use volref::scene::{Classified, Compositing, Model, Panel, Shadow};
+use volref::scene::{Classified, Compositing, Panel, Shadow};
 use volref::volume::{Grid, Interpolation, Lattice, Nearest, Trilinear, relative_gradients};
 
 /// `2^exponent`, exactly.
@@ -223,7 +223,7 @@ pub fn any_scene(most_nodes: usize) -> impl Strategy<Value = Classified> {
 }
 
 pub fn panel(scene: &Classified, size: usize) -> Panel {
-    Panel::of(Model::Classified(Box::new(scene.clone())), [size; 2])
+    Panel::of(scene.clone().into(), [size; 2])
 }
 
 /// The image by `plan`, and the work done.

@@ -12,7 +12,7 @@ use volref::render::radiative::effects::{Effects, Everything, Only};
 use volref::render::radiative::path_tracer::PathTracer;
 use volref::render::radiative::sampler::Sampler;
 use volref::render::{Effect, Plan, Sampling, render};
-use volref::scene::{AreaLight, Body, Model, Panel, Radiative, Scattering};
+use volref::scene::{AreaLight, Body, Panel, Radiative, Scattering};
 
 const SIZE: usize = 16;
 
@@ -175,7 +175,7 @@ fn media_of_nothing() {
 }
 
 fn panel(radiative: Radiative) -> Panel {
-    Panel::of(Model::Radiative(Box::new(radiative)), [SIZE; 2])
+    Panel::of(radiative.into(), [SIZE; 2])
 }
 
 fn film(plan: Plan<'_>) -> Vec<u8> {
