@@ -91,12 +91,19 @@ pub enum FilmError {
 }
 
 impl FilmError {
+    pub(super) fn unreadable(format: &'static str, reason: impl Into<String>) -> FilmError {
+        let reason = reason.into();
+        FilmError::Unreadable { format, reason }
+    }
+
+    pub(super) fn unsuited(what: impl Into<String>, remedy: &'static str) -> FilmError {
+        let what = what.into();
+        FilmError::Unsuited { what, remedy }
+    }
+
     /// A decoder panicked.
     pub(super) fn stopped(format: &'static str, stopped: Stopped) -> FilmError {
-        FilmError::Unreadable {
-            format,
-            reason: stopped.to_string(),
-        }
+        FilmError::unreadable(format, stopped.to_string())
     }
 }
 

@@ -21,10 +21,7 @@ pub(super) fn unreadable(error: exr::error::Error) -> FilmError {
         "invalid: file identifier missing" => "it does not begin like one".to_owned(),
         other => other.to_owned(),
     };
-    FilmError::Unreadable {
-        format: "EXR",
-        reason,
-    }
+    FilmError::unreadable("EXR", reason)
 }
 
 /// Fails where a window of any part ends before it begins.
@@ -73,13 +70,13 @@ fn check_window(name: &[u8], value: &[u8]) -> Result<(), FilmError> {
     if left <= right && top <= bottom {
         return Ok(());
     }
-    Err(FilmError::Unreadable {
-        format: "EXR",
-        reason: format!(
+    Err(FilmError::unreadable(
+        "EXR",
+        format!(
             "its {} is empty: from ({left}, {top}) to ({right}, {bottom})",
             String::from_utf8_lossy(name)
         ),
-    })
+    ))
 }
 
 /// Fails where a block of pixels is missing, of any part and resolution, or where the table leads
@@ -119,13 +116,13 @@ fn check_blocks_of(
     if missing.is_empty() {
         return Ok(());
     }
-    Err(FilmError::Unreadable {
-        format: "EXR",
-        reason: format!(
+    Err(FilmError::unreadable(
+        "EXR",
+        format!(
             "of its {expected} blocks of pixels, {} are missing",
             missing.len()
         ),
-    })
+    ))
 }
 
 /// Which block of its part it is.

@@ -135,31 +135,31 @@ fn read_parts(bytes: &[u8]) -> Result<ExrParts, FilmError> {
 
 fn check_kind(header: &Header) -> Result<(), FilmError> {
     if header.deep {
-        return Err(FilmError::Unsuited {
-            what: "this EXR has deep data, many samples along each ray".to_owned(),
-            remedy: "write a flat image, one radiance a pixel",
-        });
+        return Err(FilmError::unsuited(
+            "this EXR has deep data, many samples along each ray",
+            "write a flat image, one radiance a pixel",
+        ));
     }
     if matches!(
         header.compression,
         Compression::DWAA(_) | Compression::DWAB(_)
     ) {
         // Besides, the crate allocates whatever a block of it claims.
-        return Err(FilmError::Unsuited {
-            what: "this EXR is compressed with DWA, which loses digits".to_owned(),
-            remedy: "compress it without loss, with ZIP or PIZ, or not at all",
-        });
+        return Err(FilmError::unsuited(
+            "this EXR is compressed with DWA, which loses digits",
+            "compress it without loss, with ZIP or PIZ, or not at all",
+        ));
     }
     let channels = header.channels.list.iter();
     let mut subsampled = channels.filter(|channel| channel.sampling != Vec2(1, 1));
     if let Some(channel) = subsampled.next() {
-        return Err(FilmError::Unsuited {
-            what: format!(
+        return Err(FilmError::unsuited(
+            format!(
                 "the channel {} of this EXR is subsampled: it has fewer values than pixels",
                 channel.name
             ),
-            remedy: "write R, G and B in full",
-        });
+            "write R, G and B in full",
+        ));
     }
     Ok(())
 }
@@ -243,13 +243,13 @@ impl PixelWindow {
         };
         let covered = frame.columns().len() * frame.covered_rows().len();
         if covered == 0 || width * height - covered > PixelWindow::MOST_UNCOVERED {
-            return Err(FilmError::Unsuited {
-                what: format!(
+            return Err(FilmError::unsuited(
+                format!(
                     "the data of this EXR cover {covered} of the {width} × {height} pixels of its \
                      display window"
                 ),
-                remedy: "write both windows alike",
-            });
+                "write both windows alike",
+            ));
         }
         Ok(frame)
     }

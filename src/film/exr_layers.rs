@@ -120,10 +120,10 @@ pub(super) fn main_layer(file: &ExrParts) -> Result<Colours<'_>, FilmError> {
         return Ok(colours);
     }
     if groups.iter().any(Group::has_chroma) {
-        return Err(FilmError::Unsuited {
-            what: "this EXR holds luminance and chroma (Y, RY, BY)".to_owned(),
-            remedy: "write R, G and B",
-        });
+        return Err(FilmError::unsuited(
+            "this EXR holds luminance and chroma (Y, RY, BY)",
+            "write R, G and B",
+        ));
     }
     the_one(&groups, Group::grey)?.ok_or_else(|| FilmError::Channels {
         found: all_names(file),

@@ -45,50 +45,31 @@ impl FilmFormat {
     /// Fails where `bytes` begin like another kind of file that people put images into. Bytes
     /// that begin like nothing known are left to the reader, which says what is wrong with them.
     pub fn check(self, bytes: &[u8]) -> Result<(), FilmError> {
-        let kind = KINDS.iter().find(|kind| bytes.starts_with(kind.signature));
-        match kind {
-            Some(kind) if kind.format != Some(self) => Err(FilmError::Disguised {
+        let begins = |(signature, ..): &&(&[u8], _, _)| bytes.starts_with(signature);
+        match KINDS.iter().find(begins) {
+            Some(&(_, really, format)) if format != Some(self) => Err(FilmError::Disguised {
                 extension: self.extension(),
-                really: kind.name,
+                really,
             }),
             _ => Ok(()),
         }
     }
 }
 
-/// A kind of file.
-struct FileKind {
-    /// Its first bytes.
-    signature: &'static [u8],
-    name: &'static str,
-    format: Option<FilmFormat>,
-}
-
-const KINDS: [FileKind; 14] = [
-    kind(b"\x76\x2f\x31\x01", "an EXR image", Some(FilmFormat::Exr)),
-    kind(b"PF\n", "a PFM image", Some(FilmFormat::Pfm)),
-    kind(b"Pf\n", "a PFM image", Some(FilmFormat::Pfm)),
-    kind(b"\x93NUMPY", "a NumPy array", Some(FilmFormat::Npy)),
-    kind(b"\x89PNG\r\n\x1a\n", "a PNG image", Some(FilmFormat::Png)),
-    kind(b"\xff\xd8\xff", "a JPEG image", None),
-    kind(b"II*\0", "a TIFF image", None),
-    kind(b"MM\0*", "a TIFF image", None),
-    kind(b"#?RADIANCE", "a Radiance HDR image", None),
-    kind(b"GIF8", "a GIF image", None),
-    kind(b"P6", "a PPM image", None),
-    kind(b"PK\x03\x04", "a ZIP archive (as .npz is)", None),
-    kind(b"\x1f\x8b", "a file compressed by gzip", None),
-    kind(b"version https://git-lfs", "a pointer of Git LFS", None),
+/// First bytes of a kind of file, its name, and the format if it is one of ours.
+const KINDS: [(&[u8], &str, Option<FilmFormat>); 14] = [
+    (b"\x76\x2f\x31\x01", "an EXR image", Some(FilmFormat::Exr)),
+    (b"PF\n", "a PFM image", Some(FilmFormat::Pfm)),
+    (b"Pf\n", "a PFM image", Some(FilmFormat::Pfm)),
+    (b"\x93NUMPY", "a NumPy array", Some(FilmFormat::Npy)),
+    (b"\x89PNG\r\n\x1a\n", "a PNG image", Some(FilmFormat::Png)),
+    (b"\xff\xd8\xff", "a JPEG image", None),
+    (b"II*\0", "a TIFF image", None),
+    (b"MM\0*", "a TIFF image", None),
+    (b"#?RADIANCE", "a Radiance HDR image", None),
+    (b"GIF8", "a GIF image", None),
+    (b"P6", "a PPM image", None),
+    (b"PK\x03\x04", "a ZIP archive (as .npz is)", None),
+    (b"\x1f\x8b", "a file compressed by gzip", None),
+    (b"version https://git-lfs", "a pointer of Git LFS", None),
 ];
-
-const fn kind(
-    signature: &'static [u8],
-    name: &'static str,
-    format: Option<FilmFormat>,
-) -> FileKind {
-    FileKind {
-        signature,
-        name,
-        format,
-    }
-}

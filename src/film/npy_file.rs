@@ -10,10 +10,7 @@ use super::{Film, FilmError};
 use half::f16;
 
 fn unreadable(reason: impl Into<String>) -> FilmError {
-    FilmError::Unreadable {
-        format: "NPY",
-        reason: reason.into(),
-    }
+    FilmError::unreadable("NPY", reason)
 }
 
 /// Longest header, as in NumPy: there is nothing to say at such length.
@@ -189,11 +186,11 @@ impl<'t> Rest<'t> {
 
     fn descr(&mut self) -> Result<String, FilmError> {
         if self.0.trim_start().starts_with('[') {
-            return Err(FilmError::Unsuited {
-                what: "an array of records".to_owned(),
-                remedy: "save the colours alone, as an array of np.float32 of shape (height, \
+            return Err(FilmError::unsuited(
+                "an array of records",
+                "save the colours alone, as an array of np.float32 of shape (height, \
                          width, 3)",
-            });
+            ));
         }
         self.string().map(str::to_owned)
     }
@@ -283,10 +280,7 @@ fn unsuited_type(descr: &str) -> FilmError {
             "save image.astype(np.float32)",
         ),
     };
-    FilmError::Unsuited {
-        what: format!("an array of {kind} (dtype {shown:?})"),
-        remedy,
-    }
+    FilmError::unsuited(format!("an array of {kind} (dtype {shown:?})"), remedy)
 }
 
 /// Rows, columns and channels: 1, 3 or 4.
@@ -303,10 +297,10 @@ fn axes(shape: &[usize]) -> Result<[usize; 3], FilmError> {
              (height, width) if it is grey"
         }
     };
-    Err(FilmError::Unsuited {
-        what: format!("an array of shape {}", shown(shape)),
+    Err(FilmError::unsuited(
+        format!("an array of shape {}", shown(shape)),
         remedy,
-    })
+    ))
 }
 
 /// As Python shows it; only the first axes of very many.

@@ -10,10 +10,7 @@ use super::error::check_size;
 use super::{Film, FilmError};
 
 fn unreadable(reason: impl Into<String>) -> FilmError {
-    FilmError::Unreadable {
-        format: "PFM",
-        reason: reason.into(),
-    }
+    FilmError::unreadable("PFM", reason)
 }
 
 /// No word of a header is longer.

@@ -70,24 +70,21 @@ fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
     check_claim(decoder.total_bytes(), bytes.len())?;
     let image = DynamicImage::from_decoder(decoder).map_err(broken)?;
     if let Some(index) = first_transparent(&image) {
-        return Err(FilmError::Unsuited {
-            what: format!(
+        return Err(FilmError::unsuited(
+            format!(
                 "the pixel ({}, {}) is transparent",
                 index % width,
                 index / width
             ),
-            remedy: "composite the image over the background of the scene first, or write linear \
+            "composite the image over the background of the scene first, or write linear \
                      radiance as .exr",
-        });
+        ));
     }
     Ok((width, height, eight_bits(&image)))
 }
 
 fn broken(reason: impl ToString) -> FilmError {
-    FilmError::Unreadable {
-        format: "PNG",
-        reason: reason.to_string(),
-    }
+    FilmError::unreadable("PNG", reason.to_string())
 }
 
 /// Fails where a palette is cut off, or a pixel has a colour beyond its end: the crates show what
@@ -127,16 +124,16 @@ fn check_palette(reader: &mut png::Reader<Cursor<&[u8]>>) -> Result<(), FilmErro
 /// Fails where the file is no single image of sRGB codes.
 fn check_meaning(info: &png::Info) -> Result<(), FilmError> {
     if info.animation_control.is_some() {
-        return Err(FilmError::Unsuited {
-            what: "this PNG is animated".to_owned(),
-            remedy: "write the one image that is meant",
-        });
+        return Err(FilmError::unsuited(
+            "this PNG is animated",
+            "write the one image that is meant",
+        ));
     }
     match other_codes(info) {
-        Some(what) => Err(FilmError::Unsuited {
-            what: format!("the codes of this PNG are not sRGB: {what}"),
-            remedy: "encode them as sRGB and state nothing else, or write linear radiance as .exr",
-        }),
+        Some(what) => Err(FilmError::unsuited(
+            format!("the codes of this PNG are not sRGB: {what}"),
+            "encode them as sRGB and state nothing else, or write linear radiance as .exr",
+        )),
         None => Ok(()),
     }
 }
