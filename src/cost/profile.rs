@@ -34,14 +34,8 @@ impl Profile<'_> {
     /// From where to where the ray is followed.
     pub fn span(&self) -> Span {
         match (self.segments.first(), self.segments.last()) {
-            (Some(first), Some(last)) => Span {
-                near: first.span.near,
-                far: last.span.far,
-            },
-            _ => Span {
-                near: 0.0,
-                far: 0.0,
-            },
+            (Some(first), Some(last)) => Span::new(first.span.near, last.span.far),
+            _ => Span::new(0.0, 0.0),
         }
     }
 

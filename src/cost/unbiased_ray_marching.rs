@@ -254,10 +254,7 @@ mod tests {
     #[test]
     fn places_of_a_march() {
         let mut points = Vec::new();
-        let span = Span {
-            near: 1.0,
-            far: 3.0,
-        };
+        let span = Span::new(1.0, 3.0);
         let mut note = |t| {
             points.push(t);
             1.0

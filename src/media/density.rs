@@ -222,10 +222,10 @@ impl Density {
             origin: ray.origin,
             direction: ray.direction * scale,
         };
-        let span = Span {
-            near: span.near.max(inside.near / scale),
-            far: span.far.min(inside.far / scale),
-        };
+        let span = Span::new(
+            span.near.max(inside.near / scale),
+            span.far.min(inside.far / scale),
+        );
         (span.near < span.far).then_some((line, span))
     }
 

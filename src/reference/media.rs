@@ -30,10 +30,7 @@ impl<'s> Segment<'s> {
     pub fn along(ray: &Ray, end: f64, media: &'s [Body]) -> Vec<Segment<'s>> {
         let mut segments = Vec::new();
         for body in media.iter().filter(|body| !is_vacuum(body)) {
-            let unbounded = Span {
-                near: 0.0,
-                far: end,
-            };
+            let unbounded = Span::new(0.0, end);
             let boundary = body.boundary.as_ref();
             for Span { near, far } in boundary.map_or(vec![unbounded], |shape| shape.spans(ray)) {
                 let far = far.min(end);
@@ -74,10 +71,7 @@ impl<'s> Segment<'s> {
 /// From the beginning of the first segment to the end of the last; `None` without segments.
 pub fn hull(segments: &[Segment]) -> Option<Span> {
     let spans = segments.iter().map(|segment| segment.span);
-    spans.reduce(|a, b| Span {
-        near: a.near.min(b.near),
-        far: a.far.max(b.far),
-    })
+    spans.reduce(|a, b| Span::new(a.near.min(b.near), a.far.max(b.far)))
 }
 
 /// Extinction of all media at distance `t`, per length and channel.

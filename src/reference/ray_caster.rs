@@ -161,10 +161,7 @@ impl RayCaster<'_> {
         let Some(inside) = lattice.bounds().span(&ray) else {
             return 1.0;
         };
-        let span = Span {
-            near: 0.0,
-            far: inside.far.min(length_of(to_light)),
-        };
+        let span = Span::new(0.0, inside.far.min(length_of(to_light)));
         // Not from `point`: far from the world's origin its node coordinates have lost digits.
         let line = NodeLine::from(node_point, *ray.direction, lattice);
         let count = step_count(span, shadow.step);

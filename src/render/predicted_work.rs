@@ -301,13 +301,7 @@ fn shadow_steps(scene: &Classified, ray: &Ray) -> u64 {
     };
     let steps = Steps::over(span, scene.step);
     if steps.count() as u64 > MOST_SAMPLES / MOST_RAYS as u64 {
-        let longest = Steps::over(
-            Span {
-                near: 0.0,
-                far: length_of(bounds.size()),
-            },
-            shadow.step,
-        );
+        let longest = Steps::over(Span::new(0.0, length_of(bounds.size())), shadow.step);
         return (steps.count() as u64).saturating_mul(longest.count() as u64);
     }
     let of_sample = |index| {

@@ -190,10 +190,7 @@ mod tests {
 
     #[test]
     fn from_inside_to_an_end_that_may_be_infinite() {
-        let span = Span {
-            near: 0.0,
-            far: f64::INFINITY,
-        };
+        let span = Span::new(0.0, f64::INFINITY);
         let origin = DVec3::new(3.5, 4.0, 7.9);
         let walk = Walk::new([SIDE; 3], origin, DVec3::new(-1.0, 0.0, 0.0), span);
         let visits: Vec<_> = walk.collect();

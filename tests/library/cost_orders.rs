@@ -52,10 +52,7 @@ fn here(t: f64) -> Here {
 fn smooth_ray() -> Profile<'static> {
     Profile {
         segments: vec![BoundedSegment {
-            span: Span {
-                near: 0.0,
-                far: 2.0,
-            },
+            span: Span::new(0.0, 2.0),
             // The smallest stands at 1.168, the largest at the end.
             low: 1.394,
             high: smooth(LENGTH),
@@ -146,10 +143,7 @@ fn estimators_keep_what_is_predicted_of_them() {
 fn a_constant_extinction_is_marched_without_noise() {
     let ray = Profile {
         segments: vec![BoundedSegment {
-            span: Span {
-                near: 0.0,
-                far: 2.0,
-            },
+            span: Span::new(0.0, 2.0),
             low: 1.5,
             high: 1.5,
         }],
@@ -191,10 +185,7 @@ fn schemes_of_emission_and_absorption() {
             continue;
         }
         let errors = STEPS.map(|step| {
-            let span = Span {
-                near: 0.0,
-                far: 2.0,
-            };
+            let span = Span::new(0.0, 2.0);
             let (radiance, _) = scheme.march(&Steps::over(span, step), here, |_| 0.5);
             one((radiance.x - RADIANCE) / RADIANCE)
         });
@@ -211,10 +202,7 @@ fn jittered_schemes() {
             for number in 0..4000 {
                 let stream = Stream::new(1, 0, number);
                 let uniform = |index: usize| stream.uniform(0, Purpose::Tracking, index as u32);
-                let span = Span {
-                    near: 0.0,
-                    far: 2.0,
-                };
+                let span = Span::new(0.0, 2.0);
                 let (radiance, _) = scheme.march(&Steps::over(span, step), here, uniform);
                 errors.add((radiance.x - RADIANCE) / RADIANCE);
             }

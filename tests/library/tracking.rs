@@ -41,10 +41,7 @@ impl Iterator for TrackedCurve<'_> {
         let piece = self.pieces.get(self.next)?;
         self.next += 1;
         Some(MajorantSegment {
-            span: Span {
-                near: piece.near,
-                far: piece.far,
-            },
+            span: Span::new(piece.near, piece.far),
             minorant: DVec3::splat(piece.low),
             majorant: DVec3::splat(piece.high),
             emission: DVec3::ZERO,

@@ -21,10 +21,7 @@ const SAMPLES: u32 = 400_000;
 
 /// What many estimates came to, and their look-ups in the mean.
 fn run(sigma: impl Fn(f64) -> f64, length: f64, steps: u32) -> (Moments, f64) {
-    let span = Span {
-        near: 0.0,
-        far: length,
-    };
+    let span = Span::new(0.0, length);
     let mut effort = Effort::default();
     let estimates = (0..SAMPLES)
         .map(|sample| {
@@ -169,10 +166,7 @@ fn less_noise_than_ratio_tracking_at_the_same_cost() {
             let mut sampler = Sampler::new(Stream::new(11, 0, sample));
             let mut numbers = sampler.tentative(NumberRow::Transmittance);
             let mut curve = MarchedCurve {
-                span: Some(Span {
-                    near: 0.0,
-                    far: LENGTH,
-                }),
+                span: Some(Span::new(0.0, LENGTH)),
                 high,
             };
             let nothing = Control::Nothing;

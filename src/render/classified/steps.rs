@@ -57,38 +57,20 @@ mod tests {
 
     #[test]
     fn the_last_step_is_what_is_left() {
-        let steps = Steps::over(
-            Span {
-                near: 1.0,
-                far: 2.25,
-            },
-            0.5,
-        );
+        let steps = Steps::over(Span::new(1.0, 2.25), 0.5);
         let samples: Vec<_> = (0..steps.count()).map(|i| steps.sample(i)).collect();
         assert_eq!(samples, [(1.25, 0.5), (1.75, 0.5), (2.125, 0.25)]);
     }
 
     #[test]
     fn a_whole_number_of_steps_leaves_no_rest() {
-        let steps = Steps::over(
-            Span {
-                near: 0.0,
-                far: 2.0,
-            },
-            0.5,
-        );
+        let steps = Steps::over(Span::new(0.0, 2.0), 0.5);
         assert_eq!((steps.count(), steps.sample(3)), (4, (1.75, 0.5)));
     }
 
     #[test]
     fn a_step_longer_than_the_span_is_cut_to_it() {
-        let steps = Steps::over(
-            Span {
-                near: 3.0,
-                far: 4.0,
-            },
-            100.0,
-        );
+        let steps = Steps::over(Span::new(3.0, 4.0), 100.0);
         assert_eq!((steps.count(), steps.sample(0)), (1, (3.5, 1.0)));
         assert_eq!(
             Steps::over(
@@ -105,13 +87,7 @@ mod tests {
 
     #[test]
     fn ten_million_steps_do_not_drift() {
-        let steps = Steps::over(
-            Span {
-                near: 0.0,
-                far: 1e6,
-            },
-            0.1,
-        );
+        let steps = Steps::over(Span::new(0.0, 1e6), 0.1);
         let (t, length) = steps.sample(steps.count() - 1);
         // One rounding of 10⁶ each for the sample and its step.
         assert!((t + 0.5 * length - 1e6).abs() <= 1e6 * f64::EPSILON);

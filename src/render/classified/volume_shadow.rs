@@ -39,10 +39,7 @@ pub fn shadow_ray(point: DVec3, light: DVec3, bounds: &Aabb) -> Option<(Ray, Spa
     let to_light = light - point;
     let ray = Ray::new(point, to_light)?;
     let inside = bounds.span(&ray)?;
-    let span = Span {
-        near: 0.0,
-        far: inside.far.min(length_of(to_light)),
-    };
+    let span = Span::new(0.0, inside.far.min(length_of(to_light)));
     Some((ray, span))
 }
 

@@ -128,10 +128,10 @@ impl<E: Effects> LineOfSight<'_, E> {
         let mut radiance = DVec3::ZERO;
         let scattering = |segment: &&MediumSegment| segment.properties.scatters();
         for segment in segments.all().iter().filter(scattering) {
-            let span = Span {
-                near: segment.span.near.max(lit.near),
-                far: segment.span.far.min(lit.far),
-            };
+            let span = Span::new(
+                segment.span.near.max(lit.near),
+                segment.span.far.min(lit.far),
+            );
             let mut at = |t: f64| {
                 let (depths, _) = segments.depths_to(t);
                 let point = ScatteringPoint::new(t, 1.0, depths, segment);

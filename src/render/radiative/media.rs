@@ -149,10 +149,7 @@ impl<'s> Media<'s> {
             ScatteringExtent::Within(bounds) => {
                 bounds.span(ray).filter(|span| span.near < span.far)
             }
-            ScatteringExtent::Everywhere => Some(Span {
-                near: 0.0,
-                far: f64::INFINITY,
-            }),
+            ScatteringExtent::Everywhere => Some(Span::new(0.0, f64::INFINITY)),
         }
     }
 
@@ -211,10 +208,9 @@ impl<'s> Media<'s> {
                 Some(boundary) => {
                     spans.clear();
                     boundary.append_spans(ray, spans);
-                    let spans = spans.iter().map(|span| Span {
-                        near: span.near,
-                        far: span.far.min(end).max(span.near),
-                    });
+                    let spans = spans
+                        .iter()
+                        .map(|span| Span::new(span.near, span.far.min(end).max(span.near)));
                     spans.map(|span| medium.column(ray, span, work)).sum()
                 }
             };

@@ -66,10 +66,7 @@ impl MediumSegments {
         for (index, medium) in media.all().iter().enumerate() {
             self.spans.clear();
             match medium.boundary {
-                None => self.spans.push(Span {
-                    near: 0.0,
-                    far: end,
-                }),
+                None => self.spans.push(Span::new(0.0, end)),
                 Some(boundary) => boundary.append_spans(ray, &mut self.spans),
             }
             if medium.is_vacuum() {
@@ -161,10 +158,7 @@ impl MediumSegments {
         let mut scattering = self.segments.iter().filter(|s| s.properties.scatters());
         let first = scattering.next()?.span;
         let last = scattering.next_back().map_or(first, |segment| segment.span);
-        Some(Span {
-            near: first.near,
-            far: last.far,
-        })
+        Some(Span::new(first.near, last.far))
     }
 }
 

@@ -88,10 +88,10 @@ fn within_cone(spot: &Spot, ray: &Ray, span: Span) -> Option<Span> {
     let last = inside.next_back().unwrap_or(first);
     // A little wider than the roots: what is not lit in there counts as dark.
     let margin = MARGIN * (foot.abs() + distance + first[0].abs());
-    Some(Span {
-        near: (first[0] - margin).max(span.near),
-        far: (last[1] + margin).min(span.far),
-    })
+    Some(Span::new(
+        (first[0] - margin).max(span.near),
+        (last[1] + margin).min(span.far),
+    ))
 }
 
 /// Distances at which the light on `ray` begins or ends at the edge of the cone of `light`, to the

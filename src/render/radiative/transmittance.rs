@@ -93,10 +93,7 @@ impl<E: Effects> SceneContext<'_, E> {
         for segment in segments.all() {
             let heterogeneous = self.media.heterogeneous(segment.set);
             let absorbing = heterogeneous & !self.media.scattering(heterogeneous);
-            let span = Span {
-                near: segment.span.near,
-                far: segment.span.far.min(t),
-            };
+            let span = Span::new(segment.span.near, segment.span.far.min(t));
             if absorbing != 0 && span.near < span.far {
                 transmittance *= self.heterogeneous_transmittance(absorbing, ray, span, tracker);
             }

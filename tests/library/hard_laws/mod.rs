@@ -92,10 +92,7 @@ fn scales_exactly(v: DVec3) -> bool {
 
 /// What scaling every length by `factor` makes of a span.
 fn scaled(span: Option<Span>, factor: f64) -> Option<Span> {
-    span.map(|Span { near, far }| Span {
-        near: near * factor,
-        far: far * factor,
-    })
+    span.map(|Span { near, far }| Span::new(near * factor, far * factor))
 }
 
 /// The axes of a vector in another order.
