@@ -4,7 +4,7 @@ use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use super::suite::{Selection, select, store};
 use super::{Outcome, progress};
-use crate::suite::{self, AcceptError, AcceptWatch, Cache, Change, StoreError};
+use crate::suite::{self, AcceptError, Cache, Change, StoreError};
 use serde_json::json;
 
 /// Render cases and make the results their goldens; look at the pictures before and after
@@ -31,11 +31,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     output::check(&[arguments.json.file()], &[])?;
     let cases = select(&suite, &arguments.cases)?;
     let in_ci = std::env::var_os("CI").is_some_and(|value| !value.is_empty());
-    let bar = AcceptBar(progress::work());
+    let bar = progress::work();
     let cache = Cache::open(suite.cache_folder());
     let (store, reason) = (store(&suite), &arguments.reason);
     let accepted = suite::accept(&cases, &store, &cache, reason, in_ci, &bar);
-    bar.0.finish_and_clear();
+    bar.finish_and_clear();
     let accepted = accepted.map_err(|error| {
         let exit = match error {
             AcceptError::Store(StoreError::Journal { .. } | StoreError::Lost { .. }) => {
@@ -82,21 +82,4 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     let value = json!({ "schema": "volref/accept/1", "cases": entries });
     arguments.json.instead_of(text, &value).map(Outcome::from)
-}
-
-/// Shows how far the work has come.
-struct AcceptBar(progress::Bar);
-
-impl AcceptWatch for AcceptBar {
-    fn begin(&self, work: u64) {
-        self.0.set_length(work);
-    }
-
-    fn case(&self, name: &str) {
-        self.0.set_message(name);
-    }
-
-    fn did(&self, work: u64) {
-        self.0.inc(work);
-    }
 }

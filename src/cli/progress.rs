@@ -5,7 +5,7 @@
 use crate::render::plan::Reason;
 use crate::render::{Forecast, Watch};
 use crate::report::visible;
-use crate::suite::SearchStep;
+use crate::suite::{AcceptWatch, SearchStep};
 use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -45,7 +45,9 @@ struct SharedBar {
     changed: Condvar,
     /// The parts of the work, such as cases.
     parts: Counter,
-    /// The steps of the part under way, or of the one there is.
+    /// How many of them are under way.
+    under_way: AtomicU64,
+    /// The steps of what is under way.
     steps: Counter,
 }
 
@@ -172,6 +174,7 @@ impl Bar {
             said: Mutex::new(said),
             changed: Condvar::new(),
             parts: Counter::default(),
+            under_way: AtomicU64::new(1),
             steps: Counter::default(),
         });
         shared.parts.begin(parts);
@@ -192,11 +195,6 @@ impl Bar {
     pub fn inc(&self, parts: u64) {
         self.shared.steps.begin(0);
         self.shared.parts.done.fetch_add(parts, Ordering::Relaxed);
-    }
-
-    /// The parts there are.
-    pub fn set_length(&self, parts: u64) {
-        self.shared.parts.begin(parts);
     }
 
     /// Takes this to be the time that all will take, in seconds.
@@ -263,6 +261,18 @@ impl Watch for Bar {
     }
 }
 
+impl AcceptWatch for Bar {
+    fn begin_all(&self, work: u64) {
+        self.shared.under_way.store(0, Ordering::Relaxed);
+        self.shared.parts.begin(work);
+    }
+
+    fn begin_picture(&self, case: &str, work: u64) {
+        self.inc(self.shared.under_way.swap(work, Ordering::Relaxed));
+        self.set_message(case);
+    }
+}
+
 impl SharedBar {
     fn said(&self) -> MutexGuard<'_, ProgressText> {
         self.said.lock().unwrap_or_else(PoisonError::into_inner)
@@ -290,7 +300,8 @@ impl SharedBar {
             if elapsed >= FIRST_LINE {
                 self.notes();
             }
-            let done = share_done(self.parts.get(), self.steps.get());
+            let under_way = self.under_way.load(Ordering::Relaxed);
+            let done = share_done(self.parts.get(), under_way, self.steps.get());
             let state = self.state(done, elapsed.as_secs_f64());
             match &self.bar {
                 Some(bar) => {
@@ -358,13 +369,20 @@ fn next_line(elapsed: Duration) -> Duration {
     (elapsed * 3).min(elapsed + LONGEST_SILENCE)
 }
 
-/// How much of the work is done, from 0 to 1: that of the parts, of which one is done in part. None
+/// How much of the work is done, from 0 to 1: that of the parts, of which those under way are done in part. None
 /// where nothing is known.
-fn share_done([parts, all_parts]: [u64; 2], [steps, all_steps]: [u64; 2]) -> Option<f64> {
+fn share_done(
+    [parts, all_parts]: [u64; 2],
+    under_way: u64,
+    [steps, all_steps]: [u64; 2],
+) -> Option<f64> {
     let within = (all_steps > 0).then(|| steps as f64 / all_steps as f64);
     match all_parts {
         0 => within,
-        _ => Some(((parts as f64 + within.unwrap_or(0.0)) / all_parts as f64).min(1.0)),
+        _ => {
+            let parts = parts as f64 + under_way as f64 * within.unwrap_or(0.0);
+            Some((parts / all_parts as f64).min(1.0))
+        }
     }
 }
 
@@ -469,11 +487,12 @@ mod tests {
 
     #[test]
     fn a_part_under_way_counts_in_part() {
-        assert_eq!(share_done([3, 8], [10, 20]), Some(0.4375));
-        assert_eq!(share_done([3, 8], [0, 0]), Some(0.375));
-        assert_eq!(share_done([0, 0], [10, 20]), Some(0.5));
-        assert_eq!(share_done([0, 0], [0, 0]), None);
-        assert_eq!(share_done([8, 8], [20, 20]), Some(1.0));
+        assert_eq!(share_done([3, 8], 1, [10, 20]), Some(0.4375));
+        assert_eq!(share_done([3, 8], 1, [0, 0]), Some(0.375));
+        assert_eq!(share_done([0, 0], 1, [10, 20]), Some(0.5));
+        assert_eq!(share_done([0, 0], 1, [0, 0]), None);
+        assert_eq!(share_done([8, 8], 1, [20, 20]), Some(1.0));
+        assert_eq!(share_done([3, 8], 4, [10, 20]), Some(0.625));
     }
 
     #[test]

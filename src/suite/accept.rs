@@ -13,7 +13,6 @@ use crate::film::Film;
 use crate::render::{self, plans};
 use crate::scene::Scene;
 use miette::Diagnostic;
-use std::sync::atomic::{AtomicU64, Ordering};
 use thiserror::Error;
 
 /// What became of the golden of one case.
@@ -110,40 +109,13 @@ pub enum AcceptError {
     Store(#[from] StoreError),
 }
 
-/// Progress of an accept, called from any thread. Work is counted in pixels times samples.
-pub trait AcceptWatch: Sync {
+/// Progress of an accept, called from any thread; that of a picture within it as a
+/// [`Watch`](render::Watch). Work is counted in pixels times samples.
+pub trait AcceptWatch: render::Watch {
     /// This much work is to be done, without what was kept by earlier runs.
-    fn begin(&self, _work: u64) {}
-    /// The renderings of a case begin.
-    fn case(&self, _name: &str) {}
-    /// This much work was done.
-    fn did(&self, _work: u64) {}
-}
-
-/// Nobody watches.
-impl AcceptWatch for () {}
-
-/// Progress of a picture, each step as its share of the work.
-struct PictureProgress<'w> {
-    watch: &'w dyn AcceptWatch,
-    work: u64,
-    steps: AtomicU64,
-    done: AtomicU64,
-}
-
-impl render::Watch for PictureProgress<'_> {
-    fn begin(&self, steps: u64) {
-        self.steps.store(steps, Ordering::Relaxed);
-    }
-
-    fn step(&self) {
-        let steps = u128::from(self.steps.load(Ordering::Relaxed).max(1));
-        let done = u128::from(self.done.fetch_add(1, Ordering::Relaxed));
-        // Rounded down before and after it, the shares of all steps add up to the work.
-        let before_step = |step: u128| u128::from(self.work) * step / steps;
-        let share = before_step(done + 1) - before_step(done);
-        self.watch.did(u64::try_from(share).unwrap_or(u64::MAX));
-    }
+    fn begin_all(&self, work: u64);
+    /// A picture of a case begins: this much of the work.
+    fn begin_picture(&self, case: &str, work: u64);
 }
 
 /// Renders `cases` and makes the results their goldens, all at once or none. Finished renderings
@@ -189,11 +161,10 @@ pub(super) fn accept_with(
         .iter()
         .map(|case| Task::new(renderer, case, cache))
         .collect::<Result<Vec<_>, _>>()?;
-    watch.begin(tasks.iter().map(Task::work).sum());
+    watch.begin_all(tasks.iter().map(Task::work).sum());
     let mut accepted = Vec::new();
     let mut files = Vec::new();
     for task in &tasks {
-        watch.case(&task.case.name);
         let pictures = task.pictures(renderer, cache, watch)?;
         let (change, mut new) = prepare(task, pictures, store, reason)?;
         accepted.push(Accepted {
@@ -311,13 +282,8 @@ impl<'c> Task<'c> {
                 films.push(film.clone());
                 continue;
             }
-            let progress = PictureProgress {
-                watch,
-                work: self.work_of(*rendering),
-                steps: AtomicU64::new(0),
-                done: AtomicU64::new(0),
-            };
-            let film = render_case(renderer, &plans(&self.scene), *rendering, &progress)
+            watch.begin_picture(&self.case.name, self.work_of(*rendering));
+            let film = render_case(renderer, &plans(&self.scene), *rendering, watch)
                 .map_err(|reason| incomplete(self.case, reason))?;
             if let Some(key) = key {
                 cache.put(&self.case.name, key, &film);
