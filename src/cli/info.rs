@@ -27,8 +27,8 @@ pub struct Arguments {
     padding: u64,
     /// Where the box ends: at the outermost nodes or half a spacing beyond [default: as the file
     /// says, else nodes]
-    #[arg(long)]
-    centring: Option<CentringName>,
+    #[arg(long, value_parser = [NODES, CELLS])]
+    centring: Option<String>,
     /// Take the stored axes for x, y and z, wherever they point
     #[arg(long)]
     as_stored: bool,
@@ -39,11 +39,9 @@ pub struct Arguments {
     json: Json,
 }
 
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum CentringName {
-    Nodes,
-    Cells,
-}
+/// Names of [`Centring`].
+const NODES: &str = "nodes";
+const CELLS: &str = "cells";
 
 /// Bars of the histogram.
 const BINS: usize = 16;
@@ -137,9 +135,9 @@ struct Bin {
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     output::check(&[arguments.json.file()], &[&arguments.file])?;
     let mut options = LoadOptions {
-        centring: arguments.centring.map(|name| match name {
-            CentringName::Nodes => Centring::Nodes,
-            CentringName::Cells => Centring::Cells,
+        centring: arguments.centring.as_deref().map(|name| match name {
+            CELLS => Centring::Cells,
+            _ => Centring::Nodes,
         }),
         non_finite: NonFinite::Kept,
         detached_anywhere: arguments.detached_anywhere,
@@ -186,8 +184,8 @@ fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
         min: bounds.min.to_array(),
         max: bounds.max.to_array(),
         centring: match lattice.centring() {
-            Centring::Nodes => "nodes",
-            Centring::Cells => "cells",
+            Centring::Nodes => NODES,
+            Centring::Cells => CELLS,
         },
         cloud,
         stored,
@@ -296,28 +294,18 @@ fn describe(info: &Info) -> String {
         row("extent", between(cloud.min, cloud.max));
     }
     let [nx, ny, nz] = info.nodes;
-    row(
-        "nodes",
-        format!("{nx} × {ny} × {nz}, {} in all", nx * ny * nz),
-    );
+    let count = nx * ny * nz;
+    row("nodes", format!("{nx} × {ny} × {nz}, {count} in all"));
     let [x, y, z] = info.spacing;
-    row(
-        "spacing",
-        if x == y && y == z {
-            digits(x)
-        } else {
-            vector(info.spacing)
-        },
-    );
+    let spacing = if x == y && y == z {
+        digits(x)
+    } else {
+        vector(info.spacing)
+    };
+    row("spacing", spacing);
     row("first node", vector(info.first));
-    row(
-        "box",
-        format!(
-            "{}, centred on {}",
-            between(info.min, info.max),
-            info.centring
-        ),
-    );
+    let bounds = between(info.min, info.max);
+    row("box", format!("{bounds}, centred on {}", info.centring));
     if let Some(stored) = &info.stored {
         let mut as_stored = stored.r#type.to_owned();
         if let Some(endian) = stored.endian {
@@ -330,42 +318,27 @@ fn describe(info: &Info) -> String {
         }
         row("stored", as_stored);
         if let Some(scaling) = &stored.scaling {
-            let Scaling {
-                slope,
-                intercept,
-                min,
-                max,
-                mean,
-            } = scaling;
-            let [slope, intercept, min, max, mean] =
-                [slope, intercept, min, max, mean].map(|number| digits(*number));
-            row("", format!("{min} to {max}, mean {mean}"));
-            let plus = format!(" + {intercept}").replace("+ -", "- ");
-            row("", format!("value = {slope} · stored{plus}"));
+            row("", summary(scaling.min, scaling.max, scaling.mean));
+            let plus = format!(" + {}", digits(scaling.intercept)).replace("+ -", "- ");
+            row(
+                "",
+                format!("value = {} · stored{plus}", digits(scaling.slope)),
+            );
         }
     }
     let values = &info.values;
     if let (Some(min), Some(max), Some(mean)) = (values.min, values.max, values.mean) {
-        let (min, max, mean) = (digits(min), digits(max), digits(mean));
-        row("values", format!("{min} to {max}, mean {mean}"));
+        row("values", summary(min, max, mean));
     }
-    let negative = match values.negative {
-        0 => String::new(),
-        count => format!(", {count} of them negative"),
-    };
-    row(
-        "",
-        format!("{} zero, {} not{negative}", values.zeros, values.non_zeros),
-    );
-    if let Some(first) = &values.first_non_finite {
-        let [i, j, k] = first.voxel;
-        row(
-            "not finite",
-            format!(
-                "{}, first at voxel ({i}, {j}, {k}): {}",
-                values.non_finite, first.value
-            ),
-        );
+    let mut signs = format!("{} zero, {} not", values.zeros, values.non_zeros);
+    if values.negative > 0 {
+        signs.push_str(&format!(", {} of them negative", values.negative));
+    }
+    row("", signs);
+    if let Some(NonFiniteJson { voxel, value }) = &values.first_non_finite {
+        let ([i, j, k], count) = (voxel, values.non_finite);
+        let first = format!("{count}, first at voxel ({i}, {j}, {k}): {value}");
+        row("not finite", first);
     }
     if let Some(file) = info.files.get(1) {
         row("data in", file.path.clone());
@@ -419,6 +392,10 @@ fn plot(bins: &[Bin]) -> String {
         text.push('\n');
     }
     text
+}
+
+fn summary(min: f64, max: f64, mean: f64) -> String {
+    format!("{} to {}, mean {}", digits(min), digits(max), digits(mean))
 }
 
 fn between(min: [f64; 3], max: [f64; 3]) -> String {

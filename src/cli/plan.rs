@@ -14,7 +14,6 @@ use indicatif::HumanBytes;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::str::FromStr;
 
 /// Show what a scene calls for: effects with reasons, the kernel, filled-in defaults
 #[derive(Debug, clap::Args)]
@@ -26,43 +25,30 @@ pub struct Arguments {
     counters: bool,
     /// Simulate an effect although it is provably null here: same bits, more work. May be given
     /// several times; `all` stands for every one that is null
-    #[arg(long, value_name = "EFFECT")]
+    #[arg(long, value_name = "EFFECT", value_parser = forced)]
     force: Vec<Forced>,
     #[command(flatten)]
     json: Json,
 }
 
-/// What is simulated although it is null.
-#[derive(Clone, Copy, Debug)]
-enum Forced {
-    All,
-    One(Effect),
-}
+/// What is simulated although it is null: one effect, or all.
+type Forced = Option<Effect>;
 
-impl FromStr for Forced {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Forced, String> {
-        match name {
-            "all" => Ok(Forced::All),
-            _ => name
-                .parse()
-                .map(Forced::One)
-                .map_err(|error: String| format!("{error}; or all, for every one that is null")),
-        }
+fn forced(name: &str) -> Result<Forced, String> {
+    if name == "all" {
+        return Ok(None);
     }
+    let effect = name.parse().map(Some);
+    effect.map_err(|error: String| format!("{error}; or all, for every one that is null"))
 }
 
 /// The plan for `panel` with what is `forced`.
 fn plan_for<'s>(panel: &'s Panel, forced: &[Forced]) -> Result<Plan<'s>, PlanError> {
-    let effects: Vec<Effect> = forced
-        .iter()
-        .flat_map(|forced| match forced {
-            Forced::All => Plan::null_effects(panel),
-            Forced::One(effect) => vec![*effect],
-        })
-        .collect();
-    Plan::forcing(panel, &effects)
+    let effects = forced.iter().flat_map(|forced| match forced {
+        None => Plan::null_effects(panel),
+        Some(effect) => vec![*effect],
+    });
+    Plan::forcing(panel, &effects.collect::<Vec<_>>())
 }
 
 #[derive(Serialize)]
@@ -82,28 +68,6 @@ struct ImageJson {
     bytes: u64,
     /// Held at most while it is rendered and written.
     most_bytes: u64,
-}
-
-impl ImageJson {
-    fn of(scene: &Scene, plans: &[Plan<'_>]) -> ImageJson {
-        let Footprint { image, most } = render::footprint(plans, Sampling::default());
-        ImageJson {
-            width: scene.width(),
-            height: scene.height(),
-            bytes: image,
-            most_bytes: most,
-        }
-    }
-
-    fn text(&self) -> String {
-        format!(
-            "image      {} × {} pixels, {}; at most {} while it is rendered and written\n",
-            self.width,
-            self.height,
-            HumanBytes(self.bytes),
-            HumanBytes(self.most_bytes)
-        )
-    }
 }
 
 #[derive(Serialize)]
@@ -205,8 +169,13 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         vec![None; plans.len()]
     };
 
-    let image = ImageJson::of(&scene, &plans);
-    let mut text = image.text();
+    let (width, height) = (scene.width(), scene.height());
+    let Footprint { image, most } = render::footprint(&plans, Sampling::default());
+    let mut text = format!(
+        "image      {width} × {height} pixels, {}; at most {} while it is rendered and written\n",
+        HumanBytes(image),
+        HumanBytes(most)
+    );
     let mut panels = Vec::new();
     for (index, (plan, work)) in plans.iter().zip(&work).enumerate() {
         let panel = plan.panel;
@@ -237,7 +206,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let value = PlanJson {
         schema: "volref/plan/1",
         scene: &arguments.scene,
-        image,
+        image: ImageJson {
+            width,
+            height,
+            bytes: image,
+            most_bytes: most,
+        },
         panels,
     };
     arguments.json.instead_of(text, &value).map(Outcome::from)
@@ -286,15 +260,13 @@ fn describe(plan: &Plan<'_>, expected: &PredictedWork, work: Option<&Counters>) 
     if !plan.approximations.is_empty() {
         text.push_str("\napproximations asked for\n");
     }
-    for approximation in &plan.approximations {
+    for of in &plan.approximations {
+        let line = of
+            .line
+            .map_or(String::new(), |line| format!(", line {line}"));
         text.push_str(&format!(
-            "  without {}: pixels are off by less than {:.3e}  ({}{})\n",
-            approximation.without,
-            approximation.bias,
-            approximation.field,
-            approximation
-                .line
-                .map_or(String::new(), |line| format!(", line {line}"))
+            "  without {}: pixels are off by less than {:.3e}  ({}{line})\n",
+            of.without, of.bias, of.field
         ));
     }
     text.push_str("\ndefaults filled in\n");
@@ -338,20 +310,17 @@ fn describe_work(expected: &PredictedWork, work: Option<&Counters>) -> String {
     };
     let name = |event: Event| event.key().replace('_', " ");
     let Some(work) = work else {
-        // Events that do not occur, and events without a prediction, take a line each.
-        let named = |what: &str| -> Vec<String> {
-            let those = Event::ALL
-                .into_iter()
-                .filter(|&event| predicted(event) == what);
-            those.map(name).collect()
-        };
         let mut text = format!("work expected, each of {rays} rays\n");
-        let known = |event: &Event| !["none", "unknown"].contains(&predicted(*event).as_str());
-        for event in Event::ALL.into_iter().filter(known) {
-            text.push_str(&format!("  {:<16}  {}\n", predicted(event), name(event)));
+        // Events that do not occur, and events without a prediction, take a line each.
+        let (mut unknown, mut none) = (Vec::new(), Vec::new());
+        for event in Event::ALL {
+            match predicted(event).as_str() {
+                "unknown" => unknown.push(name(event)),
+                "none" => none.push(name(event)),
+                known => text.push_str(&format!("  {known:<16}  {}\n", name(event))),
+            }
         }
-        for what in ["unknown", "none"] {
-            let those = named(what);
+        for (what, those) in [("unknown", unknown), ("none", none)] {
             if !those.is_empty() {
                 text.push_str(&format!("  {what:<16}  {}\n", those.join(", ")));
             }

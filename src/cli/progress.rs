@@ -152,7 +152,7 @@ pub fn mistakes(failed: usize, seconds: f64) -> Bar {
 }
 
 /// Shows where that search is.
-pub fn mistake(bar: &Bar, step: &SearchStep<'_>) {
+pub fn mistake(bar: &Bar, step: &SearchStep) {
     let left = step.left.map_or(String::new(), |left| {
         format!(", {:.0} s left for this case", left.as_secs_f64())
     });

@@ -3,7 +3,7 @@
 use super::failure::{Failure, bad_input};
 use super::output::{self, Json};
 use super::{Outcome, progress};
-use crate::film::Film;
+use crate::film::{Film, FilmFormat};
 use crate::math;
 use crate::reference;
 use crate::render::plan::Reason;
@@ -52,7 +52,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
-    let format = ImageFormat::of(&arguments.output)?;
+    let format = format_of(&arguments.output)?;
     let outputs = [Some(arguments.output.as_path()), arguments.json.file()];
     output::check(&outputs, &[&arguments.scene])?;
     let read = || Scene::load(&arguments.scene);
@@ -92,8 +92,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let seconds = start.elapsed().as_secs_f64();
 
     let bytes = match format {
-        ImageFormat::Exr => film.to_exr().map_err(bad_input)?,
-        ImageFormat::Png => film.to_png(arguments.exposure),
+        FilmFormat::Png => film.to_png(arguments.exposure),
+        _ => film.to_exr().map_err(bad_input)?,
     };
     output::write(&arguments.output, &bytes)?;
 
@@ -138,7 +138,7 @@ pub fn warnings_of_all<'p>(plans: &'p [Plan<'_>]) -> Vec<&'p Reason> {
 }
 
 /// What to say of an image that is empty, or too dark to see as a preview.
-fn brightness_note(film: &Film, format: ImageFormat, exposure: f64) -> Option<String> {
+fn brightness_note(film: &Film, format: FilmFormat, exposure: f64) -> Option<String> {
     let mut lit: Vec<f32> = film
         .radiance()
         .iter()
@@ -153,7 +153,7 @@ fn brightness_note(film: &Film, format: ImageFormat, exposure: f64) -> Option<St
     lit.sort_by(f32::total_cmp);
     let bright = f64::from(lit[(lit.len() - 1) * 99 / 100]);
     let stops = (-math::log2(bright)).round();
-    if format == ImageFormat::Png && stops - exposure >= 2.0 {
+    if format == FilmFormat::Png && stops - exposure >= 2.0 {
         return Some(format!(
             "note: the picture is dark; --exposure {stops} shows it better\n"
         ));
@@ -161,32 +161,15 @@ fn brightness_note(film: &Film, format: ImageFormat, exposure: f64) -> Option<St
     None
 }
 
-/// Image formats that can be written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum ImageFormat {
-    Exr,
-    Png,
-}
-
-impl ImageFormat {
-    fn of(path: &Path) -> Result<ImageFormat, Failure> {
-        let extension = path
-            .extension()
-            .and_then(|extension| extension.to_str())
-            .unwrap_or("");
-        match extension.to_ascii_lowercase().as_str() {
-            "exr" => Ok(ImageFormat::Exr),
-            "png" => Ok(ImageFormat::Png),
-            _ => {
-                let message = format!(
-                    "{}: not an image by its extension: written are .exr (linear radiance) and \
-                     .png (preview)",
-                    path.display()
-                );
-                Err(bad_input(message))
-            }
-        }
-    }
+/// The format of an image to be written.
+fn format_of(path: &Path) -> Result<FilmFormat, Failure> {
+    let is_written = |format: &FilmFormat| matches!(format, FilmFormat::Exr | FilmFormat::Png);
+    FilmFormat::of(path).filter(is_written).ok_or_else(|| {
+        bad_input(format!(
+            "{}: not an image by its extension: written are .exr (linear radiance) and .png (preview)",
+            path.display()
+        ))
+    })
 }
 
 fn set_step(scene: &mut Scene, step: Length) -> Result<(), Failure> {

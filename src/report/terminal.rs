@@ -1,7 +1,7 @@
 //! Results for people.
 
 use crate::suite::{
-    ANALYTIC, CaseResult, ERROR_OF_TOLERANCE, Likenesses, Summary, Unfinished, Verdict,
+    ANALYTIC, CaseResult, ERROR_OF_TOLERANCE, Likenesses, SearchStep, Summary, Verdict,
 };
 use std::collections::BTreeMap;
 
@@ -195,7 +195,7 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         } else {
             format!("reached its limit of {seconds} s")
         };
-        let name = |of: &Unfinished| {
+        let name = |of: &SearchStep| {
             let (case, stage) = (&of.case, of.stage.name());
             format!("{case} ({} of {} {stage} tried)", of.done, of.of)
         };

@@ -22,7 +22,7 @@ mod prediction;
 
 pub(in crate::suite) use cells::Cells;
 use cells::Misfit;
-pub use clock::{Search, SearchStep, Stage, Unfinished};
+pub use clock::{Search, SearchStep, Stage};
 pub use kept::{CACHE_VARIABLE, Predictions};
 
 use super::{Case, Cause, Judged, Likeness};
@@ -58,7 +58,7 @@ pub struct Likenesses {
     /// Cases that were searched, to the end or not.
     pub searched: usize,
     /// Searches that were ended before they were done.
-    pub unfinished: Vec<Unfinished>,
+    pub unfinished: Vec<SearchStep>,
 }
 
 /// Names the mistakes that the images in `judged` that failed look like: in `looks_like` of each

@@ -34,9 +34,7 @@ pub use check::{SUITE_VARIABLE, check};
 pub use evidence::{Evidence, Likeness};
 pub use finding::{CaseFinding, Judged};
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
-pub use likeness::{
-    CACHE_VARIABLE, Likenesses, Predictions, Search, SearchStep, Stage, Unfinished, likeness,
-};
+pub use likeness::{CACHE_VARIABLE, Likenesses, Predictions, Search, SearchStep, Stage, likeness};
 pub use naming::{Naming, naming};
 pub use other_renderer::{CommandTemplate, Keeper, Kept, Ran, TemplateError, keep, run, stop_all};
 pub use outputs::{Found, OutputError, Outputs, UnknownFile};

@@ -14,7 +14,7 @@ pub struct Search<'s> {
     /// Whether to end at once; asked often, from any thread.
     pub interrupted: &'s (dyn Fn() -> bool + Sync),
     /// Hears of every hypothesis, from any thread.
-    pub progress: &'s (dyn Fn(&SearchStep<'_>) + Sync),
+    pub progress: &'s (dyn Fn(&SearchStep) + Sync),
 }
 
 impl Search<'_> {
@@ -28,10 +28,10 @@ impl Search<'_> {
 const FIRST_LOOKS: f64 = 0.75;
 
 /// Where the search is.
-#[derive(Clone, Copy, Debug)]
-pub struct SearchStep<'s> {
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SearchStep {
     /// Name of the case.
-    pub case: &'s str,
+    pub case: String,
     /// What is tried.
     pub stage: Stage,
     /// Hypotheses done in this stage.
@@ -59,19 +59,6 @@ impl Stage {
             Stage::Pairs => "pairs of mistakes",
         }
     }
-}
-
-/// A search that did not come to its end, and how far it came.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Unfinished {
-    /// Name of the case.
-    pub case: String,
-    /// What was being tried.
-    pub stage: Stage,
-    /// Hypotheses done in this stage.
-    pub done: usize,
-    /// Hypotheses of this stage.
-    pub of: usize,
 }
 
 /// The time of one case.
@@ -144,24 +131,23 @@ impl<'s> SearchClock<'s> {
 
     /// Reports where the search is.
     pub fn report(&self) {
-        (self.search.progress)(&SearchStep {
-            case: self.case,
-            stage: self.stage,
-            done: self.done.load(Ordering::Relaxed).min(self.of),
-            of: self.of,
-            left: self
-                .end
-                .map(|end| end.saturating_duration_since(Instant::now())),
-        });
+        (self.search.progress)(&self.step());
     }
 
     /// How far the search came, where it was ended.
-    pub fn unfinished(&self) -> Option<Unfinished> {
-        self.was_ended.load(Ordering::Relaxed).then(|| Unfinished {
+    pub fn unfinished(&self) -> Option<SearchStep> {
+        let was_ended = self.was_ended.load(Ordering::Relaxed);
+        was_ended.then(|| self.step())
+    }
+
+    fn step(&self) -> SearchStep {
+        let left = |end: Instant| end.saturating_duration_since(Instant::now());
+        SearchStep {
             case: self.case.to_owned(),
             stage: self.stage,
             done: self.done.load(Ordering::Relaxed).min(self.of),
             of: self.of,
-        })
+            left: self.end.map(left),
+        }
     }
 }
