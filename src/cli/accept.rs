@@ -2,7 +2,7 @@
 
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
-use super::suite::{Selection, select, store};
+use super::suite::Selection;
 use super::{Outcome, progress};
 use crate::suite::{self, AcceptError, Cache, Change, StoreError};
 use serde_json::json;
@@ -29,11 +29,11 @@ pub struct Arguments {
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
     output::check(&[arguments.json.file()], &[])?;
-    let cases = select(&suite, &arguments.cases)?;
+    let cases = suite.select(&arguments.cases)?;
     let in_ci = std::env::var_os("CI").is_some_and(|value| !value.is_empty());
     let bar = progress::work();
     let cache = Cache::open(suite.cache_folder());
-    let (store, reason) = (store(&suite), &arguments.reason);
+    let (store, reason) = (suite.store(), &arguments.reason);
     let accepted = suite::accept(&cases, &store, &cache, reason, in_ci, &bar);
     bar.finish_and_clear();
     let accepted = accepted.map_err(|error| {

@@ -3,7 +3,7 @@
 use super::Outcome;
 use super::failure::Failure;
 use super::output::{self, Json};
-use super::suite::{Selection, suite_failure};
+use super::suite::Selection;
 use crate::suite::{ANALYTIC, row_name};
 use serde_json::json;
 
@@ -23,9 +23,7 @@ pub struct Arguments {
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
     output::check(&[arguments.json.file()], &[])?;
-    let (cases, rows) = suite
-        .select_with_rows(&arguments.filters)
-        .map_err(suite_failure)?;
+    let (cases, rows) = suite.select_with_rows(&arguments.filters)?;
     let row_names: Vec<String> = rows.iter().map(|row| row_name(row)).collect();
     let names = cases.iter().map(|case| &case.name).chain(&row_names);
     let widest = names.map(String::len).max().unwrap_or(0);

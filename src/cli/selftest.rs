@@ -2,7 +2,7 @@
 
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
-use super::suite::{Selection, select, store};
+use super::suite::Selection;
 use super::{Outcome, progress};
 use crate::report;
 use crate::suite::mistakes::{self, Mistake};
@@ -36,8 +36,8 @@ pub struct Arguments {
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
     output::check(&[arguments.json.file()], &[])?;
-    let cases = select(&suite, &arguments.filters)?;
-    let store = store(&suite);
+    let cases = suite.select(&arguments.filters)?;
+    let store = suite.store();
     if arguments.naming.is_some() || arguments.pairs.is_some() {
         let made = made(arguments.naming.unwrap_or(0), arguments.pairs.unwrap_or(0));
         return measure_naming(&cases, &store, &made, &arguments.json);

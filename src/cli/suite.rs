@@ -2,7 +2,7 @@
 
 use super::failure::{Exit, Failure};
 use crate::regular_file::note_input;
-use crate::suite::{Case, CaseResult, Store, Suite, SuiteError};
+use crate::suite::{CaseResult, Suite, SuiteError};
 use std::path::{Path, PathBuf};
 
 /// The suite that is meant where none is given.
@@ -19,7 +19,7 @@ pub struct Selection {
 impl Selection {
     /// The suite. All its files count as inputs, whether they are read or not.
     pub fn open(&self) -> Result<Suite, Failure> {
-        let suite = Suite::open(&self.folder).map_err(suite_failure)?;
+        let suite = Suite::open(&self.folder)?;
         suite.files().iter().for_each(|file| note_input(file));
         Ok(suite)
     }
@@ -34,11 +34,6 @@ impl Selection {
     }
 }
 
-/// The cases that the filters name.
-pub fn select<'s>(suite: &'s Suite, filters: &[String]) -> Result<Vec<&'s Case>, Failure> {
-    suite.select(filters).map_err(suite_failure)
-}
-
 /// Help for a filter that looks like the name of an output.
 fn output_help(filter: &str) -> Option<String> {
     let extension = Path::new(filter).extension()?.to_str()?;
@@ -50,23 +45,20 @@ fn output_help(filter: &str) -> Option<String> {
     }
 }
 
-/// The goldens of the suite.
-pub fn store(suite: &Suite) -> Store {
-    Store::open(suite.golden_folder())
-}
-
 /// No such case is exit code 5, a suite that cannot be read 2.
-pub fn suite_failure(error: SuiteError) -> Failure {
-    let (exit, error) = match error {
-        SuiteError::NoMatch { filter, help } => {
-            let help = output_help(&filter).unwrap_or(help);
-            (Exit::Undecided, SuiteError::NoMatch { filter, help })
+impl From<SuiteError> for Failure {
+    fn from(error: SuiteError) -> Failure {
+        let (exit, error) = match error {
+            SuiteError::NoMatch { filter, help } => {
+                let help = output_help(&filter).unwrap_or(help);
+                (Exit::Undecided, SuiteError::NoMatch { filter, help })
+            }
+            error => (Exit::BadInput, error),
+        };
+        Failure {
+            exit,
+            report: error.into(),
         }
-        error => (Exit::BadInput, error),
-    };
-    Failure {
-        exit,
-        report: error.into(),
     }
 }
 

@@ -4,7 +4,7 @@ use super::export::write_all;
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input};
 use super::keep::keeper;
 use super::results::{Findings, ResultFiles, check_not_golden};
-use super::suite::{Selection, exit, select, store};
+use super::suite::{Selection, exit};
 use super::{Outcome, interrupt, output, progress};
 use crate::exchange::{self, Format};
 use crate::regular_file::note_input;
@@ -108,8 +108,8 @@ fn budget(text: &str) -> Result<f64, String> {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
-    let cases = select(&suite, &arguments.filters)?;
-    let store = store(&suite);
+    let cases = suite.select(&arguments.filters)?;
+    let store = suite.store();
     let names: Vec<&str> = suite
         .cases()
         .iter()

@@ -2,7 +2,7 @@
 
 use super::failure::{EXIT_CODES, Failure};
 use super::results::{Findings, ResultFiles};
-use super::suite::{Selection, exit, store, suite_failure};
+use super::suite::{Selection, exit};
 use super::{Outcome, progress, render};
 use crate::report;
 use crate::suite::{self, Case, CaseResult, Evidence, Suite, Verdict};
@@ -31,10 +31,8 @@ pub struct Arguments {
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
     arguments.files.check(&suite)?;
-    let (cases, rows) = suite
-        .select_with_rows(&arguments.filters)
-        .map_err(suite_failure)?;
-    let store = store(&suite);
+    let (cases, rows) = suite.select_with_rows(&arguments.filters)?;
+    let store = suite.store();
     let mut judged = render::with_threads(arguments.threads, || {
         let bar = progress::cases(cases.len() + rows.len());
         let mut judged: Vec<_> = cases
@@ -60,7 +58,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     })?;
 
     if arguments.filters.is_empty() {
-        judged.extend(suite::without_case(&suite).map_err(suite_failure)?);
+        judged.extend(suite::without_case(&suite)?);
     }
     for judged in &mut judged {
         let again = arguments

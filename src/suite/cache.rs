@@ -6,8 +6,8 @@
 //!
 //! The key of a rendering is a hash of everything it depends on: scene, plan, input files,
 //! samples and seed, the versions of volref and `libm`, and the executable itself, so that no
-//! image ever comes from other code. The name of its file ends with the hash of the image, so
-//! that none comes back changed.
+//! image ever comes from other code. Its file begins with the hash of the image, so that none comes
+//! back changed.
 
 use super::golden::{LIBM_VERSION, input_hashes};
 use super::rendering::CaseRendering;
@@ -58,31 +58,18 @@ impl Cache {
             LIBM_VERSION.to_owned(),
             executable.clone(),
         ];
-        let parts: Vec<&[u8]> = parts.iter().map(String::as_bytes).collect();
         Some(hash(&parts))
     }
 
     /// The rendering of `case` with this key, if it was kept as it was.
     pub(super) fn get(&self, case: &str, key: &str) -> Option<Film> {
-        let prefix = format!("{key}.");
-        let entries = std::fs::read_dir(self.folder.join(case)).ok()?;
-        entries.flatten().find_map(|entry| {
-            let name = entry.file_name().into_string().ok()?;
-            let pixels = name.strip_prefix(&prefix)?.strip_suffix(".exr")?;
-            let bytes = regular_file::read(&entry.path(), MOST_BYTES).ok()?;
-            let film = Film::from_exr(&bytes).ok()?;
-            (film.pixel_hash() == pixels).then_some(film)
-        })
+        read_film(&self.folder.join(case).join(key))
     }
 
     /// Keeps a finished rendering. Where that fails, the next run renders it again: no reason to
     /// end this one.
     pub(super) fn put(&self, case: &str, key: &str, film: &Film) {
-        let folder = self.folder.join(case);
-        let Ok(bytes) = film.to_exr() else {
-            return;
-        };
-        if std::fs::create_dir_all(&folder).is_err() {
+        if write_film(&self.folder.join(case).join(key), film).is_none() {
             return;
         }
         // Hides the folder, and itself, from version control wherever the suite is.
@@ -90,8 +77,6 @@ impl Cache {
         if !ignore.exists() {
             let _ = write_atomically(&ignore, b"*\n");
         }
-        let name = format!("{key}.{}.exr", film.pixel_hash());
-        let _ = write_atomically(&folder.join(name), &bytes);
     }
 
     /// Removes what was kept of `case`, and the folders that are empty then.
@@ -114,6 +99,25 @@ impl Cache {
     }
 }
 
+/// Bytes of a BLAKE3 hash, with which a kept film begins.
+const HASH: usize = 32;
+
+/// The film that was kept at `path`, if it is as it was.
+pub(super) fn read_film(path: &Path) -> Option<Film> {
+    let bytes = regular_file::read(path, MOST_BYTES).ok()?;
+    let (sum, film) = bytes.split_at_checked(HASH)?;
+    (blake3::hash(film).as_bytes() == sum).then(|| Film::from_exr(film).ok())?
+}
+
+/// Keeps `film` at `path`, its folder made, if that can be done; how many bytes that takes.
+pub(super) fn write_film(path: &Path, film: &Film) -> Option<u64> {
+    let film = film.to_exr().ok()?;
+    std::fs::create_dir_all(path.parent()?).ok()?;
+    let bytes = [&blake3::hash(&film).as_bytes()[..], &film].concat();
+    write_atomically(path, &bytes).ok()?;
+    Some(bytes.len() as u64)
+}
+
 /// Hash of the running executable: what it renders may differ from what any other build does.
 pub(super) fn executable_hash() -> Option<String> {
     let bytes = regular_file::read(&std::env::current_exe().ok()?, MOST_BYTES);
@@ -126,9 +130,9 @@ fn is_removed(folder: &Path) -> bool {
 }
 
 /// Hash of the parts, each with its length: no two lists of parts run into each other.
-pub(super) fn hash(parts: &[&[u8]]) -> String {
+pub(super) fn hash<P: AsRef<[u8]>>(parts: &[P]) -> String {
     let mut hasher = blake3::Hasher::new();
-    for part in parts {
+    for part in parts.iter().map(AsRef::as_ref) {
         hasher.update(&(part.len() as u64).to_le_bytes());
         hasher.update(part);
     }

@@ -1,6 +1,6 @@
 //! The folder is the suite: every manifest in it is a case.
 
-use super::{Answer, mistakes, row_name};
+use super::{Answer, Store, mistakes, row_name};
 use crate::compare::{Deterministic, ImageGate, Stochastic};
 use crate::hard_cases::rows;
 use crate::regular_file::{self, Identity};
@@ -271,6 +271,11 @@ impl Suite {
     /// Where the goldens are.
     pub fn golden_folder(&self) -> PathBuf {
         self.root.join(GOLDEN)
+    }
+
+    /// The goldens.
+    pub fn store(&self) -> Store {
+        Store::open(self.golden_folder())
     }
 
     /// Every file of the suite: whatever lies below its fixtures and goldens, and what links there

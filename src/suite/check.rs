@@ -1,7 +1,7 @@
 //! The suite from within another renderer's own tests.
 
 use super::validate::{Output, validate};
-use super::{CaseResult, Predictions, Search, Store, Suite, SuiteError, likeness};
+use super::{CaseResult, Predictions, Search, Suite, SuiteError, likeness};
 use crate::compare::Picture;
 use crate::film::Film;
 use std::path::{Path, PathBuf};
@@ -52,7 +52,7 @@ impl Suite {
 pub fn check(case: &str, image: &Film) -> Result<CaseResult, SuiteError> {
     let suite = Suite::bundled()?;
     let cases = suite.select(&[case.to_owned()])?;
-    let store = Store::open(suite.golden_folder());
+    let store = suite.store();
     let picture = Picture::Radiance(image.clone());
     let mut judged = [validate(
         cases[0],

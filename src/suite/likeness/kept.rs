@@ -8,10 +8,8 @@
 //!
 //! Nothing here is an error: what cannot be read, is damaged or cannot be written is rendered.
 
-use crate::atomic_file::write_atomically;
 use crate::film::Film;
-use crate::regular_file;
-use crate::suite::cache::{executable_hash, hash};
+use crate::suite::cache::{executable_hash, hash, read_film, write_film};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock};
 use std::time::SystemTime;
@@ -27,9 +25,6 @@ const MOST_BYTES: u64 = 256 << 20;
 const BYTES_LEFT: u64 = MOST_BYTES / 4 * 3;
 
 const EXTENSION: &str = "prediction";
-
-/// Bytes of a BLAKE3 hash, with which a file begins.
-const HASH: usize = 32;
 
 /// A folder of predictions.
 #[derive(Debug, Default)]
@@ -64,37 +59,23 @@ impl Predictions {
     }
 
     /// What a prediction is known by, of the `parts` that it depends on besides the program.
-    pub(super) fn key(&self, parts: &[&[u8]]) -> Option<String> {
+    pub(super) fn key(&self, parts: &[&str]) -> Option<String> {
         self.folder.as_ref()?;
         let executable = self.executable.get_or_init(executable_hash).as_ref()?;
-        let parts: Vec<&[u8]> = parts
-            .iter()
-            .copied()
-            .chain([executable.as_bytes()])
-            .collect();
-        Some(hash(&parts))
+        Some(hash(&[parts, &[executable]].concat()))
     }
 
     /// The prediction with this key, if it was kept as it was.
     pub(super) fn get(&self, key: &str) -> Option<Film> {
-        let bytes = regular_file::read(&self.path(key)?, MOST_BYTES).ok()?;
-        let (sum, film) = bytes.split_at_checked(HASH)?;
-        (blake3::hash(film).as_bytes() == sum).then(|| Film::from_exr(film).ok())?
+        read_film(&self.path(key)?)
     }
 
     /// Keeps a prediction.
     pub(super) fn put(&self, key: &str, film: &Film) {
-        let (Some(path), Ok(film)) = (self.path(key), film.to_exr()) else {
-            return;
-        };
-        let folder = path.parent().unwrap_or(Path::new("."));
-        if std::fs::create_dir_all(folder).is_err() {
-            return;
-        }
-        let mut bytes = blake3::hash(&film).as_bytes().to_vec();
-        bytes.extend(film);
-        if write_atomically(&path, &bytes).is_ok() {
-            self.keep_small(folder, bytes.len() as u64);
+        if let Some(path) = self.path(key)
+            && let Some(bytes) = write_film(&path, film)
+        {
+            self.keep_small(path.parent().unwrap_or(Path::new(".")), bytes);
         }
     }
 
@@ -192,14 +173,14 @@ mod tests {
     fn what_was_kept_comes_back_and_what_was_damaged_does_not() {
         let folder = tempfile::tempdir().unwrap();
         let predictions = Predictions::in_folder(folder.path());
-        let key = predictions.key(&[b"scene", b"mistake"]).unwrap();
-        assert_ne!(predictions.key(&[b"scenemistake"]).unwrap(), key);
+        let key = predictions.key(&["scene", "mistake"]).unwrap();
+        assert_ne!(predictions.key(&["scenemistake"]).unwrap(), key);
         assert_eq!(predictions.get(&key), None);
         predictions.put(&key, &film(0.5));
         assert_eq!(predictions.get(&key), Some(film(0.5)));
         let path = predictions.path(&key).unwrap();
         let whole = fs::read(&path).unwrap();
-        for damaged in [&whole[..whole.len() - 1], &whole[..HASH - 1], &[]] {
+        for damaged in [&whole[..whole.len() - 1], &whole[..31], &[]] {
             fs::write(&path, damaged).unwrap();
             assert_eq!(predictions.get(&key), None);
         }
@@ -213,11 +194,11 @@ mod tests {
         let file = folder.path().join("file");
         fs::write(&file, "kept").unwrap();
         let predictions = Predictions::in_folder(&file);
-        let key = predictions.key(&[b"scene"]).unwrap();
+        let key = predictions.key(&["scene"]).unwrap();
         predictions.put(&key, &film(0.5));
         assert_eq!(predictions.get(&key), None);
         assert_eq!(fs::read(&file).unwrap(), b"kept");
-        assert_eq!(Predictions::nowhere().key(&[b"scene"]), None);
+        assert_eq!(Predictions::nowhere().key(&["scene"]), None);
     }
 
     #[test]

@@ -58,10 +58,10 @@ pub(super) fn predicted(
         .map(|mistake| mistake.name)
         .collect();
     let key = clock.predictions().key(&[
-        scene.canonical_text().as_bytes(),
-        format!("{:?}", input_hashes(scene)).as_bytes(),
-        names.join(" + ").as_bytes(),
-        format!("{detail:?} {samples}").as_bytes(),
+        &scene.canonical_text(),
+        &format!("{:?}", input_hashes(scene)),
+        &names.join(" + "),
+        &format!("{detail:?} {samples}"),
     ]);
     if let Some(film) = key.as_ref().and_then(|key| clock.predictions().get(key)) {
         return Some(film);
