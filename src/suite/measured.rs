@@ -25,10 +25,8 @@ pub(super) fn measured(case: &Case, golden: &Film, picture: &Picture) -> Vec<Str
     let map = simple_map(case, golden, test).map(|map| map.in_words());
     let levels = eight_bits(test, case.exposure)
         // Of a golden with few colours nothing can be said.
-        .filter(|levels| {
-            eight_bits(golden, case.exposure).is_none_or(|of| of.curve != levels.curve)
-        })
-        .map(|levels| levels.in_words());
+        .filter(|(curve, _)| eight_bits(golden, case.exposure).is_none_or(|of| of.0 != *curve))
+        .map(eight_bits_in_words);
     map.into_iter().chain(levels).collect()
 }
 
@@ -134,6 +132,16 @@ impl Map {
         mapped(film, |x, channel| self.at(x, channel))
     }
 
+    /// Whether more stays more, in all that it is made of but an offset.
+    fn is_growing(&self) -> bool {
+        let is = |number: f64| number > 0.0 && number.is_finite();
+        match *self {
+            Map::Scaled(factor) | Map::Shifted { factor, .. } => is(factor),
+            Map::Tinted(factors) => factors.into_iter().all(is),
+            Map::Power { factor, exponent } => is(factor) && is(exponent),
+        }
+    }
+
     fn in_words(&self) -> String {
         match *self {
             Map::Scaled(factor) => format!("the image is the golden × {}", number(factor)),
@@ -176,38 +184,25 @@ fn simple_map(case: &Case, golden: &Film, test: &Film) -> Option<Map> {
         // The mean of a power is not the power of the mean: with noise there is no telling.
         maps.push(power(golden, test));
     }
-    let explains: Box<dyn Fn(&Film) -> bool> = match is_sampled {
-        false => Box::new(|mapped: &Film| {
-            let [mapped, test] = [mapped, test].map(|film| Picture::Radiance(film.clone()));
+    let mut maps = maps.into_iter().flatten().filter(Map::is_growing);
+    if !is_sampled {
+        let test = Picture::Radiance(test.clone());
+        return maps.find(|map| {
+            let mapped = Picture::Radiance(map.of(golden));
             let judgement = judge(&Deterministic, &mapped, &test, &Conditions::default());
             judgement.is_ok_and(|judgement| judgement.passed)
-        }),
-        true => {
-            let cells = Cells::of_blocks(golden);
-            let mut test_cells = Cells::of_blocks(test);
-            if test.noise().is_none() {
-                test_cells.spread_noise_like(&cells);
-            }
-            let from_golden = cells.misfit(&test_cells, &cells).at_least();
-            Box::new(move |mapped: &Film| {
-                let misfit = Cells::of_blocks(mapped).misfit(&test_cells, &cells);
-                misfit.is_noise() && misfit.at_most() < from_golden
-            })
-        }
-    };
-    let is_map = |map: &Map| match *map {
-        Map::Scaled(factor) | Map::Shifted { factor, .. } => factor > 0.0 && factor.is_finite(),
-        Map::Tinted(factors) => factors
-            .iter()
-            .all(|factor| *factor > 0.0 && factor.is_finite()),
-        Map::Power { factor, exponent } => {
-            factor > 0.0 && factor.is_finite() && exponent > 0.0 && exponent.is_finite()
-        }
-    };
-    maps.into_iter()
-        .flatten()
-        .filter(is_map)
-        .find(|map| explains(&map.of(golden)))
+        });
+    }
+    let cells = Cells::of_blocks(golden);
+    let mut test_cells = Cells::of_blocks(test);
+    if test.noise().is_none() {
+        test_cells.spread_noise_like(&cells);
+    }
+    let from_golden = cells.misfit(&test_cells, &cells).at_least();
+    maps.find(|map| {
+        let misfit = Cells::of_blocks(&map.of(golden)).misfit(&test_cells, &cells);
+        misfit.is_noise() && misfit.at_most() < from_golden
+    })
 }
 
 /// Weighted sums over an image, by channel: of the weights, of the golden `a`, the image `b`, a²
@@ -299,14 +294,6 @@ fn power(golden: &Film, test: &Film) -> Option<Map> {
     Some(Map::Power { factor, exponent })
 }
 
-/// Values that are those of 8-bit codes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Levels {
-    curve: CodeCurve,
-    /// Different ones.
-    count: usize,
-}
-
 /// How codes stand for radiance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum CodeCurve {
@@ -322,8 +309,9 @@ const FEWEST_VALUES: usize = 16;
 /// is 0.06 levels of 255.
 const OF_A_LEVEL: f64 = 0.1;
 
-/// The 8-bit levels that all values of `film` have, seen at `exposure` stops or at none.
-fn eight_bits(film: &Film, exposure: f64) -> Option<Levels> {
+/// The curve by which all values of `film` are 8-bit levels, seen at `exposure` stops or at none, and
+/// the number of different levels.
+fn eight_bits(film: &Film, exposure: f64) -> Option<(CodeCurve, usize)> {
     let of = |curve: CodeCurve, stops: f64| {
         let scale = math::exp2(stops);
         let (mut values, mut levels) = (BTreeSet::new(), BTreeSet::new());
@@ -344,7 +332,7 @@ fn eight_bits(film: &Film, exposure: f64) -> Option<Levels> {
             levels.insert(level as u8);
         }
         let count = levels.len();
-        (values.len() >= FEWEST_VALUES && count >= FEWEST_VALUES).then_some(Levels { curve, count })
+        (values.len() >= FEWEST_VALUES && count >= FEWEST_VALUES).then_some((curve, count))
     };
     [
         (CodeCurve::Srgb, 0.0),
@@ -356,20 +344,15 @@ fn eight_bits(film: &Film, exposure: f64) -> Option<Levels> {
     .find_map(|(curve, stops)| of(curve, stops))
 }
 
-impl Levels {
-    fn in_words(self) -> String {
-        let Levels { curve, count } = self;
-        let what = match curve {
-            CodeCurve::Srgb => {
-                format!("the image holds only {count} values, all of them 8-bit sRGB codes")
-            }
-            CodeCurve::Linear => format!("the image holds only {count} values, all of them n/255"),
-        };
-        format!(
-            "{what}: it was rounded to 8 bits on its way; write radiance in 16 or 32 bits a channel, \
-             or hand in a PNG"
-        )
-    }
+fn eight_bits_in_words((curve, count): (CodeCurve, usize)) -> String {
+    let codes = match curve {
+        CodeCurve::Srgb => "8-bit sRGB codes",
+        CodeCurve::Linear => "n/255",
+    };
+    format!(
+        "the image holds only {count} values, all of them {codes}: it was rounded to 8 bits on its way; \
+         write radiance in 16 or 32 bits a channel, or hand in a PNG"
+    )
 }
 
 #[cfg(test)]

@@ -4,11 +4,13 @@
 //! picture is rendered with fresh seeds, and judged as that of another renderer would be. A gate
 //! that was never seen to fail is a failing gate; one that rejects an honest picture is as bad.
 
+use super::edited_film::{mapped, rebuilt, value};
 use super::finding::CheckedGolden;
 use super::mistakes::{self, Mistake};
 use super::validate::validate_with;
 use super::{Case, Judged, Store, Verdict};
 use crate::compare::Picture;
+use crate::compare::flip::SrgbImage;
 use crate::film::Film;
 use crate::math::rng::{Purpose, Stream};
 use crate::render::{Sampling, Seed, plans, render};
@@ -304,27 +306,26 @@ const BENIGN: &[(&str, Benign)] = &[
         Some(Picture::Radiance(subject.honest().clone()))
     }),
     ("half-precision", |subject| {
-        let half = mapped(subject.honest(), |_, x| f16::from_f32(x).to_f32());
+        let half = mapped(subject.honest(), |x, _| (f16::from_f64(x).to_f64(), 1.0));
         // What half precision cannot hold at all, nobody keeps in it.
         let held = half.radiance().iter().flatten().all(|x| x.is_finite());
         held.then_some(Picture::Radiance(half))
     }),
     ("other-rounding", |subject| {
-        Some(Picture::Radiance(mapped(subject.honest(), |index, x| {
+        Some(Picture::Radiance(rebuilt(subject.honest(), |film, at| {
+            let index = at[0] + film.width() * at[1];
             let u = Stream::new(SEED, index as u32, 0).uniform(0, Purpose::Camera, 0);
             // A renderer in single precision is off by no more than this.
-            x * (1.0 + 1e-4 * (2.0 * u as f32 - 1.0))
+            let factor = 1.0 + 1e-4 * (2.0 * u as f32 - 1.0);
+            let (mean, variance) = value(film, at);
+            (mean.map(|x| f64::from(x as f32 * factor)), variance)
         })))
     }),
     ("noise-not-stated", |subject| {
         let film = subject.honest();
         film.noise()?;
-        let radiance = film.radiance().to_vec();
-        Some(Picture::Radiance(Film::new(
-            film.width(),
-            film.height(),
-            radiance,
-        )))
+        let silent = Film::new(film.width(), film.height(), film.radiance().to_vec());
+        Some(Picture::Radiance(silent))
     }),
     ("four-replicates", |subject| {
         subject.case.sampling?;
@@ -338,29 +339,10 @@ const BENIGN: &[(&str, Benign)] = &[
         }
         let film = subject.honest();
         let codes = film.srgb_codes(subject.case.exposure);
-        let image = crate::compare::flip::SrgbImage::new(film.width(), film.height(), codes);
+        let image = SrgbImage::new(film.width(), film.height(), codes);
         image.ok().map(Picture::Codes)
     }),
 ];
-
-/// Radiance mapped value by value, by index; noise as it is.
-fn mapped(film: &Film, map: impl Fn(usize, f32) -> f32) -> Film {
-    let (width, height) = (film.width(), film.height());
-    let values = film.radiance().iter().enumerate();
-    let radiance = values
-        .map(|(index, pixel)| pixel.map(|x| map(index, x)))
-        .collect();
-    match film.noise() {
-        Some(noise) => Film::with_noise(
-            width,
-            height,
-            radiance,
-            noise.variance().to_vec(),
-            noise.samples(),
-        ),
-        None => Film::new(width, height, radiance),
-    }
-}
 
 fn benign_trials(subjects: &[&Subject<'_>], report: &dyn Fn(Step<'_>)) -> Vec<BenignTrials> {
     let trial = |&(variant, make): &(&'static str, Benign)| {

@@ -147,31 +147,23 @@ fn on(lattice: Lattice, grid: &GridValues) -> Option<GridValues> {
 /// Read as though z ran fastest; nothing of a grid that is no cube of nodes is left in its place,
 /// so that of any other size is read with the sizes exchanged too.
 pub(super) fn x_and_z_exchanged(grid: &GridValues) -> Option<GridValues> {
-    let lattice = grid.lattice();
-    let [nx, ny, nz] = lattice.nodes();
-    let mut values = Vec::with_capacity(grid.values().len());
-    for k in 0..nz {
-        for j in 0..ny {
-            for i in 0..nx {
-                values.push(grid.values()[k + nz * (j + ny * i)]);
-            }
-        }
-    }
-    Grid::new(*lattice, values).ok().map(Arc::new)
+    let [_, ny, nz] = grid.lattice().nodes();
+    rearranged(grid, |[i, j, k]| k + nz * (j + ny * i))
 }
 
 /// Rows in the reverse order along y.
 pub(super) fn upside_down(grid: &GridValues) -> Option<GridValues> {
     let lattice = grid.lattice();
-    let [nx, ny, nz] = lattice.nodes();
-    let mut values = Vec::with_capacity(grid.values().len());
-    for k in 0..nz {
-        for j in (0..ny).rev() {
-            let row = lattice.index([0, j, k]);
-            values.extend_from_slice(&grid.values()[row..row + nx]);
-        }
-    }
-    Grid::new(*lattice, values).ok().map(Arc::new)
+    rearranged(grid, |[i, j, k]| {
+        lattice.index([i, lattice.nodes()[1] - 1 - j, k])
+    })
+}
+
+/// The value of each node is that of the index that `source` gives.
+fn rearranged(grid: &GridValues, source: impl Fn([usize; 3]) -> usize) -> Option<GridValues> {
+    let (lattice, values) = (*grid.lattice(), grid.values());
+    let moved = (0..values.len()).map(|index| values[source(lattice.node(index))]);
+    Grid::new(lattice, moved.collect()).ok().map(Arc::new)
 }
 
 fn mapped(grid: &GridValues, map: fn(f32) -> f32) -> Option<GridValues> {
@@ -184,11 +176,7 @@ fn grids(
     edit: impl Fn(&GridValues, Interpolation) -> Option<(GridValues, Interpolation)>,
 ) -> bool {
     let mut occurs = false;
-    for density in scene
-        .media
-        .iter_mut()
-        .filter_map(|body| body.density.as_mut())
-    {
+    for density in scene.media.iter_mut().flat_map(|body| &mut body.density) {
         if let Field::Grid(field) = density.field()
             && let Some((grid, interpolation)) = edit(field.shared(), field.interpolation())
         {
@@ -207,11 +195,7 @@ fn with_grids(scene: &mut Radiative, edit: fn(&GridValues) -> Option<GridValues>
 
 fn noises(scene: &mut Radiative, edit: fn(&mut FractalParameters)) -> bool {
     let mut occurs = false;
-    for density in scene
-        .media
-        .iter_mut()
-        .filter_map(|body| body.density.as_mut())
-    {
+    for density in scene.media.iter_mut().flat_map(|body| &mut body.density) {
         let Field::Noise(noise) = density.field() else {
             continue;
         };
