@@ -243,23 +243,13 @@ impl Suite {
         if !folder.is_dir() {
             return Err(SuiteError::NoSuite(shown.to_owned()));
         }
-        let mut cases = Vec::new();
-        for family in sorted_entries(&folder)?
+        let cases = records(&folder)?
             .into_iter()
-            .filter(|path| path.is_dir())
-        {
-            for path in sorted_entries(&family)? {
-                if path
-                    .extension()
-                    .is_some_and(|extension| extension == "toml")
-                {
-                    cases.push(read_manifest(&path).map_err(SuiteError::Manifest)?);
-                }
-            }
-        }
+            .map(|path| read_manifest(&path));
+        let cases: Result<Vec<Case>, _> = cases.collect();
         Ok(Suite {
             root: root.to_owned(),
-            cases,
+            cases: cases.map_err(SuiteError::Manifest)?,
         })
     }
 
@@ -310,80 +300,55 @@ impl Suite {
     /// `family/name` of every golden there is, by its provenance file.
     pub fn golden_names(&self) -> Result<Vec<String>, SuiteError> {
         let root = self.golden_folder();
-        let mut names = Vec::new();
         if !root.is_dir() {
-            return Ok(names);
+            return Ok(Vec::new());
         }
-        for family in sorted_entries(&root)?
-            .into_iter()
-            .filter(|path| path.is_dir() && !path.ends_with(PEERS))
-        {
-            for path in sorted_entries(&family)? {
-                if path
-                    .extension()
-                    .is_some_and(|extension| extension == "toml")
-                    && let Ok(name) = path.with_extension("").strip_prefix(&root)
-                {
-                    names.push(name.display().to_string());
-                }
-            }
-        }
-        Ok(names)
+        let records = records(&root)?.into_iter();
+        let names = records.filter_map(|path| {
+            let path = path.with_extension("");
+            let name = path.strip_prefix(&root).ok()?;
+            (!name.starts_with(PEERS)).then(|| name.display().to_string())
+        });
+        Ok(names.collect())
     }
 
     /// The cases that any of the filters matches, all of them without filters. A filter is a
     /// family, a case (`family/name` or just `name`), or a glob over either. One that matches
     /// nothing is an error: a check that silently checks nothing is worse than none.
     pub fn select(&self, filters: &[String]) -> Result<Vec<&Case>, SuiteError> {
-        let selected = self.matching(filters, &[])?;
-        let cases = self.cases.iter().zip(selected);
-        Ok(cases
-            .filter(|(_, selected)| *selected)
-            .map(|(case, _)| case)
-            .collect())
+        let chosen = self.chosen(filters, &[])?;
+        let cases = self.cases.iter().filter(|case| chosen.has(&case.name));
+        Ok(cases.collect())
     }
 
-    /// Whether any of the filters matches, for each case and then for each of the names `others`.
-    pub(super) fn matching(
+    /// What the filters choose among the names of the cases and `others`.
+    pub(super) fn chosen(
         &self,
         filters: &[String],
         others: &[String],
-    ) -> Result<Vec<bool>, SuiteError> {
-        let cases = self.cases.iter().map(|case| &case.name);
-        let names: Vec<&String> = cases.chain(others).collect();
-        if filters.is_empty() {
-            if self.cases.is_empty() {
-                let help = format!("{CASES} is empty");
-                return Err(SuiteError::NoMatch {
-                    filter: "*".into(),
-                    help,
-                });
-            }
-            return Ok(vec![true; names.len()]);
+    ) -> Result<Chosen, SuiteError> {
+        let no_match = |filter: &str, help| SuiteError::NoMatch {
+            filter: filter.to_owned(),
+            help,
+        };
+        if filters.is_empty() && self.cases.is_empty() {
+            return Err(no_match("*", format!("{CASES} is empty")));
         }
-        let mut selected = vec![false; names.len()];
         for filter in filters {
             fast_glob::validate(filter).map_err(|error| SuiteError::Pattern {
                 filter: filter.clone(),
                 reason: error.to_string(),
             })?;
-            let mut matched = false;
-            for (name, selected) in names.iter().zip(&mut selected) {
-                let (family, own) = name.split_once('/').unwrap_or((name, name));
-                if [name, family, own].iter().any(|text| matches(filter, text)) {
-                    matched = true;
-                    *selected = true;
-                }
-            }
-            if !matched {
-                let help = self.nearest(filter, others);
-                return Err(SuiteError::NoMatch {
-                    filter: filter.clone(),
-                    help,
-                });
+            let mut names = self.names(others);
+            if !names.any(|name| matches(filter, name)) {
+                return Err(no_match(filter, self.nearest(filter, others)));
             }
         }
-        Ok(selected)
+        Ok(Chosen(filters.to_vec()))
+    }
+
+    fn names<'s>(&'s self, others: &'s [String]) -> impl Iterator<Item = &'s String> {
+        self.cases.iter().map(|case| &case.name).chain(others)
     }
 
     fn nearest(&self, filter: &str, others: &[String]) -> String {
@@ -395,11 +360,7 @@ impl Suite {
                  images of the family are cases, such as '{images}-*'"
             );
         }
-        let all = self.cases.iter().map(|case| &case.name).chain(others);
-        let names = all.flat_map(|name| {
-            let (family, own) = name.split_once('/').unwrap_or((name, name));
-            [name, family, own]
-        });
+        let names = self.names(others).flat_map(|name| parts(name));
         let distance = |name: &&str| {
             let (name, filter) = (name.to_lowercase(), filter.to_lowercase());
             strsim::damerau_levenshtein(&name, &filter)
@@ -411,9 +372,40 @@ impl Suite {
     }
 }
 
-/// A pattern names `text`. Its `*` stands for slashes, too, unlike that of the crate.
-fn matches(pattern: &str, text: &str) -> bool {
-    fast_glob::glob_match(pattern.replace('/', ":"), text.replace('/', ":"))
+/// What filters choose: everything where there are none.
+pub(super) struct Chosen(Vec<String>);
+
+impl Chosen {
+    /// Whether the case or row of this name is among it.
+    pub fn has(&self, name: &str) -> bool {
+        self.0.is_empty() || self.0.iter().any(|filter| matches(filter, name))
+    }
+}
+
+/// Whether a filter names a case or row. Its `*` stands for slashes, too, unlike that of the crate.
+fn matches(filter: &str, name: &str) -> bool {
+    let without_slashes = |text: &str| text.replace('/', ":");
+    let is_match = |text| fast_glob::glob_match(without_slashes(filter), without_slashes(text));
+    parts(name).into_iter().any(is_match)
+}
+
+/// A name, its family, and the name without it.
+fn parts(name: &str) -> [&str; 3] {
+    let (family, own) = name.split_once('/').unwrap_or((name, name));
+    [name, family, own]
+}
+
+/// The files `*/*.toml` in `folder`, sorted.
+fn records(folder: &Path) -> Result<Vec<PathBuf>, SuiteError> {
+    let mut records = Vec::new();
+    for family in sorted_entries(folder)?.iter().filter(|path| path.is_dir()) {
+        records.extend(sorted_entries(family)?);
+    }
+    records.retain(|path| {
+        path.extension()
+            .is_some_and(|extension| extension == "toml")
+    });
+    Ok(records)
 }
 
 fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, SuiteError> {

@@ -24,21 +24,10 @@ impl Suite {
     ) -> Result<(Vec<&Case>, Vec<&'static Row>), SuiteError> {
         let rows = self.rows();
         let names: Vec<String> = rows.iter().map(|row| row_name(row)).collect();
-        let selected = self.matching(filters, &names)?;
-        let (of_cases, of_rows) = selected.split_at(self.cases().len());
-        let cases = self
-            .cases()
-            .iter()
-            .zip(of_cases)
-            .filter(|(_, selected)| **selected);
-        let rows = rows
-            .into_iter()
-            .zip(of_rows)
-            .filter(|(_, selected)| **selected);
-        Ok((
-            cases.map(|(case, _)| case).collect(),
-            rows.map(|(row, _)| row).collect(),
-        ))
+        let chosen = self.chosen(filters, &names)?;
+        let cases = self.cases().iter().filter(|case| chosen.has(&case.name));
+        let rows = rows.into_iter().filter(|row| chosen.has(&row_name(row)));
+        Ok((cases.collect(), rows.collect()))
     }
 }
 
