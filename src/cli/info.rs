@@ -363,15 +363,15 @@ fn plot(bins: &[Bin]) -> String {
             count as f64
         }
     };
-    let edges: Vec<(String, String)> = bins
-        .iter()
-        .map(|bin| (short(bin.from), short(bin.to)))
-        .collect();
-    let widest = |of: fn(&(String, String)) -> &String| {
-        let widths = edges.iter().map(|edge| of(edge).chars().count());
-        widths.max().unwrap_or(0)
+    let edges = bins.iter().map(|bin| [short(bin.from), short(bin.to)]);
+    let widest = |side: usize| {
+        edges
+            .clone()
+            .map(|edge| edge[side].len())
+            .max()
+            .unwrap_or(0)
     };
-    let (from_width, to_width) = (widest(|edge| &edge.0), widest(|edge| &edge.1));
+    let (from_width, to_width) = (widest(0), widest(1));
     let count_width = largest.to_string().len();
     let scale = if logarithmic {
         ", bars logarithmic"
@@ -379,7 +379,7 @@ fn plot(bins: &[Bin]) -> String {
         ""
     };
     let mut text = format!("\nhistogram{scale}\n");
-    for (bin, (from, to)) in bins.iter().zip(&edges) {
+    for (bin, [from, to]) in bins.iter().zip(edges.clone()) {
         let bar = LONGEST_BAR * size(bin.count) / size(largest);
         // A bin that is not empty has a bar.
         let bar = if bin.count > 0 { bar.ceil() } else { 0.0 };

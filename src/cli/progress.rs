@@ -67,6 +67,15 @@ struct ProgressText {
     ended: bool,
 }
 
+impl ProgressText {
+    fn of(message: &str) -> ProgressText {
+        ProgressText {
+            message: message.to_owned(),
+            ..ProgressText::default()
+        }
+    }
+}
+
 /// Steps done, of all; of 0 nothing is known.
 #[derive(Default)]
 struct Counter {
@@ -89,15 +98,12 @@ impl Counter {
 /// One image; `label` says what is done to it. Before a panel that takes long, that is said, and
 /// how to make it shorter: `advice`. What is to be noted is noted as soon as it lasts.
 pub fn image(label: &str, advice: &'static str, notes: &[&Reason]) -> Bar {
-    Bar::begin(
-        0,
-        ProgressText {
-            message: label.to_owned(),
-            advice: Some(advice),
-            notes: notes.iter().map(ToString::to_string).collect(),
-            ..ProgressText::default()
-        },
-    )
+    let said = ProgressText {
+        advice: Some(advice),
+        notes: notes.iter().map(ToString::to_string).collect(),
+        ..ProgressText::of(label)
+    };
+    Bar::begin(0, said)
 }
 
 /// A number of `cases`.
@@ -107,13 +113,11 @@ pub fn cases(cases: usize) -> Bar {
 
 /// A number of `parts`, which are called so.
 pub fn counted(name: &'static str, parts: usize) -> Bar {
-    Bar::begin(
-        parts as u64,
-        ProgressText {
-            parts: Some(name),
-            ..ProgressText::default()
-        },
-    )
+    let said = ProgressText {
+        parts: Some(name),
+        ..ProgressText::default()
+    };
+    Bar::begin(parts as u64, said)
 }
 
 /// Work whose amount is said later.
@@ -123,11 +127,7 @@ pub fn work() -> Bar {
 
 /// Does `work` of which no part is known to be done before all is, such as reading files.
 pub fn during<T>(label: &str, work: impl FnOnce() -> T) -> T {
-    let said = ProgressText {
-        message: label.to_owned(),
-        ..ProgressText::default()
-    };
-    let bar = Bar::begin(0, said);
+    let bar = Bar::begin(0, ProgressText::of(label));
     let result = work();
     bar.finish_and_clear();
     result
@@ -144,11 +144,7 @@ pub fn mistakes(failed: usize, seconds: f64) -> Bar {
              each (--explain SECONDS; 0 names none)"
         );
     }
-    let said = ProgressText {
-        message: "looking for the mistake".to_owned(),
-        ..ProgressText::default()
-    };
-    Bar::begin(0, said)
+    Bar::begin(0, ProgressText::of("looking for the mistake"))
 }
 
 /// Shows where that search is.

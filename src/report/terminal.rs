@@ -7,13 +7,20 @@ use std::collections::BTreeMap;
 
 /// A line for each family with cases that passed, every other case with its reason, and a summary.
 pub fn families_text(results: &[CaseResult]) -> String {
-    let mut families: BTreeMap<&str, Vec<&CaseResult>> = BTreeMap::new();
+    let mut families: BTreeMap<&str, (Vec<&CaseResult>, usize)> = BTreeMap::new();
+    let mut others = Vec::new();
     for result in results {
-        families.entry(&result.family).or_default().push(result);
+        let (passed, all) = families.entry(&result.family).or_default();
+        *all += 1;
+        match result.verdict {
+            Verdict::Pass => passed.push(result),
+            _ => others.push(result),
+        }
     }
-    let rows: Vec<_> = families.into_iter().filter_map(family_row).collect();
-    let widths =
-        [0, 1, 2].map(|column| rows.iter().map(|row| row[column].len()).max().unwrap_or(0));
+    families.retain(|_, (passed, _)| !passed.is_empty());
+    let rows: Vec<_> = families.into_iter().map(family_row).collect();
+    let widest = |column: usize| rows.iter().map(|row| row[column].len()).max().unwrap_or(0);
+    let widths = [0, 1, 2].map(widest);
     let mut text = String::new();
     for [family, passed, worst, seconds] in &rows {
         text.push_str(&format!("{family:<0$}  {passed:>1$}", widths[0], widths[1]));
@@ -22,40 +29,26 @@ pub fn families_text(results: &[CaseResult]) -> String {
         }
         text.push_str(&format!("  {seconds:>7} s\n"));
     }
-    let others: Vec<_> = results
-        .iter()
-        .filter(|result| result.verdict != Verdict::Pass)
-        .collect();
     if !rows.is_empty() && !others.is_empty() {
         text.push('\n');
     }
     text + &verdicts_text(&others) + &summary_text(results)
 }
 
-/// Name, cases that passed, worst error of a known answer and seconds of a family, of which at
-/// least one case passed.
-fn family_row((family, results): (&str, Vec<&CaseResult>)) -> Option<[String; 4]> {
-    let passed = || {
-        results
-            .iter()
-            .filter(|result| result.verdict == Verdict::Pass)
-    };
-    let shares = passed().filter_map(|result| result.metrics.get(ERROR_OF_TOLERANCE));
-    let worst = shares
-        .copied()
-        .reduce(f64::max)
-        .map_or(String::new(), |share| {
-            format!("worst {} of its tolerance", closeness(share))
-        });
-    let seconds: f64 = passed().map(|result| result.seconds).sum();
-    (passed().count() > 0).then(|| {
-        [
-            family.to_owned(),
-            format!("{} of {} pass", passed().count(), results.len()),
-            worst,
-            format!("{seconds:.2}"),
-        ]
-    })
+/// Name, cases that passed of all, worst error of a known answer and seconds of a family.
+fn family_row((family, (passed, all)): (&str, (Vec<&CaseResult>, usize))) -> [String; 4] {
+    let shares = passed
+        .iter()
+        .filter_map(|result| result.metrics.get(ERROR_OF_TOLERANCE));
+    let worst = shares.copied().reduce(f64::max);
+    let worst = worst.map(|share| format!("worst {} of its tolerance", closeness(share)));
+    let seconds: f64 = passed.iter().map(|result| result.seconds).sum();
+    [
+        family.to_owned(),
+        format!("{} of {all} pass", passed.len()),
+        worst.unwrap_or_default(),
+        format!("{seconds:.2}"),
+    ]
 }
 
 /// A line for each case, the reason below each that did not pass, and a summary.

@@ -209,12 +209,6 @@ struct RenderTask {
     kept: Option<Film>,
 }
 
-/// What was rendered of a case.
-struct NewPictures {
-    golden: Film,
-    quick: Option<Quick>,
-}
-
 impl<'c> Task<'c> {
     fn new(
         renderer: &dyn Renderer,
@@ -265,12 +259,13 @@ impl<'c> Task<'c> {
             .sum()
     }
 
+    /// The picture of the golden, and of a stochastic case the quick one.
     fn pictures(
         &self,
         renderer: &dyn Renderer,
         cache: &Cache,
         watch: &dyn AcceptWatch,
-    ) -> Result<NewPictures, AcceptError> {
+    ) -> Result<(Film, Option<Quick>), AcceptError> {
         let mut films = Vec::new();
         for RenderTask {
             rendering,
@@ -315,7 +310,7 @@ impl<'c> Task<'c> {
             samples: film.noise().map_or(1, |noise| noise.samples()),
             pixels: film.pixel_hash(),
         });
-        Ok(NewPictures { golden, quick })
+        Ok((golden, quick))
     }
 }
 
@@ -342,7 +337,7 @@ type GoldenFiles = Vec<(std::path::PathBuf, Vec<u8>)>;
 /// How the golden of a case will change, and the files that change it.
 fn prepare(
     task: &Task<'_>,
-    NewPictures { golden, quick }: NewPictures,
+    (golden, quick): (Film, Option<Quick>),
     store: &Store,
     reason: &str,
 ) -> Result<(Change, GoldenFiles), AcceptError> {
@@ -375,10 +370,7 @@ fn prepare(
             Change::SamePicture
         }
         Some(old) => {
-            let (before, after) = (
-                Picture::Radiance(old.film.clone()),
-                Picture::Radiance(golden.clone()),
-            );
+            let [before, after] = [&old.film, &golden].map(|film| Picture::Radiance(film.clone()));
             let judgement = judge(&Exact, &before, &after, &Conditions::default());
             Change::Replaced(judgement.expect("both images are radiance").reason)
         }
