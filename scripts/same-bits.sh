@@ -41,7 +41,7 @@ try() {
     shift 2
     say "$name"
     # To the end, whatever is found: which builds agree is worth knowing.
-    "$program" verify "${filters[@]}" "$@" >"$hashes/$name.verify" 2>"$hashes/$name.error" || code=$?
+    "$program" verify --verbose "${filters[@]}" "$@" >"$hashes/$name.verify" 2>"$hashes/$name.error" || code=$?
     tail -n 1 "$hashes/$name.verify"
     if [ $code != 0 ]; then
         echo "exit code $code"
