@@ -1,45 +1,23 @@
 //! The eye: where it stands and what it looks at.
 
-use super::SceneError;
-use super::format::{Absent, Key, Kind, Literal, Range, Table};
+use super::SceneResult;
+use super::format::{Key, Kind, Range, Table};
 use super::reader::Reader;
 use crate::geometry::{Aabb, Camera, CameraError};
 use crate::math;
 use glam::DVec3;
 
 /// The declaration of `[camera]`.
-pub(super) const CAMERA: Table = Table {
-    doc: "The pinhole camera. Left out: one that sees the whole of a classified volume from the front; a radiative scene needs one.",
-    keys: &[
-        Key {
-            name: "eye",
-            kind: Kind::Vector,
-            absent: Absent::Derived(
-                "before the volume on the −z side, or the −y side where `up` is along z, as near as shows all of it",
-            ),
-            doc: "Where the camera stands, world units; required in a radiative scene.",
-        },
-        Key {
-            name: "target",
-            kind: Kind::Vector,
-            absent: Absent::Derived("volume centre"),
-            doc: "The point in the middle of the image, world units; required in a radiative scene.",
-        },
-        Key {
-            name: "up",
-            kind: Kind::Vector,
-            absent: Absent::Default(Literal::Vector([0.0, 1.0, 0.0])),
-            doc: "The direction that points up in the image, any length.",
-        },
-        Key {
-            name: "vertical_fov",
-            kind: Kind::Number(Range::open(0.0, 180.0)),
-            absent: Absent::Default(Literal::Number(45.0)),
-            doc: "Full angle between the top and bottom edge of the image, degrees.",
-        },
-    ],
-    rules: &[],
-};
+pub(super) const CAMERA: Table = Table::new("The pinhole camera. Left out: one that sees the whole of a classified volume from the front; a radiative scene needs one.").keys(&[
+    Key::derived("eye", Kind::Vector, "before the volume on the −z side, or the −y side where `up` is along z, as near as shows all of it")
+        .doc("Where the camera stands, world units; required in a radiative scene."),
+    Key::derived("target", Kind::Vector, "volume centre")
+        .doc("The point in the middle of the image, world units; required in a radiative scene."),
+    Key::or("up", Kind::Vector, "[0.0, 1.0, 0.0]")
+        .doc("The direction that points up in the image, any length."),
+    Key::or("vertical_fov", Kind::Number(Range::open(0.0, 180.0)), "45.0")
+        .doc("Full angle between the top and bottom edge of the image, degrees."),
+]);
 
 /// The camera, and what it looks at.
 pub(super) struct View {
@@ -50,11 +28,7 @@ pub(super) struct View {
 impl View {
     /// Reads `[camera]`; what the scene leaves out follows from what is looked at. `aspect` is
     /// the width of the image over its height.
-    pub(super) fn framing(
-        reader: &Reader<'_, '_>,
-        bounds: &Aabb,
-        aspect: f64,
-    ) -> Result<View, Box<SceneError>> {
+    pub(super) fn framing(reader: &Reader, bounds: &Aabb, aspect: f64) -> SceneResult<View> {
         let vertical_fov = reader.number("vertical_fov")?.to_radians();
         let eye = reader.optional_vector("eye")?;
         let target = reader.vector_or("target", || bounds.centre())?;
@@ -63,7 +37,7 @@ impl View {
         let up = reader.vector("up")?;
         let eye = eye.unwrap_or_else(|| {
             let eye = eye_that_sees_all(bounds, up, vertical_fov, aspect);
-            reader.resolved("eye", Literal::Vector(eye.to_array()));
+            reader.resolved("eye", eye);
             eye
         });
         View::new(reader, eye, target, up, vertical_fov)
@@ -71,7 +45,7 @@ impl View {
 
     /// Reads `[camera]` of a scene in which nothing says what is looked at: eye and target must
     /// be given.
-    pub(super) fn given(reader: &Reader<'_, '_>) -> Result<View, Box<SceneError>> {
+    pub(super) fn given(reader: &Reader) -> SceneResult<View> {
         let vertical_fov = reader.number("vertical_fov")?.to_radians();
         let point = |name: &'static str| {
             reader.optional_vector(name)?.ok_or_else(|| {
@@ -88,12 +62,12 @@ impl View {
     }
 
     fn new(
-        reader: &Reader<'_, '_>,
+        reader: &Reader,
         eye: DVec3,
         target: DVec3,
         up: DVec3,
         vertical_fov: f64,
-    ) -> Result<View, Box<SceneError>> {
+    ) -> SceneResult<View> {
         let camera = Camera::new(eye, target, up, vertical_fov).map_err(|error| {
             let key = match error {
                 CameraError::NoDirection => "eye",

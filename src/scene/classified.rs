@@ -1,8 +1,8 @@
 //! A classified volume: a scalar grid, what its densities look like, and who looks at it.
 
-use super::SceneError;
+use super::SceneResult;
 use super::camera::View;
-use super::format::{Absent, Key, Kind, Literal, Range, Table};
+use super::format::{Key, Kind, Range, Table};
 use super::reader::{Length, Reader};
 use super::volume::VOLUME;
 use crate::geometry::{Camera, length_of};
@@ -10,132 +10,54 @@ use crate::media::{Appearance, Phong, TransferFunction};
 use crate::volume::{Grid, Interpolation, Lattice};
 use glam::DVec3;
 use std::sync::Arc;
-use toml::de::DeTable;
 
 /// The declaration of `[classified]`.
-pub(super) const CLASSIFIED: Table = Table {
-    doc: "A scalar volume whose densities are mapped to colour and opacity and composited along the ray.",
-    keys: &[
-        Key {
-            name: "volume",
-            kind: Kind::Table(&VOLUME),
-            absent: Absent::Error,
-            doc: "The densities.",
-        },
-        Key {
-            name: "interpolation",
-            kind: Kind::Choice(&["trilinear", "nearest"]),
-            absent: Absent::Default(Literal::Text("trilinear")),
-            doc: "How densities and gradients between the nodes follow from those at the nodes.",
-        },
-        Key {
-            name: "compositing",
-            kind: Kind::Choice(&["front-to-back", "back-to-front"]),
-            absent: Absent::Default(Literal::Text("front-to-back")),
-            doc: "The order in which the samples of a ray are put together; both give the same image but for rounding.",
-        },
-        Key {
-            name: "early_termination",
-            kind: Kind::Number(Range::open(0.0, 1.0)),
-            absent: Absent::Nothing,
-            doc: "Ends a ray where less than this share of the light behind is let through: less work, and pixels that are off by less than this share of the brightest radiance. With `compositing = \"front-to-back\"` only. Left out: no ray is ended early.",
-        },
-        Key {
-            name: "step",
-            kind: Kind::Length,
-            absent: Absent::Default(Literal::Text("0.5 voxels")),
-            doc: "Distance between samples along a ray, world units or voxels.",
-        },
-        Key {
-            name: "background",
-            kind: Kind::Colour(Range::at_least(0.0)),
-            absent: Absent::Default(Literal::Vector([0.0, 0.0, 0.0])),
-            doc: "Linear radiance behind the volume.",
-        },
-        Key {
-            name: "light",
-            kind: Kind::Table(&LIGHT),
-            absent: Absent::Nothing,
-            doc: "The white point light, without fall-off; used by shading and shadow.",
-        },
-        Key {
-            name: "phong",
-            kind: Kind::Table(&PHONG),
-            absent: Absent::Nothing,
-            doc: "Shades samples by their gradient. Left out: colours stay unshaded and no gradient is computed.",
-        },
-        Key {
-            name: "shadow",
-            kind: Kind::Table(&SHADOW),
-            absent: Absent::Nothing,
-            doc: "Darkens each sample by the densities between it and the light. Left out: no shadow ray is traced.",
-        },
-    ],
-    rules: &[],
-};
+pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities are mapped to colour and opacity and composited along the ray.").keys(&[
+    Key::required("volume", Kind::Table(&VOLUME))
+        .doc("The densities."),
+    Key::or("interpolation", Kind::Choice(&["trilinear", "nearest"]), "'trilinear'")
+        .doc("How densities and gradients between the nodes follow from those at the nodes."),
+    Key::or("compositing", Kind::Choice(&["front-to-back", "back-to-front"]), "'front-to-back'")
+        .doc("The order in which the samples of a ray are put together; both give the same image but for rounding."),
+    Key::optional("early_termination", Kind::Number(Range::open(0.0, 1.0)))
+        .doc("Ends a ray where less than this share of the light behind is let through: less work, and pixels that are off by less than this share of the brightest radiance. With `compositing = \"front-to-back\"` only. Left out: no ray is ended early."),
+    Key::or("step", Kind::Length, "'0.5 voxels'")
+        .doc("Distance between samples along a ray, world units or voxels."),
+    Key::or("background", Kind::Colour(Range::at_least(0.0)), "[0.0, 0.0, 0.0]")
+        .doc("Linear radiance behind the volume."),
+    Key::optional("light", Kind::Table(&LIGHT))
+        .doc("The white point light, without fall-off; used by shading and shadow."),
+    Key::optional("phong", Kind::Table(&PHONG))
+        .doc("Shades samples by their gradient. Left out: colours stay unshaded and no gradient is computed."),
+    Key::optional("shadow", Kind::Table(&SHADOW))
+        .doc("Darkens each sample by the densities between it and the light. Left out: no shadow ray is traced."),
+]);
 
-const LIGHT: Table = Table {
-    doc: "A white point light without fall-off.",
-    keys: &[Key {
-        name: "position",
-        kind: Kind::Vector,
-        absent: Absent::Derived(
-            "above the eye, upwards in the image, as high as the target is far",
-        ),
-        doc: "Where the light stands, world units.",
-    }],
-    rules: &[],
-};
+const LIGHT: Table = Table::new("A white point light without fall-off.").keys(&[Key::derived(
+    "position",
+    Kind::Vector,
+    "above the eye, upwards in the image, as high as the target is far",
+)
+.doc("Where the light stands, world units.")]);
 
-const PHONG: Table = Table {
-    doc: "Phong's reflection model; the normal is minus the density gradient.",
-    keys: &[
-        Key {
-            name: "ambient",
-            kind: Kind::Number(Range::at_least(0.0)),
-            absent: Absent::Default(Literal::Number(0.1)),
-            doc: "Share of the light that reaches every side.",
-        },
-        Key {
-            name: "diffuse",
-            kind: Kind::Number(Range::at_least(0.0)),
-            absent: Absent::Default(Literal::Number(1.0)),
-            doc: "Weight of the cosine between normal and light.",
-        },
-        Key {
-            name: "specular",
-            kind: Kind::Number(Range::at_least(0.0)),
-            absent: Absent::Default(Literal::Number(1.0)),
-            doc: "Weight of the white highlight.",
-        },
-        Key {
-            name: "shininess",
-            kind: Kind::Count(1, 1 << 20),
-            absent: Absent::Default(Literal::Count(32)),
-            doc: "Exponent of the highlight, a whole number.",
-        },
-    ],
-    rules: &[],
-};
+const PHONG: Table =
+    Table::new("Phong's reflection model; the normal is minus the density gradient.").keys(&[
+        Key::or("ambient", Kind::Number(Range::at_least(0.0)), "0.1")
+            .doc("Share of the light that reaches every side."),
+        Key::or("diffuse", Kind::Number(Range::at_least(0.0)), "1.0")
+            .doc("Weight of the cosine between normal and light."),
+        Key::or("specular", Kind::Number(Range::at_least(0.0)), "1.0")
+            .doc("Weight of the white highlight."),
+        Key::or("shininess", Kind::Count(1, 1 << 20), "32")
+            .doc("Exponent of the highlight, a whole number."),
+    ]);
 
-const SHADOW: Table = Table {
-    doc: "Volume shadow: radiance times exp(−S/100), S the integral of density over reference steps towards the light; with a table of points, times what the opacities on the way let through.",
-    keys: &[
-        Key {
-            name: "step",
-            kind: Kind::Length,
-            absent: Absent::Default(Literal::Text("1 voxel")),
-            doc: "Distance between samples along a shadow ray, world units or voxels.",
-        },
-        Key {
-            name: "reference_step",
-            kind: Kind::Length,
-            absent: Absent::Derived("with a table of points its reference length; else required"),
-            doc: "Length that counts as one unit of S, or over which the opacities of points hold, world units or voxels; smaller means darker.",
-        },
-    ],
-    rules: &[],
-};
+const SHADOW: Table = Table::new("Volume shadow: radiance times exp(−S/100), S the integral of density over reference steps towards the light; with a table of points, times what the opacities on the way let through.").keys(&[
+    Key::or("step", Kind::Length, "'1 voxel'")
+        .doc("Distance between samples along a shadow ray, world units or voxels."),
+    Key::derived("reference_step", Kind::Length, "with a table of points its reference length; else required")
+        .doc("Length that counts as one unit of S, or over which the opacities of points hold, world units or voxels; smaller means darker."),
+]);
 
 /// The order in which the samples of a ray are put together.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -194,13 +116,12 @@ const MOST_SAMPLES_WITH_SHADOW: f64 = 1e10;
 impl Classified {
     /// Reads `[classified]` and `[camera]`; `aspect` is the width of the image over its height.
     pub(super) fn read(
-        reader: &Reader<'_, '_>,
-        camera_reader: &Reader<'_, '_>,
+        reader: &Reader,
+        camera_reader: &Reader,
         grid: Arc<Grid<f32>>,
         transfer_function: TransferFunction,
         aspect: f64,
-    ) -> Result<Classified, Box<SceneError>> {
-        let empty = DeTable::new();
+    ) -> SceneResult<Classified> {
         let lattice = *grid.lattice();
         let interpolation = match reader.text("interpolation")?.as_str() {
             "nearest" => Interpolation::Nearest,
@@ -223,7 +144,7 @@ impl Classified {
         let background = reader.vector("background")?;
 
         let View { camera, target } = View::framing(camera_reader, &lattice.bounds(), aspect)?;
-        let light = reader.table_or_default("light", &empty)?;
+        let light = reader.table_or_default("light")?;
         let light = light.vector_or("position", || above(&camera, target))?;
         if !light.is_finite() {
             let message = "the target is so far away that the light, as high above the eye, \
@@ -384,16 +305,12 @@ fn checked_step(step: Length, lattice: &Lattice) -> Result<f64, String> {
     Ok(length)
 }
 
-fn step_length(
-    reader: &Reader<'_, '_>,
-    name: &str,
-    lattice: &Lattice,
-) -> Result<f64, Box<SceneError>> {
+fn step_length(reader: &Reader, name: &str, lattice: &Lattice) -> SceneResult<f64> {
     let step = reader.length(name)?;
     checked_step(step, lattice).map_err(|message| reader.error(name, message))
 }
 
-fn read_phong(reader: &Reader<'_, '_>) -> Result<Phong, Box<SceneError>> {
+fn read_phong(reader: &Reader) -> SceneResult<Phong> {
     Ok(Phong {
         ambient: reader.number("ambient")?,
         diffuse: reader.number("diffuse")?,
@@ -403,10 +320,10 @@ fn read_phong(reader: &Reader<'_, '_>) -> Result<Phong, Box<SceneError>> {
 }
 
 fn read_shadow(
-    reader: &Reader<'_, '_>,
+    reader: &Reader,
     lattice: &Lattice,
     transfer_function: &TransferFunction,
-) -> Result<Shadow, Box<SceneError>> {
+) -> SceneResult<Shadow> {
     let given = reader.optional_length("reference_step")?;
     let reference_step = match (given, &transfer_function.appearance) {
         (Some(length), _) => length

@@ -1,22 +1,16 @@
 //! A plot of a transfer function instead of a view of a volume.
 
-use super::SceneError;
-use super::format::{Absent, Key, Kind, Literal, Range, Table};
+use super::SceneResult;
+use super::format::{Key, Kind, Range, Table};
 use super::reader::Reader;
 use super::transfer_function::OpacityByValue;
 use crate::media::{TransferOpacity, TransferPoints};
 
 /// The declaration of `[curve]`.
-pub(super) const CURVE: Table = Table {
-    doc: "A plot of the transfer function: transparency T(d) and opacity 1 − T(d) over density d; of a table of points, opacity over value with the colours below.",
-    keys: &[Key {
-        name: "densities",
-        kind: Kind::Number(Range::open(0.0, f64::INFINITY)),
-        absent: Absent::Default(Literal::Number(1.2)),
-        doc: "Density at the right end of the axis; the left end is 0. Not with a table of points, whose ends are those of the axis.",
-    }],
-    rules: &[],
-};
+pub(super) const CURVE: Table = Table::new("A plot of the transfer function: transparency T(d) and opacity 1 − T(d) over density d; of a table of points, opacity over value with the colours below.").keys(&[
+    Key::or("densities", Kind::Number(Range::open(0.0, f64::INFINITY)), "1.2")
+        .doc("Density at the right end of the axis; the left end is 0. Not with a table of points, whose ends are those of the axis."),
+]);
 
 /// A plot of what a transfer function says of opacity.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,10 +27,7 @@ pub enum Curve {
 }
 
 impl Curve {
-    pub(super) fn read(
-        reader: &Reader<'_, '_>,
-        opacity: OpacityByValue,
-    ) -> Result<Curve, Box<SceneError>> {
+    pub(super) fn read(reader: &Reader, opacity: OpacityByValue) -> SceneResult<Curve> {
         match opacity {
             OpacityByValue::Formula(opacity) => {
                 let densities = reader.number("densities")?;

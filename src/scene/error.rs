@@ -5,6 +5,9 @@ use miette::{Diagnostic, SourceSpan};
 use std::ops::Range;
 use thiserror::Error;
 
+/// What a file of volref's holds, or the mistake in it.
+pub type SceneResult<T> = Result<T, Box<SceneError>>;
+
 /// A mistake in a TOML file of volref's, with its place.
 ///
 /// As a [`miette::Diagnostic`] it shows the line with the place underlined; its plain

@@ -1,8 +1,8 @@
 //! The files that scenes name: each is read once, and noted with its hash.
 
-use super::SceneError;
 use super::reader::Reader;
 use super::volume::VolumeRequest;
+use super::{SceneError, SceneResult};
 use crate::geometry::{ClosedMesh, Mesh, MeshError};
 use crate::regular_file::{self, OpenError, ReadError};
 use crate::volume::{self, Grid, SplatError, VolumeError};
@@ -60,11 +60,7 @@ impl<'p> Files<'p> {
 
     /// The densities that a table of [volume keys](super::volume::VOLUME) asks for: finite and
     /// not negative. `help` is for those who have others.
-    pub(super) fn densities(
-        &mut self,
-        reader: &Reader<'_, '_>,
-        help: &str,
-    ) -> Result<Arc<Grid<f32>>, Box<SceneError>> {
+    pub(super) fn densities(&mut self, reader: &Reader, help: &str) -> SceneResult<Arc<Grid<f32>>> {
         let grid = self.values(reader)?;
         grid.check_densities().map_err(|error| {
             let path = self.folder.join(reader.text("file").unwrap_or_default());
@@ -74,10 +70,7 @@ impl<'p> Files<'p> {
     }
 
     /// The values that a table of [volume keys](super::volume::VOLUME) asks for: finite.
-    pub(super) fn values(
-        &mut self,
-        reader: &Reader<'_, '_>,
-    ) -> Result<Arc<Grid<f32>>, Box<SceneError>> {
+    pub(super) fn values(&mut self, reader: &Reader) -> SceneResult<Arc<Grid<f32>>> {
         let request = VolumeRequest::read(reader)?;
         let known = self.grids.iter().find(|(other, ..)| *other == request);
         if let Some((_, grid, inputs)) = known.cloned() {
@@ -117,11 +110,7 @@ impl<'p> Files<'p> {
     }
 
     /// The text that a table `{ file }` names, and its name for messages.
-    pub(super) fn text(
-        &mut self,
-        reader: &Reader<'_, '_>,
-        name: &str,
-    ) -> Result<(String, String), Box<SceneError>> {
+    pub(super) fn text(&mut self, reader: &Reader, name: &str) -> SceneResult<(String, String)> {
         let path = self.folder.join(name);
         let bytes = regular_file::read(&path, MOST_TEXT_BYTES).map_err(|error| {
             let message = match error {
@@ -143,16 +132,13 @@ impl<'p> Files<'p> {
     }
 
     /// The mesh that a table `{ file }` names.
-    pub(super) fn mesh(&mut self, reader: &Reader<'_, '_>) -> Result<Arc<Mesh>, Box<SceneError>> {
+    pub(super) fn mesh(&mut self, reader: &Reader) -> SceneResult<Arc<Mesh>> {
         let name = reader.text("file")?;
         self.mesh_named(reader, name)
     }
 
     /// The mesh that a table `{ file }` names, which must be closed.
-    pub(super) fn closed_mesh(
-        &mut self,
-        reader: &Reader<'_, '_>,
-    ) -> Result<Arc<ClosedMesh>, Box<SceneError>> {
+    pub(super) fn closed_mesh(&mut self, reader: &Reader) -> SceneResult<Arc<ClosedMesh>> {
         let name = reader.text("file")?;
         let mesh = self.mesh_named(reader, name.clone())?;
         if let Some(closed) = self.closed.get(&name) {
@@ -165,11 +151,7 @@ impl<'p> Files<'p> {
         Ok(closed)
     }
 
-    fn mesh_named(
-        &mut self,
-        reader: &Reader<'_, '_>,
-        name: String,
-    ) -> Result<Arc<Mesh>, Box<SceneError>> {
+    fn mesh_named(&mut self, reader: &Reader, name: String) -> SceneResult<Arc<Mesh>> {
         if let Some((mesh, input)) = self.meshes.get(&name).cloned() {
             self.note(&input);
             return Ok(mesh);
@@ -187,7 +169,7 @@ impl<'p> Files<'p> {
     }
 }
 
-fn bad_mesh(reader: &Reader<'_, '_>, name: &str, error: &MeshError) -> Box<SceneError> {
+fn bad_mesh(reader: &Reader, name: &str, error: &MeshError) -> Box<SceneError> {
     let message = match error {
         MeshError::Unreadable { source, .. } if source.kind() == ErrorKind::NotFound => {
             format!("there is no file {name}")

@@ -17,23 +17,35 @@ pub struct Table {
     pub rules: &'static [Rule],
 }
 
-/// What the keys of a table have to do with each other.
+impl Table {
+    /// A table without keys, described in one sentence.
+    pub const fn new(doc: &'static str) -> Table {
+        Table {
+            doc,
+            keys: &[],
+            rules: &[],
+        }
+    }
+
+    /// The table with these keys.
+    pub const fn keys(self, keys: &'static [Key]) -> Table {
+        Table { keys, ..self }
+    }
+
+    /// The table with these rules.
+    pub const fn rules(self, rules: &'static [Rule]) -> Table {
+        Table { rules, ..self }
+    }
+}
+
+/// A relation between the keys of a table. A word in the singular says what alternatives are, as in
+/// "no shape".
 #[derive(Clone, Copy, Debug)]
 pub enum Rule {
     /// One of the keys, and no more, is there.
-    ExactlyOne {
-        /// What they are, as in "two shapes": the word in the singular.
-        what: &'static str,
-        /// Their names.
-        keys: &'static [&'static str],
-    },
+    ExactlyOne(&'static str, &'static [&'static str]),
     /// At most one of the keys is there.
-    AtMostOne {
-        /// What they are: the word in the singular.
-        what: &'static str,
-        /// Their names.
-        keys: &'static [&'static str],
-    },
+    AtMostOne(&'static str, &'static [&'static str]),
     /// Keys of the first list do not stand beside keys of the second.
     Apart([&'static [&'static str]; 2]),
     /// All of the keys are there, or none.
@@ -51,6 +63,42 @@ pub struct Key {
     pub absent: Absent,
     /// Quantity and unit, one sentence.
     pub doc: &'static str,
+}
+
+impl Key {
+    /// A key without which the file is incomplete.
+    pub const fn required(name: &'static str, kind: Kind) -> Key {
+        Key::new(name, kind, Absent::Error)
+    }
+
+    /// A key whose absence means that nothing is asked for.
+    pub const fn optional(name: &'static str, kind: Kind) -> Key {
+        Key::new(name, kind, Absent::Nothing)
+    }
+
+    /// A key with a default value, written as in the file.
+    pub const fn or(name: &'static str, kind: Kind, default: &'static str) -> Key {
+        Key::new(name, kind, Absent::Default(default))
+    }
+
+    /// A key whose default follows from other parts of the file by `rule`.
+    pub const fn derived(name: &'static str, kind: Kind, rule: &'static str) -> Key {
+        Key::new(name, kind, Absent::Derived(rule))
+    }
+
+    const fn new(name: &'static str, kind: Kind, absent: Absent) -> Key {
+        Key {
+            name,
+            kind,
+            absent,
+            doc: "",
+        }
+    }
+
+    /// The key with its description: quantity and unit, one sentence.
+    pub const fn doc(self, doc: &'static str) -> Key {
+        Key { doc, ..self }
+    }
 }
 
 /// What value a key takes.
@@ -101,25 +149,12 @@ pub fn whole_number(
 pub enum Absent {
     /// The file is incomplete.
     Error,
-    /// This value.
-    Default(Literal),
+    /// This value, in TOML.
+    Default(&'static str),
     /// A value that follows from other parts of the file, as the text says.
     Derived(&'static str),
     /// Nothing: the thing is not asked for.
     Nothing,
-}
-
-/// A default value.
-#[derive(Clone, Copy, Debug)]
-pub enum Literal {
-    /// A whole number.
-    Count(u64),
-    /// A number.
-    Number(f64),
-    /// Three numbers.
-    Vector([f64; 3]),
-    /// A word, or a length with a unit.
-    Text(&'static str),
 }
 
 /// An interval of numbers.
@@ -132,44 +167,33 @@ pub struct Range {
 }
 
 impl Range {
-    /// `[low, high]`
-    pub const fn closed(low: f64, high: f64) -> Range {
+    const fn new(low: f64, low_open: bool, high: f64, high_open: bool) -> Range {
         Range {
             low,
             high,
-            low_open: false,
-            high_open: false,
+            low_open,
+            high_open,
         }
+    }
+
+    /// `[low, high]`
+    pub const fn closed(low: f64, high: f64) -> Range {
+        Range::new(low, false, high, false)
     }
 
     /// `(low, high)`
     pub const fn open(low: f64, high: f64) -> Range {
-        Range {
-            low,
-            high,
-            low_open: true,
-            high_open: true,
-        }
+        Range::new(low, true, high, true)
     }
 
     /// `[low, high)`
     pub const fn half_open(low: f64, high: f64) -> Range {
-        Range {
-            low,
-            high,
-            low_open: false,
-            high_open: true,
-        }
+        Range::new(low, false, high, true)
     }
 
     /// `[low, ∞)`
     pub const fn at_least(low: f64) -> Range {
-        Range {
-            low,
-            high: f64::INFINITY,
-            low_open: false,
-            high_open: true,
-        }
+        Range::half_open(low, f64::INFINITY)
     }
 
     /// Whether `x` lies in the range. NaN lies in none.
@@ -192,17 +216,6 @@ impl std::fmt::Display for Range {
                 );
                 write!(f, "lie in {left}{}, {}{right}", self.low, self.high)
             }
-        }
-    }
-}
-
-impl std::fmt::Display for Literal {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Literal::Count(count) => write!(f, "{count}"),
-            Literal::Number(number) => write!(f, "{number}"),
-            Literal::Vector([x, y, z]) => write!(f, "[{x}, {y}, {z}]"),
-            Literal::Text(text) => write!(f, "{text:?}"),
         }
     }
 }
@@ -286,7 +299,7 @@ fn table_schema(root: &'static Table, table: &'static Table, complete: bool) -> 
 /// What a rule says about a table that is complete: schemas that must all hold.
 fn demands(rule: &Rule) -> Vec<Value> {
     match rule {
-        Rule::ExactlyOne { keys, .. } => {
+        Rule::ExactlyOne(_, keys) => {
             let one: Vec<_> = keys
                 .iter()
                 .map(|key| json!({ "required": [key] }))
@@ -301,7 +314,7 @@ fn demands(rule: &Rule) -> Vec<Value> {
             let needs: serde_json::Map<String, Value> = needs.collect();
             vec![json!({ "dependentRequired": needs })]
         }
-        Rule::AtMostOne { .. } | Rule::Apart(_) => limits(rule),
+        Rule::AtMostOne(..) | Rule::Apart(_) => limits(rule),
     }
 }
 
@@ -310,7 +323,7 @@ fn demands(rule: &Rule) -> Vec<Value> {
 fn limits(rule: &Rule) -> Vec<Value> {
     let not_both = |a: &str, b: &str| json!({ "not": { "required": [a, b] } });
     match rule {
-        Rule::ExactlyOne { keys, .. } | Rule::AtMostOne { keys, .. } => {
+        Rule::ExactlyOne(_, keys) | Rule::AtMostOne(_, keys) => {
             let pairs = keys.iter().enumerate();
             pairs
                 .flat_map(|(index, a)| keys[index + 1..].iter().map(|b| not_both(a, b)))
@@ -377,12 +390,9 @@ fn key_schema(root: &'static Table, key: &Key, complete: bool) -> Value {
         Absent::Derived(rule) => json!(format!("{} Default: {rule}.", key.doc)),
         _ => json!(key.doc),
     };
-    match key.absent {
-        Absent::Default(Literal::Count(count)) => schema["default"] = json!(count),
-        Absent::Default(Literal::Number(number)) => schema["default"] = json!(number),
-        Absent::Default(Literal::Vector(vector)) => schema["default"] = json!(vector),
-        Absent::Default(Literal::Text(text)) => schema["default"] = json!(text),
-        _ => {}
+    if let Absent::Default(text) = key.absent {
+        let value: toml::Value = text.parse().expect("defaults are TOML");
+        schema["default"] = json!(value);
     }
     schema
 }

@@ -11,7 +11,7 @@ pub struct KeyLines(BTreeMap<String, usize>);
 
 impl KeyLines {
     /// The lines of the keys in `table`, which stands in the text of these `lines`.
-    pub(super) fn of(lines: &Lines, table: &DeTable<'_>) -> KeyLines {
+    pub(super) fn of(lines: &Lines, table: &DeTable) -> KeyLines {
         let mut lines_of_keys = KeyLines::default();
         lines_of_keys.note_table(lines, "", table);
         lines_of_keys
@@ -27,7 +27,7 @@ impl KeyLines {
         self.0.contains_key(key)
     }
 
-    fn note_table(&mut self, lines: &Lines, path: &str, table: &DeTable<'_>) {
+    fn note_table(&mut self, lines: &Lines, path: &str, table: &DeTable) {
         for (key, value) in table {
             let name = key.get_ref();
             let path = match path {

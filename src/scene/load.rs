@@ -4,13 +4,13 @@ use super::camera::CAMERA;
 use super::classified::CLASSIFIED;
 use super::curve::CURVE;
 use super::files::{Files, InputFile};
-use super::format::{Absent, Key, Kind, Literal, Rule, Table};
+use super::format::{Key, Kind, Rule, Table};
 use super::key_lines::{KeyLines, Lines};
 use super::radiative::RADIATIVE;
 use super::reader::{Document, Origin, Reader, Reading, overridden};
 use super::sampling::{SAMPLING, SamplingTable};
 use super::transfer_function::{OpacityByValue, TRANSFER_FUNCTION, read_transfer_function};
-use super::{Classified, Curve, Radiative, SceneError};
+use super::{Classified, Curve, Radiative, SceneError, SceneResult};
 use crate::regular_file;
 use crate::volume::volume_reader;
 use std::cell::RefCell;
@@ -19,88 +19,31 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// The declaration of a scene file.
-pub const SCENE: Table = Table {
-    doc: "A scene of volref: one model, the camera and the image.",
-    keys: &[
-        Key {
-            name: "title",
-            kind: Kind::Text,
-            absent: Absent::Nothing,
-            doc: "What the picture shows, in words.",
-        },
-        Key {
-            name: "film",
-            kind: Kind::Table(&FILM),
-            absent: Absent::Nothing,
-            doc: "The image.",
-        },
-        Key {
-            name: "camera",
-            kind: Kind::Table(&CAMERA),
-            absent: Absent::Nothing,
-            doc: "The eye.",
-        },
-        Key {
-            name: "sampling",
-            kind: Kind::Table(&SAMPLING),
-            absent: Absent::Nothing,
-            doc: "Random numbers; for radiative scenes only.",
-        },
-        Key {
-            name: "transfer_function",
-            kind: Kind::Table(&TRANSFER_FUNCTION),
-            absent: Absent::Nothing,
-            doc: "What a density looks like; not for radiative scenes.",
-        },
-        Key {
-            name: "classified",
-            kind: Kind::Table(&CLASSIFIED),
-            absent: Absent::Nothing,
-            doc: "Model: a classified volume.",
-        },
-        Key {
-            name: "radiative",
-            kind: Kind::Table(&RADIATIVE),
-            absent: Absent::Nothing,
-            doc: "Model: surfaces, participating media and lights.",
-        },
-        Key {
-            name: "curve",
-            kind: Kind::Table(&CURVE),
-            absent: Absent::Nothing,
-            doc: "Model: a plot of the transfer function.",
-        },
-        Key {
-            name: "panel",
-            kind: Kind::Overrides,
-            absent: Absent::Nothing,
-            doc: "Several pictures side by side: each panel is the scene with the keys of the panel put in their places.",
-        },
-    ],
-    rules: &[Rule::ExactlyOne {
-        what: "model",
-        keys: &["classified", "radiative", "curve"],
-    }],
-};
+pub const SCENE: Table = Table::new("A scene of volref: one model, the camera and the image.").keys(&[
+    Key::optional("title", Kind::Text)
+        .doc("What the picture shows, in words."),
+    Key::optional("film", Kind::Table(&FILM))
+        .doc("The image."),
+    Key::optional("camera", Kind::Table(&CAMERA))
+        .doc("The eye."),
+    Key::optional("sampling", Kind::Table(&SAMPLING))
+        .doc("Random numbers; for radiative scenes only."),
+    Key::optional("transfer_function", Kind::Table(&TRANSFER_FUNCTION))
+        .doc("What a density looks like; not for radiative scenes."),
+    Key::optional("classified", Kind::Table(&CLASSIFIED))
+        .doc("Model: a classified volume."),
+    Key::optional("radiative", Kind::Table(&RADIATIVE))
+        .doc("Model: surfaces, participating media and lights."),
+    Key::optional("curve", Kind::Table(&CURVE))
+        .doc("Model: a plot of the transfer function."),
+    Key::optional("panel", Kind::Overrides)
+        .doc("Several pictures side by side: each panel is the scene with the keys of the panel put in their places."),
+]).rules(&[Rule::ExactlyOne("model", &["classified", "radiative", "curve"])]);
 
-const FILM: Table = Table {
-    doc: "The image; with panels, each of them.",
-    keys: &[
-        Key {
-            name: "width",
-            kind: Kind::Count(1, 16384),
-            absent: Absent::Default(Literal::Count(256)),
-            doc: "Columns of pixels.",
-        },
-        Key {
-            name: "height",
-            kind: Kind::Count(1, 16384),
-            absent: Absent::Default(Literal::Count(256)),
-            doc: "Rows of pixels.",
-        },
-    ],
-    rules: &[],
-};
+const FILM: Table = Table::new("The image; with panels, each of them.").keys(&[
+    Key::or("width", Kind::Count(1, 16384), "256").doc("Columns of pixels."),
+    Key::or("height", Kind::Count(1, 16384), "256").doc("Rows of pixels."),
+]);
 
 /// Largest image rendered, all panels together: 16384², which is also the largest image read.
 const MOST_PIXELS: usize = 1 << 28;
@@ -169,7 +112,7 @@ impl Scene {
     }
 
     /// Reads the scene file at `path` and the files it names.
-    pub fn load(path: &Path) -> Result<Scene, Box<SceneError>> {
+    pub fn load(path: &Path) -> SceneResult<Scene> {
         let name = path.display().to_string();
         let unreadable = |message: String| {
             SceneError::new(
@@ -202,7 +145,7 @@ impl Scene {
 
     /// Reads a scene from `text`; `path` names it in messages, and files are looked for
     /// relative to its folder.
-    pub fn parse(text: &str, path: &Path) -> Result<Scene, Box<SceneError>> {
+    pub fn parse(text: &str, path: &Path) -> SceneResult<Scene> {
         let name = path.display().to_string();
         let document = Document { path: &name, text };
         let root = document.parse()?;
@@ -280,7 +223,7 @@ impl Scene {
 fn panel_tables<'s>(
     document: &Document<'s>,
     root: &Spanned<DeTable<'s>>,
-) -> Result<Vec<Spanned<DeTable<'s>>>, Box<SceneError>> {
+) -> SceneResult<Vec<Spanned<DeTable<'s>>>> {
     let mut base = root.get_ref().clone();
     let Some(panels) = base.remove("panel") else {
         return Ok(vec![root.clone()]);
@@ -323,13 +266,12 @@ impl Panel {
         document: &Document<'s>,
         lines: &Lines,
         table: &Spanned<DeTable<'s>>,
-        files: &mut Files<'_>,
-    ) -> Result<Panel, Box<SceneError>> {
+        files: &mut Files,
+    ) -> SceneResult<Panel> {
         let log = RefCell::default();
-        let empty = DeTable::new();
         let root = Reader::new(document, &SCENE, table, &log)?;
         let title = root.optional_text("title")?;
-        let film = root.table_or_default("film", &empty)?;
+        let film = root.table_or_default("film")?;
         let width = film.count("width")? as usize;
         let height = film.count("height")? as usize;
         let model = if let Some(reader) = root.table("classified")? {
@@ -355,13 +297,12 @@ impl Panel {
 }
 
 fn read_classified(
-    root: &Reader<'_, '_>,
-    reader: &Reader<'_, '_>,
-    files: &mut Files<'_>,
+    root: &Reader,
+    reader: &Reader,
+    files: &mut Files,
     aspect: f64,
-) -> Result<Classified, Box<SceneError>> {
-    let empty = DeTable::new();
-    let transfer_function = root.table_or_default("transfer_function", &empty)?;
+) -> SceneResult<Classified> {
+    let transfer_function = root.table_or_default("transfer_function")?;
     let opacity = OpacityByValue::read(&transfer_function)?;
     refuse_sampling(
         root,
@@ -381,16 +322,11 @@ fn read_classified(
     }
     let lattice = grid.lattice();
     let transfer_function = read_transfer_function(&transfer_function, opacity, lattice)?;
-    let camera = root.table_or_default("camera", &empty)?;
+    let camera = root.table_or_default("camera")?;
     Classified::read(reader, &camera, grid, transfer_function, aspect)
 }
 
-fn read_radiative(
-    root: &Reader<'_, '_>,
-    reader: &Reader<'_, '_>,
-    files: &mut Files<'_>,
-) -> Result<Radiative, Box<SceneError>> {
-    let empty = DeTable::new();
+fn read_radiative(root: &Reader, reader: &Reader, files: &mut Files) -> SceneResult<Radiative> {
     if root.has("transfer_function") {
         let message = "a radiative scene has no densities that a transfer function could map";
         return Err(root.error("transfer_function", message));
@@ -400,13 +336,12 @@ fn read_radiative(
         let help = "give [camera] with `eye`, where it stands, and `target`, what it looks at";
         return Err(reader.mistake_here(message, help));
     };
-    let sampling = SamplingTable::read(&root.table_or_default("sampling", &empty)?)?;
+    let sampling = SamplingTable::read(&root.table_or_default("sampling")?)?;
     Radiative::read(reader, &camera, sampling, files)
 }
 
-fn read_curve(root: &Reader<'_, '_>, reader: &Reader<'_, '_>) -> Result<Curve, Box<SceneError>> {
-    let empty = DeTable::new();
-    let transfer_function = root.table_or_default("transfer_function", &empty)?;
+fn read_curve(root: &Reader, reader: &Reader) -> SceneResult<Curve> {
+    let transfer_function = root.table_or_default("transfer_function")?;
     let opacity = OpacityByValue::read(&transfer_function)?;
     for unused in ["reference_length", "colormap"] {
         if transfer_function.has(unused) {
@@ -421,7 +356,7 @@ fn read_curve(root: &Reader<'_, '_>, reader: &Reader<'_, '_>) -> Result<Curve, B
     Curve::read(reader, opacity)
 }
 
-fn refuse_sampling(root: &Reader<'_, '_>, message: &str) -> Result<(), Box<SceneError>> {
+fn refuse_sampling(root: &Reader, message: &str) -> SceneResult<()> {
     if root.has("sampling") {
         return Err(root.mistake("sampling", message, "remove [sampling]"));
     }

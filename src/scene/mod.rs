@@ -18,7 +18,7 @@ mod volume;
 
 pub use classified::{Classified, Compositing, Shadow};
 pub use curve::Curve;
-pub use error::SceneError;
+pub use error::{SceneError, SceneResult};
 pub use excerpt::shortened;
 pub use files::InputFile;
 pub use key_lines::KeyLines;

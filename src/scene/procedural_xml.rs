@@ -1,7 +1,7 @@
 //! The procedural medium of the source's renderer, as its XML scenes write it.
 
-use super::SceneError;
 use super::reader::{Document, Origin, Reading};
+use super::{SceneError, SceneResult};
 use crate::media::{Asymmetry, Coefficients};
 use crate::volume::{FractalDensity, FractalError, FractalParameters, MOST_OCTAVES};
 use glam::DVec3;
@@ -47,7 +47,7 @@ pub struct ProceduralMedium {
 /// # Errors
 ///
 /// [`SceneError`], with the place in the text.
-pub fn read_procedural(path: &str, text: &str) -> Result<ProceduralMedium, Box<SceneError>> {
+pub fn read_procedural(path: &str, text: &str) -> SceneResult<ProceduralMedium> {
     let document = Document { path, text };
     if text.len() > MOST_BYTES {
         let message = format!("{} bytes are too many for a scene", text.len());
@@ -156,7 +156,7 @@ struct ParameterBlock<'d, 'x> {
 }
 
 impl ParameterBlock<'_, '_> {
-    fn read(mut self, medium: Node<'_, '_>) -> Result<ProceduralMedium, Box<SceneError>> {
+    fn read(mut self, medium: Node) -> SceneResult<ProceduralMedium> {
         let default = FractalParameters::default();
         let coefficients = self.coefficients(medium)?;
         let parameters = FractalParameters {
@@ -194,7 +194,7 @@ impl ParameterBlock<'_, '_> {
         })
     }
 
-    fn coefficients(&mut self, medium: Node<'_, '_>) -> Result<Coefficients, Box<SceneError>> {
+    fn coefficients(&mut self, medium: Node) -> SceneResult<Coefficients> {
         let names = ["sigma_a", "sigma_s"];
         if names.iter().all(|name| self.given(name).is_none()) {
             let message =
@@ -212,7 +212,7 @@ impl ParameterBlock<'_, '_> {
         })
     }
 
-    fn octaves(&mut self, default: u32) -> Result<u32, Box<SceneError>> {
+    fn octaves(&mut self, default: u32) -> SceneResult<u32> {
         let octaves = self.number("nrOctaves", f64::from(default))?;
         let most = f64::from(MOST_OCTAVES);
         if octaves.fract() == 0.0 && (1.0..=most).contains(&octaves) {
@@ -222,7 +222,7 @@ impl ParameterBlock<'_, '_> {
         Err(self.mistake("nrOctaves", message))
     }
 
-    fn number(&mut self, name: &'static str, default: f64) -> Result<f64, Box<SceneError>> {
+    fn number(&mut self, name: &'static str, default: f64) -> SceneResult<f64> {
         match self.numbers(name, &[1])?.as_deref() {
             Some(&[value]) => {
                 self.note(name, value, Origin::Given);
@@ -235,7 +235,7 @@ impl ParameterBlock<'_, '_> {
         }
     }
 
-    fn vector(&mut self, name: &'static str, default: DVec3) -> Result<DVec3, Box<SceneError>> {
+    fn vector(&mut self, name: &'static str, default: DVec3) -> SceneResult<DVec3> {
         let is_colour = self.given(name).map(|given| given.parameter.tag) == Some("color");
         let counts: &[usize] = if is_colour { &[3, 1] } else { &[3] };
         let (value, origin) = match self.numbers(name, counts)?.as_deref() {
@@ -252,11 +252,7 @@ impl ParameterBlock<'_, '_> {
     }
 
     /// The numbers of a parameter, as many as one of `counts`; `None` if it is left out.
-    fn numbers(
-        &self,
-        name: &'static str,
-        counts: &[usize],
-    ) -> Result<Option<Vec<f64>>, Box<SceneError>> {
+    fn numbers(&self, name: &'static str, counts: &[usize]) -> SceneResult<Option<Vec<f64>>> {
         let Some(given) = self.given(name) else {
             return Ok(None);
         };
@@ -325,7 +321,7 @@ fn faulty(error: &FractalError) -> &'static str {
 }
 
 /// What the parser found, at its place.
-fn malformed(document: &Document<'_>, error: &Error) -> Box<SceneError> {
+fn malformed(document: &Document, error: &Error) -> Box<SceneError> {
     let text = document.text;
     let (offset, help) = match error {
         Error::DtdDetected => (
@@ -369,9 +365,9 @@ fn offset_of(text: &str, position: roxmltree::TextPos) -> usize {
 }
 
 fn only_medium<'a, 'i>(
-    document: &Document<'_>,
+    document: &Document,
     xml: &'a roxmltree::Document<'i>,
-) -> Result<Node<'a, 'i>, Box<SceneError>> {
+) -> SceneResult<Node<'a, 'i>> {
     let media = || xml.descendants().filter(|node| node.has_tag_name("medium"));
     let mut procedural = media().filter(|node| node.attribute("type") == Some("procedural"));
     let Some(medium) = procedural.next() else {
@@ -405,9 +401,9 @@ fn only_medium<'a, 'i>(
 
 /// The parameters that stand in a medium; whatever else does is a mistake.
 fn parameters<'a>(
-    document: &Document<'_>,
+    document: &Document,
     medium: Node<'a, '_>,
-) -> Result<Vec<GivenParameter<'a>>, Box<SceneError>> {
+) -> SceneResult<Vec<GivenParameter<'a>>> {
     check_attributes(document, medium, &["type", "name", "id"])?;
     let mut found: Vec<GivenParameter<'a>> = Vec::new();
     for child in medium.children() {
@@ -431,10 +427,7 @@ fn parameters<'a>(
     Ok(found)
 }
 
-fn parameter<'a>(
-    document: &Document<'_>,
-    element: Node<'a, '_>,
-) -> Result<GivenParameter<'a>, Box<SceneError>> {
+fn parameter<'a>(document: &Document, element: Node<'a, '_>) -> SceneResult<GivenParameter<'a>> {
     let tag = element.tag_name().name();
     let position = opening(document.text, element);
     let fail = |span: Range<usize>, message: String, help: String| {
@@ -519,11 +512,7 @@ fn nearest<const N: usize>(word: &str, known: [&'static str; N]) -> Option<&'sta
     near.map(|(_, name)| name)
 }
 
-fn check_attributes(
-    document: &Document<'_>,
-    element: Node<'_, '_>,
-    known: &[&str],
-) -> Result<(), Box<SceneError>> {
+fn check_attributes(document: &Document, element: Node, known: &[&str]) -> SceneResult<()> {
     let unknown = element
         .attributes()
         .find(|attribute| !known.contains(&attribute.name()));
@@ -536,7 +525,7 @@ fn check_attributes(
     Err(document.error(Some(unknown.range_qname()), message, Some(help)))
 }
 
-fn check_blank(document: &Document<'_>, node: Node<'_, '_>) -> Result<(), Box<SceneError>> {
+fn check_blank(document: &Document, node: Node) -> SceneResult<()> {
     let stray = node.is_text() && node.text().is_some_and(|text| !text.trim().is_empty());
     if !stray {
         return Ok(());
@@ -551,7 +540,7 @@ fn check_blank(document: &Document<'_>, node: Node<'_, '_>) -> Result<(), Box<Sc
 }
 
 /// Place of the first line of an element.
-fn opening(text: &str, element: Node<'_, '_>) -> Range<usize> {
+fn opening(text: &str, element: Node) -> Range<usize> {
     let range = element.range();
     let line = text[range.clone()].lines().next().unwrap_or("");
     range.start..range.start + line.len()
@@ -570,7 +559,7 @@ mod tests {
 
     const SOURCE: &str = include_str!("../../fixtures/scenes/procedural/source-block.xml");
 
-    fn read(text: &str) -> Result<ProceduralMedium, Box<SceneError>> {
+    fn read(text: &str) -> SceneResult<ProceduralMedium> {
         read_procedural("medium.xml", text)
     }
 

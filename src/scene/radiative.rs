@@ -9,10 +9,10 @@ mod shape_transform;
 mod shapes;
 mod surfaces;
 
-use super::SceneError;
+use super::SceneResult;
 use super::camera::View;
 use super::files::Files;
-use super::format::{Absent, Key, Kind, Literal, Range, Table};
+use super::format::{Key, Kind, Range, Table};
 use super::reader::Reader;
 use super::sampling::SamplingTable;
 use crate::geometry::{Boundary, Camera, Luminous, Shape};
@@ -24,49 +24,21 @@ use shapes::FARTHEST;
 use surfaces::SurfaceKind;
 
 /// The declaration of `[radiative]`.
-pub(super) const RADIATIVE: Table = Table {
-    doc: "Surfaces, participating media and lights.",
-    keys: &[
-        Key {
-            name: "scattering",
-            kind: Kind::Choice(&["none", "single", "multiple"]),
-            absent: Absent::Default(Literal::Text("multiple")),
-            doc: "Scattering order of light on its way to the eye, bounces of media and surfaces together: none, one, or any number.",
-        },
-        Key {
-            name: "max_bounces",
-            // A stream of random numbers counts the bounces of a path in 26 bits.
-            kind: Kind::Count(2, (1 << 26) - 1),
-            absent: Absent::Nothing,
-            doc: "Scattering order at most, with `scattering = \"multiple\"`. Left out: any number of times.",
-        },
-        Key {
-            name: "environment",
-            kind: Kind::Colour(Range::at_least(0.0)),
-            absent: Absent::Default(Literal::Vector([0.0; 3])),
-            doc: "Linear radiance from infinitely far away, the same from every direction.",
-        },
-        Key {
-            name: "surface",
-            kind: Kind::Tables(&surfaces::SURFACE),
-            absent: Absent::Nothing,
-            doc: "Surfaces.",
-        },
-        Key {
-            name: "medium",
-            kind: Kind::Tables(&media::MEDIUM),
-            absent: Absent::Nothing,
-            doc: "Participating media, at most 64.",
-        },
-        Key {
-            name: "light",
-            kind: Kind::Tables(&lights::LIGHT),
-            absent: Absent::Nothing,
-            doc: "Lights without extent.",
-        },
-    ],
-    rules: &[],
-};
+pub(super) const RADIATIVE: Table = Table::new("Surfaces, participating media and lights.").keys(&[
+    Key::or("scattering", Kind::Choice(&["none", "single", "multiple"]), "'multiple'")
+        .doc("Scattering order of light on its way to the eye, bounces of media and surfaces together: none, one, or any number."),
+    // A stream of random numbers counts the bounces of a path in 26 bits.
+    Key::optional("max_bounces", Kind::Count(2, (1 << 26) - 1))
+        .doc("Scattering order at most, with `scattering = \"multiple\"`. Left out: any number of times."),
+    Key::or("environment", Kind::Colour(Range::at_least(0.0)), "[0.0, 0.0, 0.0]")
+        .doc("Linear radiance from infinitely far away, the same from every direction."),
+    Key::optional("surface", Kind::Tables(&surfaces::SURFACE))
+        .doc("Surfaces."),
+    Key::optional("medium", Kind::Tables(&media::MEDIUM))
+        .doc("Participating media, at most 64."),
+    Key::optional("light", Kind::Tables(&lights::LIGHT))
+        .doc("Lights without extent."),
+]);
 
 /// Scattering order of light on its way from a light to the eye: bounces of media and surfaces
 /// together. The boundary of a medium is none.
@@ -190,11 +162,11 @@ impl Radiative {
 
     /// Reads `[radiative]` and `[camera]`.
     pub(super) fn read(
-        reader: &Reader<'_, '_>,
-        camera: &Reader<'_, '_>,
+        reader: &Reader,
+        camera: &Reader,
         sampling: SamplingTable,
-        files: &mut Files<'_>,
-    ) -> Result<Radiative, Box<SceneError>> {
+        files: &mut Files,
+    ) -> SceneResult<Radiative> {
         let View {
             camera: eye_and_image,
             ..
@@ -254,7 +226,7 @@ impl Radiative {
     }
 }
 
-fn read_scattering(reader: &Reader<'_, '_>) -> Result<Scattering, Box<SceneError>> {
+fn read_scattering(reader: &Reader) -> SceneResult<Scattering> {
     let scattering = reader.text("scattering")?;
     let limit = reader.optional_count("max_bounces")?;
     let limit = limit.map(|limit| u32::try_from(limit).expect("below 2^26 by declaration"));
@@ -274,7 +246,7 @@ fn read_scattering(reader: &Reader<'_, '_>) -> Result<Scattering, Box<SceneError
 const LARGEST_RADIANCE: f64 = (f32::MAX / 2.0) as f64;
 
 /// The colour at `name`, a radiance or something that becomes one, if an image can hold it.
-fn radiance(reader: &Reader<'_, '_>, name: &str) -> Result<DVec3, Box<SceneError>> {
+fn radiance(reader: &Reader, name: &str) -> SceneResult<DVec3> {
     let colour = reader.vector(name)?;
     let most = colour.max_element();
     if most <= LARGEST_RADIANCE {

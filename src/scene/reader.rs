@@ -1,11 +1,12 @@
 //! Reads a TOML table by its [declaration](super::format), with the place of every mistake.
 
-use super::SceneError;
-use super::format::{Absent, Key, Kind, Literal, Rule, Table, whole_number};
+use super::format::{Absent, Key, Kind, Rule, Table, whole_number};
+use super::{SceneError, SceneResult};
 use glam::DVec3;
 use std::cell::RefCell;
 use std::fmt::Display;
 use std::ops::Range;
+use std::sync::LazyLock;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -104,7 +105,7 @@ pub struct Document<'s> {
 
 impl<'s> Document<'s> {
     /// The root table of the file.
-    pub fn parse(&self) -> Result<Spanned<DeTable<'s>>, Box<SceneError>> {
+    pub fn parse(&self) -> SceneResult<Spanned<DeTable<'s>>> {
         DeTable::parse(self.text).map_err(|error| {
             let help = "the file is not valid TOML; see https://toml.io for its rules";
             self.error(error.span(), error.message(), Some(help.into()))
@@ -140,56 +141,56 @@ impl<'d, 's> Reader<'d, 's> {
         declaration: &'static Table,
         table: &'d Spanned<DeTable<'s>>,
         log: &'d RefCell<Vec<Reading>>,
-    ) -> Result<Self, Box<SceneError>> {
-        Self::open(
+    ) -> SceneResult<Self> {
+        let reader = Reader {
             document,
             declaration,
-            table.get_ref(),
-            table.span(),
-            String::new(),
+            table: table.get_ref(),
+            span: table.span(),
+            path: String::new(),
             log,
-        )
+        };
+        reader.checked()
     }
 
-    fn open(
-        document: &'d Document<'s>,
+    /// The reader of a table within this one.
+    fn inner(
+        &self,
         declaration: &'static Table,
         table: &'d DeTable<'s>,
         span: Range<usize>,
         path: String,
-        log: &'d RefCell<Vec<Reading>>,
-    ) -> Result<Self, Box<SceneError>> {
+    ) -> SceneResult<Self> {
         let reader = Reader {
-            document,
             declaration,
             table,
             span,
             path,
-            log,
+            ..*self
         };
-        for key in table.keys() {
-            if !declaration
-                .keys
-                .iter()
-                .any(|known| known.name == key.get_ref())
-            {
-                return Err(reader.unknown(key));
-            }
-        }
-        for rule in declaration.rules {
-            reader.check(rule)?;
-        }
-        Ok(reader)
+        reader.checked()
     }
 
-    fn check(&self, rule: &Rule) -> Result<(), Box<SceneError>> {
+    /// Refuses keys that are not declared, and those that break a rule.
+    fn checked(self) -> SceneResult<Self> {
+        let known = |name: &str| self.declaration.keys.iter().any(|key| key.name == name);
+        if let Some(key) = self.table.keys().find(|key| !known(key.get_ref())) {
+            return Err(self.unknown(key));
+        }
+        for rule in self.declaration.rules {
+            self.check(rule)?;
+        }
+        Ok(self)
+    }
+
+    fn check(&self, rule: &Rule) -> SceneResult<()> {
         let given = |keys: &[&'static str]| -> Vec<&'static str> {
             keys.iter().copied().filter(|key| self.has(key)).collect()
         };
         match *rule {
-            Rule::ExactlyOne { what, keys } | Rule::AtMostOne { what, keys } => {
+            Rule::ExactlyOne(what, keys) | Rule::AtMostOne(what, keys) => {
                 let found = given(keys);
-                let needed = matches!(rule, Rule::ExactlyOne { .. });
+                let needed = matches!(rule, Rule::ExactlyOne(..));
                 if found.is_empty() && needed {
                     let message = format!("{} has no {what}", self.table_name());
                     let help = format!("give one of {}", self.named(keys));
@@ -209,8 +210,8 @@ impl<'d, 's> Reader<'d, 's> {
                 let help = format!("keep {amount} one of {}", self.named(&found));
                 Err(self.mistake(last, message, help))
             }
-            Rule::Apart([left, right]) => {
-                let (left, right) = (given(left), given(right));
+            Rule::Apart([lefts, rights]) => {
+                let (left, right) = (given(lefts), given(rights));
                 if left.is_empty() || right.is_empty() {
                     return Ok(());
                 }
@@ -221,10 +222,11 @@ impl<'d, 's> Reader<'d, 's> {
                     self.named(&left),
                     self.named(&right)
                 );
-                let Rule::Apart([left, right]) = *rule else {
-                    unreachable!()
-                };
-                let help = format!("give either {} or {}", self.named(left), self.named(right));
+                let help = format!(
+                    "give either {} or {}",
+                    self.named(lefts),
+                    self.named(rights)
+                );
                 Err(self.mistake(last.expect("two are given"), message, help))
             }
             Rule::Together(keys) => {
@@ -326,7 +328,7 @@ impl<'d, 's> Reader<'d, 's> {
 
     /// The text at `name` for a reader of another kind, and what to call it in messages. A text
     /// between three single quotes keeps its lines and columns: blanks stand for all before it.
-    pub fn text_in_place(&self, name: &str) -> Result<Option<(String, String)>, Box<SceneError>> {
+    pub fn text_in_place(&self, name: &str) -> SceneResult<Option<(String, String)>> {
         let (Some(text), Some(value)) = (self.optional_text(name)?, self.value(name)) else {
             return Ok(None);
         };
@@ -374,7 +376,7 @@ impl<'d, 's> Reader<'d, 's> {
         self.document.error(span, message, Some(help.into()))
     }
 
-    fn wrong_type(&self, name: &str, value: &Spanned<DeValue<'s>>) -> Box<SceneError> {
+    fn wrong_type(&self, name: &str, value: &Spanned<DeValue>) -> Box<SceneError> {
         let expected = self.declared(name).kind.expected();
         let got = value.get_ref().type_str();
         self.error(name, format!("`{name}` takes {expected}, got {got}"))
@@ -385,10 +387,9 @@ impl<'d, 's> Reader<'d, 's> {
     fn present<T>(
         &self,
         name: &str,
-        read: impl Fn(&Spanned<DeValue<'s>>) -> Result<T, Box<SceneError>>,
-        from_literal: impl Fn(Literal) -> Option<T>,
+        read: impl Fn(&Spanned<DeValue>) -> SceneResult<T>,
         show: impl Fn(&T) -> String,
-    ) -> Result<Option<T>, Box<SceneError>> {
+    ) -> SceneResult<Option<T>> {
         if let Some(value) = self.value(name) {
             let value = read(value)?;
             self.note(name, show(&value), Origin::Given);
@@ -399,8 +400,8 @@ impl<'d, 's> Reader<'d, 's> {
                 let table = self.table_name();
                 Err(self.error(name, format!("missing key `{name}` in {table}")))
             }
-            Absent::Default(literal) => {
-                let value = from_literal(literal).expect("the default has the kind of the key");
+            Absent::Default(text) => {
+                let value = read(&DeValue::parse(text).expect("defaults are TOML"))?;
                 self.note(name, show(&value), Origin::Default);
                 Ok(Some(value))
             }
@@ -412,7 +413,7 @@ impl<'d, 's> Reader<'d, 's> {
         }
     }
 
-    fn float(&self, name: &str, value: &Spanned<DeValue<'s>>) -> Result<f64, Box<SceneError>> {
+    fn float(&self, name: &str, value: &Spanned<DeValue>) -> SceneResult<f64> {
         let text = match value.get_ref() {
             DeValue::Float(float) => float.as_str().to_owned(),
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().to_owned(),
@@ -425,7 +426,7 @@ impl<'d, 's> Reader<'d, 's> {
         Ok(number)
     }
 
-    fn three(&self, name: &str, value: &Spanned<DeValue<'s>>) -> Result<DVec3, Box<SceneError>> {
+    fn three(&self, name: &str, value: &Spanned<DeValue>) -> SceneResult<DVec3> {
         let DeValue::Array(items) = value.get_ref() else {
             return Err(self.wrong_type(name, value));
         };
@@ -444,9 +445,9 @@ impl<'d, 's> Reader<'d, 's> {
     fn colour(
         &self,
         name: &str,
-        value: &Spanned<DeValue<'s>>,
+        value: &Spanned<DeValue>,
         range: &super::format::Range,
-    ) -> Result<DVec3, Box<SceneError>> {
+    ) -> SceneResult<DVec3> {
         let colour = match value.get_ref() {
             DeValue::Float(_) | DeValue::Integer(_) => DVec3::splat(self.float(name, value)?),
             _ => self.three(name, value)?,
@@ -464,99 +465,81 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// A declared [`Kind::Count`] that is required or has a default.
-    pub fn count(&self, name: &str) -> Result<u64, Box<SceneError>> {
+    pub fn count(&self, name: &str) -> SceneResult<u64> {
         let value = self.optional_count(name)?;
         Ok(value.expect("required or has a default"))
     }
 
     /// A declared [`Kind::Count`] that may be left out.
-    pub fn optional_count(&self, name: &str) -> Result<Option<u64>, Box<SceneError>> {
+    pub fn optional_count(&self, name: &str) -> SceneResult<Option<u64>> {
         let Kind::Count(low, high) = self.declared(name).kind else {
             panic!("{name} is not a count")
         };
-        let read = |value: &Spanned<DeValue<'s>>| {
+        let read = |value: &Spanned<DeValue>| {
             let DeValue::Integer(integer) = value.get_ref() else {
                 return Err(self.wrong_type(name, value));
             };
             whole_number(name, integer.as_str(), integer.radix(), [low, high])
                 .map_err(|message| self.error(name, message))
         };
-        let literal = |literal| match literal {
-            Literal::Count(count) => Some(count),
-            _ => None,
-        };
-        self.present(name, read, literal, u64::to_string)
+        self.present(name, read, u64::to_string)
     }
 
     /// A declared [`Kind::Number`] that is required or has a default.
-    pub fn number(&self, name: &str) -> Result<f64, Box<SceneError>> {
+    pub fn number(&self, name: &str) -> SceneResult<f64> {
         let value = self.optional_number(name)?;
         Ok(value.expect("required or has a default"))
     }
 
     /// A declared [`Kind::Number`] that may be left out.
-    pub fn optional_number(&self, name: &str) -> Result<Option<f64>, Box<SceneError>> {
+    pub fn optional_number(&self, name: &str) -> SceneResult<Option<f64>> {
         let Kind::Number(range) = self.declared(name).kind else {
             panic!("{name} is not a number")
         };
-        let read = |value: &Spanned<DeValue<'s>>| {
+        let read = |value: &Spanned<DeValue>| {
             let number = self.float(name, value)?;
             if !range.contains(number) {
                 return Err(self.error(name, format!("`{name}` must {range}, got {number}")));
             }
             Ok(number)
         };
-        let literal = |literal| match literal {
-            Literal::Number(number) => Some(number),
-            _ => None,
-        };
-        self.present(name, read, literal, f64::to_string)
+        self.present(name, read, f64::to_string)
     }
 
     /// A declared [`Kind::Vector`] or [`Kind::Colour`] that is required or has a default.
-    pub fn vector(&self, name: &str) -> Result<DVec3, Box<SceneError>> {
+    pub fn vector(&self, name: &str) -> SceneResult<DVec3> {
         let value = self.optional_vector(name)?;
         Ok(value.expect("required or has a default"))
     }
 
     /// A declared [`Kind::Vector`] or [`Kind::Colour`] that may be left out.
-    pub fn optional_vector(&self, name: &str) -> Result<Option<DVec3>, Box<SceneError>> {
-        let read = |value: &Spanned<DeValue<'s>>| match self.declared(name).kind {
+    pub fn optional_vector(&self, name: &str) -> SceneResult<Option<DVec3>> {
+        let read = |value: &Spanned<DeValue>| match self.declared(name).kind {
             Kind::Colour(range) => self.colour(name, value, &range),
             _ => self.three(name, value),
         };
-        let literal = |literal| match literal {
-            Literal::Vector(vector) => Some(DVec3::from_array(vector)),
-            _ => None,
-        };
-        self.present(name, read, literal, |v| {
-            Literal::Vector(v.to_array()).to_string()
-        })
+        self.present(name, read, DVec3::to_string)
     }
 
     /// A declared [`Kind::Vector`] that, left out, follows from other things.
-    pub fn vector_or(
-        &self,
-        name: &str,
-        derived: impl FnOnce() -> DVec3,
-    ) -> Result<DVec3, Box<SceneError>> {
+    pub fn vector_or(&self, name: &str, derived: impl FnOnce() -> DVec3) -> SceneResult<DVec3> {
         if let Some(vector) = self.optional_vector(name)? {
             return Ok(vector);
         }
         let vector = derived();
-        self.resolved(name, Literal::Vector(vector.to_array()));
+        self.resolved(name, vector);
         Ok(vector)
     }
 
     /// A declared [`Kind::Length`] that is required or has a default.
-    pub fn length(&self, name: &str) -> Result<Length, Box<SceneError>> {
+    pub fn length(&self, name: &str) -> SceneResult<Length> {
         let value = self.optional_length(name)?;
         Ok(value.expect("required or has a default"))
     }
 
     /// A declared [`Kind::Length`] that may be left out.
-    pub fn optional_length(&self, name: &str) -> Result<Option<Length>, Box<SceneError>> {
-        let read = |value: &Spanned<DeValue<'s>>| {
+    pub fn optional_length(&self, name: &str) -> SceneResult<Option<Length>> {
+        let read = |value: &Spanned<DeValue>| {
             let text = match value.get_ref() {
                 DeValue::String(text) => text.to_string(),
                 DeValue::Float(_) | DeValue::Integer(_) => self.float(name, value)?.to_string(),
@@ -565,23 +548,18 @@ impl<'d, 's> Reader<'d, 's> {
             text.parse()
                 .map_err(|message| self.error(name, format!("`{name}`: {message}")))
         };
-        let literal = |literal| match literal {
-            Literal::Text(text) => text.parse().ok(),
-            Literal::Number(length) => Some(Length::World(length)),
-            _ => None,
-        };
-        self.present(name, read, literal, Length::to_string)
+        self.present(name, read, Length::to_string)
     }
 
     /// A declared [`Kind::Text`] or [`Kind::Choice`] that is required or has a default.
-    pub fn text(&self, name: &str) -> Result<String, Box<SceneError>> {
+    pub fn text(&self, name: &str) -> SceneResult<String> {
         let value = self.optional_text(name)?;
         Ok(value.expect("required or has a default"))
     }
 
     /// A declared [`Kind::Text`] or [`Kind::Choice`] that may be left out.
-    pub fn optional_text(&self, name: &str) -> Result<Option<String>, Box<SceneError>> {
-        let read = |value: &Spanned<DeValue<'s>>| {
+    pub fn optional_text(&self, name: &str) -> SceneResult<Option<String>> {
+        let read = |value: &Spanned<DeValue>| {
             let DeValue::String(text) = value.get_ref() else {
                 return Err(self.wrong_type(name, value));
             };
@@ -594,40 +572,35 @@ impl<'d, 's> Reader<'d, 's> {
             }
             Ok(text.to_string())
         };
-        let literal = |literal| match literal {
-            Literal::Text(text) => Some(text.to_owned()),
-            _ => None,
-        };
-        self.present(name, read, literal, |text| format!("{text:?}"))
+        self.present(name, read, |text| format!("{text:?}"))
     }
 
     /// A declared [`Kind::Flag`]; left out, it is false.
-    pub fn flag(&self, name: &str) -> Result<bool, Box<SceneError>> {
+    pub fn flag(&self, name: &str) -> SceneResult<bool> {
         let Kind::Flag = self.declared(name).kind else {
             panic!("{name} is not a flag")
         };
-        let read = |value: &Spanned<DeValue<'s>>| match value.get_ref() {
+        let read = |value: &Spanned<DeValue>| match value.get_ref() {
             DeValue::Boolean(flag) => Ok(*flag),
             _ => Err(self.wrong_type(name, value)),
         };
-        let flag = self.present(name, read, |_| None, bool::to_string)?;
+        let flag = self.present(name, read, bool::to_string)?;
         Ok(flag.unwrap_or(false))
     }
 
     /// A declared [`Kind::Words`]; left out, there are none.
-    pub fn words(&self, name: &str) -> Result<Vec<String>, Box<SceneError>> {
-        let read = |value: &Spanned<DeValue<'s>>| {
+    pub fn words(&self, name: &str) -> SceneResult<Vec<String>> {
+        let read = |value: &Spanned<DeValue>| {
             let DeValue::Array(items) = value.get_ref() else {
                 return Err(self.wrong_type(name, value));
             };
-            let word = |item: &Spanned<DeValue<'s>>| match item.get_ref() {
+            let word = |item: &Spanned<DeValue>| match item.get_ref() {
                 DeValue::String(text) => Ok(text.to_string()),
                 _ => Err(self.wrong_type(name, item)),
             };
             items.iter().map(word).collect()
         };
-        let words: Option<Vec<String>> =
-            self.present(name, read, |_| None, |words| format!("{words:?}"))?;
+        let words: Option<Vec<String>> = self.present(name, read, |words| format!("{words:?}"))?;
         Ok(words.unwrap_or_default())
     }
 
@@ -638,36 +611,38 @@ impl<'d, 's> Reader<'d, 's> {
 
     /// A declared [`Kind::Table`], if the file has it. One that may be left out but has
     /// defaults for all its keys is [`Reader::table_or_default`].
-    pub fn table(&self, name: &str) -> Result<Option<Reader<'d, 's>>, Box<SceneError>> {
+    pub fn table(&self, name: &str) -> SceneResult<Option<Reader<'d, 's>>> {
         let Kind::Table(declaration) = self.declared(name).kind else {
             panic!("{name} is not a table")
         };
-        let Some(value) = self.value(name) else {
-            return match self.declared(name).absent {
-                Absent::Error => {
-                    Err(self.error(name, format!("missing table [{}]", self.key_path(name))))
-                }
-                _ => Ok(None),
-            };
-        };
-        let DeValue::Table(table) = value.get_ref() else {
-            return Err(self.wrong_type(name, value));
-        };
-        let path = self.key_path(name);
-        Reader::open(
-            self.document,
-            declaration,
-            table,
-            value.span(),
-            path,
-            self.log,
-        )
-        .map(Some)
+        match self.value(name) {
+            Some(value) => {
+                let path = self.key_path(name);
+                self.table_in(name, declaration, value, path).map(Some)
+            }
+            None if matches!(self.declared(name).absent, Absent::Error) => {
+                Err(self.error(name, format!("missing table [{}]", self.key_path(name))))
+            }
+            None => Ok(None),
+        }
+    }
+
+    fn table_in(
+        &self,
+        name: &str,
+        declaration: &'static Table,
+        value: &'d Spanned<DeValue<'s>>,
+        path: String,
+    ) -> SceneResult<Reader<'d, 's>> {
+        match value.get_ref() {
+            DeValue::Table(table) => self.inner(declaration, table, value.span(), path),
+            _ => Err(self.wrong_type(name, value)),
+        }
     }
 
     /// A declared [`Kind::Tables`]: each of them, in the order of the file; none where the file
     /// leaves it out.
-    pub fn tables(&self, name: &str) -> Result<Vec<Reader<'d, 's>>, Box<SceneError>> {
+    pub fn tables(&self, name: &str) -> SceneResult<Vec<Reader<'d, 's>>> {
         let Kind::Tables(declaration) = self.declared(name).kind else {
             panic!("{name} is not a list of tables")
         };
@@ -677,45 +652,22 @@ impl<'d, 's> Reader<'d, 's> {
         let DeValue::Array(items) = value.get_ref() else {
             return Err(self.wrong_type(name, value));
         };
-        let open = |(index, item): (usize, &'d Spanned<DeValue<'s>>)| {
-            let DeValue::Table(table) = item.get_ref() else {
-                return Err(self.wrong_type(name, item));
-            };
+        let table = |(index, item)| {
             let path = format!("{}[{index}]", self.key_path(name));
-            Reader::open(
-                self.document,
-                declaration,
-                table,
-                item.span(),
-                path,
-                self.log,
-            )
+            self.table_in(name, declaration, item, path)
         };
-        items.iter().enumerate().map(open).collect()
+        items.iter().enumerate().map(table).collect()
     }
 
     /// A declared [`Kind::Table`]; where the file leaves it out, an empty one.
-    pub fn table_or_default(
-        &self,
-        name: &str,
-        empty: &'d DeTable<'s>,
-    ) -> Result<Reader<'d, 's>, Box<SceneError>> {
+    pub fn table_or_default(&self, name: &str) -> SceneResult<Reader<'d, 's>> {
+        static EMPTY: LazyLock<DeTable<'static>> = LazyLock::new(DeTable::new);
         let Kind::Table(declaration) = self.declared(name).kind else {
             panic!("{name} is not a table")
         };
         match self.table(name)? {
             Some(reader) => Ok(reader),
-            None => {
-                let path = self.key_path(name);
-                Reader::open(
-                    self.document,
-                    declaration,
-                    empty,
-                    self.span.clone(),
-                    path,
-                    self.log,
-                )
-            }
+            None => self.inner(declaration, &EMPTY, self.span.clone(), self.key_path(name)),
         }
     }
 }

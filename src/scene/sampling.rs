@@ -1,7 +1,7 @@
 //! How much chance a picture takes.
 
-use super::SceneError;
-use super::format::{Absent, Key, Kind, Literal, Table, whole_number};
+use super::SceneResult;
+use super::format::{Key, Kind, Table, whole_number};
 use super::reader::Reader;
 
 /// Samples per pixel, at most.
@@ -15,25 +15,14 @@ pub fn samples(text: &str) -> Result<u32, String> {
 }
 
 /// The declaration of `[sampling]`.
-pub(super) const SAMPLING: Table = Table {
-    doc: "Random numbers; for radiative scenes only.",
-    keys: &[
-        Key {
-            name: "samples",
-            kind: Kind::Count(1, MOST_SAMPLES as u64),
-            absent: Absent::Default(Literal::Count(64)),
-            doc: "Samples per pixel; four times as many halve the noise.",
-        },
-        Key {
-            name: "seed",
-            // The largest whole number that TOML promises to hold.
-            kind: Kind::Count(0, i64::MAX as u64),
-            absent: Absent::Default(Literal::Count(0)),
-            doc: "Chooses the random numbers: the same seed gives the same image.",
-        },
-    ],
-    rules: &[],
-};
+pub(super) const SAMPLING: Table =
+    Table::new("Random numbers; for radiative scenes only.").keys(&[
+        Key::or("samples", Kind::Count(1, MOST_SAMPLES as u64), "64")
+            .doc("Samples per pixel; four times as many halve the noise."),
+        // The largest whole number that TOML promises to hold.
+        Key::or("seed", Kind::Count(0, i64::MAX as u64), "0")
+            .doc("Chooses the random numbers: the same seed gives the same image."),
+    ]);
 
 /// What `[sampling]` says.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +32,7 @@ pub(super) struct SamplingTable {
 }
 
 impl SamplingTable {
-    pub(super) fn read(reader: &Reader<'_, '_>) -> Result<SamplingTable, Box<SceneError>> {
+    pub(super) fn read(reader: &Reader) -> SceneResult<SamplingTable> {
         let samples = reader.count("samples")?;
         Ok(SamplingTable {
             samples: u32::try_from(samples).expect("at most MOST_SAMPLES"),

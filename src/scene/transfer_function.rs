@@ -1,7 +1,7 @@
 //! What a value of the field looks like: by the assignment's formula or by a table of points.
 
-use super::SceneError;
-use super::format::{Absent, Key, Kind, Literal, Range, Rule, Table};
+use super::SceneResult;
+use super::format::{Key, Kind, Range, Rule, Table};
 use super::reader::Reader;
 use crate::media::{
     Appearance, Colormap, TransferFunction, TransferOpacity, TransferPoint, TransferPoints,
@@ -10,61 +10,28 @@ use crate::media::{
 use crate::volume::Lattice;
 
 /// The declaration of `[transfer_function]`.
-pub(super) const TRANSFER_FUNCTION: Table = Table {
-    doc: "Opacity over the reference length and colour, by density. Either transparency T(d) = (exp(−d²) − floor)/(1 − floor), clamped to [0, 1], with a colour by name; or a table of points, for values of any kind.",
-    keys: &[
-        Key {
-            name: "floor",
-            kind: Kind::Number(Range::half_open(0.0, 1.0)),
-            absent: Absent::Default(Literal::Number(0.36)),
-            doc: "Value of exp(−d²) that counts as opaque.",
-        },
-        Key {
-            name: "reference_length",
-            kind: Kind::Length,
-            absent: Absent::Default(Literal::Text("1 voxel")),
-            doc: "Path length over which the transparency is stated, world units or voxels.",
-        },
-        Key {
-            name: "colormap",
-            kind: Kind::Choice(Colormap::NAMES),
-            absent: Absent::Default(Literal::Text("heat")),
-            doc: "Colours for densities 0 to 1.",
-        },
-        Key {
-            name: "point",
-            kind: Kind::Tables(&POINT),
-            absent: Absent::Nothing,
-            doc: "A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself.",
-        },
-    ],
-    rules: &[Rule::Apart([&["point"], &["floor", "colormap"]])],
-};
+pub(super) const TRANSFER_FUNCTION: Table = Table::new("Opacity over the reference length and colour, by density. Either transparency T(d) = (exp(−d²) − floor)/(1 − floor), clamped to [0, 1], with a colour by name; or a table of points, for values of any kind.").keys(&[
+    Key::or("floor", Kind::Number(Range::half_open(0.0, 1.0)), "0.36")
+        .doc("Value of exp(−d²) that counts as opaque."),
+    Key::or("reference_length", Kind::Length, "'1 voxel'")
+        .doc("Path length over which the transparency is stated, world units or voxels."),
+    Key::or("colormap", Kind::Choice(Colormap::NAMES), "'heat'")
+        .doc("Colours for densities 0 to 1."),
+    Key::optional("point", Kind::Tables(&POINT))
+        .doc("A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself."),
+]).rules(&[Rule::Apart([&["point"], &["floor", "colormap"]])]);
 
-const POINT: Table = Table {
-    doc: "What one value of the volume looks like.",
-    keys: &[
-        Key {
-            name: "value",
-            kind: Kind::Number(Range::closed(f32::MIN as f64, f32::MAX as f64)),
-            absent: Absent::Error,
-            doc: "Value of the volume, in the unit of its file.",
-        },
-        Key {
-            name: "colour",
-            kind: Kind::Colour(Range::at_least(0.0)),
-            absent: Absent::Error,
-            doc: "Linear radiance of the material before shading.",
-        },
-        Key {
-            name: "opacity",
-            kind: Kind::Number(Range::closed(0.0, 1.0)),
-            absent: Absent::Error,
-            doc: "Share of the light behind that is taken away over the reference length.",
-        },
-    ],
-    rules: &[],
-};
+const POINT: Table = Table::new("What one value of the volume looks like.").keys(&[
+    Key::required(
+        "value",
+        Kind::Number(Range::closed(f32::MIN as f64, f32::MAX as f64)),
+    )
+    .doc("Value of the volume, in the unit of its file."),
+    Key::required("colour", Kind::Colour(Range::at_least(0.0)))
+        .doc("Linear radiance of the material before shading."),
+    Key::required("opacity", Kind::Number(Range::closed(0.0, 1.0)))
+        .doc("Share of the light behind that is taken away over the reference length."),
+]);
 
 /// What a transfer function says of opacity, by whichever of the two ways.
 pub(super) enum OpacityByValue {
@@ -75,7 +42,7 @@ pub(super) enum OpacityByValue {
 }
 
 impl OpacityByValue {
-    pub(super) fn read(reader: &Reader<'_, '_>) -> Result<OpacityByValue, Box<SceneError>> {
+    pub(super) fn read(reader: &Reader) -> SceneResult<OpacityByValue> {
         if reader.has("point") {
             return Ok(OpacityByValue::Points(read_points(reader)?));
         }
@@ -84,9 +51,9 @@ impl OpacityByValue {
     }
 }
 
-fn read_points(reader: &Reader<'_, '_>) -> Result<TransferPoints, Box<SceneError>> {
+fn read_points(reader: &Reader) -> SceneResult<TransferPoints> {
     let rows = reader.tables("point")?;
-    let read = |row: &Reader<'_, '_>| -> Result<_, Box<SceneError>> {
+    let read = |row: &Reader| -> SceneResult<_> {
         Ok(TransferPoint {
             value: row.number("value")?,
             colour: row.vector("colour")?,
@@ -106,10 +73,10 @@ fn read_points(reader: &Reader<'_, '_>) -> Result<TransferPoints, Box<SceneError
 
 /// The rest of the transfer function, once the grid says how long a voxel is.
 pub(super) fn read_transfer_function(
-    reader: &Reader<'_, '_>,
+    reader: &Reader,
     opacity: OpacityByValue,
     lattice: &Lattice,
-) -> Result<TransferFunction, Box<SceneError>> {
+) -> SceneResult<TransferFunction> {
     let reference_length = reader
         .length("reference_length")?
         .in_world_units(lattice.voxel())

@@ -1,60 +1,28 @@
 //! The file a grid comes from, and how it is read.
 
-use super::SceneError;
-use super::format::{Absent, Key, Kind, Literal, Range, Table};
+use super::SceneResult;
+use super::format::{Key, Kind, Range, Table};
 use super::reader::Reader;
 use crate::volume::{Centring, LoadOptions, NonFinite, Orientation, Splatting, volume_reader};
 use std::path::Path;
 
 /// The declaration of a table that names a volume file.
-pub(super) const VOLUME: Table = Table {
-    doc: "The file a grid of densities comes from.",
-    keys: &[
-        Key {
-            name: "file",
-            kind: Kind::Text,
-            absent: Absent::Error,
-            doc: "Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.",
-        },
-        Key {
-            name: "resolution",
-            kind: Kind::Count(2, 4096),
-            absent: Absent::Derived("one point to a voxel, on average"),
-            doc: "Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.",
-        },
-        Key {
-            name: "padding",
-            kind: Kind::Count(0, 1024),
-            absent: Absent::Default(Literal::Count(2)),
-            doc: "Point clouds only: empty nodes kept around the cloud on each side.",
-        },
-        Key {
-            name: "centring",
-            kind: Kind::Choice(&["nodes", "cells"]),
-            absent: Absent::Nothing,
-            doc: "Grids only: whether the box ends at the outermost nodes, or half a spacing beyond; a .vol keeps its box, all others their nodes. Left out: as the file says, else nodes.",
-        },
-        Key {
-            name: "replace_non_finite",
-            kind: Kind::Number(Range::closed(f32::MIN as f64, f32::MAX as f64)),
-            absent: Absent::Nothing,
-            doc: "Grids only: the value that takes the place of NaN and infinity. Left out: they are an error.",
-        },
-        Key {
-            name: "orientation",
-            kind: Kind::Choice(&["world", "as-stored"]),
-            absent: Absent::Nothing,
-            doc: "Grids only: axes of the file that run along the world's are brought into order, and others refused (world, also when left out); or taken for x, y and z as they are.",
-        },
-        Key {
-            name: "detached_anywhere",
-            kind: Kind::Flag,
-            absent: Absent::Nothing,
-            doc: "Grids only: whether a header may name a file of data outside its own folder, or a link that leads there. Left out: it may not.",
-        },
-    ],
-    rules: &[],
-};
+pub(super) const VOLUME: Table = Table::new("The file a grid of densities comes from.").keys(&[
+    Key::required("file", Kind::Text)
+        .doc("Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene."),
+    Key::derived("resolution", Kind::Count(2, 4096), "one point to a voxel, on average")
+        .doc("Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included."),
+    Key::or("padding", Kind::Count(0, 1024), "2")
+        .doc("Point clouds only: empty nodes kept around the cloud on each side."),
+    Key::optional("centring", Kind::Choice(&["nodes", "cells"]))
+        .doc("Grids only: whether the box ends at the outermost nodes, or half a spacing beyond; a .vol keeps its box, all others their nodes. Left out: as the file says, else nodes."),
+    Key::optional("replace_non_finite", Kind::Number(Range::closed(f32::MIN as f64, f32::MAX as f64)))
+        .doc("Grids only: the value that takes the place of NaN and infinity. Left out: they are an error."),
+    Key::optional("orientation", Kind::Choice(&["world", "as-stored"]))
+        .doc("Grids only: axes of the file that run along the world's are brought into order, and others refused (world, also when left out); or taken for x, y and z as they are."),
+    Key::optional("detached_anywhere", Kind::Flag)
+        .doc("Grids only: whether a header may name a file of data outside its own folder, or a link that leads there. Left out: it may not."),
+]);
 
 /// What a table that names a volume file asks for.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,7 +34,7 @@ pub(super) struct VolumeRequest {
 }
 
 impl VolumeRequest {
-    pub(super) fn read(reader: &Reader<'_, '_>) -> Result<VolumeRequest, Box<SceneError>> {
+    pub(super) fn read(reader: &Reader) -> SceneResult<VolumeRequest> {
         let file = reader.text("file")?;
         let format = volume_reader(Path::new(&file));
         let without = |keys: &[&'static str], what: &str| {

@@ -4,9 +4,9 @@ use super::{Answer, Store, mistakes, row_name};
 use crate::compare::{Deterministic, ImageGate, Stochastic};
 use crate::hard_cases::rows;
 use crate::regular_file::{self, Identity};
-use crate::scene::format::{Absent, Key, Kind, Literal, Range, Table};
+use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::{Document, Reader};
-use crate::scene::{Scene, SceneError};
+use crate::scene::{Scene, SceneError, SceneResult};
 use miette::Diagnostic;
 use std::cell::RefCell;
 use std::collections::HashSet;
@@ -36,90 +36,34 @@ const DETERMINISTIC: &str = "deterministic";
 const STOCHASTIC: &str = "stochastic";
 
 /// The declaration of a manifest, `fixtures/cases/<family>/<name>.toml`.
-pub const MANIFEST: Table = Table {
-    doc: "A case: a scene, where it comes from, and how images of it are judged.",
-    keys: &[
-        Key {
-            name: "scene",
-            kind: Kind::Text,
-            absent: Absent::Derived("../../scenes/<family>/<name>.toml"),
-            doc: "Scene file, relative to the folder of the manifest.",
-        },
-        Key {
-            name: "source",
-            kind: Kind::Text,
-            absent: Absent::Error,
-            doc: "Document and figure that is reproduced.",
-        },
-        Key {
-            name: "shows",
-            kind: Kind::Text,
-            absent: Absent::Error,
-            doc: "What one should see in a right image.",
-        },
-        Key {
-            name: "computes",
-            kind: Kind::Text,
-            absent: Absent::Error,
-            doc: "Exactly what is computed, where the source leaves gaps or holds slips.",
-        },
-        Key {
-            name: "class",
-            kind: Kind::Choice(&[DETERMINISTIC, STOCHASTIC]),
-            absent: Absent::Error,
-            doc: "Deterministic: rendered without random numbers. Stochastic: each pixel is a mean of random samples.",
-        },
-        Key {
-            name: "converged_samples",
-            kind: Kind::Count(64, 1 << 24),
-            absent: Absent::Nothing,
-            doc: "Stochastic cases, and required there: samples per pixel of the golden image.",
-        },
-        Key {
-            name: "quick_samples",
-            kind: Kind::Count(2, 1 << 16),
-            absent: Absent::Default(Literal::Count(4)),
-            doc: "Stochastic cases: samples per pixel of the rendering that `volref verify` repeats.",
-        },
-        Key {
-            name: "resolution",
-            kind: Kind::Number(Range::open(0.0, 1.0)),
-            absent: Absent::Default(Literal::Number(0.02)),
-            doc: "Stochastic cases: how well the golden is known in blocks of 8 by 8 pixels. Four standard errors of nine tenths of the blocks are below this, relative to their mean radiance plus 0.001.",
-        },
-        Key {
-            name: "mean_resolution",
-            kind: Kind::Number(Range::open(0.0, 1.0)),
-            absent: Absent::Default(Literal::Number(MEAN_RESOLUTION)),
-            doc: "Stochastic cases: bias of the mean of the whole image that the gate promises to see, relative to that mean plus 0.001. Images too noisy for that are neither passed nor failed.",
-        },
-        Key {
-            name: "answer",
-            kind: Kind::Colour(Range::at_least(0.0)),
-            absent: Absent::Nothing,
-            doc: "Radiance that every pixel has, where it is known beforehand. `volref verify` holds the image to it, beside the golden; of a stochastic case the golden itself, in the mean of the whole image, to four standard errors.",
-        },
-        Key {
-            name: "answer_within",
-            kind: Kind::Number(Range::open(0.0, 1.0)),
-            absent: Absent::Nothing,
-            doc: "Deterministic cases with an `answer`, and required there: how far from it a pixel may be, relative to it.",
-        },
-        Key {
-            name: "mistakes",
-            kind: Kind::Words,
-            absent: Absent::Nothing,
-            doc: "Mistakes that the case must catch, by their names in the catalogue (volref selftest).",
-        },
-        Key {
-            name: "exposure",
-            kind: Kind::Number(Range::closed(-64.0, 64.0)),
-            absent: Absent::Default(Literal::Number(0.0)),
-            doc: "Stops at which 8-bit images are made and judged: radiance times 2^exposure.",
-        },
-    ],
-    rules: &[],
-};
+pub const MANIFEST: Table = Table::new("A case: a scene, where it comes from, and how images of it are judged.").keys(&[
+    Key::derived("scene", Kind::Text, "../../scenes/<family>/<name>.toml")
+        .doc("Scene file, relative to the folder of the manifest."),
+    Key::required("source", Kind::Text)
+        .doc("Document and figure that is reproduced."),
+    Key::required("shows", Kind::Text)
+        .doc("What one should see in a right image."),
+    Key::required("computes", Kind::Text)
+        .doc("Exactly what is computed, where the source leaves gaps or holds slips."),
+    Key::required("class", Kind::Choice(&[DETERMINISTIC, STOCHASTIC]))
+        .doc("Deterministic: rendered without random numbers. Stochastic: each pixel is a mean of random samples."),
+    Key::optional("converged_samples", Kind::Count(64, 1 << 24))
+        .doc("Stochastic cases, and required there: samples per pixel of the golden image."),
+    Key::or("quick_samples", Kind::Count(2, 1 << 16), "4")
+        .doc("Stochastic cases: samples per pixel of the rendering that `volref verify` repeats."),
+    Key::or("resolution", Kind::Number(Range::open(0.0, 1.0)), "0.02")
+        .doc("Stochastic cases: how well the golden is known in blocks of 8 by 8 pixels. Four standard errors of nine tenths of the blocks are below this, relative to their mean radiance plus 0.001."),
+    Key::or("mean_resolution", Kind::Number(Range::open(0.0, 1.0)), "0.02")
+        .doc("Stochastic cases: bias of the mean of the whole image that the gate promises to see, relative to that mean plus 0.001. Images too noisy for that are neither passed nor failed."),
+    Key::optional("answer", Kind::Colour(Range::at_least(0.0)))
+        .doc("Radiance that every pixel has, where it is known beforehand. `volref verify` holds the image to it, beside the golden; of a stochastic case the golden itself, in the mean of the whole image, to four standard errors."),
+    Key::optional("answer_within", Kind::Number(Range::open(0.0, 1.0)))
+        .doc("Deterministic cases with an `answer`, and required there: how far from it a pixel may be, relative to it."),
+    Key::optional("mistakes", Kind::Words)
+        .doc("Mistakes that the case must catch, by their names in the catalogue (volref selftest)."),
+    Key::or("exposure", Kind::Number(Range::closed(-64.0, 64.0)), "0.0")
+        .doc("Stops at which 8-bit images are made and judged: radiance times 2^exposure."),
+]);
 
 /// A case of the suite.
 #[derive(Clone, Debug)]
@@ -178,7 +122,7 @@ impl Case {
     }
 
     /// The scene of the case.
-    pub fn load_scene(&self) -> Result<Scene, Box<SceneError>> {
+    pub fn load_scene(&self) -> SceneResult<Scene> {
         Scene::load(&self.scene)
     }
 }
@@ -422,7 +366,7 @@ fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, SuiteError> {
     Ok(paths)
 }
 
-fn read_manifest(path: &Path) -> Result<Case, Box<SceneError>> {
+fn read_manifest(path: &Path) -> SceneResult<Case> {
     let shown = path.display().to_string();
     let text = regular_file::read(path, MOST_MANIFEST_BYTES)
         .map_err(|error| format!("cannot read the manifest: {error}"))
@@ -479,7 +423,7 @@ fn read_manifest(path: &Path) -> Result<Case, Box<SceneError>> {
     })
 }
 
-fn read_mistakes(reader: &Reader<'_, '_>) -> Result<Vec<String>, Box<SceneError>> {
+fn read_mistakes(reader: &Reader) -> SceneResult<Vec<String>> {
     let names = reader.words("mistakes")?;
     for name in &names {
         if mistakes::named(name).is_none() {
@@ -494,10 +438,7 @@ fn read_mistakes(reader: &Reader<'_, '_>) -> Result<Vec<String>, Box<SceneError>
     Ok(names)
 }
 
-fn read_answer(
-    reader: &Reader<'_, '_>,
-    is_stochastic: bool,
-) -> Result<Option<Answer>, Box<SceneError>> {
+fn read_answer(reader: &Reader, is_stochastic: bool) -> SceneResult<Option<Answer>> {
     let radiance = reader.optional_vector("answer")?;
     let within = reader.optional_number("answer_within")?;
     match (radiance, within) {
@@ -520,10 +461,7 @@ fn read_answer(
     }
 }
 
-fn read_sampling(
-    reader: &Reader<'_, '_>,
-    is_stochastic: bool,
-) -> Result<Option<CaseSampling>, Box<SceneError>> {
+fn read_sampling(reader: &Reader, is_stochastic: bool) -> SceneResult<Option<CaseSampling>> {
     if !is_stochastic {
         for name in [
             "converged_samples",

@@ -4,7 +4,7 @@ use super::media::DEEPEST_TRACKED;
 use super::{AreaLight, Body, Object, Scattering};
 use crate::geometry::{Aabb, Emitter, Luminous, Shape, Surface, length_of};
 use crate::optics::{Light, Material};
-use crate::scene::SceneError;
+use crate::scene::SceneResult;
 use crate::scene::reader::Reader;
 use glam::DVec3;
 
@@ -24,7 +24,7 @@ const BOUND_IT: &str = "give the medium a boundary: a `sphere`, `box` or closed 
 
 impl SceneParts<'_, '_, '_> {
     /// Refuses scenes whose light is infinite, never arrives, or cannot be found.
-    pub(super) fn check(&self) -> Result<(), Box<SceneError>> {
+    pub(super) fn check(&self) -> SceneResult<()> {
         self.check_light_that_diverges()?;
         self.check_light_that_never_arrives()?;
         self.check_collisions_without_end()?;
@@ -42,7 +42,7 @@ impl SceneParts<'_, '_, '_> {
         self.unbounded().map(|(_, body)| quantity(body)).sum()
     }
 
-    fn check_light_that_diverges(&self) -> Result<(), Box<SceneError>> {
+    fn check_light_that_diverges(&self) -> SceneResult<()> {
         let sigma_a = self.far_away(|body| body.medium.coefficients.sigma_a());
         let sigma_t = self.far_away(|body| body.medium.coefficients.sigma_t());
         for (reader, body) in self.unbounded() {
@@ -76,7 +76,7 @@ impl SceneParts<'_, '_, '_> {
         Ok(())
     }
 
-    fn check_light_that_never_arrives(&self) -> Result<(), Box<SceneError>> {
+    fn check_light_that_never_arrives(&self) -> SceneResult<()> {
         let sigma_t = self.far_away(|body| body.medium.coefficients.sigma_t());
         if sigma_t == DVec3::ZERO {
             return Ok(());
@@ -102,7 +102,7 @@ impl SceneParts<'_, '_, '_> {
     /// In a heterogeneous medium light is tracked from one tentative collision to the next, of the
     /// density of the densest channel of all media that overlap there. Those of a homogeneous medium
     /// are never null in a channel as dense as that; in others they are, as its channels differ.
-    fn check_collisions_without_end(&self) -> Result<(), Box<SceneError>> {
+    fn check_collisions_without_end(&self) -> SceneResult<()> {
         let bounds = |body: &Body| body.boundary.as_ref().map(Surface::bounds);
         for (_, heterogeneous) in self
             .media
@@ -144,7 +144,7 @@ impl SceneParts<'_, '_, '_> {
     }
 
     /// A light exactly in a flat surface lies on neither side of it: roundings would decide.
-    fn check_lights_in_surfaces(&self) -> Result<(), Box<SceneError>> {
+    fn check_lights_in_surfaces(&self) -> SceneResult<()> {
         let help = "move the light a little off the surface, to the side that it shines on";
         let rectangles = || {
             self.objects
@@ -185,7 +185,7 @@ impl SceneParts<'_, '_, '_> {
         Ok(())
     }
 
-    fn check_light_that_no_path_meets(&self) -> Result<(), Box<SceneError>> {
+    fn check_light_that_no_path_meets(&self) -> SceneResult<()> {
         if !matches!(self.scattering, Scattering::Multiple(_)) {
             return Ok(());
         }

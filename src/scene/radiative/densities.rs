@@ -2,12 +2,12 @@
 
 use super::shapes::FARTHEST;
 use crate::media::Field;
-use crate::scene::SceneError;
 use crate::scene::files::Files;
-use crate::scene::format::{Absent, Key, Kind, Literal, Range, Rule, Table};
+use crate::scene::format::{Key, Kind, Range, Rule, Table};
 use crate::scene::reader::Reader;
 use crate::scene::volume::VOLUME;
 use crate::scene::{ProceduralMedium, read_procedural};
+use crate::scene::{SceneError, SceneResult};
 use crate::volume::{
     Blob, ExponentialLayer, FractalDensity, FractalError, FractalParameters, GridDensity,
     Interpolation, LayerError, LinearRamp, MOST_OCTAVES,
@@ -24,210 +24,101 @@ pub(super) const KEYS: [&str; 6] = [
 ];
 
 /// A grid.
-pub(super) const GRID: Key = Key {
-    name: "grid",
-    kind: Kind::Table(&VOLUME),
-    absent: Absent::Nothing,
-    doc: "Density: that of a grid or point cloud, in the box of its own unless the medium has a shape.",
-};
+pub(super) const GRID: Key = Key::optional("grid", Kind::Table(&VOLUME)).doc(
+    "Density: that of a grid or point cloud, in the box of its own unless the medium has a shape.",
+);
 
 /// Between the nodes of a grid.
-pub(super) const INTERPOLATION: Key = Key {
-    name: "interpolation",
-    kind: Kind::Choice(&["trilinear", "nearest"]),
-    absent: Absent::Nothing,
-    doc: "With `grid`: how densities between the nodes follow from those at the nodes; trilinear if left out.",
-};
+pub(super) const INTERPOLATION: Key = Key::optional("interpolation", Kind::Choice(&["trilinear", "nearest"]))
+    .doc("With `grid`: how densities between the nodes follow from those at the nodes; trilinear if left out.");
 
 const POSITIVE: Range = Range::open(0.0, f64::INFINITY);
 
 /// Fractal noise.
-pub(super) const NOISE: Key = Key {
-    name: "noise",
-    kind: Kind::Table(&Table {
-        doc: "Noise at many scales: octaves of Perlin's improved noise at p·scale + offset, the sum of amplitudes brought to 1, mapped from [-1, 1] to [0, max_density]; 0 up to the threshold.",
-        keys: &[
-            Key {
-                name: "octaves",
-                kind: Kind::Count(1, MOST_OCTAVES as u64),
-                absent: Absent::Default(Literal::Count(4)),
-                doc: "Layers of noise.",
-            },
-            Key {
-                name: "lacunarity",
-                kind: Kind::Number(POSITIVE),
-                absent: Absent::Default(Literal::Number(2.0)),
-                doc: "Factor on the frequency from one octave to the next.",
-            },
-            Key {
-                name: "gain",
-                kind: Kind::Number(POSITIVE),
-                absent: Absent::Default(Literal::Number(0.5)),
-                doc: "Factor on the amplitude from one octave to the next.",
-            },
-            Key {
-                name: "scale",
-                kind: Kind::Vector,
-                absent: Absent::Default(Literal::Vector([1.0; 3])),
-                doc: "Cells of the first octave per world unit, along x, y, z.",
-            },
-            Key {
-                name: "offset",
-                kind: Kind::Vector,
-                absent: Absent::Default(Literal::Vector([0.0; 3])),
-                doc: "Where the origin lies in the first octave, in cells.",
-            },
-            Key {
-                name: "max_density",
-                kind: Kind::Number(Range::at_least(0.0)),
-                absent: Absent::Default(Literal::Number(1.0)),
-                doc: "The largest density.",
-            },
-            Key {
-                name: "threshold",
-                kind: Kind::Number(Range::at_least(f64::MIN)),
-                absent: Absent::Default(Literal::Number(0.0)),
-                doc: "Densities up to this one count as 0; nothing is subtracted from the others.",
-            },
-        ],
-        rules: &[],
-    }),
-    absent: Absent::Nothing,
-    doc: "Density: fractal noise.",
-};
+pub(super) const NOISE: Key =
+    Key::optional("noise", Kind::Table(&NOISE_TABLE)).doc("Density: fractal noise.");
+
+const NOISE_TABLE: Table = Table::new("Noise at many scales: octaves of Perlin's improved noise at p·scale + offset, the sum of amplitudes brought to 1, mapped from [-1, 1] to [0, max_density]; 0 up to the threshold.").keys(&[
+    Key::or("octaves", Kind::Count(1, MOST_OCTAVES as u64), "4")
+        .doc("Layers of noise."),
+    Key::or("lacunarity", Kind::Number(POSITIVE), "2.0")
+        .doc("Factor on the frequency from one octave to the next."),
+    Key::or("gain", Kind::Number(POSITIVE), "0.5")
+        .doc("Factor on the amplitude from one octave to the next."),
+    Key::or("scale", Kind::Vector, "[1.0, 1.0, 1.0]")
+        .doc("Cells of the first octave per world unit, along x, y, z."),
+    Key::or("offset", Kind::Vector, "[0.0, 0.0, 0.0]")
+        .doc("Where the origin lies in the first octave, in cells."),
+    Key::or("max_density", Kind::Number(Range::at_least(0.0)), "1.0")
+        .doc("The largest density."),
+    Key::or("threshold", Kind::Number(Range::at_least(f64::MIN)), "0.0")
+        .doc("Densities up to this one count as 0; nothing is subtracted from the others."),
+]);
 
 /// An exponential layer.
-pub(super) const EXPONENTIAL: Key = Key {
-    name: "exponential",
-    kind: Kind::Table(&Table {
-        doc: "A density that falls with height above a base, by the factor e per scale height.",
-        keys: &[
-            Key {
-                name: "density",
-                kind: Kind::Number(Range::at_least(0.0)),
-                absent: Absent::Default(Literal::Number(1.0)),
-                doc: "Density at the base.",
-            },
-            Key {
-                name: "base",
-                kind: Kind::Vector,
-                absent: Absent::Default(Literal::Vector([0.0; 3])),
-                doc: "A point at height 0, world units.",
-            },
-            Key {
-                name: "up",
-                kind: Kind::Vector,
-                absent: Absent::Default(Literal::Vector([0.0, 1.0, 0.0])),
-                doc: "The direction of rising height, any length but 0.",
-            },
-            Key {
-                name: "scale_height",
-                kind: Kind::Number(POSITIVE),
-                absent: Absent::Error,
-                doc: "Height over which the density falls by the factor e, world units.",
-            },
-        ],
-        rules: &[],
-    }),
-    absent: Absent::Nothing,
-    doc: "Density: a layer that thins with height, as air does.",
-};
+pub(super) const EXPONENTIAL: Key = Key::optional("exponential", Kind::Table(&EXPONENTIAL_TABLE))
+    .doc("Density: a layer that thins with height, as air does.");
+
+const EXPONENTIAL_TABLE: Table =
+    Table::new("A density that falls with height above a base, by the factor e per scale height.")
+        .keys(&[
+            Key::or("density", Kind::Number(Range::at_least(0.0)), "1.0")
+                .doc("Density at the base."),
+            Key::or("base", Kind::Vector, "[0.0, 0.0, 0.0]")
+                .doc("A point at height 0, world units."),
+            Key::or("up", Kind::Vector, "[0.0, 1.0, 0.0]")
+                .doc("The direction of rising height, any length but 0."),
+            Key::required("scale_height", Kind::Number(POSITIVE))
+                .doc("Height over which the density falls by the factor e, world units."),
+        ]);
 
 /// A linear density.
-pub(super) const LINEAR: Key = Key {
-    name: "linear",
-    kind: Kind::Table(&Table {
-        doc: "A density that is linear in space where that is positive, else 0.",
-        keys: &[
-            Key {
-                name: "density",
-                kind: Kind::Number(Range::at_least(f64::MIN)),
-                absent: Absent::Default(Literal::Number(1.0)),
-                doc: "Density at the origin given; it may be negative there.",
-            },
-            Key {
-                name: "origin",
-                kind: Kind::Vector,
-                absent: Absent::Default(Literal::Vector([0.0; 3])),
-                doc: "Where that is the density, world units.",
-            },
-            Key {
-                name: "gradient",
-                kind: Kind::Vector,
-                absent: Absent::Error,
-                doc: "Change of the density per world unit along x, y, z.",
-            },
-        ],
-        rules: &[],
-    }),
-    absent: Absent::Nothing,
-    doc: "Density: a linear ramp.",
-};
+pub(super) const LINEAR: Key =
+    Key::optional("linear", Kind::Table(&LINEAR_TABLE)).doc("Density: a linear ramp.");
+
+const LINEAR_TABLE: Table =
+    Table::new("A density that is linear in space where that is positive, else 0.").keys(&[
+        Key::or("density", Kind::Number(Range::at_least(f64::MIN)), "1.0")
+            .doc("Density at the origin given; it may be negative there."),
+        Key::or("origin", Kind::Vector, "[0.0, 0.0, 0.0]")
+            .doc("Where that is the density, world units."),
+        Key::required("gradient", Kind::Vector)
+            .doc("Change of the density per world unit along x, y, z."),
+    ]);
 
 /// A Gaussian ball.
-pub(super) const BLOB: Key = Key {
-    name: "blob",
-    kind: Kind::Table(&Table {
-        doc: "A ball without an edge, peak·exp(-r²/(2 width²)) at distance r from its centre.",
-        keys: &[
-            Key {
-                name: "centre",
-                kind: Kind::Vector,
-                absent: Absent::Error,
-                doc: "Its centre, world units.",
-            },
-            Key {
-                name: "width",
-                kind: Kind::Number(POSITIVE),
-                absent: Absent::Error,
-                doc: "Its standard deviation along any line, world units.",
-            },
-            Key {
-                name: "peak",
-                kind: Kind::Number(Range::at_least(0.0)),
-                absent: Absent::Default(Literal::Number(1.0)),
-                doc: "Density at the centre.",
-            },
-        ],
-        rules: &[],
-    }),
-    absent: Absent::Nothing,
-    doc: "Density: a ball without an edge.",
-};
+pub(super) const BLOB: Key =
+    Key::optional("blob", Kind::Table(&BLOB_TABLE)).doc("Density: a ball without an edge.");
+
+const BLOB_TABLE: Table =
+    Table::new("A ball without an edge, peak·exp(-r²/(2 width²)) at distance r from its centre.")
+        .keys(&[
+            Key::required("centre", Kind::Vector).doc("Its centre, world units."),
+            Key::required("width", Kind::Number(POSITIVE))
+                .doc("Its standard deviation along any line, world units."),
+            Key::or("peak", Kind::Number(Range::at_least(0.0)), "1.0")
+                .doc("Density at the centre."),
+        ]);
 
 /// A block of another renderer.
-pub(super) const PROCEDURAL: Key = Key {
-    name: "procedural",
-    kind: Kind::Table(&Table {
-        doc: "A `<medium type=\"procedural\">` element, as it stands: noise, sigma_a and sigma_s.",
-        keys: &[
-            Key {
-                name: "file",
-                kind: Kind::Text,
-                absent: Absent::Nothing,
-                doc: "XML file that holds the element, relative to the folder of the scene.",
-            },
-            Key {
-                name: "text",
-                kind: Kind::Text,
-                absent: Absent::Nothing,
-                doc: "The element itself, best between three single quotes.",
-            },
-        ],
-        rules: &[Rule::ExactlyOne {
-            what: "source",
-            keys: &["file", "text"],
-        }],
-    }),
-    absent: Absent::Nothing,
-    doc: "Density and coefficients: a procedural medium in XML.",
-};
+pub(super) const PROCEDURAL: Key = Key::optional("procedural", Kind::Table(&PROCEDURAL_TABLE))
+    .doc("Density and coefficients: a procedural medium in XML.");
+
+const PROCEDURAL_TABLE: Table = Table::new(
+    "A `<medium type=\"procedural\">` element, as it stands: noise, sigma_a and sigma_s.",
+)
+.keys(&[
+    Key::optional("file", Kind::Text)
+        .doc("XML file that holds the element, relative to the folder of the scene."),
+    Key::optional("text", Kind::Text).doc("The element itself, best between three single quotes."),
+])
+.rules(&[Rule::ExactlyOne("source", &["file", "text"])]);
 
 /// The `procedural` element of a medium, if it has one.
 pub(super) fn procedural(
-    reader: &Reader<'_, '_>,
-    files: &mut Files<'_>,
-) -> Result<Option<ProceduralMedium>, Box<SceneError>> {
+    reader: &Reader,
+    files: &mut Files,
+) -> SceneResult<Option<ProceduralMedium>> {
     let Some(source) = reader.table("procedural")? else {
         return Ok(None);
     };
@@ -240,10 +131,7 @@ pub(super) fn procedural(
 }
 
 /// The density that a medium gives by any other of [`KEYS`]; none if it is the same everywhere.
-pub(super) fn field(
-    reader: &Reader<'_, '_>,
-    files: &mut Files<'_>,
-) -> Result<Option<Field>, Box<SceneError>> {
+pub(super) fn field(reader: &Reader, files: &mut Files) -> SceneResult<Option<Field>> {
     let interpolation = reader.optional_text("interpolation")?;
     if let Some(grid) = reader.table("grid")? {
         let interpolation = match interpolation.as_deref() {
@@ -291,7 +179,7 @@ pub(super) fn field(
 
 /// A ball, no farther away and no wider than shapes may be: its distance along a line is a
 /// quotient of squares.
-fn read_blob(reader: &Reader<'_, '_>) -> Result<Blob, Box<SceneError>> {
+fn read_blob(reader: &Reader) -> SceneResult<Blob> {
     let blob = Blob {
         centre: reader.vector("centre")?,
         peak: reader.number("peak")?,
@@ -313,7 +201,7 @@ fn read_blob(reader: &Reader<'_, '_>) -> Result<Blob, Box<SceneError>> {
     }
 }
 
-fn read_noise(reader: &Reader<'_, '_>) -> Result<FractalDensity, Box<SceneError>> {
+fn read_noise(reader: &Reader) -> SceneResult<FractalDensity> {
     let parameters = FractalParameters {
         octaves: reader.count("octaves")? as u32,
         lacunarity: reader.number("lacunarity")?,
@@ -337,7 +225,7 @@ fn read_noise(reader: &Reader<'_, '_>) -> Result<FractalDensity, Box<SceneError>
     })
 }
 
-fn bad_layer(reader: &Reader<'_, '_>, error: &LayerError) -> Box<SceneError> {
+fn bad_layer(reader: &Reader, error: &LayerError) -> Box<SceneError> {
     let key = match error {
         LayerError::Density(_) => "density",
         LayerError::ScaleHeight(_) => "scale_height",

@@ -4,102 +4,55 @@ use super::radiance;
 use super::shapes::FARTHEST;
 use crate::geometry::Direction;
 use crate::optics::{Directional, Light, Point, Spot, SpotError};
-use crate::scene::SceneError;
-use crate::scene::format::{Absent, Key, Kind, Range, Rule, Table};
+use crate::scene::SceneResult;
+use crate::scene::format::{Key, Kind, Range, Rule, Table};
 use crate::scene::reader::Reader;
 use glam::DVec3;
 
 /// The declaration of `[[radiative.light]]`.
-pub(super) const LIGHT: Table = Table {
-    doc: "A light without extent. Lights with extent are surfaces that emit.",
-    keys: &[
-        Key {
-            name: "point",
-            kind: Kind::Table(&Table {
-                doc: "Shines from a point into every direction.",
-                keys: &[POSITION, INTENSITY],
-                rules: &[],
-            }),
-            absent: Absent::Nothing,
-            doc: "Shines from a point into every direction.",
-        },
-        Key {
-            name: "spot",
-            kind: Kind::Table(&Table {
-                doc: "Shines from a point into a cone: fully within the inner angle from its axis, not at all from the outer angle on, and falling linearly in between.",
-                keys: &[
-                    POSITION,
-                    Key {
-                        name: "target",
-                        kind: Kind::Vector,
-                        absent: Absent::Error,
-                        doc: "A point on the axis of the cone, other than `position`, world units.",
-                    },
-                    INTENSITY,
-                    Key {
-                        name: "inner_angle",
-                        kind: Kind::Number(Range::closed(0.0, 180.0)),
-                        absent: Absent::Error,
-                        doc: "Half-angle of the cone that is lit fully, degrees; at most `outer_angle`.",
-                    },
-                    Key {
-                        name: "outer_angle",
-                        kind: Kind::Number(Range::closed(0.0, 180.0)),
-                        absent: Absent::Error,
-                        doc: "Half-angle of the cone outside which nothing is lit, degrees; above 0.",
-                    },
-                ],
-                rules: &[],
-            }),
-            absent: Absent::Nothing,
-            doc: "Shines from a point into a cone.",
-        },
-        Key {
-            name: "directional",
-            kind: Kind::Table(&Table {
-                doc: "Shines from infinitely far away, in the same direction everywhere.",
-                keys: &[
-                    Key {
-                        name: "direction",
-                        kind: Kind::Vector,
-                        absent: Absent::Error,
-                        doc: "Where the light travels, any length but 0.",
-                    },
-                    Key {
-                        name: "irradiance",
-                        kind: Kind::Colour(Range::at_least(0.0)),
-                        absent: Absent::Error,
-                        doc: "Irradiance on a plane perpendicular to the direction.",
-                    },
-                ],
-                rules: &[],
-            }),
-            absent: Absent::Nothing,
-            doc: "Shines from infinitely far away.",
-        },
-    ],
-    rules: &[Rule::ExactlyOne {
-        what: "kind of light",
-        keys: &["point", "spot", "directional"],
-    }],
-};
+pub(super) const LIGHT: Table =
+    Table::new("A light without extent. Lights with extent are surfaces that emit.")
+        .keys(&[
+            Key::optional("point", Kind::Table(&POINT))
+                .doc("Shines from a point into every direction."),
+            Key::optional("spot", Kind::Table(&SPOT)).doc("Shines from a point into a cone."),
+            Key::optional("directional", Kind::Table(&DIRECTIONAL))
+                .doc("Shines from infinitely far away."),
+        ])
+        .rules(&[Rule::ExactlyOne(
+            "kind of light",
+            &["point", "spot", "directional"],
+        )]);
 
-const POSITION: Key = Key {
-    name: "position",
-    kind: Kind::Vector,
-    absent: Absent::Error,
-    doc: "Where the light stands, world units.",
-};
+const DIRECTIONAL: Table =
+    Table::new("Shines from infinitely far away, in the same direction everywhere.").keys(&[
+        Key::required("direction", Kind::Vector).doc("Where the light travels, any length but 0."),
+        Key::required("irradiance", Kind::Colour(Range::at_least(0.0)))
+            .doc("Irradiance on a plane perpendicular to the direction."),
+    ]);
 
-const INTENSITY: Key = Key {
-    name: "intensity",
-    kind: Kind::Colour(Range::at_least(0.0)),
-    absent: Absent::Error,
-    doc: "Radiant intensity, power per steradian, on the axis of a spot: the irradiance at distance r is intensity / r².",
-};
+const SPOT: Table = Table::new("Shines from a point into a cone: fully within the inner angle from its axis, not at all from the outer angle on, and falling linearly in between.").keys(&[
+    POSITION,
+    Key::required("target", Kind::Vector)
+        .doc("A point on the axis of the cone, other than `position`, world units."),
+    INTENSITY,
+    Key::required("inner_angle", Kind::Number(Range::closed(0.0, 180.0)))
+        .doc("Half-angle of the cone that is lit fully, degrees; at most `outer_angle`."),
+    Key::required("outer_angle", Kind::Number(Range::closed(0.0, 180.0)))
+        .doc("Half-angle of the cone outside which nothing is lit, degrees; above 0."),
+]);
+
+const POINT: Table =
+    Table::new("Shines from a point into every direction.").keys(&[POSITION, INTENSITY]);
+
+const POSITION: Key =
+    Key::required("position", Kind::Vector).doc("Where the light stands, world units.");
+
+const INTENSITY: Key = Key::required("intensity", Kind::Colour(Range::at_least(0.0)))
+    .doc("Radiant intensity, power per steradian, on the axis of a spot: the irradiance at distance r is intensity / r².");
 
 /// Reads one `[[radiative.light]]`.
-pub(super) fn read(reader: &Reader<'_, '_>) -> Result<Light, Box<SceneError>> {
+pub(super) fn read(reader: &Reader) -> SceneResult<Light> {
     if let Some(point) = reader.table("point")? {
         return Ok(Light::Point(Point {
             position: position(&point)?,
@@ -120,7 +73,7 @@ pub(super) fn read(reader: &Reader<'_, '_>) -> Result<Light, Box<SceneError>> {
     }))
 }
 
-fn position(reader: &Reader<'_, '_>) -> Result<DVec3, Box<SceneError>> {
+fn position(reader: &Reader) -> SceneResult<DVec3> {
     let position = reader.vector("position")?;
     if position.abs().max_element() <= FARTHEST {
         return Ok(position);
@@ -135,7 +88,7 @@ fn position(reader: &Reader<'_, '_>) -> Result<DVec3, Box<SceneError>> {
     Err(reader.mistake("position", message, help))
 }
 
-fn read_spot(reader: &Reader<'_, '_>) -> Result<Spot, Box<SceneError>> {
+fn read_spot(reader: &Reader) -> SceneResult<Spot> {
     let (position, target) = (position(reader)?, reader.vector("target")?);
     let intensity = radiance(reader, "intensity")?;
     let angles = [reader.number("inner_angle")?, reader.number("outer_angle")?];

@@ -3,91 +3,52 @@
 use super::{Body, LARGEST_RADIANCE, densities, phases, radiance, shape_transform, shapes};
 use crate::geometry::{Aabb, Surface, length_of};
 use crate::media::{Asymmetry, Coefficients, Density, Field, Homogeneous};
-use crate::scene::SceneError;
+use crate::scene::SceneResult;
 use crate::scene::files::Files;
-use crate::scene::format::{Absent, Key, Kind, Literal, Range, Rule, Table};
+use crate::scene::format::{Key, Kind, Range, Rule, Table};
 use crate::scene::reader::Reader;
 use glam::DVec3;
 
 /// The declaration of `[[radiative.medium]]`.
-pub(super) const MEDIUM: Table = Table {
-    doc: "A participating medium in a closed shape; without a shape it fills all space. It is the same everywhere, unless a density tells how much of it is where; then coefficients and emission are those of density 1, and the density is placed with the shape. Where media overlap, they add up.",
-    keys: &[
-        shapes::SPHERE,
-        shapes::BOX,
-        shapes::MESH,
-        shape_transform::SCALE,
-        shape_transform::ROTATE,
-        shape_transform::TRANSLATE,
-        densities::GRID,
-        densities::INTERPOLATION,
-        densities::NOISE,
-        densities::EXPONENTIAL,
-        densities::LINEAR,
-        densities::BLOB,
-        densities::PROCEDURAL,
-        Key {
-            name: "sigma_a",
-            kind: Kind::Colour(Range::at_least(0.0)),
-            absent: Absent::Default(Literal::Vector([0.0; 3])),
-            doc: "Absorption per world length.",
-        },
-        Key {
-            name: "sigma_s",
-            kind: Kind::Colour(Range::at_least(0.0)),
-            absent: Absent::Default(Literal::Vector([0.0; 3])),
-            doc: "Scattering per world length.",
-        },
-        Key {
-            name: "sigma_t",
-            kind: Kind::Colour(Range::at_least(0.0)),
-            absent: Absent::Nothing,
-            doc: "Extinction per world length, absorption and scattering together; goes with `albedo`.",
-        },
-        Key {
-            name: "albedo",
-            kind: Kind::Colour(Range::closed(0.0, 1.0)),
-            absent: Absent::Nothing,
-            doc: "Share of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`.",
-        },
-        Key {
-            name: "emission",
-            kind: Kind::Colour(Range::at_least(0.0)),
-            absent: Absent::Default(Literal::Vector([0.0; 3])),
-            doc: "Radiance emitted per world length.",
-        },
-        phases::G,
-        phases::DRAINE,
-        phases::DROPLETS,
-    ],
-    rules: &[
-        Rule::AtMostOne {
-            what: "shape",
-            keys: &["sphere", "box", "mesh"],
-        },
-        Rule::AtMostOne {
-            what: "density",
-            keys: &densities::KEYS,
-        },
-        Rule::AtMostOne {
-            what: "phase function",
-            keys: &phases::KEYS,
-        },
-        Rule::Apart([
-            &["procedural"],
-            &["sigma_a", "sigma_s", "sigma_t", "albedo"],
-        ]),
-        Rule::Apart([&["procedural"], &["interpolation"]]),
-        Rule::Apart([&["sigma_a", "sigma_s"], &["sigma_t", "albedo"]]),
-        Rule::Together(&["sigma_t", "albedo"]),
-    ],
-};
+pub(super) const MEDIUM: Table = Table::new("A participating medium in a closed shape; without a shape it fills all space. It is the same everywhere, unless a density tells how much of it is where; then coefficients and emission are those of density 1, and the density is placed with the shape. Where media overlap, they add up.").keys(&[
+    shapes::SPHERE,
+    shapes::BOX,
+    shapes::MESH,
+    shape_transform::SCALE,
+    shape_transform::ROTATE,
+    shape_transform::TRANSLATE,
+    densities::GRID,
+    densities::INTERPOLATION,
+    densities::NOISE,
+    densities::EXPONENTIAL,
+    densities::LINEAR,
+    densities::BLOB,
+    densities::PROCEDURAL,
+    Key::or("sigma_a", Kind::Colour(Range::at_least(0.0)), "[0.0, 0.0, 0.0]")
+        .doc("Absorption per world length."),
+    Key::or("sigma_s", Kind::Colour(Range::at_least(0.0)), "[0.0, 0.0, 0.0]")
+        .doc("Scattering per world length."),
+    Key::optional("sigma_t", Kind::Colour(Range::at_least(0.0)))
+        .doc("Extinction per world length, absorption and scattering together; goes with `albedo`."),
+    Key::optional("albedo", Kind::Colour(Range::closed(0.0, 1.0)))
+        .doc("Share of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`."),
+    Key::or("emission", Kind::Colour(Range::at_least(0.0)), "[0.0, 0.0, 0.0]")
+        .doc("Radiance emitted per world length."),
+    phases::G,
+    phases::DRAINE,
+    phases::DROPLETS,
+]).rules(&[
+    Rule::AtMostOne("shape", &["sphere", "box", "mesh"]),
+    Rule::AtMostOne("density", &densities::KEYS),
+    Rule::AtMostOne("phase function", &phases::KEYS),
+    Rule::Apart([&["procedural"], &["sigma_a", "sigma_s", "sigma_t", "albedo"]]),
+    Rule::Apart([&["procedural"], &["interpolation"]]),
+    Rule::Apart([&["sigma_a", "sigma_s"], &["sigma_t", "albedo"]]),
+    Rule::Together(&["sigma_t", "albedo"]),
+]);
 
 /// Reads one `[[radiative.medium]]`.
-pub(super) fn read(
-    reader: &Reader<'_, '_>,
-    files: &mut Files<'_>,
-) -> Result<Body, Box<SceneError>> {
+pub(super) fn read(reader: &Reader, files: &mut Files) -> SceneResult<Body> {
     // What a medium is made of may bring the space that it fills. Where it does not, the space is
     // read first: the order in which keys are read is part of what goldens know of a scene.
     let varies = densities::KEYS.into_iter().find(|key| reader.has(key));
@@ -158,7 +119,7 @@ struct Substance {
 }
 
 impl Substance {
-    fn read(reader: &Reader<'_, '_>, files: &mut Files<'_>) -> Result<Substance, Box<SceneError>> {
+    fn read(reader: &Reader, files: &mut Files) -> SceneResult<Substance> {
         let Some(block) = densities::procedural(reader, files)? else {
             return Ok(Substance {
                 coefficients: coefficients(reader)?,
@@ -231,7 +192,7 @@ fn check_depth(body: &Body) -> Result<(), (String, String)> {
     Ok(())
 }
 
-fn coefficients(reader: &Reader<'_, '_>) -> Result<Coefficients, Box<SceneError>> {
+fn coefficients(reader: &Reader) -> SceneResult<Coefficients> {
     let (key, sigma_a, sigma_s) = match reader.optional_vector("sigma_t")? {
         Some(sigma_t) => {
             let albedo = reader.vector("albedo")?;

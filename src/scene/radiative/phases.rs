@@ -1,8 +1,8 @@
 //! Phase functions.
 
 use crate::media::{Asymmetry, Draine, Droplets, Phase};
-use crate::scene::SceneError;
-use crate::scene::format::{Absent, Key, Kind, Literal, Range, Table};
+use crate::scene::SceneResult;
+use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::Reader;
 
 /// The keys that give a medium its phase function.
@@ -12,60 +12,31 @@ pub(super) const KEYS: [&str; 3] = ["g", "draine", "droplets"];
 pub(super) const KEYS_AND_BLOCK: [&str; 4] = ["g", "draine", "droplets", "procedural"];
 
 /// Henyey & Greenstein's.
-pub(super) const G: Key = Key {
-    name: "g",
-    kind: Kind::Number(Range::open(-1.0, 1.0)),
-    absent: Absent::Default(Literal::Number(0.0)),
-    doc: "Mean cosine of the scattering angle (Henyey–Greenstein), between -1 and 1: positive is forward, 0 is every direction alike.",
-};
+pub(super) const G: Key = Key::or("g", Kind::Number(Range::open(-1.0, 1.0)), "0.0")
+    .doc("Mean cosine of the scattering angle (Henyey–Greenstein), between -1 and 1: positive is forward, 0 is every direction alike.");
 
 /// Draine's.
-pub(super) const DRAINE: Key = Key {
-    name: "draine",
-    kind: Kind::Table(&Table {
-        doc: "The phase function of Draine 2003: that of Henyey and Greenstein times 1 + alpha cos², brought to an integral of 1. As it stands, `{}` is Rayleigh's; alpha = 1 that of Cornette and Shanks.",
-        keys: &[
-            Key {
-                name: "g",
-                kind: Kind::Number(Range::open(-1.0, 1.0)),
-                absent: Absent::Default(Literal::Number(0.0)),
-                doc: "Parameter of the Henyey–Greenstein factor, between -1 and 1; not the mean cosine.",
-            },
-            Key {
-                name: "alpha",
-                kind: Kind::Number(Range::at_least(0.0)),
-                absent: Absent::Default(Literal::Number(1.0)),
-                doc: "Weight of cos²; 0 is Henyey–Greenstein.",
-            },
-        ],
-        rules: &[],
-    }),
-    absent: Absent::Nothing,
-    doc: "Phase function of dust or of molecules, in place of `g`.",
-};
+pub(super) const DRAINE: Key = Key::optional("draine", Kind::Table(&DRAINE_TABLE))
+    .doc("Phase function of dust or of molecules, in place of `g`.");
+
+const DRAINE_TABLE: Table = Table::new("The phase function of Draine 2003: that of Henyey and Greenstein times 1 + alpha cos², brought to an integral of 1. As it stands, `{}` is Rayleigh's; alpha = 1 that of Cornette and Shanks.").keys(&[
+    Key::or("g", Kind::Number(Range::open(-1.0, 1.0)), "0.0")
+        .doc("Parameter of the Henyey–Greenstein factor, between -1 and 1; not the mean cosine."),
+    Key::or("alpha", Kind::Number(Range::at_least(0.0)), "1.0")
+        .doc("Weight of cos²; 0 is Henyey–Greenstein."),
+]);
 
 /// That of fog and clouds.
-pub(super) const DROPLETS: Key = Key {
-    name: "droplets",
-    kind: Kind::Table(&Table {
-        doc: "The phase function of droplets of water, by the fit of Jendersie and d'Eon 2023 to Mie's theory.",
-        keys: &[Key {
-            name: "diameter",
-            kind: Kind::Number(Range::closed(5.0, 50.0)),
-            absent: Absent::Error,
-            doc: "Diameter of the droplets, micrometres, in [5, 50].",
-        }],
-        rules: &[],
-    }),
-    absent: Absent::Nothing,
-    doc: "Phase function of fog and clouds, in place of `g`.",
-};
+pub(super) const DROPLETS: Key = Key::optional("droplets", Kind::Table(&DROPLETS_TABLE))
+    .doc("Phase function of fog and clouds, in place of `g`.");
+
+const DROPLETS_TABLE: Table = Table::new("The phase function of droplets of water, by the fit of Jendersie and d'Eon 2023 to Mie's theory.").keys(&[
+    Key::required("diameter", Kind::Number(Range::closed(5.0, 50.0)))
+        .doc("Diameter of the droplets, micrometres, in [5, 50]."),
+]);
 
 /// Reads the phase function of a medium; `procedural` is that of its procedural block.
-pub(super) fn read(
-    reader: &Reader<'_, '_>,
-    procedural: Option<Asymmetry>,
-) -> Result<Phase, Box<SceneError>> {
+pub(super) fn read(reader: &Reader, procedural: Option<Asymmetry>) -> SceneResult<Phase> {
     if let Some(g) = procedural {
         // Its default is read all the same: the keys read are part of what goldens know.
         reader.number("g")?;
@@ -92,7 +63,7 @@ pub(super) fn read(
     asymmetry(reader).map(Phase::henyey_greenstein)
 }
 
-fn asymmetry(reader: &Reader<'_, '_>) -> Result<Asymmetry, Box<SceneError>> {
+fn asymmetry(reader: &Reader) -> SceneResult<Asymmetry> {
     let g = reader.number("g")?;
     Asymmetry::new(g).map_err(|error| reader.error("g", error.to_string()))
 }

@@ -1,8 +1,8 @@
 //! The transform of a shape: scaled, then turned, then moved.
 
 use crate::geometry::Transform;
-use crate::scene::SceneError;
-use crate::scene::format::{Absent, Key, Kind, Table};
+use crate::scene::SceneResult;
+use crate::scene::format::{Key, Kind, Table};
 use crate::scene::reader::Reader;
 use glam::DVec3;
 
@@ -10,50 +10,29 @@ use glam::DVec3;
 pub(super) const KEYS: [&str; 3] = ["scale", "rotate", "translate"];
 
 /// Factors along the axes.
-pub(super) const SCALE: Key = Key {
-    name: "scale",
-    kind: Kind::Vector,
-    absent: Absent::Nothing,
-    doc: "Stretches the shape along x, y, z about the origin, before it is turned; not 0, negative factors mirror.",
-};
+pub(super) const SCALE: Key = Key::optional("scale", Kind::Vector)
+    .doc("Stretches the shape along x, y, z about the origin, before it is turned; not 0, negative factors mirror.");
 
 /// A turn about an axis.
-pub(super) const ROTATE: Key = Key {
-    name: "rotate",
-    kind: Kind::Table(&ROTATION),
-    absent: Absent::Nothing,
-    doc: "Turns the shape about an axis through the origin, after it is scaled and before it is moved.",
-};
+pub(super) const ROTATE: Key = Key::optional("rotate", Kind::Table(&ROTATION)).doc(
+    "Turns the shape about an axis through the origin, after it is scaled and before it is moved.",
+);
 
 /// A displacement.
-pub(super) const TRANSLATE: Key = Key {
-    name: "translate",
-    kind: Kind::Vector,
-    absent: Absent::Nothing,
-    doc: "Moves the shape, last of all, world units.",
-};
+pub(super) const TRANSLATE: Key =
+    Key::optional("translate", Kind::Vector).doc("Moves the shape, last of all, world units.");
 
-const ROTATION: Table = Table {
-    doc: "A turn about an axis through the origin.",
-    keys: &[
-        Key {
-            name: "axis",
-            kind: Kind::Vector,
-            absent: Absent::Error,
-            doc: "The axis, any length but 0.",
-        },
-        Key {
-            name: "angle",
-            kind: Kind::Number(crate::scene::format::Range::open(
-                f64::NEG_INFINITY,
-                f64::INFINITY,
-            )),
-            absent: Absent::Error,
-            doc: "Degrees; anticlockwise where the axis points at the viewer.",
-        },
-    ],
-    rules: &[],
-};
+const ROTATION: Table = Table::new("A turn about an axis through the origin.").keys(&[
+    Key::required("axis", Kind::Vector).doc("The axis, any length but 0."),
+    Key::required(
+        "angle",
+        Kind::Number(crate::scene::format::Range::open(
+            f64::NEG_INFINITY,
+            f64::INFINITY,
+        )),
+    )
+    .doc("Degrees; anticlockwise where the axis points at the viewer."),
+]);
 
 /// The transform of a shape.
 pub(super) struct ShapeTransform {
@@ -64,7 +43,7 @@ pub(super) struct ShapeTransform {
 }
 
 impl ShapeTransform {
-    pub(super) fn read(reader: &Reader<'_, '_>) -> Result<ShapeTransform, Box<SceneError>> {
+    pub(super) fn read(reader: &Reader) -> SceneResult<ShapeTransform> {
         let mut transform = Transform::IDENTITY;
         let mut scale = DVec3::ONE;
         if let Some(factors) = reader.optional_vector("scale")? {

@@ -5,110 +5,55 @@ use crate::geometry::{
     Aabb, Boundary, ClosedMesh, Emitter, Luminous, Mesh, MeshError, Placed, Rectangle, Shape,
     ShapeError, Sphere, Surface, Transform, length_of,
 };
-use crate::scene::SceneError;
 use crate::scene::files::Files;
-use crate::scene::format::{Absent, Key, Kind, Range, Table};
+use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::Reader;
+use crate::scene::{SceneError, SceneResult};
 use glam::DVec3;
 use std::sync::Arc;
 
 /// A sphere.
-pub(super) const SPHERE: Key = Key {
-    name: "sphere",
-    kind: Kind::Table(&Table {
-        doc: "A sphere.",
-        keys: &[
-            Key {
-                name: "centre",
-                kind: Kind::Vector,
-                absent: Absent::Error,
-                doc: "Its centre, world units.",
-            },
-            Key {
-                name: "radius",
-                kind: Kind::Number(Range::open(0.0, f64::INFINITY)),
-                absent: Absent::Error,
-                doc: "Its radius, world units.",
-            },
-        ],
-        rules: &[],
-    }),
-    absent: Absent::Nothing,
-    doc: "Shape: a sphere.",
-};
+pub(super) const SPHERE: Key =
+    Key::optional("sphere", Kind::Table(&SPHERE_TABLE)).doc("Shape: a sphere.");
+
+const SPHERE_TABLE: Table = Table::new("A sphere.").keys(&[
+    Key::required("centre", Kind::Vector).doc("Its centre, world units."),
+    Key::required("radius", Kind::Number(Range::open(0.0, f64::INFINITY)))
+        .doc("Its radius, world units."),
+]);
 
 /// A box.
-pub(super) const BOX: Key = Key {
-    name: "box",
-    kind: Kind::Table(&Table {
-        doc: "A box along the axes.",
-        keys: &[
-            Key {
-                name: "min",
-                kind: Kind::Vector,
-                absent: Absent::Error,
-                doc: "The corner with the smallest coordinates, world units.",
-            },
-            Key {
-                name: "max",
-                kind: Kind::Vector,
-                absent: Absent::Error,
-                doc: "The corner with the largest coordinates, world units.",
-            },
-        ],
-        rules: &[],
-    }),
-    absent: Absent::Nothing,
-    doc: "Shape: a box along the axes.",
-};
+pub(super) const BOX: Key =
+    Key::optional("box", Kind::Table(&BOX_TABLE)).doc("Shape: a box along the axes.");
+
+const BOX_TABLE: Table = Table::new("A box along the axes.").keys(&[
+    Key::required("min", Kind::Vector)
+        .doc("The corner with the smallest coordinates, world units."),
+    Key::required("max", Kind::Vector).doc("The corner with the largest coordinates, world units."),
+]);
 
 /// A rectangle.
-pub(super) const RECTANGLE: Key = Key {
-    name: "rectangle",
-    kind: Kind::Table(&Table {
-        doc: "A rectangle, or a parallelogram; its front is where edge_u × edge_v points.",
-        keys: &[
-            Key {
-                name: "corner",
-                kind: Kind::Vector,
-                absent: Absent::Error,
-                doc: "The corner where both edges start, world units.",
-            },
-            Key {
-                name: "edge_u",
-                kind: Kind::Vector,
-                absent: Absent::Error,
-                doc: "From the corner to the next one, world units.",
-            },
-            Key {
-                name: "edge_v",
-                kind: Kind::Vector,
-                absent: Absent::Error,
-                doc: "From the corner to the other neighbour, world units.",
-            },
-        ],
-        rules: &[],
-    }),
-    absent: Absent::Nothing,
-    doc: "Shape: a rectangle or parallelogram.",
-};
+pub(super) const RECTANGLE: Key = Key::optional("rectangle", Kind::Table(&RECTANGLE_TABLE))
+    .doc("Shape: a rectangle or parallelogram.");
+
+const RECTANGLE_TABLE: Table = Table::new(
+    "A rectangle, or a parallelogram; its front is where edge_u × edge_v points.",
+)
+.keys(&[
+    Key::required("corner", Kind::Vector).doc("The corner where both edges start, world units."),
+    Key::required("edge_u", Kind::Vector).doc("From the corner to the next one, world units."),
+    Key::required("edge_v", Kind::Vector)
+        .doc("From the corner to the other neighbour, world units."),
+]);
 
 /// A mesh.
-pub(super) const MESH: Key = Key {
-    name: "mesh",
-    kind: Kind::Table(&Table {
-        doc: "A triangle mesh.",
-        keys: &[Key {
-            name: "file",
-            kind: Kind::Text,
-            absent: Absent::Error,
-            doc: "Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.",
-        }],
-        rules: &[],
-    }),
-    absent: Absent::Nothing,
-    doc: "Shape: a triangle mesh.",
-};
+pub(super) const MESH: Key =
+    Key::optional("mesh", Kind::Table(&MESH_TABLE)).doc("Shape: a triangle mesh.");
+
+const MESH_TABLE: Table = Table::new("A triangle mesh.").keys(&[
+    Key::required("file", Kind::Text)
+        .doc("Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front."),
+]);
 
 /// A shape where its own keys put it.
 enum BaseShape {
@@ -130,7 +75,7 @@ impl BaseShape {
     }
 
     /// Whatever of the four the table holds; that it holds one is declared.
-    fn read(reader: &Reader<'_, '_>, files: &mut Files<'_>) -> Result<BaseShape, Box<SceneError>> {
+    fn read(reader: &Reader, files: &mut Files) -> SceneResult<BaseShape> {
         if let Some(sphere) = reader.table("sphere")? {
             return read_sphere(&sphere).map(BaseShape::Sphere);
         }
@@ -145,17 +90,17 @@ impl BaseShape {
     }
 }
 
-fn read_sphere(reader: &Reader<'_, '_>) -> Result<Sphere, Box<SceneError>> {
+fn read_sphere(reader: &Reader) -> SceneResult<Sphere> {
     let (centre, radius) = (reader.vector("centre")?, reader.number("radius")?);
     Sphere::new(centre, radius).map_err(|error| reader.error("radius", error.to_string()))
 }
 
-fn read_box(reader: &Reader<'_, '_>) -> Result<Aabb, Box<SceneError>> {
+fn read_box(reader: &Reader) -> SceneResult<Aabb> {
     let (min, max) = (reader.vector("min")?, reader.vector("max")?);
     Aabb::new(min, max).map_err(|error| reader.error("min", error.to_string()))
 }
 
-fn read_rectangle(reader: &Reader<'_, '_>) -> Result<Rectangle, Box<SceneError>> {
+fn read_rectangle(reader: &Reader) -> SceneResult<Rectangle> {
     let corner = reader.vector("corner")?;
     let (edge_u, edge_v) = (reader.vector("edge_u")?, reader.vector("edge_v")?);
     Rectangle::new(corner, edge_u, edge_v).map_err(|error| {
@@ -169,11 +114,7 @@ fn read_rectangle(reader: &Reader<'_, '_>) -> Result<Rectangle, Box<SceneError>>
 
 /// The shape of a surface that reflects or refracts. A `solid` one must have an inside, if it is
 /// a box.
-pub(super) fn shape(
-    reader: &Reader<'_, '_>,
-    files: &mut Files<'_>,
-    solid: bool,
-) -> Result<Shape, Box<SceneError>> {
+pub(super) fn shape(reader: &Reader, files: &mut Files, solid: bool) -> SceneResult<Shape> {
     let form = BaseShape::read(reader, files)?;
     let transform = ShapeTransform::read(reader)?;
     if let BaseShape::Box(cuboid) = &form {
@@ -211,10 +152,7 @@ pub(super) fn shape(
 }
 
 /// The shape of a surface that emits.
-pub(super) fn luminous(
-    reader: &Reader<'_, '_>,
-    files: &mut Files<'_>,
-) -> Result<Luminous, Box<SceneError>> {
+pub(super) fn luminous(reader: &Reader, files: &mut Files) -> SceneResult<Luminous> {
     let form = BaseShape::read(reader, files)?;
     let transform = ShapeTransform::read(reader)?;
     let key = form.key();
@@ -275,10 +213,10 @@ pub(super) struct MediumSpace {
 /// The space that a medium fills: its shape, or, if the table has none, the box `own`; all space
 /// without either.
 pub(super) fn space(
-    reader: &Reader<'_, '_>,
-    files: &mut Files<'_>,
+    reader: &Reader,
+    files: &mut Files,
     own: Option<Aabb>,
-) -> Result<Option<MediumSpace>, Box<SceneError>> {
+) -> SceneResult<Option<MediumSpace>> {
     enum BaseSolid {
         Sphere(Sphere),
         Box(Aabb),
@@ -350,7 +288,7 @@ pub(super) fn space(
 const SMALLEST: f64 = 1e-100;
 pub(super) const FARTHEST: f64 = 1e100;
 
-fn check_size(reader: &Reader<'_, '_>, key: &str, bounds: &Aabb) -> Result<(), Box<SceneError>> {
+fn check_size(reader: &Reader, key: &str, bounds: &Aabb) -> SceneResult<()> {
     let across = length_of(bounds.size());
     let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
     if across >= SMALLEST && farthest <= FARTHEST {
@@ -363,7 +301,7 @@ fn check_size(reader: &Reader<'_, '_>, key: &str, bounds: &Aabb) -> Result<(), B
     Err(reader.mistake(key, message, "choose another unit of length"))
 }
 
-fn flat_box(reader: &Reader<'_, '_>, what: &str) -> Box<SceneError> {
+fn flat_box(reader: &Reader, what: &str) -> Box<SceneError> {
     let message = format!("the box is flat: it has no inside, as {what} needs");
     let help =
         "give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`";
@@ -372,11 +310,11 @@ fn flat_box(reader: &Reader<'_, '_>, what: &str) -> Box<SceneError> {
 
 /// `shape` moved, if there is still something of it where it goes.
 fn placed<S: Surface>(
-    reader: &Reader<'_, '_>,
+    reader: &Reader,
     key: &str,
     shape: S,
     to_world: Transform,
-) -> Result<Placed<S>, Box<SceneError>> {
+) -> SceneResult<Placed<S>> {
     let flat_axes = |size: DVec3| size.cmple(DVec3::ZERO).bitmask().count_ones();
     let before = flat_axes(shape.bounds().size());
     let placed = Placed::new(shape, to_world);
@@ -393,11 +331,7 @@ fn placed<S: Surface>(
     Err(reader.mistake(key, message, help))
 }
 
-fn moved(
-    reader: &Reader<'_, '_>,
-    rectangle: &Rectangle,
-    to_world: &Transform,
-) -> Result<Rectangle, Box<SceneError>> {
+fn moved(reader: &Reader, rectangle: &Rectangle, to_world: &Transform) -> SceneResult<Rectangle> {
     let moved = rectangle.transformed(to_world);
     moved.map_err(|error| {
         let message = format!("scaled, turned and moved: {error}");
@@ -405,10 +339,6 @@ fn moved(
     })
 }
 
-fn in_the_world(
-    reader: &Reader<'_, '_>,
-    key: &str,
-    mesh: Result<Mesh, MeshError>,
-) -> Result<Mesh, Box<SceneError>> {
+fn in_the_world(reader: &Reader, key: &str, mesh: Result<Mesh, MeshError>) -> SceneResult<Mesh> {
     mesh.map_err(|error| reader.error(key, format!("scaled, turned and moved: {error}")))
 }
