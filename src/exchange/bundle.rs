@@ -13,11 +13,8 @@ use crate::media::{TransferPoint, TransferPoints};
 use crate::render::classified::curve::PlotLayout;
 use crate::scene::{Model, Panel, Scene};
 use crate::volume::Grid;
-use inline_arrays::to_json;
-use plot::BundlePlot;
-use serde::Serialize;
+use inline_arrays::{Entries, Json, to_json};
 use std::sync::Arc;
-use volume::BundleVolume;
 
 /// The bundle of `scene`: `NAME.json`, and beside it `NAME.grid-1.raw` and so on for each volume,
 /// `NAME.backdrop-1.raw` for each plot. The same scene gives the same bytes.
@@ -29,51 +26,39 @@ pub fn bundle(scene: &Scene, name: &str) -> Result<Export, Refusal> {
     let mut panels = Vec::new();
     let mut first_column = 0;
     for panel in &scene.panels {
-        let content = content(panel, &mut raw)?;
-        panels.push(BundlePicture {
-            title: panel.title.clone(),
-            first_column,
-            width: panel.width,
-            height: panel.height,
-            content,
-        });
+        let mut picture = vec![
+            ("title", panel.title.clone().into()),
+            ("first_column", first_column.into()),
+            ("width", panel.width.into()),
+            ("height", panel.height.into()),
+        ];
+        picture.extend(content(panel, &mut raw)?);
+        panels.push(Json::Object(picture));
         first_column += panel.width;
     }
-    let description = Bundle {
-        schema: "volref/bundle/1",
-        name,
-        image: BundleImage {
-            width: scene.width(),
-            height: scene.height(),
-            panels: "side by side from left to right: panel k fills the columns from its \
-                     first_column on, all rows",
-            pixels: "linear RGB radiance as 32-bit floats, without gamma, exposure or clipping, \
-                     top row first; colours as they reach the eye, that is already multiplied by \
-                     opacity",
-            files: "EXR with channels R, G, B; PFM (which stores the bottom row first); or NPY \
-                    of shape (height, width, 3), type float32, C order",
-        },
-        judged: JUDGED,
-        panels,
-    };
+    let description = Json::Object(vec![
+        ("schema", "volref/bundle/1".into()),
+        ("name", name.into()),
+        ("image", image(scene)),
+        ("judged", judged()),
+        ("panels", Json::List(panels)),
+    ]);
     let main = format!("{name}.json");
     let mut files = vec![(main.clone(), to_json(&description))];
     files.extend(raw.files);
     Ok(Export { main, files })
 }
 
-fn content(panel: &Panel, raw: &mut RawFiles) -> Result<Content, Refusal> {
+fn content(panel: &Panel, raw: &mut RawFiles) -> Result<Entries, Refusal> {
     match &panel.model {
         Model::Classified(scene) => {
             let file = raw.grid(&scene.grid);
-            Ok(Content::Volume(Box::new(BundleVolume::new(scene, file))))
+            Ok(volume::described(scene, file))
         }
         Model::Curve(curve) => {
             let layout = PlotLayout::new(curve, panel.width, panel.height);
             let file = raw.backdrop(&layout.backdrop);
-            Ok(Content::Plot(Box::new(BundlePlot::new(
-                curve, &layout, file,
-            ))))
+            Ok(plot::described(curve, &layout, file))
         }
         Model::Radiative(_) => {
             let what = "surfaces, media and lights, and a bundle states classified volumes; export it \
@@ -83,83 +68,50 @@ fn content(panel: &Panel, raw: &mut RawFiles) -> Result<Content, Refusal> {
     }
 }
 
-#[derive(Serialize)]
-struct Bundle<'n> {
-    schema: &'static str,
-    name: &'n str,
-    image: BundleImage,
-    judged: BundleGate,
-    panels: Vec<BundlePicture>,
-}
-
-#[derive(Serialize)]
-struct BundleImage {
-    width: usize,
-    height: usize,
-    panels: &'static str,
-    pixels: &'static str,
-    files: &'static str,
+fn image(scene: &Scene) -> Json {
+    let panels = "side by side from left to right: panel k fills the columns from its \
+                  first_column on, all rows";
+    let pixels = "linear RGB radiance as 32-bit floats, without gamma, exposure or clipping, \
+                  top row first; colours as they reach the eye, that is already multiplied by \
+                  opacity";
+    let files = "EXR with channels R, G, B; PFM (which stores the bottom row first); or NPY \
+                 of shape (height, width, 3), type float32, C order";
+    Json::Object(vec![
+        ("width", scene.width().into()),
+        ("height", scene.height().into()),
+        ("panels", panels.into()),
+        ("pixels", pixels.into()),
+        ("files", files.into()),
+    ])
 }
 
 /// The deterministic gate. It is the business of [`crate`]'s comparisons, which lie above this
 /// room; `tests/cli/peers.rs` holds these numbers against what they do.
-#[derive(Serialize)]
-struct BundleGate {
-    rule: &'static str,
-    absolute: f64,
-    relative: f64,
-    outlier_share: f64,
-    hard_cap: f64,
-    bias_share: f64,
+fn judged() -> Json {
+    let rule = "a pixel agrees if in every channel |yours - right| <= tolerance(right), where \
+                tolerance(c) = absolute + relative*|c|; at most outlier_share of the pixels may \
+                disagree, none by more than hard_cap tolerances, and the mean of a channel may be off \
+                by bias_share*tolerance(mean)";
+    Json::Object(vec![
+        ("rule", rule.into()),
+        ("absolute", 1e-3.into()),
+        ("relative", 0.01.into()),
+        ("outlier_share", 2e-4.into()),
+        ("hard_cap", 20.0.into()),
+        ("bias_share", 0.1.into()),
+    ])
 }
 
-const JUDGED: BundleGate = BundleGate {
-    rule: "a pixel agrees if in every channel |yours - right| <= tolerance(right), where \
-           tolerance(c) = absolute + relative*|c|; at most outlier_share of the pixels may \
-           disagree, none by more than hard_cap tolerances, and the mean of a channel may be off \
-           by bias_share*tolerance(mean)",
-    absolute: 1e-3,
-    relative: 0.01,
-    outlier_share: 2e-4,
-    hard_cap: 20.0,
-    bias_share: 0.1,
-};
-
-/// One of the pictures side by side.
-#[derive(Serialize)]
-struct BundlePicture {
-    title: Option<String>,
-    first_column: usize,
-    width: usize,
-    height: usize,
-    #[serde(flatten)]
-    content: Content,
-}
-
-#[derive(Serialize)]
-#[serde(tag = "shows", rename_all = "lowercase")]
-enum Content {
-    Volume(Box<BundleVolume>),
-    Plot(Box<BundlePlot>),
-}
-
-/// A point of a transfer function that is a table.
-#[derive(Serialize)]
-struct BundlePoint {
-    value: f64,
-    opacity: f64,
-    colour: [f64; 3],
-}
-
-impl BundlePoint {
-    fn list(points: &TransferPoints) -> Vec<BundlePoint> {
-        let point = |point: &TransferPoint| BundlePoint {
-            value: point.value,
-            opacity: point.opacity,
-            colour: point.colour.to_array(),
-        };
-        points.points().iter().map(point).collect()
-    }
+/// The points of a transfer function that is a table.
+fn points(points: &TransferPoints) -> Json {
+    let point = |point: &TransferPoint| {
+        Json::Object(vec![
+            ("value", point.value.into()),
+            ("opacity", point.opacity.into()),
+            ("colour", point.colour.to_array().into()),
+        ])
+    };
+    Json::List(points.points().iter().map(point).collect())
 }
 
 /// The files beside the JSON: float32, little endian, nothing else inside.

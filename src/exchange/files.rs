@@ -6,7 +6,7 @@ use glam::DVec3;
 /// A mesh as PLY: little endian, coordinates as `float`.
 ///
 /// Both renderers read them into `float32`, so more digits would be lost there.
-pub(super) fn ply(vertices: &[DVec3], faces: &[[usize; 3]]) -> Vec<u8> {
+fn ply(vertices: &[DVec3], faces: &[[usize; 3]]) -> Vec<u8> {
     let mut bytes = format!(
         "ply\nformat binary_little_endian 1.0\nelement vertex {}\n\
          property float x\nproperty float y\nproperty float z\n\
@@ -27,6 +27,27 @@ pub(super) fn ply(vertices: &[DVec3], faces: &[[usize; 3]]) -> Vec<u8> {
         }
     }
     bytes
+}
+
+/// Meshes in files of their own, equal ones in one.
+pub(super) struct Meshes<'n> {
+    /// The name that all files begin with.
+    pub name: &'n str,
+    /// Files by name.
+    pub files: Vec<(String, Vec<u8>)>,
+}
+
+impl Meshes<'_> {
+    /// The file of a mesh.
+    pub(super) fn file(&mut self, vertices: &[DVec3], faces: &[[usize; 3]]) -> String {
+        let bytes = ply(vertices, faces);
+        if let Some((file, _)) = self.files.iter().find(|(_, other)| *other == bytes) {
+            return file.clone();
+        }
+        let file = format!("{}.mesh{}.ply", self.name, self.files.len());
+        self.files.push((file.clone(), bytes));
+        file
+    }
 }
 
 /// A grid as a volume of Mitsuba's, version 3, to the bit. The box of the header is the unit

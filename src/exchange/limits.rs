@@ -4,7 +4,6 @@ use super::export_scene::ExportScene;
 use super::forms::Form;
 use super::nested_media::{NestedMedium, key_of};
 use super::refusal::Faults;
-use glam::DVec3;
 use std::ops::RangeInclusive;
 
 /// The rounding of a number of 32 bits, relative to it.
@@ -62,19 +61,14 @@ pub(super) fn check(export: &ExportScene, faults: &mut Faults) {
     for (key, form, _) in &export.area_lights {
         extent(key, form);
     }
-    for nested in export
-        .nested_media
-        .list
-        .iter()
-        .filter(|nested| nested.interface.is_none())
-    {
+    let list = &export.nested_media.list;
+    for nested in list.iter().filter(|nested| nested.interface.is_none()) {
         extent(&key_of(nested.index), &nested.form);
     }
-    for nested in &export.nested_media.list {
+    for nested in list {
         let key = key_of(nested.index);
         let g = nested.medium.phase.mean_cosine();
-        let scatters = nested.medium.coefficients.sigma_s() != DVec3::ZERO;
-        if scatters && g.abs() > SHARPEST {
+        if nested.scatters() && g.abs() > SHARPEST {
             let what = format!("g = {g}: pbrt takes any beyond {SHARPEST} as {SHARPEST}");
             faults.add(&key, what);
         }

@@ -18,13 +18,13 @@
 //!   medium ends with its shape, and beyond the outermost values both are constant.
 
 use super::export_scene::ExportScene;
-use super::files::{ply, vol};
+use super::files::{Meshes, vol};
 use super::forms::Form;
 use super::mixture::Mixture;
 use super::nested_media::{NestedMedium, PlacedGrid, key_of};
 use super::refusal::Faults;
 use super::view::{ahead, degrees};
-use super::{Export, Format, Refusal};
+use super::{CHANNELS, Export, Format, Refusal};
 use crate::geometry::{Aabb, Direction, Transform};
 use crate::media::Phase;
 use crate::optics::{Light, Material, Sides};
@@ -46,9 +46,6 @@ fn gap(reach: f64) -> f64 {
     5e-4 * (1.0 + reach)
 }
 
-/// The names of the channels in files and in `-Dchannel=`.
-const CHANNELS: [&str; 3] = ["red", "green", "blue"];
-
 /// The scene as XML, with its grids and meshes beside it.
 pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Export, Refusal> {
     let mut faults = Faults::default();
@@ -65,8 +62,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
         if nested.medium.emission != DVec3::ZERO {
             faults.add(key_of(nested.index), "an emissive medium");
         }
-        let scatters = nested.medium.coefficients.sigma_s() != DVec3::ZERO;
-        if scatters && phase(0, &nested.medium.phase).is_none() {
+        if nested.scatters() && phase(0, &nested.medium.phase).is_none() {
             let what = format!(
                 "the phase function {}: Mitsuba has those of Henyey and Greenstein and of Rayleigh",
                 nested.medium.phase
@@ -78,6 +74,10 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
         name,
         body: String::new(),
         files: Vec::new(),
+        meshes: Meshes {
+            name,
+            files: Vec::new(),
+        },
         notes: Vec::new(),
         faults,
     };
@@ -98,6 +98,7 @@ struct MitsubaWriter<'n> {
     name: &'n str,
     body: String,
     files: Vec<(String, Vec<u8>)>,
+    meshes: Meshes<'n>,
     /// What was changed, for a comment.
     notes: Vec<String>,
     faults: Faults,
@@ -118,8 +119,9 @@ impl MitsubaWriter<'_> {
         text.push_str(&self.body);
         text.push_str("</scene>\n");
         let main = format!("{}.xml", self.name);
-        let mut files = self.files;
-        files.insert(0, (main.clone(), text.into_bytes()));
+        let mut files = vec![(main.clone(), text.into_bytes())];
+        files.extend(self.files);
+        files.extend(self.meshes.files);
         self.faults.none(Format::Mitsuba, Export { main, files })
     }
 
@@ -175,10 +177,7 @@ impl MitsubaWriter<'_> {
             look_at(view.eye, view.target, view.up),
         ];
         if let Some(at) = export.nested_media.eye {
-            sensor.push(reference(
-                "medium",
-                &medium_id(&export.nested_media.list[at]),
-            ));
+            sensor.push(reference("medium", &export.nested_media.list[at].name()));
         }
         sensor.push(element(2, "sampler", "independent", "", &sampler));
         sensor.push(element(2, "film", "hdrfilm", "", &film));
@@ -191,10 +190,9 @@ impl MitsubaWriter<'_> {
         let nested_media = &export.nested_media;
         let mut by_channel = [String::new(), String::new(), String::new()];
         for (at, nested) in nested_media.list.iter().enumerate() {
-            let layers: Vec<&NestedMedium> = nested_media.layers(at).collect();
-            let mixture = Mixture::of(&layers);
+            let mixture = nested_media.mixture(at);
             let volume = nested.grid.as_ref().map(|grid| self.volume(nested, grid));
-            let id = format!(" id=\"{}\"", medium_id(nested));
+            let id = format!(" id=\"{}\"", nested.name());
             if is_grey(mixture.sigma_t()) && mixture.weights().is_some() {
                 self.body.push_str(&medium(&id, &mixture, &volume, None));
                 continue;
@@ -203,18 +201,8 @@ impl MitsubaWriter<'_> {
                 text.push_str(&medium(&id, &mixture, &volume, Some(channel)));
             }
         }
-        let moved: Vec<String> = (nested_media.list.iter())
-            .filter(|nested| nested.moved)
-            .map(|nested| key_of(nested.index))
-            .collect();
-        if !moved.is_empty() {
-            let offset = export.gap;
-            self.notes.push(format!(
-                "Faces of {} that lie in surfaces stand {offset:.3e} behind them, where no ray sees \
-                 it.",
-                moved.join(", ")
-            ));
-        }
+        self.notes
+            .extend(nested_media.note_on_moved_faces(export.gap));
         let split = !by_channel[0].is_empty();
         if split {
             self.notes.push(format!(
@@ -311,8 +299,7 @@ impl MitsubaWriter<'_> {
     fn surfaces(&mut self, export: &ExportScene) {
         for (index, (key, form, material)) in export.objects.iter().enumerate() {
             let mut parts = vec![bsdf(material)];
-            let mut nested_media = export.nested_media.list.iter();
-            if let Some(at) = nested_media.position(|nested| nested.interface == Some(index)) {
+            if let Some(at) = export.nested_media.with_interface(index) {
                 parts.extend(sides(export, at));
             }
             self.form(key, form, parts);
@@ -393,16 +380,7 @@ impl MitsubaWriter<'_> {
     }
 
     fn mesh(&mut self, vertices: &[DVec3], faces: &[[usize; 3]]) -> Vec<String> {
-        let bytes = ply(vertices, faces);
-        let file = match self.files.iter().find(|(_, other)| *other == bytes) {
-            Some((file, _)) => file.clone(),
-            None => {
-                let meshes = self.files.iter().filter(|(file, _)| file.ends_with(".ply"));
-                let file = format!("{}.mesh{}.ply", self.name, meshes.count());
-                self.files.push((file.clone(), bytes));
-                file
-            }
-        };
+        let file = self.meshes.file(vertices, faces);
         vec![
             typed("string", "filename", file),
             typed("boolean", "face_normals", true),
@@ -490,15 +468,11 @@ fn is_grey(v: DVec3) -> bool {
     v == DVec3::splat(v.x)
 }
 
-fn medium_id(nested: &NestedMedium) -> String {
-    format!("medium{}", nested.index)
-}
-
 /// The interior and the exterior medium of a nested medium's boundary.
 fn sides(export: &ExportScene, at: usize) -> Vec<String> {
     let list = &export.nested_media.list;
-    let inside = reference("interior", &medium_id(&list[at]));
-    let outside = list[at].parent.map(|at| medium_id(&list[at]));
+    let inside = reference("interior", &list[at].name());
+    let outside = list[at].parent.map(|at| list[at].name());
     let outside = outside.map(|id| reference("exterior", &id));
     std::iter::once(inside).chain(outside).collect()
 }

@@ -1,7 +1,6 @@
 //! Media at one place.
 
-use super::nested_media::NestedMedium;
-use crate::media::Phase;
+use crate::media::{Homogeneous, Phase};
 use glam::DVec3;
 
 /// Homogeneous media that add up.
@@ -18,7 +17,7 @@ pub(super) struct Mixture {
 
 impl Mixture {
     /// All `layers` together.
-    pub(super) fn of(layers: &[&NestedMedium]) -> Mixture {
+    pub(super) fn of<'m>(layers: impl Iterator<Item = &'m Homogeneous>) -> Mixture {
         let mut mixture = Mixture {
             sigma_a: DVec3::ZERO,
             sigma_s: DVec3::ZERO,
@@ -26,15 +25,15 @@ impl Mixture {
             parts: Vec::new(),
         };
         for layer in layers {
-            let coefficients = &layer.medium.coefficients;
+            let coefficients = &layer.coefficients;
             let scattering = coefficients.sigma_s();
             mixture.sigma_a += coefficients.sigma_a();
             mixture.sigma_s += scattering;
-            mixture.emission += layer.medium.emission;
+            mixture.emission += layer.emission;
             if scattering == DVec3::ZERO {
                 continue;
             }
-            let phase = layer.medium.phase;
+            let phase = layer.phase;
             match mixture.parts.iter_mut().find(|(other, _)| *other == phase) {
                 Some((_, sum)) => *sum += scattering,
                 None => mixture.parts.push((phase, scattering)),

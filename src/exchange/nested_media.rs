@@ -6,6 +6,7 @@
 //! beyond the boundary, or not, by rounding.
 
 use super::forms::{Form, normal_of};
+use super::mixture::Mixture;
 use super::refusal::Faults;
 use crate::geometry::{Aabb, Boundary, Ray, Solid, Span, Surface, Transform};
 use crate::media::{Coefficients, Field, Homogeneous};
@@ -110,11 +111,41 @@ impl<'s> NestedMedia<'s> {
         NestedMedia { list, eye }
     }
 
-    /// The nested medium `at` and all around it, from the inside out: what it is filled with.
-    pub(super) fn layers(&self, at: usize) -> impl Iterator<Item = &NestedMedium<'s>> {
-        std::iter::once(at)
-            .chain(ancestors(&self.list, at))
-            .map(|at| &self.list[at])
+    /// What the nested medium `at` is filled with: itself and all around it, from the inside out.
+    pub(super) fn mixture(&self, at: usize) -> Mixture {
+        let layers = std::iter::once(at).chain(ancestors(&self.list, at));
+        Mixture::of(layers.map(|at| &self.list[at].medium))
+    }
+
+    /// The nested medium whose boundary is the surface of one of the scene's objects.
+    pub(super) fn with_interface(&self, object: usize) -> Option<usize> {
+        let mut list = self.list.iter();
+        list.position(|nested| nested.interface == Some(object))
+    }
+
+    /// A note on the faces of boundaries that were moved by `offset`, if any were.
+    pub(super) fn note_on_moved_faces(&self, offset: f64) -> Option<String> {
+        let moved = self.list.iter().filter(|nested| nested.moved);
+        let moved: Vec<String> = moved.map(|nested| key_of(nested.index)).collect();
+        (!moved.is_empty()).then(|| {
+            format!(
+                "Faces of {} that lie in surfaces stand {offset:.3e} behind them, where no ray \
+                 sees it.",
+                moved.join(", ")
+            )
+        })
+    }
+}
+
+impl NestedMedium<'_> {
+    /// Its name in an exported scene.
+    pub(super) fn name(&self) -> String {
+        format!("medium{}", self.index)
+    }
+
+    /// Whether it scatters light.
+    pub(super) fn scatters(&self) -> bool {
+        self.medium.coefficients.sigma_s() != DVec3::ZERO
     }
 }
 
@@ -307,10 +338,8 @@ impl Contacts<'_> {
     /// The meeting of a boundary's face with a flat piece of surface.
     fn meet(&self, face: &[DVec3], piece: &[DVec3]) -> Meeting {
         let normal = normal_of(face);
-        let heights = || piece.iter().map(|point| (point - face[0]).dot(normal));
-        let (low, high) = heights().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
-            (low.min(h), high.max(h))
-        });
+        let heights = piece.iter().map(|point| (point - face[0]).dot(normal));
+        let [low, high] = extremes(heights);
         // Not parallel, inside the medium, or far enough outside.
         if high - low > self.same || low < -self.same || high > self.gap {
             return Meeting::No;
@@ -362,12 +391,13 @@ fn within(polygon: &[DVec3], point: DVec3, tolerance: f64) -> bool {
 
 /// Smallest and largest coordinate along an axis.
 fn extent(points: &[DVec3], axis: DVec3) -> [f64; 2] {
-    points
-        .iter()
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], point| {
-            let along = point.dot(axis);
-            [low.min(along), high.max(along)]
-        })
+    extremes(points.iter().map(|point| point.dot(axis)))
+}
+
+fn extremes(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
+    numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], number| {
+        [low.min(number), high.max(number)]
+    })
 }
 
 /// Finds the nested medium directly around each; a fault where two neither are apart nor nested.
@@ -394,17 +424,12 @@ fn nest(list: &mut [NestedMedium], gap: f64, faults: &mut Faults) {
     let depth: Vec<usize> = around.iter().map(Vec::len).collect();
     for (at, around) in around.iter().enumerate() {
         list[at].parent = around.iter().copied().max_by_key(|&other| depth[other]);
-        if list[at].parent.is_some() && list[at].layers_vary(around, list) {
+        let mut layers = around.iter().chain([&at]);
+        if list[at].parent.is_some() && layers.any(|&layer| list[layer].grid.is_some()) {
             let what = "a grid in another medium, or a medium in a grid: densities add up only \
                         where both are the same everywhere";
             faults.add(key_of(list[at].index), what);
         }
-    }
-}
-
-impl NestedMedium<'_> {
-    fn layers_vary(&self, around: &[usize], list: &[NestedMedium]) -> bool {
-        self.grid.is_some() || around.iter().any(|&other| list[other].grid.is_some())
     }
 }
 

@@ -35,14 +35,14 @@
 //! which is in `limits`.
 
 use super::export_scene::ExportScene;
-use super::files::ply;
+use super::files::Meshes;
 use super::forms::Form;
 use super::limits;
 use super::mixture::Mixture;
 use super::nested_media::{NestedMedium, PlacedGrid, key_of};
 use super::refusal::Faults;
 use super::view::{ahead, degrees};
-use super::{Export, Format, Refusal};
+use super::{CHANNELS, Export, Format, Refusal};
 use crate::geometry::Transform;
 use crate::media::Phase;
 use crate::optics::{Light, Material, Sides};
@@ -50,9 +50,6 @@ use crate::scene::{Panel, Radiative, Scattering};
 use crate::volume::Interpolation;
 use glam::DVec3;
 use std::fmt::{Display, LowerExp};
-
-/// The names of the channels in files.
-const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 /// The distance of boundaries in a scene of this reach. pbrt starts rays off a surface by the error
 /// bound of the place, at most 7 roundings (2⁻²⁴) of its coordinates from the eye, 2√3 times the reach
@@ -108,11 +105,8 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
         writer.options(panel, scene, &export, &file);
         writer.media(&export);
         writer.line("\nWorldBegin\nMediumInterface \"\" \"\"\n");
-        let materials = export.objects.iter().map(|(_, _, material)| material);
-        if materials
-            .into_iter()
-            .any(|material| matches!(material, Material::Mirror(_)))
-        {
+        let mut materials = export.objects.iter().map(|(_, _, material)| material);
+        if materials.any(|material| matches!(material, Material::Mirror(_))) {
             writer.line(MIRROR);
         }
         for light in &scene.lights {
@@ -141,9 +135,8 @@ fn check(scene: &Radiative, export: &ExportScene, faults: &mut Faults) {
     }
     for (at, nested) in export.nested_media.list.iter().enumerate() {
         let key = key_of(nested.index);
-        let scatters = nested.medium.coefficients.sigma_s() != DVec3::ZERO;
         let phase = nested.medium.phase;
-        if scatters && !matches!(phase, Phase::HenyeyGreenstein(_)) {
+        if nested.scatters() && !matches!(phase, Phase::HenyeyGreenstein(_)) {
             let what =
                 format!("the phase function {phase}: pbrt has that of Henyey and Greenstein");
             faults.add(&key, what);
@@ -154,8 +147,7 @@ fn check(scene: &Radiative, export: &ExportScene, faults: &mut Faults) {
             }
             continue;
         }
-        let layers: Vec<&NestedMedium> = export.nested_media.layers(at).collect();
-        if Mixture::of(&layers).parts.len() > 1 {
+        if export.nested_media.mixture(at).parts.len() > 1 {
             let what = "a medium within another of a different g: one phase function is at a place";
             faults.add(key, what);
         }
@@ -173,11 +165,8 @@ struct ScatteringOrders {
 impl ScatteringOrders {
     fn of(scene: &Radiative, export: &ExportScene, faults: &mut Faults) -> ScatteringOrders {
         let list = &export.nested_media.list;
-        let limit = scene
-            .scattering
-            .max_bounces()
-            .unwrap_or(ENDLESS)
-            .min(ENDLESS);
+        let limit = scene.scattering.max_bounces();
+        let limit = limit.unwrap_or(ENDLESS).min(ENDLESS);
         let is_emissive = |nested: &NestedMedium| nested.medium.emission != DVec3::ZERO;
         if limit == ENDLESS || !list.iter().any(is_emissive) {
             let (depth, never) = (limit, false);
@@ -187,8 +176,7 @@ impl ScatteringOrders {
             depth: limit + 1,
             never: limit == 0,
         };
-        let scatters = |nested: &NestedMedium| nested.medium.coefficients.sigma_s() != DVec3::ZERO;
-        let scatters_at_all = !scene.objects.is_empty() || list.iter().any(scatters);
+        let scatters_at_all = !scene.objects.is_empty() || list.iter().any(NestedMedium::scatters);
         let others = !scene.lights.is_empty()
             || !scene.area_lights.is_empty()
             || scene.environment != DVec3::ZERO;
@@ -227,11 +215,8 @@ impl ScatteringOrders {
     /// Names the media that cannot shine as they should.
     fn check_emission(&self, export: &ExportScene, faults: &mut Faults) {
         for (at, nested) in export.nested_media.list.iter().enumerate() {
-            let layers: Vec<&NestedMedium> = export.nested_media.layers(at).collect();
-            let most = self
-                .emission_per_absorption(&Mixture::of(&layers))
-                .max_element();
-            if most > f64::from(f32::MAX) {
+            let mixture = export.nested_media.mixture(at);
+            if self.emission_per_absorption(&mixture).max_element() > f64::from(f32::MAX) {
                 let what = "emission where nothing, or next to nothing, is absorbed: pbrt says it \
                             as a factor of sigma_a; give sigma_a in every channel of emission";
                 faults.add(key_of(nested.index), what);
@@ -267,24 +252,6 @@ fn colours<'s>(scene: &'s Radiative, export: &'s ExportScene) -> impl Iterator<I
         .chain([scene.environment])
 }
 
-/// Meshes in files that all channels share.
-struct Meshes<'n> {
-    name: &'n str,
-    files: Vec<(String, Vec<u8>)>,
-}
-
-impl Meshes<'_> {
-    fn file(&mut self, vertices: &[DVec3], faces: &[[usize; 3]]) -> String {
-        let bytes = ply(vertices, faces);
-        if let Some((file, _)) = self.files.iter().find(|(_, other)| *other == bytes) {
-            return file.clone();
-        }
-        let file = format!("{}.mesh{}.ply", self.name, self.files.len());
-        self.files.push((file.clone(), bytes));
-        file
-    }
-}
-
 /// One file.
 struct PbrtWriter<'m, 'n> {
     text: String,
@@ -316,19 +283,8 @@ impl PbrtWriter<'_, '_> {
                  have files of their own."
             ));
         }
-        let nested_media = export
-            .nested_media
-            .list
-            .iter()
-            .filter(|nested| nested.moved);
-        let moved: Vec<String> = nested_media.map(|nested| key_of(nested.index)).collect();
-        if !moved.is_empty() {
-            let offset = export.gap;
-            self.line(&format!(
-                "# Faces of {} that lie in surfaces stand {offset:.3e} behind them, where no ray sees \
-                 it.",
-                moved.join(", ")
-            ));
+        if let Some(note) = export.nested_media.note_on_moved_faces(export.gap) {
+            self.line(&format!("# {note}"));
         }
         if self.orders.depth == ENDLESS {
             self.line(&format!(
@@ -346,7 +302,7 @@ impl PbrtWriter<'_, '_> {
         self.line("Scale -1 1 1");
         self.line(&format!("LookAt {eye}  {target}  {up}"));
         if let Some(at) = export.nested_media.eye {
-            let around = medium_name(&export.nested_media.list[at]);
+            let around = export.nested_media.list[at].name();
             self.line(&format!("MediumInterface \"\" \"{around}\""));
         }
         self.line(&format!("Camera \"perspective\" {}", float("fov", fov)));
@@ -373,9 +329,8 @@ impl PbrtWriter<'_, '_> {
 
     fn media(&mut self, export: &ExportScene) {
         for (at, nested) in export.nested_media.list.iter().enumerate() {
-            let name = medium_name(nested);
-            let layers: Vec<&NestedMedium> = export.nested_media.layers(at).collect();
-            let mixture = Mixture::of(&layers);
+            let name = nested.name();
+            let mixture = export.nested_media.mixture(at);
             let [sigma_a, sigma_s] = self.orders.coefficients(&mixture);
             let emission = self.orders.emission_per_absorption(&mixture);
             let phase = mixture.parts.first().map(|(phase, _)| phase);
@@ -486,10 +441,7 @@ impl PbrtWriter<'_, '_> {
         for (index, (key, form, material)) in export.objects.iter().enumerate() {
             self.begin(key);
             self.material(material);
-            if let Some(at) = list
-                .iter()
-                .position(|nested| nested.interface == Some(index))
-            {
+            if let Some(at) = export.nested_media.with_interface(index) {
                 self.sides(list, at);
             }
             self.form(form);
@@ -512,8 +464,8 @@ impl PbrtWriter<'_, '_> {
 
     /// The interior and the exterior medium of a nested medium's boundary.
     fn sides(&mut self, list: &[NestedMedium], at: usize) {
-        let inside = medium_name(&list[at]);
-        let outside = list[at].parent.map(|at| medium_name(&list[at]));
+        let inside = list[at].name();
+        let outside = list[at].parent.map(|at| list[at].name());
         let outside = outside.unwrap_or_default();
         self.line(&format!("    MediumInterface \"{inside}\" \"{outside}\""));
     }
@@ -582,10 +534,6 @@ impl PbrtWriter<'_, '_> {
         self.line(&format!("    Translate {}", listed(centre)));
         self.line(&format!("    Shape \"sphere\" {}", float("radius", radius)));
     }
-}
-
-fn medium_name(nested: &NestedMedium) -> String {
-    format!("medium{}", nested.index)
 }
 
 fn float(name: &str, value: f64) -> String {

@@ -1,16 +1,55 @@
-//! JSON to be read by people: objects over several lines, arrays of numbers in one.
+//! JSON to be read by people: keys in the order they are given, objects over several lines, arrays
+//! of numbers in one.
 
-use serde::Serialize;
-use serde_json::ser::{Formatter, PrettyFormatter, Serializer};
+use serde::ser::{Serialize, SerializeMap, Serializer};
+use serde_json::Value;
+use serde_json::ser::{Formatter, PrettyFormatter};
 use std::io::{Result, Write};
+
+/// A JSON value whose objects keep the order of their keys.
+pub(super) enum Json {
+    /// Anything but an object with an order.
+    Value(Value),
+    /// Keys and values.
+    Object(Entries),
+    /// Values.
+    List(Vec<Json>),
+}
+
+/// The keys of an object and their values, in order.
+pub(super) type Entries = Vec<(&'static str, Json)>;
+
+impl<T: Into<Value>> From<T> for Json {
+    fn from(value: T) -> Json {
+        Json::Value(value.into())
+    }
+}
+
+impl Serialize for Json {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        match self {
+            Json::Value(value) => value.serialize(serializer),
+            Json::List(values) => values.serialize(serializer),
+            Json::Object(entries) => {
+                let mut map = serializer.serialize_map(Some(entries.len()))?;
+                for (key, value) in entries {
+                    map.serialize_entry(key, value)?;
+                }
+                map.end()
+            }
+        }
+    }
+}
 
 /// `value` as JSON, with a newline at the end.
 pub(super) fn to_json(value: &impl Serialize) -> Vec<u8> {
     let mut text = Vec::new();
     let formatter = InlineArrays(PrettyFormatter::new());
     value
-        .serialize(&mut Serializer::with_formatter(&mut text, formatter))
-        .expect("structures of texts and numbers are JSON, and memory takes all bytes");
+        .serialize(&mut serde_json::Serializer::with_formatter(
+            &mut text, formatter,
+        ))
+        .expect("texts and numbers are JSON, and memory takes all bytes");
     text.push(b'\n');
     text
 }
