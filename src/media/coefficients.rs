@@ -1,8 +1,8 @@
 //! What a medium does to light per unit of length.
 
 use crate::math::exp;
+use crate::volume::{InvalidParameter, require};
 use glam::DVec3;
-use thiserror::Error;
 
 /// Absorption and scattering, per world length and colour channel; finite and not negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,32 +11,24 @@ pub struct Coefficients {
     sigma_s: DVec3,
 }
 
-/// A coefficient is negative, infinite or not a number.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("{name} must be finite and not negative in every channel, got {value}")]
-pub struct InvalidCoefficient {
-    /// `sigma_a`, `sigma_s` or `sigma_t`, their sum.
-    pub name: &'static str,
-    /// What was given.
-    pub value: DVec3,
-}
-
 impl Coefficients {
     /// Checks the coefficients.
     ///
     /// # Errors
     ///
-    /// [`InvalidCoefficient`], also where both are finite and their sum is not.
-    pub fn new(sigma_a: DVec3, sigma_s: DVec3) -> Result<Coefficients, InvalidCoefficient> {
+    /// [`InvalidParameter`], also where both are finite and their sum is not.
+    pub fn new(sigma_a: DVec3, sigma_s: DVec3) -> Result<Coefficients, InvalidParameter> {
         let sigma_t = sigma_a + sigma_s;
         for (name, value) in [
             ("sigma_a", sigma_a),
             ("sigma_s", sigma_s),
             ("sigma_t", sigma_t),
         ] {
-            if !value.is_finite() || value.min_element() < 0.0 {
-                return Err(InvalidCoefficient { name, value });
-            }
+            let is_coefficient = value.is_finite() && value.min_element() >= 0.0;
+            let message = format_args!(
+                "{name} must be finite and not negative in every channel, got {value}"
+            );
+            require(is_coefficient, name, message)?;
         }
         Ok(Coefficients { sigma_a, sigma_s })
     }

@@ -2,17 +2,12 @@
 
 use crate::math::Direction;
 use crate::math::sampling::from_cosine;
-use thiserror::Error;
+use crate::volume::{InvalidParameter, require};
 
 /// The asymmetry parameter `g` of a phase function: −1 < g < 1, positive forward. The mean cosine
 /// of the Henyey–Greenstein function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asymmetry(f64);
-
-/// `g` does not lie strictly between −1 and 1.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("the asymmetry g must lie strictly between -1 and 1, got {0}")]
-pub struct AsymmetryOutOfRange(pub f64);
 
 impl Asymmetry {
     /// Scatters into every direction alike.
@@ -24,12 +19,10 @@ impl Asymmetry {
     ///
     /// At ±1 light is not scattered into directions at all, but goes straight on or back; those,
     /// what lies beyond and NaN are refused.
-    pub fn new(g: f64) -> Result<Asymmetry, AsymmetryOutOfRange> {
-        if g.abs() < 1.0 {
-            Ok(Asymmetry(g))
-        } else {
-            Err(AsymmetryOutOfRange(g))
-        }
+    pub fn new(g: f64) -> Result<Asymmetry, InvalidParameter> {
+        let message = format_args!("the asymmetry g must lie strictly between -1 and 1, got {g}");
+        require(g.abs() < 1.0, "g", message)?;
+        Ok(Asymmetry(g))
     }
 
     /// `g` itself.
@@ -91,7 +84,13 @@ mod tests {
     fn asymmetry_is_checked() {
         assert_eq!(Asymmetry::new(0.9).map(Asymmetry::g), Ok(0.9));
         for g in [1.0, -1.0, 1.5, f64::INFINITY] {
-            assert_eq!(Asymmetry::new(g), Err(AsymmetryOutOfRange(g)));
+            assert_eq!(
+                Asymmetry::new(g),
+                Err(InvalidParameter {
+                    name: "g",
+                    message: format!("the asymmetry g must lie strictly between -1 and 1, got {g}"),
+                })
+            );
         }
         assert!(Asymmetry::new(f64::NAN).is_err());
     }

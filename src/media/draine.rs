@@ -2,8 +2,8 @@
 
 use super::deflection::{Asymmetry, Deflection};
 use super::henyey_greenstein::HenyeyGreenstein;
+use crate::volume::{InvalidParameter, require};
 use std::fmt;
-use thiserror::Error;
 
 /// The Henyey–Greenstein function with parameter `g` times `(1 + α cos²θ)/N`, per steradian, where
 /// `N = 1 + α (1 + 2g²)/3` brings the integral to 1.
@@ -23,25 +23,19 @@ pub struct Draine {
 /// Relative step of Newton's method that is its last: 2^-40.
 const ROOT: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// `alpha` is negative, infinite or not a number.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("alpha must be finite and not negative, got {0}")]
-pub struct AlphaOutOfRange(pub f64);
-
 impl Draine {
     /// The function with parameters `g` and `alpha`.
     ///
     /// # Errors
     ///
-    /// [`AlphaOutOfRange`].
-    pub fn new(g: Asymmetry, alpha: f64) -> Result<Draine, AlphaOutOfRange> {
-        let henyey_greenstein = HenyeyGreenstein(g);
-        let fits = alpha.is_finite() && alpha >= 0.0;
-        fits.then_some(Draine {
-            henyey_greenstein,
+    /// [`InvalidParameter`].
+    pub fn new(g: Asymmetry, alpha: f64) -> Result<Draine, InvalidParameter> {
+        let message = format_args!("alpha must be finite and not negative, got {alpha}");
+        require(alpha.is_finite() && alpha >= 0.0, "alpha", message)?;
+        Ok(Draine {
+            henyey_greenstein: HenyeyGreenstein(g),
             alpha,
         })
-        .ok_or(AlphaOutOfRange(alpha))
     }
 
     /// The parameter `g`, which is not the mean cosine.

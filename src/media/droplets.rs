@@ -4,8 +4,8 @@ use super::deflection::{Asymmetry, Deflection};
 use super::draine::Draine;
 use super::henyey_greenstein::HenyeyGreenstein;
 use crate::math::exp;
+use crate::volume::{InvalidParameter, require};
 use std::fmt;
-use thiserror::Error;
 
 /// Scattering by droplets of water that are larger than the wavelength of light: a narrow
 /// Henyey–Greenstein lobe and a wide one of [`Draine`], fitted to Mie's theory over the
@@ -22,34 +22,25 @@ pub struct Droplets {
     weight: f64,
 }
 
-/// A diameter that the fit was not made for.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("the diameter of droplets must lie in [5, 50] micrometres, got {0}")]
-pub struct DiameterOutOfRange(pub f64);
-
 impl Droplets {
     /// Droplets of a `diameter` in micrometres, in [5, 50].
     ///
     /// # Errors
     ///
-    /// [`DiameterOutOfRange`].
-    pub fn new(diameter: f64) -> Result<Droplets, DiameterOutOfRange> {
+    /// [`InvalidParameter`].
+    pub fn new(diameter: f64) -> Result<Droplets, InvalidParameter> {
         let d = diameter;
-        if !(5.0..=50.0).contains(&d) {
-            return Err(DiameterOutOfRange(d));
-        }
+        let message =
+            format_args!("the diameter of droplets must lie in [5, 50] micrometres, got {d}");
+        require((5.0..=50.0).contains(&d), "diameter", message)?;
         // In this range both g lie in (0.5, 1) and α in (16, 33).
-        let parameters = || {
-            let narrow = Asymmetry::new(exp(-0.099_056_7 / (d - 1.671_54))).ok()?;
-            let wide = Asymmetry::new(exp(-2.206_79 / (d + 3.910_29) - 0.428_934)).ok()?;
-            let alpha = exp(3.624_89 - 8.292_88 / (d + 5.528_25));
-            Some((HenyeyGreenstein(narrow), Draine::new(wide, alpha).ok()?))
-        };
-        let (narrow, wide) = parameters().ok_or(DiameterOutOfRange(d))?;
+        let narrow = Asymmetry::new(exp(-0.099_056_7 / (d - 1.671_54)))?;
+        let wide = Asymmetry::new(exp(-2.206_79 / (d + 3.910_29) - 0.428_934))?;
+        let alpha = exp(3.624_89 - 8.292_88 / (d + 5.528_25));
         Ok(Droplets {
             diameter,
-            narrow,
-            wide,
+            narrow: HenyeyGreenstein(narrow),
+            wide: Draine::new(wide, alpha)?,
             weight: exp(-0.599_085 / (d - 0.641_583) - 0.665_888),
         })
     }

@@ -19,15 +19,13 @@ pub mod profiles;
 mod transfer_function;
 mod transfer_points;
 
-pub use coefficients::{
-    Coefficients, InvalidCoefficient, collision_weight, escape_weight, sampled_channel,
-};
+pub use coefficients::{Coefficients, collision_weight, escape_weight, sampled_channel};
 pub use colormap::Colormap;
-pub use deflection::{Asymmetry, AsymmetryOutOfRange, Deflection};
+pub use deflection::{Asymmetry, Deflection};
 pub use density::{Density, Field};
 pub use density_line::DensityLine;
-pub use draine::{AlphaOutOfRange, Draine};
-pub use droplets::{DiameterOutOfRange, Droplets};
+pub use draine::Draine;
+pub use droplets::Droplets;
 pub use henyey_greenstein::HenyeyGreenstein;
 pub use homogeneous::Homogeneous;
 pub use opacity::{TransferOpacity, over_length};

@@ -26,67 +26,47 @@ pub struct TransferPoints {
 }
 
 /// Why points are no table.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum TransferPointsError {
-    /// There is none.
-    #[error("a table of points needs at least one")]
-    Empty,
-    /// Values fall.
-    #[error("the points must stand in order of their values, but {value} follows {before}")]
-    Unordered {
-        /// Which point, from 0.
-        index: usize,
-        /// Its value.
-        value: f64,
-        /// The larger one before.
-        before: f64,
-    },
-    /// A third point at one value, between the sides of a step, would mean nothing.
-    #[error("three points have the value {value}; two make a step, and a third means nothing")]
-    Crowded {
-        /// Which point, from 0.
-        index: usize,
-        /// Its value.
-        value: f64,
-    },
-    /// A number out of its range.
-    #[error(
-        "a point takes a value within ±3.4e38, an opacity in [0, 1] and finite colours that are \
-         not negative"
-    )]
-    OutOfRange {
-        /// Which point, from 0.
-        index: usize,
-    },
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{message}")]
+pub struct TransferPointsError {
+    /// The point that does not fit, from 0; none where there are no points.
+    pub index: Option<usize>,
+    /// What is wrong.
+    pub message: String,
 }
 
 impl TransferPoints {
     /// The table of `points`, which stand in order of their values.
     pub fn new(points: Vec<TransferPoint>) -> Result<TransferPoints, TransferPointsError> {
+        let refused = |index, message: String| Err(TransferPointsError { index, message });
         if points.is_empty() {
-            return Err(TransferPointsError::Empty);
+            return refused(None, "a table of points needs at least one".into());
         }
         for (index, point) in points.iter().enumerate() {
+            let value = point.value;
             // Differences of such values are finite. NaN lies in no range.
-            let in_range = point.value.abs() <= f64::from(f32::MAX)
+            let in_range = value.abs() <= f64::from(f32::MAX)
                 && (0.0..=1.0).contains(&point.opacity)
                 && point.colour.is_finite()
                 && point.colour.min_element() >= 0.0;
-            if !in_range {
-                return Err(TransferPointsError::OutOfRange { index });
-            }
-            let value = point.value;
-            if index >= 1 && value < points[index - 1].value {
-                let before = points[index - 1].value;
-                return Err(TransferPointsError::Unordered {
-                    index,
-                    value,
-                    before,
-                });
-            }
-            if index >= 2 && value == points[index - 2].value {
-                return Err(TransferPointsError::Crowded { index, value });
-            }
+            let earlier = |back: usize| Some(points[index.checked_sub(back)?].value);
+            let message = if !in_range {
+                "a point takes a value within ±3.4e38, an opacity in [0, 1] and finite colours \
+                 that are not negative"
+                    .to_owned()
+            } else if let Some(before) = earlier(1).filter(|&before| value < before) {
+                format!(
+                    "the points must stand in order of their values, but {value} follows {before}"
+                )
+            } else if earlier(2) == Some(value) {
+                // Between the sides of a step it would mean nothing.
+                format!(
+                    "three points have the value {value}; two make a step, and a third means nothing"
+                )
+            } else {
+                continue;
+            };
+            return refused(Some(index), message);
         }
         Ok(TransferPoints { points })
     }
@@ -259,20 +239,21 @@ mod tests {
             let points = points.iter().map(|&(v, a)| point(v, a)).collect();
             TransferPoints::new(points).unwrap_err()
         };
-        assert_eq!(new(&[]), TransferPointsError::Empty);
-        let unordered = TransferPointsError::Unordered {
-            index: 1,
-            value: 1.0,
-            before: 2.0,
-        };
-        assert_eq!(new(&[(2.0, 0.0), (1.0, 0.0)]), unordered);
-        let crowded = TransferPointsError::Crowded {
-            index: 2,
-            value: 1.0,
-        };
-        assert_eq!(new(&[(1.0, 0.0), (1.0, 0.5), (1.0, 0.0)]), crowded);
+        assert_eq!(new(&[]).index, None);
+        let unordered = new(&[(2.0, 0.0), (1.0, 0.0)]);
+        assert_eq!(unordered.index, Some(1));
+        assert!(unordered.message.ends_with("but 1 follows 2"));
+        let crowded = new(&[(1.0, 0.0), (1.0, 0.5), (1.0, 0.0)]);
+        assert_eq!(crowded.index, Some(2));
+        assert!(
+            crowded
+                .message
+                .starts_with("three points have the value 1;")
+        );
         for bad in [(f64::NAN, 0.5), (1e39, 0.5), (0.0, f64::NAN), (0.0, 1.1)] {
-            assert_eq!(new(&[bad]), TransferPointsError::OutOfRange { index: 0 });
+            let refused = new(&[bad]);
+            assert_eq!(refused.index, Some(0));
+            assert!(refused.message.starts_with("a point takes a value within"));
         }
     }
 }

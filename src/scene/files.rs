@@ -5,7 +5,7 @@ use super::volume::VolumeRequest;
 use super::{SceneError, SceneResult};
 use crate::geometry::{ClosedMesh, Mesh, MeshError};
 use crate::regular_file::{self, OpenError, ReadError};
-use crate::volume::{self, Grid, SplatError, VolumeError};
+use crate::volume::{self, Grid, VolumeFault};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -79,11 +79,8 @@ impl<'p> Files<'p> {
         }
         let path = self.folder.join(&request.file);
         let loaded = volume::load_hashed(&path, &request.options).map_err(|error| {
-            let key = match &error {
-                VolumeError::Splat {
-                    error: SplatError::TooFew { .. } | SplatError::TooFine { .. },
-                    ..
-                } => "resolution",
+            let key = match &error.fault {
+                VolumeFault::Resolution(_) => "resolution",
                 _ => "file",
             };
             reader.error(key, error.to_string())

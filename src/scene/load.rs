@@ -12,7 +12,7 @@ use super::sampling::{SAMPLING, SamplingTable};
 use super::transfer_function::{OpacityByValue, TRANSFER_FUNCTION, read_transfer_function};
 use super::{Classified, Curve, Radiative, SceneError, SceneResult};
 use crate::regular_file;
-use crate::volume::volume_reader;
+use crate::volume::volume_format;
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -127,7 +127,7 @@ impl Scene {
         let is_toml = path
             .extension()
             .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-        if !is_toml && volume_reader(path).is_some() {
+        if !is_toml && volume_format(path).is_some() {
             let file = path.file_name().unwrap_or_default().display().to_string();
             let message = "this is a volume, not a scene";
             let help = format!(

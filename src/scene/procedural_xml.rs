@@ -1,9 +1,10 @@
 //! The procedural medium of the source's renderer, as its XML scenes write it.
 
+use super::format::{Key, Kind, Range as Domain};
 use super::reader::{Document, Origin, Reading};
 use super::{SceneError, SceneResult};
 use crate::media::{Asymmetry, Coefficients};
-use crate::volume::{FractalDensity, FractalError, FractalParameters, MOST_OCTAVES};
+use crate::volume::{FractalDensity, FractalParameters, MOST_OCTAVES};
 use glam::DVec3;
 use roxmltree::{Error, Node, ParsingOptions};
 use std::ops::Range;
@@ -74,73 +75,48 @@ pub fn read_procedural(path: &str, text: &str) -> SceneResult<ProceduralMedium> 
 /// were it all attributes, would take seconds.
 const MOST_BYTES: usize = 1 << 18;
 
-/// A parameter of the medium.
-struct XmlParameter {
-    name: &'static str,
-    /// The element that gives it.
-    tag: &'static str,
-    doc: &'static str,
-}
-
-const PARAMETERS: [XmlParameter; 10] = [
-    XmlParameter {
-        name: "sigma_a",
-        tag: "color",
-        doc: "absorption of density 1, per world length: three numbers, or one for all three, at least 0",
-    },
-    XmlParameter {
-        name: "sigma_s",
-        tag: "color",
-        doc: "scattering of density 1, per world length: three numbers, or one for all three, at least 0",
-    },
-    XmlParameter {
-        name: "nrOctaves",
-        tag: "integer",
-        doc: "how many layers of noise are added, a whole number from 1 to 32",
-    },
-    XmlParameter {
-        name: "lacunarity",
-        tag: "float",
-        doc: "factor on the frequency from one octave to the next, above 0",
-    },
-    XmlParameter {
-        name: "gain",
-        tag: "float",
-        doc: "factor on the amplitude from one octave to the next, above 0",
-    },
-    XmlParameter {
-        name: "maxDensity",
-        tag: "float",
-        doc: "the largest density, at least 0",
-    },
-    XmlParameter {
-        name: "threshold",
-        tag: "float",
-        doc: "densities up to this one are taken for 0",
-    },
-    XmlParameter {
-        name: "scale",
-        tag: "vector",
-        doc: "cells of the first octave per world length along x, y and z: three numbers",
-    },
-    XmlParameter {
-        name: "offset",
-        tag: "vector",
-        doc: "position of the world's origin in the lattice of the first octave: three numbers",
-    },
-    XmlParameter {
-        name: "g",
-        tag: "float",
-        doc: "mean cosine of Henyey and Greenstein's phase function, between -1 and 1, positive forward",
-    },
+/// The parameters of the medium.
+const PARAMETERS: [Key; 10] = [
+    Key::optional("sigma_a", Kind::Colour(Domain::at_least(0.0)))
+        .doc("absorption of density 1, per world length: three numbers, or one for all three, at least 0"),
+    Key::optional("sigma_s", Kind::Colour(Domain::at_least(0.0)))
+        .doc("scattering of density 1, per world length: three numbers, or one for all three, at least 0"),
+    Key::optional("nrOctaves", Kind::Count(1, MOST_OCTAVES as u64))
+        .doc("how many layers of noise are added, a whole number from 1 to 32"),
+    Key::optional("lacunarity", Kind::Number(POSITIVE))
+        .doc("factor on the frequency from one octave to the next, above 0"),
+    Key::optional("gain", Kind::Number(POSITIVE))
+        .doc("factor on the amplitude from one octave to the next, above 0"),
+    Key::optional("maxDensity", Kind::Number(Domain::at_least(0.0)))
+        .doc("the largest density, at least 0"),
+    Key::optional("threshold", Kind::Number(Domain::at_least(f64::MIN)))
+        .doc("densities up to this one are taken for 0"),
+    Key::optional("scale", Kind::Vector)
+        .doc("cells of the first octave per world length along x, y and z: three numbers"),
+    Key::optional("offset", Kind::Vector)
+        .doc("position of the world's origin in the lattice of the first octave: three numbers"),
+    Key::optional("g", Kind::Number(Domain::open(-1.0, 1.0)))
+        .doc("mean cosine of Henyey and Greenstein's phase function, between -1 and 1, positive forward"),
 ];
+
+const POSITIVE: Domain = Domain::open(0.0, f64::INFINITY);
 
 /// The elements that may give a parameter.
 const TAGS: [&str; 4] = ["color", "float", "integer", "vector"];
 
+/// The element that gives a parameter.
+fn tag_of(parameter: &Key) -> &'static str {
+    match parameter.kind {
+        Kind::Colour(_) => "color",
+        Kind::Count(..) => "integer",
+        Kind::Vector => "vector",
+        _ => "float",
+    }
+}
+
 /// A parameter as the block gives it.
 struct GivenParameter<'x> {
-    parameter: &'static XmlParameter,
+    parameter: &'static Key,
     value: &'x str,
     /// Place of the value in the text.
     span: Range<usize>,
@@ -168,8 +144,14 @@ impl ParameterBlock<'_, '_> {
             scale: self.vector("scale", default.scale)?,
             offset: self.vector("offset", default.offset)?,
         };
-        let density = FractalDensity::new(parameters)
-            .map_err(|error| self.mistake(faulty(&error), error.to_string()))?;
+        let density = FractalDensity::new(parameters).map_err(|error| {
+            let name = match error.name {
+                "octaves" => "nrOctaves",
+                "max_density" => "maxDensity",
+                name => name,
+            };
+            self.mistake(name, error.message)
+        })?;
         let sigma_t = coefficients.sigma_t().max_element();
         if !(sigma_t * parameters.max_density).is_finite() {
             let message = format!(
@@ -181,9 +163,8 @@ impl ParameterBlock<'_, '_> {
         let asymmetry = match self.given("g") {
             None => None,
             Some(_) => {
-                let g = self.number("g", 0.0)?;
-                let checked = Asymmetry::new(g);
-                Some(checked.map_err(|error| self.mistake("g", error.to_string()))?)
+                let asymmetry = Asymmetry::new(self.number("g", 0.0)?);
+                Some(asymmetry.map_err(|error| self.mistake("g", error.message))?)
             }
         };
         Ok(ProceduralMedium {
@@ -223,31 +204,23 @@ impl ParameterBlock<'_, '_> {
     }
 
     fn number(&mut self, name: &'static str, default: f64) -> SceneResult<f64> {
-        match self.numbers(name, &[1])?.as_deref() {
-            Some(&[value]) => {
-                self.note(name, value, Origin::Given);
-                Ok(value)
-            }
-            _ => {
-                self.note(name, default, Origin::Default);
-                Ok(default)
-            }
-        }
+        let (value, origin) = match self.numbers(name, &[1])?.as_deref() {
+            Some(&[value]) => (value, Origin::Given),
+            _ => (default, Origin::Default),
+        };
+        self.note(name, value, origin);
+        Ok(value)
     }
 
     fn vector(&mut self, name: &'static str, default: DVec3) -> SceneResult<DVec3> {
-        let is_colour = self.given(name).map(|given| given.parameter.tag) == Some("color");
+        let is_colour = self.given(name).map(|given| tag_of(given.parameter)) == Some("color");
         let counts: &[usize] = if is_colour { &[3, 1] } else { &[3] };
         let (value, origin) = match self.numbers(name, counts)?.as_deref() {
             Some(&[value]) => (DVec3::splat(value), Origin::Given),
             Some(&[x, y, z]) => (DVec3::new(x, y, z), Origin::Given),
             _ => (default, Origin::Default),
         };
-        self.note(
-            name,
-            format_args!("[{}, {}, {}]", value.x, value.y, value.z),
-            origin,
-        );
+        self.note(name, value, origin);
         Ok(value)
     }
 
@@ -307,49 +280,32 @@ impl ParameterBlock<'_, '_> {
     }
 }
 
-/// The parameter that an error is about.
-fn faulty(error: &FractalError) -> &'static str {
-    match error {
-        FractalError::Octaves(_) => "nrOctaves",
-        FractalError::Lacunarity(_) | FractalError::Frequency { .. } => "lacunarity",
-        FractalError::Gain(_) | FractalError::Amplitude { .. } => "gain",
-        FractalError::Scale(_) => "scale",
-        FractalError::Offset(_) => "offset",
-        FractalError::MaxDensity(_) => "maxDensity",
-        FractalError::Threshold(_) => "threshold",
-    }
-}
-
 /// What the parser found, at its place.
 fn malformed(document: &Document, error: &Error) -> Box<SceneError> {
     let text = document.text;
-    let (offset, help) = match error {
+    let (offset, message, help) = match error {
         Error::DtdDetected => (
             text.find("<!DOCTYPE").unwrap_or(0),
+            "document types are refused".to_owned(),
             "remove the <!DOCTYPE …>: document types and their entities are not read",
         ),
         // The parser places these at the beginning.
         Error::UnclosedRootNode | Error::UnexpectedEndOfStream => (
             text.trim_end().len(),
+            "unexpected end of text".to_owned(),
             "the text ends within an element; is the file complete?",
         ),
-        _ => (
-            offset_of(text, error.pos()),
-            "the text is not well-formed XML",
-        ),
-    };
-    let message = match error {
-        Error::DtdDetected => "document types are refused".to_owned(),
-        Error::UnclosedRootNode | Error::UnexpectedEndOfStream => {
-            "unexpected end of text".to_owned()
-        }
         _ => {
             let message = error.to_string();
             let position = format!(" at {}", error.pos());
-            message
-                .strip_suffix(&position)
-                .unwrap_or(&message)
-                .to_owned()
+            (
+                offset_of(text, error.pos()),
+                message
+                    .strip_suffix(&position)
+                    .unwrap_or(&message)
+                    .to_owned(),
+                "the text is not well-formed XML",
+            )
         }
     };
     document.error(Some(offset..offset), message, Some(help.to_owned()))
@@ -377,13 +333,13 @@ fn only_medium<'a, 'i>(
                 let message = format!("there is no <medium> in this <{}>", root.tag_name().name());
                 (root, message)
             }
-            Some(other) => {
-                let message = match other.attribute("type") {
-                    Some(kind) => format!("the medium is of the type {kind:?}, not \"procedural\""),
-                    None => "the medium has no `type`".to_owned(),
-                };
-                (other, message)
-            }
+            Some(other) => match other.attribute("type") {
+                Some(kind) => {
+                    let message = format!("the medium is of the type {kind:?}, not \"procedural\"");
+                    (other, message)
+                }
+                None => (other, "the medium has no `type`".to_owned()),
+            },
         };
         let help = "what is read is one <medium type=\"procedural\">".to_owned();
         let span = opening(document.text, node);
@@ -434,7 +390,7 @@ fn parameter<'a>(document: &Document, element: Node<'a, '_>) -> SceneResult<Give
         Err(document.error(Some(span), message, Some(help)))
     };
     if !TAGS.contains(&tag) {
-        let help = match (tag, nearest(tag, TAGS)) {
+        let help = match (tag, nearest(tag, &TAGS)) {
             ("phase", _) => {
                 "for Henyey and Greenstein's phase function give <float name=\"g\" value=\"…\"/>; \
                  without it the medium scatters into all directions alike"
@@ -452,7 +408,7 @@ fn parameter<'a>(document: &Document, element: Node<'a, '_>) -> SceneResult<Give
     };
     let known = PARAMETERS.iter().find(|known| known.name == name.value());
     let Some(parameter) = known else {
-        let help = match nearest(name.value(), names()) {
+        let help = match nearest(name.value(), &names()) {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("a procedural medium has: {}", names().join(", ")),
         };
@@ -460,8 +416,9 @@ fn parameter<'a>(document: &Document, element: Node<'a, '_>) -> SceneResult<Give
         return fail(name.range_value(), message, help);
     };
     let is_number = |tag: &str| matches!(tag, "float" | "integer");
-    if tag != parameter.tag && !(is_number(tag) && is_number(parameter.tag)) {
-        let (name, right) = (parameter.name, parameter.tag);
+    let right = tag_of(parameter);
+    if tag != right && !(is_number(tag) && is_number(right)) {
+        let name = parameter.name;
         let help = format!(
             "write <{right} name=\"{name}\" value=\"…\"/>; {}",
             parameter.doc
@@ -469,11 +426,11 @@ fn parameter<'a>(document: &Document, element: Node<'a, '_>) -> SceneResult<Give
         return fail(position, format!("`{name}` is no <{tag}>"), help);
     }
     let Some(value) = element.attribute_node("value") else {
-        let message = format!("`{}` has no `value`", parameter.name);
+        let help = format!("`{}`: {}", parameter.name, parameter.doc);
         return fail(
             position,
-            message,
-            format!("`{}`: {}", parameter.name, parameter.doc),
+            format!("`{}` has no `value`", parameter.name),
+            help,
         );
     };
     for child in element.children() {
@@ -497,19 +454,17 @@ fn names() -> [&'static str; PARAMETERS.len()] {
 }
 
 /// The word that `word` may be a misspelling of, big letters or small.
-fn nearest<const N: usize>(word: &str, known: [&'static str; N]) -> Option<&'static str> {
+fn nearest(word: &str, known: &[&'static str]) -> Option<&'static str> {
     // The distance takes time in proportion to both lengths.
     if word.len() > 64 {
         return None;
     }
     let edits =
         |name: &str| strsim::damerau_levenshtein(&name.to_lowercase(), &word.to_lowercase());
-    let distances = known.into_iter().map(|name| (edits(name), name));
+    let nearest = known.iter().map(|name| (edits(name), *name)).min();
     // Half the letters wrong is no misspelling any more.
-    let near = distances
-        .min()
-        .filter(|(edits, name)| 2 * edits <= name.len());
-    near.map(|(_, name)| name)
+    let (edits, name) = nearest?;
+    (2 * edits <= name.len()).then_some(name)
 }
 
 fn check_attributes(document: &Document, element: Node, known: &[&str]) -> SceneResult<()> {

@@ -2,6 +2,7 @@
 
 use super::format::{Absent, Key, Kind, Rule, Table, whole_number};
 use super::{SceneError, SceneResult};
+use crate::volume::InvalidParameter;
 use glam::DVec3;
 use std::cell::RefCell;
 use std::fmt::Display;
@@ -351,6 +352,11 @@ impl<'d, 's> Reader<'d, 's> {
     pub fn error(&self, name: &str, message: impl Into<String>) -> Box<SceneError> {
         let help = format!("`{}`: {}", self.key_path(name), self.declared(name).doc);
         self.mistake(name, message, help)
+    }
+
+    /// What was made of the values of keys, or the mistake in the one that is refused.
+    pub fn accepted<T>(&self, made: Result<T, InvalidParameter>) -> SceneResult<T> {
+        made.map_err(|error| self.error(error.name, error.message))
     }
 
     /// As [`Reader::error`], with words of its own on how to mend it.

@@ -5,7 +5,6 @@ use super::format::{Key, Kind, Range, Rule, Table};
 use super::reader::Reader;
 use crate::media::{
     Appearance, Colormap, TransferFunction, TransferOpacity, TransferPoint, TransferPoints,
-    TransferPointsError,
 };
 use crate::volume::Lattice;
 
@@ -61,13 +60,9 @@ fn read_points(reader: &Reader) -> SceneResult<TransferPoints> {
         })
     };
     let points = rows.iter().map(read).collect::<Result<Vec<_>, _>>()?;
-    TransferPoints::new(points).map_err(|error| match error {
-        TransferPointsError::Empty => reader.error("point", error.to_string()),
-        TransferPointsError::Unordered { index, .. }
-        | TransferPointsError::Crowded { index, .. }
-        | TransferPointsError::OutOfRange { index } => {
-            rows[index].error("value", error.to_string())
-        }
+    TransferPoints::new(points).map_err(|error| match error.index {
+        None => reader.error("point", error.message),
+        Some(index) => rows[index].error("value", error.message),
     })
 }
 

@@ -3,7 +3,7 @@
 use super::SceneResult;
 use super::format::{Key, Kind, Range, Table};
 use super::reader::Reader;
-use crate::volume::{Centring, LoadOptions, NonFinite, Orientation, Splatting, volume_reader};
+use crate::volume::{Centring, LoadOptions, NonFinite, Orientation, Splatting, volume_format};
 use std::path::Path;
 
 /// The declaration of a table that names a volume file.
@@ -36,7 +36,7 @@ pub(super) struct VolumeRequest {
 impl VolumeRequest {
     pub(super) fn read(reader: &Reader) -> SceneResult<VolumeRequest> {
         let file = reader.text("file")?;
-        let format = volume_reader(Path::new(&file));
+        let format = volume_format(Path::new(&file));
         let without = |keys: &[&'static str], what: &str| {
             let given = keys.iter().find(|key| reader.has(key));
             given.map_or(Ok(()), |key| {
@@ -44,7 +44,7 @@ impl VolumeRequest {
             })
         };
         let mut options = LoadOptions::default();
-        if format.is_some_and(|format| !format.is_point_cloud()) {
+        if format.is_some_and(|format| !format.is_point_cloud) {
             without(
                 &["resolution", "padding"],
                 &format!("point clouds; {file:?} brings a grid of its own"),

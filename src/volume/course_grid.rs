@@ -4,121 +4,27 @@
 //! `float32` densities, x fastest. One spacing serves all axes, `size.x / (nx − 1)`; the first
 //! node lies at the world origin.
 
-use super::error::VolumeError;
+use super::error::VolumeFault;
+use super::file::{Stored, VolumeFormat, VolumeRead};
 use super::orientation::{Axes, AxisSteps};
-use super::reader::{Stored, VolumeReader};
 use super::samples::{fill, read_grid};
 use super::source::VolumeSource;
-use super::{
-    Centring, Element, Encoding, Endian, Grid, GridError, Lattice, LatticeError, Layout,
-    LoadOptions, SamplesError,
-};
+use super::{Centring, Element, Encoding, Endian, Grid, Lattice, Layout, LoadOptions};
 use glam::DVec3;
-use std::io::BufRead;
-use thiserror::Error;
 
-/// Why bytes are no course grid, or a grid cannot be written as one.
-#[derive(Debug, Error)]
-pub enum CourseGridError {
-    /// Not even a header.
-    #[error(
-        "the file ends after {bytes} of the 24 bytes of its header (int32 nx ny nz, float32 \
-         size x y z)"
-    )]
-    Header {
-        /// Bytes in the file.
-        bytes: u64,
-    },
-    /// An axis with no or a negative number of nodes.
-    #[error(
-        "the header gives {0} × {1} × {2} nodes, and each axis needs at least 1: is this file \
-         little endian?"
-    )]
-    Nodes(i32, i32, i32),
-    /// A size that is negative or not finite.
-    #[error(
-        "the header gives the size ({0}, {1}, {2}): sizes must be finite and not negative; is \
-         this file little endian?"
-    )]
-    Size(f32, f32, f32),
-    /// The size that determines the spacing is zero.
-    #[error(
-        "the header gives size 0 along {axis}, where there are {nodes} nodes: their spacing \
-         would be 0"
-    )]
-    Flat {
-        /// `'x'`, `'y'` or `'z'`: the first with more than one node.
-        axis: char,
-        /// Nodes along it.
-        nodes: usize,
-    },
-    /// A single node, hence no spacing.
-    #[error("a course grid of 1 × 1 × 1 nodes has no spacing: at least one axis needs 2 nodes")]
-    OneNode,
-    /// More nodes than a lattice may have.
-    #[error(transparent)]
-    Lattice(#[from] LatticeError),
-    /// Fewer or more bytes than the header says.
-    #[error(
-        "the header promises {} × {} × {} float32 densities, {promised} bytes in all, and the \
-         file has {bytes}: it {}",
-        nodes[0], nodes[1], nodes[2],
-        if bytes < promised { "was cut short, or is not little endian" }
-        else { "holds something else as well, or is not float32" }
-    )]
-    Length {
-        /// Nodes along x, y and z.
-        nodes: [usize; 3],
-        /// Bytes a file with this header has.
-        promised: u64,
-        /// Bytes in the file.
-        bytes: u64,
-    },
-    /// A value that is not finite, or a file that cannot be read.
-    #[error(transparent)]
-    Samples(#[from] SamplesError),
-    /// Writing: a density that is negative or not finite.
-    #[error(transparent)]
-    Density(#[from] GridError),
-    /// Writing: the spacings differ.
-    #[error("a course grid has one spacing, this grid has {0}: resample it first")]
-    Anisotropic(DVec3),
-    /// Writing: the first node is elsewhere.
-    #[error("a course grid begins at the world origin, this grid at {0}: move it first")]
-    NotAtOrigin(DVec3),
-    /// Writing: more nodes on an axis, or a longer axis, than the header can say.
-    #[error("the header of a course grid cannot hold {nodes} nodes over a length of {size}")]
-    NotRepresentable {
-        /// Nodes along the axis.
-        nodes: usize,
-        /// Length of the axis, world units.
-        size: f64,
-    },
-}
+/// Bytes of the header.
+const HEADER: usize = 24;
 
-/// Reader of the course's binary grid.
-#[derive(Clone, Copy, Debug)]
-pub struct CourseGrid;
+const ONE_NODE: &str =
+    "a course grid of 1 × 1 × 1 nodes has no spacing: at least one axis needs 2 nodes";
 
-impl VolumeReader for CourseGrid {
-    fn name(&self) -> &'static str {
-        "course grid"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &[".bin"]
-    }
-
-    fn read(
-        &self,
-        source: &mut VolumeSource,
-        options: &LoadOptions,
-    ) -> Result<(Grid<f32>, Stored), VolumeError> {
-        let length = source.length();
-        let (grid, layout) = read(source, length, options).map_err(|error| source.fault(error))?;
-        Ok((grid, Stored::Samples(layout)))
-    }
-}
+/// The course's binary grid.
+pub(super) const COURSE_GRID: VolumeFormat = VolumeFormat {
+    name: "course grid",
+    extensions: &[".bin"],
+    is_point_cloud: false,
+    read,
+};
 
 /// Reads the course's binary grid.
 ///
@@ -126,26 +32,28 @@ impl VolumeReader for CourseGrid {
 /// size must be positive. The other sizes have no say, but must be finite and not negative: a
 /// thin axis may give 0. Header and length are checked before anything is allocated. Values must
 /// be finite; densities that are negative are left to [`Grid::check_densities`].
-pub fn read_course_grid(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, CourseGridError> {
-    let mut source = bytes;
-    read(&mut source, bytes.len() as u64, options).map(|(grid, _)| grid)
+pub fn read_course_grid(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolumeFault> {
+    read(&mut VolumeSource::of(bytes), options).map(|(grid, _)| grid)
 }
 
-/// Reads the course's binary grid from a source of `length` bytes.
-pub(super) fn read(
-    source: &mut impl BufRead,
-    length: u64,
-    options: &LoadOptions,
-) -> Result<(Grid<f32>, Layout), CourseGridError> {
-    let mut bytes = [0; CourseGridHeader::BYTES];
-    let filled = fill(source, &mut bytes).map_err(SamplesError::Read)?;
-    let header = CourseGridHeader::read(&bytes[..filled])?;
-    header.check_length(length)?;
+fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+    let length = source.remaining();
+    let mut header = [0; HEADER];
+    let filled = fill(source, &mut header)?;
+    if filled < HEADER {
+        return Err(format!(
+            "the file ends after {filled} of the 24 bytes of its header (int32 nx ny nz, float32 \
+             size x y z)"
+        )
+        .into());
+    }
+    let lattice = lattice(&header)?;
+    check_length(&lattice, length)?;
     let layout = Layout {
         axes: Axes {
-            sizes: header.lattice.nodes(),
-            steps: AxisSteps::Upright(header.lattice.spacing()),
-            first: header.lattice.first(),
+            sizes: lattice.nodes(),
+            steps: AxisSteps::Upright(lattice.spacing()),
+            first: lattice.first(),
             centring: Centring::Nodes,
         },
         element: Element::Float32,
@@ -153,13 +61,64 @@ pub(super) fn read(
         encoding: Encoding::Raw,
         scaling: None,
     };
-    let grid = read_grid(
-        source,
-        length - CourseGridHeader::BYTES as u64,
-        &layout,
-        options,
-    )?;
-    Ok((grid, layout))
+    let grid = read_grid(source, &layout, options)?;
+    Ok((grid, Stored::Samples(layout)))
+}
+
+/// The nodes that a header describes.
+fn lattice(header: &[u8; HEADER]) -> Result<Lattice, VolumeFault> {
+    let (words, _) = header.as_chunks::<4>();
+    let counts = [0, 1, 2].map(|axis| i32::from_le_bytes(words[axis]));
+    let sizes = [3, 4, 5].map(|axis| f32::from_le_bytes(words[axis]));
+    if counts.iter().any(|&count| count < 1) {
+        let [nx, ny, nz] = counts;
+        return Err(format!(
+            "the header gives {nx} × {ny} × {nz} nodes, and each axis needs at least 1: is this \
+             file little endian?"
+        )
+        .into());
+    }
+    if !sizes.iter().all(|&size| size.is_finite() && size >= 0.0) {
+        let [x, y, z] = sizes;
+        return Err(format!(
+            "the header gives the size ({x}, {y}, {z}): sizes must be finite and not negative; is \
+             this file little endian?"
+        )
+        .into());
+    }
+    // Positive, hence the same as a `usize`.
+    let nodes = counts.map(|count| count as usize);
+    let axis = nodes.iter().position(|&nodes| nodes > 1).ok_or(ONE_NODE)?;
+    if sizes[axis] == 0.0 {
+        let (name, nodes) = (['x', 'y', 'z'][axis], nodes[axis]);
+        return Err(format!(
+            "the header gives size 0 along {name}, where there are {nodes} nodes: their spacing \
+             would be 0"
+        )
+        .into());
+    }
+    let spacing = f64::from(sizes[axis]) / (nodes[axis] - 1) as f64;
+    Ok(Lattice::new(nodes, DVec3::splat(spacing), DVec3::ZERO)?)
+}
+
+/// Checks that a file of `bytes` bytes is as long as its header says.
+fn check_length(lattice: &Lattice, bytes: u64) -> Result<(), VolumeFault> {
+    // No overflow: a lattice has at most 2³¹ nodes.
+    let promised = HEADER as u64 + 4 * lattice.node_count() as u64;
+    if bytes == promised {
+        return Ok(());
+    }
+    let [nx, ny, nz] = lattice.nodes();
+    let cause = if bytes < promised {
+        "was cut short, or is not little endian"
+    } else {
+        "holds something else as well, or is not float32"
+    };
+    Err(format!(
+        "the header promises {nx} × {ny} × {nz} float32 densities, {promised} bytes in all, and \
+         the file has {bytes}: it {cause}"
+    )
+    .into())
 }
 
 /// The bytes of a course grid: for grids of one spacing whose first node lies at the origin.
@@ -167,27 +126,39 @@ pub(super) fn read(
 /// The header stores lengths as `float32`, so the spacing is kept to a relative error of 2⁻²⁴.
 /// A grid that came from this format survives unchanged: from size to spacing and
 /// back is two roundings in `f64`, far from the border between two `float32`.
-pub fn write_course_grid(grid: &Grid<f32>) -> Result<Vec<u8>, CourseGridError> {
+pub fn write_course_grid(grid: &Grid<f32>) -> Result<Vec<u8>, VolumeFault> {
     let lattice = grid.lattice();
     let spacing = lattice.spacing();
     if spacing != DVec3::splat(spacing.x) {
-        return Err(CourseGridError::Anisotropic(spacing));
+        return Err(format!(
+            "a course grid has one spacing, this grid has {spacing}: resample it first"
+        )
+        .into());
     }
     if lattice.first() != DVec3::ZERO {
-        return Err(CourseGridError::NotAtOrigin(lattice.first()));
+        let first = lattice.first();
+        return Err(format!(
+            "a course grid begins at the world origin, this grid at {first}: move it first"
+        )
+        .into());
     }
     if lattice.node_count() == 1 {
-        return Err(CourseGridError::OneNode);
+        return Err(ONE_NODE.into());
     }
-    grid.check_densities()?;
+    grid.check_densities().map_err(|error| error.to_string())?;
     let sizes = lattice.nodes().map(|n| spacing.x * (n - 1) as f64);
-    let mut bytes = Vec::with_capacity(CourseGridHeader::BYTES + 4 * lattice.node_count());
+    let mut bytes = Vec::with_capacity(HEADER + 4 * lattice.node_count());
     for (nodes, size) in lattice.nodes().into_iter().zip(sizes) {
         let stored = size as f32;
         let sayable = stored.is_finite() && (stored > 0.0 || nodes == 1);
         match i32::try_from(nodes) {
             Ok(count) if sayable => bytes.extend(count.to_le_bytes()),
-            _ => return Err(CourseGridError::NotRepresentable { nodes, size }),
+            _ => {
+                return Err(format!(
+                    "the header of a course grid cannot hold {nodes} nodes over a length of {size}"
+                )
+                .into());
+            }
         }
     }
     bytes.extend(sizes.iter().flat_map(|&size| (size as f32).to_le_bytes()));
@@ -195,68 +166,11 @@ pub fn write_course_grid(grid: &Grid<f32>) -> Result<Vec<u8>, CourseGridError> {
     Ok(bytes)
 }
 
-/// What the first 24 bytes say.
-struct CourseGridHeader {
-    lattice: Lattice,
-}
-
-impl CourseGridHeader {
-    /// Length of the header.
-    const BYTES: usize = 24;
-
-    /// Reads the header at the beginning of `bytes`.
-    fn read(bytes: &[u8]) -> Result<CourseGridHeader, CourseGridError> {
-        if bytes.len() < Self::BYTES {
-            let bytes = bytes.len() as u64;
-            return Err(CourseGridError::Header { bytes });
-        }
-        let word = |index: usize| -> [u8; 4] {
-            let word = &bytes[4 * index..4 * index + 4];
-            word.try_into().expect("four bytes")
-        };
-        let counts = [0, 1, 2].map(|axis| i32::from_le_bytes(word(axis)));
-        let sizes = [3, 4, 5].map(|axis| f32::from_le_bytes(word(axis)));
-        if counts.iter().any(|&count| count < 1) {
-            return Err(CourseGridError::Nodes(counts[0], counts[1], counts[2]));
-        }
-        if !sizes.iter().all(|&size| size.is_finite() && size >= 0.0) {
-            return Err(CourseGridError::Size(sizes[0], sizes[1], sizes[2]));
-        }
-        // Positive, hence the same as a `usize`.
-        let nodes = counts.map(|count| count as usize);
-        let axis = nodes.iter().position(|&nodes| nodes > 1);
-        let axis = axis.ok_or(CourseGridError::OneNode)?;
-        if sizes[axis] == 0.0 {
-            return Err(CourseGridError::Flat {
-                axis: ['x', 'y', 'z'][axis],
-                nodes: nodes[axis],
-            });
-        }
-        let spacing = f64::from(sizes[axis]) / (nodes[axis] - 1) as f64;
-        let lattice = Lattice::new(nodes, DVec3::splat(spacing), DVec3::ZERO)?;
-        Ok(CourseGridHeader { lattice })
-    }
-
-    /// Checks that a file of `bytes` bytes is as long as the header says.
-    fn check_length(&self, bytes: u64) -> Result<(), CourseGridError> {
-        // No overflow: a lattice has at most 2³¹ nodes.
-        let promised = Self::BYTES as u64 + 4 * self.lattice.node_count() as u64;
-        if bytes == promised {
-            return Ok(());
-        }
-        Err(CourseGridError::Length {
-            nodes: self.lattice.nodes(),
-            promised,
-            bytes,
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn read(bytes: &[u8]) -> Result<Grid<f32>, CourseGridError> {
+    fn read(bytes: &[u8]) -> Result<Grid<f32>, VolumeFault> {
         read_course_grid(bytes, &LoadOptions::default())
     }
 

@@ -1,13 +1,58 @@
 //! Volumes from files, the format by the extension.
 
-use super::VOLUME_READERS;
-use super::error::VolumeError;
+use super::course_grid::COURSE_GRID;
+use super::error::{VolumeError, VolumeFault};
 use super::grid::Grid;
 use super::load_options::LoadOptions;
-use super::reader::{Stored, VolumeReader};
-use super::source::ends_in;
-use super::source::{FileRead, VolumeSource};
+use super::mitsuba_vol::MITSUBA_VOL;
+use super::nifti::NIFTI;
+use super::nrrd::NRRD;
+use super::point_cloud::POINT_CLOUD;
+use super::raw_volume::BARE_SAMPLES;
+use super::samples::Layout;
+use super::source::{FileRead, VolumeSource, ends_in};
+use crate::geometry::Aabb;
 use std::path::Path;
+
+/// A format of volume files. A new one is a file that declares it, and a row of the table.
+pub struct VolumeFormat {
+    /// Name of the format.
+    pub name: &'static str,
+    /// Endings of the names of its files: a dot and small letters. Capitals are recognised, too.
+    pub extensions: &'static [&'static str],
+    /// Whether its files hold points that are splatted, and not a grid.
+    pub is_point_cloud: bool,
+    /// Reads a file of the format. Values of the grid are finite, unless asked for otherwise, and
+    /// may be negative.
+    pub(super) read: fn(&mut VolumeSource, &LoadOptions) -> VolumeRead,
+}
+
+/// What a file holds, and in which form.
+pub(super) type VolumeRead = Result<(Grid<f32>, Stored), VolumeFault>;
+
+/// Every format that is read.
+const VOLUME_FORMATS: [&VolumeFormat; 6] = [
+    &POINT_CLOUD,
+    &COURSE_GRID,
+    &MITSUBA_VOL,
+    &NRRD,
+    &NIFTI,
+    &BARE_SAMPLES,
+];
+
+/// The form in which a file holds a volume.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stored {
+    /// As points.
+    Cloud {
+        /// Number of points.
+        points: usize,
+        /// The box around them.
+        extent: Aabb,
+    },
+    /// As samples of a grid.
+    Samples(Layout),
+}
 
 /// A volume, and where it came from.
 #[derive(Clone, Debug)]
@@ -23,20 +68,19 @@ pub struct Loaded {
     pub stored: Stored,
 }
 
-/// The reader for the file at `path`, by its extension.
-pub fn volume_reader(path: &Path) -> Option<&'static dyn VolumeReader> {
-    VOLUME_READERS.into_iter().find(|reader| {
-        let mut extensions = reader.extensions().iter();
+/// The format of the file at `path`, by its extension.
+pub fn volume_format(path: &Path) -> Option<&'static VolumeFormat> {
+    VOLUME_FORMATS.into_iter().find(|format| {
+        let mut extensions = format.extensions.iter();
         extensions.any(|extension| ends_in(path, extension))
     })
 }
 
 /// The formats that are read, each with its extensions, as a list for people.
 pub fn volume_formats() -> String {
-    let format = |reader: &dyn VolumeReader| {
-        format!("{}: {}", reader.extensions().join(", "), reader.name())
-    };
-    VOLUME_READERS.map(format).join("; ")
+    VOLUME_FORMATS
+        .map(|format| format!("{}: {}", format.extensions.join(", "), format.name))
+        .join("; ")
 }
 
 /// The grid of [`load_hashed`].
@@ -49,37 +93,40 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Grid<f32>, VolumeError
 /// A splatted cloud has the maximum 1. Values of a grid are finite, unless asked for otherwise,
 /// and may be negative.
 pub fn load_hashed(path: &Path, options: &LoadOptions) -> Result<Loaded, VolumeError> {
-    let reader = volume_reader(path).ok_or_else(|| VolumeError::Format {
-        path: path.to_owned(),
-        known: volume_formats(),
-    })?;
+    let Some(format) = volume_format(path) else {
+        let known = volume_formats();
+        return Err(VolumeError {
+            path: path.to_owned(),
+            fault: format!("not a volume by its extension: known are {known}").into(),
+        });
+    };
     let mut source = VolumeSource::open(path)?;
-    let (grid, stored) = reader.read(&mut source, options)?;
+    let read = (format.read)(&mut source, options);
+    let (grid, stored) = read.map_err(|fault| source.error(fault))?;
     Ok(Loaded {
         grid,
         files: source.finish()?,
-        format: reader.name(),
+        format: format.name,
         stored,
     })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{BareSamples, CourseGrid, MitsubaVol, Nifti, Nrrd, PointCloud};
     use super::*;
 
     #[test]
     fn formats_go_by_the_extension() {
-        let of = |path: &str| volume_reader(Path::new(path)).map(VolumeReader::name);
-        assert_eq!(of("a/b.obj"), Some(PointCloud.name()));
-        assert_eq!(of("a.b/C.OBJ"), Some(PointCloud.name()));
-        assert_eq!(of("smoke.bin"), Some(CourseGrid.name()));
-        assert_eq!(of("smoke.vol"), Some(MitsubaVol.name()));
-        assert_eq!(of("a.nrrd"), Some(Nrrd.name()));
-        assert_eq!(of("a.Nhdr"), Some(Nrrd.name()));
-        assert_eq!(of("a.nii"), Some(Nifti.name()));
-        assert_eq!(of("a.b.NII.gz"), Some(Nifti.name()));
-        assert_eq!(of("a.raw.toml"), Some(BareSamples.name()));
+        let of = |path: &str| volume_format(Path::new(path)).map(|format| format.name);
+        assert_eq!(of("a/b.obj"), Some(POINT_CLOUD.name));
+        assert_eq!(of("a.b/C.OBJ"), Some(POINT_CLOUD.name));
+        assert_eq!(of("smoke.bin"), Some(COURSE_GRID.name));
+        assert_eq!(of("smoke.vol"), Some(MITSUBA_VOL.name));
+        assert_eq!(of("a.nrrd"), Some(NRRD.name));
+        assert_eq!(of("a.Nhdr"), Some(NRRD.name));
+        assert_eq!(of("a.nii"), Some(NIFTI.name));
+        assert_eq!(of("a.b.NII.gz"), Some(NIFTI.name));
+        assert_eq!(of("a.raw.toml"), Some(BARE_SAMPLES.name));
         for other in [
             "", "obj", ".obj", "a.obj.gz", "a.vdb", "a.", "a.gz", ".nii", ".nii.gz",
         ] {
@@ -91,9 +138,8 @@ mod tests {
     #[test]
     fn no_two_formats_share_an_extension() {
         let all = || {
-            VOLUME_READERS
-                .into_iter()
-                .flat_map(VolumeReader::extensions)
+            let formats = VOLUME_FORMATS.iter();
+            formats.flat_map(|format| format.extensions)
         };
         for extension in all() {
             assert!(extension.starts_with('.') && *extension == extension.to_lowercase());

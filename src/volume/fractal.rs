@@ -1,10 +1,10 @@
 //! A density made of noise at many scales.
 
 use super::noise_range::noise_range;
+use super::parameter::{InvalidParameter, require};
 use super::{DensityField, DensityRange, perlin_noise};
 use crate::geometry::Aabb;
 use glam::DVec3;
-use thiserror::Error;
 
 /// What a [`FractalDensity`] is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,30 +45,6 @@ impl Default for FractalParameters {
     }
 }
 
-/// Why parameters make no field.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
-#[allow(missing_docs, reason = "the messages say it")]
-pub enum FractalError {
-    #[error("octaves must be 1 to {MOST_OCTAVES}, got {0}")]
-    Octaves(u32),
-    #[error("lacunarity must be positive and finite, got {0:?}")]
-    Lacunarity(f64),
-    #[error("lacunarity {lacunarity:?} makes the frequency of octave {octaves} overflow")]
-    Frequency { lacunarity: f64, octaves: u32 },
-    #[error("gain must be positive and finite, got {0:?}")]
-    Gain(f64),
-    #[error("gain {gain:?} makes the amplitudes of {octaves} octaves overflow")]
-    Amplitude { gain: f64, octaves: u32 },
-    #[error("scale must be finite, got {0}")]
-    Scale(DVec3),
-    #[error("offset must be finite, got {0}")]
-    Offset(DVec3),
-    #[error("the largest density must be finite and not negative, got {0:?}")]
-    MaxDensity(f64),
-    #[error("the threshold must be finite, got {0:?}")]
-    Threshold(f64),
-}
-
 /// Noise at many scales as a density.
 ///
 /// With `n` [Perlin's noise](perlin_noise) and `q = p·scale + offset`, the octaves
@@ -101,8 +77,8 @@ impl FractalDensity {
     ///
     /// # Errors
     ///
-    /// [`FractalError`], by parameter.
-    pub fn new(parameters: FractalParameters) -> Result<FractalDensity, FractalError> {
+    /// [`InvalidParameter`].
+    pub fn new(parameters: FractalParameters) -> Result<FractalDensity, InvalidParameter> {
         let FractalParameters {
             octaves,
             lacunarity,
@@ -112,42 +88,43 @@ impl FractalDensity {
             max_density,
             threshold,
         } = parameters;
-        let positive = |value: f64| value.is_finite() && value > 0.0;
-        if !(1..=MOST_OCTAVES).contains(&octaves) {
-            return Err(FractalError::Octaves(octaves));
-        }
-        if !positive(lacunarity) {
-            return Err(FractalError::Lacunarity(lacunarity));
-        }
-        if !positive(gain) {
-            return Err(FractalError::Gain(gain));
-        }
-        if !scale.is_finite() {
-            return Err(FractalError::Scale(scale));
-        }
-        if !offset.is_finite() {
-            return Err(FractalError::Offset(offset));
-        }
-        if !(max_density.is_finite() && max_density >= 0.0) {
-            return Err(FractalError::MaxDensity(max_density));
-        }
-        if !threshold.is_finite() {
-            return Err(FractalError::Threshold(threshold));
-        }
+        let check_factor = |name, factor: f64| {
+            let message = format_args!("{name} must be positive and finite, got {factor:?}");
+            require(factor.is_finite() && factor > 0.0, name, message)
+        };
+        let check_vector = |name, vector: DVec3| {
+            let message = format_args!("{name} must be finite, got {vector}");
+            require(vector.is_finite(), name, message)
+        };
+        let message = format_args!("octaves must be 1 to {MOST_OCTAVES}, got {octaves}");
+        require((1..=MOST_OCTAVES).contains(&octaves), "octaves", message)?;
+        check_factor("lacunarity", lacunarity)?;
+        check_factor("gain", gain)?;
+        check_vector("scale", scale)?;
+        check_vector("offset", offset)?;
+        let is_density = max_density.is_finite() && max_density >= 0.0;
+        let message = format_args!(
+            "the largest density must be finite and not negative, got {max_density:?}"
+        );
+        require(is_density, "max_density", message)?;
+        let message = format_args!("the threshold must be finite, got {threshold:?}");
+        require(threshold.is_finite(), "threshold", message)?;
         let powers = |factor: f64| {
             std::iter::successors(Some(1.0), move |power| Some(power * factor))
                 .take(octaves as usize)
         };
         let sum: f64 = powers(gain).sum();
-        if !sum.is_finite() {
-            return Err(FractalError::Amplitude { gain, octaves });
-        }
-        if powers(lacunarity).any(f64::is_infinite) {
-            return Err(FractalError::Frequency {
-                lacunarity,
-                octaves,
-            });
-        }
+        let message =
+            format_args!("gain {gain:?} makes the amplitudes of {octaves} octaves overflow");
+        require(sum.is_finite(), "gain", message)?;
+        let message = format_args!(
+            "lacunarity {lacunarity:?} makes the frequency of octave {octaves} overflow"
+        );
+        require(
+            powers(lacunarity).all(f64::is_finite),
+            "lacunarity",
+            message,
+        )?;
         let octaves = powers(lacunarity).zip(powers(gain));
         let octaves = octaves.map(|(frequency, power)| Octave {
             frequency,
@@ -298,54 +275,30 @@ mod tests {
             change(&mut parameters);
             FractalDensity::new(parameters).unwrap_err()
         };
-        assert_eq!(fault(&|p| p.octaves = 0), FractalError::Octaves(0));
-        assert_eq!(fault(&|p| p.octaves = 33), FractalError::Octaves(33));
-        assert_eq!(fault(&|p| p.gain = 0.0), FractalError::Gain(0.0));
-        assert_eq!(
-            fault(&|p| p.gain = 1e300),
-            FractalError::Amplitude {
-                gain: 1e300,
-                octaves: 10
-            }
-        );
-        assert_eq!(
-            fault(&|p| p.lacunarity = 1e200),
-            FractalError::Frequency {
-                lacunarity: 1e200,
-                octaves: 10
-            }
-        );
-        assert_eq!(
-            fault(&|p| p.lacunarity = -2.0),
-            FractalError::Lacunarity(-2.0)
-        );
+        let message = |change: &dyn Fn(&mut FractalParameters)| fault(change).message;
+        let octaves = "octaves must be 1 to 32, got ";
+        assert_eq!(message(&|p| p.octaves = 0), format!("{octaves}0"));
+        assert_eq!(message(&|p| p.octaves = 33), format!("{octaves}33"));
+        let gain = "gain must be positive and finite, got 0.0";
+        assert_eq!(message(&|p| p.gain = 0.0), gain);
+        let amplitude = "gain 1e300 makes the amplitudes of 10 octaves overflow";
+        assert_eq!(message(&|p| p.gain = 1e300), amplitude);
+        let frequency = "lacunarity 1e200 makes the frequency of octave 10 overflow";
+        assert_eq!(message(&|p| p.lacunarity = 1e200), frequency);
+        let lacunarity = "lacunarity must be positive and finite, got -2.0";
+        assert_eq!(message(&|p| p.lacunarity = -2.0), lacunarity);
         let infinite = DVec3::new(0.0, f64::INFINITY, 0.0);
-        assert_eq!(
-            fault(&|p| p.scale = infinite),
-            FractalError::Scale(infinite)
-        );
-        assert_eq!(
-            fault(&|p| p.offset = infinite),
-            FractalError::Offset(infinite)
-        );
-        assert_eq!(
-            fault(&|p| p.max_density = -1.0),
-            FractalError::MaxDensity(-1.0)
-        );
+        let scale = "scale must be finite, got [0, inf, 0]";
+        assert_eq!(message(&|p| p.scale = infinite), scale);
+        let offset = "offset must be finite, got [0, inf, 0]";
+        assert_eq!(message(&|p| p.offset = infinite), offset);
+        let most = "the largest density must be finite and not negative, got -1.0";
+        assert_eq!(message(&|p| p.max_density = -1.0), most);
         for bad in [f64::NAN, f64::INFINITY] {
-            assert!(matches!(
-                fault(&|p| p.threshold = bad),
-                FractalError::Threshold(_)
-            ));
-            assert!(matches!(fault(&|p| p.gain = bad), FractalError::Gain(_)));
-            assert!(matches!(
-                fault(&|p| p.lacunarity = bad),
-                FractalError::Lacunarity(_)
-            ));
-            assert!(matches!(
-                fault(&|p| p.max_density = bad),
-                FractalError::MaxDensity(_)
-            ));
+            assert_eq!(fault(&|p| p.threshold = bad).name, "threshold");
+            assert_eq!(fault(&|p| p.gain = bad).name, "gain");
+            assert_eq!(fault(&|p| p.lacunarity = bad).name, "lacunarity");
+            assert_eq!(fault(&|p| p.max_density = bad).name, "max_density");
         }
     }
 

@@ -1,10 +1,10 @@
 //! Densities that vary along one direction, or not at all: along a ray they have closed forms.
 
+use super::parameter::{InvalidParameter, require};
 use super::{DensityField, DensityRange};
 use crate::geometry::{Aabb, Direction};
 use crate::math::exp;
 use glam::DVec3;
-use thiserror::Error;
 
 /// The same density everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,35 +30,13 @@ pub struct LinearRamp {
     gradient: DVec3,
 }
 
-/// Why there is no such field.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
-pub enum LayerError {
-    /// The density is negative, infinite or not a number.
-    #[error("density must be finite and not negative, got {0}")]
-    Density(f64),
-    /// The scale height is no length to divide by, or so small that its inverse is no number.
-    #[error("scale height must be positive and finite, and not below 2.3e-308, got {0:?}")]
-    ScaleHeight(f64),
-    /// The vector that says which way is up says nothing.
-    #[error("up must be finite and not zero, got {0}")]
-    Up(DVec3),
-    /// A place, a gradient or the density of a ramp is infinite or not a number.
-    #[error("{name} must be finite, got {value}")]
-    NotFinite {
-        /// What it is of.
-        name: &'static str,
-        /// What was given; one number three times if it is no vector.
-        value: DVec3,
-    },
-}
-
 impl ConstantDensity {
     /// Checks the density.
     ///
     /// # Errors
     ///
-    /// [`LayerError::Density`].
-    pub fn new(density: f64) -> Result<ConstantDensity, LayerError> {
+    /// [`InvalidParameter`].
+    pub fn new(density: f64) -> Result<ConstantDensity, InvalidParameter> {
         checked_density(density).map(ConstantDensity)
     }
 }
@@ -68,20 +46,25 @@ impl ExponentialLayer {
     ///
     /// # Errors
     ///
-    /// [`LayerError`], by parameter.
+    /// [`InvalidParameter`].
     pub fn new(
         density: f64,
         base: DVec3,
         up: DVec3,
         scale_height: f64,
-    ) -> Result<ExponentialLayer, LayerError> {
-        if !(scale_height.is_normal() && scale_height > 0.0) {
-            return Err(LayerError::ScaleHeight(scale_height));
-        }
+    ) -> Result<ExponentialLayer, InvalidParameter> {
+        let message = format_args!(
+            "scale height must be positive and finite, and not below 2.3e-308, got {scale_height:?}"
+        );
+        let divides = scale_height.is_normal() && scale_height > 0.0;
+        require(divides, "scale_height", message)?;
         Ok(ExponentialLayer {
             density: checked_density(density)?,
             base: finite("base", base)?,
-            up: Direction::of(up).ok_or(LayerError::Up(up))?,
+            up: Direction::of(up).ok_or_else(|| InvalidParameter {
+                name: "up",
+                message: format!("up must be finite and not zero, got {up}"),
+            })?,
             scale_height,
         })
     }
@@ -111,8 +94,12 @@ impl LinearRamp {
     ///
     /// # Errors
     ///
-    /// [`LayerError::NotFinite`].
-    pub fn new(density: f64, origin: DVec3, gradient: DVec3) -> Result<LinearRamp, LayerError> {
+    /// [`InvalidParameter`].
+    pub fn new(
+        density: f64,
+        origin: DVec3,
+        gradient: DVec3,
+    ) -> Result<LinearRamp, InvalidParameter> {
         Ok(LinearRamp {
             density: finite("density", DVec3::splat(density))?.x,
             origin: finite("origin", origin)?,
@@ -193,20 +180,16 @@ fn extremes(bounds: &Aabb, slope: DVec3) -> [DVec3; 2] {
     ]
 }
 
-fn checked_density(density: f64) -> Result<f64, LayerError> {
-    if density.is_finite() && density >= 0.0 {
-        Ok(density)
-    } else {
-        Err(LayerError::Density(density))
-    }
+fn checked_density(density: f64) -> Result<f64, InvalidParameter> {
+    let message = format_args!("density must be finite and not negative, got {density}");
+    require(density.is_finite() && density >= 0.0, "density", message)?;
+    Ok(density)
 }
 
-fn finite(name: &'static str, value: DVec3) -> Result<DVec3, LayerError> {
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(LayerError::NotFinite { name, value })
-    }
+fn finite(name: &'static str, value: DVec3) -> Result<DVec3, InvalidParameter> {
+    let message = format_args!("{name} must be finite, got {value}");
+    require(value.is_finite(), name, message)?;
+    Ok(value)
 }
 
 #[cfg(test)]
@@ -245,21 +228,21 @@ mod tests {
     #[test]
     fn parameters_are_checked() {
         let layer = |density, up, height| ExponentialLayer::new(density, DVec3::ZERO, up, height);
-        assert_eq!(layer(-1.0, DVec3::Y, 1.0), Err(LayerError::Density(-1.0)));
-        assert_eq!(
-            layer(1.0, DVec3::ZERO, 1.0),
-            Err(LayerError::Up(DVec3::ZERO))
-        );
-        assert_eq!(layer(1.0, DVec3::Y, 0.0), Err(LayerError::ScaleHeight(0.0)));
+        let message = |density, up, height| layer(density, up, height).unwrap_err().message;
+        let density = "density must be finite and not negative, got -1";
+        assert_eq!(message(-1.0, DVec3::Y, 1.0), density);
+        let up = "up must be finite and not zero, got [0, 0, 0]";
+        assert_eq!(message(1.0, DVec3::ZERO, 1.0), up);
+        let height = "scale height must be positive and finite, and not below 2.3e-308, got 0.0";
+        assert_eq!(message(1.0, DVec3::Y, 0.0), height);
         assert!(ConstantDensity::new(f64::INFINITY).is_err());
         assert!(LinearRamp::new(f64::NAN, DVec3::ZERO, DVec3::ZERO).is_err());
         let infinite = DVec3::new(f64::NEG_INFINITY, 0.0, 0.0);
         assert_eq!(
-            LinearRamp::new(0.0, DVec3::ZERO, infinite).unwrap_err(),
-            LayerError::NotFinite {
-                name: "gradient",
-                value: infinite
-            }
+            LinearRamp::new(0.0, DVec3::ZERO, infinite)
+                .unwrap_err()
+                .name,
+            "gradient"
         );
     }
 

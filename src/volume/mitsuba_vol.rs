@@ -9,128 +9,50 @@
 //! read here. Mitsuba 3 reads the same file as a texture, with every sample in the middle of a
 //! cell; [`LoadOptions::centring`] asks for that. The box is the same in both cases.
 
-use super::error::VolumeError;
+use super::error::VolumeFault;
+use super::file::{Stored, VolumeFormat, VolumeRead};
 use super::orientation::{Axes, AxisSteps};
-use super::reader::{Stored, VolumeReader};
 use super::samples::{check_sizes, fill, read_grid};
 use super::source::VolumeSource;
-use super::{
-    Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions, SamplesError,
-};
+use super::{Centring, Element, Encoding, Endian, Grid, Layout, LoadOptions};
 use glam::DVec3;
-use std::io::BufRead;
-use thiserror::Error;
-
-/// Why bytes are no Mitsuba volume, or a grid cannot be written as one.
-#[derive(Debug, Error)]
-pub enum VolError {
-    /// Not even a header.
-    #[error("the file ends after {0} of the 48 bytes of its header")]
-    Header(usize),
-    /// Some other file.
-    #[error("the file does not begin with the letters VOL: it is no Mitsuba volume")]
-    Magic,
-    /// A version nobody described.
-    #[error("this is version {0} of the format, and version 3 is read")]
-    Version(u8),
-    /// No scalar type.
-    #[error(
-        "the samples are of type {code}{}: types 1 (float32), 2 (float16) and 3 (uint8) are read",
-        if *code == 4 { " (quantised directions)" } else { "" }
-    )]
-    Type {
-        /// The code of the type.
-        code: i32,
-    },
-    /// Colours, or something else that is no scalar.
-    #[error("the file has {0} channels, and a density has 1: write one channel to a file")]
-    Channels(i32),
-    /// An axis with no or a negative number of samples.
-    #[error(
-        "the header gives {0} × {1} × {2} samples, and each axis needs at least 1: is this file \
-         little endian?"
-    )]
-    Sizes(i32, i32, i32),
-    /// A box without inside.
-    #[error("the box of the header goes from {min} to {max}: each axis must ascend, and be finite")]
-    Box {
-        /// First corner.
-        min: DVec3,
-        /// Second corner.
-        max: DVec3,
-    },
-    /// More samples than a lattice may have.
-    #[error(transparent)]
-    Lattice(#[from] LatticeError),
-    /// The samples are not what the header says.
-    #[error(transparent)]
-    Samples(#[from] SamplesError),
-    /// Writing: a box that `float32` cannot hold.
-    #[error("the header of a Mitsuba volume cannot hold a box from {min} to {max}")]
-    NotRepresentable {
-        /// First corner.
-        min: DVec3,
-        /// Second corner.
-        max: DVec3,
-    },
-}
 
 /// Bytes of the header.
 const HEADER: usize = 48;
 
-/// Reader of Mitsuba's grid.
-#[derive(Clone, Copy, Debug)]
-pub struct MitsubaVol;
-
-impl VolumeReader for MitsubaVol {
-    fn name(&self) -> &'static str {
-        "Mitsuba volume"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &[".vol"]
-    }
-
-    fn read(
-        &self,
-        source: &mut VolumeSource,
-        options: &LoadOptions,
-    ) -> Result<(Grid<f32>, Stored), VolumeError> {
-        let length = source.length();
-        let (grid, layout) = read(source, length, options).map_err(|error| source.fault(error))?;
-        Ok((grid, Stored::Samples(layout)))
-    }
-}
+/// Mitsuba's grid.
+pub(super) const MITSUBA_VOL: VolumeFormat = VolumeFormat {
+    name: "Mitsuba volume",
+    extensions: &[".vol"],
+    is_point_cloud: false,
+    read,
+};
 
 /// Reads a Mitsuba volume.
-pub fn read_vol(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolError> {
-    let mut source = bytes;
-    read(&mut source, bytes.len() as u64, options).map(|(grid, _)| grid)
+pub fn read_vol(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolumeFault> {
+    read(&mut VolumeSource::of(bytes), options).map(|(grid, _)| grid)
 }
 
-/// Reads a Mitsuba volume from a source of `length` bytes.
-pub(super) fn read(
-    source: &mut impl BufRead,
-    length: u64,
-    options: &LoadOptions,
-) -> Result<(Grid<f32>, Layout), VolError> {
+fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let mut header = [0; HEADER];
-    let filled = fill(source, &mut header).map_err(SamplesError::Read)?;
+    let filled = fill(source, &mut header)?;
     if !header.starts_with(&b"VOL"[..filled.min(3)]) {
-        return Err(VolError::Magic);
+        let message = "the file does not begin with the letters VOL: it is no Mitsuba volume";
+        return Err(message.into());
     }
     if filled < HEADER {
-        return Err(VolError::Header(filled));
+        return Err(format!("the file ends after {filled} of the 48 bytes of its header").into());
     }
     let layout = layout(&header, options)?;
-    let remaining = length.saturating_sub(HEADER as u64);
-    let grid = read_grid(source, remaining, &layout, options)?;
-    Ok((grid, layout))
+    let grid = read_grid(source, &layout, options)?;
+    Ok((grid, Stored::Samples(layout)))
 }
 
-fn layout(header: &[u8; HEADER], options: &LoadOptions) -> Result<Layout, VolError> {
+fn layout(header: &[u8; HEADER], options: &LoadOptions) -> Result<Layout, VolumeFault> {
     if header[3] != 3 {
-        return Err(VolError::Version(header[3]));
+        let version = header[3];
+        let message = format!("this is version {version} of the format, and version 3 is read");
+        return Err(message.into());
     }
     let (words, _) = header[4..].as_chunks::<4>();
     let int = |index: usize| i32::from_le_bytes(words[index]);
@@ -139,21 +61,44 @@ fn layout(header: &[u8; HEADER], options: &LoadOptions) -> Result<Layout, VolErr
         1 => (Element::Float32, None),
         2 => (Element::Float16, None),
         3 => (Element::Uint8, Some((1.0 / 255.0, 0.0))),
-        code => return Err(VolError::Type { code }),
+        code => {
+            let kind = if code == 4 {
+                " (quantised directions)"
+            } else {
+                ""
+            };
+            return Err(format!(
+                "the samples are of type {code}{kind}: types 1 (float32), 2 (float16) and 3 \
+                 (uint8) are read"
+            )
+            .into());
+        }
     };
     let counts = [int(1), int(2), int(3)];
     if counts.iter().any(|&count| count < 1) {
-        return Err(VolError::Sizes(counts[0], counts[1], counts[2]));
+        let [nx, ny, nz] = counts;
+        return Err(format!(
+            "the header gives {nx} × {ny} × {nz} samples, and each axis needs at least 1: is this \
+             file little endian?"
+        )
+        .into());
     }
-    if int(4) != 1 {
-        return Err(VolError::Channels(int(4)));
+    let channels = int(4);
+    if channels != 1 {
+        return Err(format!(
+            "the file has {channels} channels, and a density has 1: write one channel to a file"
+        )
+        .into());
     }
     let sizes = check_sizes(counts.map(|count| count as u64))?;
     let min = DVec3::new(float(5), float(6), float(7));
     let max = DVec3::new(float(8), float(9), float(10));
     let extent = max - min;
     if !(min.is_finite() && max.is_finite() && extent.cmpgt(DVec3::ZERO).all()) {
-        return Err(VolError::Box { min, max });
+        return Err(format!(
+            "the box of the header goes from {min} to {max}: each axis must ascend, and be finite"
+        )
+        .into());
     }
     let centring = options.centring.unwrap_or_default();
     let (mut spacing, mut first) = (extent, min);
@@ -185,7 +130,7 @@ fn layout(header: &[u8; HEADER], options: &LoadOptions) -> Result<Layout, VolErr
 /// The header holds the box of the grid, as `float32`: of a grid that came from this format it
 /// survives unchanged, of others to a relative error of 2⁻²⁴. It does not hold the centring:
 /// whoever reads a [cell-centred](Centring::Cells) grid must ask for that.
-pub fn write_vol(grid: &Grid<f32>) -> Result<Vec<u8>, VolError> {
+pub fn write_vol(grid: &Grid<f32>) -> Result<Vec<u8>, VolumeFault> {
     let lattice = grid.lattice();
     let bounds = lattice.bounds();
     let corners = [bounds.min.as_vec3(), bounds.max.as_vec3()];
@@ -197,7 +142,10 @@ pub fn write_vol(grid: &Grid<f32>) -> Result<Vec<u8>, VolError> {
     }
     if !(corners[0].is_finite() && corners[1].is_finite() && ascends) || counts.contains(&0) {
         let (min, max) = (bounds.min, bounds.max);
-        return Err(VolError::NotRepresentable { min, max });
+        return Err(format!(
+            "the header of a Mitsuba volume cannot hold a box from {min} to {max}"
+        )
+        .into());
     }
     let mut bytes = Vec::with_capacity(HEADER + 4 * lattice.node_count());
     bytes.extend(b"VOL\x03");

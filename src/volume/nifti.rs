@@ -11,103 +11,15 @@
 //! quaternions and spacings, scales integers within their own type (a slope of 0.35 leaves steps
 //! of 1), and holds the file's bytes beside the values made of them.
 
-use super::error::VolumeError;
+use super::error::VolumeFault;
+use super::file::{Stored, VolumeFormat, VolumeRead};
 use super::orientation::{Axes, AxisSteps};
-use super::reader::{Stored, VolumeReader};
-use super::samples::{check_sizes, fill, read_grid};
+use super::samples::{check_sizes, fill, read_grid, read_unpacked};
 use super::source::VolumeSource;
-use super::{
-    Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions, SamplesError,
-};
+use super::{Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions};
 use crate::decoder::Guarded;
 use glam::DVec3;
-use std::io::{self, BufRead, BufReader, Read};
-use thiserror::Error;
-
-/// Why a file is no NIfTI-1 that can be read.
-#[derive(Debug, Error)]
-pub enum NiftiError {
-    /// Not even a header.
-    #[error("the file ends after {0} of the 348 bytes of its header")]
-    Header(usize),
-    /// Not gzip, or damaged, within the header.
-    #[error("this is no sound gzip stream ({0}): compress the file again, or copy it again")]
-    Gzip(io::Error),
-    /// The successor.
-    #[error("this is NIfTI-2, and NIfTI-1 is read: convert it")]
-    Version2,
-    /// Some other file.
-    #[error("the header does not begin with its length, 348: this is no NIfTI-1 file")]
-    NoNifti,
-    /// Header and data in two files.
-    #[error("the header belongs to a pair of files, .hdr and .img: convert them to one .nii")]
-    Pair,
-    /// Another format with the same length of header.
-    #[error("the header does not end in the letters n+1: this is no NIfTI-1 file of one part")]
-    Magic,
-    /// A plane, or a movie.
-    #[error(
-        "the file has {} samples: a volume has three axes of one value to a sample; cut it up",
-        joined(.0)
-    )]
-    Dimensions(Vec<i16>),
-    /// No scalar type, or none that is known.
-    #[error(
-        "the samples are of data type {code}{}: scalar integers of up to 64 bits, float32 and \
-         float64 are read",
-        named(*code)
-    )]
-    Type {
-        /// The code of the type.
-        code: i16,
-    },
-    /// A type of another size.
-    #[error("the header says {bits} bits to a sample, and its data type has {expected}")]
-    Bits {
-        /// Bits by the header.
-        bits: i16,
-        /// Bits of the type.
-        expected: usize,
-    },
-    /// Data that begin within the header, or between two bytes.
-    #[error("the data begin at byte {0}: that must be a whole number of at least 352")]
-    Offset(f32),
-    /// Slope or intercept beyond the numbers.
-    #[error("slope {slope} and intercept {intercept} of the values: both must be finite")]
-    Scaling {
-        /// `scl_slope`
-        slope: f32,
-        /// `scl_inter`
-        intercept: f32,
-    },
-    /// A quaternion that is no rotation.
-    #[error("the qform of the header, ({0}, {1}, {2}), is no rotation")]
-    Quaternion(f32, f32, f32),
-    /// More samples than a lattice may have.
-    #[error(transparent)]
-    Lattice(#[from] LatticeError),
-    /// The samples are not what the header says.
-    #[error(transparent)]
-    Samples(#[from] SamplesError),
-}
-
-fn joined(sizes: &[i16]) -> String {
-    let sizes: Vec<String> = sizes.iter().map(i16::to_string).collect();
-    sizes.join(" × ")
-}
-
-fn named(code: i16) -> &'static str {
-    match code {
-        1 => " (bits)",
-        32 => " (complex64)",
-        128 => " (RGB)",
-        1536 => " (float128)",
-        1792 => " (complex128)",
-        2048 => " (complex256)",
-        2304 => " (RGBA)",
-        _ => "",
-    }
-}
+use std::io::{self, BufReader, Read};
 
 /// Bytes of the header.
 const HEADER: usize = 348;
@@ -120,94 +32,70 @@ const FIRST_DATA: u64 = 352;
 /// circle would else come out tilted by a thousandth.
 const NO_COSINE: f64 = 1.0 / (1 << 22) as f64;
 
-/// Reader of NIfTI-1, compressed or not.
-#[derive(Clone, Copy, Debug)]
-pub struct Nifti;
-
-impl VolumeReader for Nifti {
-    fn name(&self) -> &'static str {
-        "NIfTI-1"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &[".nii", ".nii.gz"]
-    }
-
-    fn read(
-        &self,
-        source: &mut VolumeSource,
-        options: &LoadOptions,
-    ) -> Result<(Grid<f32>, Stored), VolumeError> {
-        let (length, compressed) = (source.length(), source.ends_in(".gz"));
-        let read = read(source, length, compressed, options);
-        let (grid, mut layout) = read.map_err(|error| source.fault(error))?;
-        if compressed {
-            layout.encoding = Encoding::Gzip;
-        }
-        Ok((grid, Stored::Samples(layout)))
-    }
-}
+/// NIfTI-1, compressed or not.
+pub(super) const NIFTI: VolumeFormat = VolumeFormat {
+    name: "NIfTI-1",
+    extensions: &[".nii", ".nii.gz"],
+    is_point_cloud: false,
+    read: |source, options| read(source, source.ends_in(".gz"), options),
+};
 
 /// Reads a NIfTI-1 file; `compressed` tells `.nii.gz` from `.nii`.
 pub fn read_nifti(
     bytes: &[u8],
     compressed: bool,
     options: &LoadOptions,
-) -> Result<Grid<f32>, NiftiError> {
-    let mut source = bytes;
-    read(&mut source, bytes.len() as u64, compressed, options).map(|(grid, _)| grid)
+) -> Result<Grid<f32>, VolumeFault> {
+    read(&mut VolumeSource::of(bytes), compressed, options).map(|(grid, _)| grid)
 }
 
-/// Reads a NIfTI-1 file from a source of `length` bytes.
-pub(super) fn read(
-    source: &mut impl BufRead,
-    length: u64,
-    compressed: bool,
-    options: &LoadOptions,
-) -> Result<(Grid<f32>, Layout), NiftiError> {
+fn read(source: &mut VolumeSource, compressed: bool, options: &LoadOptions) -> VolumeRead {
     if !compressed {
-        let (mut layout, offset) = layout(source, |error| SamplesError::Read(error).into())?;
-        layout.encoding = Encoding::Raw;
-        let grid = read_grid(source, length.saturating_sub(offset), &layout, options)?;
-        return Ok((grid, layout));
+        let layout = layout(source, Encoding::Raw, VolumeFault::from)?;
+        let grid = read_grid(source, &layout, options)?;
+        return Ok((grid, Stored::Samples(layout)));
     }
+    let trouble = |error: io::Error| {
+        format!("this is no sound gzip stream ({error}): compress the file again, or copy it again")
+            .into()
+    };
     // Header and data are one stream, so it is unpacked here and read as if it were raw; how long
     // it is nobody knows before its end.
+    let length = source.remaining();
     let unpacked = Guarded(flate2::bufread::MultiGzDecoder::new(source));
     let mut unpacked = BufReader::with_capacity(1 << 16, unpacked);
-    let (layout, _) = layout(&mut unpacked, NiftiError::Gzip)?;
-    let grid = super::samples::read_unpacked(&mut unpacked, length, &layout, options)?;
-    Ok((grid, layout))
+    let layout = layout(&mut unpacked, Encoding::Gzip, trouble)?;
+    let grid = read_unpacked(&mut unpacked, length, &layout, options)?;
+    Ok((grid, Stored::Samples(layout)))
 }
 
-/// Reads the header, and on to the first sample; the second value is the number of bytes read.
+/// Reads the header, and on to the first sample.
 fn layout(
-    source: &mut impl Read,
-    trouble: impl Fn(io::Error) -> NiftiError,
-) -> Result<(Layout, u64), NiftiError> {
+    source: &mut dyn Read,
+    encoding: Encoding,
+    trouble: fn(io::Error) -> VolumeFault,
+) -> Result<Layout, VolumeFault> {
     let mut bytes = [0; HEADER];
-    let filled = fill(source, &mut bytes).map_err(&trouble)?;
+    let filled = fill(source, &mut bytes).map_err(trouble)?;
     if filled < HEADER {
-        return Err(NiftiError::Header(filled));
+        return Err(format!("the file ends after {filled} of the 348 bytes of its header").into());
     }
     let header = NiftiHeader::new(&bytes)?;
-    let axes = Axes {
-        sizes: header.sizes()?,
-        steps: header.steps()?,
-        first: header.first(),
-        centring: Centring::Nodes,
-    };
     let layout = Layout {
-        axes,
+        axes: Axes {
+            sizes: header.sizes()?,
+            steps: header.steps()?,
+            first: header.first(),
+            centring: Centring::Nodes,
+        },
         element: header.element()?,
         endian: header.endian,
-        encoding: Encoding::Gzip,
+        encoding,
         scaling: header.scaling()?,
     };
-    let offset = header.data_offset()?;
-    let between = offset - HEADER as u64;
-    io::copy(&mut source.take(between), &mut io::sink()).map_err(&trouble)?;
-    Ok((layout, offset))
+    let between = header.data_offset()? - HEADER as u64;
+    io::copy(&mut source.take(between), &mut io::sink()).map_err(trouble)?;
+    Ok(layout)
 }
 
 /// The bytes of a header, and their order.
@@ -217,7 +105,7 @@ struct NiftiHeader<'h> {
 }
 
 impl<'h> NiftiHeader<'h> {
-    fn new(bytes: &'h [u8; HEADER]) -> Result<NiftiHeader<'h>, NiftiError> {
+    fn new(bytes: &'h [u8; HEADER]) -> Result<NiftiHeader<'h>, VolumeFault> {
         let little = NiftiHeader {
             bytes,
             endian: Endian::Little,
@@ -229,14 +117,23 @@ impl<'h> NiftiHeader<'h> {
         let header = match (little.int(0), big.int(0)) {
             (348, _) => little,
             (_, 348) => big,
-            (540, _) | (_, 540) => return Err(NiftiError::Version2),
-            _ => return Err(NiftiError::NoNifti),
+            (540, _) | (_, 540) => {
+                return Err("this is NIfTI-2, and NIfTI-1 is read: convert it".into());
+            }
+            _ => {
+                let message = "the header does not begin with its length, 348: this is no NIfTI-1 \
+                               file";
+                return Err(message.into());
+            }
         };
-        match &bytes[344..] {
-            b"n+1\0" => Ok(header),
-            b"ni1\0" => Err(NiftiError::Pair),
-            _ => Err(NiftiError::Magic),
-        }
+        let message = match &bytes[344..] {
+            b"n+1\0" => return Ok(header),
+            b"ni1\0" => {
+                "the header belongs to a pair of files, .hdr and .img: convert them to one .nii"
+            }
+            _ => "the header does not end in the letters n+1: this is no NIfTI-1 file of one part",
+        };
+        Err(message.into())
     }
 
     fn word<const N: usize>(&self, at: usize) -> [u8; N] {
@@ -265,7 +162,7 @@ impl<'h> NiftiHeader<'h> {
         std::array::from_fn(|index| f64::from(self.float(at + 4 * index)))
     }
 
-    fn sizes(&self) -> Result<[usize; 3], NiftiError> {
+    fn sizes(&self) -> Result<[usize; 3], VolumeFault> {
         let dimensions = self.short(40);
         let count = dimensions.clamp(0, 7);
         let sizes: Vec<i16> = (1..=count)
@@ -276,12 +173,18 @@ impl<'h> NiftiHeader<'h> {
             && sizes.iter().all(|&size| size > 0)
             && sizes[3..].iter().all(|&size| size == 1);
         if !three {
-            return Err(NiftiError::Dimensions(sizes));
+            let sizes: Vec<String> = sizes.iter().map(i16::to_string).collect();
+            return Err(format!(
+                "the file has {} samples: a volume has three axes of one value to a sample; cut it \
+                 up",
+                sizes.join(" × ")
+            )
+            .into());
         }
         Ok(check_sizes([0, 1, 2].map(|axis| sizes[axis] as u64))?)
     }
 
-    fn element(&self) -> Result<Element, NiftiError> {
+    fn element(&self) -> Result<Element, VolumeFault> {
         let code = self.short(70);
         let element = match code {
             2 => Element::Uint8,
@@ -294,16 +197,19 @@ impl<'h> NiftiHeader<'h> {
             768 => Element::Uint32,
             1024 => Element::Int64,
             1280 => Element::Uint64,
-            _ => return Err(NiftiError::Type { code }),
+            _ => return Err(unread_type(code)),
         };
         let (bits, expected) = (self.short(72), 8 * element.bytes());
         if i64::from(bits) != expected as i64 {
-            return Err(NiftiError::Bits { bits, expected });
+            return Err(format!(
+                "the header says {bits} bits to a sample, and its data type has {expected}"
+            )
+            .into());
         }
         Ok(element)
     }
 
-    fn data_offset(&self) -> Result<u64, NiftiError> {
+    fn data_offset(&self) -> Result<u64, VolumeFault> {
         let offset = self.float(108);
         // Some writers leave it 0 and mean the earliest place.
         if offset == 0.0 {
@@ -312,19 +218,24 @@ impl<'h> NiftiHeader<'h> {
         // Beyond 2⁴⁰ nothing is a file; whole numbers are exact below.
         let possible = (FIRST_DATA as f32..1e12).contains(&offset) && offset.fract() == 0.0;
         if possible {
-            Ok(offset as u64)
-        } else {
-            Err(NiftiError::Offset(offset))
+            return Ok(offset as u64);
         }
+        Err(
+            format!("the data begin at byte {offset}: that must be a whole number of at least 352")
+                .into(),
+        )
     }
 
-    fn scaling(&self) -> Result<Option<(f64, f64)>, NiftiError> {
+    fn scaling(&self) -> Result<Option<(f64, f64)>, VolumeFault> {
         let (slope, intercept) = (self.float(112), self.float(116));
         if slope == 0.0 || slope.is_nan() {
             return Ok(None);
         }
         if !(slope.is_finite() && intercept.is_finite()) {
-            return Err(NiftiError::Scaling { slope, intercept });
+            return Err(format!(
+                "slope {slope} and intercept {intercept} of the values: both must be finite"
+            )
+            .into());
         }
         let (slope, intercept) = (f64::from(slope), f64::from(intercept));
         Ok((slope != 1.0 || intercept != 0.0).then_some((slope, intercept)))
@@ -353,7 +264,7 @@ impl<'h> NiftiHeader<'h> {
         }
     }
 
-    fn steps(&self) -> Result<AxisSteps, NiftiError> {
+    fn steps(&self) -> Result<AxisSteps, VolumeFault> {
         if self.by_sform() {
             let rows = self.sform();
             let column = |axis: usize| DVec3::from_array([0, 1, 2].map(|row| rows[row][axis]));
@@ -372,7 +283,8 @@ impl<'h> NiftiHeader<'h> {
             ((1.0 - squares).sqrt(), b, c, d)
         } else {
             let [b, c, d] = [256, 260, 264].map(|at| self.float(at));
-            return Err(NiftiError::Quaternion(b, c, d));
+            let message = format!("the qform of the header, ({b}, {c}, {d}), is no rotation");
+            return Err(message.into());
         };
         let dz = if handedness < 0.0 { -dz } else { dz };
         let x = DVec3::new(
@@ -397,6 +309,25 @@ impl<'h> NiftiHeader<'h> {
         }
         Ok(AxisSteps::Directed([x * dx, y * dy, z * dz]))
     }
+}
+
+/// The error of a type that is no scalar, or none that is known.
+fn unread_type(code: i16) -> VolumeFault {
+    let name = match code {
+        1 => " (bits)",
+        32 => " (complex64)",
+        128 => " (RGB)",
+        1536 => " (float128)",
+        1792 => " (complex128)",
+        2048 => " (complex256)",
+        2304 => " (RGBA)",
+        _ => "",
+    };
+    format!(
+        "the samples are of data type {code}{name}: scalar integers of up to 64 bits, float32 and \
+         float64 are read"
+    )
+    .into()
 }
 
 #[cfg(test)]
@@ -438,7 +369,7 @@ mod tests {
         }
     }
 
-    fn read(bytes: &[u8]) -> Result<Grid<f32>, NiftiError> {
+    fn read(bytes: &[u8]) -> Result<Grid<f32>, VolumeFault> {
         read_nifti(bytes, false, &LoadOptions::default())
     }
 

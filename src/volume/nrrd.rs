@@ -14,131 +14,14 @@
 //!
 //! A file with the wrong `endian` cannot be told from one with odd values.
 
-use super::error::VolumeError;
+use super::error::VolumeFault;
+use super::file::{Stored, VolumeFormat, VolumeRead};
 use super::orientation::{Axes, AxisSteps};
-use super::reader::{Stored, VolumeReader};
 use super::samples::{check_sizes, read_grid};
 use super::source::VolumeSource;
-use super::{
-    Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions, SamplesError,
-};
+use super::{Centring, Element, Encoding, Endian, Grid, Layout, LoadOptions};
 use glam::DVec3;
-use std::io::{self, BufRead, Read};
-use thiserror::Error;
-
-/// Why a file is no NRRD that can be read. Faults of a line begin with its number.
-#[derive(Debug, Error)]
-pub enum NrrdError {
-    /// Some other file.
-    #[error("the file does not begin with NRRD0001 to NRRD0005: it is no NRRD file")]
-    Magic,
-    /// A header without end.
-    #[error("the header does not end within {0} bytes: a blank line ends it")]
-    Endless(usize),
-    /// The header of an attached file breaks off.
-    #[error("the file ends within its header: a blank line must follow it, and then the data")]
-    Cut,
-    /// A line that cannot be understood.
-    #[error("{line}: {fault}")]
-    Line {
-        /// Which, counted from 1.
-        line: usize,
-        /// What is wrong with it.
-        fault: NrrdFault,
-    },
-    /// A field that must be there.
-    #[error("the header has no field `{0}`")]
-    Missing(&'static str),
-    /// A plane, or a movie.
-    #[error(
-        "the file has {} axes, of {} samples: a volume has three axes of one value to a sample; \
-         cut it up",
-        .0.len(), joined(.0)
-    )]
-    Axes(Vec<u64>),
-    /// Positions given twice.
-    #[error("the header gives `{0}` and `{1}`, which exclude each other: keep one")]
-    Both(&'static str, &'static str),
-    /// Positions given twice, and differently.
-    #[error(
-        "along axis {axis} the header gives a spacing of {spacing}, and minimum and maximum that \
-         make it {other}: keep one"
-    )]
-    Contradiction {
-        /// Which axis, counted from 1.
-        axis: usize,
-        /// Spacing by `spacings`.
-        spacing: f64,
-        /// Spacing by `axis mins`, `axis maxs` and `sizes`.
-        other: f64,
-    },
-    /// Nodes here, cells there.
-    #[error("some axes are centred on nodes, others on cells: a grid has one centring")]
-    MixedCentring,
-    /// More samples than a lattice may have.
-    #[error(transparent)]
-    Lattice(#[from] LatticeError),
-    /// The samples are not what the header says.
-    #[error(transparent)]
-    Samples(#[from] SamplesError),
-    /// A skip that cannot be.
-    #[error("{0}")]
-    Skip(&'static str),
-    /// Bytes alone cannot name the file of the data.
-    #[error("the data are in another file, {0:?}: load the header by its path")]
-    Detached(String),
-}
-
-/// What can be wrong with a line of a header.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum NrrdFault {
-    /// Neither field nor key nor comment.
-    #[error("a line of the header is `field: value`, `key:=value` or `# comment`, not {0:?}")]
-    NoField(String),
-    /// A field that the format does not have.
-    #[error("{0:?} is no field of the format: correct it, or put `#` before it")]
-    UnknownField(String),
-    /// A field that comes twice.
-    #[error("the field `{0}` is there twice")]
-    Twice(&'static str),
-    /// A value that is no value of this field.
-    #[error("`{field}` takes {expected}, not {value:?}")]
-    Value {
-        /// Which field.
-        field: &'static str,
-        /// What it takes.
-        expected: &'static str,
-        /// What is there.
-        value: String,
-    },
-    /// Too few or too many values.
-    #[error("`{field}` has {found} values, and the file {dimension} axes")]
-    Count {
-        /// Which field.
-        field: &'static str,
-        /// Values there.
-        found: usize,
-        /// Axes of the file.
-        dimension: usize,
-    },
-    /// An encoding of the format that is not read here.
-    #[error("the encoding is {0}, and raw, gzip and text are read: write the file again as one")]
-    UnreadEncoding(&'static str),
-    /// An encoding that the format does not have.
-    #[error("{0:?} is no encoding of the format: known are raw, gzip, text, hex and bzip2")]
-    UnknownEncoding(String),
-    /// Opaque samples.
-    #[error("samples of type block are not numbers")]
-    Block,
-    /// Data in many files.
-    #[error("the data are spread over several files ({0}): join them into one")]
-    ManyFiles(&'static str),
-}
-
-fn joined(sizes: &[u64]) -> String {
-    let sizes: Vec<String> = sizes.iter().map(u64::to_string).collect();
-    sizes.join(" × ")
-}
+use std::io::{BufRead, Read};
 
 /// What a header says, and where the data are.
 #[derive(Clone, Debug, PartialEq)]
@@ -157,28 +40,22 @@ impl NrrdHeader {
     }
 
     /// Reads the data that this header describes from `bytes`, the file that it names.
-    pub fn read_data(&self, bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, NrrdError> {
-        let mut source = bytes;
-        self.read_from(&mut source, bytes.len() as u64, options)
+    pub fn read_data(&self, bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolumeFault> {
+        self.read_from(&mut VolumeSource::of(bytes), options)
     }
 
-    /// Reads the data from a source that has `length` bytes left.
-    pub(super) fn read_from(
+    /// Reads the data from what is left of a source.
+    fn read_from(
         &self,
-        source: &mut impl BufRead,
-        length: u64,
+        source: &mut VolumeSource,
         options: &LoadOptions,
-    ) -> Result<Grid<f32>, NrrdError> {
-        let mut remaining = length;
+    ) -> Result<Grid<f32>, VolumeFault> {
         for _ in 0..self.line_skip {
-            let skipped = skip_line(source).map_err(SamplesError::Read)?;
-            if skipped == 0 {
-                return Err(NrrdError::Skip(
-                    "`line skip` goes beyond the end of the data",
-                ));
+            if source.skip_until(b'\n')? == 0 {
+                return Err("`line skip` goes beyond the end of the data".into());
             }
-            remaining = remaining.saturating_sub(skipped);
         }
+        let remaining = source.remaining();
         let layout = &self.layout;
         let skip = match (self.byte_skip, layout.encoding) {
             (Some(0), _) => 0,
@@ -190,26 +67,21 @@ impl NrrdHeader {
                 remaining.saturating_sub(promised)
             }
             (Some(_), Encoding::Gzip) => {
-                return Err(NrrdError::Skip(
-                    "`byte skip` within compressed data is not read: write them without",
-                ));
+                let message = "`byte skip` within compressed data is not read: write them without";
+                return Err(message.into());
             }
-            (None, _) => {
-                return Err(NrrdError::Skip("`byte skip` of -1 needs the encoding raw"));
-            }
+            (None, _) => return Err("`byte skip` of -1 needs the encoding raw".into()),
         };
         if skip > remaining {
-            return Err(NrrdError::Skip(
-                "`byte skip` goes beyond the end of the data",
-            ));
+            return Err("`byte skip` goes beyond the end of the data".into());
         }
-        io::copy(&mut source.by_ref().take(skip), &mut io::sink()).map_err(SamplesError::Read)?;
-        Ok(read_grid(source, remaining - skip, layout, options)?)
+        source.skip(skip)?;
+        read_grid(source, layout, options)
     }
 
     /// Reads the header at the beginning of `source`, which is left behind the blank line that
-    /// ends it, with its length in bytes.
-    pub(super) fn read(source: &mut impl BufRead) -> Result<(NrrdHeader, u64), NrrdError> {
+    /// ends it.
+    fn read(source: &mut VolumeSource) -> Result<NrrdHeader, VolumeFault> {
         let mut header = source.by_ref().take(LONGEST_HEADER as u64);
         let mut fields = Fields::default();
         let mut line = Vec::new();
@@ -217,9 +89,7 @@ impl NrrdHeader {
         let mut number = 0;
         loop {
             line.clear();
-            let read = header
-                .read_until(b'\n', &mut line)
-                .map_err(SamplesError::Read)?;
+            let read = header.read_until(b'\n', &mut line)?;
             length += read;
             number += 1;
             let ended = line.last() == Some(&b'\n');
@@ -227,86 +97,66 @@ impl NrrdHeader {
             if number == 1 {
                 let known = ["NRRD0001", "NRRD0002", "NRRD0003", "NRRD0004", "NRRD0005"];
                 if !known.contains(&text.as_ref()) {
-                    return Err(NrrdError::Magic);
+                    let message = "the file does not begin with NRRD0001 to NRRD0005: it is no \
+                                   NRRD file";
+                    return Err(message.into());
                 }
                 continue;
             }
             if length >= LONGEST_HEADER {
-                return Err(NrrdError::Endless(LONGEST_HEADER));
+                return Err(format!(
+                    "the header does not end within {LONGEST_HEADER} bytes: a blank line ends it"
+                )
+                .into());
             }
             if text.is_empty() && (ended || read == 0) {
                 let header = fields.header()?;
                 // A detached header may end with its last field.
                 if !ended && header.data_file.is_none() {
-                    return Err(NrrdError::Cut);
+                    let message = "the file ends within its header: a blank line must follow it, \
+                                   and then the data";
+                    return Err(message.into());
                 }
-                return Ok((header, length as u64));
+                return Ok(header);
             }
-            let fault = |fault| NrrdError::Line {
-                line: number,
-                fault,
-            };
-            fields.take(&text, number).map_err(fault)?;
+            fields.take(&text, number)?;
         }
     }
 }
 
-/// Reader of NRRD, whose data may lie in another file.
-#[derive(Clone, Copy, Debug)]
-pub struct Nrrd;
+/// NRRD, whose data may lie in another file.
+pub(super) const NRRD: VolumeFormat = VolumeFormat {
+    name: "NRRD",
+    extensions: &[".nrrd", ".nhdr"],
+    is_point_cloud: false,
+    read,
+};
 
-impl VolumeReader for Nrrd {
-    fn name(&self) -> &'static str {
-        "NRRD"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &[".nrrd", ".nhdr"]
-    }
-
-    fn read(
-        &self,
-        source: &mut VolumeSource,
-        options: &LoadOptions,
-    ) -> Result<(Grid<f32>, Stored), VolumeError> {
-        let read = NrrdHeader::read(source);
-        let (header, header_length) = read.map_err(|error| fault(source, error))?;
-        let length = source.length();
-        let grid = match &header.data_file {
-            None => header.read_from(source, length - header_length, options),
-            Some(name) => {
-                let data = source.open_data(name, options)?;
-                let length = data.length();
-                header.read_from(data, length, options)
-            }
-        };
-        let grid = grid.map_err(|error| fault(source, error))?;
-        Ok((grid, Stored::Samples(header.layout)))
-    }
-}
-
-fn fault(source: &VolumeSource, error: NrrdError) -> VolumeError {
-    if matches!(error, NrrdError::Line { .. }) {
-        source.fault_in_line(error)
-    } else {
-        source.fault(error)
-    }
+fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+    let header = NrrdHeader::read(source)?;
+    let grid = match &header.data_file {
+        None => header.read_from(source, options),
+        Some(name) => header.read_from(source.open_data(name, options)?, options),
+    };
+    Ok((grid?, Stored::Samples(header.layout)))
 }
 
 /// Reads a NRRD file that holds its own data.
-pub fn read_nrrd(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, NrrdError> {
-    let mut source = bytes;
-    let (header, length) = NrrdHeader::read(&mut source)?;
+pub fn read_nrrd(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolumeFault> {
+    let mut source = VolumeSource::of(bytes);
+    let header = NrrdHeader::read(&mut source)?;
     match &header.data_file {
-        Some(name) => Err(NrrdError::Detached(name.clone())),
-        None => header.read_from(&mut source, bytes.len() as u64 - length, options),
+        Some(name) => Err(format!(
+            "the data are in another file, {name:?}: load the header by its path"
+        )
+        .into()),
+        None => header.read_from(&mut source, options),
     }
 }
 
 /// Reads the header of a NRRD file.
-pub fn read_nrrd_header(bytes: &[u8]) -> Result<NrrdHeader, NrrdError> {
-    let mut source = bytes;
-    NrrdHeader::read(&mut source).map(|(header, _)| header)
+pub fn read_nrrd_header(bytes: &[u8]) -> Result<NrrdHeader, VolumeFault> {
+    NrrdHeader::read(&mut VolumeSource::of(bytes))
 }
 
 /// Headers of diffusion scans, the longest there are, have some hundred kilobytes.
@@ -315,42 +165,11 @@ const LONGEST_HEADER: usize = 1 << 20;
 /// As Teem: more axes than anybody uses.
 const MOST_AXES: usize = 16;
 
-/// Bytes up to the next line feed, and with it.
-fn skip_line(source: &mut impl BufRead) -> io::Result<u64> {
-    let mut skipped = 0;
-    loop {
-        let buffer = source.fill_buf()?;
-        let end = buffer.iter().position(|&byte| byte == b'\n');
-        let length = end.map_or(buffer.len(), |end| end + 1);
-        source.consume(length);
-        skipped += length as u64;
-        if end.is_some() || length == 0 {
-            return Ok(skipped);
-        }
-    }
-}
-
 /// Fields that say nothing about where the samples lie or what they are.
-const IGNORED: [&str; 18] = [
-    "content",
-    "number",
-    "block size",
-    "blocksize",
-    "min",
-    "max",
-    "old min",
-    "oldmin",
-    "old max",
-    "oldmax",
-    "sample units",
-    "sampleunits",
-    "thicknesses",
-    "labels",
-    "units",
-    "space units",
-    "measurement frame",
-    "space",
-];
+const IGNORED: &str = "\
+    content, number, block size, blocksize, min, max, old min, oldmin, old max, oldmax, \
+    sample units, sampleunits, thicknesses, labels, units, space units, measurement \
+    frame, space";
 
 /// Fields that are read: as written, and the name they go by.
 const READ: [(&str, &str); 22] = [
@@ -383,23 +202,33 @@ const READ: [(&str, &str); 22] = [
 struct Fields(Vec<(&'static str, String, usize)>);
 
 impl Fields {
-    fn take(&mut self, text: &str, line: usize) -> Result<(), NrrdFault> {
+    fn take(&mut self, text: &str, line: usize) -> Result<(), VolumeFault> {
+        let fault = |message: String| VolumeFault::Line(format!("{line}: {message}"));
         if text.starts_with('#') {
             return Ok(());
         }
-        let no_field = || NrrdFault::NoField(shortened(text));
-        let (name, value) = text.split_once(':').ok_or_else(no_field)?;
+        let (name, value) = text.split_once(':').ok_or_else(|| {
+            let text = shortened(text);
+            fault(format!(
+                "a line of the header is `field: value`, `key:=value` or `# comment`, not {text:?}"
+            ))
+        })?;
         if value.starts_with('=') {
             return Ok(());
         }
         let name = name.trim().to_ascii_lowercase();
-        if IGNORED.contains(&name.as_str()) {
+        if IGNORED.split(", ").any(|ignored| ignored == name) {
             return Ok(());
         }
         let known = READ.iter().find(|(written, _)| *written == name);
-        let (_, field) = known.ok_or_else(|| NrrdFault::UnknownField(shortened(&name)))?;
+        let (_, field) = known.ok_or_else(|| {
+            let name = shortened(&name);
+            fault(format!(
+                "{name:?} is no field of the format: correct it, or put `#` before it"
+            ))
+        })?;
         if self.0.iter().any(|(other, ..)| other == field) {
-            return Err(NrrdFault::Twice(field));
+            return Err(fault(format!("the field `{field}` is there twice")));
         }
         self.0.push((field, value.trim().to_owned(), line));
         Ok(())
@@ -414,11 +243,11 @@ impl Fields {
         })
     }
 
-    fn required(&self, name: &'static str) -> Result<HeaderField<'_>, NrrdError> {
-        self.get(name).ok_or(NrrdError::Missing(name))
+    fn required(&self, name: &'static str) -> Result<HeaderField<'_>, VolumeFault> {
+        self.get(name).ok_or_else(|| missing(name))
     }
 
-    fn header(&self) -> Result<NrrdHeader, NrrdError> {
+    fn header(&self) -> Result<NrrdHeader, VolumeFault> {
         let dimension = self.required("dimension")?;
         let expected = "the number of axes, from 1 to 16";
         let dimension = dimension.number(expected, |&n: &usize| (1..=MOST_AXES).contains(&n))?;
@@ -432,7 +261,7 @@ impl Fields {
                 _ => return Err(field.wrong("little or big")),
             },
             None if element.bytes() > 1 && encoding != Encoding::Text => {
-                return Err(NrrdError::Missing("endian"));
+                return Err(missing("endian"));
             }
             None => Endian::Little,
         };
@@ -466,7 +295,7 @@ impl Fields {
         })
     }
 
-    fn element(&self) -> Result<Element, NrrdError> {
+    fn element(&self) -> Result<Element, VolumeFault> {
         let field = self.required("type")?;
         let words: Vec<&str> = field.value.split_ascii_whitespace().collect();
         Ok(match words.join(" ").to_ascii_lowercase().as_str() {
@@ -494,7 +323,7 @@ impl Fields {
             | "uint64_t" => Element::Uint64,
             "float" => Element::Float32,
             "double" => Element::Float64,
-            "block" => return Err(field.fault(NrrdFault::Block)),
+            "block" => return Err(field.fault("samples of type block are not numbers")),
             _ => {
                 let expected = "a type of the format, such as uint8, short or float";
                 return Err(field.wrong(expected));
@@ -502,31 +331,42 @@ impl Fields {
         })
     }
 
-    fn encoding(&self) -> Result<Encoding, NrrdError> {
+    fn encoding(&self) -> Result<Encoding, VolumeFault> {
         let field = self.required("encoding")?;
-        Ok(match field.value.to_ascii_lowercase().as_str() {
-            "raw" => Encoding::Raw,
-            "gzip" | "gz" => Encoding::Gzip,
-            "txt" | "text" | "ascii" => Encoding::Text,
-            "hex" => return Err(field.fault(NrrdFault::UnreadEncoding("hex"))),
-            "bzip2" | "bz2" => return Err(field.fault(NrrdFault::UnreadEncoding("bzip2"))),
-            _ => {
-                let value = shortened(field.value);
-                return Err(field.fault(NrrdFault::UnknownEncoding(value)));
-            }
-        })
+        let unread = |name| {
+            field.fault(&format!(
+                "the encoding is {name}, and raw, gzip and text are read: write the file again as \
+                 one"
+            ))
+        };
+        match field.value.to_ascii_lowercase().as_str() {
+            "raw" => Ok(Encoding::Raw),
+            "gzip" | "gz" => Ok(Encoding::Gzip),
+            "txt" | "text" | "ascii" => Ok(Encoding::Text),
+            "hex" => Err(unread("hex")),
+            "bzip2" | "bz2" => Err(unread("bzip2")),
+            _ => Err(field.fault(&format!(
+                "{:?} is no encoding of the format: known are raw, gzip, text, hex and bzip2",
+                shortened(field.value)
+            ))),
+        }
     }
 
-    fn data_file(&self) -> Result<Option<String>, NrrdError> {
+    fn data_file(&self) -> Result<Option<String>, VolumeFault> {
         let Some(field) = self.get("data file") else {
             return Ok(None);
         };
+        let many_files = |how| {
+            field.fault(&format!(
+                "the data are spread over several files ({how}): join them into one"
+            ))
+        };
         let first = field.value.split_ascii_whitespace().next();
         if first == Some("LIST") {
-            return Err(field.fault(NrrdFault::ManyFiles("LIST")));
+            return Err(many_files("LIST"));
         }
         if field.value.contains('%') {
-            return Err(field.fault(NrrdFault::ManyFiles("a pattern with %")));
+            return Err(many_files("a pattern with %"));
         }
         if field.value.is_empty() {
             return Err(field.wrong("the name of a file"));
@@ -535,7 +375,7 @@ impl Fields {
     }
 
     /// Where the samples lie.
-    fn axes(&self, sizes: &[u64]) -> Result<Axes, NrrdError> {
+    fn axes(&self, sizes: &[u64]) -> Result<Axes, VolumeFault> {
         let dimension = sizes.len();
         let directions = match self.get("space directions") {
             Some(field) => Some(field.vectors(dimension)?),
@@ -561,7 +401,7 @@ impl Fields {
                 ("axis maxs", maxs),
             ] {
                 if given.is_some() {
-                    return Err(NrrdError::Both("space directions", name));
+                    return Err(both("space directions", name));
                 }
             }
             // A kept axis without direction has no length, which no lattice accepts.
@@ -574,7 +414,7 @@ impl Fields {
         if let Some(field) = self.get("space origin") {
             axes.first = field.vector()?;
             if mins.is_some() || maxs.is_some() {
-                return Err(NrrdError::Both("space origin", "axis mins or axis maxs"));
+                return Err(both("space origin", "axis mins or axis maxs"));
             }
         }
         let mut spacing = spacings.unwrap_or([1.0; 3]);
@@ -591,11 +431,13 @@ impl Fields {
                 // Headers are written with six digits, some with fewer.
                 let differ = (length - spacing[axis]).abs() > 1e-3 * length.abs();
                 if spacings.is_some() && differ {
-                    return Err(NrrdError::Contradiction {
-                        axis: kept[axis] + 1,
-                        spacing: spacing[axis],
-                        other: length,
-                    });
+                    return Err(format!(
+                        "along axis {} the header gives a spacing of {}, and minimum and maximum \
+                         that make it {length}: keep one",
+                        kept[axis] + 1,
+                        spacing[axis]
+                    )
+                    .into());
                 }
                 spacing[axis] = length;
             }
@@ -609,7 +451,7 @@ impl Fields {
         Ok(axes)
     }
 
-    fn centring(&self, dimension: usize, kept: [usize; 3]) -> Result<Centring, NrrdError> {
+    fn centring(&self, dimension: usize, kept: [usize; 3]) -> Result<Centring, VolumeFault> {
         let Some(field) = self.get("centers") else {
             return Ok(Centring::Nodes);
         };
@@ -623,7 +465,9 @@ impl Fields {
         let mut known = kept.iter().filter_map(|&axis| all[axis]);
         let first = known.next().unwrap_or_default();
         if known.any(|other| other != first) {
-            return Err(NrrdError::MixedCentring);
+            let message = "some axes are centred on nodes, others on cells: a grid has one \
+                           centring";
+            return Err(message.into());
         }
         Ok(first)
     }
@@ -633,7 +477,7 @@ impl Fields {
         name: &'static str,
         dimension: usize,
         kept: [usize; 3],
-    ) -> Result<Option<[f64; 3]>, NrrdError> {
+    ) -> Result<Option<[f64; 3]>, VolumeFault> {
         let Some(field) = self.get(name) else {
             return Ok(None);
         };
@@ -647,7 +491,10 @@ impl Fields {
 
 /// The three axes that are left when those of a single sample that are too many are dropped:
 /// first those that have no direction, then the slowest.
-fn kept_axes(sizes: &[u64], directions: Option<&[Option<DVec3>]>) -> Result<[usize; 3], NrrdError> {
+fn kept_axes(
+    sizes: &[u64],
+    directions: Option<&[Option<DVec3>]>,
+) -> Result<[usize; 3], VolumeFault> {
     let mut kept: Vec<usize> = (0..sizes.len()).collect();
     let nowhere = |axis: usize| directions.is_some_and(|all| all[axis].is_none());
     while kept.len() > 3 {
@@ -659,7 +506,26 @@ fn kept_axes(sizes: &[u64], directions: Option<&[Option<DVec3>]>) -> Result<[usi
         };
         kept.remove(index);
     }
-    kept.try_into().map_err(|_| NrrdError::Axes(sizes.to_vec()))
+    kept.try_into().map_err(|_| {
+        let sizes: Vec<String> = sizes.iter().map(u64::to_string).collect();
+        format!(
+            "the file has {} axes, of {} samples: a volume has three axes of one value to a \
+             sample; cut it up",
+            sizes.len(),
+            sizes.join(" × ")
+        )
+        .into()
+    })
+}
+
+/// The error of a field that must be there.
+fn missing(name: &str) -> VolumeFault {
+    format!("the header has no field `{name}`").into()
+}
+
+/// The error of positions that are given twice.
+fn both(one: &str, other: &str) -> VolumeFault {
+    format!("the header gives `{one}` and `{other}`, which exclude each other: keep one").into()
 }
 
 /// A field of a header.
@@ -671,54 +537,48 @@ struct HeaderField<'h> {
 }
 
 impl HeaderField<'_> {
-    fn fault(&self, fault: NrrdFault) -> NrrdError {
-        NrrdError::Line {
-            line: self.line,
-            fault,
-        }
+    /// A mistake in the line of the field.
+    fn fault(&self, message: &str) -> VolumeFault {
+        VolumeFault::Line(format!("{}: {message}", self.line))
     }
 
-    fn wrong(&self, expected: &'static str) -> NrrdError {
-        self.fault(NrrdFault::Value {
-            field: self.name,
-            expected,
-            value: shortened(self.value),
-        })
+    fn wrong(&self, expected: &str) -> VolumeFault {
+        let (name, value) = (self.name, shortened(self.value));
+        self.fault(&format!("`{name}` takes {expected}, not {value:?}"))
     }
 
     fn number<T: std::str::FromStr>(
         &self,
         expected: &'static str,
         accepts: impl Fn(&T) -> bool,
-    ) -> Result<T, NrrdError> {
+    ) -> Result<T, VolumeFault> {
         let number = self.value.parse().ok().filter(accepts);
         number.ok_or_else(|| self.wrong(expected))
     }
 
-    fn count(&self, found: usize, dimension: usize) -> Result<(), NrrdError> {
+    fn count(&self, found: usize, dimension: usize) -> Result<(), VolumeFault> {
         if found == dimension {
             return Ok(());
         }
-        Err(self.fault(NrrdFault::Count {
-            field: self.name,
-            found,
-            dimension,
-        }))
+        let name = self.name;
+        Err(self.fault(&format!(
+            "`{name}` has {found} values, and the file {dimension} axes"
+        )))
     }
 
     /// One word for each axis.
     fn each<T>(
         &self,
         dimension: usize,
-        read: impl Fn(&str) -> Result<T, NrrdError>,
-    ) -> Result<Vec<T>, NrrdError> {
+        read: impl Fn(&str) -> Result<T, VolumeFault>,
+    ) -> Result<Vec<T>, VolumeFault> {
         let words: Vec<&str> = self.value.split_ascii_whitespace().collect();
         self.count(words.len(), dimension)?;
         words.into_iter().map(read).collect()
     }
 
     /// `(1,0,0) (0,1,0) none`
-    fn vectors(&self, dimension: usize) -> Result<Vec<Option<DVec3>>, NrrdError> {
+    fn vectors(&self, dimension: usize) -> Result<Vec<Option<DVec3>>, VolumeFault> {
         let mut vectors = Vec::new();
         let mut rest = self.value.trim();
         while !rest.is_empty() {
@@ -735,11 +595,11 @@ impl HeaderField<'_> {
         Ok(vectors)
     }
 
-    fn vector(&self) -> Result<DVec3, NrrdError> {
+    fn vector(&self) -> Result<DVec3, VolumeFault> {
         self.vector_in(self.value)
     }
 
-    fn vector_in(&self, text: &str) -> Result<DVec3, NrrdError> {
+    fn vector_in(&self, text: &str) -> Result<DVec3, VolumeFault> {
         let inner = text.trim().strip_prefix('(');
         let inner = inner.and_then(|inner| inner.strip_suffix(')'));
         let numbers: Option<Vec<f64>> =
@@ -770,7 +630,7 @@ mod tests {
         [header.as_bytes(), lines.as_bytes(), b"\n\x01\x02\x03\x04"].concat()
     }
 
-    fn read(bytes: &[u8]) -> Result<Grid<f32>, NrrdError> {
+    fn read(bytes: &[u8]) -> Result<Grid<f32>, VolumeFault> {
         read_nrrd(bytes, &LoadOptions::default())
     }
 

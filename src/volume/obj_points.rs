@@ -5,9 +5,9 @@
 //! not from within a comment, where it may end a path. Lines end in LF, CRLF or CR. Only `v`
 //! lines are decoded, so names and comments may be in any encoding that contains ASCII.
 
+use super::error::VolumeFault;
 use glam::DVec3;
 use std::collections::BTreeMap;
-use thiserror::Error;
 
 /// A point of a cloud.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,79 +18,20 @@ pub struct CloudPoint {
     pub weight: f64,
 }
 
-/// Why a file is no point cloud, and where. Shows as `line:column: fault`.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[error("{}{fault}", shown(.position))]
-pub struct ObjError {
-    /// Line and column of the culprit, both counted from 1, the column in bytes; `None` where
-    /// the fault is the whole file's.
-    pub position: Option<(usize, usize)>,
-    /// What is wrong there.
-    pub fault: ObjFault,
-}
-
-/// What can be wrong with a point cloud.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum ObjFault {
-    /// No byte at all.
-    #[error("the file is empty: a point cloud has a line `v x y z` for every point")]
-    Empty,
-    /// UTF-16, or no text.
-    #[error("this is not plain text (a zero byte or UTF-16): save the cloud as UTF-8 or ASCII")]
-    NotText,
-    /// Not one `v` line.
-    #[error("no point: a point cloud has a line `v x y z` for every point, this file has {found}")]
-    NoPoints {
-        /// What was there instead, in words.
-        found: String,
-    },
-    /// A line that begins with none of the format's keywords.
-    #[error(
-        "{0:?} is no keyword of the OBJ format: points begin with `v`; remove the line or put \
-         `#` before it"
-    )]
-    Keyword(String),
-    /// A `v` line with fewer than three, with five or with more than six numbers.
-    #[error(
-        "a `v` line has 3 numbers (x y z), 4 (x y z density) or 6 (x y z red green blue), this \
-         one has {0}"
-    )]
-    Count(usize),
-    /// Not a number.
-    #[error("{name} is {text:?}, which is not a number: write it like 0.5 or 5e-1")]
-    Number {
-        /// Which of the line's numbers.
-        name: &'static str,
-        /// What is written there.
-        text: String,
-    },
-    /// NaN, infinity, or a number too large for `f64`.
-    #[error("{name} is {text:?}, which is not finite: mend or remove this point")]
-    NotFinite {
-        /// Which of the line's numbers.
-        name: &'static str,
-        /// What is written there.
-        text: String,
-    },
-    /// A density below zero.
-    #[error("the density is {0}, and must not be negative: mend or remove this point")]
-    Negative(f64),
-    /// Points, but nothing to see.
-    #[error("every density is zero: the fourth number of a `v` line is its density")]
-    AllZero,
-}
-
 /// Reads the points of a Wavefront OBJ file, in file order.
 ///
 /// `v x y z` has weight 1, `v x y z d` weight `d`, `v x y z r g b` weight 1: colours must be
 /// numbers but are not used. Every other keyword of the format is skipped; an unknown one is an
 /// error. At least one point is returned, and at least one weight is positive.
-pub fn read_obj_points(bytes: &[u8]) -> Result<Vec<CloudPoint>, ObjError> {
+pub fn read_obj_points(bytes: &[u8]) -> Result<Vec<CloudPoint>, VolumeFault> {
     if bytes.is_empty() {
-        return Err(of_file(ObjFault::Empty));
+        let message = "the file is empty: a point cloud has a line `v x y z` for every point";
+        return Err(message.into());
     }
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || bytes.contains(&0) {
-        return Err(of_file(ObjFault::NotText));
+        let message = "this is not plain text (a zero byte or UTF-16): save the cloud as UTF-8 or \
+                       ASCII";
+        return Err(message.into());
     }
     let mut points = Vec::new();
     let mut skipped = BTreeMap::new();
@@ -100,75 +41,51 @@ pub fn read_obj_points(bytes: &[u8]) -> Result<Vec<CloudPoint>, ObjError> {
         let Some((keyword, numbers)) = words.split_first() else {
             continue;
         };
+        let mut known = SKIPPED.split_ascii_whitespace();
         if keyword.bytes == b"v" {
             points.push(point(keyword, numbers)?);
-        } else if let Some(known) = SKIPPED
-            .iter()
-            .find(|known| known.as_bytes() == keyword.bytes)
-        {
-            *skipped.entry(*known).or_insert(0) += 1;
+        } else if let Some(known) = known.find(|known| known.as_bytes() == keyword.bytes) {
+            *skipped.entry(known).or_insert(0) += 1;
         } else {
-            return Err(keyword.fault(ObjFault::Keyword(keyword.text())));
+            let word = keyword.text();
+            return Err(keyword.fault(format!(
+                "{word:?} is no keyword of the OBJ format: points begin with `v`; remove the line \
+                 or put `#` before it"
+            )));
         }
     }
     if points.is_empty() {
         let found = describe(&skipped);
-        return Err(of_file(ObjFault::NoPoints { found }));
+        return Err(format!(
+            "no point: a point cloud has a line `v x y z` for every point, this file has {found}"
+        )
+        .into());
     }
     if points.iter().all(|point| point.weight == 0.0) {
-        return Err(of_file(ObjFault::AllZero));
+        let message = "every density is zero: the fourth number of a `v` line is its density";
+        return Err(message.into());
     }
     Ok(points)
 }
 
 /// Every keyword of the format's specification but `v`.
-const SKIPPED: [&str; 38] = [
-    "vn",
-    "vt",
-    "vp",
-    "p",
-    "l",
-    "f",
-    "o",
-    "g",
-    "s",
-    "mg",
-    "mtllib",
-    "usemtl",
-    "maplib",
-    "usemap",
-    "cstype",
-    "deg",
-    "bmat",
-    "step",
-    "curv",
-    "curv2",
-    "surf",
-    "parm",
-    "trim",
-    "hole",
-    "scrv",
-    "sp",
-    "end",
-    "con",
-    "bevel",
-    "c_interp",
-    "d_interp",
-    "lod",
-    "shadow_obj",
-    "trace_obj",
-    "ctech",
-    "stech",
-    "call",
-    "csh",
-];
+const SKIPPED: &str = "
+    vn vt vp p l f o g s mg mtllib usemtl maplib usemap cstype deg bmat step curv curv2 surf
+    parm trim hole scrv sp end con bevel c_interp d_interp lod shadow_obj trace_obj ctech
+    stech call csh
+";
 
-fn point(keyword: &Word, numbers: &[Word]) -> Result<CloudPoint, ObjError> {
-    let names: &[&'static str] = match numbers.len() {
+fn point(keyword: &Word, numbers: &[Word]) -> Result<CloudPoint, VolumeFault> {
+    let names: &[&str] = match numbers.len() {
         3 => &["x", "y", "z"],
         4 => &["x", "y", "z", "the density"],
         6 => &["x", "y", "z", "red", "green", "blue"],
-        count => return Err(keyword.fault(ObjFault::Count(count))),
+        count => {
+            return Err(keyword.fault(format!(
+                "a `v` line has 3 numbers (x y z), 4 (x y z density) or 6 (x y z red green blue), \
+                 this one has {count}"
+            )));
+        }
     };
     let mut values = [0.0; 6];
     for ((value, word), name) in values.iter_mut().zip(numbers).zip(names) {
@@ -177,7 +94,9 @@ fn point(keyword: &Word, numbers: &[Word]) -> Result<CloudPoint, ObjError> {
     let [x, y, z, density, ..] = values;
     let weight = if numbers.len() == 4 { density } else { 1.0 };
     if weight < 0.0 {
-        return Err(numbers[3].fault(ObjFault::Negative(weight)));
+        return Err(numbers[3].fault(format!(
+            "the density is {weight}, and must not be negative: mend or remove this point"
+        )));
     }
     Ok(CloudPoint {
         position: DVec3::new(x, y, z),
@@ -202,28 +121,21 @@ impl Word<'_> {
         }
     }
 
-    fn fault(&self, fault: ObjFault) -> ObjError {
-        ObjError {
-            position: Some(self.position),
-            fault,
-        }
+    /// A mistake in this word.
+    fn fault(&self, message: String) -> VolumeFault {
+        let (line, column) = self.position;
+        VolumeFault::Line(format!("{line}:{column}: {message}"))
     }
 
-    fn number(&self, name: &'static str) -> Result<f64, ObjError> {
-        let number = std::str::from_utf8(self.bytes)
-            .ok()
-            .and_then(|text| text.parse::<f64>().ok());
-        match number {
-            Some(number) if number.is_finite() => Ok(number),
-            Some(_) => Err(self.fault(ObjFault::NotFinite {
-                name,
-                text: self.text(),
-            })),
-            None => Err(self.fault(ObjFault::Number {
-                name,
-                text: self.text(),
-            })),
-        }
+    fn number(&self, name: &str) -> Result<f64, VolumeFault> {
+        let number = std::str::from_utf8(self.bytes).ok();
+        let number = number.and_then(|text| text.parse::<f64>().ok());
+        let fault = match number {
+            Some(number) if number.is_finite() => return Ok(number),
+            Some(_) => "not finite: mend or remove this point",
+            None => "not a number: write it like 0.5 or 5e-1",
+        };
+        Err(self.fault(format!("{name} is {:?}, which is {fault}", self.text())))
     }
 }
 
@@ -292,27 +204,13 @@ fn push_words<'a>(code: &'a [u8], line: usize, words: &mut Vec<Word<'a>>) {
     }
 }
 
-fn of_file(fault: ObjFault) -> ObjError {
-    ObjError {
-        position: None,
-        fault,
-    }
-}
-
-fn shown(position: &Option<(usize, usize)>) -> String {
-    match position {
-        Some((line, column)) => format!("{line}:{column}: "),
-        None => String::new(),
-    }
-}
-
 /// "3 × f, 2 × vn", or that there was nothing.
 fn describe(skipped: &BTreeMap<&str, usize>) -> String {
     if skipped.is_empty() {
         return "only comments and blank lines".to_owned();
     }
-    let counts: Vec<String> = skipped
-        .iter()
+    let counts = skipped.iter();
+    let counts: Vec<_> = counts
         .map(|(keyword, count)| format!("{count} × `{keyword}`"))
         .collect();
     counts.join(", ")

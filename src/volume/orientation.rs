@@ -1,10 +1,10 @@
 //! The axes of a stored grid against those of the world.
 
+use super::error::VolumeFault;
 use super::{Centring, Lattice, LatticeError};
 use crate::geometry::{length_of, longest_axis};
 use crate::math::atan2;
 use glam::DVec3;
-use thiserror::Error;
 
 /// What becomes of axes that point elsewhere than x, y and z.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,37 +41,6 @@ pub enum AxisSteps {
     Directed([DVec3; 3]),
 }
 
-/// Why axes cannot be honoured.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum OrientationError {
-    /// Not along the axes of the world.
-    #[error(
-        "axis {axis} of the file is turned by {degrees:.4} degrees against the nearest axis of \
-         the world: resample the volume along x, y and z, or ask for its axes as stored"
-    )]
-    Oblique {
-        /// Which axis, counted from 1, the fastest.
-        axis: usize,
-        /// Angle to the nearest axis of the world, degrees.
-        degrees: f64,
-    },
-    /// Two axes, one direction.
-    #[error(
-        "axes {0} and {1} of the file point along the same axis of the world, {2}: the header is \
-         wrong"
-    )]
-    Parallel(usize, usize, char),
-}
-
-/// Why stored samples cannot become a grid.
-#[derive(Debug, Error)]
-pub(super) enum PlacementError {
-    #[error(transparent)]
-    Lattice(#[from] LatticeError),
-    #[error(transparent)]
-    Orientation(#[from] OrientationError),
-}
-
 /// How stored samples become a grid.
 pub(super) struct Placement {
     /// Where the nodes lie.
@@ -93,9 +62,9 @@ impl Axes {
         &self,
         centring: Option<Centring>,
         orientation: Orientation,
-    ) -> Result<Placement, PlacementError> {
+    ) -> Result<Placement, VolumeFault> {
         let centring = centring.unwrap_or(self.centring);
-        let as_stored = |spacing| -> Result<Placement, PlacementError> {
+        let as_stored = |spacing| -> Result<Placement, VolumeFault> {
             let lattice = Lattice::new(self.sizes, spacing, self.first)?;
             Ok(Placement {
                 lattice: lattice.with_centring(centring)?,
@@ -122,11 +91,22 @@ impl Axes {
             if length_of(off) > OFF_AXIS {
                 let axis = stored + 1;
                 let degrees = atan2(length_of(off), direction[along].abs()).to_degrees();
-                return Err(OrientationError::Oblique { axis, degrees }.into());
+                return Err(format!(
+                    "axis {axis} of the file is turned by {degrees:.4} degrees against the nearest \
+                     axis of the world: resample the volume along x, y and z, or ask for its axes \
+                     as stored"
+                )
+                .into());
             }
             if let Some((other, _)) = from[along] {
-                let name = ['x', 'y', 'z'][along];
-                return Err(OrientationError::Parallel(other + 1, stored + 1, name).into());
+                return Err(format!(
+                    "axes {} and {} of the file point along the same axis of the world, {}: the \
+                     header is wrong",
+                    other + 1,
+                    stored + 1,
+                    ['x', 'y', 'z'][along]
+                )
+                .into());
             }
             from[along] = Some((stored, direction[along] < 0.0));
         }

@@ -14,98 +14,45 @@
 //!
 //! A wrong `endian` cannot be told from odd values.
 
-use super::error::VolumeError;
-use super::orientation::{Axes, AxisSteps};
-use super::reader::{Stored, VolumeReader};
+use super::error::VolumeFault;
+use super::file::{Stored, VolumeFormat, VolumeRead};
+use super::orientation::{Axes, AxisSteps, Orientation};
 use super::samples::{check_sizes, read_grid};
 use super::source::VolumeSource;
-use super::{
-    Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions, Orientation,
-    SamplesError,
-};
+use super::{Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions};
 use glam::DVec3;
 use serde::Deserialize;
-use std::io::{self, BufRead, Read};
+use std::io::Read;
 use std::ops::Range;
-use thiserror::Error;
 use toml::Spanned;
-
-/// Why a description is none, or does not describe its file.
-#[derive(Debug, Error)]
-pub enum RawVolumeError {
-    /// Not text.
-    #[error("the description is not UTF-8 text: the samples go into another file, which it names")]
-    NotText,
-    /// No description is that long.
-    #[error("the description has {0} bytes: the samples go into another file, which it names")]
-    TooLong(u64),
-    /// A mistake at a place of the description.
-    #[error("{line}:{column}: {message}")]
-    Description {
-        /// Counted from 1.
-        line: usize,
-        /// Counted from 1, in characters.
-        column: usize,
-        /// What is wrong there.
-        message: String,
-    },
-    /// More nodes than a lattice may have.
-    #[error(transparent)]
-    Lattice(#[from] LatticeError),
-    /// The samples are not what the description says.
-    #[error(transparent)]
-    Samples(#[from] SamplesError),
-    /// A header longer than the file.
-    #[error("`header_bytes` is {header_bytes}, and the file of the samples has {bytes} bytes")]
-    Skip {
-        /// Bytes to skip.
-        header_bytes: u64,
-        /// Bytes there are.
-        bytes: u64,
-    },
-}
 
 /// Longest description, in bytes: 1 MiB.
 const MOST_BYTES: u64 = 1 << 20;
 
-/// Reader of bare samples by their description.
-#[derive(Clone, Copy, Debug)]
-pub struct BareSamples;
+/// Bare samples by their description.
+pub(super) const BARE_SAMPLES: VolumeFormat = VolumeFormat {
+    name: "bare samples, described in TOML",
+    extensions: &[".toml"],
+    is_point_cloud: false,
+    read,
+};
 
-impl VolumeReader for BareSamples {
-    fn name(&self) -> &'static str {
-        "bare samples, described in TOML"
+fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+    let length = source.remaining();
+    if length > MOST_BYTES {
+        return Err(format!(
+            "the description has {length} bytes: the samples go into another file, which it names"
+        )
+        .into());
     }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &[".toml"]
-    }
-
-    fn read(
-        &self,
-        source: &mut VolumeSource,
-        options: &LoadOptions,
-    ) -> Result<(Grid<f32>, Stored), VolumeError> {
-        if source.length() > MOST_BYTES {
-            return Err(source.fault(RawVolumeError::TooLong(source.length())));
-        }
-        let text = String::from_utf8(source.bytes(MOST_BYTES)?);
-        let text = text.map_err(|_| source.fault(RawVolumeError::NotText))?;
-        let volume = RawVolume::parse(&text).map_err(|error| fault(source, error))?;
-        let data = source.open_data(&volume.file, options)?;
-        let length = data.length();
-        let grid = volume.read_from(data, length, options);
-        let grid = grid.map_err(|error| fault(source, error))?;
-        Ok((grid, Stored::Samples(volume.layout)))
-    }
-}
-
-fn fault(source: &VolumeSource, error: RawVolumeError) -> VolumeError {
-    if matches!(error, RawVolumeError::Description { .. }) {
-        source.fault_in_line(error)
-    } else {
-        source.fault(error)
-    }
+    let mut bytes = Vec::new();
+    source.take(MOST_BYTES).read_to_end(&mut bytes)?;
+    let not_text = "the description is not UTF-8 text: the samples go into another file, which it \
+                    names";
+    let text = String::from_utf8(bytes).map_err(|_| not_text)?;
+    let volume = RawVolume::parse(&text)?;
+    let grid = volume.read_from(source.open_data(&volume.file, options)?, options)?;
+    Ok((grid, Stored::Samples(volume.layout)))
 }
 
 #[derive(Deserialize)]
@@ -139,44 +86,18 @@ pub struct RawVolume {
 
 impl RawVolume {
     /// Reads a description.
-    pub fn parse(text: &str) -> Result<RawVolume, RawVolumeError> {
-        let at = |span: Option<Range<usize>>, message: &str| {
-            let before = &text[..span.map_or(0, |span| span.start).min(text.len())];
-            let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-            RawVolumeError::Description {
-                line: before.matches('\n').count() + 1,
-                column: before[line_start..].chars().count() + 1,
-                message: message.to_owned(),
-            }
-        };
+    pub fn parse(text: &str) -> Result<RawVolume, VolumeFault> {
+        let at = |span: Option<Range<usize>>, message: &str| in_line(text, span, message);
         let description: Description =
             toml::from_str(text).map_err(|error| at(error.span(), error.message().trim()))?;
-        let element = choice(&description.r#type, &Element::ALL).map_err(|message| {
-            at(
-                Some(description.r#type.span()),
-                &format!("`type` {message}"),
-            )
-        })?;
-        // The value of a word that may be left out.
-        fn optional<T: Copy>(
-            key: &str,
-            word: Option<&Spanned<String>>,
-            words: &[(&str, T)],
-        ) -> Result<Option<T>, (Range<usize>, String)> {
-            let Some(word) = word else { return Ok(None) };
-            let found = choice(word, words);
-            let found = found.map_err(|message| (word.span(), format!("`{key}` {message}")));
-            found.map(Some)
-        }
-        let wrong = |(span, message): (Range<usize>, String)| at(Some(span), &message);
+        let choices = Choices { text };
+        let element = choices.value("type", &description.r#type, &Element::ALL)?;
         let endians = [("little", Endian::Little), ("big", Endian::Big)];
-        let endian = optional("endian", description.endian.as_ref(), &endians).map_err(wrong)?;
+        let endian = choices.optional("endian", &description.endian, &endians)?;
         let centrings = [("nodes", Centring::Nodes), ("cells", Centring::Cells)];
-        let centring =
-            optional("centring", description.centring.as_ref(), &centrings).map_err(wrong)?;
+        let centring = choices.optional("centring", &description.centring, &centrings)?;
         let encodings = [("raw", Encoding::Raw), ("gzip", Encoding::Gzip)];
-        let encoding =
-            optional("encoding", description.encoding.as_ref(), &encodings).map_err(wrong)?;
+        let encoding = choices.optional("encoding", &description.encoding, &encodings)?;
         if endian.is_none() && element.bytes() > 1 {
             let message = format!(
                 "missing `endian`: samples of {} need \"little\" or \"big\"",
@@ -227,45 +148,68 @@ impl RawVolume {
     }
 
     /// Reads the samples from `bytes`, the file that the description names.
-    pub fn read_data(
-        &self,
-        bytes: &[u8],
-        options: &LoadOptions,
-    ) -> Result<Grid<f32>, RawVolumeError> {
-        let mut source = bytes;
-        self.read_from(&mut source, bytes.len() as u64, options)
+    pub fn read_data(&self, bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolumeFault> {
+        self.read_from(&mut VolumeSource::of(bytes), options)
     }
 
-    /// Reads the samples from a source of `length` bytes.
-    pub(super) fn read_from(
+    fn read_from(
         &self,
-        source: &mut impl BufRead,
-        length: u64,
+        source: &mut VolumeSource,
         options: &LoadOptions,
-    ) -> Result<Grid<f32>, RawVolumeError> {
-        let header_bytes = self.header_bytes;
-        let remaining = length.checked_sub(header_bytes);
-        let remaining = remaining.ok_or(RawVolumeError::Skip {
-            header_bytes,
-            bytes: length,
-        })?;
-        io::copy(&mut source.by_ref().take(header_bytes), &mut io::sink())
-            .map_err(SamplesError::Read)?;
-        Ok(read_grid(source, remaining, &self.layout, options)?)
+    ) -> Result<Grid<f32>, VolumeFault> {
+        let (header_bytes, bytes) = (self.header_bytes, source.remaining());
+        if header_bytes > bytes {
+            return Err(format!(
+                "`header_bytes` is {header_bytes}, and the file of the samples has {bytes} bytes"
+            )
+            .into());
+        }
+        source.skip(header_bytes)?;
+        read_grid(source, &self.layout, options)
     }
 }
 
-/// The value that a word stands for, or what is wrong with it.
-fn choice<T: Copy>(word: &Spanned<String>, words: &[(&str, T)]) -> Result<T, String> {
-    let found = words.iter().find(|(name, _)| name == word.get_ref());
-    found.map(|(_, value)| *value).ok_or_else(|| {
-        let known: Vec<_> = words.iter().map(|(name, _)| format!("{name:?}")).collect();
-        format!(
-            "takes one of {}, got {:?}",
-            known.join(", "),
-            word.get_ref()
-        )
-    })
+/// Words of a description that stand for values.
+struct Choices<'t> {
+    text: &'t str,
+}
+
+impl Choices<'_> {
+    /// The value that the word at `key` stands for.
+    fn value<T: Copy>(
+        &self,
+        key: &str,
+        word: &Spanned<String>,
+        words: &[(&str, T)],
+    ) -> Result<T, VolumeFault> {
+        let found = words.iter().find(|(name, _)| name == word.get_ref());
+        found.map(|(_, value)| *value).ok_or_else(|| {
+            let known: Vec<_> = words.iter().map(|(name, _)| format!("{name:?}")).collect();
+            let (known, got) = (known.join(", "), word.get_ref());
+            let message = format!("`{key}` takes one of {known}, got {got:?}");
+            in_line(self.text, Some(word.span()), &message)
+        })
+    }
+
+    /// The same of a word that may be left out.
+    fn optional<T: Copy>(
+        &self,
+        key: &str,
+        word: &Option<Spanned<String>>,
+        words: &[(&str, T)],
+    ) -> Result<Option<T>, VolumeFault> {
+        let word = word.as_ref();
+        word.map(|word| self.value(key, word, words)).transpose()
+    }
+}
+
+/// A mistake at a place of a description, or at its beginning.
+fn in_line(text: &str, span: Option<Range<usize>>, message: &str) -> VolumeFault {
+    let before = &text[..span.map_or(0, |span| span.start).min(text.len())];
+    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+    let line = before.matches('\n').count() + 1;
+    let column = before[line_start..].chars().count() + 1;
+    VolumeFault::Line(format!("{line}:{column}: {message}"))
 }
 
 #[cfg(test)]

@@ -4,11 +4,12 @@
 //! all formats. A header is held against the length of the file before memory is asked for, and
 //! where a file is compressed, memory grows with what has arrived.
 
-use super::orientation::{Axes, OrientationError, PlacementError};
+use super::error::VolumeFault;
+use super::orientation::Axes;
+use super::source::VolumeSource;
 use super::{Grid, Lattice, LatticeError, LoadOptions, NonFinite};
 use crate::decoder::Guarded;
 use std::io::{self, BufRead, Read};
-use thiserror::Error;
 
 /// The type of a stored sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,124 +111,28 @@ pub struct Layout {
     pub scaling: Option<(f64, f64)>,
 }
 
-/// Why samples cannot be read as their header describes them.
-#[derive(Debug, Error)]
-pub enum SamplesError {
-    /// The system refuses.
-    #[error("cannot be read: {0}")]
-    Read(io::Error),
-    /// No grid of ours.
-    #[error(transparent)]
-    Lattice(#[from] LatticeError),
-    /// Axes that are not those of the world.
-    #[error(transparent)]
-    Orientation(#[from] OrientationError),
-    /// Fewer or more bytes than the header says.
-    #[error(
-        "the header promises {} × {} × {} samples of {}, {promised} bytes, and {found} bytes \
-         follow it: the file {}",
-        sizes[0], sizes[1], sizes[2], element.name(),
-        if found < promised { "was cut short, or has another type or size" }
-        else { "holds something else as well, or has another type or size" }
-    )]
-    Length {
-        /// Samples along the stored axes.
-        sizes: [usize; 3],
-        /// Their type.
-        element: Element,
-        /// Bytes the header promises.
-        promised: u64,
-        /// Bytes there are.
-        found: u64,
-    },
-    /// So few bytes that they cannot hold the samples, however well they are packed.
-    #[error(
-        "the header promises {} × {} × {} samples, {promised} bytes when unpacked, and the \
-         {found} bytes that follow it cannot hold them: the header is wrong, or the file was cut \
-         short",
-        sizes[0], sizes[1], sizes[2]
-    )]
-    TooDense {
-        /// Samples along the stored axes.
-        sizes: [usize; 3],
-        /// Bytes the header promises.
-        promised: u64,
-        /// Bytes there are.
-        found: u64,
-    },
-    /// The data end early.
-    #[error(
-        "the header promises {} × {} × {} samples, and the data end after {found} of them: the \
-         file was cut short, or has another type or size",
-        sizes[0], sizes[1], sizes[2]
-    )]
-    Ends {
-        /// Samples along the stored axes.
-        sizes: [usize; 3],
-        /// Samples found.
-        found: usize,
-    },
-    /// The data go on.
-    #[error(
-        "the data go on after the {} × {} × {} samples that the header promises: no more is \
-         unpacked; the file holds something else as well, or has another type or size",
-        sizes[0], sizes[1], sizes[2]
-    )]
-    GoesOn {
-        /// Samples along the stored axes.
-        sizes: [usize; 3],
-    },
-    /// Not gzip, or damaged.
-    #[error("the data are no sound gzip stream ({0}): compress the file again, or copy it again")]
-    Gzip(io::Error),
-    /// Not a number.
-    #[error("sample {index} of the text is {text:?}, which is not a number")]
-    Text {
-        /// Which sample, counted from 0 in the order of the file.
-        index: usize,
-        /// What is written there.
-        text: String,
-    },
-    /// NaN, infinity, or beyond what `f32` holds.
-    #[error(
-        "voxel ({}, {}, {}), counted as stored, holds {value}: values must be finite, and not \
-         beyond 3.4e38; mend it, or give a value to replace it",
-        voxel[0], voxel[1], voxel[2]
-    )]
-    NonFinite {
-        /// The first such voxel, (i, j, k) along the axes as stored.
-        voxel: [usize; 3],
-        /// What it stands for.
-        value: f64,
-    },
-    /// Not enough memory.
-    #[error("no memory for {0} samples: cut the file into parts, or thin it out")]
-    Memory(usize),
-}
-
-/// Reads the samples that follow a header, and all that follows them: nothing may. `remaining`
-/// is the number of bytes from here to the end of the file.
+/// Reads the samples that follow a header, and all that follows them: nothing may.
 ///
 /// Values are computed in `f64` and rounded to `f32` once more: whole numbers beyond 2²⁴ and
 /// `float64` lose digits.
 pub(super) fn read_grid(
-    source: &mut impl BufRead,
-    remaining: u64,
+    source: &mut VolumeSource,
     layout: &Layout,
     options: &LoadOptions,
-) -> Result<Grid<f32>, SamplesError> {
+) -> Result<Grid<f32>, VolumeFault> {
+    let remaining = source.remaining();
     match layout.encoding {
-        Encoding::Raw => read_as(layout, options, |samples| {
+        Encoding::Raw => read_as(layout, options, &mut |samples| {
             samples.check_length(remaining)?;
             samples.reserve(samples.count)?;
-            samples.read_binary(source, SamplesError::Read)
+            samples.read_binary(source, VolumeFault::from)
         }),
         Encoding::Gzip => {
             let mut unpacked = Guarded(flate2::bufread::MultiGzDecoder::new(source));
             read_unpacked(&mut unpacked, remaining, layout, options)
         }
         // A digit and a blank are the shortest sample; the last may go without the blank.
-        Encoding::Text => read_as(layout, options, |samples| {
+        Encoding::Text => read_as(layout, options, &mut |samples| {
             let most = 0.5 * samples.bytes_each as f64;
             samples.check_density(remaining.saturating_add(1), most)?;
             samples.read_text(source)
@@ -238,14 +143,18 @@ pub(super) fn read_grid(
 /// As [`read_grid`], of samples in a stream that `source` is already unpacking from a file of
 /// `length` bytes.
 pub(super) fn read_unpacked(
-    source: &mut impl Read,
+    source: &mut dyn Read,
     length: u64,
     layout: &Layout,
     options: &LoadOptions,
-) -> Result<Grid<f32>, SamplesError> {
-    read_as(layout, options, |samples| {
+) -> Result<Grid<f32>, VolumeFault> {
+    let trouble = |error: io::Error| {
+        let message = "compress the file again, or copy it again";
+        format!("the data are no sound gzip stream ({error}): {message}").into()
+    };
+    read_as(layout, options, &mut |samples| {
         samples.check_density(length, MOST_EXPANSION)?;
-        samples.read_binary(source, SamplesError::Gzip)
+        samples.read_binary(source, trouble)
     })
 }
 
@@ -253,8 +162,8 @@ pub(super) fn read_unpacked(
 fn read_as(
     layout: &Layout,
     options: &LoadOptions,
-    read: impl FnOnce(&mut Samples<'_>) -> Result<(), SamplesError>,
-) -> Result<Grid<f32>, SamplesError> {
+    read: &mut dyn FnMut(&mut Samples) -> Result<(), VolumeFault>,
+) -> Result<Grid<f32>, VolumeFault> {
     let placement = layout
         .axes
         .placement(options.centring, options.orientation)?;
@@ -262,15 +171,6 @@ fn read_as(
     read(&mut samples)?;
     let values = placement.put(samples.values, layout.axes.sizes);
     Ok(Grid::new(placement.lattice, values).expect("one value per node"))
-}
-
-impl From<PlacementError> for SamplesError {
-    fn from(error: PlacementError) -> SamplesError {
-        match error {
-            PlacementError::Lattice(error) => error.into(),
-            PlacementError::Orientation(error) => error.into(),
-        }
-    }
 }
 
 /// Deflate cannot do better than 1032 to 1: 258 bytes from two bits.
@@ -308,40 +208,48 @@ impl<'l> Samples<'l> {
         self.count as u64 * self.bytes_each as u64
     }
 
-    fn check_length(&self, found: u64) -> Result<(), SamplesError> {
+    fn check_length(&self, found: u64) -> Result<(), VolumeFault> {
         let promised = self.promised();
         if found == promised {
             return Ok(());
         }
-        Err(SamplesError::Length {
-            sizes: self.layout.axes.sizes,
-            element: self.layout.element,
-            promised,
-            found,
-        })
+        let (count, element) = (self.sizes(), self.layout.element.name());
+        let cause = if found < promised {
+            "was cut short, or has another type or size"
+        } else {
+            "holds something else as well, or has another type or size"
+        };
+        Err(format!(
+            "the header promises {count} samples of {element}, {promised} bytes, and {found} bytes \
+             follow it: the file {cause}"
+        )
+        .into())
     }
 
-    fn check_density(&self, found: u64, most_expansion: f64) -> Result<(), SamplesError> {
+    fn check_density(&self, found: u64, most_expansion: f64) -> Result<(), VolumeFault> {
         let promised = self.promised();
         if promised as f64 <= found as f64 * most_expansion {
             return Ok(());
         }
-        Err(SamplesError::TooDense {
-            sizes: self.layout.axes.sizes,
-            promised,
-            found,
-        })
+        let count = self.sizes();
+        Err(format!(
+            "the header promises {count} samples, {promised} bytes when unpacked, and the {found} \
+             bytes that follow it cannot hold them: the header is wrong, or the file was cut short"
+        )
+        .into())
     }
 
     /// Makes room for `more` samples.
-    fn reserve(&mut self, more: usize) -> Result<(), SamplesError> {
-        let failed = |_| SamplesError::Memory(self.count);
-        self.values.try_reserve_exact(more).map_err(failed)
+    fn reserve(&mut self, more: usize) -> Result<(), VolumeFault> {
+        let count = self.count;
+        self.values.try_reserve_exact(more).map_err(|_| {
+            format!("no memory for {count} samples: cut the file into parts, or thin it out").into()
+        })
     }
 
     /// Makes room for `more` samples where there is none, and for an eighth beside: memory stays
     /// in proportion to what has arrived, and little is left over.
-    fn grow(&mut self, more: usize) -> Result<(), SamplesError> {
+    fn grow(&mut self, more: usize) -> Result<(), VolumeFault> {
         if self.values.capacity() - self.values.len() >= more {
             return Ok(());
         }
@@ -351,9 +259,9 @@ impl<'l> Samples<'l> {
 
     fn read_binary(
         &mut self,
-        source: &mut impl Read,
-        trouble: fn(io::Error) -> SamplesError,
-    ) -> Result<(), SamplesError> {
+        source: &mut dyn Read,
+        trouble: fn(io::Error) -> VolumeFault,
+    ) -> Result<(), VolumeFault> {
         let mut chunk = vec![0; CHUNK];
         while self.values.len() < self.count {
             let wanted = (self.count - self.values.len()).min(CHUNK / self.bytes_each);
@@ -363,22 +271,17 @@ impl<'l> Samples<'l> {
             self.grow(whole)?;
             self.decode(&chunk[..whole * self.bytes_each])?;
             if filled < chunk.len() {
-                return Err(SamplesError::Ends {
-                    sizes: self.layout.axes.sizes,
-                    found: self.values.len(),
-                });
+                return Err(self.ends());
             }
         }
         // Reading the end of a gzip stream is also what checks its sum.
         match fill(source, &mut [0]).map_err(trouble)? {
             0 => Ok(()),
-            _ => Err(SamplesError::GoesOn {
-                sizes: self.layout.axes.sizes,
-            }),
+            _ => Err(self.goes_on()),
         }
     }
 
-    fn decode(&mut self, bytes: &[u8]) -> Result<(), SamplesError> {
+    fn decode(&mut self, bytes: &[u8]) -> Result<(), VolumeFault> {
         macro_rules! decode {
             ($type:ty, $to_f64:expr) => {
                 match self.layout.endian {
@@ -406,7 +309,7 @@ impl<'l> Samples<'l> {
         &mut self,
         bytes: &[u8],
         number: impl Fn([u8; N]) -> f64,
-    ) -> Result<(), SamplesError> {
+    ) -> Result<(), VolumeFault> {
         let (words, _) = bytes.as_chunks::<N>();
         let start = self.values.len();
         match self.layout.scaling {
@@ -426,7 +329,7 @@ impl<'l> Samples<'l> {
 
     /// Deals with values that are not finite, from `start` on; `first` is the first of them, and
     /// stands for the stored sample `stored`.
-    fn mend(&mut self, start: usize, first: usize, stored: f64) -> Result<(), SamplesError> {
+    fn mend(&mut self, start: usize, first: usize, stored: f64) -> Result<(), VolumeFault> {
         match self.non_finite {
             NonFinite::Kept => Ok(()),
             NonFinite::Replaced(by) => {
@@ -438,22 +341,23 @@ impl<'l> Samples<'l> {
             }
             NonFinite::Refused => {
                 let [nx, ny, _] = self.layout.axes.sizes;
-                Err(SamplesError::NonFinite {
-                    voxel: [first % nx, first / nx % ny, first / nx / ny],
-                    value: self
-                        .layout
-                        .scaling
-                        .map_or(stored, |(slope, intercept)| slope * stored + intercept),
-                })
+                let [i, j, k] = [first % nx, first / nx % ny, first / nx / ny];
+                let scaling = self.layout.scaling;
+                let value = scaling.map_or(stored, |(slope, intercept)| slope * stored + intercept);
+                Err(format!(
+                    "voxel ({i}, {j}, {k}), counted as stored, holds {value}: values must be \
+                     finite, and not beyond 3.4e38; mend it, or give a value to replace it"
+                )
+                .into())
             }
         }
     }
 
-    fn read_text(&mut self, source: &mut impl BufRead) -> Result<(), SamplesError> {
+    fn read_text(&mut self, source: &mut VolumeSource) -> Result<(), VolumeFault> {
         let separates = |byte: u8| byte.is_ascii_whitespace() || byte == b',';
         let mut word: Vec<u8> = Vec::new();
         loop {
-            let buffer = source.fill_buf().map_err(SamplesError::Read)?;
+            let buffer = source.fill_buf()?;
             let length = buffer.len();
             if length == 0 {
                 break;
@@ -476,19 +380,14 @@ impl<'l> Samples<'l> {
             self.take_word(&mut word)?;
         }
         if self.values.len() < self.count {
-            return Err(SamplesError::Ends {
-                sizes: self.layout.axes.sizes,
-                found: self.values.len(),
-            });
+            return Err(self.ends());
         }
         Ok(())
     }
 
-    fn take_word(&mut self, word: &mut Vec<u8>) -> Result<(), SamplesError> {
+    fn take_word(&mut self, word: &mut Vec<u8>) -> Result<(), VolumeFault> {
         if self.values.len() == self.count {
-            return Err(SamplesError::GoesOn {
-                sizes: self.layout.axes.sizes,
-            });
+            return Err(self.goes_on());
         }
         let number = std::str::from_utf8(word).ok();
         let number: Option<f64> = number.and_then(|text| text.parse().ok());
@@ -498,16 +397,43 @@ impl<'l> Samples<'l> {
         self.push(&[0; 1], |_: [u8; 1]| number)
     }
 
-    fn not_a_number(&self, word: &[u8]) -> SamplesError {
-        SamplesError::Text {
-            index: self.values.len(),
-            text: String::from_utf8_lossy(word).into_owned(),
-        }
+    fn not_a_number(&self, word: &[u8]) -> VolumeFault {
+        let (index, text) = (self.values.len(), String::from_utf8_lossy(word));
+        format!("sample {index} of the text is {text:?}, which is not a number").into()
+    }
+
+    /// The data end early.
+    fn ends(&self) -> VolumeFault {
+        let (count, found) = (self.sizes(), self.values.len());
+        format!(
+            "the header promises {count} samples, and the data end after {found} of them: the file \
+             was cut short, or has another type or size"
+        )
+        .into()
+    }
+
+    /// The data go on.
+    fn goes_on(&self) -> VolumeFault {
+        let count = self.sizes();
+        format!(
+            "the data go on after the {count} samples that the header promises: no more is \
+             unpacked; the file holds something else as well, or has another type or size"
+        )
+        .into()
+    }
+
+    /// Samples along the stored axes.
+    fn sizes(&self) -> String {
+        self.layout
+            .axes
+            .sizes
+            .map(|size| size.to_string())
+            .join(" × ")
     }
 }
 
 /// Reads until `bytes` are full or the source ends. The number of bytes read.
-pub(super) fn fill(source: &mut impl Read, bytes: &mut [u8]) -> io::Result<usize> {
+pub(super) fn fill(source: &mut dyn Read, bytes: &mut [u8]) -> io::Result<usize> {
     let mut filled = 0;
     while filled < bytes.len() {
         match source.read(&mut bytes[filled..]) {
@@ -550,9 +476,9 @@ mod tests {
         }
     }
 
-    fn read(layout: &Layout, bytes: &[u8]) -> Result<Vec<f32>, SamplesError> {
+    fn read(layout: &Layout, bytes: &[u8]) -> Result<Vec<f32>, VolumeFault> {
         let options = LoadOptions::default();
-        let grid = read_grid(&mut &*bytes, bytes.len() as u64, layout, &options);
+        let grid = read_grid(&mut VolumeSource::of(bytes), layout, &options);
         grid.map(|grid| grid.values().to_vec())
     }
 
@@ -667,7 +593,7 @@ mod tests {
                 non_finite,
                 ..LoadOptions::default()
             };
-            let grid = read_grid(&mut &bytes[..], 32, &layout, &options);
+            let grid = read_grid(&mut VolumeSource::of(&bytes), &layout, &options);
             grid.map(|grid| grid.values().to_vec())
         };
         assert_eq!(

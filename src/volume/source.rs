@@ -1,10 +1,8 @@
 //! The file that a reader of volumes reads, with that of its data where they are apart.
 
-use super::error::VolumeError;
+use super::error::{VolumeError, VolumeFault};
 use super::load_options::LoadOptions;
 use crate::regular_file::{self, OpenError};
-use std::error::Error;
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Component, Path, PathBuf};
 
@@ -18,121 +16,114 @@ pub struct FileRead {
     pub hash: String,
 }
 
-/// A regular file that is hashed while it is read.
-#[derive(Debug)]
-pub struct VolumeSource {
+/// A file, or bytes in memory, hashed while they are read.
+pub(super) struct VolumeSource<'b> {
     path: PathBuf,
-    /// Bytes in the file.
-    length: u64,
-    reader: BufReader<Hashed>,
+    /// Bytes that are left.
+    remaining: u64,
+    reader: BufReader<Hashed<'b>>,
     /// The file of the data, if it is another.
-    data: Option<Box<VolumeSource>>,
+    data: Option<Box<VolumeSource<'b>>>,
 }
 
-#[derive(Debug)]
-struct Hashed {
-    file: File,
+struct Hashed<'b> {
+    bytes: Box<dyn Read + 'b>,
     hasher: blake3::Hasher,
 }
 
-impl Read for Hashed {
+impl Read for Hashed<'_> {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        let count = self.file.read(bytes)?;
+        let count = self.bytes.read(bytes)?;
         self.hasher.update(&bytes[..count]);
         Ok(count)
     }
 }
 
-impl VolumeSource {
-    pub(super) fn open(path: &Path) -> Result<VolumeSource, VolumeError> {
-        let (file, length) = open(path)?;
-        let hasher = blake3::Hasher::new();
-        Ok(VolumeSource {
+impl<'b> VolumeSource<'b> {
+    pub fn open(path: &Path) -> Result<VolumeSource<'b>, VolumeError> {
+        let (file, length) = regular_file::open(path).map_err(|error| VolumeError {
             path: path.to_owned(),
-            length,
-            reader: BufReader::with_capacity(1 << 16, Hashed { file, hasher }),
-            data: None,
-        })
+            fault: match error {
+                OpenError::Missing(_) => "there is no such file".into(),
+                OpenError::NotAFile(what) => {
+                    format!("this is {what}, and a volume is a file").into()
+                }
+                OpenError::Refused(error) => error.into(),
+            },
+        })?;
+        Ok(VolumeSource::new(path, Box::new(file), length))
     }
 
-    /// Bytes in the file.
-    pub(super) fn length(&self) -> u64 {
-        self.length
+    pub fn of(bytes: &'b [u8]) -> VolumeSource<'b> {
+        VolumeSource::new(Path::new(""), Box::new(bytes), bytes.len() as u64)
+    }
+
+    fn new(path: &Path, bytes: Box<dyn Read + 'b>, length: u64) -> VolumeSource<'b> {
+        let hasher = blake3::Hasher::new();
+        VolumeSource {
+            path: path.to_owned(),
+            remaining: length,
+            reader: BufReader::with_capacity(1 << 16, Hashed { bytes, hasher }),
+            data: None,
+        }
+    }
+
+    /// Bytes that are left.
+    pub fn remaining(&self) -> u64 {
+        self.remaining
     }
 
     /// The name of the file ends in `ending`, in capitals or not.
-    pub(super) fn ends_in(&self, ending: &str) -> bool {
+    pub fn ends_in(&self, ending: &str) -> bool {
         ends_in(&self.path, ending)
     }
 
     /// Opens the file `name` of the data, which this file names as its header.
-    pub(super) fn open_data(
+    pub fn open_data(
         &mut self,
         name: &str,
         options: &LoadOptions,
-    ) -> Result<&mut VolumeSource, VolumeError> {
+    ) -> Result<&mut VolumeSource<'b>, VolumeFault> {
+        let outside = |name: &str| {
+            format!(
+                "its data are in {name:?}, outside its folder, and nobody asked to read there: \
+                 move the file beside the header, or allow detached_anywhere"
+            )
+        };
         let inside = |part| matches!(part, Component::Normal(_) | Component::CurDir);
         if !options.detached_anywhere && !Path::new(name).components().all(inside) {
-            return Err(VolumeError::Outside {
-                path: self.path.clone(),
-                name: name.to_owned(),
-            });
+            return Err(outside(name).into());
         }
         let folder = self.path.parent().unwrap_or(Path::new(""));
         // By parts, so that `./tooth.raw` becomes `tooth.raw`.
         let below = Path::new(name).components();
-        let other = folder.join(
-            below
-                .filter(|part| *part != Component::CurDir)
-                .collect::<PathBuf>(),
-        );
+        let below = below.filter(|part| *part != Component::CurDir);
+        let other = folder.join(below.collect::<PathBuf>());
         if let Some(elsewhere) = away(&self.path, &other).filter(|_| !options.detached_anywhere) {
-            return Err(VolumeError::Outside {
-                path: self.path.clone(),
-                name: elsewhere.display().to_string(),
-            });
+            return Err(outside(&elsewhere.display().to_string()).into());
         }
-        let opened = VolumeSource::open(&other).map_err(|error| VolumeError::Data {
-            path: self.path.clone(),
-            error: Box::new(error),
-        })?;
+        let opened = VolumeSource::open(&other)
+            .map_err(|error| format!("the file of its data cannot be had: {error}"))?;
         Ok(self.data.insert(Box::new(opened)))
     }
 
-    /// All bytes that are left, of a file of at most `most`.
-    pub(super) fn bytes(&mut self, most: u64) -> Result<Vec<u8>, VolumeError> {
-        let mut bytes = Vec::new();
-        let read = (&mut self.reader).take(most).read_to_end(&mut bytes);
-        read.map_err(|source| self.trouble(source))?;
-        Ok(bytes)
-    }
-
-    /// The file does not hold what its name promises. The message stands after the path.
-    pub(super) fn fault(&self, error: impl Error + Send + Sync + 'static) -> VolumeError {
-        VolumeError::Contents {
+    /// The error of a mistake in this file.
+    pub fn error(&self, fault: impl Into<VolumeFault>) -> VolumeError {
+        VolumeError {
             path: self.path.clone(),
-            separator: ": ",
-            error: Box::new(error),
+            fault: fault.into(),
         }
     }
 
-    /// [`VolumeSource::fault`], where the message begins with a line of the file.
-    pub(super) fn fault_in_line(&self, error: impl Error + Send + Sync + 'static) -> VolumeError {
-        VolumeError::Contents {
-            path: self.path.clone(),
-            separator: ":",
-            error: Box::new(error),
-        }
-    }
-
-    pub(super) fn path(&self) -> &Path {
-        &self.path
+    /// Reads past `count` bytes, or to the end.
+    pub fn skip(&mut self, count: u64) -> io::Result<()> {
+        io::copy(&mut self.take(count), &mut io::sink()).map(drop)
     }
 
     /// Reads what is left of the files, so that their hashes are those of all their bytes.
-    pub(super) fn finish(mut self) -> Result<Vec<FileRead>, VolumeError> {
+    pub fn finish(mut self) -> Result<Vec<FileRead>, VolumeError> {
         let rest = io::copy(&mut self.reader, &mut io::sink());
-        rest.map_err(|source| self.trouble(source))?;
+        rest.map_err(|error| self.error(error))?;
         let mut files = vec![FileRead {
             hash: self.reader.get_ref().hasher.finalize().to_hex().to_string(),
             path: self.path,
@@ -142,28 +133,24 @@ impl VolumeSource {
         }
         Ok(files)
     }
-
-    fn trouble(&self, source: io::Error) -> VolumeError {
-        VolumeError::Read {
-            path: self.path.clone(),
-            source,
-        }
-    }
 }
 
-impl Read for VolumeSource {
+impl Read for VolumeSource<'_> {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        self.reader.read(bytes)
+        let count = self.reader.read(bytes)?;
+        self.remaining = self.remaining.saturating_sub(count as u64);
+        Ok(count)
     }
 }
 
-impl BufRead for VolumeSource {
+impl BufRead for VolumeSource<'_> {
     fn fill_buf(&mut self) -> io::Result<&[u8]> {
         self.reader.fill_buf()
     }
 
     fn consume(&mut self, count: usize) {
         self.reader.consume(count);
+        self.remaining = self.remaining.saturating_sub(count as u64);
     }
 }
 
@@ -183,21 +170,6 @@ fn away(header: &Path, data: &Path) -> Option<PathBuf> {
         .flatten()
         .any(|folder| data.starts_with(folder));
     (!inside).then_some(data)
-}
-
-/// A regular file, and its length in bytes.
-fn open(path: &Path) -> Result<(File, u64), VolumeError> {
-    regular_file::open(path).map_err(|error| match error {
-        OpenError::Missing(_) => VolumeError::Missing(path.to_owned()),
-        OpenError::NotAFile(what) => VolumeError::NotAFile {
-            path: path.to_owned(),
-            what,
-        },
-        OpenError::Refused(source) => VolumeError::Read {
-            path: path.to_owned(),
-            source,
-        },
-    })
 }
 
 /// The name of the file at `path` ends in `ending`, in capitals or not, after at least one other

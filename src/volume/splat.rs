@@ -1,8 +1,8 @@
 //! A point cloud made a grid: every point shares its weight among the nodes around it.
 
+use super::error::VolumeFault;
 use super::{CloudPoint, Grid, Lattice, LatticeError};
 use glam::DVec3;
-use thiserror::Error;
 
 /// How fine a grid a cloud becomes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,79 +14,14 @@ pub struct Splatting {
     pub padding: usize,
 }
 
-/// Why a cloud cannot be splatted.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum SplatError {
-    /// No points.
-    #[error("the cloud has no points")]
-    NoPoints,
-    /// A point that is nowhere, or of impossible weight.
-    #[error(
-        "point {index} has weight {weight} at {position}: positions must be finite, weights \
-         finite and not negative"
-    )]
-    Point {
-        /// Which point, counted from 0.
-        index: usize,
-        /// Its weight.
-        weight: f64,
-        /// Its position.
-        position: DVec3,
-    },
-    /// All points in one place.
-    #[error(
-        "the cloud has no size, its points ({0}) all lie in the same place: it needs two points \
-         apart"
-    )]
-    NoExtent(usize),
-    /// Points farther apart than a number holds.
-    #[error("the cloud is wider than the largest number: scale it down")]
-    TooWide,
-    /// No interval left between the paddings.
-    #[error(
-        "a resolution of {resolution} with {padding} nodes of padding on each side leaves no \
-         room for the cloud: use at least {least}"
-    )]
-    TooFew {
-        /// Resolution asked for.
-        resolution: usize,
-        /// Padding asked for.
-        padding: usize,
-        /// Smallest resolution with this padding.
-        least: usize,
-    },
-    /// A spacing lost in the rounding of the coordinates.
-    #[error(
-        "the spacing of the nodes would be {spacing}, too fine beside coordinates as large as \
-         {largest}: lower the resolution, or move the cloud near the origin"
-    )]
-    TooFine {
-        /// Spacing of the nodes, world units.
-        spacing: f64,
-        /// Largest coordinate of the cloud, without its sign.
-        largest: f64,
-    },
-    /// A grid that is too large, or leaves the range of numbers.
-    #[error(transparent)]
-    Lattice(#[from] LatticeError),
-    /// Not enough memory.
-    #[error("no memory for a grid of {0} nodes: lower the resolution")]
-    Memory(usize),
-    /// Weights that add up to infinity.
-    #[error("the weights of the points add up to more than a number holds: scale them down")]
-    Overflow,
-    /// Nothing to see.
-    #[error("every weight is zero or vanishes when shared: at least one must be positive")]
-    NoWeight,
-}
-
 /// The density grid of a cloud: [`splat_weights`], divided by the largest of them, so that the
 /// densest node is exactly 1.
-pub fn splat(points: &[CloudPoint], splatting: Splatting) -> Result<Grid<f32>, SplatError> {
+pub fn splat(points: &[CloudPoint], splatting: Splatting) -> Result<Grid<f32>, VolumeFault> {
     let weights = splat_weights(points, splatting)?;
     let (_, largest) = weights.range();
     if largest == 0.0 {
-        return Err(SplatError::NoWeight);
+        let message = "every weight is zero or vanishes when shared: at least one must be positive";
+        return Err(message.into());
     }
     let densities = weights.values().iter().map(|weight| weight / largest);
     let densities = densities.map(|density| density as f32).collect();
@@ -102,7 +37,10 @@ pub fn splat(points: &[CloudPoint], splatting: Splatting) -> Result<Grid<f32>, S
 /// the order of the points. Their total is that of the points, but for rounding: at most
 /// `n + 6` roundings of it for `n` points (three of `1 − t` and three products in a share, and
 /// the additions).
-pub fn splat_weights(points: &[CloudPoint], splatting: Splatting) -> Result<Grid<f64>, SplatError> {
+pub fn splat_weights(
+    points: &[CloudPoint],
+    splatting: Splatting,
+) -> Result<Grid<f64>, VolumeFault> {
     check(points)?;
     let frame = SplatFrame::new(points, splatting)?;
     let lattice = frame.lattice()?;
@@ -110,7 +48,7 @@ pub fn splat_weights(points: &[CloudPoint], splatting: Splatting) -> Result<Grid
     let mut weights: Vec<f64> = Vec::new();
     weights
         .try_reserve_exact(count)
-        .map_err(|_| SplatError::Memory(count))?;
+        .map_err(|_| format!("no memory for a grid of {count} nodes: lower the resolution"))?;
     weights.resize(count, 0.0);
     for point in points {
         let position = frame.coordinates(point.position);
@@ -137,24 +75,25 @@ pub fn splat_weights(points: &[CloudPoint], splatting: Splatting) -> Result<Grid
     Ok(Grid::new(lattice, weights).expect("one weight per node"))
 }
 
-fn check(points: &[CloudPoint]) -> Result<(), SplatError> {
+fn check(points: &[CloudPoint]) -> Result<(), VolumeFault> {
     let wrong = points.iter().position(|point| {
         !(point.position.is_finite() && point.weight.is_finite() && point.weight >= 0.0)
     });
     if let Some(index) = wrong {
-        return Err(SplatError::Point {
-            index,
-            weight: points[index].weight,
-            position: points[index].position,
-        });
+        let CloudPoint { position, weight } = points[index];
+        return Err(format!(
+            "point {index} has weight {weight} at {position}: positions must be finite, weights \
+             finite and not negative"
+        )
+        .into());
     }
     let total: f64 = points.iter().map(|point| point.weight).sum();
     // Twice: no node may overflow by rounding where the total does not.
     if (2.0 * total).is_finite() {
-        Ok(())
-    } else {
-        Err(SplatError::Overflow)
+        return Ok(());
     }
+    let message = "the weights of the points add up to more than a number holds: scale them down";
+    Err(message.into())
 }
 
 /// Intervals along the longest side of a box of size `extent` for which its voxels are about as
@@ -183,32 +122,37 @@ struct SplatFrame {
 }
 
 impl SplatFrame {
-    fn new(points: &[CloudPoint], splatting: Splatting) -> Result<SplatFrame, SplatError> {
+    fn new(points: &[CloudPoint], splatting: Splatting) -> Result<SplatFrame, VolumeFault> {
         let Splatting {
             resolution,
             padding,
         } = splatting;
-        let first = points.first().ok_or(SplatError::NoPoints)?.position;
+        let first = points.first().ok_or("the cloud has no points")?.position;
         let (min, max) = points.iter().fold((first, first), |(min, max), point| {
             (min.min(point.position), max.max(point.position))
         });
         let extent = (max - min).max_element();
         if extent == 0.0 {
-            return Err(SplatError::NoExtent(points.len()));
+            let count = points.len();
+            return Err(format!(
+                "the cloud has no size, its points ({count}) all lie in the same place: it needs \
+                 two points apart"
+            )
+            .into());
         }
         if !extent.is_finite() {
-            return Err(SplatError::TooWide);
+            return Err("the cloud is wider than the largest number: scale it down".into());
         }
         let around = padding.saturating_mul(2).saturating_add(1);
         let resolution = resolution
             .unwrap_or_else(|| around.saturating_add(one_point_per_voxel(max - min, points.len())));
         let intervals = resolution.saturating_sub(around);
         if intervals == 0 {
-            return Err(SplatError::TooFew {
-                resolution,
-                padding,
-                least: around.saturating_add(1),
-            });
+            let least = around.saturating_add(1);
+            return Err(VolumeFault::Resolution(format!(
+                "a resolution of {resolution} with {padding} nodes of padding on each side leaves \
+                 no room for the cloud: use at least {least}"
+            )));
         }
         if resolution > Lattice::MOST_NODES {
             return Err(LatticeError::TooLarge(resolution as u64, 1, 1).into());
@@ -218,7 +162,10 @@ impl SplatFrame {
         let tolerance = tolerance(largest, spacing, intervals);
         // Below the normal numbers the quotient has lost digits.
         if !spacing.is_normal() || tolerance >= 0.5 {
-            return Err(SplatError::TooFine { spacing, largest });
+            return Err(VolumeFault::Resolution(format!(
+                "the spacing of the nodes would be {spacing}, too fine beside coordinates as large \
+                 as {largest}: lower the resolution, or move the cloud near the origin"
+            )));
         }
         Ok(SplatFrame {
             min,

@@ -2,15 +2,15 @@
 
 use super::shapes::FARTHEST;
 use crate::media::Field;
+use crate::scene::SceneResult;
 use crate::scene::files::Files;
 use crate::scene::format::{Key, Kind, Range, Rule, Table};
 use crate::scene::reader::Reader;
 use crate::scene::volume::VOLUME;
 use crate::scene::{ProceduralMedium, read_procedural};
-use crate::scene::{SceneError, SceneResult};
 use crate::volume::{
-    Blob, ExponentialLayer, FractalDensity, FractalError, FractalParameters, GridDensity,
-    Interpolation, LayerError, LinearRamp, MOST_OCTAVES,
+    Blob, ExponentialLayer, FractalDensity, FractalParameters, GridDensity, Interpolation,
+    LinearRamp, MOST_OCTAVES,
 };
 
 /// The keys that give a density.
@@ -156,20 +156,15 @@ pub(super) fn field(reader: &Reader, files: &mut Files) -> SceneResult<Option<Fi
         return read_noise(&noise).map(|noise| Some(Field::Noise(noise)));
     }
     if let Some(layer) = reader.table("exponential")? {
-        let layer = ExponentialLayer::new(
-            layer.number("density")?,
-            layer.vector("base")?,
-            layer.vector("up")?,
-            layer.number("scale_height")?,
-        )
-        .map_err(|error| bad_layer(&layer, &error))?;
-        return Ok(Some(Field::Exponential(layer)));
+        let (density, base) = (layer.number("density")?, layer.vector("base")?);
+        let (up, scale_height) = (layer.vector("up")?, layer.number("scale_height")?);
+        let field = ExponentialLayer::new(density, base, up, scale_height);
+        return Ok(Some(Field::Exponential(layer.accepted(field)?)));
     }
     if let Some(ramp) = reader.table("linear")? {
         let (density, origin) = (ramp.number("density")?, ramp.vector("origin")?);
-        let ramp = LinearRamp::new(density, origin, ramp.vector("gradient")?)
-            .map_err(|error| bad_layer(&ramp, &error))?;
-        return Ok(Some(Field::Linear(ramp)));
+        let field = LinearRamp::new(density, origin, ramp.vector("gradient")?);
+        return Ok(Some(Field::Linear(ramp.accepted(field)?)));
     }
     if let Some(blob) = reader.table("blob")? {
         return read_blob(&blob).map(|blob| Some(Field::Blob(blob)));
@@ -211,26 +206,5 @@ fn read_noise(reader: &Reader) -> SceneResult<FractalDensity> {
         max_density: reader.number("max_density")?,
         threshold: reader.number("threshold")?,
     };
-    FractalDensity::new(parameters).map_err(|error| {
-        let key = match error {
-            FractalError::Octaves(_) => "octaves",
-            FractalError::Lacunarity(_) | FractalError::Frequency { .. } => "lacunarity",
-            FractalError::Gain(_) | FractalError::Amplitude { .. } => "gain",
-            FractalError::Scale(_) => "scale",
-            FractalError::Offset(_) => "offset",
-            FractalError::MaxDensity(_) => "max_density",
-            FractalError::Threshold(_) => "threshold",
-        };
-        reader.error(key, error.to_string())
-    })
-}
-
-fn bad_layer(reader: &Reader, error: &LayerError) -> Box<SceneError> {
-    let key = match error {
-        LayerError::Density(_) => "density",
-        LayerError::ScaleHeight(_) => "scale_height",
-        LayerError::Up(_) => "up",
-        LayerError::NotFinite { name, .. } => name,
-    };
-    reader.error(key, error.to_string())
+    reader.accepted(FractalDensity::new(parameters))
 }

@@ -50,20 +50,16 @@ pub(super) fn read(reader: &Reader, procedural: Option<Asymmetry>) -> SceneResul
     }
     if let Some(draine) = reader.table("draine")? {
         let g = asymmetry(&draine)?;
-        let alpha = draine.number("alpha")?;
-        let phase = Draine::new(g, alpha);
-        let phase = phase.map_err(|error| draine.error("alpha", error.to_string()))?;
-        return Ok(Phase::Draine(phase));
+        let phase = Draine::new(g, draine.number("alpha")?);
+        return Ok(Phase::Draine(draine.accepted(phase)?));
     }
     if let Some(droplets) = reader.table("droplets")? {
         let phase = Droplets::new(droplets.number("diameter")?);
-        let phase = phase.map_err(|error| droplets.error("diameter", error.to_string()))?;
-        return Ok(Phase::Droplets(phase));
+        return Ok(Phase::Droplets(droplets.accepted(phase)?));
     }
     asymmetry(reader).map(Phase::henyey_greenstein)
 }
 
 fn asymmetry(reader: &Reader) -> SceneResult<Asymmetry> {
-    let g = reader.number("g")?;
-    Asymmetry::new(g).map_err(|error| reader.error("g", error.to_string()))
+    reader.accepted(Asymmetry::new(reader.number("g")?))
 }
