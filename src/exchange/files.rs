@@ -1,6 +1,6 @@
 //! Grids and meshes as files of their own.
 
-use crate::volume::Grid;
+use crate::volume::{Grid, vol_bytes};
 use glam::DVec3;
 
 /// A mesh as PLY: little endian, coordinates as `float`.
@@ -53,16 +53,8 @@ impl Meshes<'_> {
 /// A grid as a volume of Mitsuba's, version 3, to the bit. The box of the header is the unit
 /// cube: where the grid lies is the scene's to say.
 pub(super) fn vol(grid: &Grid<f32>) -> Vec<u8> {
-    let [nx, ny, nz] = grid.lattice().nodes().map(|nodes| nodes as i32);
-    let mut bytes = b"VOL\x03".to_vec();
-    for word in [1, nx, ny, nz, 1] {
-        bytes.extend(word.to_le_bytes());
-    }
-    for corner in [0_f32, 0.0, 0.0, 1.0, 1.0, 1.0] {
-        bytes.extend(corner.to_le_bytes());
-    }
-    bytes.extend(grid.values().iter().flat_map(|value| value.to_le_bytes()));
-    bytes
+    let counts = grid.lattice().nodes().map(|nodes| nodes as i32);
+    vol_bytes(counts, [[0.0; 3], [1.0; 3]], grid.values())
 }
 
 #[cfg(test)]

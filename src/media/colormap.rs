@@ -21,39 +21,20 @@ impl Colormap {
     /// `white` (constant), or one of the perceptual maps. The latter are published as display
     /// colours; they are decoded to linear light, so that a preview shows them as published.
     pub fn named(name: &str) -> Option<Colormap> {
-        let gradient = match name {
+        let stops = match name {
             "heat" => {
-                let stops = vec![
-                    DVec3::new(0.0, 0.0, 1.0),
-                    DVec3::new(0.0, 1.0, 1.0),
-                    DVec3::new(0.0, 1.0, 0.0),
-                    DVec3::new(1.0, 1.0, 0.0),
-                    DVec3::new(1.0, 0.0, 0.0),
-                ];
-                return Some(Colormap { stops });
+                let [cyan, yellow] = [DVec3::new(0.0, 1.0, 1.0), DVec3::new(1.0, 1.0, 0.0)];
+                vec![DVec3::Z, cyan, DVec3::Y, yellow, DVec3::X]
             }
-            "grey" => {
-                return Some(Colormap {
-                    stops: vec![DVec3::ZERO, DVec3::ONE],
-                });
-            }
-            "white" => {
-                return Some(Colormap {
-                    stops: vec![DVec3::ONE],
-                });
-            }
-            "viridis" => colorous::VIRIDIS,
-            "magma" => colorous::MAGMA,
-            "inferno" => colorous::INFERNO,
-            "plasma" => colorous::PLASMA,
-            "turbo" => colorous::TURBO,
+            "grey" => vec![DVec3::ZERO, DVec3::ONE],
+            "white" => vec![DVec3::ONE],
+            "viridis" => decoded(colorous::VIRIDIS),
+            "magma" => decoded(colorous::MAGMA),
+            "inferno" => decoded(colorous::INFERNO),
+            "plasma" => decoded(colorous::PLASMA),
+            "turbo" => decoded(colorous::TURBO),
             _ => return None,
         };
-        let decode = |code: u8| math::srgb_to_linear(f64::from(code) / 255.0);
-        let stops = (0..256)
-            .map(|i| gradient.eval_rational(i, 256))
-            .map(|c| DVec3::new(decode(c.r), decode(c.g), decode(c.b)))
-            .collect();
         Some(Colormap { stops })
     }
 
@@ -76,6 +57,15 @@ impl Colormap {
         let next = (index + 1).min(last);
         DVec3::lerp_between(self.stops[index], self.stops[next], position - index as f64)
     }
+}
+
+/// Published display colours in linear light.
+fn decoded(gradient: colorous::Gradient) -> Vec<DVec3> {
+    let decode = |code: u8| math::srgb_to_linear(f64::from(code) / 255.0);
+    let colours = (0..256).map(|i| gradient.eval_rational(i, 256));
+    colours
+        .map(|c| DVec3::new(decode(c.r), decode(c.g), decode(c.b)))
+        .collect()
 }
 
 #[cfg(test)]

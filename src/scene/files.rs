@@ -5,7 +5,7 @@ use super::volume::VolumeRequest;
 use super::{SceneError, SceneResult};
 use crate::geometry::{ClosedMesh, Mesh, MeshError};
 use crate::regular_file::{self, OpenError, ReadError};
-use crate::volume::{self, Grid, VolumeFault};
+use crate::volume::{self, FileRead, Grid, VolumeFault};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -85,14 +85,11 @@ impl<'p> Files<'p> {
             };
             reader.error(key, error.to_string())
         })?;
-        let mut inputs: Vec<InputFile> = loaded
-            .files
-            .into_iter()
-            .map(|file| InputFile {
-                name: self.name_of(&file.path),
-                hash: file.hash,
-            })
-            .collect();
+        let input = |file: FileRead| InputFile {
+            name: self.name_of(&file.path),
+            hash: file.hash,
+        };
+        let mut inputs: Vec<InputFile> = loaded.files.into_iter().map(input).collect();
         inputs[0].name.clone_from(&request.file);
         inputs.iter().for_each(|input| self.note(input));
         let grid = Arc::new(loaded.grid);

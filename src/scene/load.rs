@@ -114,27 +114,22 @@ impl Scene {
     /// Reads the scene file at `path` and the files it names.
     pub fn load(path: &Path) -> SceneResult<Scene> {
         let name = path.display().to_string();
-        let unreadable = |message: String| {
-            SceneError::new(
-                &name,
-                "",
-                None,
-                message,
-                Some("give the path of a scene file".into()),
-            )
+        let mistake = |message: String, help: &str| {
+            SceneError::new(&name, "", None, message, Some(help.to_owned()))
         };
+        let unreadable = |message| mistake(message, "give the path of a scene file");
         // A description of bare samples ends in .toml, as scenes do.
         let is_toml = path
             .extension()
             .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
         if !is_toml && volume_format(path).is_some() {
             let file = path.file_name().unwrap_or_default().display().to_string();
-            let message = "this is a volume, not a scene";
+            let message = "this is a volume, not a scene".to_owned();
             let help = format!(
                 "put this into a file beside it, say mine.toml, and give that:\n\
                  [classified]\n[classified.volume]\nfile = {file:?}\n[classified.phong]"
             );
-            return Err(SceneError::new(&name, "", None, message, Some(help)));
+            return Err(mistake(message, &help));
         }
         let bytes = regular_file::read(path, MOST_BYTES)
             .map_err(|error| unreadable(format!("cannot read the scene: {error}")))?;
@@ -152,14 +147,10 @@ impl Scene {
         let mut files = Files::new(path.parent().unwrap_or(Path::new("")));
         let tables = panel_tables(&document, &root)?;
         let lines = Lines::of(text);
-        let panels = tables
-            .iter()
-            .map(|table| Panel::read(&document, &lines, table, &mut files))
-            .collect::<Result<Vec<_>, _>>()?;
-        if let Some(odd) = panels
-            .iter()
-            .position(|panel| panel.height != panels[0].height)
-        {
+        let read = |table| Panel::read(&document, &lines, table, &mut files);
+        let panels = tables.iter().map(read).collect::<SceneResult<Vec<_>>>()?;
+        let mut heights = panels.iter().map(|panel| panel.height);
+        if let Some(odd) = heights.position(|height| height != panels[0].height) {
             let message = format!(
                 "panels stand side by side and must be of one height, but panel 1 has {} rows and panel {} has {}",
                 panels[0].height,

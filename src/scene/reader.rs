@@ -583,9 +583,6 @@ impl<'d, 's> Reader<'d, 's> {
 
     /// A declared [`Kind::Flag`]; left out, it is false.
     pub fn flag(&self, name: &str) -> SceneResult<bool> {
-        let Kind::Flag = self.declared(name).kind else {
-            panic!("{name} is not a flag")
-        };
         let read = |value: &Spanned<DeValue>| match value.get_ref() {
             DeValue::Boolean(flag) => Ok(*flag),
             _ => Err(self.wrong_type(name, value)),
@@ -618,13 +615,11 @@ impl<'d, 's> Reader<'d, 's> {
     /// A declared [`Kind::Table`], if the file has it. One that may be left out but has
     /// defaults for all its keys is [`Reader::table_or_default`].
     pub fn table(&self, name: &str) -> SceneResult<Option<Reader<'d, 's>>> {
-        let Kind::Table(declaration) = self.declared(name).kind else {
-            panic!("{name} is not a table")
-        };
         match self.value(name) {
             Some(value) => {
                 let path = self.key_path(name);
-                self.table_in(name, declaration, value, path).map(Some)
+                self.table_in(name, self.declared_table(name), value, path)
+                    .map(Some)
             }
             None if matches!(self.declared(name).absent, Absent::Error) => {
                 Err(self.error(name, format!("missing table [{}]", self.key_path(name))))
@@ -668,12 +663,17 @@ impl<'d, 's> Reader<'d, 's> {
     /// A declared [`Kind::Table`]; where the file leaves it out, an empty one.
     pub fn table_or_default(&self, name: &str) -> SceneResult<Reader<'d, 's>> {
         static EMPTY: LazyLock<DeTable<'static>> = LazyLock::new(DeTable::new);
-        let Kind::Table(declaration) = self.declared(name).kind else {
-            panic!("{name} is not a table")
-        };
-        match self.table(name)? {
-            Some(reader) => Ok(reader),
-            None => self.inner(declaration, &EMPTY, self.span.clone(), self.key_path(name)),
+        if let Some(reader) = self.table(name)? {
+            return Ok(reader);
+        }
+        let (declaration, path) = (self.declared_table(name), self.key_path(name));
+        self.inner(declaration, &EMPTY, self.span.clone(), path)
+    }
+
+    fn declared_table(&self, name: &str) -> &'static Table {
+        match self.declared(name).kind {
+            Kind::Table(declaration) => declaration,
+            _ => panic!("{name} is not a table"),
         }
     }
 }

@@ -40,9 +40,9 @@ impl DensityField for Blob {
         // Squares, sums, quotients and differences round monotonically, and exponentials of libm
         // are off by less than an ulp: two more ulp than monotone.
         let margin = 4.0 * f64::EPSILON;
-        DensityRange {
-            low: self.at(farthest.length_squared()) * (1.0 - margin),
-            high: self.at(nearest.length_squared()) * (1.0 + margin),
-        }
+        DensityRange::new(
+            self.at(farthest.length_squared()) * (1.0 - margin),
+            self.at(nearest.length_squared()) * (1.0 + margin),
+        )
     }
 }

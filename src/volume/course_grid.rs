@@ -4,7 +4,7 @@
 //! `float32` densities, x fastest. One spacing serves all axes, `size.x / (nx − 1)`; the first
 //! node lies at the world origin.
 
-use super::error::VolumeFault;
+use super::error::{VolumeFault, refused};
 use super::file::{Stored, VolumeFormat, VolumeRead};
 use super::orientation::{Axes, AxisSteps};
 use super::samples::{fill, read_grid};
@@ -41,11 +41,10 @@ fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let mut header = [0; HEADER];
     let filled = fill(source, &mut header)?;
     if filled < HEADER {
-        return Err(format!(
+        return refused(format!(
             "the file ends after {filled} of the 24 bytes of its header (int32 nx ny nz, float32 \
              size x y z)"
-        )
-        .into());
+        ));
     }
     let lattice = lattice(&header)?;
     check_length(&lattice, length)?;
@@ -72,30 +71,27 @@ fn lattice(header: &[u8; HEADER]) -> Result<Lattice, VolumeFault> {
     let sizes = [3, 4, 5].map(|axis| f32::from_le_bytes(words[axis]));
     if counts.iter().any(|&count| count < 1) {
         let [nx, ny, nz] = counts;
-        return Err(format!(
+        return refused(format!(
             "the header gives {nx} × {ny} × {nz} nodes, and each axis needs at least 1: is this \
              file little endian?"
-        )
-        .into());
+        ));
     }
     if !sizes.iter().all(|&size| size.is_finite() && size >= 0.0) {
         let [x, y, z] = sizes;
-        return Err(format!(
+        return refused(format!(
             "the header gives the size ({x}, {y}, {z}): sizes must be finite and not negative; is \
              this file little endian?"
-        )
-        .into());
+        ));
     }
     // Positive, hence the same as a `usize`.
     let nodes = counts.map(|count| count as usize);
     let axis = nodes.iter().position(|&nodes| nodes > 1).ok_or(ONE_NODE)?;
     if sizes[axis] == 0.0 {
         let (name, nodes) = (['x', 'y', 'z'][axis], nodes[axis]);
-        return Err(format!(
+        return refused(format!(
             "the header gives size 0 along {name}, where there are {nodes} nodes: their spacing \
              would be 0"
-        )
-        .into());
+        ));
     }
     let spacing = f64::from(sizes[axis]) / (nodes[axis] - 1) as f64;
     Ok(Lattice::new(nodes, DVec3::splat(spacing), DVec3::ZERO)?)
@@ -114,11 +110,10 @@ fn check_length(lattice: &Lattice, bytes: u64) -> Result<(), VolumeFault> {
     } else {
         "holds something else as well, or is not float32"
     };
-    Err(format!(
+    refused(format!(
         "the header promises {nx} × {ny} × {nz} float32 densities, {promised} bytes in all, and \
          the file has {bytes}: it {cause}"
-    )
-    .into())
+    ))
 }
 
 /// The bytes of a course grid: for grids of one spacing whose first node lies at the origin.
@@ -130,20 +125,18 @@ pub fn write_course_grid(grid: &Grid<f32>) -> Result<Vec<u8>, VolumeFault> {
     let lattice = grid.lattice();
     let spacing = lattice.spacing();
     if spacing != DVec3::splat(spacing.x) {
-        return Err(format!(
+        return refused(format!(
             "a course grid has one spacing, this grid has {spacing}: resample it first"
-        )
-        .into());
+        ));
     }
     if lattice.first() != DVec3::ZERO {
         let first = lattice.first();
-        return Err(format!(
+        return refused(format!(
             "a course grid begins at the world origin, this grid at {first}: move it first"
-        )
-        .into());
+        ));
     }
     if lattice.node_count() == 1 {
-        return Err(ONE_NODE.into());
+        return refused(ONE_NODE);
     }
     grid.check_densities().map_err(|error| error.to_string())?;
     let sizes = lattice.nodes().map(|n| spacing.x * (n - 1) as f64);
@@ -154,10 +147,9 @@ pub fn write_course_grid(grid: &Grid<f32>) -> Result<Vec<u8>, VolumeFault> {
         match i32::try_from(nodes) {
             Ok(count) if sayable => bytes.extend(count.to_le_bytes()),
             _ => {
-                return Err(format!(
+                return refused(format!(
                     "the header of a course grid cannot hold {nodes} nodes over a length of {size}"
-                )
-                .into());
+                ));
             }
         }
     }

@@ -30,6 +30,11 @@ pub enum VolumeFault {
     Resolution(String),
 }
 
+/// The refusal of a file for a reason.
+pub(super) fn refused<T>(reason: impl Into<VolumeFault>) -> Result<T, VolumeFault> {
+    Err(reason.into())
+}
+
 impl From<String> for VolumeFault {
     fn from(message: String) -> VolumeFault {
         VolumeFault::File(message)

@@ -27,19 +27,18 @@ pub struct DensityRange {
 }
 
 impl DensityRange {
+    /// The range from `low` to `high`.
+    pub const fn new(low: f64, high: f64) -> DensityRange {
+        DensityRange { low, high }
+    }
+
     /// The one value of a constant density.
     pub fn of(density: f64) -> DensityRange {
-        DensityRange {
-            low: density,
-            high: density,
-        }
+        DensityRange::new(density, density)
     }
 
     /// Bounds on both of two densities.
     pub fn union(self, other: DensityRange) -> DensityRange {
-        DensityRange {
-            low: self.low.min(other.low),
-            high: self.high.max(other.high),
-        }
+        DensityRange::new(self.low.min(other.low), self.high.max(other.high))
     }
 }

@@ -188,10 +188,7 @@ impl DensityField for FractalDensity {
             least += octave.amplitude * noise.low;
             most += octave.amplitude * noise.high;
         }
-        DensityRange {
-            low: self.density_of(least),
-            high: self.density_of(most),
-        }
+        DensityRange::new(self.density_of(least), self.density_of(most))
     }
 }
 

@@ -180,9 +180,6 @@ impl DensityField for GridDensity {
         // roundings, of numbers no larger than the largest: 9u, and as much again for the
         // products of roundings is more than enough.
         let margin = 16.0 * f64::EPSILON / 2.0 * most;
-        DensityRange {
-            low: (least - margin).max(0.0),
-            high: most + margin,
-        }
+        DensityRange::new((least - margin).max(0.0), most + margin)
     }
 }

@@ -142,10 +142,10 @@ impl DensityField for ExponentialLayer {
     fn range_over(&self, bounds: &Aabb) -> DensityRange {
         let [low, high] = extremes(bounds, *self.up).map(|corner| self.height(corner));
         let steps_of_four = |share: f64, step: fn(f64) -> f64| (0..4).fold(share, |x, _| step(x));
-        DensityRange {
-            low: self.of_share(steps_of_four(exp(-high), f64::next_down).max(0.0)),
-            high: self.of_share(steps_of_four(exp(-low), f64::next_up)),
-        }
+        DensityRange::new(
+            self.of_share(steps_of_four(exp(-high), f64::next_down).max(0.0)),
+            self.of_share(steps_of_four(exp(-low), f64::next_up)),
+        )
     }
 }
 

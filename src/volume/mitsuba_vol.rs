@@ -9,7 +9,7 @@
 //! read here. Mitsuba 3 reads the same file as a texture, with every sample in the middle of a
 //! cell; [`LoadOptions::centring`] asks for that. The box is the same in both cases.
 
-use super::error::VolumeFault;
+use super::error::{VolumeFault, refused};
 use super::file::{Stored, VolumeFormat, VolumeRead};
 use super::orientation::{Axes, AxisSteps};
 use super::samples::{check_sizes, fill, read_grid};
@@ -38,10 +38,12 @@ fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let filled = fill(source, &mut header)?;
     if !header.starts_with(&b"VOL"[..filled.min(3)]) {
         let message = "the file does not begin with the letters VOL: it is no Mitsuba volume";
-        return Err(message.into());
+        return refused(message);
     }
     if filled < HEADER {
-        return Err(format!("the file ends after {filled} of the 48 bytes of its header").into());
+        return refused(format!(
+            "the file ends after {filled} of the 48 bytes of its header"
+        ));
     }
     let layout = layout(&header, options)?;
     let grid = read_grid(source, &layout, options)?;
@@ -52,7 +54,7 @@ fn layout(header: &[u8; HEADER], options: &LoadOptions) -> Result<Layout, Volume
     if header[3] != 3 {
         let version = header[3];
         let message = format!("this is version {version} of the format, and version 3 is read");
-        return Err(message.into());
+        return refused(message);
     }
     let (words, _) = header[4..].as_chunks::<4>();
     let int = |index: usize| i32::from_le_bytes(words[index]);
@@ -67,38 +69,34 @@ fn layout(header: &[u8; HEADER], options: &LoadOptions) -> Result<Layout, Volume
             } else {
                 ""
             };
-            return Err(format!(
+            return refused(format!(
                 "the samples are of type {code}{kind}: types 1 (float32), 2 (float16) and 3 \
                  (uint8) are read"
-            )
-            .into());
+            ));
         }
     };
     let counts = [int(1), int(2), int(3)];
     if counts.iter().any(|&count| count < 1) {
         let [nx, ny, nz] = counts;
-        return Err(format!(
+        return refused(format!(
             "the header gives {nx} × {ny} × {nz} samples, and each axis needs at least 1: is this \
              file little endian?"
-        )
-        .into());
+        ));
     }
     let channels = int(4);
     if channels != 1 {
-        return Err(format!(
+        return refused(format!(
             "the file has {channels} channels, and a density has 1: write one channel to a file"
-        )
-        .into());
+        ));
     }
     let sizes = check_sizes(counts.map(|count| count as u64))?;
     let min = DVec3::new(float(5), float(6), float(7));
     let max = DVec3::new(float(8), float(9), float(10));
     let extent = max - min;
     if !(min.is_finite() && max.is_finite() && extent.cmpgt(DVec3::ZERO).all()) {
-        return Err(format!(
+        return refused(format!(
             "the box of the header goes from {min} to {max}: each axis must ascend, and be finite"
-        )
-        .into());
+        ));
     }
     let centring = options.centring.unwrap_or_default();
     let (mut spacing, mut first) = (extent, min);
@@ -142,22 +140,30 @@ pub fn write_vol(grid: &Grid<f32>) -> Result<Vec<u8>, VolumeFault> {
     }
     if !(corners[0].is_finite() && corners[1].is_finite() && ascends) || counts.contains(&0) {
         let (min, max) = (bounds.min, bounds.max);
-        return Err(format!(
+        return refused(format!(
             "the header of a Mitsuba volume cannot hold a box from {min} to {max}"
-        )
-        .into());
+        ));
     }
-    let mut bytes = Vec::with_capacity(HEADER + 4 * lattice.node_count());
+    let [min, max] = corners.map(|corner| corner.to_array());
+    Ok(vol_bytes(counts, [min, max], grid.values()))
+}
+
+/// A Mitsuba volume of `float32` samples in a box.
+pub fn vol_bytes(counts: [i32; 3], corners: [[f32; 3]; 2], values: &[f32]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(HEADER + 4 * values.len());
     bytes.extend(b"VOL\x03");
     let [nx, ny, nz] = counts;
     for word in [1, nx, ny, nz, 1] {
         bytes.extend(word.to_le_bytes());
     }
-    for coordinate in corners.iter().flat_map(|corner| corner.to_array()) {
-        bytes.extend(coordinate.to_le_bytes());
-    }
-    bytes.extend(grid.values().iter().flat_map(|value| value.to_le_bytes()));
-    Ok(bytes)
+    let coordinates = corners.as_flattened();
+    bytes.extend(
+        coordinates
+            .iter()
+            .chain(values)
+            .flat_map(|number| number.to_le_bytes()),
+    );
+    bytes
 }
 
 #[cfg(test)]

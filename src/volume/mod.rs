@@ -47,7 +47,7 @@ pub use interpolation::{
 pub use lattice::{Centring, Lattice, LatticeError, NodePoint};
 pub use layers::{ConstantDensity, ExponentialLayer, LinearRamp};
 pub use load_options::{LoadOptions, NonFinite};
-pub use mitsuba_vol::{read_vol, write_vol};
+pub use mitsuba_vol::{read_vol, vol_bytes, write_vol};
 pub use nifti::read_nifti;
 pub use node_line::NodeLine;
 pub use noise_range::NOISE_BOUND;

@@ -11,7 +11,7 @@
 //! quaternions and spacings, scales integers within their own type (a slope of 0.35 leaves steps
 //! of 1), and holds the file's bytes beside the values made of them.
 
-use super::error::VolumeFault;
+use super::error::{VolumeFault, refused};
 use super::file::{Stored, VolumeFormat, VolumeRead};
 use super::orientation::{Axes, AxisSteps};
 use super::samples::{check_sizes, fill, read_grid, read_unpacked};
@@ -78,7 +78,9 @@ fn layout(
     let mut bytes = [0; HEADER];
     let filled = fill(source, &mut bytes).map_err(trouble)?;
     if filled < HEADER {
-        return Err(format!("the file ends after {filled} of the 348 bytes of its header").into());
+        return refused(format!(
+            "the file ends after {filled} of the 348 bytes of its header"
+        ));
     }
     let header = NiftiHeader::new(&bytes)?;
     let layout = Layout {
@@ -118,12 +120,12 @@ impl<'h> NiftiHeader<'h> {
             (348, _) => little,
             (_, 348) => big,
             (540, _) | (_, 540) => {
-                return Err("this is NIfTI-2, and NIfTI-1 is read: convert it".into());
+                return refused("this is NIfTI-2, and NIfTI-1 is read: convert it");
             }
             _ => {
                 let message = "the header does not begin with its length, 348: this is no NIfTI-1 \
                                file";
-                return Err(message.into());
+                return refused(message);
             }
         };
         let message = match &bytes[344..] {
@@ -133,7 +135,7 @@ impl<'h> NiftiHeader<'h> {
             }
             _ => "the header does not end in the letters n+1: this is no NIfTI-1 file of one part",
         };
-        Err(message.into())
+        refused(message)
     }
 
     fn word<const N: usize>(&self, at: usize) -> [u8; N] {
@@ -174,12 +176,11 @@ impl<'h> NiftiHeader<'h> {
             && sizes[3..].iter().all(|&size| size == 1);
         if !three {
             let sizes: Vec<String> = sizes.iter().map(i16::to_string).collect();
-            return Err(format!(
+            return refused(format!(
                 "the file has {} samples: a volume has three axes of one value to a sample; cut it \
                  up",
                 sizes.join(" × ")
-            )
-            .into());
+            ));
         }
         Ok(check_sizes([0, 1, 2].map(|axis| sizes[axis] as u64))?)
     }
@@ -201,10 +202,9 @@ impl<'h> NiftiHeader<'h> {
         };
         let (bits, expected) = (self.short(72), 8 * element.bytes());
         if i64::from(bits) != expected as i64 {
-            return Err(format!(
+            return refused(format!(
                 "the header says {bits} bits to a sample, and its data type has {expected}"
-            )
-            .into());
+            ));
         }
         Ok(element)
     }
@@ -232,10 +232,9 @@ impl<'h> NiftiHeader<'h> {
             return Ok(None);
         }
         if !(slope.is_finite() && intercept.is_finite()) {
-            return Err(format!(
+            return refused(format!(
                 "slope {slope} and intercept {intercept} of the values: both must be finite"
-            )
-            .into());
+            ));
         }
         let (slope, intercept) = (f64::from(slope), f64::from(intercept));
         Ok((slope != 1.0 || intercept != 0.0).then_some((slope, intercept)))
@@ -284,7 +283,7 @@ impl<'h> NiftiHeader<'h> {
         } else {
             let [b, c, d] = [256, 260, 264].map(|at| self.float(at));
             let message = format!("the qform of the header, ({b}, {c}, {d}), is no rotation");
-            return Err(message.into());
+            return refused(message);
         };
         let dz = if handedness < 0.0 { -dz } else { dz };
         let x = DVec3::new(

@@ -35,10 +35,7 @@ pub(super) struct Interval {
 /// Bounds on [`perlin_noise`](super::perlin_noise), as it is computed, at all points of the box
 /// between two opposite corners.
 pub(super) fn noise_range(corner: DVec3, opposite: DVec3) -> Interval {
-    const ALL: Interval = Interval {
-        low: -NOISE_BOUND,
-        high: NOISE_BOUND,
-    };
+    const ALL: Interval = Interval::new(-NOISE_BOUND, NOISE_BOUND);
     // 2⁵¹; the comparison is also false for what is no number.
     let small = |v: DVec3| v.abs().cmplt(DVec3::splat(2_251_799_813_685_248.0)).all();
     if !(small(corner) && small(opposite)) {
@@ -66,10 +63,10 @@ pub(super) fn noise_range(corner: DVec3, opposite: DVec3) -> Interval {
         }
     }
     let range = range.unwrap_or(ALL);
-    Interval {
-        low: (range.low - ROUNDING).max(ALL.low),
-        high: (range.high + ROUNDING).min(ALL.high),
-    }
+    Interval::new(
+        (range.low - ROUNDING).max(ALL.low),
+        (range.high + ROUNDING).min(ALL.high),
+    )
 }
 
 fn gradients_at(cell: DVec3) -> [&'static [f64; 3]; 8] {
@@ -94,10 +91,10 @@ fn range_in_cell(gradients: [&[f64; 3]; 8], low: DVec3, high: DVec3) -> Interval
     let middle = noise_in_cell(gradients, low + half);
     let [x, y, z] = whole.slope.map(Interval::magnitude);
     let reach = half.x * x + half.y * y + half.z * z;
-    Interval {
-        low: whole.value.low.max(middle - reach),
-        high: whole.value.high.min(middle + reach),
-    }
+    Interval::new(
+        whole.value.low.max(middle - reach),
+        whole.value.high.min(middle + reach),
+    )
 }
 
 /// Ranges of a function and of its slopes along the axes, over a box.
@@ -156,25 +153,20 @@ impl Fade {
 }
 
 impl Interval {
+    const fn new(low: f64, high: f64) -> Interval {
+        Interval { low, high }
+    }
+
     fn of(value: f64) -> Interval {
-        Interval {
-            low: value,
-            high: value,
-        }
+        Interval::new(value, value)
     }
 
     fn between(a: f64, b: f64) -> Interval {
-        Interval {
-            low: a.min(b),
-            high: a.max(b),
-        }
+        Interval::new(a.min(b), a.max(b))
     }
 
     fn union(self, other: Interval) -> Interval {
-        Interval {
-            low: self.low.min(other.low),
-            high: self.high.max(other.high),
-        }
+        Interval::new(self.low.min(other.low), self.high.max(other.high))
     }
 
     fn magnitude(self) -> f64 {
@@ -182,25 +174,19 @@ impl Interval {
     }
 
     fn plus(self, other: Interval) -> Interval {
-        Interval {
-            low: self.low + other.low,
-            high: self.high + other.high,
-        }
+        Interval::new(self.low + other.low, self.high + other.high)
     }
 
     fn minus(self, other: Interval) -> Interval {
-        Interval {
-            low: self.low - other.high,
-            high: self.high - other.low,
-        }
+        Interval::new(self.low - other.high, self.high - other.low)
     }
 
     /// The product with what is not negative.
     fn times(self, factor: Interval) -> Interval {
-        Interval {
-            low: (self.low * factor.low).min(self.low * factor.high),
-            high: (self.high * factor.low).max(self.high * factor.high),
-        }
+        Interval::new(
+            (self.low * factor.low).min(self.low * factor.high),
+            (self.high * factor.low).max(self.high * factor.high),
+        )
     }
 
     /// `self + t·(other − self)` for `t` in [0, 1]: linear in `t` and rising in both ends, so the
@@ -208,10 +194,10 @@ impl Interval {
     #[inline]
     fn mix(self, other: Interval, t: Interval) -> Interval {
         let at = |a: f64, b: f64, t: f64| a + t * (b - a);
-        Interval {
-            low: at(self.low, other.low, t.low).min(at(self.low, other.low, t.high)),
-            high: at(self.high, other.high, t.low).max(at(self.high, other.high, t.high)),
-        }
+        Interval::new(
+            at(self.low, other.low, t.low).min(at(self.low, other.low, t.high)),
+            at(self.high, other.high, t.low).max(at(self.high, other.high, t.high)),
+        )
     }
 }
 

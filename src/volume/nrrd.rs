@@ -14,7 +14,7 @@
 //!
 //! A file with the wrong `endian` cannot be told from one with odd values.
 
-use super::error::VolumeFault;
+use super::error::{VolumeFault, refused};
 use super::file::{Stored, VolumeFormat, VolumeRead};
 use super::orientation::{Axes, AxisSteps};
 use super::samples::{check_sizes, read_grid};
@@ -52,7 +52,7 @@ impl NrrdHeader {
     ) -> Result<Grid<f32>, VolumeFault> {
         for _ in 0..self.line_skip {
             if source.skip_until(b'\n')? == 0 {
-                return Err("`line skip` goes beyond the end of the data".into());
+                return refused("`line skip` goes beyond the end of the data");
             }
         }
         let remaining = source.remaining();
@@ -68,12 +68,12 @@ impl NrrdHeader {
             }
             (Some(_), Encoding::Gzip) => {
                 let message = "`byte skip` within compressed data is not read: write them without";
-                return Err(message.into());
+                return refused(message);
             }
-            (None, _) => return Err("`byte skip` of -1 needs the encoding raw".into()),
+            (None, _) => return refused("`byte skip` of -1 needs the encoding raw"),
         };
         if skip > remaining {
-            return Err("`byte skip` goes beyond the end of the data".into());
+            return refused("`byte skip` goes beyond the end of the data");
         }
         source.skip(skip)?;
         read_grid(source, layout, options)
@@ -99,15 +99,14 @@ impl NrrdHeader {
                 if !known.contains(&text.as_ref()) {
                     let message = "the file does not begin with NRRD0001 to NRRD0005: it is no \
                                    NRRD file";
-                    return Err(message.into());
+                    return refused(message);
                 }
                 continue;
             }
             if length >= LONGEST_HEADER {
-                return Err(format!(
+                return refused(format!(
                     "the header does not end within {LONGEST_HEADER} bytes: a blank line ends it"
-                )
-                .into());
+                ));
             }
             if text.is_empty() && (ended || read == 0) {
                 let header = fields.header()?;
@@ -115,7 +114,7 @@ impl NrrdHeader {
                 if !ended && header.data_file.is_none() {
                     let message = "the file ends within its header: a blank line must follow it, \
                                    and then the data";
-                    return Err(message.into());
+                    return refused(message);
                 }
                 return Ok(header);
             }
@@ -146,10 +145,9 @@ pub fn read_nrrd(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, Volum
     let mut source = VolumeSource::of(bytes);
     let header = NrrdHeader::read(&mut source)?;
     match &header.data_file {
-        Some(name) => Err(format!(
+        Some(name) => refused(format!(
             "the data are in another file, {name:?}: load the header by its path"
-        )
-        .into()),
+        )),
         None => header.read_from(&mut source, options),
     }
 }
@@ -431,13 +429,12 @@ impl Fields {
                 // Headers are written with six digits, some with fewer.
                 let differ = (length - spacing[axis]).abs() > 1e-3 * length.abs();
                 if spacings.is_some() && differ {
-                    return Err(format!(
+                    return refused(format!(
                         "along axis {} the header gives a spacing of {}, and minimum and maximum \
                          that make it {length}: keep one",
                         kept[axis] + 1,
                         spacing[axis]
-                    )
-                    .into());
+                    ));
                 }
                 spacing[axis] = length;
             }
@@ -467,7 +464,7 @@ impl Fields {
         if known.any(|other| other != first) {
             let message = "some axes are centred on nodes, others on cells: a grid has one \
                            centring";
-            return Err(message.into());
+            return refused(message);
         }
         Ok(first)
     }

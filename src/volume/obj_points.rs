@@ -5,7 +5,7 @@
 //! not from within a comment, where it may end a path. Lines end in LF, CRLF or CR. Only `v`
 //! lines are decoded, so names and comments may be in any encoding that contains ASCII.
 
-use super::error::VolumeFault;
+use super::error::{VolumeFault, refused};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -26,12 +26,12 @@ pub struct CloudPoint {
 pub fn read_obj_points(bytes: &[u8]) -> Result<Vec<CloudPoint>, VolumeFault> {
     if bytes.is_empty() {
         let message = "the file is empty: a point cloud has a line `v x y z` for every point";
-        return Err(message.into());
+        return refused(message);
     }
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || bytes.contains(&0) {
         let message = "this is not plain text (a zero byte or UTF-16): save the cloud as UTF-8 or \
                        ASCII";
-        return Err(message.into());
+        return refused(message);
     }
     let mut points = Vec::new();
     let mut skipped = BTreeMap::new();
@@ -56,14 +56,13 @@ pub fn read_obj_points(bytes: &[u8]) -> Result<Vec<CloudPoint>, VolumeFault> {
     }
     if points.is_empty() {
         let found = describe(&skipped);
-        return Err(format!(
+        return refused(format!(
             "no point: a point cloud has a line `v x y z` for every point, this file has {found}"
-        )
-        .into());
+        ));
     }
     if points.iter().all(|point| point.weight == 0.0) {
         let message = "every density is zero: the fourth number of a `v` line is its density";
-        return Err(message.into());
+        return refused(message);
     }
     Ok(points)
 }

@@ -1,6 +1,6 @@
 //! The axes of a stored grid against those of the world.
 
-use super::error::VolumeFault;
+use super::error::{VolumeFault, refused};
 use super::{Centring, Lattice, LatticeError};
 use crate::geometry::{length_of, longest_axis};
 use crate::math::atan2;
@@ -91,22 +91,20 @@ impl Axes {
             if length_of(off) > OFF_AXIS {
                 let axis = stored + 1;
                 let degrees = atan2(length_of(off), direction[along].abs()).to_degrees();
-                return Err(format!(
+                return refused(format!(
                     "axis {axis} of the file is turned by {degrees:.4} degrees against the nearest \
                      axis of the world: resample the volume along x, y and z, or ask for its axes \
                      as stored"
-                )
-                .into());
+                ));
             }
             if let Some((other, _)) = from[along] {
-                return Err(format!(
+                return refused(format!(
                     "axes {} and {} of the file point along the same axis of the world, {}: the \
                      header is wrong",
                     other + 1,
                     stored + 1,
                     ['x', 'y', 'z'][along]
-                )
-                .into());
+                ));
             }
             from[along] = Some((stored, direction[along] < 0.0));
         }

@@ -14,7 +14,7 @@
 //!
 //! A wrong `endian` cannot be told from odd values.
 
-use super::error::VolumeFault;
+use super::error::{VolumeFault, refused};
 use super::file::{Stored, VolumeFormat, VolumeRead};
 use super::orientation::{Axes, AxisSteps, Orientation};
 use super::samples::{check_sizes, read_grid};
@@ -40,10 +40,9 @@ pub(super) const BARE_SAMPLES: VolumeFormat = VolumeFormat {
 fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let length = source.remaining();
     if length > MOST_BYTES {
-        return Err(format!(
+        return refused(format!(
             "the description has {length} bytes: the samples go into another file, which it names"
-        )
-        .into());
+        ));
     }
     let mut bytes = Vec::new();
     source.take(MOST_BYTES).read_to_end(&mut bytes)?;
@@ -159,10 +158,9 @@ impl RawVolume {
     ) -> Result<Grid<f32>, VolumeFault> {
         let (header_bytes, bytes) = (self.header_bytes, source.remaining());
         if header_bytes > bytes {
-            return Err(format!(
+            return refused(format!(
                 "`header_bytes` is {header_bytes}, and the file of the samples has {bytes} bytes"
-            )
-            .into());
+            ));
         }
         source.skip(header_bytes)?;
         read_grid(source, &self.layout, options)

@@ -4,7 +4,7 @@
 //! all formats. A header is held against the length of the file before memory is asked for, and
 //! where a file is compressed, memory grows with what has arrived.
 
-use super::error::VolumeFault;
+use super::error::{VolumeFault, refused};
 use super::orientation::Axes;
 use super::source::VolumeSource;
 use super::{Grid, Lattice, LatticeError, LoadOptions, NonFinite};
@@ -219,11 +219,10 @@ impl<'l> Samples<'l> {
         } else {
             "holds something else as well, or has another type or size"
         };
-        Err(format!(
+        refused(format!(
             "the header promises {count} samples of {element}, {promised} bytes, and {found} bytes \
              follow it: the file {cause}"
-        )
-        .into())
+        ))
     }
 
     fn check_density(&self, found: u64, most_expansion: f64) -> Result<(), VolumeFault> {
@@ -232,11 +231,10 @@ impl<'l> Samples<'l> {
             return Ok(());
         }
         let count = self.sizes();
-        Err(format!(
+        refused(format!(
             "the header promises {count} samples, {promised} bytes when unpacked, and the {found} \
              bytes that follow it cannot hold them: the header is wrong, or the file was cut short"
-        )
-        .into())
+        ))
     }
 
     /// Makes room for `more` samples.
@@ -344,11 +342,10 @@ impl<'l> Samples<'l> {
                 let [i, j, k] = [first % nx, first / nx % ny, first / nx / ny];
                 let scaling = self.layout.scaling;
                 let value = scaling.map_or(stored, |(slope, intercept)| slope * stored + intercept);
-                Err(format!(
+                refused(format!(
                     "voxel ({i}, {j}, {k}), counted as stored, holds {value}: values must be \
                      finite, and not beyond 3.4e38; mend it, or give a value to replace it"
-                )
-                .into())
+                ))
             }
         }
     }

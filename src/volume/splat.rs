@@ -1,6 +1,6 @@
 //! A point cloud made a grid: every point shares its weight among the nodes around it.
 
-use super::error::VolumeFault;
+use super::error::{VolumeFault, refused};
 use super::{CloudPoint, Grid, Lattice, LatticeError};
 use glam::DVec3;
 
@@ -21,7 +21,7 @@ pub fn splat(points: &[CloudPoint], splatting: Splatting) -> Result<Grid<f32>, V
     let (_, largest) = weights.range();
     if largest == 0.0 {
         let message = "every weight is zero or vanishes when shared: at least one must be positive";
-        return Err(message.into());
+        return refused(message);
     }
     let densities = weights.values().iter().map(|weight| weight / largest);
     let densities = densities.map(|density| density as f32).collect();
@@ -81,11 +81,10 @@ fn check(points: &[CloudPoint]) -> Result<(), VolumeFault> {
     });
     if let Some(index) = wrong {
         let CloudPoint { position, weight } = points[index];
-        return Err(format!(
+        return refused(format!(
             "point {index} has weight {weight} at {position}: positions must be finite, weights \
              finite and not negative"
-        )
-        .into());
+        ));
     }
     let total: f64 = points.iter().map(|point| point.weight).sum();
     // Twice: no node may overflow by rounding where the total does not.
@@ -93,7 +92,7 @@ fn check(points: &[CloudPoint]) -> Result<(), VolumeFault> {
         return Ok(());
     }
     let message = "the weights of the points add up to more than a number holds: scale them down";
-    Err(message.into())
+    refused(message)
 }
 
 /// Intervals along the longest side of a box of size `extent` for which its voxels are about as
@@ -134,14 +133,13 @@ impl SplatFrame {
         let extent = (max - min).max_element();
         if extent == 0.0 {
             let count = points.len();
-            return Err(format!(
+            return refused(format!(
                 "the cloud has no size, its points ({count}) all lie in the same place: it needs \
                  two points apart"
-            )
-            .into());
+            ));
         }
         if !extent.is_finite() {
-            return Err("the cloud is wider than the largest number: scale it down".into());
+            return refused("the cloud is wider than the largest number: scale it down");
         }
         let around = padding.saturating_mul(2).saturating_add(1);
         let resolution = resolution

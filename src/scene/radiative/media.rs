@@ -2,7 +2,7 @@
 
 use super::{Body, LARGEST_RADIANCE, densities, phases, radiance, shape_transform, shapes};
 use crate::geometry::{Aabb, Surface, length_of};
-use crate::media::{Asymmetry, Coefficients, Density, Field, Homogeneous};
+use crate::media::{Asymmetry, Coefficients, Density, Field, Homogeneous, optical_depth};
 use crate::scene::SceneResult;
 use crate::scene::files::Files;
 use crate::scene::format::{Key, Kind, Range, Rule, Table};
@@ -99,12 +99,8 @@ pub(super) fn read(reader: &Reader, files: &mut Files) -> SceneResult<Body> {
         },
         density,
     };
-    check_depth(&body).map_err(|(message, help)| {
-        let keys = ["sigma_t", "sigma_a", "sigma_s", "procedural"];
-        let key = keys.into_iter().find(|key| reader.has(key));
-        reader.mistake(key.unwrap_or("sigma_a"), message, help)
-    })?;
-    check_brightness(&body).map_err(|(message, help)| reader.mistake("emission", message, help))?;
+    check_depth(reader, &body)?;
+    check_brightness(reader, &body)?;
     Ok(body)
 }
 
@@ -146,19 +142,13 @@ impl Substance {
     }
 }
 
-/// The largest density of a medium.
-fn most(body: &Body) -> f64 {
-    let density = body.density.as_ref();
-    density.map_or(1.0, |density| density.range().high)
-}
-
 /// Optical depth up to which a heterogeneous medium is tracked. More tentative collisions
 /// than this are not to be waited for, and not to be told apart by their distances.
 pub(super) const DEEPEST_TRACKED: f64 = (1 << 24) as f64;
 
 /// Refuses a medium whose density makes numbers leave their range, or collisions come closer than
 /// they can be followed.
-fn check_depth(body: &Body) -> Result<(), (String, String)> {
+fn check_depth(reader: &Reader, body: &Body) -> SceneResult<()> {
     let (Some(density), Some(boundary)) = (&body.density, &body.boundary) else {
         return Ok(());
     };
@@ -166,28 +156,27 @@ fn check_depth(body: &Body) -> Result<(), (String, String)> {
     let across = length_of(boundary.bounds().size());
     let sigma_t = body.medium.coefficients.sigma_t().max_element();
     let column = range.high * across;
-    let depth = if sigma_t == 0.0 {
-        0.0
-    } else {
-        sigma_t * column
+    let depth = optical_depth(sigma_t, column);
+    let refused = |message: String| {
+        let keys = ["sigma_t", "sigma_a", "sigma_s", "procedural"];
+        let key = keys.into_iter().find(|key| reader.has(key));
+        let help = "give smaller coefficients, densities or lengths";
+        Err(reader.mistake(key.unwrap_or("sigma_a"), message, help))
     };
-    let help = "give smaller coefficients, densities or lengths".to_owned();
     if !(column.is_finite() && depth.is_finite()) {
-        let message = format!(
+        return refused(format!(
             "an extinction of {sigma_t:.4e} times a density of up to {:.4e} over a length of up \
              to {across:.4e} is beyond the largest number",
             range.high
-        );
-        return Err((message, help));
+        ));
     }
     let scatters = body.medium.coefficients.sigma_s() != DVec3::ZERO;
     let tracked = range.low < range.high && (scatters || !density.is_integrable());
     if tracked && depth > DEEPEST_TRACKED {
-        let message = format!(
+        return refused(format!(
             "the medium is up to {depth:.4e} optical depths thick, and its density varies: light \
              is followed through at most {DEEPEST_TRACKED:.4e}"
-        );
-        return Err((message, help));
+        ));
     }
     Ok(())
 }
@@ -215,12 +204,13 @@ fn coefficients(reader: &Reader) -> SceneResult<Coefficients> {
 
 /// Refuses a medium whose own light may be more than an image holds: along a straight path it is
 /// at most the emission times the path, and at most the emission over the extinction.
-fn check_brightness(body: &Body) -> Result<(), (String, String)> {
+fn check_brightness(reader: &Reader, body: &Body) -> SceneResult<()> {
     let across = body.boundary.as_ref().map_or(f64::INFINITY, |boundary| {
         length_of(boundary.bounds().size())
     });
     let (emission, sigma_t) = (body.medium.emission, body.medium.coefficients.sigma_t());
-    let most = most(body);
+    let density = body.density.as_ref();
+    let most = density.map_or(1.0, |density| density.range().high);
     let brightest = (0..3)
         .filter(|&channel| emission[channel] > 0.0)
         .map(|channel| emission[channel] * (most * across).min(1.0 / sigma_t[channel]))
@@ -234,5 +224,6 @@ fn check_brightness(body: &Body) -> Result<(), (String, String)> {
         "the medium emits up to {brightest:.3e} towards the eye; an image holds at most \
          {LARGEST_RADIANCE:.3e}"
     );
-    Err((message, "give a smaller emission or a smaller shape".into()))
+    let help = "give a smaller emission or a smaller shape";
+    Err(reader.mistake("emission", message, help))
 }
