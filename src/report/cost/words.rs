@@ -76,6 +76,17 @@ pub(super) fn verdict(verdict: OrderVerdict) -> (Mark, &'static str) {
     }
 }
 
+/// The sign of a verdict alone.
+pub(super) fn sign(of: OrderVerdict) -> &'static str {
+    let (sign, _) = verdict(of).1.split_once(' ').unwrap_or_default();
+    sign
+}
+
+/// A number that there may not be.
+pub(super) fn or_dash<T>(value: Option<T>, shown: impl Fn(T) -> String) -> String {
+    value.map_or_else(|| "–".to_owned(), shown)
+}
+
 /// Whether an estimator keeps its promises, with a sign.
 pub(super) fn agreement(row: &EstimatorRow) -> (Mark, &'static str) {
     if row.agrees {

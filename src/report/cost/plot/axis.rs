@@ -1,10 +1,8 @@
 //! Axes, logarithmic or not, and their ticks.
 
 use crate::math::{log10, pow};
-use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
-use std::ops::Range;
 
-/// What numbers along an axis are.
+/// Kind of the numbers along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Measure {
     Number,
@@ -12,17 +10,13 @@ pub(super) enum Measure {
 }
 
 /// An axis. Its places are logarithms to base 10, or the numbers themselves.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Axis {
     pub(super) title: String,
-    pub(super) is_log: bool,
     pub(super) low: f64,
     pub(super) high: f64,
-    /// Values with a label.
-    pub(super) bold: Vec<f64>,
-    /// Values without.
-    pub(super) light: Vec<f64>,
-    measure: Measure,
+    /// Places with a line, and the label of most.
+    pub(super) ticks: Vec<(f64, Option<String>)>,
 }
 
 /// Decades of free space at either end.
@@ -42,36 +36,26 @@ impl Axis {
         let (low, high) = (low - MARGIN - widening, high + MARGIN + widening);
         let span = high - low;
         let every = (span / 9.0).ceil().max(1.0);
-        let mut bold = Vec::new();
-        let mut light = Vec::new();
-        let mut decade = low.floor();
-        while decade <= high {
-            for part in 1..10_u8 {
-                let value = decade + log10(f64::from(part));
+        let mut ticks = Vec::new();
+        for decade in low.floor() as i32..=high.floor() as i32 {
+            for part in 1..10 {
+                let value = f64::from(decade) + log10(f64::from(part));
                 let is_labelled = match part {
-                    1 => (decade / every).fract() == 0.0,
+                    1 => (f64::from(decade) / every).fract() == 0.0,
                     2 | 5 => span <= FEW,
                     _ => false,
                 };
-                if value < low || value > high {
-                    continue;
-                }
-                if is_labelled {
-                    bold.push(value);
-                } else if part == 1 || span <= SOME {
-                    light.push(value);
+                let is_shown = is_labelled || part == 1 || span <= SOME;
+                if is_shown && (low..=high).contains(&value) {
+                    ticks.push((value, is_labelled.then(|| label(measure, part, decade))));
                 }
             }
-            decade += 1.0;
         }
         Axis {
             title: title.to_owned(),
-            is_log: true,
             low,
             high,
-            bold,
-            light,
-            measure,
+            ticks,
         }
     }
 
@@ -82,67 +66,30 @@ impl Axis {
         let (low, high) = (low - 0.04 * span, high + 0.08 * span);
         let rough = span / 6.0;
         let decade = pow(10.0, log10(rough).floor());
-        let step = [1.0, 2.0, 5.0, 10.0].map(|part| part * decade);
-        let step = step
-            .into_iter()
-            .find(|step| *step >= rough)
-            .unwrap_or(rough);
+        let steps = [1.0, 2.0, 5.0, 10.0].map(|part| part * decade);
+        let step = steps.into_iter().find(|step| *step >= rough);
+        let step = step.unwrap_or(rough);
         let first = (low / step).ceil();
         let count = ((high / step).floor() - first) as usize;
+        let tick = |at: usize| {
+            let value = (first + at as f64) * step;
+            // Nothing of a tick is below a thousandth of a step.
+            let text = format!("{value:.6}");
+            let text = text.trim_end_matches('0').trim_end_matches('.');
+            let text = if text == "-0" { "0" } else { text };
+            (value, Some(text.replace('-', "−")))
+        };
         Axis {
             title: title.to_owned(),
-            is_log: false,
             low,
             high,
-            bold: (0..=count).map(|at| (first + at as f64) * step).collect(),
-            light: Vec::new(),
-            measure: Measure::Number,
+            ticks: (0..=count).map(tick).collect(),
         }
     }
 
-    /// What is written at a place.
-    pub(super) fn label(&self, value: f64) -> String {
-        if !self.is_log {
-            // Nothing of a tick is below a thousandth of a step.
-            let text = format!("{:.6}", value);
-            let text = text.trim_end_matches('0').trim_end_matches('.');
-            return if text == "-0" { "0" } else { text }.replace('-', "−");
-        }
-        let decade = (value + 1e-9).floor();
-        let part = pow(10.0, value - decade).round();
-        match self.measure {
-            Measure::Seconds => seconds(part, decade as i32),
-            Measure::Number => number(part, decade as i32),
-        }
-    }
-}
-
-/// Lets `plotters` draw an axis: its places, with our ticks.
-impl Ranged for Axis {
-    type FormatOption = NoDefaultFormatting;
-    type ValueType = f64;
-
-    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
-        let share = (value - self.low) / (self.high - self.low);
-        limit.0 + (share * f64::from(limit.1 - limit.0)).round() as i32
-    }
-
-    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
-        if hint.weight().allow_light_points() {
-            self.light.clone()
-        } else {
-            self.bold.clone()
-        }
-    }
-
-    fn range(&self) -> Range<f64> {
-        self.low..self.high
-    }
-}
-
-impl ValueFormatter<f64> for Axis {
-    fn format_ext(&self, value: &f64) -> String {
-        self.label(*value)
+    /// Share of the axis below a place.
+    pub(super) fn share(&self, value: f64) -> f64 {
+        (value - self.low) / (self.high - self.low)
     }
 }
 
@@ -153,28 +100,26 @@ fn range(values: &[f64]) -> (f64, f64) {
     (low, high)
 }
 
-/// `part` times ten to the power of `decade`.
-fn number(part: f64, decade: i32) -> String {
+/// `part` times ten to the power of `decade`, with its unit.
+fn label(measure: Measure, part: u8, decade: i32) -> String {
+    let (unit, of) = match (measure, decade) {
+        (Measure::Number, _) => ("", 0),
+        (_, ..-6) => (" ns", -9),
+        (_, -6..-3) => (" µs", -6),
+        (_, -3..0) => (" ms", -3),
+        (_, 0..) => (" s", 0),
+    };
+    let decade = decade - of;
     if (-2..=3).contains(&decade) {
         let decimals = usize::try_from(-decade).unwrap_or(0);
-        return format!("{:.decimals$}", part * pow(10.0, f64::from(decade)));
+        let value = f64::from(part) * pow(10.0, f64::from(decade));
+        return format!("{value:.decimals$}{unit}");
     }
-    let power = format!("10{}", superscript(decade));
-    if part == 1.0 {
-        power
-    } else {
-        format!("{part}·{power}")
-    }
-}
-
-fn seconds(part: f64, decade: i32) -> String {
-    let (unit, of) = match decade {
-        ..-6 => ("ns", -9),
-        -6..-3 => ("µs", -6),
-        -3..0 => ("ms", -3),
-        0.. => ("s", 0),
+    let factor = match part {
+        1 => String::new(),
+        _ => format!("{part}·"),
     };
-    format!("{} {unit}", number(part, decade - of))
+    format!("{factor}10{}{unit}", superscript(decade))
 }
 
 /// A number, raised.
@@ -194,25 +139,26 @@ fn superscript(number: i32) -> String {
 mod tests {
     use super::*;
 
+    fn labels(axis: &Axis) -> Vec<&str> {
+        let labels = axis.ticks.iter().filter_map(|(_, label)| label.as_deref());
+        labels.collect()
+    }
+
     #[test]
     fn few_decades_have_more_labels() {
-        let labels = |values: &[f64]| -> Vec<String> {
-            let axis = Axis::log("", Measure::Number, values);
-            axis.bold.iter().map(|value| axis.label(*value)).collect()
-        };
-        assert_eq!(labels(&[1.0, 2.0]), ["10", "20", "50", "100"]);
-        assert_eq!(labels(&[-3.0, 0.0]), ["10⁻³", "0.01", "0.1", "1"]);
-        assert_eq!(labels(&[-16.0, -1.0]).first().unwrap(), "10⁻¹⁶");
-        assert!(labels(&[-16.0, -1.0]).len() < 10);
-        assert_eq!(labels(&[0.3, 0.3]), ["1", "2", "5"]);
+        let log = |values: &[f64]| Axis::log("", Measure::Number, values);
+        assert_eq!(labels(&log(&[1.0, 2.0])), ["10", "20", "50", "100"]);
+        assert_eq!(labels(&log(&[-3.0, 0.0])), ["10⁻³", "0.01", "0.1", "1"]);
+        assert_eq!(labels(&log(&[-16.0, -1.0])).first().unwrap(), &"10⁻¹⁶");
+        assert!(labels(&log(&[-16.0, -1.0])).len() < 10);
+        assert_eq!(labels(&log(&[0.3, 0.3])), ["1", "2", "5"]);
     }
 
     #[test]
     fn times_have_units() {
         let axis = Axis::log("", Measure::Seconds, &[-7.0, 1.0]);
-        let labels: Vec<_> = axis.bold.iter().map(|value| axis.label(*value)).collect();
         assert_eq!(
-            labels,
+            labels(&axis),
             [
                 "100 ns", "1 µs", "10 µs", "100 µs", "1 ms", "10 ms", "100 ms", "1 s", "10 s"
             ]
@@ -222,7 +168,6 @@ mod tests {
     #[test]
     fn numbers_have_round_steps() {
         let axis = Axis::linear("", &[0.0, 1.7]);
-        let labels: Vec<_> = axis.bold.iter().map(|value| axis.label(*value)).collect();
-        assert_eq!(labels, ["0", "0.5", "1", "1.5"]);
+        assert_eq!(labels(&axis), ["0", "0.5", "1", "1.5"]);
     }
 }

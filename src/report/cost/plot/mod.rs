@@ -1,29 +1,27 @@
-//! What accuracy costs, drawn: SVG that needs neither fonts nor network.
+//! Plots of the cost of accuracy: SVG that needs neither fonts nor network.
 //!
-//! Each kind of plot says in a [`picture`] what is to be seen; [`draw`] draws all of them.
+//! Each kind of plot puts together a [`figure`]; [`draw`] draws all of them by [`svg`].
 
 mod axis;
 mod draw;
-mod jitter;
+mod figure;
 mod labels;
 mod orders;
-mod picture;
 mod ray;
-mod stroke;
+mod svg;
 mod thickness;
 mod work_precision;
 
-pub(super) use jitter::jitter;
-pub(super) use orders::orders;
+pub(super) use orders::{jitter, orders};
 pub(super) use ray::ray;
-pub(super) use stroke::Theme;
+pub(super) use svg::Theme;
 pub(super) use thickness::thickness;
 pub(super) use work_precision::work_precision;
 
 use crate::cost::results::Study;
 use serde::Serialize;
 
-/// A drawing, and what it could not show.
+/// A drawing, and notes on the data that it could not show.
 #[derive(Serialize)]
 pub(super) struct Plot {
     pub(super) svg: String,

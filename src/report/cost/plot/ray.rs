@@ -1,8 +1,8 @@
-//! A ray: what is along it, and where a setting looked.
+//! A ray: extinction along it, and the samples of a setting.
 
 use super::axis::Axis;
 use super::draw::drawn;
-use super::picture::{LegendEntry, LegendKey, PlotCurve, PlotPanel, PlotPicture, PlotPoint};
+use super::figure::{Curve, CurvePoint, Figure, Key, Panel, USUAL};
 use super::{Plot, Theme};
 use crate::cost::results::RayTrace;
 use crate::report::cost::words;
@@ -12,67 +12,63 @@ const MANY: usize = 60;
 
 /// Extinction along the ray, with the samples.
 pub(in super::super) fn ray(trace: &RayTrace, theme: Theme) -> Plot {
-    let point = |at: &[f64; 2]| PlotPoint {
-        at: *at,
-        ..PlotPoint::default()
-    };
-    let tooltip = |at: &[f64; 2]| PlotPoint {
-        tooltip: format!(
-            "sample at {}: extinction {}",
-            words::value(at[0]),
-            words::value(at[1])
-        ),
-        ..point(at)
-    };
     let is_finite = |at: &&[f64; 2]| at[0].is_finite() && at[1].is_finite();
-    let extinction = trace.extinction.iter().filter(is_finite);
+    let along = trace.extinction.iter().filter(is_finite);
     let samples = trace.samples.iter().filter(is_finite);
     let curves = vec![
-        PlotCurve {
+        Curve {
             style: 0,
-            is_wide: false,
+            width: USUAL,
             marks: 0.0,
-            is_joined: true,
-            points: extinction.map(point).collect(),
+            points: along
+                .map(|at| CurvePoint {
+                    at: *at,
+                    ..CurvePoint::default()
+                })
+                .collect(),
         },
-        PlotCurve {
+        Curve {
             style: 1,
-            is_wide: false,
+            width: 0.0,
             // Many look like a thick line otherwise.
             marks: if trace.samples.len() > MANY { 0.5 } else { 1.0 },
-            is_joined: false,
-            points: samples.map(tooltip).collect(),
+            points: samples
+                .map(|at| CurvePoint {
+                    at: *at,
+                    tooltip: format!(
+                        "sample at {}: extinction {}",
+                        words::value(at[0]),
+                        words::value(at[1])
+                    ),
+                    ..CurvePoint::default()
+                })
+                .collect(),
         },
     ];
-    let of = |axis: usize| -> Vec<f64> {
-        let points = curves.iter().flat_map(|curve| &curve.points);
-        points.map(|point| point.at[axis]).collect()
-    };
-    let picture = PlotPicture {
+    let (x, y) = (
+        Panel::coordinates(&curves, 0),
+        Panel::coordinates(&curves, 1),
+    );
+    let figure = Figure {
         title: format!("Extinction along {}", trace.ray),
-        panels: vec![PlotPanel {
+        panels: vec![Panel {
             title: trace.ray.clone(),
-            x: Axis::linear("distance along the ray", &of(0)),
-            y: Axis::linear("extinction", &[of(1), vec![0.0]].concat()),
+            x: Axis::linear("distance along the ray", &x),
+            y: Axis::linear("extinction", &[y, vec![0.0]].concat()),
             curves,
-            guides: Vec::new(),
-            lines: Vec::new(),
-            front: Vec::new(),
+            ..Panel::default()
         }],
         legend: vec![
-            LegendEntry {
-                key: LegendKey::Line(0),
-                text: "extinction".to_owned(),
-            },
-            LegendEntry {
-                key: LegendKey::Mark(1),
-                text: format!("looked up with {}", trace.setting),
-            },
+            (Key::Curve(0, USUAL, false), "extinction".to_owned()),
+            (
+                Key::Curve(1, 0.0, true),
+                format!("looked up with {}", trace.setting),
+            ),
         ],
-        height: 200,
+        height: 200.0,
     };
     Plot {
-        svg: drawn(&picture, theme),
+        svg: drawn(&figure, theme),
         notes: Vec::new(),
     }
 }

@@ -1,10 +1,10 @@
-//! Which estimator wins in thin and in dense media.
+//! Estimators in thin and in dense media.
 
 use super::axis::{Axis, Measure};
 use super::draw::drawn;
-use super::picture::{LegendEntry, LegendKey, PlotCurve, PlotPanel, PlotPicture, PlotPoint};
+use super::figure::{Curve, CurvePoint, Figure, Key, Panel, USUAL};
 use super::{Plot, Theme};
-use crate::cost::results::{ThicknessCurve, ThicknessPoint, ThicknessSweep};
+use crate::cost::results::{ThicknessCurve, ThicknessSweep};
 use crate::math::log10;
 use crate::report::cost::words;
 
@@ -20,117 +20,101 @@ pub(in super::super) fn thickness(sweep: &ThicknessSweep, theme: Theme) -> Plot 
     for (style, curve) in sweep.curves.iter().enumerate() {
         let name = &curve.estimator;
         let predicted = predicted(curve);
-        legend.push(LegendEntry {
-            key: if predicted.is_empty() {
-                LegendKey::Mark(style)
-            } else {
-                LegendKey::Curve(style, false)
-            },
-            text: if predicted.is_empty() {
-                format!("{name} (no theory)")
-            } else {
-                name.clone()
-            },
+        legend.push(if predicted.is_empty() {
+            (Key::Curve(style, 0.0, true), format!("{name} (no theory)"))
+        } else {
+            (Key::Curve(style, USUAL, true), name.clone())
         });
-        let known = curve.points.iter().filter_map(|point| {
-            let measured = point.measured.filter(|measured| *measured > 0.0);
-            Some((point, measured?)).filter(|(point, _)| point.depth > 0.0)
-        });
-        let (shown, hopeless): (Vec<_>, Vec<_>) =
-            known.partition(|(_, measured)| *measured < HOPELESS);
+        let mut measured = Vec::new();
+        let mut hopeless = Vec::new();
+        for point in &curve.points {
+            let value = point
+                .measured
+                .filter(|value| *value > 0.0 && point.depth > 0.0);
+            match value {
+                Some(value) if value < HOPELESS => measured.push(CurvePoint {
+                    at: [log10(point.depth), log10(value)],
+                    tooltip: format!(
+                        "{name} at depth {}: measured {}, theory {}",
+                        words::value(point.depth),
+                        words::error(value),
+                        words::or_dash(point.predicted, words::error),
+                    ),
+                    ..CurvePoint::default()
+                }),
+                Some(value) => hopeless.push((point.depth, value)),
+                None => {}
+            }
+        }
         if let (Some((first, _)), Some((_, most))) = (hopeless.first(), hopeless.last()) {
             notes.push(format!(
                 "Above the picture: {name} from depth {} on, up to {}.",
-                words::value(first.depth),
+                words::value(*first),
                 words::error(*most)
             ));
         }
-        let is_unknown = |point: &&ThicknessPoint| point.measured.is_none();
-        if let Some(first) = curve.points.iter().find(is_unknown) {
+        if let Some(first) = curve.points.iter().find(|point| point.measured.is_none()) {
             notes.push(format!(
                 "Not measured: {name} from depth {} on, where almost no sample gets through.",
                 words::value(first.depth)
             ));
         }
-        let mut measured: Vec<PlotPoint> = shown
-            .into_iter()
-            .map(|(point, measured)| PlotPoint {
-                at: [log10(point.depth), log10(measured)],
-                tooltip: tooltip(name, point),
-                ..PlotPoint::default()
-            })
-            .collect();
         if let Some(last) = measured.last_mut() {
             last.label = Some(name.clone());
         }
-        for (is_marked, points) in [(false, predicted), (true, measured)] {
-            curves.push(PlotCurve {
+        for (width, marks, points) in [(USUAL, 0.0, predicted), (0.0, 1.0, measured)] {
+            curves.push(Curve {
                 style,
-                is_wide: false,
-                marks: if is_marked { 1.0 } else { 0.0 },
-                is_joined: !is_marked,
+                width,
+                marks,
                 points,
             });
         }
     }
-    let points = || curves.iter().flat_map(|curve| &curve.points);
-    let across: Vec<f64> = points().map(|point| point.at[0]).collect();
-    let up: Vec<f64> = points().map(|point| point.at[1]).collect();
-    let picture = PlotPicture {
+    let [x, y] = [0, 1].map(|axis| Panel::coordinates(&curves, axis));
+    let figure = Figure {
         title: "Relative variance times look-ups against optical depth".to_owned(),
-        panels: vec![PlotPanel {
+        panels: vec![Panel {
             title: "marks: measured; lines: theory; lower is better".to_owned(),
-            x: Axis::log("optical depth of the ray", Measure::Number, &across),
-            y: Axis::log("variance / T² × look-ups", Measure::Number, &up),
+            x: Axis::log("optical depth of the ray", Measure::Number, &x),
+            y: Axis::log("variance / T² × look-ups", Measure::Number, &y),
             curves,
-            guides: Vec::new(),
-            lines: Vec::new(),
-            front: Vec::new(),
+            ..Panel::default()
         }],
         legend,
-        height: 320,
+        height: 320.0,
     };
     Plot {
-        svg: drawn(&picture, theme),
+        svg: drawn(&figure, theme),
         notes,
     }
 }
 
-/// What theory says, up to where it is [`HOPELESS`].
-fn predicted(curve: &ThicknessCurve) -> Vec<PlotPoint> {
+/// The line of theory, up to where it is [`HOPELESS`].
+fn predicted(curve: &ThicknessCurve) -> Vec<CurvePoint> {
     let top = log10(HOPELESS);
-    let mut points: Vec<[f64; 2]> = Vec::new();
+    let mut line: Vec<CurvePoint> = Vec::new();
     for point in &curve.points {
-        let Some(theory) = point.predicted else {
+        let theory = point
+            .predicted
+            .filter(|theory| *theory > 0.0 && point.depth > 0.0);
+        let Some(theory) = theory else {
             continue;
         };
-        if !(point.depth > 0.0 && theory > 0.0) {
-            continue;
-        }
         let [x, y] = [log10(point.depth), log10(theory)];
-        if y < top {
-            points.push([x, y]);
-        } else {
+        let at = match line.last().map(|last| last.at) {
+            _ if y < top => [x, y],
             // The last piece of the line ends at the top.
-            if let Some(&[x0, y0]) = points.last() {
-                points.push([x0 + (x - x0) * (top - y0) / (y - y0), top]);
-            }
+            Some([x0, y0]) => [x0 + (x - x0) * (top - y0) / (y - y0), top],
+            None => break,
+        };
+        line.push(CurvePoint {
+            at,
+            ..CurvePoint::default()
+        });
+        if y >= top {
             break;
         }
     }
-    let point = |at| PlotPoint {
-        at,
-        ..PlotPoint::default()
-    };
-    points.into_iter().map(point).collect()
-}
-
-fn tooltip(name: &str, point: &ThicknessPoint) -> String {
-    let shown = |value: Option<f64>| value.map_or("–".to_owned(), words::error);
-    format!(
-        "{name} at depth {}: measured {}, theory {}",
-        words::value(point.depth),
-        shown(point.measured),
-        shown(point.predicted),
-    )
+    line
 }
