@@ -6,7 +6,7 @@ use crate::render::counters::PerEvent;
 use serde::{Serialize, Serializer};
 
 /// What accuracy costs in one scene, or in one panel of it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Cost {
     /// The scene, as it was named.
     pub scene: String,
@@ -137,17 +137,20 @@ impl MeanWork {
     /// The number by which settings are compared: look-ups of densities and gradients, or random
     /// numbers where nothing is looked up.
     pub fn price(&self) -> f64 {
-        let lookups = self[Event::DensityLookup] + self[Event::GradientLookup];
-        if lookups > 0.0 {
-            lookups
-        } else {
-            self[Event::RandomDraw]
+        match self.counted() {
+            Counted::Lookups => self.lookups(),
+            _ => self[Event::RandomDraw],
         }
+    }
+
+    /// Look-ups of densities and gradients.
+    pub fn lookups(&self) -> f64 {
+        self[Event::DensityLookup] + self[Event::GradientLookup]
     }
 
     /// The kind of work that [`MeanWork::price`] counts.
     pub fn counted(&self) -> Counted {
-        if self[Event::DensityLookup] + self[Event::GradientLookup] > 0.0 {
+        if self.lookups() > 0.0 {
             Counted::Lookups
         } else if self[Event::RandomDraw] > 0.0 {
             Counted::RandomNumbers

@@ -6,9 +6,9 @@ mod pictures;
 mod pixels;
 mod words;
 
-use crate::suite::{CaseResult, Evidence, Likeness, Summary, Verdict};
-use case::CaseView;
-use minijinja::{Environment, context};
+use super::template::rendered;
+use crate::suite::{CaseResult, Evidence, Likeness, Verdict};
+use minijinja::{Value, context};
 use rayon::prelude::*;
 
 /// Contents of a page.
@@ -32,57 +32,50 @@ pub fn results_html(page: &Page<'_>) -> String {
     let none = Evidence::default();
     let mut order: Vec<usize> = (0..page.results.len()).collect();
     order.sort_by_key(|&index| rank(page.results[index].verdict));
-    let cases: Vec<CaseView> = order
+    let cases: Vec<Value> = order
         .par_iter()
         .enumerate()
         .map(|(position, &index)| {
             let evidence = page.evidence.get(index).unwrap_or(&none);
-            CaseView::new(position, &page.results[index], evidence, page.likely)
+            case::view(position, &page.results[index], evidence, page.likely)
         })
         .collect();
-    let mut families: Vec<&str> = cases
-        .iter()
-        .map(|case| case.result.family.as_str())
-        .collect();
+    let results = page.results.iter();
+    let mut families: Vec<&str> = results.map(|result| result.family.as_str()).collect();
     families.sort_unstable();
     families.dedup();
-
-    let mut environment = Environment::new();
-    // Text is escaped because the name ends like this.
-    environment
-        .add_template("page.html", include_str!("html/template.html"))
-        .expect("the template is well-formed");
-    let template = environment.get_template("page.html");
-    template
-        .and_then(|template| {
-            template.render(context! {
-                title => page.title,
-                command => page.command,
-                version => env!("CARGO_PKG_VERSION"),
-                headline => words::headline(page.results, page.likely),
-                verdict => overall(page.results).name(),
-                symbol => words::symbol(overall(page.results)),
-                likely => page.likely,
-                counts => counts(page.results),
-                families,
-                cases,
-                palettes => palettes(),
-                style => include_str!("html/page.css"),
-                script => include_str!("html/page.js"),
-            })
-        })
-        .expect("the template asks only for what it is given")
+    let overall = overall(page.results);
+    rendered(
+        include_str!("html/template.html"),
+        context! {
+            title => page.title,
+            command => page.command,
+            version => env!("CARGO_PKG_VERSION"),
+            headline => words::headline(page.results, page.likely),
+            verdict => overall.name(),
+            symbol => words::symbol(overall),
+            likely => page.likely,
+            counts => counts(page.results),
+            families,
+            cases,
+            palettes => palettes(),
+            style => include_str!("html/page.css"),
+            script => include_str!("html/page.js"),
+        },
+    )
 }
 
 /// Which cases come first: what is wrong before what is not known, and both before what is right.
-fn rank(verdict: Verdict) -> usize {
-    match verdict {
-        Verdict::Fail => 0,
-        Verdict::Inconclusive => 1,
-        Verdict::Missing => 2,
-        Verdict::Error => 3,
-        Verdict::Pass => 4,
-    }
+const ORDER: [Verdict; 5] = [
+    Verdict::Fail,
+    Verdict::Inconclusive,
+    Verdict::Missing,
+    Verdict::Error,
+    Verdict::Pass,
+];
+
+fn rank(verdict: Verdict) -> Option<usize> {
+    ORDER.iter().position(|&other| other == verdict)
 }
 
 /// The first verdict in that order that any case has; an empty suite has passed nothing.
@@ -93,46 +86,31 @@ fn overall(results: &[CaseResult]) -> Verdict {
         .unwrap_or(Verdict::Missing)
 }
 
-#[derive(serde::Serialize)]
-struct Count {
-    verdict: &'static str,
-    symbol: &'static str,
-    count: usize,
-}
-
-fn counts(results: &[CaseResult]) -> Vec<Count> {
-    let summary = Summary::of(results);
-    [
-        (Verdict::Fail, summary.fail),
-        (Verdict::Inconclusive, summary.inconclusive),
-        (Verdict::Missing, summary.missing),
-        (Verdict::Error, summary.error),
-        (Verdict::Pass, summary.pass),
-    ]
-    .into_iter()
-    .filter(|(_, count)| *count > 0)
-    .map(|(verdict, count)| Count {
-        verdict: verdict.name(),
-        symbol: words::symbol(verdict),
-        count,
-    })
-    .collect()
+/// The verdicts that any case has, with the number of cases.
+fn counts(results: &[CaseResult]) -> Vec<Value> {
+    let counts = ORDER.map(|verdict| {
+        let cases = results.iter().filter(|result| result.verdict == verdict);
+        (verdict, cases.count())
+    });
+    let counts = counts.into_iter().filter(|(_, count)| *count > 0);
+    let view = |(verdict, count): (Verdict, usize)| {
+        context! {
+            verdict => verdict.name(),
+            symbol => words::symbol(verdict),
+            count,
+        }
+    };
+    counts.map(view).collect()
 }
 
 /// The palettes of the maps: of FLIP as in [`crate::compare::flip`], as many colours as it
 /// has steps here, and of signed differences, from blue to red, 255 colours so that the one of 0 is in the middle.
-#[derive(serde::Serialize)]
-struct Palettes {
-    magma: Vec<[u8; 3]>,
-    signed: Vec<[u8; 3]>,
-}
-
-fn palettes() -> Palettes {
+fn palettes() -> Value {
     let steps = usize::from(pixels::WHOLE) + 1;
     let magma = (0..steps).map(|i| colorous::MAGMA.eval_rational(i, steps).into_array());
     let signed = (0..255).map(|i| colorous::RED_BLUE.eval_rational(254 - i, 255).into_array());
-    Palettes {
-        magma: magma.collect(),
-        signed: signed.collect(),
+    context! {
+        magma => magma.collect::<Vec<_>>(),
+        signed => signed.collect::<Vec<_>>(),
     }
 }

@@ -5,6 +5,7 @@ mod html;
 mod json;
 mod junit;
 mod self_test;
+mod template;
 mod terminal;
 mod visible;
 

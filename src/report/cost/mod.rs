@@ -1,7 +1,6 @@
 //! What accuracy costs: for a terminal, for spreadsheets, for programs, and as one page that needs
 //! no network.
 
-mod csv;
 mod page;
 mod pictures;
 mod plot;
@@ -10,9 +9,9 @@ mod tables;
 mod text;
 mod words;
 
-pub use csv::cost_csv;
 pub use page::{CostPage, cost_html};
 pub use plot::work_precision_svg;
+pub use tables::cost_csv;
 pub use text::cost_text;
 
 use crate::cost::results::{Cost, Machine};

@@ -5,9 +5,9 @@
 
 use super::words;
 use crate::cost::results::ErrorPicture;
-use crate::film::Film;
 use crate::math::log10;
-use serde::Serialize;
+use crate::report::template::image_address;
+use minijinja::{Value, context};
 
 /// Errors that are smaller than the largest by more have the colour of none.
 const DECADES: f64 = 4.0;
@@ -18,32 +18,8 @@ const SCALE: usize = 257;
 /// Images of more pixels are left out: a browser could not open the page.
 const MOST_PIXELS: usize = 1 << 22;
 
-/// Pictures of one study, and their scale.
-#[derive(Serialize)]
-pub(super) struct ErrorMaps {
-    pictures: Vec<Shown>,
-    /// Address of an image of the scale.
-    scale: String,
-    /// What is written below it, at equal distances.
-    ticks: Vec<String>,
-    largest: String,
-    notes: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct Shown {
-    setting: String,
-    /// Address of the image.
-    image: String,
-    columns: usize,
-    rows: usize,
-    root_mean_square: String,
-    largest: String,
-    mean: String,
-}
-
-/// The pictures; none where there are none that can be shown.
-pub(super) fn pictures(pictures: &[ErrorPicture]) -> Option<ErrorMaps> {
+/// The pictures of a study and their scale, for the template; none where none can be shown.
+pub(super) fn pictures(pictures: &[ErrorPicture]) -> Option<Value> {
     let mut notes = Vec::new();
     let (shown, left_out): (Vec<_>, Vec<_>) = pictures.iter().partition(|picture| {
         let pixels = picture.size[0] * picture.size[1];
@@ -56,68 +32,62 @@ pub(super) fn pictures(pictures: &[ErrorPicture]) -> Option<ErrorMaps> {
     if shown.is_empty() {
         return None;
     }
-    let finite = |picture: &ErrorPicture| -> Vec<f64> {
-        let errors = picture.errors.iter().copied();
-        errors.filter(|error| error.is_finite()).collect()
-    };
-    let largest_of = |errors: &[f64]| errors.iter().map(|error| error.abs()).fold(0.0, f64::max);
-    let largest = shown
-        .iter()
-        .map(|picture| largest_of(&finite(picture)))
-        .fold(0.0, f64::max);
-    let odd = shown.iter().flat_map(|picture| &picture.errors);
-    let odd = odd.filter(|error| !error.is_finite()).count();
+    let all = || shown.iter().flat_map(|picture| &picture.errors).copied();
+    let largest = largest_of(all());
+    let odd = all().filter(|error| !error.is_finite()).count();
     if odd > 0 {
         notes.push(format!(
             "Black: {odd} pixels whose error is no finite number."
         ));
     }
-    let views = shown.iter().map(|picture| {
-        let errors = finite(picture);
-        let count = errors.len().max(1) as f64;
-        let squares: f64 = errors.iter().map(|error| error * error).sum();
-        let codes: Vec<_> = picture
-            .errors
-            .iter()
-            .map(|error| colour(*error, largest))
-            .collect();
+    let pictures = shown.iter().map(|picture| {
+        let finite = || {
+            picture
+                .errors
+                .iter()
+                .copied()
+                .filter(|error| error.is_finite())
+        };
+        let count = finite().count().max(1) as f64;
+        let squares: f64 = finite().map(|error| error * error).sum();
+        let errors = picture.errors.iter();
+        let codes: Vec<_> = errors.map(|error| colour(*error, largest)).collect();
         let [columns, rows] = picture.size;
-        Shown {
-            setting: picture.setting.clone(),
-            image: address(&codes, columns, rows),
+        context! {
+            setting => picture.setting,
+            image => image_address(&codes, columns, rows),
             columns,
             rows,
-            root_mean_square: words::error((squares / count).sqrt()),
-            largest: words::error(largest_of(&errors)),
-            mean: words::error(errors.iter().sum::<f64>() / count),
+            root_mean_square => words::error((squares / count).sqrt()),
+            largest => words::error(largest_of(finite())),
+            mean => words::error(finite().sum::<f64>() / count),
         }
     });
-    let views = views.collect();
+    let pictures: Vec<Value> = pictures.collect();
     let scale: Vec<_> = (0..SCALE)
         .map(|at| code(2.0 * at as f64 / (SCALE - 1) as f64 - 1.0))
         .collect();
     let tick = |share: f64| words::error(largest * share);
-    Some(ErrorMaps {
-        pictures: views,
-        scale: address(&scale, SCALE, 1),
-        ticks: vec![
+    Some(context! {
+        pictures,
+        scale => image_address(&scale, SCALE, 1),
+        // Written below it, at equal distances.
+        ticks => [
             format!("−{}", tick(1.0)),
             format!("−{}", tick(1e-2)),
             format!("within ±{}", tick(1e-4)),
             format!("+{}", tick(1e-2)),
             format!("+{}", tick(1.0)),
         ],
-        largest: words::error(largest),
+        largest => words::error(largest),
         notes,
     })
 }
 
-fn address(codes: &[[u8; 3]], columns: usize, rows: usize) -> String {
-    let png = Film::codes_to_png(codes, columns, rows);
-    format!(
-        "data:image/png;base64,{}",
-        data_encoding::BASE64.encode(&png)
-    )
+/// The largest size of the errors that are finite.
+fn largest_of(errors: impl Iterator<Item = f64>) -> f64 {
+    let sizes = errors.filter(|error| error.is_finite()).map(f64::abs);
+    sizes.fold(0.0, f64::max)
 }
 
 /// The colour of an error: black if it is no finite number.
@@ -171,6 +141,7 @@ mod tests {
         assert!(pictures(&[]).is_none());
         assert!(pictures(&[picture([2, 2], 3)]).is_none());
         let shown = pictures(&[picture([2, 2], 4), picture([0, 0], 0)]).unwrap();
-        assert_eq!((shown.pictures.len(), shown.notes.len()), (1, 1));
+        let len = |key: &str| shown.get_attr(key).unwrap().len();
+        assert_eq!((len("pictures"), len("notes")), (Some(1), Some(1)));
     }
 }

@@ -1,7 +1,7 @@
-//! A table, for a terminal and for a page.
+//! One table for all forms: plain text, a page, and CSV.
 
 use super::words::Mark;
-use serde::Serialize;
+use minijinja::{Value, context};
 
 /// No line of plain text is longer.
 pub(super) const WIDEST: usize = 100;
@@ -10,129 +10,192 @@ const GAP: usize = 2;
 /// No column is cut to less.
 const NARROWEST: usize = 12;
 
-/// Rows under named columns.
-#[derive(Serialize)]
-pub(super) struct ReportTable {
+/// Rows of cells; all rows have the same columns, those of the first.
+#[derive(Default)]
+pub(super) struct Table {
     pub(super) title: String,
-    /// How to read it, in a sentence; for the page.
-    pub(super) reading: String,
-    pub(super) columns: Vec<Column>,
-    pub(super) rows: Vec<Vec<TableCell>>,
-    /// Whether a row whose first cell is empty belongs to the row above.
+    pub(super) rows: Vec<Vec<Cell>>,
+    /// Whether rows that begin alike belong together: the first of them says it for all.
     pub(super) is_grouped: bool,
     /// What must be known besides.
     pub(super) notes: Vec<String>,
 }
 
-/// A column.
-#[derive(Clone, Copy, Serialize)]
-pub(super) struct Column {
-    pub(super) head: &'static str,
-    pub(super) is_number: bool,
+/// A value in its column.
+#[derive(Clone, Default)]
+pub(super) struct Cell {
+    /// Name of the column in CSV; empty if it is not there.
+    key: &'static str,
+    /// The value with all its digits; empty if there is none.
+    datum: String,
+    /// Head of the column on terminal and page; empty if it is not there.
+    head: &'static str,
+    /// The value for people, if there is one.
+    text: Option<String>,
+    mark: Mark,
+    is_number: bool,
     /// Left out on a terminal, which has no room for it.
-    pub(super) is_page_only: bool,
+    is_page_only: bool,
+    /// Left out where no row has a value.
+    is_optional: bool,
 }
 
-/// A column of words.
-pub(super) const fn words(head: &'static str) -> Column {
-    Column {
+/// A cell of CSV alone.
+pub(super) fn key(key: &'static str, datum: impl Into<Datum>) -> Cell {
+    Cell::default().key(key, datum)
+}
+
+/// A cell of words for people.
+pub(super) fn words(head: &'static str, text: &str) -> Cell {
+    Cell {
         head,
-        is_number: false,
-        is_page_only: false,
+        text: Some(text.to_owned()),
+        ..Cell::default()
     }
 }
 
-/// A column of numbers.
-pub(super) const fn number(head: &'static str) -> Column {
-    Column {
+/// A cell of a number for people.
+pub(super) fn number(head: &'static str, text: impl Into<Option<String>>) -> Cell {
+    Cell {
         head,
+        text: text.into(),
         is_number: true,
-        is_page_only: false,
+        ..Cell::default()
     }
 }
 
-/// A column of numbers for which a terminal has no room.
-pub(super) const fn page_number(head: &'static str) -> Column {
-    Column {
-        head,
-        is_number: true,
-        is_page_only: true,
+impl Cell {
+    /// The same in CSV as well.
+    pub(super) fn key(self, key: &'static str, datum: impl Into<Datum>) -> Cell {
+        let Datum(datum) = datum.into();
+        Cell { key, datum, ..self }
     }
-}
 
-/// What stands in a row under a column.
-#[derive(Clone, Serialize)]
-pub(super) struct TableCell {
-    pub(super) text: String,
-    pub(super) mark: Mark,
-}
+    pub(super) fn marked(self, mark: Mark) -> Cell {
+        Cell { mark, ..self }
+    }
 
-impl From<String> for TableCell {
-    fn from(text: String) -> TableCell {
-        TableCell {
-            text,
-            mark: Mark::Plain,
+    pub(super) fn on_page(self) -> Cell {
+        Cell {
+            is_page_only: true,
+            ..self
         }
     }
-}
 
-impl From<&str> for TableCell {
-    fn from(text: &str) -> TableCell {
-        text.to_owned().into()
-    }
-}
-
-impl From<(Mark, &str)> for TableCell {
-    fn from((mark, text): (Mark, &str)) -> TableCell {
-        TableCell {
-            text: text.to_owned(),
-            mark,
+    pub(super) fn optional(self) -> Cell {
+        Cell {
+            is_optional: true,
+            ..self
         }
     }
+
+    fn shown(&self) -> &str {
+        self.text.as_deref().unwrap_or("–")
+    }
 }
 
-impl ReportTable {
+/// A value as CSV has it: a number with the shortest digits that read back as the same number.
+pub(super) struct Datum(String);
+
+impl From<f64> for Datum {
+    fn from(number: f64) -> Datum {
+        Datum(format!("{number:?}"))
+    }
+}
+
+impl From<usize> for Datum {
+    fn from(count: usize) -> Datum {
+        Datum(count.to_string())
+    }
+}
+
+impl From<bool> for Datum {
+    fn from(is: bool) -> Datum {
+        Datum(is.to_string())
+    }
+}
+
+impl From<&str> for Datum {
+    fn from(text: &str) -> Datum {
+        Datum(text.to_owned())
+    }
+}
+
+impl From<String> for Datum {
+    fn from(text: String) -> Datum {
+        Datum(text)
+    }
+}
+
+impl<T: Into<Datum>> From<Option<T>> for Datum {
+    fn from(value: Option<T>) -> Datum {
+        value.map_or(Datum(String::new()), T::into)
+    }
+}
+
+impl Table {
+    /// Numbers of the columns for a page or a terminal.
+    fn columns(&self, is_page: bool) -> Vec<usize> {
+        let Some(first) = self.rows.first() else {
+            return Vec::new();
+        };
+        let is_shown = |&at: &usize| {
+            let cell = &first[at];
+            let is_empty = || self.rows.iter().all(|row| row[at].text.is_none());
+            !cell.head.is_empty()
+                && (is_page || !cell.is_page_only)
+                && !(cell.is_optional && is_empty())
+        };
+        (0..first.len()).filter(is_shown).collect()
+    }
+
+    /// Text by row of `columns`. A group says its name once.
+    fn texts(&self, columns: &[usize]) -> Vec<Vec<&str>> {
+        let mut group = None;
+        let texts = self.rows.iter().map(|row| {
+            let mut texts: Vec<&str> = columns.iter().map(|&at| row[at].shown()).collect();
+            if self.is_grouped && group.replace(texts[0]) == Some(texts[0]) {
+                texts[0] = "";
+            }
+            texts
+        });
+        texts.collect()
+    }
+
     /// Plain text, aligned, each line after `indent` blanks and none longer than [`WIDEST`]:
     /// words are cut where they would be. Ends with a line feed; empty without rows.
     pub(super) fn text(&self, indent: usize) -> String {
-        if self.rows.is_empty() {
+        let columns = self.columns(false);
+        let Some(first) = self.rows.first() else {
             return String::new();
-        }
-        let shown: Vec<usize> = (0..self.columns.len())
-            .filter(|&at| !self.columns[at].is_page_only)
-            .collect();
-        let heads = shown.iter().map(|&at| self.columns[at].head.to_owned());
-        let mut lines: Vec<Vec<String>> = vec![heads.collect()];
-        for row in &self.rows {
-            lines.push(shown.iter().map(|&at| row[at].text.clone()).collect());
-        }
-        let mut widths: Vec<usize> = (0..shown.len())
-            .map(|column| {
-                let cells = lines.iter().map(|line| line[column].chars().count());
-                cells.max().unwrap_or(0)
-            })
-            .collect();
-        let room = WIDEST - indent - GAP * shown.len().saturating_sub(1);
+        };
+        let columns_of = |at: usize| &first[columns[at]];
+        let mut lines = vec![columns.iter().map(|&at| first[at].head).collect()];
+        lines.extend(self.texts(&columns));
+        let width = |at: usize| {
+            lines
+                .iter()
+                .map(|line: &Vec<&str>| line[at].chars().count())
+                .max()
+        };
+        let mut widths: Vec<usize> = (0..columns.len()).filter_map(width).collect();
+        let room = WIDEST - indent - GAP * columns.len().saturating_sub(1);
         while widths.iter().sum::<usize>() > room {
-            let wordy = (0..shown.len()).filter(|&column| !self.columns[shown[column]].is_number);
-            match wordy.max_by_key(|&column| widths[column]) {
-                Some(column) if widths[column] > NARROWEST => widths[column] -= 1,
+            let wordy = (0..columns.len()).filter(|&at| !columns_of(at).is_number);
+            match wordy.max_by_key(|&at| widths[at]) {
+                Some(widest) if widths[widest] > NARROWEST => widths[widest] -= 1,
                 _ => break,
             }
         }
         let mut text = String::new();
         for line in &lines {
             let mut built = " ".repeat(indent);
-            for (column, cell) in line.iter().enumerate() {
-                let cell = cut(cell, widths[column]);
-                let blanks = " ".repeat(widths[column] - cell.chars().count());
-                if self.columns[shown[column]].is_number {
-                    built.push_str(&blanks);
-                    built.push_str(&cell);
-                } else {
-                    built.push_str(&cell);
-                    built.push_str(&blanks);
-                }
+            for (at, (cell, &width)) in line.iter().zip(&widths).enumerate() {
+                let cell = cut(cell, width);
+                built.push_str(&match columns_of(at).is_number {
+                    true => format!("{cell:>width$}"),
+                    false => format!("{cell:<width$}"),
+                });
                 built.push_str(&" ".repeat(GAP));
             }
             text.push_str(built.trim_end());
@@ -140,6 +203,51 @@ impl ReportTable {
         }
         text
     }
+
+    /// The table for the template of a page.
+    pub(super) fn page(&self) -> Value {
+        let columns = self.columns(true);
+        let marks = |at: usize| {
+            columns
+                .iter()
+                .map(move |&column| self.rows[at][column].mark)
+        };
+        let texts = self.texts(&columns).into_iter().enumerate();
+        let rows = texts.map(|(at, row)| row.into_iter().zip(marks(at)).collect::<Vec<_>>());
+        let first = self.rows.first();
+        let heads = columns
+            .iter()
+            .filter_map(|&at| first.map(|row| (row[at].head, row[at].is_number)));
+        context! {
+            title => self.title,
+            columns => heads.collect::<Vec<_>>(),
+            rows => rows.collect::<Vec<_>>(),
+            is_grouped => self.is_grouped,
+            notes => self.notes,
+        }
+    }
+}
+
+/// The cells of `rows` that have a key as CSV, with a row of names on top; none of no rows.
+pub(super) fn csv(rows: &[Vec<Cell>]) -> Option<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    // The writer refuses a row that is longer or shorter than the first.
+    let all = "rows have the same columns";
+    writer
+        .write_record(keyed(rows.first()?).map(|cell| cell.key))
+        .expect(all);
+    for row in rows {
+        writer
+            .write_record(keyed(row).map(|cell| &cell.datum))
+            .expect(all);
+    }
+    let bytes = writer.into_inner().expect("a vector takes every byte");
+    Some(String::from_utf8(bytes).expect("text was written"))
+}
+
+/// The cells of a row that are in CSV.
+fn keyed(row: &[Cell]) -> impl Iterator<Item = &Cell> {
+    row.iter().filter(|cell| !cell.key.is_empty())
 }
 
 /// The text, or its beginning and an ellipsis where it is longer than `width`.
@@ -180,25 +288,49 @@ pub(super) fn wrapped(text: &str, indent: usize) -> String {
 mod tests {
     use super::*;
 
+    fn table(rows: Vec<Vec<Cell>>) -> Table {
+        Table {
+            rows,
+            is_grouped: true,
+            ..Table::default()
+        }
+    }
+
     #[test]
     fn columns_are_aligned_and_words_are_cut() {
-        let table = ReportTable {
-            title: String::new(),
-            reading: String::new(),
-            columns: vec![words("name"), page_number("left out"), number("number")],
-            rows: vec![
-                vec!["a".into(), "x".into(), "1.5".into()],
-                vec!["b".repeat(200).into(), "x".into(), "100".into()],
-            ],
-            is_grouped: false,
-            notes: Vec::new(),
+        let row = |name: &str, value: f64| {
+            vec![
+                words("name", name).key("name", name),
+                number("left out", "x".to_owned()).on_page(),
+                number("empty", None).optional(),
+                number("number", value.to_string()).key("number", value),
+            ]
         };
+        let table = table(vec![
+            row("a", 1.5),
+            row(&"b".repeat(200), 100.0),
+            row("c", 1.0),
+        ]);
         let text = table.text(2);
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 3);
+        assert_eq!(lines.len(), 4);
         assert!(lines.iter().all(|line| line.chars().count() == WIDEST));
         assert!(lines[1].starts_with("  a ") && lines[1].ends_with("   1.5"));
         assert!(lines[2].ends_with("b…     100"));
+        assert!(
+            csv(&table.rows)
+                .unwrap()
+                .starts_with("name,number\na,1.5\nbbb")
+        );
+    }
+
+    #[test]
+    fn a_group_says_its_name_once() {
+        let row = |name: &str| vec![words("name", name).key("name", name), words("x", "y")];
+        let table = table(vec![row("a"), row("a"), row("b")]);
+        assert_eq!(table.text(0), "name  x\na     y\n      y\nb     y\n");
+        assert_eq!(csv(&table.rows).unwrap(), "name\na\na\nb\n");
+        assert_eq!(csv(&[]), None);
     }
 
     #[test]

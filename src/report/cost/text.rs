@@ -1,8 +1,8 @@
 //! The cost of accuracy for a terminal.
 
-use super::table::{ReportTable, wrapped};
+use super::table::{Table, wrapped};
 use super::{tables, words};
-use crate::cost::results::{Cost, Machine, OrderVerdict, Recommendation, Sweep};
+use crate::cost::results::{Cost, Machine, OrderVerdict, Sweep};
 
 /// Tables as plain text, no line longer than 100 columns but for commands: of each scene what to
 /// take and the price list first, then orders, then settings and the rest. All settings of all
@@ -19,9 +19,8 @@ pub fn cost_text(costs: &[Cost], machine: Option<&Machine>) -> String {
     }
     text.push_str(&wrapped(&judgement.headline, 0));
     if let Some(machine) = machine {
-        let facts = words::machine(machine);
+        let facts = words::machine(machine).into_iter();
         let facts: Vec<_> = facts
-            .into_iter()
             .filter(|(_, value)| !value.is_empty())
             .map(|(name, value)| match name {
                 "threads" if value == "1" => "1 thread".to_owned(),
@@ -44,70 +43,60 @@ fn scene(cost: &Cost) -> String {
     let mut text = format!("{name}\n{rule}\n");
     if !cost.recommendations.is_empty() {
         text.push_str("\nwhat to take\n");
-        for recommendation in &cost.recommendations {
-            text.push_str(&advice(recommendation));
+    }
+    for recommendation in &cost.recommendations {
+        text.push_str(&wrapped(&recommendation.text, 2));
+        if let Some(command) = &recommendation.command {
+            // In one piece, to be copied.
+            text.push_str(&format!("    {command}\n"));
         }
     }
+    let mut later = Vec::new();
     for study in &cost.studies {
-        let reference = &study.reference;
+        let (method, bound) = (&study.reference.method, words::error(study.reference.bound));
         text.push_str(&format!("\n{}\n", study.name));
         text.push_str(&wrapped(&study.quantity, 2));
-        text.push_str(&wrapped(
-            &format!(
-                "reference: {}; its own error at most {}",
-                reference.method,
-                words::error(reference.bound)
-            ),
-            2,
-        ));
+        let reference = format!("reference: {method}; its own error at most {bound}");
+        text.push_str(&wrapped(&reference, 2));
         if !study.prices.is_empty() {
             push(&mut text, &tables::prices(study));
         }
+        if !study.sweeps.is_empty() {
+            later.push(tables::orders(study));
+        }
     }
-    for study in cost.studies.iter().filter(|study| !study.sweeps.is_empty()) {
-        push(&mut text, &tables::orders(study));
-    }
-    if let Some(jitter) = &cost.jitter {
-        push(&mut text, &tables::jitter_orders(jitter));
-    }
-    if let Some(estimators) = &cost.estimators {
-        push(&mut text, &tables::estimators(estimators));
-    }
+    later.extend(cost.jitter.iter().map(tables::jitter_orders));
+    later.extend(cost.estimators.iter().map(tables::estimators));
     if !cost.effects.is_empty() {
-        push(&mut text, &tables::effects(&cost.effects));
+        later.push(tables::effects(&cost.effects));
     }
+    later.iter().for_each(|table| push(&mut text, table));
     for study in &cost.studies {
-        let (shown, rest): (Vec<_>, Vec<_>) =
-            study.sweeps.iter().partition(|sweep| is_shown(sweep));
-        for sweep in shown {
-            let mut table = tables::sweep(study, sweep);
-            table.title = format!("{}: {}", study.name, table.title);
-            push(&mut text, &table);
+        let mut rest = Vec::new();
+        for sweep in &study.sweeps {
+            if is_shown(sweep) {
+                let mut table = tables::sweep(study, sweep);
+                table.title = format!("{}: {}", study.name, table.title);
+                push(&mut text, &table);
+            } else {
+                rest.push(words::sweep(study, &sweep.estimator, sweep.parameter));
+            }
         }
         if !rest.is_empty() {
-            let names: Vec<_> = rest
-                .into_iter()
-                .map(|sweep| words::sweep(study, &sweep.estimator, sweep.parameter))
-                .collect();
-            let names = names.join("; ");
+            let (study, rest) = (study.name, rest.join("; "));
+            let where_else = format!("{study}: page and CSV have all settings of {rest}");
             text.push('\n');
-            text.push_str(&wrapped(
-                &format!("{}: page and CSV have all settings of {names}", study.name),
-                0,
-            ));
+            text.push_str(&wrapped(&where_else, 0));
         }
     }
-    if let Some(thickness) = &cost.thickness {
-        push(&mut text, &tables::thickness(thickness));
-    }
-    if let Some(jitter) = &cost.jitter {
-        push(&mut text, &tables::jitter(jitter));
-    }
+    let last = cost.thickness.iter().map(tables::thickness);
+    let last = last.chain(cost.jitter.iter().map(tables::jitter));
+    last.for_each(|table| push(&mut text, &table));
     if !cost.notes.is_empty() {
         text.push_str("\nnot measured\n");
-        for note in &cost.notes {
-            text.push_str(&wrapped(note, 2));
-        }
+    }
+    for note in &cost.notes {
+        text.push_str(&wrapped(note, 2));
     }
     text
 }
@@ -122,16 +111,7 @@ fn is_shown(sweep: &Sweep) -> bool {
     sweep.is_ours || !is_fine
 }
 
-fn advice(recommendation: &Recommendation) -> String {
-    let mut text = wrapped(&recommendation.text, 2);
-    if let Some(command) = &recommendation.command {
-        // In one piece, to be copied.
-        text.push_str(&format!("    {command}\n"));
-    }
-    text
-}
-
-fn push(text: &mut String, table: &ReportTable) {
+fn push(text: &mut String, table: &Table) {
     text.push_str(&format!("\n{}\n", table.title));
     text.push_str(&table.text(2));
     for note in &table.notes {

@@ -4,6 +4,8 @@ use crate::cost::results::{
     ConvergenceOrder, Cost, Counted, EstimatorRow, Level, Machine, OrderVerdict, Parameter, Study,
     Sweep, Times,
 };
+use serde::Serialize;
+use serde_json::Value;
 
 /// The scene, with its panel.
 pub(super) fn scene(cost: &Cost) -> String {
@@ -55,9 +57,10 @@ pub(super) fn price(level: &Level) -> String {
 }
 
 /// How a verdict is marked: never by colour alone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Mark {
+    #[default]
     Plain,
     Good,
     Bad,
@@ -161,14 +164,22 @@ pub(super) fn factor(value: f64) -> String {
     }
 }
 
-/// An order, with its sign.
-pub(super) fn order(value: Option<f64>) -> String {
-    value.map_or_else(|| "–".to_owned(), |order| format!("{order:.2}"))
+/// An order, or how far one may be off.
+pub(super) fn order(value: f64) -> String {
+    format!("{value:.2}")
 }
 
-/// An order that theory says: `2`, `-0.5`.
-pub(super) fn expected(value: Option<f64>) -> String {
-    value.map_or_else(|| "–".to_owned(), |order| order.to_string())
+/// A share in percent.
+pub(super) fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+/// The word for a choice in JSON.
+pub(super) fn key(choice: impl Serialize) -> String {
+    match serde_json::to_value(choice) {
+        Ok(Value::String(word)) => word,
+        other => unreachable!("{other:?} is no word"),
+    }
 }
 
 /// An order that was fitted beside the expected one: `1.99 (expected 2)`.
@@ -193,25 +204,16 @@ fn unit(seconds: f64) -> (&'static str, f64) {
     }
 }
 
-fn three_digits(value: f64) -> String {
-    match value {
-        _ if value < 9.995 => format!("{value:.2}"),
-        _ if value < 99.95 => format!("{value:.1}"),
-        _ => format!("{value:.0}"),
-    }
-}
-
 /// A time with three digits and its unit.
 pub(super) fn seconds(value: f64) -> String {
     let (unit, size) = unit(value);
-    format!("{} {unit}", three_digits(value / size))
+    format!("{} {unit}", count(value / size))
 }
 
 /// Median, least and most: `1.23 (1.20–1.31) µs`.
 pub(super) fn times(times: &Times) -> String {
     let (unit, size) = unit(times.median);
-    let [median, min, max] =
-        [times.median, times.min, times.max].map(|value| three_digits(value / size));
+    let [median, min, max] = [times.median, times.min, times.max].map(|value| count(value / size));
     let noisy = if times.is_noisy { " noisy" } else { "" };
     format!("{median} ({min}–{max}) {unit}{noisy}")
 }
@@ -244,102 +246,102 @@ pub(super) fn judged(level: &Level) -> f64 {
     level.error_of_order.unwrap_or(level.error).l2
 }
 
-/// Verdicts of a report, counted, and those in detail that are not as they should be.
-pub(super) struct OrderSummary {
+/// Verdicts of a report, counted.
+pub(super) struct Judgement {
     pub(super) mark: Mark,
     pub(super) headline: String,
-    /// What is not as expected, or not known: mark and words.
+    /// Orders and estimators that are not as expected, or not known: mark and words.
     pub(super) faults: Vec<(Mark, String)>,
 }
 
-/// What came of all expectations.
-pub(super) fn judgement(costs: &[Cost]) -> OrderSummary {
-    let mut faults = Vec::new();
-    // As expected, as far as rays tell, otherwise, undecided, not yet a power, nothing expected.
-    let mut orders = [0_usize; 6];
-    let mut note = |name: String, order: &ConvergenceOrder| {
-        orders[order.verdict as usize] += 1;
-        let words = fitted(order);
-        match order.verdict {
-            OrderVerdict::Otherwise => {
-                let tolerance = order.tolerance;
-                faults.push((Mark::Bad, format!("✗ {name}: {words} ± {tolerance:.2}")));
-            }
-            OrderVerdict::Undecided => {
-                let why = "too few settings are fine enough and above what the reference knows";
-                faults.push((Mark::Odd, format!("? {name}: undecided, {why} ({words})")));
-            }
-            OrderVerdict::NotYetAPower => {
-                let why = "from setting to setting the order still changes";
-                faults.push((
-                    Mark::Odd,
-                    format!("~ {name}: not a power yet, {why} ({words})"),
-                ));
-            }
-            OrderVerdict::AsExpected | OrderVerdict::TooFewRays | OrderVerdict::NothingExpected => {
-            }
-        }
-    };
-    for cost in costs {
-        let scene = scene(cost);
-        for study in &cost.studies {
-            for each in &study.sweeps {
-                let name = sweep(study, &each.estimator, each.parameter);
-                note(format!("{scene}, {}, {name}", study.name), &each.order);
-            }
-        }
-        for curve in cost.jitter.iter().flat_map(|jitter| &jitter.curves) {
-            let name = format!("{scene}, {} jitter", curve.jitter);
-            note(format!("{name}, deviation"), &curve.deviation_order);
-            note(format!("{name}, bias"), &curve.bias_order);
+/// All orders of a scene, with their names.
+fn orders(cost: &Cost) -> Vec<(String, &ConvergenceOrder)> {
+    let scene = scene(cost);
+    let mut orders = Vec::new();
+    for study in &cost.studies {
+        for each in &study.sweeps {
+            let name = sweep(study, &each.estimator, each.parameter);
+            orders.push((format!("{scene}, {}, {name}", study.name), &each.order));
         }
     }
-    let mut estimators = [0_usize; 2];
-    for cost in costs {
-        for row in cost.estimators.iter().flat_map(|table| &table.rows) {
-            estimators[usize::from(row.agrees)] += 1;
-            if !row.agrees {
-                faults.push((
-                    Mark::Bad,
-                    format!(
-                        "✗ {}, {}: not what theory says; mean off by {} s.e., variance {} (theory {}), look-ups {} (theory {})",
-                        scene(cost),
-                        row.estimator,
-                        standard_errors(row),
-                        error(row.variance),
-                        row.predicted_variance.map_or("–".to_owned(), error),
-                        count(row.lookups),
-                        row.predicted_lookups.map_or("–".to_owned(), count),
-                    ),
-                ));
-            }
+    for curve in cost.jitter.iter().flat_map(|jitter| &jitter.curves) {
+        let name = format!("{scene}, {} jitter", curve.jitter);
+        orders.push((format!("{name}, deviation"), &curve.deviation_order));
+        orders.push((format!("{name}, bias"), &curve.bias_order));
+    }
+    orders
+}
+
+/// What came of all expectations.
+pub(super) fn judgement(costs: &[Cost]) -> Judgement {
+    let mut faults = Vec::new();
+    // As expected, as far as rays tell, otherwise, undecided, not yet a power, nothing expected.
+    let mut counts = [0_usize; 6];
+    for (name, order) in costs.iter().flat_map(orders) {
+        counts[order.verdict as usize] += 1;
+        let fitted = fitted(order);
+        let fault = match order.verdict {
+            OrderVerdict::Otherwise => format!("{fitted} ± {:.2}", order.tolerance),
+            OrderVerdict::Undecided => format!(
+                "undecided, too few settings are fine enough and above what the reference knows \
+                 ({fitted})"
+            ),
+            OrderVerdict::NotYetAPower => format!(
+                "not a power yet, from setting to setting the order still changes ({fitted})"
+            ),
+            _ => continue,
+        };
+        let sign = sign(order.verdict);
+        faults.push((verdict(order.verdict).0, format!("{sign} {name}: {fault}")));
+    }
+    let rows = costs.iter().flat_map(|cost| {
+        let tables = cost.estimators.iter();
+        let rows = tables.flat_map(|table| &table.rows);
+        rows.map(move |row| (cost, row))
+    });
+    let mut estimators = 0;
+    let mut agreeing = 0;
+    for (cost, row) in rows {
+        estimators += 1;
+        if row.agrees {
+            agreeing += 1;
+            continue;
         }
+        let fault = format!(
+            "✗ {}, {}: not what theory says; mean off by {} s.e., variance {} (theory {}), look-ups {} (theory {})",
+            scene(cost),
+            row.estimator,
+            standard_errors(row),
+            error(row.variance),
+            or_dash(row.predicted_variance, error),
+            count(row.lookups),
+            or_dash(row.predicted_lookups, count),
+        );
+        faults.push((Mark::Bad, fault));
     }
     // What is wrong before what is not known.
     faults.sort_by_key(|(mark, _)| *mark != Mark::Bad);
-    let [as_expected, few_rays, otherwise, undecided, not_yet, _] = orders;
-    let judged = as_expected + few_rays + otherwise + undecided + not_yet;
+    let judged: usize = counts[..5].iter().sum();
     let mut parts = Vec::new();
     if judged > 0 {
-        let mut counts = vec![format!("{as_expected} as expected")];
-        for (count, words) in [
-            (few_rays, "as far as so few rays tell"),
-            (otherwise, "not as expected"),
-            (undecided, "undecided"),
-            (not_yet, "not a power yet"),
-        ] {
-            if count > 0 {
-                counts.push(format!("{count} {words}"));
-            }
-        }
+        let words = [
+            "as expected",
+            "as far as so few rays tell",
+            "not as expected",
+            "undecided",
+            "not a power yet",
+        ];
+        let said = words.iter().zip(counts).enumerate();
+        let said = said.filter(|(at, (_, count))| *at == 0 || *count > 0);
+        let said: Vec<String> = said
+            .map(|(_, (words, count))| format!("{count} {words}"))
+            .collect();
         let noun = if judged == 1 { "order" } else { "orders" };
-        parts.push(format!("{judged} {noun} of error: {}", counts.join(", ")));
+        parts.push(format!("{judged} {noun} of error: {}", said.join(", ")));
     }
-    let [disagree, agree] = estimators;
-    if agree + disagree > 0 {
+    if estimators > 0 {
         parts.push(format!(
-            "{agree} of {} estimators agree with theory",
-            agree + disagree
+            "{agreeing} of {estimators} estimators agree with theory"
         ));
     }
     let mark = match faults.first() {
@@ -347,12 +349,11 @@ pub(super) fn judgement(costs: &[Cost]) -> OrderSummary {
         None => Mark::Good,
         Some((mark, _)) => *mark,
     };
-    let headline = if parts.is_empty() {
-        "Nothing was expected, so nothing was judged.".to_owned()
-    } else {
-        format!("{}.", parts.join("; "))
+    let headline = match parts.is_empty() {
+        true => "Nothing was expected, so nothing was judged.".to_owned(),
+        false => format!("{}.", parts.join("; ")),
     };
-    OrderSummary {
+    Judgement {
         mark,
         headline,
         faults,

@@ -4,46 +4,34 @@ use super::words;
 use crate::compare::BlockMap;
 use crate::compare::stochastic::BLOCK;
 use crate::film::Film;
-use serde::Serialize;
+use minijinja::{Value, context};
 
-/// The mean of a channel in both images.
-#[derive(Serialize)]
-pub(super) struct Mean {
-    channel: &'static str,
-    golden: String,
-    test: String,
-    difference: String,
-    ratio: String,
-}
-
-/// Of each channel, over the pixels that are finite in both images.
-pub(super) fn means(golden: &Film, test: &Film) -> Vec<Mean> {
-    let mut means = Vec::new();
-    for (c, channel) in ["red", "green", "blue"].into_iter().enumerate() {
-        let mut sums = [0.0_f64; 2];
-        let mut count = 0.0_f64;
-        for (a, b) in golden.radiance().iter().zip(test.radiance()) {
-            if a[c].is_finite() && b[c].is_finite() {
-                sums[0] += f64::from(a[c]);
-                sums[1] += f64::from(b[c]);
-                count += 1.0;
-            }
+/// The mean of each channel in both images, over the pixels that are finite in both.
+pub(super) fn means(golden: &Film, test: &Film) -> Vec<Value> {
+    let mean = |(c, channel): (usize, &str)| {
+        let pairs = golden.radiance().iter().zip(test.radiance());
+        let pairs = pairs.map(|(a, b)| [a[c], b[c]]);
+        let (mut sums, mut count) = ([0.0_f64; 2], 0.0_f64);
+        for [a, b] in pairs.filter(|[a, b]| a.is_finite() && b.is_finite()) {
+            sums[0] += f64::from(a);
+            sums[1] += f64::from(b);
+            count += 1.0;
         }
         let [a, b] = sums.map(|sum| sum / count.max(1.0));
-        let ratio = if a > 0.0 && b > 0.0 {
-            format!("× {:.4}", b / a)
-        } else {
-            "–".to_owned()
+        let ratio = match a > 0.0 && b > 0.0 {
+            true => format!("× {:.4}", b / a),
+            false => "–".to_owned(),
         };
-        means.push(Mean {
+        context! {
             channel,
-            golden: words::digits(a),
-            test: words::digits(b),
-            difference: words::digits(b - a),
+            golden => words::digits(a),
+            test => words::digits(b),
+            difference => words::digits(b - a),
             ratio,
-        });
-    }
-    means
+        }
+    };
+    let channels = ["red", "green", "blue"].into_iter().enumerate();
+    channels.map(mean).collect()
 }
 
 /// Over how many pixels the difference is spread.

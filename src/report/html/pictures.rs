@@ -6,7 +6,7 @@ use crate::compare::stochastic::BLOCK;
 use crate::compare::{BlockMap, DifferenceScale, Gate, Picture};
 use crate::film::Film;
 use crate::suite::Evidence;
-use serde::Serialize;
+use minijinja::{Value, context};
 
 /// Images of more pixels are left out of the page: a browser could not open it.
 const MOST_PIXELS: usize = 1 << 22;
@@ -91,48 +91,50 @@ impl<'a> Views<'a> {
         self.films().map_or(DifferenceScale::Radiance, scale)
     }
 
-    /// Everything that the script needs; nothing where there is no image.
-    pub(super) fn packed(&self, scale: &DifferenceScale) -> Option<PackedPictures> {
+    /// Everything that the script needs, packed by [`pixels`]; nothing where there is no image.
+    pub(super) fn packed(&self, scale: &DifferenceScale) -> Option<Value> {
         if self.golden.is_none() && self.test.is_none() {
             return None;
         }
-        Some(PackedPictures {
-            exposure: self.exposure,
-            golden: self.golden.map(|film| PackedImage {
-                width: film.width(),
-                height: film.height(),
-                floats: Some(pixels::smooth_floats(film.radiance(), film.width())),
-                codes: None,
-            }),
-            test: self.test.map(|picture| self.packed_test(picture)),
-            difference: self.pair.map(|(golden, test)| {
-                pixels::floats(&differences(golden, test, self.exposure), golden.width())
-            }),
-            flip: self.packed_flip(),
-            z: match scale {
-                DifferenceScale::StandardErrors(map) => Some(packed_blocks(map)),
-                _ => None,
-            },
-            tolerance: match *scale {
-                DifferenceScale::Tolerance { absolute, relative } => Some([absolute, relative]),
-                _ => None,
-            },
+        let golden = self.golden.map(|film| {
+            context! {
+                width => film.width(),
+                height => film.height(),
+                floats => pixels::smooth_floats(film.radiance(), film.width()),
+            }
+        });
+        // Test minus golden: of radiance, or of 8-bit codes at the exposure.
+        let difference = self.pair.map(|(golden, test)| {
+            pixels::floats(&differences(golden, test, self.exposure), golden.width())
+        });
+        let z = match scale {
+            DifferenceScale::StandardErrors(map) => Some(packed_blocks(map)),
+            _ => None,
+        };
+        let tolerance = match *scale {
+            DifferenceScale::Tolerance { absolute, relative } => Some([absolute, relative]),
+            _ => None,
+        };
+        Some(context! {
+            exposure => self.exposure,
+            golden,
+            test => self.test.map(|picture| self.packed_test(picture)),
+            difference,
+            flip => self.packed_flip(),
+            z,
+            tolerance,
         })
     }
 
-    fn packed_test(&self, picture: &Picture) -> PackedImage {
+    /// The test image. It has no floats where it is golden plus difference.
+    fn packed_test(&self, picture: &Picture) -> Value {
         let (width, height) = picture.size();
         let (floats, codes) = match picture {
             Picture::Codes(image) => (None, Some(pixels::codes(image.pixels(), width))),
             Picture::Radiance(_) if self.pair.is_some() => (None, None),
             Picture::Radiance(film) => (Some(pixels::smooth_floats(film.radiance(), width)), None),
         };
-        PackedImage {
-            width,
-            height,
-            floats,
-            codes,
-        }
+        context! { width, height, floats, codes }
     }
 
     fn packed_flip(&self) -> Option<String> {
@@ -142,40 +144,6 @@ impl<'a> Views<'a> {
         let errors = flip(&golden, &test, DEFAULT_PIXELS_PER_DEGREE).ok()?;
         Some(pixels::fractions(errors.values()))
     }
-}
-
-/// Images and maps, packed by [`pixels`].
-#[derive(Serialize)]
-pub(super) struct PackedPictures {
-    /// Stops at which they are shown first.
-    exposure: f64,
-    golden: Option<PackedImage>,
-    test: Option<PackedImage>,
-    /// Test minus golden where they are of one size: of radiance, or of 8-bit codes at the
-    /// exposure.
-    difference: Option<String>,
-    flip: Option<String>,
-    z: Option<PackedBlocks>,
-    /// Absolute and relative part of a tolerance, where the gate has one.
-    tolerance: Option<[f64; 2]>,
-}
-
-#[derive(Serialize)]
-struct PackedImage {
-    width: usize,
-    height: usize,
-    /// Radiance. The test image has none where it is golden plus difference.
-    floats: Option<String>,
-    /// 8-bit codes.
-    codes: Option<String>,
-}
-
-#[derive(Serialize)]
-struct PackedBlocks {
-    columns: usize,
-    rows: usize,
-    side: usize,
-    floats: String,
 }
 
 /// `image` if it has pixels and not too many; says so in `notes` otherwise.
@@ -230,16 +198,13 @@ fn differences(golden: &Film, test: &Picture, exposure: f64) -> Vec<[f32; 3]> {
     }
 }
 
-fn packed_blocks(map: &BlockMap) -> PackedBlocks {
-    let deviations: Vec<_> = map
-        .deviations
-        .iter()
-        .map(|block| block.map(|z| z as f32))
-        .collect();
-    PackedBlocks {
-        columns: map.columns,
-        rows: map.rows,
-        side: BLOCK,
-        floats: pixels::floats(&deviations, map.columns),
+fn packed_blocks(map: &BlockMap) -> Value {
+    let deviations = map.deviations.iter();
+    let deviations: Vec<_> = deviations.map(|block| block.map(|z| z as f32)).collect();
+    context! {
+        columns => map.columns,
+        rows => map.rows,
+        side => BLOCK,
+        floats => pixels::floats(&deviations, map.columns),
     }
 }

@@ -5,7 +5,7 @@
 //! test image, because that rounding would drown small ones. The numbers are split into planes of
 //! bytes, deflated, and written in base 64; `page.js` undoes all this where a case is opened.
 
-use crate::film::Film;
+use crate::report::template::image_address;
 use flate2::{Compression, write::ZlibEncoder};
 use std::io::Write;
 
@@ -76,8 +76,7 @@ pub(super) fn thumbnail(srgb: &[[u8; 3]], width: usize) -> String {
     let small: Vec<_> = (0..columns * rows)
         .map(|index| mean(index % columns, index / columns))
         .collect();
-    let png = Film::codes_to_png(&small, columns, rows);
-    format!("data:image/png;base64,{}", base64(&png))
+    image_address(&small, columns, rows)
 }
 
 /// Row by row, and each row channel by channel: where the channels are equal, as in grey images,
@@ -112,16 +111,13 @@ fn planes(codes: &[u32]) -> String {
 fn deflated(bytes: &[u8]) -> String {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
     let written = encoder.write_all(bytes).and_then(|()| encoder.finish());
-    base64(&written.expect("a vector takes every byte"))
-}
-
-fn base64(bytes: &[u8]) -> String {
-    data_encoding::BASE64.encode(bytes)
+    data_encoding::BASE64.encode(&written.expect("a vector takes every byte"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::Film;
     use std::io::Read;
 
     fn inflated(text: &str) -> Vec<u8> {

@@ -175,6 +175,8 @@ impl Frame<'_> {
         let panel = self.panel;
         let mut areas = OccupiedAreas::default();
         let mut wanted = Vec::new();
+        let mut of_lines = Vec::new();
+        let mut of_guides = Vec::new();
         for line in &panel.lines {
             let [_, y] = self.place([panel.x.low, line.at]);
             let ends = [[self.left, y], [self.right, y]];
@@ -184,7 +186,7 @@ impl Frame<'_> {
             let at = [self.right - 4.0, y - 0.75 * LABEL];
             let left = at[0] - width(&line.label, LABEL);
             areas.take([left, at[1] - 0.625 * LABEL, self.right, y]);
-            svg.label(&line.label, at, LABEL, Ink::Soft, "end");
+            of_lines.push((&line.label, at));
         }
         for guide in &panel.guides {
             let (from, ink) = match guide.kind {
@@ -201,7 +203,7 @@ impl Frame<'_> {
                 // A little before its end, which is at the frame, or where else there is room.
                 let spots = [0.93, 0.8, 0.68, 0.56, 0.44, 0.32]
                     .map(|share| [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis])));
-                wanted.push((1, label, spots.to_vec(), Ink::Soft));
+                of_guides.push((1, label, spots.to_vec(), Ink::Soft));
             }
         }
         if panel.front.len() > 1 {
@@ -255,6 +257,10 @@ impl Frame<'_> {
                 }
             }
         }
+        for (label, at) in of_lines {
+            svg.label(label, at, LABEL, Ink::Soft, "end");
+        }
+        wanted.append(&mut of_guides);
         wanted.sort_by_key(|(rank, ..)| *rank);
         let frame = [self.left, self.top, self.right, self.bottom];
         for (_, label, spots, ink) in wanted {

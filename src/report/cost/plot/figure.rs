@@ -56,6 +56,17 @@ pub(super) struct CurvePoint {
     pub(super) cross: Option<(f64, String)>,
 }
 
+impl CurvePoint {
+    /// A point with a tooltip, or none if that is empty.
+    pub(super) fn new(at: [f64; 2], tooltip: String) -> CurvePoint {
+        CurvePoint {
+            at,
+            tooltip,
+            ..CurvePoint::default()
+        }
+    }
+}
+
 /// A thin line of a slope through a point.
 pub(super) struct Guide {
     pub(super) through: [f64; 2],

@@ -13,7 +13,7 @@ use crate::report::cost::words;
 
 /// A panel for each length that is varied, with the sweeps of all studies; none where there are
 /// no such sweeps.
-pub(in super::super) fn orders(cost: &Cost, theme: Theme) -> Option<Plot> {
+pub(in super::super) fn orders(cost: &Cost) -> Option<Plot> {
     let mut curves = FallingCurves::default();
     for (parameter, title, axis) in [
         (Parameter::Step, "step", "step along the ray"),
@@ -49,12 +49,12 @@ pub(in super::super) fn orders(cost: &Cost, theme: Theme) -> Option<Plot> {
         }
         curves.end_panel(title, axis, "error: relative RMSE");
     }
-    curves.plot("Error against step, node spacing and pixel", 270.0, theme)
+    curves.plot("Error against step, node spacing and pixel", 270.0)
 }
 
 /// Squared bias and variance of jittered marching against the step, in panels of one kind of
 /// jitter each.
-pub(in super::super) fn jitter(split: &JitterSplit, theme: Theme) -> Option<Plot> {
+pub(in super::super) fn jitter(split: &JitterSplit) -> Option<Plot> {
     let mut curves = FallingCurves::default();
     for curve in &split.curves {
         let jitter = &curve.jitter;
@@ -76,7 +76,7 @@ pub(in super::super) fn jitter(split: &JitterSplit, theme: Theme) -> Option<Plot
         curves.end_panel(jitter, "step", "relative to T²");
     }
     let title = "Squared bias and variance of jittered marching against the step";
-    curves.plot(title, 260.0, theme)
+    curves.plot(title, 260.0)
 }
 
 /// A point of a curve that falls.
@@ -172,7 +172,7 @@ impl FallingCurves {
     }
 
     /// All panels; none of no panels.
-    fn plot(self, title: &str, height: f64, theme: Theme) -> Option<Plot> {
+    fn plot(self, title: &str, height: f64) -> Option<Plot> {
         let figure = Figure {
             title: title.to_owned(),
             panels: self.panels,
@@ -180,7 +180,7 @@ impl FallingCurves {
             height,
         };
         (!figure.panels.is_empty()).then(|| Plot {
-            svg: drawn(&figure, theme),
+            svg: drawn(&figure, Theme::Page),
             notes: Vec::new(),
         })
     }

@@ -11,38 +11,29 @@ use crate::report::cost::words;
 const MANY: usize = 60;
 
 /// Extinction along the ray, with the samples.
-pub(in super::super) fn ray(trace: &RayTrace, theme: Theme) -> Plot {
+pub(in super::super) fn ray(trace: &RayTrace) -> Plot {
     let is_finite = |at: &&[f64; 2]| at[0].is_finite() && at[1].is_finite();
     let along = trace.extinction.iter().filter(is_finite);
     let samples = trace.samples.iter().filter(is_finite);
+    let along = along.map(|at| CurvePoint::new(*at, String::new()));
+    let samples = samples.map(|at| {
+        let (distance, extinction) = (words::value(at[0]), words::value(at[1]));
+        let tooltip = format!("sample at {distance}: extinction {extinction}");
+        CurvePoint::new(*at, tooltip)
+    });
     let curves = vec![
         Curve {
             style: 0,
             width: USUAL,
             marks: 0.0,
-            points: along
-                .map(|at| CurvePoint {
-                    at: *at,
-                    ..CurvePoint::default()
-                })
-                .collect(),
+            points: along.collect(),
         },
         Curve {
             style: 1,
             width: 0.0,
             // Many look like a thick line otherwise.
             marks: if trace.samples.len() > MANY { 0.5 } else { 1.0 },
-            points: samples
-                .map(|at| CurvePoint {
-                    at: *at,
-                    tooltip: format!(
-                        "sample at {}: extinction {}",
-                        words::value(at[0]),
-                        words::value(at[1])
-                    ),
-                    ..CurvePoint::default()
-                })
-                .collect(),
+            points: samples.collect(),
         },
     ];
     let (x, y) = (
@@ -68,7 +59,7 @@ pub(in super::super) fn ray(trace: &RayTrace, theme: Theme) -> Plot {
         height: 200.0,
     };
     Plot {
-        svg: drawn(&figure, theme),
+        svg: drawn(&figure, Theme::Page),
         notes: Vec::new(),
     }
 }

@@ -13,7 +13,7 @@ use crate::report::cost::words;
 const HOPELESS: f64 = 1e8;
 
 /// Relative variance times look-ups against optical depth: marks are measured, lines predicted.
-pub(in super::super) fn thickness(sweep: &ThicknessSweep, theme: Theme) -> Plot {
+pub(in super::super) fn thickness(sweep: &ThicknessSweep) -> Plot {
     let mut curves = Vec::new();
     let mut legend = Vec::new();
     let mut notes = Vec::new();
@@ -32,16 +32,16 @@ pub(in super::super) fn thickness(sweep: &ThicknessSweep, theme: Theme) -> Plot 
                 .measured
                 .filter(|value| *value > 0.0 && point.depth > 0.0);
             match value {
-                Some(value) if value < HOPELESS => measured.push(CurvePoint {
-                    at: [log10(point.depth), log10(value)],
-                    tooltip: format!(
+                Some(value) if value < HOPELESS => {
+                    let tooltip = format!(
                         "{name} at depth {}: measured {}, theory {}",
                         words::value(point.depth),
                         words::error(value),
                         words::or_dash(point.predicted, words::error),
-                    ),
-                    ..CurvePoint::default()
-                }),
+                    );
+                    let at = [log10(point.depth), log10(value)];
+                    measured.push(CurvePoint::new(at, tooltip));
+                }
                 Some(value) => hopeless.push((point.depth, value)),
                 None => {}
             }
@@ -85,7 +85,7 @@ pub(in super::super) fn thickness(sweep: &ThicknessSweep, theme: Theme) -> Plot 
         height: 320.0,
     };
     Plot {
-        svg: drawn(&figure, theme),
+        svg: drawn(&figure, Theme::Page),
         notes,
     }
 }
@@ -108,10 +108,7 @@ fn predicted(curve: &ThicknessCurve) -> Vec<CurvePoint> {
             Some([x0, y0]) => [x0 + (x - x0) * (top - y0) / (y - y0), top],
             None => break,
         };
-        line.push(CurvePoint {
-            at,
-            ..CurvePoint::default()
-        });
+        line.push(CurvePoint::new(at, String::new()));
         if y >= top {
             break;
         }

@@ -304,9 +304,9 @@ fn unit(sweep: &Sweep) -> Option<&str> {
 fn tooltip(study: &Study, sweep: &Sweep, level: &Level) -> String {
     let name = words::sweep(study, &sweep.estimator, sweep.parameter);
     let (setting, error) = (&level.setting, level.error);
-    let doubt = match error.uncertainty {
-        0.0 => String::new(),
-        uncertainty => format!(" ± {:.1} %", 100.0 * uncertainty),
+    let doubt = match error.uncertainty > 0.0 {
+        true => format!(" ± {}", words::percent(error.uncertainty)),
+        false => String::new(),
     };
     let time = match &level.time {
         Some(times) => format!(", {}", words::times(times)),

@@ -1,0 +1,17 @@
+//! Pages by templates, and images within them.
+
+use crate::film::Film;
+use minijinja::{Environment, Value};
+
+/// The page of a template and what it asks for. Text is escaped.
+pub(super) fn rendered(template: &str, context: Value) -> String {
+    // Escaped because the name ends like this.
+    let page = Environment::new().render_named_str("page.html", template, context);
+    page.expect("the template is well-formed and asks only for what it is given")
+}
+
+/// The address of a PNG image of 8-bit codes, row by row from the top.
+pub(super) fn image_address(codes: &[[u8; 3]], columns: usize, rows: usize) -> String {
+    let png = data_encoding::BASE64.encode(&Film::codes_to_png(codes, columns, rows));
+    format!("data:image/png;base64,{png}")
+}
