@@ -44,10 +44,10 @@ impl SceneSettings {
     fn of(panel: &Panel, sweep: &Sweep) -> SceneSettings {
         let (setting, value) = match &panel.model {
             Model::Classified(scene) => (in_voxels(scene.step, scene.grid.lattice()), scene.step),
-            Model::Radiative(scene) => (
-                format!("{} samples", scene.samples),
-                f64::from(scene.samples),
-            ),
+            Model::Radiative(scene) => {
+                let samples = scene.samples;
+                (format!("{samples} samples"), f64::from(samples))
+            }
             Model::Curve(_) => (String::new(), 0.0),
         };
         SceneSettings {
@@ -55,13 +55,19 @@ impl SceneSettings {
             price: price_at(sweep, value),
         }
     }
-}
 
-impl SceneSettings {
-    /// How many times the work of the scene's own setting that is.
-    fn times(&self, price: f64) -> Option<f64> {
-        let own = self.price.filter(|own| *own > 0.0)?;
-        Some(price / own)
+    /// Work beside that of the scene's own setting, in words.
+    fn relative(&self, price: f64) -> String {
+        let (own, setting) = (self.price.filter(|own| *own > 0.0), &self.setting);
+        match own.map(|own| price / own) {
+            // The settings of a sweep are not the scene's own to the last digit.
+            Some(times) if (times - 1.0).abs() < 0.02 => format!(", the scene's own {setting}"),
+            Some(times) => {
+                let times = in_words(times);
+                format!(": {times} times the work of the scene's own {setting}")
+            }
+            None => String::new(),
+        }
     }
 }
 
@@ -95,83 +101,73 @@ fn price_at(sweep: &Sweep, value: f64) -> Option<f64> {
 }
 
 fn recommendation(error: f64, sweep: &Sweep, given: &SceneSettings, path: &Path) -> Recommendation {
-    let good = sweep.levels.iter().rev();
-    let known = sweep.order.known;
-    let good = good.take_while(|level| known <= error && level.error.l2 <= error);
-    let wanted = format!("for an error of {error:.0e}");
-    if let Some(level) = good.last() {
-        let times = given.times(level.work.price());
-        let text = format!(
-            "{wanted} use {}{}",
-            phrase(sweep.parameter, &level.setting),
-            relative(times, &given.setting)
-        );
-        return Recommendation {
-            error,
-            text,
-            command: Some(command(sweep.parameter, &level.setting, path)),
-        };
-    }
-    // Noise falls with the root of the samples, which no finer setting needs to be tried for.
-    if let (Parameter::Samples, Some(finest)) = (sweep.parameter, sweep.levels.last()) {
-        let samples = samples_for(sweep, error);
-        if samples <= MOST_SAMPLES {
-            let times = given.times(finest.work.price() * samples / finest.value);
-            let setting = format!("{samples} samples");
-            return Recommendation {
-                error,
-                text: format!(
-                    "{wanted} nothing that was measured is enough, which is up to {}; if noise \
-                     goes on to fall as the root of the samples, some {} of them will do{}",
-                    finest.setting,
-                    in_words(samples),
-                    relative(times, &given.setting)
-                ),
-                // Nobody waits for more.
-                command: (samples <= MOST_ADVISED)
-                    .then(|| command(sweep.parameter, &setting, path)),
-            };
-        }
-    }
-    if sweep.cut.is_some() {
-        return Recommendation {
-            error,
-            text: format!("{wanted} no setting that there was time for is fine enough"),
-            command: None,
-        };
-    }
-    let best = sweep.levels.last().map(|level| level.error.l2);
+    let (text, command) = text_and_command(error, sweep, given, path);
     Recommendation {
         error,
-        text: match best {
-            Some(best) => format!(
-                "{wanted} no setting of the sweep is fine enough: the last one is off by \
-                 {best:.1e}"
-            ),
-            None => format!("{wanted} nothing was tried"),
-        },
-        command: None,
+        text: format!("for an error of {error:.0e} {text}"),
+        command,
     }
 }
 
-fn phrase(parameter: Parameter, setting: &str) -> String {
-    match parameter {
-        Parameter::Step => format!("steps of {setting}"),
-        _ => setting.to_owned(),
+fn text_and_command(
+    error: f64,
+    sweep: &Sweep,
+    given: &SceneSettings,
+    path: &Path,
+) -> (String, Option<String>) {
+    let known = sweep.order.known;
+    let good = sweep.levels.iter().rev();
+    let good = good.take_while(|level| known <= error && level.error.l2 <= error);
+    if let Some(level) = good.last() {
+        let steps = match sweep.parameter {
+            Parameter::Step => "steps of ",
+            _ => "",
+        };
+        let relative = given.relative(level.work.price());
+        return (
+            format!("use {steps}{}{relative}", level.setting),
+            Some(command(sweep.parameter, &level.setting, path)),
+        );
     }
-}
-
-fn relative(times: Option<f64>, given: &str) -> String {
-    match times {
-        // The settings of a sweep are not the scene's own to the last digit.
-        Some(times) if (times - 1.0).abs() < 0.02 => format!(", the scene's own {given}"),
-        Some(times) => {
-            let times = in_words(times);
-            format!(": {times} times the work of the scene's own {given}")
+    let Some(finest) = sweep.levels.last() else {
+        let text = match sweep.cut {
+            Some(_) => NO_TIME,
+            None => "nothing was tried",
+        };
+        return (text.to_owned(), None);
+    };
+    // Noise falls with the root of the samples, which no finer setting needs to be tried for.
+    if sweep.parameter == Parameter::Samples {
+        let samples = samples_for(sweep, error);
+        if samples <= MOST_SAMPLES {
+            let text = format!(
+                "nothing that was measured is enough, which is up to {}; if noise goes on to fall \
+                 as the root of the samples, some {} of them will do{}",
+                finest.setting,
+                in_words(samples),
+                given.relative(finest.work.price() * samples / finest.value)
+            );
+            let setting = format!("{samples} samples");
+            // Nobody waits for more.
+            let is_advised = samples <= MOST_ADVISED;
+            return (
+                text,
+                is_advised.then(|| command(sweep.parameter, &setting, path)),
+            );
         }
-        None => String::new(),
     }
+    let text = match sweep.cut {
+        Some(_) => NO_TIME.to_owned(),
+        None => format!(
+            "no setting of the sweep is fine enough: the last one is off by {:.1e}",
+            finest.error.l2
+        ),
+    };
+    (text, None)
 }
+
+/// Of a sweep that ended early.
+const NO_TIME: &str = "no setting that there was time for is fine enough";
 
 /// A count or a ratio with two or three digits that say something.
 fn in_words(number: f64) -> String {

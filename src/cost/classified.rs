@@ -33,37 +33,28 @@ pub enum Shade {
 /// A classified volume and all that can be asked of a ray through it.
 pub struct ShadedVolume<'s> {
     scene: &'s Classified,
-    caster: Box<dyn Caster + 's>,
+    caster: Caster<'s>,
     density: GridDensity,
 }
 
-/// The reference renderer's ray caster, compiled for whatever it is asked.
-trait Caster: Send + Sync {
-    fn layers(&self, step: f64, ray: &Ray, work: &mut Counters) -> Layers;
-    fn at(&self, ray: &Ray, world: DVec3, work: &mut Counters) -> (f64, DVec3);
-}
-
-impl<F, S, V> Caster for RayCaster<'_, F, FrontToBack, S, V, EmptySpace>
-where
-    F: ScalarField + Send,
-    S: Shading + Send,
-    V: Visibility + Send,
-{
-    fn layers(&self, step: f64, ray: &Ray, work: &mut Counters) -> Layers {
-        self.layers_by(step, ray, work)
-    }
-
-    fn at(&self, ray: &Ray, world: DVec3, work: &mut Counters) -> (f64, DVec3) {
-        RayCaster::at(self, ray, world, work)
-    }
-}
+/// The reference renderer's ray caster, compiled once for all scenes: the kind of shading and of
+/// shadow is decided for each sample. What is compared is counted, and times are compared among
+/// themselves.
+type Caster<'s> = RayCaster<
+    's,
+    GridField<'s, Interpolation>,
+    FrontToBack,
+    Option<Shaded>,
+    AnyVisibility<'s>,
+    EmptySpace,
+>;
 
 impl<'s> ShadedVolume<'s> {
     /// `scene`, with its samples lit as `shade` says.
     pub fn new(scene: &'s Classified, shade: Shade) -> ShadedVolume<'s> {
         ShadedVolume {
             scene,
-            caster: Box::new(caster(scene, shade)),
+            caster: caster(scene, shade),
             density: GridDensity::new(scene.grid.clone(), scene.interpolation),
         }
     }
@@ -88,7 +79,7 @@ impl<'s> ShadedVolume<'s> {
 
     /// The same without the background.
     pub fn layers(&self, step: f64, ray: &Ray, work: &mut Counters) -> Layers {
-        self.caster.layers(step, ray, work)
+        self.caster.layers_by(step, ray, work)
     }
 
     /// What comes back along `ray` if `radiance` is seen before a `depth`.
@@ -256,7 +247,7 @@ pub fn extinction(transfer_function: &TransferFunction, value: f64) -> f64 {
     -ln_1p(-transfer_function.reference_opacity(value)) / transfer_function.reference_length
 }
 
-fn caster<'s>(scene: &'s Classified, shade: Shade) -> impl Caster + 's {
+fn caster(scene: &Classified, shade: Shade) -> Caster<'_> {
     let bounds = scene.grid.lattice().bounds();
     let sampled = |shadow: Shadow| VolumeShadow {
         shadow,
@@ -285,7 +276,7 @@ fn caster<'s>(scene: &'s Classified, shade: Shade) -> impl Caster + 's {
     RayCaster {
         field: GridField::new(&scene.grid, scene.interpolation),
         order: FrontToBack::default(),
-        shading: AnyShading(shading),
+        shading,
         visibility,
         skipping: EmptySpace::of(&*scene.grid, &scene.transfer_function),
         transfer_function: &scene.transfer_function,
@@ -294,11 +285,8 @@ fn caster<'s>(scene: &'s Classified, shade: Shade) -> impl Caster + 's {
     }
 }
 
-/// Shading, if there is any. Decided for each sample, so that there is one ray caster to compile
-/// for all scenes; what is compared is counted, and times are compared among themselves.
-struct AnyShading(Option<Shaded>);
-
-impl Shading for AnyShading {
+/// Shading, if there is any.
+impl Shading for Option<Shaded> {
     fn shade<F: ScalarField, W: Work>(
         &self,
         colour: DVec3,
@@ -308,14 +296,14 @@ impl Shading for AnyShading {
         ray: &Ray,
         work: &mut W,
     ) -> DVec3 {
-        match &self.0 {
+        match self {
             Some(shaded) => shaded.shade(colour, field, place, point, ray, work),
             None => colour,
         }
     }
 }
 
-/// Shadow of any kind, decided for each sample as well.
+/// Shadow of any kind.
 enum AnyVisibility<'c> {
     All,
     Sampled(VolumeShadow<'c>),

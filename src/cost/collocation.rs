@@ -10,6 +10,7 @@
 //! Source: Hairer, Nørsett & Wanner 1993, *Solving Ordinary Differential Equations I*, II.7
 //! (collocation at Gauss points).
 
+use crate::math::quadrature::{GAUSS_POINTS as POINTS, GAUSS_WEIGHTS as WEIGHTS};
 use crate::math::{Sum, exp};
 use crate::media::source_factor;
 use glam::DVec3;
@@ -59,25 +60,7 @@ pub struct CollocatedLight {
     pub depth_error: f64,
 }
 
-/// Gauss's seven points on [−1, 1], and their weights.
-const POINTS: [f64; N] = [
-    -0.949_107_912_342_758_5,
-    -0.741_531_185_599_394_4,
-    -0.405_845_151_377_397_2,
-    0.0,
-    0.405_845_151_377_397_2,
-    0.741_531_185_599_394_4,
-    0.949_107_912_342_758_5,
-];
-const WEIGHTS: [f64; N] = [
-    0.129_484_966_168_869_7,
-    0.279_705_391_489_276_64,
-    0.381_830_050_505_118_9,
-    0.417_959_183_673_469_4,
-    0.381_830_050_505_118_9,
-    0.279_705_391_489_276_64,
-    0.129_484_966_168_869_7,
-];
+/// Points of an element.
 const N: usize = 7;
 
 /// An element is halved no more often than this.

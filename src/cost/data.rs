@@ -1,22 +1,23 @@
 //! What the resolution of the data costs: the same field on coarser grids.
 
 use super::classified::{Shade, ShadedVolume};
-use super::collocation::{CollocatedLight, Collocation};
-use super::image::in_words;
+use super::collocation::Collocation;
+use super::image::{Rays, in_words};
 use super::norms::root_mean_square;
 use super::order::ExpectedOrder;
-use super::results::{Parameter, Reference, Study};
-use super::study::{PlannedSweep, Setting, SettingOutcome, run_sweeps};
+use super::results::{Parameter, Study};
+use super::study::{PlannedSweep, Setting, SettingOutcome, SettingRun, Truth};
 use super::thumbnail;
 use super::timing::Clock;
 use super::transmittance::{Crossings, MediumOnRay, RayThroughMedia};
+use crate::geometry::Ray;
 use crate::math::exp;
 use crate::media::Field;
-use crate::render::{Counters, Event};
+use crate::render::Event;
+use crate::render::counters::Work;
 use crate::scene::Classified;
 use crate::volume::{Cell, Centring, Grid, GridDensity, Interpolation, Lattice, NodePoint};
 use glam::DVec3;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -56,15 +57,44 @@ pub fn coarsened(grid: &Grid<f32>, factor: f64) -> Option<Grid<f32>> {
     Grid::new(coarse, values).ok()
 }
 
-fn in_voxels_of_data(factor: f64) -> String {
-    // What follows from a whole number of nodes has any number of digits.
-    in_words((factor * 1e3).round() / 1e3)
+/// Both interpolations, the own one of the data or not, with the distances between nodes that are
+/// tried: with their own interpolation the data as they are have no error.
+fn interpolations(own: Interpolation) -> [(Interpolation, bool, Vec<f64>); 2] {
+    [Interpolation::Trilinear, Interpolation::Nearest].map(|interpolation| {
+        let is_own = own == interpolation;
+        let finest = (!is_own).then_some(1.0);
+        let spacings = SPACINGS.into_iter().chain(finest);
+        (interpolation, is_own, spacings.collect())
+    })
 }
 
-fn name_of(interpolation: Interpolation) -> &'static str {
-    match interpolation {
+/// The setting of nodes `factor` times as far apart as those of the data, which are `unit` apart.
+fn setting(factor: f64, unit: f64, run: SettingRun<'_>) -> Setting<'_> {
+    // What follows from a whole number of nodes has any number of digits.
+    let name = in_words((factor * 1e3).round() / 1e3);
+    Setting::new(name, factor * unit, run)
+}
+
+/// The sweep of an interpolation.
+///
+/// Data are no smooth field: what lies between their nodes is not known, and how fast coarser ones
+/// come near them says how smooth they happen to be. So no order is expected.
+fn sweep<'a>(
+    interpolation: Interpolation,
+    method: &str,
+    is_ours: bool,
+    settings: Vec<Setting<'a>>,
+) -> PlannedSweep<'a> {
+    let name = match interpolation {
         Interpolation::Trilinear => "trilinear",
         Interpolation::Nearest => "nearest node",
+    };
+    PlannedSweep {
+        estimator: format!("{name}{method}"),
+        is_ours,
+        parameter: Parameter::Spacing,
+        expected: ExpectedOrder::NOTHING,
+        settings,
     }
 }
 
@@ -98,62 +128,59 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
         Field::Grid(grid) => grid.interpolation() == Interpolation::Trilinear,
         _ => false,
     });
-    let sweeps = [Interpolation::Trilinear, Interpolation::Nearest].map(|interpolation| {
-        let is_own = all_trilinear == (interpolation == Interpolation::Trilinear);
-        let spacings = SPACINGS.into_iter().chain((!is_own).then_some(1.0));
+    let own = match all_trilinear {
+        true => Interpolation::Trilinear,
+        false => Interpolation::Nearest,
+    };
+    let mut sweeps = Vec::new();
+    for (interpolation, is_own, spacings) in interpolations(own) {
+        let spacings = spacings.into_iter();
         let grids: Option<Vec<_>> = spacings
             .map(|factor| coarse(factor, interpolation))
             .collect();
-        (interpolation, is_own, grids)
-    });
-    if sweeps.iter().any(|(.., grids)| grids.is_none()) {
-        return None;
+        sweeps.push((interpolation, is_own, grids?));
     }
     let right = &right;
     let planned = sweeps.iter().map(|(interpolation, is_own, grids)| {
-        let settings = grids.iter().flatten().map(|(factor, grids)| Setting {
-            name: in_voxels_of_data(*factor),
-            value: factor * crossings.unit,
-            run: Box::new(move || {
-                let mut lookups = 0;
-                let errors = crossings.rays.iter().zip(right).map(|(ray, right)| {
+        let settings = grids.iter().map(|(factor, grids)| {
+            let run = move || {
+                SettingOutcome::of_rays(right.len(), &|index, work| {
+                    let mut lookups = 0;
                     let depth = |part: &MediumOnRay<'_>| {
                         let (line, span) = (&part.line, part.span);
                         let grid = &grids[&part.medium];
                         let column = grid.integral(line.origin, line.direction, span, &mut lookups);
                         part.sigma * column
                     };
-                    exp(-ray.parts.iter().map(depth).sum::<f64>()) - right
-                });
-                let errors = errors.collect();
-                SettingOutcome {
-                    errors,
-                    work: Counters::from([(Event::DensityLookup, lookups)]),
-                    rays: crossings.rays.len(),
-                    channels: 1,
-                }
-            }),
-            single: None,
+                    let depth: f64 = crossings.rays[index].parts.iter().map(depth).sum();
+                    work.count_times(Event::DensityLookup, lookups);
+                    Some([exp(-depth) - right[index]])
+                })
+            };
+            setting(*factor, crossings.unit, Box::new(run))
         });
-        PlannedSweep {
-            estimator: format!("{}, cell by cell", name_of(*interpolation)),
-            is_ours: *is_own,
-            parameter: Parameter::Spacing,
-            expected: ExpectedOrder::NOTHING,
-            settings: settings.collect(),
-        }
+        sweep(
+            *interpolation,
+            ", cell by cell",
+            *is_own,
+            settings.collect(),
+        )
     });
     let planned: Vec<PlannedSweep<'_>> = planned.collect();
-    let bound = 1e-15;
-    let sweeps = run_sweeps(&planned, scale, bound, None, &clock.untimed());
+    let truth = Truth {
+        method: "the data as they are, cell by cell".to_owned(),
+        scale,
+        bound: 1e-15,
+        judged: None,
+    };
+    let quantity = "transmittance of the same rays from coarser data, by either interpolation";
+    let clock = clock.untimed();
     Some(Study::of(
         "data",
-        "transmittance of the same rays from coarser data, by either interpolation".to_owned(),
-        Reference {
-            method: "the data as they are, cell by cell".to_owned(),
-            bound,
-        },
-        sweeps,
+        quantity.to_owned(),
+        truth,
+        &planned,
+        &clock,
     ))
 }
 
@@ -163,32 +190,21 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
     if scene.grid.lattice().centring() == Centring::Cells {
         return None;
     }
-    let size = thumbnail::thumbnail(size, SIDE);
-    let rays = thumbnail::rays(&scene.camera, size);
     let plain = Classified {
         shadow: None,
         ..scene.clone()
     };
     let collocation = Collocation::new();
-    let image = |subject: &ShadedVolume<'_>| -> Vec<CollocatedLight> {
-        rays.par_iter()
-            .map(|ray| subject.exact(&collocation, ray, TOLERANCE).0)
-            .collect()
-    };
-    let right = image(&ShadedVolume::new(&plain, Shade::None));
-    let scale = root_mean_square(right.iter().flat_map(|light| light.radiance.to_array()));
-    let bound = right
-        .iter()
-        .map(|light| light.radiance_error)
-        .fold(0.0, f64::max)
-        / scale;
+    let exact = |subject: &ShadedVolume<'_>, ray: &Ray| subject.exact(&collocation, ray, TOLERANCE);
+    let size = thumbnail::thumbnail(size, SIDE);
+    let rays = Rays::against(&plain, Shade::None, size, |subject, ray| {
+        (exact(subject, ray).0, true)
+    });
     let voxel = scene.grid.lattice().voxel();
-    let by = |interpolation: Interpolation| -> Vec<(f64, Classified)> {
-        // With the interpolation of the scene the data as they are have no error.
-        let finest = (interpolation != scene.interpolation).then_some(1.0);
-        let spacings = SPACINGS.into_iter().chain(finest);
-        let mut scenes: Vec<_> = spacings
-            .filter_map(|factor| coarsened(&scene.grid, factor))
+    let sweeps = interpolations(scene.interpolation).map(|(interpolation, is_own, spacings)| {
+        let grids = spacings.into_iter();
+        let grids = grids.filter_map(|factor| coarsened(&scene.grid, factor));
+        let mut scenes: Vec<(f64, Classified)> = grids
             .map(|grid| {
                 let factor = grid.lattice().voxel() / voxel;
                 let coarse = Classified {
@@ -201,61 +217,38 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
             .collect();
         // A whole number of nodes may be the same for two wishes.
         scenes.dedup_by(|a, b| a.0 == b.0);
-        scenes
-    };
-    let sweeps = [Interpolation::Trilinear, Interpolation::Nearest]
-        .map(|interpolation| (interpolation, by(interpolation)));
-    if sweeps.iter().all(|(_, scenes)| scenes.is_empty()) {
+        (interpolation, is_own, scenes)
+    });
+    if sweeps.iter().all(|(.., scenes)| scenes.is_empty()) {
         return None;
     }
-    let (image, right, rays) = (&image, &right, &rays);
-    let planned = sweeps.iter().map(|(interpolation, scenes)| {
-        let settings = scenes.iter().map(|(factor, coarse)| Setting {
-            name: in_voxels_of_data(*factor),
-            value: factor * voxel,
-            run: Box::new(move || {
-                let subject = ShadedVolume::new(coarse, Shade::None);
-                let found = image(&subject).into_iter().zip(right);
-                let errors =
-                    found.flat_map(|(light, right)| (light.radiance - right.radiance).to_array());
+    let (rays, exact) = (&rays, &exact);
+    let planned = sweeps.iter().map(|(interpolation, is_own, scenes)| {
+        let settings = scenes.iter().map(|(factor, coarse)| {
+            let subject = ShadedVolume::new(coarse, Shade::None);
+            let run = rays.run(move |ray, _, work| {
                 // What the renderer would look up, with its own step in voxels of the coarse grid.
-                let mut work = Counters::default();
-                for ray in rays {
-                    subject.cast(scene.step * factor, ray, &mut work);
-                }
-                SettingOutcome {
-                    errors: errors.collect(),
-                    work,
-                    rays: rays.len(),
-                    channels: 3,
-                }
-            }),
-            single: None,
+                subject.cast(scene.step * factor, ray, work);
+                exact(&subject, ray).0.radiance
+            });
+            setting(*factor, voxel, run)
         });
-        PlannedSweep {
-            estimator: name_of(*interpolation).to_owned(),
-            is_ours: *interpolation == scene.interpolation,
-            parameter: Parameter::Spacing,
-            // Data are no smooth field: what lies between their nodes is not known, and how fast
-            // coarser ones come near them says how smooth they happen to be.
-            expected: ExpectedOrder::NOTHING,
-            settings: settings.collect(),
-        }
+        sweep(*interpolation, "", *is_own, settings.collect())
     });
     let planned: Vec<PlannedSweep<'_>> = planned.collect();
+    let [width, height] = size;
+    let quantity = format!(
+        "radiance of {width} × {height} pixels without shadow, from coarser data, by either \
+         interpolation"
+    );
+    let truth =
+        rays.truth("the data as they are; integrals by collocation, for coarse data as well");
     // What is measured is an error of the data; the time of its measurement is nobody's.
-    let sweeps = run_sweeps(&planned, scale, bound, None, &clock.untimed());
     Some(Study::of(
         "data",
-        format!(
-            "radiance of {} × {} pixels without shadow, from coarser data, by either interpolation",
-            size[0], size[1]
-        ),
-        Reference {
-            method: "the data as they are; integrals by collocation, for coarse data as well"
-                .to_owned(),
-            bound,
-        },
-        sweeps,
+        quantity,
+        truth,
+        &planned,
+        &clock.untimed(),
     ))
 }

@@ -2,10 +2,10 @@
 
 use super::results::{EffectPrice, MeanWork};
 use super::thumbnail;
-use super::timing::Clock;
+use super::timing::{Clock, Task};
 use crate::media::{Coefficients, Density, Phase};
 use crate::render::{RenderError, Sampling, plans, render, render_counted};
-use crate::scene::{Classified, Model, Panel, Radiative, Scattering, Scene};
+use crate::scene::{Body, Classified, Model, Panel, Radiative, Scattering, Scene};
 use glam::DVec3;
 
 /// Pixels of the larger side of the image.
@@ -42,40 +42,29 @@ pub fn prices(panel: &Panel, clock: &Clock) -> Result<Vec<EffectPrice>, RenderEr
     let pixels = width * height;
     let variants = variants(panel);
     let sampling = Sampling::of_samples(SAMPLES);
-    let all_plans: Vec<_> = variants
-        .iter()
-        .map(|variant| plans(&variant.scene))
-        .collect();
-    let mut prices = Vec::new();
-    for (variant, plans) in variants.iter().zip(&all_plans) {
+    let each = variants.iter();
+    let all_plans: Vec<_> = each.map(|variant| plans(&variant.scene)).collect();
+    let mut works = Vec::new();
+    for plans in &all_plans {
         let made = render_counted(plans, sampling, &|| ())?;
-        prices.push(EffectPrice {
-            effect: variant.name.clone(),
-            work: MeanWork::per_ray(&made.work[0], pixels),
-            time: None,
-            times_lookups: None,
-        });
+        works.push(MeanWork::per_ray(&made.work[0], pixels));
     }
-    let renders: Vec<Box<dyn Fn() + Sync + '_>> = all_plans
-        .iter()
-        .map(|plans| -> Box<dyn Fn() + Sync> {
-            Box::new(move || {
-                // It was rendered above, and refuses nothing that it did not then.
-                let _ = std::hint::black_box(render(plans, sampling, &|| ()));
-            })
+    let tasks = all_plans.iter().map(|plans| -> Task<'_> {
+        Box::new(move || {
+            // It was rendered above, and refuses nothing that it did not then.
+            let _ = std::hint::black_box(render(plans, sampling, &|| ()));
         })
-        .collect();
-    let tasks: Vec<&(dyn Fn() + Sync)> = renders.iter().map(|task| &**task).collect();
-    let times = clock.by_turns(&tasks, pixels as f64);
-    for (price, time) in prices.iter_mut().zip(times) {
-        price.time = time;
-    }
-    let first = prices.first().map_or(0.0, |price| price.work.price());
-    for price in &mut prices {
-        let lookups = price.work.price();
-        price.times_lookups = (first > 0.0).then_some(lookups / first);
-    }
-    Ok(prices)
+    });
+    let times = clock.by_turns(&tasks.collect::<Vec<_>>(), pixels as f64);
+    let first = works.first().map_or(0.0, MeanWork::price);
+    let prices = variants.into_iter().zip(works).zip(times);
+    let prices = prices.map(|((variant, work), time)| EffectPrice {
+        effect: variant.name,
+        times_lookups: (first > 0.0).then(|| work.price() / first),
+        work,
+        time,
+    });
+    Ok(prices.collect())
 }
 
 fn of_classified(scene: &Classified) -> Vec<(String, Model)> {
@@ -128,22 +117,21 @@ fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
         edit(&mut edited);
         variants.push(named(name, edited));
     };
-    let any = |f: &dyn Fn(&crate::scene::Body) -> bool| scene.media.iter().any(f);
-    let each = |edited: &mut Radiative,
-                f: &dyn Fn(&mut crate::scene::Body, &crate::scene::Body)| {
+    let any = |f: fn(&Body) -> bool| scene.media.iter().any(f);
+    let each = |edited: &mut Radiative, f: fn(&mut Body, &Body)| {
         let bodies = edited.media.iter_mut().zip(&scene.media);
         bodies.for_each(|(body, given)| f(body, given));
     };
-    if any(&|body| body.medium.emission != DVec3::ZERO) {
+    if any(|body| body.medium.emission != DVec3::ZERO) {
         add("with emission", &|edited| {
-            each(edited, &|body, given| {
+            each(edited, |body, given| {
                 body.medium.emission = given.medium.emission
             });
         });
     }
-    if any(&|body| body.density.is_some()) {
+    if any(|body| body.density.is_some()) {
         add("with heterogeneous density", &|edited| {
-            each(edited, &|body, given| {
+            each(edited, |body, given| {
                 body.density = given.density.clone();
                 body.medium.coefficients = grey(&given.medium.coefficients, 1.0);
             });
@@ -158,12 +146,10 @@ fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
         add("with multiple scattering", &|edited| {
             edited.scattering = scene.scattering
         });
-        if any(&|body| body.medium.phase != Phase::ISOTROPIC) {
+        if any(|body| body.medium.phase != Phase::ISOTROPIC) {
             add("with multiple scattering, anisotropic", &|edited| {
                 edited.scattering = scene.scattering;
-                each(edited, &|body, given| {
-                    body.medium.phase = given.medium.phase
-                });
+                each(edited, |body, given| body.medium.phase = given.medium.phase);
             });
         }
     }

@@ -3,9 +3,9 @@
 use super::collocation::{Collocation, Here};
 use super::profile::{BoundedSegment, Profile};
 use super::results::{
-    EstimatorRow, EstimatorTable, ThicknessCurve, ThicknessPoint, ThicknessSweep,
+    EstimatorRow, EstimatorTable, ThicknessCurve, ThicknessPoint, ThicknessSweep, Times,
 };
-use super::timing::Clock;
+use super::timing::{Clock, Task};
 use super::unbiased_ray_marching;
 use crate::math::rng::{Purpose, Stream};
 use crate::math::{Moments, exp};
@@ -66,8 +66,15 @@ impl TransmittanceEstimator {
         let mut numbers = sampler.tentative(NumberRow::Transmittance);
         let mut walk = profile.walk();
         let mut effort = Effort::default();
-        let ratio = |control| (control, Small::Kept);
-        let (control, small) = match self {
+        let mut ratio = |control, numbers: &mut _| {
+            ratio_tracking(&mut walk, control, Small::Kept, numbers, &mut effort).x
+        };
+        let value = match self {
+            TransmittanceEstimator::UnbiasedMarching => {
+                return by_unbiased_marching(profile, stream);
+            }
+            TransmittanceEstimator::Ratio => ratio(Control::Nothing, &mut numbers),
+            TransmittanceEstimator::ResidualRatio => ratio(Control::Minorant, &mut numbers),
             TransmittanceEstimator::Delta => {
                 let first = numbers.next();
                 let mut survived = DVec3::ONE;
@@ -79,21 +86,11 @@ impl TransmittanceEstimator {
                     &mut survived,
                     &mut effort,
                 );
-                return EstimatorSample {
-                    value: if end.is_break() { 0.0 } else { 1.0 },
-                    lookups: walk.lookups,
-                    draws: sampler.given(),
-                };
+                if end.is_break() { 0.0 } else { 1.0 }
             }
-            TransmittanceEstimator::UnbiasedMarching => {
-                return by_unbiased_marching(profile, stream);
-            }
-            TransmittanceEstimator::Ratio => ratio(Control::Nothing),
-            TransmittanceEstimator::ResidualRatio => ratio(Control::Minorant),
         };
-        let value = ratio_tracking(&mut walk, control, small, &mut numbers, &mut effort);
         EstimatorSample {
-            value: value.x,
+            value,
             lookups: walk.lookups,
             draws: sampler.given(),
         }
@@ -101,25 +98,24 @@ impl TransmittanceEstimator {
 
     /// Variance and mean look-ups of one estimate by theory, where there is one.
     fn predicted(self, known: &Known) -> (Option<f64>, Option<f64>) {
+        let depth = known.depth;
         let (variance, lookups) = match self {
-            TransmittanceEstimator::Delta => (
-                Some(delta_tracking_variance(known.depth)),
-                Some(known.delta_lookups),
-            ),
+            TransmittanceEstimator::Delta => {
+                (Some(delta_tracking_variance(depth)), known.delta_lookups)
+            }
             TransmittanceEstimator::Ratio => (
-                Some(ratio_tracking_variance(known.depth, known.ratio)),
-                Some(known.majorant),
+                Some(ratio_tracking_variance(depth, known.ratio)),
+                known.majorant,
             ),
             TransmittanceEstimator::ResidualRatio => (
-                Some(ratio_tracking_variance(known.depth, known.residual)),
-                Some(known.residual_majorant),
+                Some(ratio_tracking_variance(depth, known.residual)),
+                known.residual_majorant,
             ),
-            TransmittanceEstimator::UnbiasedMarching => (
-                known.is_constant.then_some(0.0),
-                Some(known.marching_lookups),
-            ),
+            TransmittanceEstimator::UnbiasedMarching => {
+                (known.is_constant.then_some(0.0), known.marching_lookups)
+            }
         };
-        (variance, lookups.filter(|_| known.lookups_are_known))
+        (variance, known.lookups_are_known.then_some(lookups))
     }
 }
 
@@ -205,9 +201,10 @@ const SAMPLES_TIMED: u32 = 1 << 12;
 
 /// What many samples came to.
 struct Measured {
-    moments: Moments,
-    /// Mean of the fourth power of what a sample is off from their mean.
-    fourth: f64,
+    mean: f64,
+    variance: f64,
+    /// Standard error of the variance, `√((μ₄ − σ⁴)/n)`.
+    variance_error: f64,
     lookups: f64,
 }
 
@@ -221,34 +218,20 @@ fn measure(
         .into_par_iter()
         .map(|number| estimator.sample(profile, &Stream::new(seed, 0, number)))
         .collect();
-    let mut moments = Moments::default();
-    found.iter().for_each(|sample| moments.add(sample.value));
-    let fourth = |sample: &EstimatorSample| {
-        let squared = (sample.value - moments.mean()) * (sample.value - moments.mean());
+    let moments: Moments = found.iter().map(|sample| sample.value).collect();
+    let (mean, variance) = (moments.mean(), moments.variance().unwrap_or(0.0));
+    let fourths = found.iter().map(|sample| {
+        let squared = (sample.value - mean) * (sample.value - mean);
         squared * squared
-    };
+    });
     let count = f64::from(samples);
+    let fourth = fourths.sum::<f64>() / count;
+    let lookups = found.iter().map(|sample| sample.lookups as f64);
     Measured {
-        fourth: found.iter().map(fourth).sum::<f64>() / count,
-        lookups: found
-            .iter()
-            .map(|sample| sample.lookups as f64)
-            .sum::<f64>()
-            / count,
-        moments,
-    }
-}
-
-impl Measured {
-    fn variance(&self) -> f64 {
-        self.moments.variance().unwrap_or(0.0)
-    }
-
-    /// Standard error of the variance, `√((μ₄ − σ⁴)/n)`.
-    fn variance_error(&self) -> f64 {
-        let variance = self.variance();
-        let left = (self.fourth - variance * variance).max(0.0);
-        (left / self.moments.count() as f64).sqrt()
+        mean,
+        variance,
+        variance_error: ((fourth - variance * variance).max(0.0) / count).sqrt(),
+        lookups: lookups.sum::<f64>() / count,
     }
 }
 
@@ -262,61 +245,55 @@ pub fn table(
 ) -> EstimatorTable {
     let known = Known::of(profile, depth);
     let transmittance = exp(-depth);
-    let timed = TransmittanceEstimator::ALL.map(|estimator| {
-        move || {
+    let tasks = TransmittanceEstimator::ALL.map(|estimator| -> Task<'_> {
+        Box::new(move || {
             std::hint::black_box(measure(estimator, profile, SAMPLES_TIMED, seed).lookups);
-        }
+        })
     });
-    let tasks: Vec<&(dyn Fn() + Sync)> = timed.iter().map(|task| task as _).collect();
     let times = clock.by_turns(&tasks, f64::from(SAMPLES_TIMED));
-    let rows = TransmittanceEstimator::ALL
-        .into_iter()
-        .zip(times)
-        .map(|(estimator, time)| {
-            let measured = measure(estimator, profile, SAMPLES, seed);
-            let (predicted_variance, predicted_lookups) = estimator.predicted(&known);
-            let (mean, variance) = (measured.moments.mean(), measured.variance());
-            // What is rare may not have come up at all: theory knows of it.
-            let count = f64::from(SAMPLES);
-            let spread = variance.max(predicted_variance.unwrap_or(0.0));
-            let standard_error = (spread / count).sqrt();
-            let variance_error = match estimator {
-                // Of something that happens with a small probability p, μ₄ is p as well.
-                TransmittanceEstimator::Delta => {
-                    measured.variance_error().max((spread / count).sqrt())
-                }
-                _ => measured.variance_error(),
-            };
-            // What rounding makes of an estimate that does not vary: a few hundred products.
-            let rounding = 1e-12 * transmittance;
-            let agrees = (mean - transmittance).abs() <= 4.0 * standard_error + rounding
-                && predicted_variance.is_none_or(|predicted| {
-                    (variance - predicted).abs() <= 4.0 * variance_error + rounding * rounding
-                })
-                && predicted_lookups.is_none_or(|predicted| {
-                    (measured.lookups - predicted).abs() <= 0.05 * predicted
-                });
-            EstimatorRow {
-                estimator: estimator.name().to_owned(),
-                mean,
-                bias: mean - transmittance,
-                standard_error,
-                variance,
-                variance_error,
-                predicted_variance,
-                lookups: measured.lookups,
-                predicted_lookups,
-                variance_times_lookups: variance * measured.lookups,
-                variance_times_seconds: time.map(|time| variance * time.median),
-                agrees,
-            }
-        });
+    let row = |(estimator, time): (TransmittanceEstimator, Option<Times>)| {
+        let Measured {
+            mean,
+            variance,
+            mut variance_error,
+            lookups,
+        } = measure(estimator, profile, SAMPLES, seed);
+        let (predicted_variance, predicted_lookups) = estimator.predicted(&known);
+        // What is rare may not have come up at all: theory knows of it.
+        let spread = variance.max(predicted_variance.unwrap_or(0.0));
+        let standard_error = (spread / f64::from(SAMPLES)).sqrt();
+        if estimator == TransmittanceEstimator::Delta {
+            // Of something that happens with a small probability p, μ₄ is p as well.
+            variance_error = variance_error.max(standard_error);
+        }
+        // What rounding makes of an estimate that does not vary: a few hundred products.
+        let rounding = 1e-12 * transmittance;
+        let is_near = |value: f64, theory: f64, bound: f64| (value - theory).abs() <= bound;
+        let doubt = 4.0 * variance_error + rounding * rounding;
+        EstimatorRow {
+            estimator: estimator.name().to_owned(),
+            mean,
+            bias: mean - transmittance,
+            standard_error,
+            variance,
+            variance_error,
+            predicted_variance,
+            lookups,
+            predicted_lookups,
+            variance_times_lookups: variance * lookups,
+            variance_times_seconds: time.map(|time| variance * time.median),
+            agrees: is_near(mean, transmittance, 4.0 * standard_error + rounding)
+                && predicted_variance.is_none_or(|theory| is_near(variance, theory, doubt))
+                && predicted_lookups.is_none_or(|theory| is_near(lookups, theory, 0.05 * theory)),
+        }
+    };
+    let rows = TransmittanceEstimator::ALL.into_iter().zip(times);
     EstimatorTable {
         ray,
         depth,
         transmittance,
         samples: SAMPLES,
-        rows: rows.collect(),
+        rows: rows.map(row).collect(),
     }
 }
 
@@ -356,15 +333,14 @@ pub fn sweep(
             let (variance, lookups) = estimator.predicted(&known);
             let squared = exp(-2.0 * thickness);
             // Weights of a wide spread have a much wider one of their squares.
-            let relative = variance.unwrap_or(0.0).max(measured.variance()) / squared;
-            let is_known = relative < WIDE && measured.variance_error() < 0.3 * measured.variance();
+            let relative = variance.unwrap_or(0.0).max(measured.variance) / squared;
+            let is_known = relative < WIDE && measured.variance_error < 0.3 * measured.variance;
             points.push(ThicknessPoint {
                 depth: thickness,
-                measured: is_known.then(|| measured.variance() / squared * measured.lookups),
-                predicted: match (variance, lookups) {
-                    (Some(variance), Some(lookups)) => Some(variance / squared * lookups),
-                    _ => None,
-                },
+                measured: is_known.then(|| measured.variance / squared * measured.lookups),
+                predicted: variance
+                    .zip(lookups)
+                    .map(|(variance, lookups)| variance / squared * lookups),
             });
         }
         ThicknessCurve {

@@ -6,8 +6,8 @@ use super::collocation::{CollocatedLight, Collocation};
 use super::marching::Scheme;
 use super::norms::root_mean_square;
 use super::order::ExpectedOrder;
-use super::results::{ErrorPicture, Parameter, RayTrace, Reference, Study};
-use super::study::{PlannedSweep, Setting, SettingOutcome, SettingRun, run_sweeps};
+use super::results::{ErrorPicture, Parameter, RayTrace, Study};
+use super::study::{PlannedSweep, Setting, SettingOutcome, SettingRun, Truth};
 use super::thumbnail;
 use super::timing::Clock;
 use crate::geometry::Ray;
@@ -16,7 +16,6 @@ use crate::math::{exp, ln_1p};
 use crate::render::Counters;
 use crate::render::classified::preintegration::Preintegrated;
 use crate::render::classified::steps::Steps;
-use crate::render::counters::Work;
 use crate::scene::Classified;
 use crate::volume::{Interpolation, Lattice};
 use glam::DVec3;
@@ -44,8 +43,11 @@ const TOLERANCE: f64 = 1e-12;
 /// The same where every evaluation walks to the light.
 const TOLERANCE_WITH_SHADOW: f64 = 1e-10;
 
+/// Rounding of sums of some hundred terms of size 1.
+const ROUNDING: f64 = 1e-14;
+
 /// A scene's rays, and what is right for each of them.
-struct Rays<'s> {
+pub(super) struct Rays<'s> {
     scene: &'s Classified,
     /// With the shadow as it should be.
     subject: ShadedVolume<'s>,
@@ -73,20 +75,20 @@ impl<'s> Rays<'s> {
         };
         let collocation = Collocation::new();
         let steepest = OPAQUE / scene.grid.lattice().voxel();
-        Rays::against(
-            scene,
-            shade,
-            thumbnail::thumbnail(size, most),
-            |subject, ray| {
-                let (light, met) = subject.exact(&collocation, ray, tolerance);
-                (light, met < steepest)
-            },
-        )
+        let size = thumbnail::thumbnail(size, most);
+        let rays = Rays::against(scene, shade, size, |subject, ray| {
+            let (light, met) = subject.exact(&collocation, ray, tolerance);
+            (light, met < steepest)
+        });
+        Rays {
+            bound: rays.bound.max(ROUNDING),
+            ..rays
+        }
     }
 
     /// The rays of an image of `size`; for each of them `right` says what is, and whether it is
     /// clear.
-    fn against(
+    pub(super) fn against(
         scene: &'s Classified,
         shade: Shade,
         size: [usize; 2],
@@ -99,7 +101,6 @@ impl<'s> Rays<'s> {
         let right: Vec<DVec3> = exact.iter().map(|(light, _)| light.radiance).collect();
         let scale = root_mean_square(right.iter().flat_map(|radiance| radiance.to_array()));
         let errors = exact.iter().map(|(light, _)| light.radiance_error);
-        let bound = errors.fold(0.0, f64::max) / scale;
         Rays {
             scene,
             subject,
@@ -107,64 +108,89 @@ impl<'s> Rays<'s> {
             rays,
             right,
             clear: exact.iter().flat_map(|(_, clear)| [*clear; 3]).collect(),
+            bound: errors.fold(0.0, f64::max) / scale,
             scale,
-            // Sums of some hundred terms of size 1.
-            bound: bound.max(1e-14),
+        }
+    }
+
+    /// The truth about them, by `method`.
+    pub(super) fn truth(&self, method: &str) -> Truth<'_> {
+        Truth {
+            method: method.to_owned(),
+            scale: self.scale,
+            bound: self.bound,
+            judged: None,
         }
     }
 
     /// Asks `radiance` for every ray.
-    fn run<'a>(
+    pub(super) fn run<'a>(
         &'a self,
         radiance: impl Fn(&Ray, usize, &mut Counters) -> DVec3 + Send + Sync + 'a,
     ) -> SettingRun<'a> {
         Box::new(move || {
-            let found: Vec<(DVec3, Counters)> = self
-                .rays
-                .par_iter()
-                .enumerate()
-                .map(|(index, ray)| {
-                    let mut work = Counters::default();
-                    (radiance(ray, index, &mut work), work)
-                })
-                .collect();
-            let mut outcome = SettingOutcome {
-                rays: self.rays.len(),
-                channels: 3,
-                ..SettingOutcome::default()
-            };
-            for ((value, work), right) in found.iter().zip(&self.right) {
-                outcome.work.add(work);
-                outcome.errors.extend((*value - *right).to_array());
-            }
-            outcome
+            SettingOutcome::of_rays(self.rays.len(), &|index, work| {
+                let value = radiance(&self.rays[index], index, work);
+                Some((value - self.right[index]).to_array())
+            })
         })
+    }
+
+    /// A sweep of the step along the rays.
+    fn by_step<'a>(
+        &'a self,
+        estimator: &str,
+        expected: ExpectedOrder,
+        run: impl Fn(f64) -> SettingRun<'a>,
+    ) -> PlannedSweep<'a> {
+        let steps: &[f64] = match self.scene.shadow {
+            None => &STEPS,
+            Some(_) => &STEPS_WITH_SHADOW,
+        };
+        let voxel = self.scene.grid.lattice().voxel();
+        let setting = |voxels: &f64| {
+            let step = voxels * voxel;
+            Setting::new(in_words(*voxels), step, run(step))
+        };
+        PlannedSweep {
+            estimator: estimator.to_owned(),
+            is_ours: false,
+            parameter: Parameter::Step,
+            expected,
+            settings: steps.iter().map(setting).collect(),
+        }
+    }
+
+    /// The order of the midpoint rule.
+    fn order(&self) -> ExpectedOrder {
+        ExpectedOrder::of_step(if has_jumps(self.scene) { 1.0 } else { 2.0 })
     }
 
     /// The reference renderer's ray caster by its step.
     fn ours(&self) -> PlannedSweep<'_> {
-        let jumps = has_jumps(self.scene);
-        PlannedSweep {
-            estimator: "midpoint".to_owned(),
-            is_ours: true,
-            parameter: Parameter::Step,
-            expected: ExpectedOrder::of_step(if jumps { 1.0 } else { 2.0 }),
-            settings: self.steps(
-                |step| self.run(move |ray, _, work| self.subject.cast(step, ray, work)),
-                |step| Some(self.run(move |ray, _, _| self.subject.cast_single(step, ray))),
-            ),
+        let mut sweep = self.by_step("midpoint", self.order(), |step| {
+            self.run(move |ray, _, work| self.subject.cast(step, ray, work))
+        });
+        sweep.is_ours = true;
+        for setting in &mut sweep.settings {
+            let step = setting.value;
+            let single = self.run(move |ray, _, _| self.subject.cast_single(step, ray));
+            setting.single = Some(single);
         }
+        sweep
     }
 
     /// Another scheme, by its step.
     fn by_scheme(&self, scheme: Scheme) -> PlannedSweep<'_> {
-        let jumps = has_jumps(self.scene);
-        let order = match scheme {
+        let expected = match scheme {
+            // At both ends of a volume with an empty border there is nothing: errors at the ends,
+            // which make a rule of the first order one, are not there.
+            Scheme::Left | Scheme::Comb => ExpectedOrder::NOTHING,
             // Any jitter across a jump: 1.
-            _ if jumps => scheme.order().min(1.0),
-            _ => scheme.order(),
+            _ if has_jumps(self.scene) => ExpectedOrder::of_step(scheme.order().min(1.0)),
+            _ => ExpectedOrder::of_step(scheme.order()),
         };
-        let march = move |step: f64| {
+        self.by_step(scheme.name(), expected, |step| {
             self.run(move |ray, index, work| {
                 let Some(span) = self.subject.span(ray) else {
                     return self.subject.before_background(DVec3::ZERO, 0.0);
@@ -175,65 +201,23 @@ impl<'s> Rays<'s> {
                 let (radiance, depth) = scheme.march(&Steps::over(span, step), &mut here, uniform);
                 self.subject.before_background(radiance, depth)
             })
-        };
-        PlannedSweep {
-            estimator: scheme.name().to_owned(),
-            is_ours: false,
-            parameter: Parameter::Step,
-            // At both ends of a volume with an empty border there is nothing: errors at the ends,
-            // which make a rule of the first order one, are not there.
-            expected: match scheme {
-                Scheme::Left | Scheme::Comb => ExpectedOrder::NOTHING,
-                _ => ExpectedOrder::of_step(order),
-            },
-            settings: self.steps(march, |_| None),
-        }
+        })
     }
 
     /// Pre-integrated classification, by its step.
     fn by_preintegration<'a>(&'a self, table: &'a Preintegrated) -> PlannedSweep<'a> {
-        PlannedSweep {
-            estimator: "pre-integrated".to_owned(),
-            is_ours: false,
-            parameter: Parameter::Step,
-            expected: match self.scene.interpolation {
-                // Steps of the table are no jumps to it.
-                Interpolation::Trilinear => ExpectedOrder::of_step(2.0),
-                // Between two nodes' values there is a jump, which it takes for a slope.
-                Interpolation::Nearest => ExpectedOrder::of_step(1.0),
-            },
-            settings: self.steps(
-                |step| {
-                    self.run(move |ray, _, work| {
-                        let (radiance, depth) =
-                            preintegrated(&self.subject, table, step, ray, work);
-                        self.subject.before_background(radiance, depth)
-                    })
-                },
-                |_| None,
-            ),
-        }
-    }
-
-    fn steps<'a>(
-        &'a self,
-        run: impl Fn(f64) -> SettingRun<'a>,
-        single: impl Fn(f64) -> Option<SettingRun<'a>>,
-    ) -> Vec<Setting<'a>> {
-        let steps: &[f64] = match self.scene.shadow {
-            None => &STEPS,
-            Some(_) => &STEPS_WITH_SHADOW,
+        let expected = match self.scene.interpolation {
+            // Steps of the table are no jumps to it.
+            Interpolation::Trilinear => ExpectedOrder::of_step(2.0),
+            // Between two nodes' values there is a jump, which it takes for a slope.
+            Interpolation::Nearest => ExpectedOrder::of_step(1.0),
         };
-        let voxel = self.scene.grid.lattice().voxel();
-        steps
-            .iter()
-            .map(|&voxels| Setting {
-                name: in_words(voxels),
-                value: voxels * voxel,
-                run: run(voxels * voxel),
-                single: single(voxels * voxel),
+        self.by_step("pre-integrated", expected, |step| {
+            self.run(move |ray, _, work| {
+                let (radiance, depth) = preintegrated(&self.subject, table, step, ray, work);
+                self.subject.before_background(radiance, depth)
             })
-            .collect()
+        })
     }
 }
 
@@ -311,34 +295,28 @@ fn by_steps(rays: &Rays<'_>, clock: &Clock) -> Study {
     let scene = rays.scene;
     let table = Preintegrated::new(&scene.transfer_function);
     let mut planned = vec![rays.ours()];
-    let schemes = Scheme::ALL.into_iter();
+    let schemes = Scheme::all().into_iter();
     // The first is what the ray caster does.
     planned.extend(schemes.skip(1).map(|scheme| rays.by_scheme(scheme)));
     planned.push(rays.by_preintegration(&table));
     let clear = rays.clear.iter().filter(|clear| **clear).count();
     let judged = (clear < rays.clear.len()).then_some(&rays.clear[..]);
-    let sweeps = run_sweeps(&planned, rays.scale, rays.bound, judged, clock);
     let shadow = match scene.shadow {
         None => "",
         Some(_) if ShadedVolume::has_exact_shadow(scene) => ", the shadow integrated cell by cell",
         Some(_) => ", the shadow as the scene samples it",
     };
+    let [width, height] = rays.size;
+    let quantity = format!("radiance of {width} × {height} pixels{shadow}");
+    let truth = Truth {
+        judged,
+        ..rays.truth(
+            "collocation at Gauss points between the faces of cells, halved until its parts agree",
+        )
+    };
     Study {
         judged_on: judged_on(scene, rays, clear / 3),
-        ..Study::of(
-            "image",
-            format!(
-                "radiance of {} × {} pixels{shadow}",
-                rays.size[0], rays.size[1]
-            ),
-            Reference {
-                method: "collocation at Gauss points between the faces of cells, halved until its \
-                         parts agree"
-                    .to_owned(),
-                bound: rays.bound,
-            },
-            sweeps,
-        )
+        ..Study::of("image", quantity, truth, &planned, clock)
     }
 }
 
@@ -379,63 +357,52 @@ pub fn shadow_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Opti
         };
         (light, true)
     });
-    let subjects: Vec<(f64, ShadedVolume<'_>)> = SHADOW_STEPS
-        .map(|voxels| {
-            (
-                voxels,
-                ShadedVolume::new(scene, Shade::Every(voxels * voxel)),
-            )
-        })
-        .into();
-    let rays = &rays;
-    let settings = subjects.iter().map(|(voxels, subject)| Setting {
-        name: in_words(*voxels),
-        value: voxels * voxel,
-        run: rays.run(move |ray, _, work| subject.cast(step, ray, work)),
-        single: None,
+    let subjects = SHADOW_STEPS.map(|voxels| {
+        let length = voxels * voxel;
+        (
+            voxels,
+            length,
+            ShadedVolume::new(scene, Shade::Every(length)),
+        )
     });
-    let jumps = has_jumps(scene);
+    let settings = subjects.iter().map(|(voxels, length, subject)| {
+        let run = rays.run(move |ray, _, work| subject.cast(step, ray, work));
+        Setting::new(in_words(*voxels), *length, run)
+    });
     let planned = [PlannedSweep {
         estimator: "midpoint".to_owned(),
         is_ours: true,
         parameter: Parameter::ShadowStep,
-        expected: ExpectedOrder::of_step(if jumps { 1.0 } else { 2.0 }),
+        expected: rays.order(),
         settings: settings.collect(),
     }];
-    let sweeps = run_sweeps(&planned, rays.scale, rays.bound, None, clock);
-    Some(Study::of(
-        "shadow",
-        format!(
-            "radiance of {} × {} pixels by the step of shadow rays, samples 1 voxel apart",
-            rays.size[0], rays.size[1]
-        ),
-        Reference {
-            method: "the shadow integrated cell by cell".to_owned(),
-            bound: rays.bound,
-        },
-        sweeps,
-    ))
+    let [width, height] = size;
+    let quantity = format!(
+        "radiance of {width} × {height} pixels by the step of shadow rays, samples 1 voxel apart"
+    );
+    let truth = Truth {
+        bound: ROUNDING,
+        ..rays.truth("the shadow integrated cell by cell")
+    };
+    Some(Study::of("shadow", quantity, truth, &planned, clock))
 }
 
 /// Signed errors of three steps, the scene's own among them, on the same rays.
 fn pictures(rays: &Rays<'_>) -> Vec<ErrorPicture> {
     let voxel = rays.scene.grid.lattice().voxel();
     let own = rays.scene.step / voxel;
-    [2.0, own, 0.125]
-        .into_iter()
-        .map(|voxels| {
-            let outcome =
-                rays.run(move |ray, _, work| rays.subject.cast(voxels * voxel, ray, work))();
-            let errors = outcome.errors.chunks(3);
-            ErrorPicture {
-                setting: format!("midpoint, {voxels} voxels"),
-                size: rays.size,
-                errors: errors
-                    .map(|error| error.iter().sum::<f64>() / 3.0 / rays.scale)
-                    .collect(),
-            }
-        })
-        .collect()
+    let picture = |voxels: f64| {
+        let step = voxels * voxel;
+        let run = rays.run(move |ray, _, work| rays.subject.cast(step, ray, work));
+        let errors = run().errors;
+        let mean = |error: &[f64]| error.iter().sum::<f64>() / 3.0 / rays.scale;
+        ErrorPicture {
+            setting: format!("midpoint, {voxels} voxels"),
+            size: rays.size,
+            errors: errors.chunks(3).map(mean).collect(),
+        }
+    };
+    [2.0, own, 0.125].map(picture).into()
 }
 
 /// Points of the finely drawn curve of a ray.
@@ -445,38 +412,30 @@ const TRACE: usize = 800;
 fn worst_ray(rays: &Rays<'_>) -> RayTrace {
     let (scene, subject) = (rays.scene, &rays.subject);
     let mut work = Counters::default();
-    let mut off = |index: usize| {
-        let value = subject.cast(scene.step, &rays.rays[index], &mut work);
-        (value - rays.right[index]).abs().max_element()
-    };
-    let errors: Vec<f64> = (0..rays.rays.len()).map(&mut off).collect();
+    let errors = rays.rays.iter().zip(&rays.right).map(|(ray, right)| {
+        let value = subject.cast(scene.step, ray, &mut work);
+        (value - *right).abs().max_element()
+    });
+    let errors: Vec<f64> = errors.collect();
     let worst = (0..errors.len())
         .max_by(|&a, &b| errors[a].total_cmp(&errors[b]))
         .unwrap_or(0);
     let ray = &rays.rays[worst];
-    let span = subject.span(ray);
     let mut at = |t: f64| [t, subject.here(ray, t, &mut work).extinction];
     let mut extinction = Vec::new();
     let mut samples = Vec::new();
-    if let Some(span) = span {
-        let length = span.length();
-        extinction = (0..=TRACE)
-            .map(|index| at(span.near + length * index as f64 / TRACE as f64))
-            .collect();
+    if let Some(span) = subject.span(ray) {
+        let fine = |index: usize| span.near + span.length() * index as f64 / TRACE as f64;
+        extinction = (0..=TRACE).map(|index| at(fine(index))).collect();
         let steps = Steps::over(span, scene.step);
-        samples = (0..steps.count())
-            .map(|index| at(steps.sample(index).0))
-            .collect();
+        let middles = (0..steps.count()).map(|index| steps.sample(index).0);
+        samples = middles.map(at).collect();
     }
     let value = subject.cast(scene.step, ray, &mut work);
+    let [width, height] = rays.size;
+    let (column, row) = (worst % width, worst / width);
     RayTrace {
-        ray: format!(
-            "pixel ({}, {}) of {} × {}",
-            worst % rays.size[0],
-            worst / rays.size[0],
-            rays.size[0],
-            rays.size[1]
-        ),
+        ray: format!("pixel ({column}, {row}) of {width} × {height}"),
         setting: format!("midpoint, {}", in_voxels(scene.step, scene.grid.lattice())),
         extinction,
         samples,

@@ -30,41 +30,41 @@ pub enum Scheme {
     Comb,
 }
 
+/// The schemes with their names and the orders of their errors in the length of a step, where
+/// extinction and source are continuous; of jitter, the order of the standard deviation.
+const SCHEMES: [(Scheme, &str, f64); 8] = [
+    (Scheme::Midpoint, "midpoint", 2.0),
+    (Scheme::Left, "left", 1.0),
+    (Scheme::ThinOpacity, "midpoint, opacity σh", 1.0),
+    (
+        Scheme::NoSelfAttenuation,
+        "midpoint, no attenuation inside a step",
+        1.0,
+    ),
+    (
+        Scheme::MiddleAttenuation,
+        "midpoint, attenuation from the middle",
+        2.0,
+    ),
+    (Scheme::Trapezoid, "trapezoid", 2.0),
+    (Scheme::Stratified, "jittered, stratified", 1.5),
+    (Scheme::Comb, "jittered, one offset a ray", 1.0),
+];
+
 impl Scheme {
     /// All of them.
-    pub const ALL: [Scheme; 8] = [
-        Scheme::Midpoint,
-        Scheme::Left,
-        Scheme::ThinOpacity,
-        Scheme::NoSelfAttenuation,
-        Scheme::MiddleAttenuation,
-        Scheme::Trapezoid,
-        Scheme::Stratified,
-        Scheme::Comb,
-    ];
+    pub fn all() -> [Scheme; 8] {
+        SCHEMES.map(|(scheme, ..)| scheme)
+    }
 
     /// As it is called.
     pub fn name(self) -> &'static str {
-        match self {
-            Scheme::Midpoint => "midpoint",
-            Scheme::Left => "left",
-            Scheme::ThinOpacity => "midpoint, opacity σh",
-            Scheme::NoSelfAttenuation => "midpoint, no attenuation inside a step",
-            Scheme::MiddleAttenuation => "midpoint, attenuation from the middle",
-            Scheme::Trapezoid => "trapezoid",
-            Scheme::Stratified => "jittered, stratified",
-            Scheme::Comb => "jittered, one offset a ray",
-        }
+        SCHEMES[self as usize].1
     }
 
-    /// Order of its error in the length of a step, where extinction and source are continuous; of
-    /// jitter, order of the standard deviation.
+    /// Order of its error.
     pub fn order(self) -> f64 {
-        match self {
-            Scheme::Midpoint | Scheme::MiddleAttenuation | Scheme::Trapezoid => 2.0,
-            Scheme::Left | Scheme::ThinOpacity | Scheme::NoSelfAttenuation | Scheme::Comb => 1.0,
-            Scheme::Stratified => 1.5,
-        }
+        SCHEMES[self as usize].2
     }
 
     /// Light sent back over `steps`, and their depth. `at` says what is found at a distance,

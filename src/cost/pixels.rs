@@ -3,13 +3,12 @@
 use super::classified::{Shade, ShadedVolume, has_jumps};
 use super::norms::root_mean_square;
 use super::order::ExpectedOrder;
-use super::results::{Parameter, Reference, Study};
-use super::study::{PlannedSweep, Setting, SettingOutcome, run_sweeps};
+use super::results::{Parameter, Study};
+use super::study::{PlannedSweep, Setting, SettingOutcome, SettingRun, Truth};
 use super::timing::Clock;
 use crate::geometry::Ray;
 use crate::math::Sum;
 use crate::render::Counters;
-use crate::render::counters::Work;
 use crate::scene::Classified;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -79,75 +78,50 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Study {
         (mean, clear && (hits == 0 || hits == count))
     };
     let (area, ray, subject) = (&area, &ray, &subject);
-    let settings = |masked: bool| -> Vec<Setting<'_>> {
-        let setting = |side: usize| Setting {
-            name: format!("{} pixels", window[0] / side as f64),
-            value: window[0] / side as f64,
-            run: Box::new(move || {
-                let found: Vec<(DVec3, bool, Counters)> = (0..side * side)
-                    .into_par_iter()
-                    .map(|index| {
-                        let (x, y) = (index % side, index / side);
-                        let mut work = Counters::default();
-                        let centre = subject.cast(scene.step, &ray(side, x, y), &mut work);
-                        let (mean, whole) = area(side, x, y);
-                        (centre - mean, whole, work)
-                    })
-                    .collect();
-                let mut outcome = SettingOutcome {
-                    // Finer pixels are more rays: work is shared among pixels of the scene.
-                    rays: ((window[0] * window[1]).round() as usize).max(1),
-                    channels: 3,
-                    ..SettingOutcome::default()
-                };
-                for (error, whole, work) in &found {
-                    outcome.work.add(work);
-                    if *whole || !masked {
-                        outcome.errors.extend(error.to_array());
-                    }
-                }
-                outcome
-            }),
-            single: None,
+    let sweep = |masked: bool| {
+        let setting = |side: usize| {
+            let run: SettingRun<'_> = Box::new(move || SettingOutcome {
+                // Finer pixels are more rays: work is shared among pixels of the scene.
+                rays: ((window[0] * window[1]).round() as usize).max(1),
+                ..SettingOutcome::of_rays(side * side, &|index, work| {
+                    let (x, y) = (index % side, index / side);
+                    let centre = subject.cast(scene.step, &ray(side, x, y), work);
+                    let (mean, whole) = area(side, x, y);
+                    (whole || !masked).then(|| (centre - mean).to_array())
+                })
+            });
+            let edge = window[0] / side as f64;
+            Setting::new(format!("{edge} pixels"), edge, run)
         };
-        SIDES.map(setting).into()
-    };
-    let mut planned = vec![PlannedSweep {
-        estimator: "centres of pixels, silhouettes left out".to_owned(),
-        is_ours: true,
-        parameter: Parameter::Pixel,
-        expected: if has_jumps(scene) {
-            ExpectedOrder::NOTHING
-        } else {
-            ExpectedOrder::of_step(2.0)
-        },
-        settings: settings(true),
-    }];
-    let hits = fine.iter().filter(|(_, hit, _)| *hit).count();
-    if hits % fine.len() != 0 || fine.iter().any(|(.., is_clear)| !is_clear) {
-        planned.push(PlannedSweep {
-            estimator: "centres of pixels".to_owned(),
+        let masking = if masked { ", silhouettes left out" } else { "" };
+        PlannedSweep {
+            estimator: format!("centres of pixels{masking}"),
             is_ours: true,
             parameter: Parameter::Pixel,
-            expected: ExpectedOrder::NOTHING,
-            settings: settings(false),
-        });
+            expected: match masked && !has_jumps(scene) {
+                true => ExpectedOrder::of_step(2.0),
+                false => ExpectedOrder::NOTHING,
+            },
+            settings: SIDES.map(setting).into(),
+        }
+    };
+    let mut planned = vec![sweep(true)];
+    let hits = fine.iter().filter(|(_, hit, _)| *hit).count();
+    if hits % fine.len() != 0 || fine.iter().any(|(.., is_clear)| !is_clear) {
+        planned.push(sweep(false));
     }
-    // The mean of n × n points is itself off by 1/n² of what their middle is: 1/64 at most here.
-    // A reference that is a 64th off tells orders to within 0.03.
-    let bound = 1e-9;
-    let sweeps = run_sweeps(&planned, scale, bound, None, &clock.untimed());
-    Study::of(
-        "pixels",
-        format!(
-            "radiance of the middle of the image, a thirty-second of it wide, neither shaded \
-             nor shadowed: centre of a pixel for its area, in pixels of {} × {}",
-            size[0], size[1]
-        ),
-        Reference {
-            method: format!("means over {FINE} × {FINE} points"),
-            bound,
-        },
-        sweeps,
-    )
+    let truth = Truth {
+        method: format!("means over {FINE} × {FINE} points"),
+        scale,
+        // The mean of n × n points is itself off by 1/n² of what their middle is: 1/64 at most
+        // here. A reference that is a 64th off tells orders to within 0.03.
+        bound: 1e-9,
+        judged: None,
+    };
+    let quantity = format!(
+        "radiance of the middle of the image, a thirty-second of it wide, neither shaded nor \
+         shadowed: centre of a pixel for its area, in pixels of {} × {}",
+        size[0], size[1]
+    );
+    Study::of("pixels", quantity, truth, &planned, &clock.untimed())
 }

@@ -20,34 +20,30 @@ pub enum StepRule {
     GaussTwo,
 }
 
+/// The rules with their names and the orders of their errors in the length of a step, where the
+/// extinction has as many derivatives.
+const RULES: [(StepRule, &str, f64); 5] = [
+    (StepRule::Left, "left", 1.0),
+    (StepRule::Midpoint, "midpoint", 2.0),
+    (StepRule::Trapezoid, "trapezoid", 2.0),
+    (StepRule::Simpson, "Simpson", 4.0),
+    (StepRule::GaussTwo, "Gauss, 2 points a step", 4.0),
+];
+
 impl StepRule {
     /// All of them.
-    pub const ALL: [StepRule; 5] = [
-        StepRule::Left,
-        StepRule::Midpoint,
-        StepRule::Trapezoid,
-        StepRule::Simpson,
-        StepRule::GaussTwo,
-    ];
+    pub fn all() -> [StepRule; 5] {
+        RULES.map(|(rule, ..)| rule)
+    }
 
     /// As it is called.
     pub fn name(self) -> &'static str {
-        match self {
-            StepRule::Left => "left",
-            StepRule::Midpoint => "midpoint",
-            StepRule::Trapezoid => "trapezoid",
-            StepRule::Simpson => "Simpson",
-            StepRule::GaussTwo => "Gauss, 2 points a step",
-        }
+        RULES[self as usize].1
     }
 
-    /// Order of its error in the length of a step, where the extinction has as many derivatives.
+    /// Order of its error.
     pub fn order(self) -> f64 {
-        match self {
-            StepRule::Left => 1.0,
-            StepRule::Midpoint | StepRule::Trapezoid => 2.0,
-            StepRule::Simpson | StepRule::GaussTwo => 4.0,
-        }
+        RULES[self as usize].2
     }
 
     /// The same where the extinction is continuous and has kinks between the steps' ends, as

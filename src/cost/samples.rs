@@ -2,8 +2,8 @@
 
 use super::norms::root_mean_square;
 use super::order::ExpectedOrder;
-use super::results::{Parameter, Reference, Study};
-use super::study::{PlannedSweep, Setting, SettingOutcome, run_sweeps};
+use super::results::{Parameter, Study};
+use super::study::{PlannedSweep, Setting, SettingOutcome, SettingRun, Truth};
 use super::thumbnail;
 use super::timing::Clock;
 use crate::film::Film;
@@ -45,14 +45,8 @@ pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderErr
     // Without any noise there is still the rounding to 32 bits.
     let bound = ((squares / right.len() as f64).sqrt() / scale).max(f64::from(f32::EPSILON));
     let right = &right;
-    let numbered = SAMPLES.iter().enumerate();
-    let settings = numbered.map(|(index, &samples)| Setting {
-        name: match samples {
-            1 => "1 sample".to_owned(),
-            _ => format!("{samples} samples"),
-        },
-        value: f64::from(samples),
-        run: Box::new(move || {
+    let settings = SAMPLES.iter().enumerate().map(|(index, &samples)| {
+        let run: SettingRun<'_> = Box::new(move || {
             // What cannot be rendered has no errors, which is no error of 0.
             let sampling = sampling(samples, seed.wrapping_add(index as u64));
             let Ok(made) = render_counted(plans, sampling, &|| ()) else {
@@ -65,8 +59,9 @@ pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderErr
                 rays: width * height,
                 channels: 3,
             }
-        }),
-        single: None,
+        });
+        let noun = if samples == 1 { "sample" } else { "samples" };
+        Setting::new(format!("{samples} {noun}"), f64::from(samples), run)
     });
     let planned = [PlannedSweep {
         estimator: "path tracing".to_owned(),
@@ -75,19 +70,17 @@ pub fn study(panel: &Panel, seed: u64, clock: &Clock) -> Result<Study, RenderErr
         expected: ExpectedOrder::OF_SAMPLES,
         settings: settings.collect(),
     }];
-    let sweeps = run_sweeps(&planned, scale, bound, None, clock);
-    Ok(Study::of(
-        "samples",
-        format!("radiance of {width} × {height} pixels, by samples per pixel"),
-        Reference {
-            method: format!(
-                "{REFERENCE} samples per pixel with other random numbers; the bound is its \
-                 standard error"
-            ),
-            bound,
-        },
-        sweeps,
-    ))
+    let quantity = format!("radiance of {width} × {height} pixels, by samples per pixel");
+    let truth = Truth {
+        method: format!(
+            "{REFERENCE} samples per pixel with other random numbers; the bound is its standard \
+             error"
+        ),
+        scale,
+        bound,
+        judged: None,
+    };
+    Ok(Study::of("samples", quantity, truth, &planned, clock))
 }
 
 fn values(film: &Film) -> Vec<f64> {

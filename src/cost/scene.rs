@@ -55,66 +55,75 @@ pub fn cost(
 /// A reference that knows less than this is said to.
 const SURE: f64 = 1e-8;
 
+/// What has been found out about a panel, and how it is looked into.
+struct Inquiry<'a> {
+    cost: Cost,
+    panel: &'a Panel,
+    options: &'a Options,
+    report: &'a dyn Fn(&str),
+}
+
 fn panel_cost(
     panel: &Panel,
     path: &Path,
     options: &Options,
     report: &dyn Fn(&str),
 ) -> Result<Cost, CostError> {
-    let mut cost = Cost {
-        scene: path.display().to_string(),
-        panel: None,
-        studies: vec![],
-        estimators: None,
-        thickness: None,
-        jitter: None,
-        effects: vec![],
-        recommendations: vec![],
-        notes: vec![],
-    };
     // Rays are followed to their ends here: what is measured is a scene's parameters, each by itself.
     let whole = to_the_end(panel);
-    if whole.is_some() {
-        let note = "`early_termination` is left out: every ray is followed to its end here";
-        cost.notes.push(note.to_owned());
-    }
     let panel = whole.as_ref().unwrap_or(panel);
+    let mut inquiry = Inquiry {
+        cost: Cost {
+            scene: path.display().to_string(),
+            ..Cost::default()
+        },
+        panel,
+        options,
+        report,
+    };
+    if whole.is_some() {
+        inquiry.note("`early_termination` is left out: every ray is followed to its end here");
+    }
     match &panel.model {
         Model::Curve(_) => {
             return Err(CostError::NoParameter(
                 "a plot of a transfer function is not sampled",
             ));
         }
-        Model::Classified(scene) => of_classified(&mut cost, scene, panel, options, report),
-        Model::Radiative(scene) => of_radiative(&mut cost, scene, panel, options, report)?,
+        Model::Classified(scene) => inquiry.classified(scene),
+        Model::Radiative(scene) => inquiry.radiative(scene)?,
     }
+    let cost = &inquiry.cost;
     if cost.studies.is_empty() && (cost.notes.is_empty() || whole.is_some()) {
         return Err(CostError::NoParameter(
             "nothing in it is marched, tracked or sampled, every pixel is a closed form",
         ));
     }
-    let missing = "the prices of effects were not measured";
-    if has_time(&mut cost, options, report, "effects", missing) {
+    if inquiry.has_time("effects", "the prices of effects were not measured") {
         match effects::prices(panel, &options.clock) {
-            Ok(effects) => cost.effects = effects,
+            Ok(effects) => inquiry.cost.effects = effects,
             Err(error) => {
-                let note = format!("the prices of effects could not be measured: {error}");
-                cost.notes.push(note);
+                inquiry.note(&format!(
+                    "the prices of effects could not be measured: {error}"
+                ));
             }
         }
     }
-    let unsure = cost.studies.iter();
-    let unsure = unsure.filter(|study| study.reference.bound > SURE);
-    cost.notes.extend(unsure.map(|study| {
+    let mut cost = inquiry.cost;
+    for study in cost
+        .studies
+        .iter()
+        .filter(|study| study.reference.bound > SURE)
+    {
         let known = study.sweeps.iter().map(|sweep| sweep.order.known);
-        format!(
+        cost.notes.push(format!(
             "{}: the reference itself may be off by {:.1e}; no order and no price is claimed below \
              {:.1e}",
             study.name,
             study.reference.bound,
             known.fold(0.0, f64::max)
-        )
-    }));
+        ));
+    }
     let timed = cost.studies.iter().flat_map(|study| &study.sweeps);
     let mut levels = timed.flat_map(|sweep| &sweep.levels);
     if options.clock.runs > 0 && levels.all(|level| level.time.is_none()) {
@@ -123,25 +132,6 @@ fn panel_cost(
     }
     cost.recommendations = advice::recommendations(&cost, panel, path);
     Ok(cost)
-}
-
-/// Whether there is time for the next `step`, with which `report` is called; if not, what is `missing` is
-/// noted.
-fn has_time(
-    cost: &mut Cost,
-    options: &Options,
-    report: &dyn Fn(&str),
-    step: &str,
-    missing: &str,
-) -> bool {
-    let is_over = options.clock.is_over();
-    if is_over {
-        cost.notes
-            .push(format!("{missing}: the time given was over"))
-    } else {
-        report(step)
-    }
-    !is_over
 }
 
 /// `panel` without early termination, if it asks for that.
@@ -160,71 +150,6 @@ fn to_the_end(panel: &Panel) -> Option<Panel> {
     })
 }
 
-fn of_classified(
-    cost: &mut Cost,
-    scene: &Classified,
-    panel: &Panel,
-    options: &Options,
-    report: &dyn Fn(&str),
-) {
-    let size = [panel.width, panel.height];
-    let clock = &options.clock;
-    report("steps");
-    cost.studies.push(image::steps(scene, size, clock));
-    let note = "the reference renderer's own ray caster leaps over empty space, the other schemes \
-                look everywhere: compare their look-ups with that in mind";
-    cost.notes.push(note.to_owned());
-    let mut later = |name: &str, study: &dyn Fn() -> Option<Study>| {
-        if has_time(
-            cost,
-            options,
-            report,
-            name,
-            &format!("{name} were not tried"),
-        ) {
-            cost.studies.extend(study());
-        }
-    };
-    later("steps without light", &|| {
-        image::unlit_steps(scene, size, clock)
-    });
-    if scene.shadow.is_some() {
-        later("shadow steps", &|| image::shadow_steps(scene, size, clock));
-    }
-    later("coarser data", &|| data::study(scene, size, clock));
-    later("pixels", &|| Some(pixels::study(scene, size, clock)));
-}
-
-fn of_radiative(
-    cost: &mut Cost,
-    scene: &Radiative,
-    panel: &Panel,
-    options: &Options,
-    report: &dyn Fn(&str),
-) -> Result<(), CostError> {
-    let size = [panel.width, panel.height];
-    let clock = &options.clock;
-    let around: SceneContext<'_, Everything> = SceneContext::new(scene, false);
-    if let Some(crossings) = transmittance::crossings(&around, size) {
-        report("transmittance");
-        let study = transmittance::study(&crossings, options.seed, clock);
-        cost.studies.push(study);
-        of_one_ray(cost, &crossings, options, report);
-        let missing = "coarser data were not tried";
-        if has_time(cost, options, report, "coarser data", missing) {
-            cost.studies.extend(data::of_grids(&crossings, clock));
-        }
-    }
-    if Plan::new(panel).is_sampled() {
-        let missing = "samples per pixel were not tried";
-        if has_time(cost, options, report, "samples per pixel", missing) {
-            cost.studies
-                .push(samples::study(panel, options.seed, clock)?);
-        }
-    }
-    Ok(())
-}
-
 /// An optical depth at which all estimators have something to tell.
 const TYPICAL_DEPTH: f64 = 2.0;
 
@@ -240,53 +165,100 @@ const JITTER_STEPS: [f64; 8] = [
     0.001_953_125,
 ];
 
-/// Tables about a single ray: the one whose optical depth is nearest to [`TYPICAL_DEPTH`].
-fn of_one_ray(
-    cost: &mut Cost,
-    crossings: &Crossings<'_>,
-    options: &Options,
-    report: &dyn Fn(&str),
-) {
-    let far = |ray: &&RayThroughMedia<'_>| (ray.depth - TYPICAL_DEPTH).abs();
-    let rays = crossings.rays.iter();
-    let Some(ray) = rays
-        .filter(|ray| ray.depth > 0.0)
-        .min_by(|a, b| far(a).total_cmp(&far(b)))
-    else {
-        return;
-    };
-    let name = format!(
-        "pixel ({}, {}) of {} × {}, of optical depth {:.6}",
-        ray.pixel[0], ray.pixel[1], crossings.size[0], crossings.size[1], ray.depth
-    );
-    let Options { clock, seed } = options;
-    let missing = "estimators were not compared on one ray";
-    if !has_time(cost, options, report, "estimators on one ray", missing)
-        || ray.profile.majorant_depth() > transmittance::MOST_DEPTHS
-    {
-        return;
+impl Inquiry<'_> {
+    fn note(&mut self, note: &str) {
+        self.cost.notes.push(note.to_owned());
     }
-    let (profile, depth) = (&ray.profile, ray.depth);
-    cost.estimators = Some(estimators::table(
-        name.clone(),
-        profile,
-        depth,
-        *seed,
-        clock,
-    ));
-    cost.thickness = Some(estimators::sweep(
-        name.clone(),
-        profile,
-        depth,
-        *seed,
-        clock,
-    ));
-    let length = profile.span().length();
-    let steps = JITTER_STEPS.map(|share| share * length);
-    cost.jitter = Some(JitterSplit {
-        ray: name,
-        curves: [Jitter::Comb, Jitter::Stratified]
-            .map(|jitter| jitter.curve(profile, &steps, crossings.rough))
-            .into(),
-    });
+
+    /// Whether there is time for the next `step`, which is reported; if not, what is `missing` is
+    /// noted.
+    fn has_time(&mut self, step: &str, missing: &str) -> bool {
+        let is_over = self.options.clock.is_over();
+        if is_over {
+            self.note(&format!("{missing}: the time given was over"));
+        } else {
+            (self.report)(step);
+        }
+        !is_over
+    }
+
+    fn classified(&mut self, scene: &Classified) {
+        let size = [self.panel.width, self.panel.height];
+        let clock = &self.options.clock;
+        (self.report)("steps");
+        self.cost.studies.push(image::steps(scene, size, clock));
+        self.note(
+            "the reference renderer's own ray caster leaps over empty space, the other schemes \
+             look everywhere: compare their look-ups with that in mind",
+        );
+        type StudyOf = fn(&Classified, [usize; 2], &Clock) -> Option<Study>;
+        let later: [(&str, bool, StudyOf); 4] = [
+            ("steps without light", true, image::unlit_steps),
+            ("shadow steps", scene.shadow.is_some(), image::shadow_steps),
+            ("coarser data", true, data::study),
+            ("pixels", true, |scene, size, clock| {
+                Some(pixels::study(scene, size, clock))
+            }),
+        ];
+        for (name, is_wanted, study) in later {
+            if is_wanted && self.has_time(name, &format!("{name} were not tried")) {
+                self.cost.studies.extend(study(scene, size, clock));
+            }
+        }
+    }
+
+    fn radiative(&mut self, scene: &Radiative) -> Result<(), CostError> {
+        let Options { clock, seed } = self.options;
+        let around: SceneContext<'_, Everything> = SceneContext::new(scene, false);
+        let size = [self.panel.width, self.panel.height];
+        if let Some(crossings) = transmittance::crossings(&around, size) {
+            (self.report)("transmittance");
+            let study = transmittance::study(&crossings, *seed, clock);
+            self.cost.studies.push(study);
+            self.one_ray(&crossings);
+            if self.has_time("coarser data", "coarser data were not tried") {
+                self.cost.studies.extend(data::of_grids(&crossings, clock));
+            }
+        }
+        let is_sampled = Plan::new(self.panel).is_sampled();
+        if is_sampled && self.has_time("samples per pixel", "samples per pixel were not tried") {
+            let study = samples::study(self.panel, *seed, clock)?;
+            self.cost.studies.push(study);
+        }
+        Ok(())
+    }
+
+    /// Tables about a single ray: the one whose optical depth is nearest to [`TYPICAL_DEPTH`].
+    fn one_ray(&mut self, crossings: &Crossings<'_>) {
+        let far = |ray: &&RayThroughMedia<'_>| (ray.depth - TYPICAL_DEPTH).abs();
+        let rays = crossings.rays.iter().filter(|ray| ray.depth > 0.0);
+        let Some(ray) = rays.min_by(|a, b| far(a).total_cmp(&far(b))) else {
+            return;
+        };
+        let missing = "estimators were not compared on one ray";
+        if !self.has_time("estimators on one ray", missing)
+            || ray.profile.majorant_depth() > transmittance::MOST_DEPTHS
+        {
+            return;
+        }
+        let ([column, row], [width, height]) = (ray.pixel, crossings.size);
+        let name = format!(
+            "pixel ({column}, {row}) of {width} × {height}, of optical depth {:.6}",
+            ray.depth
+        );
+        let Options { clock, seed } = self.options;
+        let (profile, depth) = (&ray.profile, ray.depth);
+        let table = estimators::table(name.clone(), profile, depth, *seed, clock);
+        let thickness = estimators::sweep(name.clone(), profile, depth, *seed, clock);
+        let length = profile.span().length();
+        let steps = JITTER_STEPS.map(|share| share * length);
+        self.cost.estimators = Some(table);
+        self.cost.thickness = Some(thickness);
+        self.cost.jitter = Some(JitterSplit {
+            ray: name,
+            curves: [Jitter::Comb, Jitter::Stratified]
+                .map(|jitter| jitter.curve(profile, &steps, crossings.rough))
+                .into(),
+        });
+    }
 }

@@ -1,11 +1,13 @@
 //! Sweeps of a parameter: every setting is tried once for its error and its work, then all are timed
 //! by turns.
 
-use super::norms::Errors;
+use super::norms::{norms, norms_of_channels};
 use super::order::{ExpectedOrder, order};
 use super::results::{Level, MeanWork, Norms, Offer, Parameter, Price, Reference, Study, Sweep};
-use super::timing::Clock;
+use super::timing::{Clock, Task};
 use crate::render::Counters;
+use crate::render::counters::Work;
+use rayon::prelude::*;
 
 /// What came of one setting.
 #[derive(Clone, Debug, Default)]
@@ -18,6 +20,33 @@ pub struct SettingOutcome {
     pub rays: usize,
     /// How many errors in a row belong to one place: those of red, green and blue.
     pub channels: usize,
+}
+
+impl SettingOutcome {
+    /// The outcome of `rays` rays: `error` returns the errors of one by channel, or nothing where
+    /// it is left out, and counts its work.
+    pub fn of_rays<const CHANNELS: usize>(
+        rays: usize,
+        error: &(dyn Fn(usize, &mut Counters) -> Option<[f64; CHANNELS]> + Sync),
+    ) -> SettingOutcome {
+        let found: Vec<(Option<[f64; CHANNELS]>, Counters)> = (0..rays)
+            .into_par_iter()
+            .map(|ray| {
+                let mut work = Counters::default();
+                (error(ray, &mut work), work)
+            })
+            .collect();
+        let mut outcome = SettingOutcome {
+            rays,
+            channels: CHANNELS,
+            ..SettingOutcome::default()
+        };
+        for (errors, work) in found {
+            outcome.work.add(&work);
+            outcome.errors.extend(errors.into_iter().flatten());
+        }
+        outcome
+    }
 }
 
 /// Does what one setting says. The same on every call.
@@ -35,6 +64,18 @@ pub struct Setting<'a> {
     pub single: Option<SettingRun<'a>>,
 }
 
+impl<'a> Setting<'a> {
+    /// A setting that is not tried in single precision.
+    pub fn new(name: String, value: f64, run: SettingRun<'a>) -> Setting<'a> {
+        Setting {
+            name,
+            value,
+            run,
+            single: None,
+        }
+    }
+}
+
 /// A sweep before it is run.
 pub struct PlannedSweep<'a> {
     /// Name of the approximation.
@@ -49,16 +90,47 @@ pub struct PlannedSweep<'a> {
     pub settings: Vec<Setting<'a>>,
 }
 
-/// Runs all `planned` sweeps, level by level so that each gets its share of the time there is. Errors are
-/// in units of `scale`; the reference may be off by `bound` of them. Orders are judged by the errors
-/// for which `judged` holds, if it is given.
-pub fn run_sweeps(
-    planned: &[PlannedSweep<'_>],
-    scale: f64,
-    bound: f64,
-    judged: Option<&[bool]>,
-    clock: &Clock,
-) -> Vec<Sweep> {
+/// Reference of a study, with what its errors are measured by.
+pub struct Truth<'a> {
+    /// How it was come by.
+    pub method: String,
+    /// The unit of errors.
+    pub scale: f64,
+    /// The reference may be off by so many of them.
+    pub bound: f64,
+    /// By error, whether orders are judged by it; all are if there are none.
+    pub judged: Option<&'a [bool]>,
+}
+
+impl Study {
+    /// Runs all `planned` sweeps, with prices and without pictures.
+    pub fn of(
+        name: &'static str,
+        quantity: String,
+        truth: Truth<'_>,
+        planned: &[PlannedSweep<'_>],
+        clock: &Clock,
+    ) -> Study {
+        let sweeps = run_sweeps(planned, &truth, clock);
+        Study {
+            name,
+            quantity,
+            reference: Reference {
+                method: truth.method,
+                bound: truth.bound,
+            },
+            judged_on: None,
+            prices: WANTED.map(|error| price(&sweeps, error)).to_vec(),
+            pictures: vec![],
+            worst_ray: None,
+            sweeps,
+        }
+    }
+}
+
+/// Runs all `planned` sweeps, level by level so that each gets its share of the time there is.
+fn run_sweeps(planned: &[PlannedSweep<'_>], truth: &Truth<'_>, clock: &Clock) -> Vec<Sweep> {
+    let scale = truth.scale;
     let mut levels: Vec<Vec<Level>> = planned.iter().map(|_| Vec::new()).collect();
     let mut cuts: Vec<Option<String>> = vec![None; planned.len()];
     // The same for all settings.
@@ -70,11 +142,9 @@ pub fn run_sweeps(
                 continue;
             };
             if clock.is_over() {
+                let count = sweep.settings.len();
                 cuts[at].get_or_insert_with(|| {
-                    format!(
-                        "the time given was over after {index} of {} settings",
-                        sweep.settings.len()
-                    )
+                    format!("the time given was over after {index} of {count} settings")
                 });
                 continue;
             }
@@ -82,27 +152,18 @@ pub fn run_sweeps(
             rays = outcome.rays.max(1);
             let single = setting.single.as_ref().map(|run| {
                 let errors = run().errors.into_iter().zip(&outcome.errors);
-                norms(&errors.map(|(a, b)| a - b).collect::<Vec<_>>(), scale)
+                norms(errors.map(|(a, b)| a - b), scale)
             });
-            // Channels are off together: there are fewer errors than numbers.
-            let channels = outcome.channels as f64;
-            let norms = |errors: &[f64]| {
-                let norms = norms(errors, scale);
-                Norms {
-                    uncertainty: norms.uncertainty * channels.max(1.0).sqrt(),
-                    ..norms
-                }
-            };
-            let error_of_order = judged.map(|judged| {
-                let errors = outcome.errors.iter().zip(judged);
-                let judged = errors.filter(|(_, judged)| **judged);
-                norms(&judged.map(|(error, _)| *error).collect::<Vec<_>>())
+            let errors = outcome.errors.iter().copied();
+            let error_of_order = truth.judged.map(|judged| {
+                let judged = errors.clone().zip(judged).filter(|(_, judged)| **judged);
+                norms_of_channels(judged.map(|(error, _)| error), scale, outcome.channels)
             });
             levels[at].push(Level {
                 setting: setting.name.clone(),
                 value: setting.value,
                 work: MeanWork::per_ray(&outcome.work, rays),
-                error: norms(&outcome.errors),
+                error: norms_of_channels(errors, scale, outcome.channels),
                 error_of_order,
                 single_precision: single,
                 time: None,
@@ -111,79 +172,44 @@ pub fn run_sweeps(
     }
     time(planned, &mut levels, rays, clock);
     let sweeps = planned.iter().zip(levels).zip(cuts);
-    sweeps
-        .map(|((sweep, levels), cut)| {
-            let values: Vec<f64> = levels.iter().map(|level| level.value).collect();
-            let errors = levels.iter();
-            let errors: Vec<Norms> = errors
-                .map(|level| level.error_of_order.unwrap_or(level.error))
-                .collect();
-            Sweep {
-                estimator: sweep.estimator.clone(),
-                is_ours: sweep.is_ours,
-                parameter: sweep.parameter,
-                order: order(&values, &errors, sweep.expected, bound),
-                levels,
-                cut,
-            }
-        })
-        .collect()
-}
-
-fn norms(all: &[f64], scale: f64) -> Norms {
-    let mut errors = Errors::default();
-    all.iter().for_each(|&error| errors.add(error));
-    errors.norms(scale)
+    let sweeps = sweeps.map(|((sweep, levels), cut)| {
+        let values: Vec<f64> = levels.iter().map(|level| level.value).collect();
+        let errors = levels.iter();
+        let errors: Vec<Norms> = errors
+            .map(|level| level.error_of_order.unwrap_or(level.error))
+            .collect();
+        Sweep {
+            estimator: sweep.estimator.clone(),
+            is_ours: sweep.is_ours,
+            parameter: sweep.parameter,
+            order: order(&values, &errors, sweep.expected, truth.bound),
+            levels,
+            cut,
+        }
+    });
+    sweeps.collect()
 }
 
 /// Times all settings that were tried, for each of `rays`.
 fn time(planned: &[PlannedSweep<'_>], levels: &mut [Vec<Level>], rays: usize, clock: &Clock) {
     let tried = planned.iter().zip(levels.iter());
     let tried = tried.flat_map(|(sweep, levels)| &sweep.settings[..levels.len()]);
-    let tasks: Vec<Box<dyn Fn() + Sync + '_>> = tried
-        .map(|setting| -> Box<dyn Fn() + Sync> {
-            Box::new(|| {
-                std::hint::black_box((setting.run)());
-            })
+    let tasks = tried.map(|setting| -> Task<'_> {
+        Box::new(|| {
+            std::hint::black_box((setting.run)());
         })
-        .collect();
-    let tasks: Vec<&(dyn Fn() + Sync)> = tasks.iter().map(|task| &**task).collect();
-    let times = clock.by_turns(&tasks, rays as f64);
+    });
+    let times = clock.by_turns(&tasks.collect::<Vec<_>>(), rays as f64);
     for (level, time) in levels.iter_mut().flatten().zip(times) {
         level.time = time;
-    }
-}
-
-impl Study {
-    /// The results of `sweeps`, with prices and without pictures.
-    pub fn of(
-        name: &'static str,
-        quantity: String,
-        reference: Reference,
-        sweeps: Vec<Sweep>,
-    ) -> Study {
-        Study {
-            name,
-            quantity,
-            reference,
-            judged_on: None,
-            prices: prices(&sweeps),
-            pictures: vec![],
-            worst_ray: None,
-            sweeps,
-        }
     }
 }
 
 /// Wanted errors of the price list.
 pub const WANTED: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-6];
 
-/// The cheapest setting of each of the `sweeps` that may be compared with one another, for each
-/// wanted error. Nothing is said to reach an error that the reference does not know.
-fn prices(sweeps: &[Sweep]) -> Vec<Price> {
-    WANTED.map(|error| price(sweeps, error)).to_vec()
-}
-
+/// The cheapest setting of each of the `sweeps`, which may be compared with one another. Nothing is
+/// said to reach an error that the reference does not know.
 fn price(sweeps: &[Sweep], error: f64) -> Price {
     let mut offers: Vec<Offer> = sweeps
         .iter()

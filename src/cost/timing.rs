@@ -2,10 +2,13 @@
 
 use super::results::{Machine, Times};
 use crate::regular_file;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Runs of each setting.
 pub const RUNS: usize = 10;
+
+/// Work whose time is taken.
+pub type Task<'a> = Box<dyn Fn() + Sync + 'a>;
 
 /// Whoever measures time; counting work and errors needs none of it.
 #[derive(Clone, Copy, Debug)]
@@ -39,18 +42,18 @@ impl Clock {
     /// rounds. Divided by `share`, the number of rays.
     ///
     /// On one thread: what is compared is work, not how well it is shared out.
-    pub fn by_turns(&self, tasks: &[&(dyn Fn() + Sync)], share: f64) -> Vec<Option<Times>> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
-        match pool.build() {
-            Ok(pool) if self.runs > 0 && !self.is_over() => {
-                pool.install(|| self.by_turns_here(tasks, share))
-            }
-            _ => vec![None; tasks.len()],
+    pub fn by_turns(&self, tasks: &[Task<'_>], share: f64) -> Vec<Option<Times>> {
+        if self.runs == 0 || self.is_over() {
+            return vec![None; tasks.len()];
+        }
+        match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+            Ok(pool) => pool.install(|| self.by_turns_here(tasks, share)),
+            Err(_) => vec![None; tasks.len()],
         }
     }
 
     /// The same on the threads of whoever asks; with at least one run.
-    fn by_turns_here(&self, tasks: &[&(dyn Fn() + Sync)], share: f64) -> Vec<Option<Times>> {
+    fn by_turns_here(&self, tasks: &[Task<'_>], share: f64) -> Vec<Option<Times>> {
         let mut seconds: Vec<Vec<f64>> = vec![Vec::new(); tasks.len()];
         // What the first run finds cold belongs to none of them.
         'rounds: for round in 0..=self.runs {
@@ -58,20 +61,15 @@ impl Clock {
                 if self.is_over() {
                     break 'rounds;
                 }
-                let spent = time(task).as_secs_f64() / share;
+                let start = Instant::now();
+                task();
                 if round > 0 {
-                    seconds.push(spent);
+                    seconds.push(start.elapsed().as_secs_f64() / share);
                 }
             }
         }
         seconds.iter().map(|runs| summary(runs)).collect()
     }
-}
-
-fn time(task: &dyn Fn()) -> Duration {
-    let start = Instant::now();
-    task();
-    start.elapsed()
 }
 
 /// What `runs` seconds came to; nothing of fewer than two.
@@ -166,9 +164,9 @@ mod tests {
             runs: 3,
             deadline: None,
         };
-        let times = clock.by_turns(&[&a, &b], 1.0);
+        let times = clock.by_turns(&[Box::new(a), Box::new(b)], 1.0);
         assert_eq!(*order.lock().unwrap(), "abababab");
         assert!(times.iter().all(|times| times.unwrap().runs == 3));
-        assert_eq!(Clock::NONE.by_turns(&[&a], 1.0), [None]);
+        assert_eq!(Clock::NONE.by_turns(&[Box::new(a)], 1.0), [None]);
     }
 }

@@ -5,9 +5,9 @@ use super::estimators::TransmittanceEstimator;
 use super::norms::root_mean_square;
 use super::order::ExpectedOrder;
 use super::profile::{BoundedSegment, Profile};
-use super::results::{Parameter, Reference, Study};
+use super::results::{Parameter, Study};
 use super::rules::StepRule;
-use super::study::{PlannedSweep, Setting, SettingOutcome, SettingRun, run_sweeps};
+use super::study::{PlannedSweep, Setting, SettingOutcome, SettingRun, Truth};
 use super::thumbnail;
 use super::timing::Clock;
 use crate::geometry::{Ray, Span};
@@ -241,18 +241,15 @@ fn crossing<'s>(
     let mut segments = MediumSegments::default();
     segments.build(media, &ray, end);
     // Segments that follow one another, from the first with a heterogeneous medium.
-    let mut pieces: Vec<(Span, Set)> = Vec::new();
-    for segment in segments.all() {
-        let set = media.heterogeneous(segment.set);
-        let follows = pieces
-            .last()
-            .is_none_or(|(span, _)| span.far == segment.span.near);
-        match (set, pieces.is_empty()) {
-            (0, true) => continue,
-            (0, false) => break,
-            _ if follows => pieces.push((segment.span, set)),
-            _ => break,
-        }
+    let sets = segments.all().iter();
+    let sets = sets.map(|segment| (segment.span, media.heterogeneous(segment.set)));
+    let mut pieces: Vec<(Span, Set)> = sets
+        .skip_while(|(_, set)| *set == 0)
+        .take_while(|(_, set)| *set != 0)
+        .collect();
+    let gap = |pair: &[(Span, Set)]| pair[0].0.far != pair[1].0.near;
+    if let Some(before) = pieces.windows(2).position(gap) {
+        pieces.truncate(before + 1);
     }
     let first = pieces.first()?.1;
     let set = pieces.iter().fold(0, |all, (_, set)| all | set);
@@ -359,7 +356,7 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
         right,
         seed,
     };
-    let mut planned: Vec<PlannedSweep<'_>> = StepRule::ALL.map(|rule| asked.by_rule(rule)).into();
+    let mut planned: Vec<PlannedSweep<'_>> = StepRule::all().map(|rule| asked.by_rule(rule)).into();
     planned.push(asked.by_jitter(false));
     planned.push(asked.by_jitter(true));
     let deepest = crossings
@@ -374,40 +371,35 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
     if exact {
         planned.push(asked.cell_by_cell());
     }
-    let sweeps = run_sweeps(&planned, scale, bound, None, clock);
-    Study {
-        judged_on: match (crossings.rough, is_dense) {
-            (true, _) => Some(
-                "none is expected of a step: the noise has detail that no step here is small \
-                 against"
-                    .to_owned(),
-            ),
-            (_, true) => Some(format!(
-                "tracking was left out: bounds of more than {MOST_DEPTHS} optical depths take as \
-                 many look-ups"
-            )),
-            _ => None,
-        },
-        ..Study::of(
-            "transmittance",
-            format!(
-                "transmittance of what varies, along the {} rays of {} × {} pixels that meet it",
-                crossings.rays.len(),
-                crossings.size[0],
-                crossings.size[1]
-            ),
-            Reference {
-                method: match exact {
-                    true => "Gauss's rule cell by cell, which leaves no error but rounding",
-                    false => {
-                        "closed forms, or collocation at Gauss points, halved until its parts agree"
-                    }
-                }
+    let method = match exact {
+        true => "Gauss's rule cell by cell, which leaves no error but rounding",
+        false => "closed forms, or collocation at Gauss points, halved until its parts agree",
+    };
+    let truth = Truth {
+        method: method.to_owned(),
+        scale,
+        bound,
+        judged: None,
+    };
+    let [width, height] = crossings.size;
+    let quantity = format!(
+        "transmittance of what varies, along the {} rays of {width} × {height} pixels that meet it",
+        crossings.rays.len()
+    );
+    let judged_on = match (crossings.rough, is_dense) {
+        (true, _) => Some(
+            "none is expected of a step: the noise has detail that no step here is small against"
                 .to_owned(),
-                bound,
-            },
-            sweeps,
-        )
+        ),
+        (_, true) => Some(format!(
+            "tracking was left out: bounds of more than {MOST_DEPTHS} optical depths take as many \
+             look-ups"
+        )),
+        _ => None,
+    };
+    Study {
+        judged_on,
+        ..Study::of("transmittance", quantity, truth, &planned, clock)
     }
 }
 
@@ -419,165 +411,134 @@ struct Asked<'c, 's> {
 }
 
 impl Asked<'_, '_> {
-    /// Asks every ray for its transmittance and counts what was looked up and drawn.
+    /// Asks every ray for its transmittance.
     fn run<'a>(
         &'a self,
-        estimate: impl Fn(&RayThroughMedia<'_>, usize) -> (f64, u64, u64) + Send + Sync + 'a,
+        estimate: impl Fn(&RayThroughMedia<'_>, usize, &mut Counters) -> f64 + Send + Sync + 'a,
     ) -> SettingRun<'a> {
         Box::new(move || {
-            let found: Vec<(f64, u64, u64)> = self
-                .crossings
-                .rays
-                .par_iter()
-                .enumerate()
-                .map(|(index, ray)| estimate(ray, index))
-                .collect();
-            let mut work = Counters::default();
-            for (_, lookups, draws) in &found {
-                work.count_times(Event::DensityLookup, *lookups);
-                work.count_times(Event::RandomDraw, *draws);
-            }
-            let errors = found.iter().zip(&self.right);
-            SettingOutcome {
-                errors: errors.map(|((value, ..), right)| value - right).collect(),
-                work,
-                rays: found.len(),
-                channels: 1,
-            }
+            SettingOutcome::of_rays(self.right.len(), &|index, work| {
+                let value = estimate(&self.crossings.rays[index], index, work);
+                Some([value - self.right[index]])
+            })
         })
     }
 
-    fn steps<'a>(&'a self, run: impl Fn(f64) -> SettingRun<'a>) -> Vec<Setting<'a>> {
-        let unit = self.crossings.unit;
-        STEPS
-            .iter()
-            .map(|&units| Setting {
-                name: format!("{units} {}", self.crossings.unit_name),
-                value: units * unit,
-                run: run(units * unit),
-                single: None,
-            })
-            .collect()
+    /// A sweep of the step along the rays, whose order is `expected` if anything is.
+    fn by_step<'a>(
+        &'a self,
+        estimator: &str,
+        expected: Option<f64>,
+        run: impl Fn(f64) -> SettingRun<'a>,
+    ) -> PlannedSweep<'a> {
+        let Crossings {
+            unit, unit_name, ..
+        } = self.crossings;
+        let setting = |units: f64| {
+            let step = units * unit;
+            Setting::new(format!("{units} {unit_name}"), step, run(step))
+        };
+        PlannedSweep {
+            estimator: estimator.to_owned(),
+            is_ours: false,
+            parameter: Parameter::Step,
+            expected: expected.map_or(ExpectedOrder::NOTHING, ExpectedOrder::of_step),
+            settings: STEPS.map(setting).into(),
+        }
     }
 
     fn by_rule(&self, rule: StepRule) -> PlannedSweep<'_> {
-        let Crossings {
-            kinks,
-            jumps,
-            rough,
-            ends,
-            ..
-        } = self.crossings;
+        let crossings = self.crossings;
         let like = match rule {
-            StepRule::Left if *ends == Ends::Same => StepRule::Trapezoid,
+            StepRule::Left if crossings.ends == Ends::Same => StepRule::Trapezoid,
             _ => rule,
         };
-        let rough = *rough || rule == StepRule::Left && *ends == Ends::Alike;
-        PlannedSweep {
-            estimator: rule.name().to_owned(),
-            is_ours: false,
-            parameter: Parameter::Step,
-            expected: match (rough, kinks) {
-                (true, _) => ExpectedOrder::NOTHING,
-                (false, true) => ExpectedOrder::of_step(like.order_with_kinks(*jumps)),
-                (false, false) => ExpectedOrder::of_step(like.order()),
-            },
-            settings: self.steps(|step| {
-                self.run(move |ray, _| {
-                    let (depth, lookups) = rule.depth(&ray.profile, step);
-                    (exp(-depth), lookups, 0)
-                })
-            }),
-        }
+        let expected = match crossings.kinks {
+            true => like.order_with_kinks(crossings.jumps),
+            false => like.order(),
+        };
+        let rough = crossings.rough || rule == StepRule::Left && crossings.ends == Ends::Alike;
+        self.by_step(rule.name(), (!rough).then_some(expected), |step| {
+            self.run(move |ray, _, work| {
+                let (depth, lookups) = rule.depth(&ray.profile, step);
+                work.count_times(Event::DensityLookup, lookups);
+                exp(-depth)
+            })
+        })
     }
 
     fn by_jitter(&self, stratified: bool) -> PlannedSweep<'_> {
-        let order = match (self.crossings.jumps, stratified) {
+        let crossings = self.crossings;
+        let expected = match (crossings.jumps, stratified) {
             (true, _) => 1.0,
             (false, true) => 1.5,
-            (false, false) if self.crossings.ends == Ends::Same => 2.0,
+            (false, false) if crossings.ends == Ends::Same => 2.0,
             (false, false) => 1.0,
         };
-        let rough = self.crossings.rough || !stratified && self.crossings.ends == Ends::Alike;
-        let name = if stratified {
-            "jittered, stratified"
-        } else {
-            "jittered, one offset a ray"
+        let rough = crossings.rough || !stratified && crossings.ends == Ends::Alike;
+        let name = match stratified {
+            true => "jittered, stratified",
+            false => "jittered, one offset a ray",
         };
-        PlannedSweep {
-            estimator: name.to_owned(),
-            is_ours: false,
-            parameter: Parameter::Step,
-            expected: if rough {
-                ExpectedOrder::NOTHING
-            } else {
-                ExpectedOrder::of_step(order)
-            },
-            settings: self.steps(|step| {
-                self.run(move |ray, index| {
-                    let stream = Stream::new(self.seed, index as u32, 0);
-                    let steps = Steps::over(ray.profile.span(), step);
-                    let (mut depth, mut lookups) = (0.0, 0);
-                    for number in 0..steps.count() {
-                        let (middle, length) = steps.sample(number);
-                        let number = if stratified { number as u32 } else { 0 };
-                        let offset = stream.uniform(0, Purpose::Tracking, number) - 0.5;
-                        let t = middle + offset * length;
-                        depth += length * (ray.profile.extinction)(t, &mut lookups);
-                    }
-                    let draws = if stratified { steps.count() as u64 } else { 1 };
-                    (exp(-depth), lookups, draws)
-                })
-            }),
-        }
+        self.by_step(name, (!rough).then_some(expected), |step| {
+            self.run(move |ray, index, work| {
+                let stream = Stream::new(self.seed, index as u32, 0);
+                let steps = Steps::over(ray.profile.span(), step);
+                let (mut depth, mut lookups) = (0.0, 0);
+                for number in 0..steps.count() {
+                    let (middle, length) = steps.sample(number);
+                    let number = if stratified { number as u32 } else { 0 };
+                    let offset = stream.uniform(0, Purpose::Tracking, number) - 0.5;
+                    let t = middle + offset * length;
+                    depth += length * (ray.profile.extinction)(t, &mut lookups);
+                }
+                let draws = if stratified { steps.count() as u64 } else { 1 };
+                work.count_times(Event::DensityLookup, lookups);
+                work.count_times(Event::RandomDraw, draws);
+                exp(-depth)
+            })
+        })
     }
 
     fn by_chance(&self, estimator: TransmittanceEstimator) -> PlannedSweep<'_> {
-        let settings = ESTIMATES.iter().map(|&count| Setting {
-            name: match count {
-                1 => "1 estimate".to_owned(),
-                _ => format!("{count} estimates"),
-            },
-            value: f64::from(count),
-            run: self.run(move |ray, index| {
-                let (mut sum, mut lookups, mut draws) = (0.0, 0, 0);
+        let setting = |count: u32| {
+            let run = self.run(move |ray, index, work| {
+                let mut sum = 0.0;
                 // Powers of two: no setting shares an estimate with another.
                 for number in count..2 * count {
                     let stream = Stream::new(self.seed, index as u32, number);
                     let sample = estimator.sample(&ray.profile, &stream);
                     sum += sample.value;
-                    lookups += sample.lookups;
-                    draws += sample.draws;
+                    work.count_times(Event::DensityLookup, sample.lookups);
+                    work.count_times(Event::RandomDraw, sample.draws);
                 }
-                (sum / f64::from(count), lookups, draws)
-            }),
-            single: None,
-        });
+                sum / f64::from(count)
+            });
+            let noun = if count == 1 { "estimate" } else { "estimates" };
+            Setting::new(format!("{count} {noun}"), f64::from(count), run)
+        };
         PlannedSweep {
             estimator: estimator.name().to_owned(),
             is_ours: estimator == TransmittanceEstimator::ResidualRatio,
             parameter: Parameter::Samples,
             expected: ExpectedOrder::OF_SAMPLES,
-            settings: settings.collect(),
+            settings: ESTIMATES.map(setting).into(),
         }
     }
 
     fn cell_by_cell(&self) -> PlannedSweep<'_> {
+        let run = self.run(|ray, _, work| {
+            let mut lookups = 0;
+            let depth = ray.depth_by_integrals(&mut lookups);
+            work.count_times(Event::DensityLookup, lookups);
+            exp(-depth)
+        });
         PlannedSweep {
             estimator: "Gauss, 2 points a cell".to_owned(),
             is_ours: true,
             parameter: Parameter::None,
             expected: ExpectedOrder::NOTHING,
-            settings: vec![Setting {
-                name: "cell by cell".to_owned(),
-                value: 0.0,
-                run: self.run(|ray, _| {
-                    let mut lookups = 0;
-                    let depth = ray.depth_by_integrals(&mut lookups);
-                    (exp(-depth), lookups, 0)
-                }),
-                single: None,
-            }],
+            settings: vec![Setting::new("cell by cell".to_owned(), 0.0, run)],
         }
     }
 }

@@ -121,6 +121,15 @@ const GAUSS: [f64; 4] = [
     0.417_959_183_673_469_4,
 ];
 
+/// Gauss's seven points on [−1, 1].
+pub const GAUSS_POINTS: [f64; 7] = [
+    -NODES[1], -NODES[3], -NODES[5], 0.0, NODES[5], NODES[3], NODES[1],
+];
+/// Weights of [`GAUSS_POINTS`].
+pub const GAUSS_WEIGHTS: [f64; 7] = [
+    GAUSS[0], GAUSS[1], GAUSS[2], GAUSS[3], GAUSS[2], GAUSS[1], GAUSS[0],
+];
+
 fn piece(f: &mut impl FnMut(f64) -> DVec3, from: f64, to: f64) -> QuadraturePiece {
     let half = 0.5 * (to - from);
     let middle = from + half;

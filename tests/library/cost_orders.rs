@@ -13,7 +13,7 @@ use volref::cost::collocation::{Collocation, Here};
 use volref::cost::estimators::table;
 use volref::cost::jitter::Jitter;
 use volref::cost::marching::Scheme;
-use volref::cost::norms::Errors;
+use volref::cost::norms::norms;
 use volref::cost::order::{ExpectedOrder, order};
 use volref::cost::profile::{BoundedSegment, Profile};
 use volref::cost::results::{Norms, OrderVerdict};
@@ -67,9 +67,7 @@ fn smooth_ray() -> Profile<'static> {
 }
 
 fn one(error: f64) -> Norms {
-    let mut errors = Errors::default();
-    errors.add(error);
-    errors.norms(1.0)
+    norms([error].into_iter(), 1.0)
 }
 
 /// Requires an order, of what is known to `bound`.
@@ -87,7 +85,7 @@ fn falls_as(what: &str, expected: f64, values: &[f64], errors: &[Norms], bound: 
 #[test]
 fn rules_for_the_depth_of_a_smooth_ray() {
     let ray = smooth_ray();
-    for rule in StepRule::ALL {
+    for rule in StepRule::all() {
         let errors = STEPS.map(|step| one((rule.depth(&ray, step).0 - DEPTH) / DEPTH));
         falls_as(rule.name(), rule.order(), &STEPS, &errors, 1e-15);
         let errors = STEPS.map(|step| one(exp(DEPTH - rule.depth(&ray, step).0) - 1.0));
@@ -174,12 +172,12 @@ fn trapezoid_and_midpoint_err_to_opposite_sides() {
 fn rules_look_where_they_say() {
     let ray = smooth_ray();
     let lookups = |rule: StepRule| rule.depth(&ray, 0.25).1;
-    assert_eq!(StepRule::ALL.map(lookups), [8, 8, 9, 17, 16]);
+    assert_eq!(StepRule::all().map(lookups), [8, 8, 9, 17, 16]);
 }
 
 #[test]
 fn schemes_of_emission_and_absorption() {
-    for scheme in Scheme::ALL {
+    for scheme in Scheme::all() {
         // A single ray has no standard deviation.
         if matches!(scheme, Scheme::Stratified | Scheme::Comb) {
             continue;
@@ -198,15 +196,15 @@ fn schemes_of_emission_and_absorption() {
 fn jittered_schemes() {
     for scheme in [Scheme::Stratified, Scheme::Comb] {
         let errors = STEPS.map(|step| {
-            let mut errors = Errors::default();
+            let mut errors = Vec::new();
             for number in 0..4000 {
                 let stream = Stream::new(1, 0, number);
                 let uniform = |index: usize| stream.uniform(0, Purpose::Tracking, index as u32);
                 let span = Span::new(0.0, 2.0);
                 let (radiance, _) = scheme.march(&Steps::over(span, step), here, uniform);
-                errors.add((radiance.x - RADIANCE) / RADIANCE);
+                errors.push((radiance.x - RADIANCE) / RADIANCE);
             }
-            errors.norms(1.0)
+            norms(errors.into_iter(), 1.0)
         });
         falls_as(scheme.name(), scheme.order(), &STEPS, &errors, 1e-14);
     }
@@ -244,17 +242,17 @@ fn across_a_jump_every_rule_has_order_one() {
     let places: Vec<f64> = (0..4000)
         .map(|i| 0.3 + 1.4 * f64::from(i) / 4000.0 + 1e-5)
         .collect();
-    for rule in StepRule::ALL {
+    for rule in StepRule::all() {
         let errors = STEPS.map(|step| {
-            let mut errors = Errors::default();
+            let mut errors = Vec::new();
             for &place in &places {
                 let jump = Profile {
                     extinction: Box::new(move |t, _| if t < place { 2.0 } else { 0.2 }),
                     ..smooth_ray()
                 };
-                errors.add(rule.depth(&jump, step).0 / (0.2 * 2.0 + 1.8 * place) - 1.0);
+                errors.push(rule.depth(&jump, step).0 / (0.2 * 2.0 + 1.8 * place) - 1.0);
             }
-            errors.norms(1.0)
+            norms(errors.into_iter(), 1.0)
         });
         falls_as(rule.name(), 1.0, &STEPS, &errors, 1e-15);
     }
@@ -358,14 +356,14 @@ fn rules_on_a_grid() {
                 light.depth
             );
         }
-        for rule in StepRule::ALL {
+        for rule in StepRule::all() {
             let errors = STEPS_IN_CELLS.map(|step| {
-                let mut errors = Errors::default();
+                let mut errors = Vec::new();
                 for (ray, exact) in rays.iter().zip(&exact) {
                     let profile = through(&grid, interpolation, *ray);
-                    errors.add((rule.depth(&profile, step).0 - exact) / exact);
+                    errors.push((rule.depth(&profile, step).0 - exact) / exact);
                 }
-                errors.norms(1.0)
+                norms(errors.into_iter(), 1.0)
             });
             let jumps = interpolation == Interpolation::Nearest;
             let name = format!("{} on {interpolation:?}", rule.name());
@@ -402,11 +400,11 @@ fn finer_data() {
     let pointwise = |interpolation: Interpolation| {
         CELLS.map(|count| {
             let density = GridDensity::new(sampled(count), interpolation);
-            let mut errors = Errors::default();
+            let mut errors = Vec::new();
             for point in &points {
-                errors.add((density.density(*point) - blob().density(*point)) / 2.0);
+                errors.push((density.density(*point) - blob().density(*point)) / 2.0);
             }
-            errors.norms(1.0)
+            norms(errors.into_iter(), 1.0)
         })
     };
     let trilinear = pointwise(Interpolation::Trilinear);
@@ -422,15 +420,15 @@ fn finer_data() {
     let depths = |interpolation: Interpolation| {
         CELLS.map(|count| {
             let density = GridDensity::new(sampled(count), interpolation);
-            let mut errors = Errors::default();
+            let mut errors = Vec::new();
             for ray in &rays {
                 let span = density.bounds().span(ray).unwrap();
                 let exact =
                     quadrature::integral(span.near, span.far, 64, |t| blob().density(ray.at(t)));
                 let found = density.integral(ray.origin, *ray.direction, span, &mut 0);
-                errors.add((found - exact) / exact);
+                errors.push((found - exact) / exact);
             }
-            errors.norms(1.0)
+            norms(errors.into_iter(), 1.0)
         })
     };
     let trilinear = depths(Interpolation::Trilinear);
@@ -464,25 +462,25 @@ fn gradients_of_finer_data() {
     let along_x = |find: &dyn Fn(&GridDensity, DVec3, f64) -> f64| {
         CELLS.map(|count| {
             let density = GridDensity::new(sampled(count), Interpolation::Trilinear);
-            let mut errors = Errors::default();
+            let mut errors = Vec::new();
             for point in &points {
-                errors.add(find(&density, *point, 1.0 / count as f64) - right(*point).x);
+                errors.push(find(&density, *point, 1.0 / count as f64) - right(*point).x);
             }
             // Largest slope of the blob: peak/width · e^(−½).
-            let all = errors.norms(3.47);
+            let all = norms(errors.into_iter(), 3.47);
             Norms { l2: all.max, ..all }
         })
     };
     let x = DVec3::X;
     let stored = CELLS.map(|count| {
         let gradients = gradients(&*sampled(count));
-        let mut errors = Errors::default();
+        let mut errors = Vec::new();
         for point in &points {
             let place = gradients.lattice().to_nodes(*point);
             let found = Cell::around(gradients.lattice(), place).trilinear(&gradients);
-            errors.add(found.x - right(*point).x);
+            errors.push(found.x - right(*point).x);
         }
-        let all = errors.norms(3.47);
+        let all = norms(errors.into_iter(), 3.47);
         Norms { l2: all.max, ..all }
     });
     falls_as(
@@ -535,7 +533,7 @@ fn finer_pixels() {
     let sizes = SIDES.map(|side| 1.0 / side as f64);
     let errors = |image: &dyn Fn(f64, f64) -> f64| {
         SIDES.map(|side| {
-            let mut errors = Errors::default();
+            let mut errors = Vec::new();
             let at = |x: f64, y: f64| image(x / side as f64, y / side as f64);
             for index in 0..side * side {
                 let (x, y) = ((index % side) as f64, (index / side) as f64);
@@ -545,9 +543,9 @@ fn finer_pixels() {
                     let (right, down) = (f64::from(point % 8), f64::from(point / 8));
                     area += at(x + (right + 0.5) / 8.0, y + (down + 0.5) / 8.0) / 64.0;
                 }
-                errors.add(at(x + 0.5, y + 0.5) - area);
+                errors.push(at(x + 0.5, y + 0.5) - area);
             }
-            errors.norms(1.0)
+            norms(errors.into_iter(), 1.0)
         })
     };
     let smooth = errors(&|x, y| 0.5 + 0.4 * sin(5.0 * x + 1.0) * cos(7.0 * y * x));
