@@ -1,14 +1,14 @@
-//! The guide to the commands. This module has no code.
+//! The guide to the commands. This module contains no code.
 //!
 //! | chapter | about |
 //! | --- | --- |
-//! | [`scenes`] | your own cloud, camera, transfer functions, messages |
+//! | [`scenes`] | your own point cloud, camera, transfer functions, error messages |
 //! | [`volume_files`] | formats, spacing, centring |
 //! | [`fog_and_smoke`] | media, surfaces, lights, and the estimators behind them |
 //! | [`suite`] | the cases, their goldens, a new golden, a new case |
-//! | [`comparing`] | judging a renderer, reading a failure, two images, gates, samples and noise |
+//! | [`comparing`] | judging a renderer, failures, comparing two images, gates, samples and noise |
 //! | [`accuracy_and_cost`] | error against look-ups and time |
-//! | [`effects`] | the effects a scene calls for, and the instructions saved |
+//! | [`effects`] | the effects that a scene needs, and the instructions saved |
 //! | [`hard_cases`] | inputs that make renderers wrong; the same bits on every architecture |
 //! | [`peers`] | exports to Mitsuba, pbrt and bundles |
 //! | [`working_on_volref`] | checks, self-test, fuzzing, speed |
