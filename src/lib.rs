@@ -1,16 +1,16 @@
-//! volref: a reference renderer for volumes, and the harness that judges other renderers by it.
+//! volref: a reference renderer for volumes, and a harness that tests other renderers against it.
 //!
-//! Somebody writes a volume renderer and gets an image. volref tells them what the right image
-//! is and whether theirs differs from it.
+//! volref provides the correct image of a scene, and decides whether the image of another renderer
+//! differs from it.
 //!
 //! **Read [`reference::ray_caster`] first, then [`reference::path_tracer`]:** the two reference
 //! renderers, deliberately straightforward, a file each. [`render`] holds the fast renderers, which
 //! are tested against them. [`guide`] is the manual of the commands.
 //!
-//! # What is solved
+//! # Equations
 //!
-//! **Classified volume** (direct volume rendering, after Levoy 1988 and Max 1995). A ray through
-//! the centre of each pixel is sampled in the middle of steps of length `h`. At sample `i` the
+//! **Classified volumes** (direct volume rendering, after Levoy 1988 and Max 1995). A ray through
+//! the centre of each pixel is sampled at the midpoints of steps of length `h`. At sample `i` the
 //! density `d_i` is interpolated from a grid and classified:
 //!
 //! ```text
@@ -32,42 +32,42 @@
 //! T(t)    = exp(−∫₀^t σ_t dt'),  σ_t = σ_a + σ_s
 //! ```
 //!
-//! with `j` the emission and `p` the phase function; the surface emits light, or reflects and
-//! refracts what arrives there. Solved by the cheapest method that is exact for what the scene
-//! asks: closed forms and integrals along the line of sight ([`render::radiative::line_of_sight`]), else path
-//! tracing ([`render::radiative::path_tracer`]). Where coefficients differ from place to place, they are a
-//! density ([`volume::DensityField`]) times constants, and paths follow it by tracking
+//! with `j` the emission and `p` the phase function; the surface emits, reflects and refracts
+//! light. The equation is solved by the cheapest method that is exact for the scene: closed forms
+//! and integrals along the line of sight ([`render::radiative::line_of_sight`]), else path tracing
+//! ([`render::radiative::path_tracer`]). The coefficients of heterogeneous media are a density
+//! ([`volume::DensityField`]) times constants, and paths are sampled by tracking
 //! ([`render::radiative::tracking`]).
 //!
 //! # Conventions
 //!
 //! - Right-handed, y up; looking along +z, +x is to the left of the image.
 //! - Lengths in world units, angles in degrees in files and radians in code.
-//! - Radiance is linear RGB. EXR holds it as it is; PNG is a preview, sRGB encoded at a stated
+//! - Radiance is linear RGB. EXR stores it unchanged; PNG is a preview, sRGB encoded at a stated
 //!   exposure. Images are stored top row first.
-//! - Phase functions: `cos θ` lies between the directions of travel before and after; `g > 0` is
-//!   forward. Coefficients are per world unit.
+//! - Phase functions: `θ` is the angle between the directions of travel before and after; `g > 0`
+//!   is forward. Coefficients are per world unit.
 //! - Pixels: the radiance through the centre where no random numbers are needed, else the mean over
 //!   the pixel's square.
 //! - Grids are node-centred, x fastest; interpolation is `a + (b − a)·t`. *One voxel* as a length
-//!   is the smallest distance of neighbouring nodes.
-//! - Sample positions follow from an index, `t0 + (i + ½)·h`; the last step is as long as what is
-//!   left of the ray.
+//!   is the smallest distance between neighbouring nodes.
+//! - Sample positions follow from an index, `t0 + (i + ½)·h`; the last step ends at the end of the
+//!   span.
 //! - Nothing is skipped unless it is exactly zero, and there is no absolute epsilon anywhere:
-//!   scaling every length by a power of two moves no bit.
+//!   scaling every length by a power of two changes no bit.
 //! - **Same bits everywhere**: for any number of threads, debug or release, any platform.
 //!   Transcendental functions come from [`math`] alone, which forwards to a pinned `libm`.
 //!
-//! # Where to begin
+//! # Modules
 //!
-//! [`mod@reference`] holds the plain renderers, [`scene`] what they are given. [`render`] does the
-//! same fast, and [`render::plan`] says which code runs for a scene, and why. [`compare`] judges two
-//! images, [`suite`] keeps the goldens and knows the [mistakes](suite::mistakes) people make,
-//! [`hard_cases`] is the catalogue of inputs that make renderers wrong, [`exchange`] says a scene in
-//! other renderers' words. Other renderers' tests begin at [`suite::check`]. Arrows between modules
-//! only point down this list: `cli`, [`report`], [`suite`], [`hard_cases`], [`cost`], [`compare`],
-//! [`exchange`], [`mod@reference`], [`render`], [`scene`], [`media`], [`optics`], [`volume`],
-//! [`geometry`], [`film`], [`math`].
+//! [`mod@reference`] holds the plain renderers, [`scene`] their input. [`render`] computes the same
+//! images fast, and [`render::plan`] chooses the code for a scene, with reasons. [`compare`] judges
+//! two images, [`suite`] holds the goldens and the catalogue of common [mistakes](suite::mistakes),
+//! [`hard_cases`] is the catalogue of inputs for which renderers silently give wrong results,
+//! [`exchange`] exports scenes to other renderers. Tests of other renderers start at
+//! [`suite::check`]. Modules import only from later modules of this list: `cli`, [`report`],
+//! [`suite`], [`hard_cases`], [`cost`], [`compare`], [`exchange`], [`mod@reference`], [`render`],
+//! [`scene`], [`media`], [`optics`], [`volume`], [`geometry`], [`film`], [`math`].
 //!
 //! ```no_run
 //! use volref::render::{Sampling, plans, render};

@@ -1,6 +1,6 @@
-//! Which faces of a mesh a line may cross.
+//! Candidate faces of a mesh for a line.
 //!
-//! Why our own, with good crates about:
+//! Our own, for these reasons:
 //! - `bvh` (0.12) takes f64, but its ray test calls every ray that lies in the plane of a box's
 //!   face a miss. Rays along an axis do that wherever they pass a vertex: of sixteen flat boxes
 //!   in a row, a ray that runs straight into the edge two of them share finds none. Its builder
@@ -9,7 +9,7 @@
 //! - `obvhs` (0.4) is f32 throughout: boxes would have to be moved near the origin and rounded
 //!   outward before they bound f64 triangles.
 //!
-//! What is left to write once boxes and ray test are ours is the sorting of faces, below.
+//! With boxes and ray test of our own, only the sorting of faces below remains.
 
 use super::{Aabb, Ray};
 
@@ -33,9 +33,9 @@ pub(super) struct Bvh {
 #[derive(Clone, Debug)]
 struct BvhNode {
     bounds: Aabb,
-    /// The node to go to when this one, with all below it, is done with.
+    /// The next node after this one and all below it.
     next: usize,
-    /// Where the faces of a leaf are; empty for an inner node.
+    /// Faces of a leaf; empty for an inner node.
     faces: std::ops::Range<usize>,
 }
 
@@ -80,8 +80,8 @@ impl Bvh {
         self.nodes[index].next = self.nodes.len();
     }
 
-    /// Calls `visit` with every face that the line may cross at distances from `from` to a
-    /// limit, which each call may lower by what it returns.
+    /// Calls `visit` with every face that the line may cross at distances from `from` to a limit;
+    /// each call returns the limit from then on.
     pub fn walk(
         &self,
         ray: &Ray,
@@ -103,7 +103,7 @@ impl Bvh {
     }
 }
 
-/// Whether the widened box may be met between two distances.
+/// Whether the ray may enter the widened box between two distances.
 fn meets(bounds: &Aabb, ray: &Ray, from: f64, limit: f64) -> bool {
     let (low, high) = (bounds.min - ray.origin, bounds.max - ray.origin);
     let wider = WIDENING * low.abs().max(high.abs()).max_element();

@@ -5,7 +5,7 @@ use crate::math;
 use glam::DVec3;
 use thiserror::Error;
 
-/// A pinhole camera: rays through the centres of pixels, or through any place of the image; no
+/// A pinhole camera: rays through the centres of pixels or any other point of the image, without a
 /// lens.
 ///
 /// Right-handed: looking along +z with +y up, +x is to the *left* of the image. Pixels are
@@ -20,7 +20,7 @@ pub struct Camera {
     half_up: DVec3,
 }
 
-/// Why three vectors and an angle make no camera.
+/// Error in the vectors of a camera.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum CameraError {
     /// Eye and target coincide.
@@ -33,7 +33,7 @@ pub enum CameraError {
 
 impl Camera {
     /// A camera at `eye` looking at `target`. `vertical_fov` is the full angle from the top to
-    /// the bottom edge of the image, in radians, in (0, π); it is the caller's to check.
+    /// the bottom edge of the image, in radians, in (0, π), which the caller checks.
     pub fn new(
         eye: DVec3,
         target: DVec3,
@@ -54,7 +54,7 @@ impl Camera {
         })
     }
 
-    /// Where the rays begin.
+    /// Origin of the rays.
     pub fn eye(&self) -> DVec3 {
         self.eye
     }
@@ -64,7 +64,7 @@ impl Camera {
         2.0 * math::atan2(self.half_up.length(), 1.0)
     }
 
-    /// The same camera with another [`Camera::vertical_fov`], in (0, π).
+    /// This camera with another [`Camera::vertical_fov`], in (0, π).
     pub fn with_vertical_fov(&self, vertical_fov: f64) -> Camera {
         let factor = math::tan(0.5 * vertical_fov) / self.half_up.length();
         Camera {
@@ -74,22 +74,22 @@ impl Camera {
         }
     }
 
-    /// Upwards in the image, at a right angle to [`Camera::forward`].
+    /// Up direction of the image, perpendicular to [`Camera::forward`].
     pub fn upright(&self) -> Direction {
         self.upright
     }
 
-    /// Direction of the middle of the image.
+    /// Direction to the centre of the image.
     pub fn forward(&self) -> Direction {
         self.forward
     }
 
-    /// From the middle of the image plane at distance 1, half the image's height to the right.
+    /// Vector to the right in the image plane at distance 1, as long as half the image's height.
     pub fn half_right(&self) -> DVec3 {
         self.half_right
     }
 
-    /// From the middle of the image plane at distance 1 to its upper edge.
+    /// Vector from the centre of the image plane at distance 1 to its upper edge.
     pub fn half_up(&self) -> DVec3 {
         self.half_up
     }

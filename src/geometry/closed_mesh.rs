@@ -1,4 +1,4 @@
-//! Meshes that enclose something.
+//! Meshes that enclose a volume.
 
 use super::{Aabb, Hit, Mesh, MeshError, Ray, Side, Solid, Span, Surface, Transform};
 use crate::math::Sum;
@@ -12,7 +12,7 @@ pub struct ClosedMesh(Mesh);
 /// A side of a face: the lower vertex number first.
 struct MeshEdge {
     ends: [usize; 2],
-    /// Whether the face runs from the lower number to the higher.
+    /// Whether the face traverses the edge from the lower number to the higher.
     ascending: bool,
     face: usize,
 }
@@ -21,7 +21,7 @@ impl ClosedMesh {
     /// `mesh`, if every edge belongs to exactly two faces that run along it in opposite
     /// directions, and the enclosed volume is positive.
     ///
-    /// Vertices at the same place count as different unless they have the same number;
+    /// Vertices at the same position count as different unless they have the same number;
     /// [`Mesh::load`] gives them the same number.
     pub fn new(mesh: Mesh) -> Result<ClosedMesh, MeshError> {
         let mut edges = edges(&mesh);
@@ -59,9 +59,9 @@ impl Surface for ClosedMesh {
 }
 
 impl Solid for ClosedMesh {
-    /// Counts how often the line has gone in more than out, from its far end on. Over the whole
-    /// line the count returns to zero, through edges and vertices too, so whether the origin
-    /// lies inside needs no test of its own.
+    /// Counts entries minus exits of the line, from its far end on. Over the whole line the count
+    /// returns to zero, through edges and vertices too, so the origin needs no inside test of its
+    /// own.
     fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
         let mut crossings = Vec::new();
         self.0.crossings(ray, &mut crossings);
@@ -102,7 +102,7 @@ fn edges(mesh: &Mesh) -> Vec<MeshEdge> {
         .collect()
 }
 
-/// Checks the faces that share one edge.
+/// Checks the faces that share an edge.
 fn check(mesh: &Mesh, sharing: &[MeshEdge]) -> Result<(), MeshError> {
     let [from, to] = sharing[0].ends.map(|vertex| mesh.vertices()[vertex]);
     let face = sharing[0].face + 1;

@@ -1,4 +1,4 @@
-//! Where a ray meets a surface, and how it leaves again.
+//! Intersections of rays with surfaces, and rays that leave surfaces.
 //!
 //! # Leaving without meeting the same surface again
 //!
@@ -33,54 +33,53 @@ use glam::DVec3;
 /// shows that its own roundings stay below a quarter of it, 128u.
 pub(super) const RELATIVE_CLEARANCE: f64 = 1.0 / (1_u64 << 44) as f64;
 
-/// Which side of a surface was met.
+/// Side of a surface that a ray hits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// The side the normal points to; outside, for closed shapes.
     Front,
-    /// The other side; a ray leaving a closed shape meets it.
+    /// The other side; a ray leaving a closed shape hits it.
     Back,
 }
 
-/// A point of a surface, as something to start a ray from.
+/// A point of a surface, from which rays can start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
     /// World point, on the surface up to a quarter of `clearance`.
     pub position: DVec3,
     /// Geometric normal: outward for closed shapes, by the order of edges or vertices for open
-    /// ones. It does not turn towards the ray.
+    /// ones. It does not depend on the ray.
     pub normal: Direction,
-    /// How far off the surface a ray must start not to meet it, in world units.
+    /// Distance from the surface at which a ray must start in order not to hit it, in world units.
     pub clearance: f64,
 }
 
-/// Where a ray meets a surface.
+/// Intersection of a ray with a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Distance from the ray's origin, in world units, positive.
     pub t: f64,
-    /// The point met. More accurate than `ray.at(t)`: it is put onto the surface.
+    /// The point of intersection. More accurate than `ray.at(t)`: it is projected onto the surface.
     pub point: SurfacePoint,
-    /// The side met.
+    /// The side that the ray hits.
     pub side: Side,
     /// Face of a mesh or side of a box (−x, −y, −z, +x, +y, +z); 0 for other shapes.
     pub face: usize,
-    /// Place on the face, each in [0, 1]: along the two edges of a rectangle, weights of the
+    /// Position on the face, each in [0, 1]: along the two edges of a rectangle, weights of the
     /// second and third vertex of a triangle; 0 for spheres and boxes.
     pub uv: [f64; 2],
 }
 
 impl SurfacePoint {
-    /// The ray that leaves the surface along `direction`, brought to length 1 once more; `None`
-    /// where roundings have left nothing of it. It starts off the surface, on the side it heads
-    /// for. A direction exactly along the surface counts as heading for the front.
+    /// The ray that leaves the surface along `direction`, normalized again; `None` if rounding has
+    /// reduced it to zero. It starts off the surface, on the side of `direction`. A direction
+    /// exactly along the surface counts as leaving from the front.
     pub fn leave(&self, direction: Direction) -> Option<Ray> {
         Ray::new(self.origin_towards(*direction), *direction)
     }
 
-    /// The ray from this point to another one, and the distance at which to stop looking for
-    /// anything in between: both surfaces lie outside that segment. `None` where the two
-    /// starting points coincide.
+    /// The ray from this point to another one, and the length of the segment between their
+    /// surfaces, which excludes both. `None` if the two starting points coincide.
     pub fn towards_surface(&self, other: &SurfacePoint) -> Option<(Ray, f64)> {
         let line = other.position - self.position;
         let (from, to) = (self.origin_towards(line), other.origin_towards(-line));

@@ -7,8 +7,8 @@ use super::{Aabb, Direction, Emitter, Hit, MeshError, Ray, Surface, SurfacePoint
 use crate::math::Sum;
 use glam::DVec3;
 
-/// A triangle mesh. Corners run anticlockwise seen from the front. It may be open; what bounds
-/// a medium is a [`ClosedMesh`](super::ClosedMesh).
+/// A triangle mesh, open or closed, with corners anticlockwise seen from the front. Media are
+/// bounded by a [`ClosedMesh`](super::ClosedMesh).
 #[derive(Clone, Debug)]
 pub struct Mesh {
     vertices: Vec<DVec3>,
@@ -60,8 +60,8 @@ impl Mesh {
         })
     }
 
-    /// The surface of a box, as twelve triangles with their fronts outside. A flat box has
-    /// triangles without area, and is refused.
+    /// The surface of a box, as twelve triangles that face outwards. A flat box is refused, since
+    /// it has triangles without area.
     pub fn cuboid(bounds: &Aabb) -> Result<Mesh, MeshError> {
         let pick = |corner: usize, axis: usize| [bounds.min, bounds.max][corner >> axis & 1][axis];
         let vertices = (0..8).map(|c| DVec3::new(pick(c, 0), pick(c, 1), pick(c, 2)));
@@ -89,7 +89,7 @@ impl Mesh {
         &self.faces
     }
 
-    /// The mesh with every vertex moved by `transform`. Mirroring keeps the front in front.
+    /// The mesh with every vertex transformed. Mirroring preserves the front.
     pub fn transformed(&self, transform: &Transform) -> Result<Mesh, MeshError> {
         let vertices = self.vertices.iter().map(|&v| transform.point(v)).collect();
         let mut faces = self.faces.clone();
@@ -172,7 +172,7 @@ impl Emitter for Mesh {
         self.areas[self.areas.len() - 1]
     }
 
-    /// The first number chooses the face by area; what is left of it and the second choose the
+    /// The first number chooses the face by area; its remainder and the second number choose the
     /// point, weights `1 − √a`, `√a·(1 − b)`, `√a·b`.
     fn sample(&self, [u, v]: [f64; 2]) -> SurfacePoint {
         let target = u * self.area();

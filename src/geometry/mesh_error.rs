@@ -1,20 +1,20 @@
-//! What can be wrong with a mesh.
+//! Errors in meshes.
 
 use crate::decoder::Stopped;
 use glam::DVec3;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// Why a mesh is refused. Faces are counted from 1, as triangles: polygons of a file are cut
-/// into triangles first.
+/// Reason for refusing a mesh. Faces are counted from 1, as triangles: polygons of a file are
+/// triangulated first.
 #[derive(Debug, Error)]
 pub enum MeshError {
     /// The file cannot be opened or read.
     #[error("cannot read the mesh {path}: {source}")]
     Unreadable {
-        /// The file asked for.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The text is not a Wavefront OBJ file.
@@ -25,7 +25,7 @@ pub enum MeshError {
     /// The reader panicked.
     #[error("not a mesh in Wavefront OBJ format: {0}")]
     Stopped(#[from] Stopped),
-    /// There is no face.
+    /// The mesh has no faces.
     #[error("the mesh has no faces; a file of bare points is a point cloud, not a mesh")]
     Empty,
     /// A face refers to a vertex that does not exist.
@@ -57,7 +57,7 @@ pub enum MeshError {
     /// The area is too large or too small for a number.
     #[error("the mesh's area is {0}: its size leaves the range of numbers; choose other units")]
     Range(f64),
-    /// A surface with a border bounds nothing.
+    /// The surface has a border and encloses nothing.
     #[error(
         "the mesh is open: the edge from {from} to {to} belongs to face {face} only; a medium needs a closed boundary, so fill the hole"
     )]

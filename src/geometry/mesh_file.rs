@@ -12,8 +12,8 @@ use std::path::Path;
 const MOST_BYTES: u64 = 1 << 32;
 
 impl Mesh {
-    /// The mesh in an OBJ file: all its objects and groups together, polygons cut into
-    /// triangles, materials left aside.
+    /// The mesh in an OBJ file: all its objects and groups together, polygons triangulated,
+    /// materials ignored.
     pub fn load(path: &Path) -> Result<Mesh, MeshError> {
         Mesh::load_hashed(path).map(|(mesh, _)| mesh)
     }
@@ -50,8 +50,8 @@ impl Mesh {
     }
 }
 
-/// Faces whose equal positions have equal numbers. `tobj` numbers each object's vertices anew,
-/// so neighbours in different objects would not know each other.
+/// Faces with equal numbers for equal positions. `tobj` numbers the vertices of each object
+/// separately, so neighbours in different objects would not share vertices.
 #[derive(Default)]
 struct Welded {
     vertices: Vec<DVec3>,

@@ -1,10 +1,10 @@
 //! Rays, spans, shapes, transforms and the camera.
 //!
-//! [`Surface`], [`Solid`] and [`Emitter`] are what a renderer asks of a shape: the nearest hit,
-//! the segments of a ray inside, points uniform by area. [`Sphere`], [`Aabb`], [`Rectangle`],
-//! [`Mesh`] and [`ClosedMesh`] answer; [`Placed`] puts any of them somewhere else, and
-//! [`Shape`], [`Boundary`] and [`Luminous`] hold one of several. How a ray
-//! leaves a surface without meeting it again is [`SurfacePoint`]'s.
+//! [`Surface`], [`Solid`] and [`Emitter`] are the interfaces of a shape: the nearest hit, the
+//! segments of a ray inside, uniform points by area. [`Sphere`], [`Aabb`], [`Rectangle`], [`Mesh`]
+//! and [`ClosedMesh`] implement them; [`Placed`] transforms any of them, and [`Shape`],
+//! [`Boundary`] and [`Luminous`] are enums over them. [`SurfacePoint`] starts rays so that they do
+//! not hit their own surface again.
 
 mod aabb;
 mod aabb_surface;

@@ -1,9 +1,8 @@
-//! Shapes somewhere else.
+//! Transformed shapes.
 
 use super::{Aabb, Hit, Ray, Solid, Span, Surface, SurfacePoint, Transform};
 
-/// A shape moved by a transform. Rays go to the shape rather than the shape to the rays, so a
-/// turned box is still a box.
+/// A shape with a transform. Rays are mapped to object space, so a rotated box is still a box.
 ///
 /// All distances are world distances, whatever the scale (an object ray has a direction of
 /// length 1 too, and its distances are divided by the scale along it).
@@ -24,7 +23,7 @@ impl<S: Surface> Placed<S> {
         &self.shape
     }
 
-    /// Where it is.
+    /// The map from object space to the world.
     pub fn to_world(&self) -> &Transform {
         &self.to_world
     }

@@ -6,7 +6,7 @@ use glam::DVec3;
 /// A half-line `origin + t·direction`, `t ≥ 0`; `t` is a distance in world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// World point at `t = 0`.
+    /// World position at `t = 0`.
     pub origin: DVec3,
     /// Direction of travel.
     pub direction: Direction,
@@ -18,7 +18,7 @@ impl Ray {
         Direction::of(towards).map(|direction| Ray { origin, direction })
     }
 
-    /// World point at distance `t`.
+    /// World position at distance `t`.
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + self.direction * t
     }
@@ -45,8 +45,8 @@ impl Span {
     }
 }
 
-/// `|v|` of a finite vector, over its whole range: where `|v|²` would leave the range of normal
-/// numbers, it is taken of `v` brought near 1 by a power of two.
+/// `|v|` of a finite vector, over the whole range: where `|v|²` would leave the range of normal
+/// numbers, `v` is scaled to near 1 by a power of two.
 pub fn length_of(v: DVec3) -> f64 {
     let length_squared = v.length_squared();
     if (1e-290..1e290).contains(&length_squared) {
@@ -62,7 +62,7 @@ pub fn length_of(v: DVec3) -> f64 {
     (v * factor).length() / factor
 }
 
-/// The part of a segment of line from `near` to `far` with `t ≥ 0`, if there is one.
+/// The part with `t ≥ 0` of the line segment from `near` to `far`, if any.
 pub(super) fn ahead(near: f64, far: f64) -> Option<Span> {
     // Not `max`, which may return a zero of either sign where both are zeros.
     let near = if near > 0.0 { near } else { 0.0 };

@@ -9,8 +9,9 @@ use super::{
 };
 use glam::DVec3;
 
-/// A flat piece spanned by two edges at a corner; a parallelogram if they are not perpendicular.
-/// Its normal is along `edge_u × edge_v`. Whether light uses one side or both is the material's.
+/// A rectangle spanned by two edges at a corner; a parallelogram if they are not perpendicular. Its
+/// normal is along `edge_u × edge_v`. The material decides whether one or both sides interact with
+/// light.
 ///
 /// Two rectangles whose corners have the same bits have no gap between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,14 +20,15 @@ pub struct Rectangle {
     edge_u: DVec3,
     edge_v: DVec3,
     normal: Direction,
-    /// Vectors in the plane whose products with a vector are its parts along the two edges.
+    /// Dual basis of the edges: the dot products with a vector are its coordinates along the two
+    /// edges.
     duals: [DVec3; 2],
     /// Largest component of the duals, per world unit.
     steepest: f64,
     clearance: f64,
 }
 
-/// Where a ray crosses a rectangle.
+/// Intersection of a ray with a rectangle.
 struct RectangleCrossing {
     t: f64,
     side: Side,

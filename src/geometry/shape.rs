@@ -1,4 +1,4 @@
-//! Shapes side by side: a scene holds many, of any form.
+//! Enums over the shapes of a scene.
 
 use super::{
     Aabb, ClosedMesh, Emitter, Hit, Mesh, Placed, Ray, Rectangle, Solid, Span, Sphere, Surface,
@@ -6,8 +6,8 @@ use super::{
 };
 use std::sync::Arc;
 
-/// Any surface. A mesh is shared by all its instances; a shape that was not moved keeps its
-/// exact coordinates, so that faces given in the same place coincide to the bit.
+/// Any surface. A mesh is shared by all its instances; a shape without a transform keeps its exact
+/// coordinates, so that faces given at the same place coincide to the bit.
 #[derive(Clone, Debug)]
 pub enum Shape {
     /// A sphere.
@@ -54,7 +54,7 @@ pub enum Luminous {
     Mesh(Arc<Mesh>),
 }
 
-/// Calls the same method on whatever an enum holds.
+/// Calls the same method on every variant.
 macro_rules! each {
     ($self:expr, $kind:ident: $($variant:ident)|+, $shape:ident => $call:expr) => {
         match $self { $($kind::$variant($shape) => $call,)+ }

@@ -1,9 +1,9 @@
-//! Numbers that make no shape.
+//! Errors in the numbers of a shape.
 
 use glam::DVec3;
 use thiserror::Error;
 
-/// Why a sphere, box or rectangle is refused.
+/// Reason for refusing a sphere, box or rectangle.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum ShapeError {
     /// A coordinate is NaN or infinite.
@@ -17,7 +17,8 @@ pub enum ShapeError {
     /// The radius is zero, negative or not finite.
     #[error("the radius of a sphere must be positive and finite, got {0}")]
     Radius(f64),
-    /// The sphere is so small, for where it is, that its points coincide.
+    /// The sphere is so small, compared with its distance from the origin, that its points
+    /// coincide.
     #[error(
         "a sphere of radius {radius} vanishes at {centre}: coordinates there are too coarse; move the scene nearer to the origin"
     )]
@@ -32,9 +33,9 @@ pub enum ShapeError {
         "the box's min {min} must not exceed its max {max} on any axis; swap them where it does"
     )]
     Inverted {
-        /// Given as smallest coordinates.
+        /// The `min` given.
         min: DVec3,
-        /// Given as largest coordinates.
+        /// The `max` given.
         max: DVec3,
     },
     /// The edges of a rectangle are zero or parallel.

@@ -17,7 +17,7 @@ pub struct Sphere {
     radius: f64,
 }
 
-/// The chord a line cuts from a sphere, and where on the line the origin is.
+/// The chord of a line in a sphere, and the position of the ray's origin relative to it.
 struct Chord {
     near: f64,
     far: f64,

@@ -5,7 +5,7 @@ use crate::math;
 use glam::{DMat3, DVec3};
 use thiserror::Error;
 
-/// An invertible affine map `p ↦ M·p + o`, kept together with its inverse.
+/// An invertible affine map `p ↦ M·p + o`, stored with its inverse.
 ///
 /// Maps built from translations, rotations and scalings carry the inverse as the same factors
 /// in reverse order, so that no matrix is ever inverted numerically for them.
@@ -17,7 +17,7 @@ pub struct Transform {
     inverse_offset: DVec3,
 }
 
-/// Why numbers make no invertible map.
+/// Reason for refusing a transform.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum TransformError {
     /// A component is NaN or infinite, or the inverse of one would be.
@@ -42,7 +42,7 @@ pub enum TransformError {
 }
 
 impl Transform {
-    /// The map that moves nothing.
+    /// The identity map.
     pub const IDENTITY: Transform = Transform {
         linear: DMat3::IDENTITY,
         offset: DVec3::ZERO,
@@ -50,7 +50,7 @@ impl Transform {
         inverse_offset: DVec3::ZERO,
     };
 
-    /// Moves every point by `offset`, in world units.
+    /// Translation of every point by `offset`, in world units.
     pub fn translation(offset: DVec3) -> Result<Transform, TransformError> {
         finite(offset)?;
         Ok(Transform {
@@ -60,9 +60,9 @@ impl Transform {
         })
     }
 
-    /// Turns about an axis through the origin by `degrees`, right-handed: seen with the axis
-    /// pointing at the viewer, anticlockwise. `axis` has any length but 0. Multiples of 90°
-    /// about a coordinate axis are exact.
+    /// Rotation around an axis through the origin by `degrees`, right-handed: anticlockwise seen
+    /// with the axis pointing at the viewer. `axis` has any length but 0. Multiples of 90° about a
+    /// coordinate axis are exact.
     pub fn rotation(axis: DVec3, degrees: f64) -> Result<Transform, TransformError> {
         finite(axis)?;
         finite(DVec3::splat(degrees))?;
@@ -79,7 +79,7 @@ impl Transform {
         })
     }
 
-    /// Stretches along the coordinate axes; negative factors mirror.
+    /// Scaling along the coordinate axes; negative factors mirror.
     pub fn scale(factors: DVec3) -> Result<Transform, TransformError> {
         finite(factors)?;
         if factors.cmpeq(DVec3::ZERO).any() {
@@ -126,7 +126,7 @@ impl Transform {
         })
     }
 
-    /// First this map, then `next`: "turned, then moved" reads in the order it happens.
+    /// This map followed by `next`.
     pub fn then(&self, next: &Transform) -> Transform {
         Transform {
             linear: next.linear * self.linear,
@@ -136,7 +136,7 @@ impl Transform {
         }
     }
 
-    /// The map that undoes this one.
+    /// The inverse map.
     pub fn inverse(&self) -> Transform {
         Transform {
             linear: self.inverse_linear,
@@ -146,31 +146,30 @@ impl Transform {
         }
     }
 
-    /// Where the point `p` goes.
+    /// Image of the point `p`.
     pub fn point(&self, p: DVec3) -> DVec3 {
         self.linear * p + self.offset
     }
 
-    /// Where the difference of two points goes; its length changes with the scale.
+    /// Image of the difference of two points; its length changes with the scale.
     pub fn vector(&self, v: DVec3) -> DVec3 {
         self.linear * v
     }
 
-    /// The normal, after the map, of a surface whose normal was `normal`: by the inverse
-    /// transpose, so that it stays perpendicular to the surface under unequal scaling. A mirror
-    /// keeps outward normals outward.
+    /// Image of the normal of a surface: by the inverse transpose, so that it stays perpendicular
+    /// to the surface under non-uniform scaling. Mirroring keeps outward normals outward.
     pub fn normal(&self, normal: Direction) -> Direction {
         let turned = self.inverse_linear.transpose() * *normal;
         Direction::of(turned).expect("an invertible map keeps a normal from vanishing")
     }
 
-    /// Whether the map turns right-handed frames into left-handed ones.
+    /// Whether the map changes right-handed frames into left-handed ones.
     pub fn mirrors(&self) -> bool {
         self.linear.determinant() < 0.0
     }
 
-    /// A world ray as object space sees it, and the object length of one world unit along it:
-    /// a hit at object distance `t` lies at world distance `t / factor`.
+    /// A world ray in object space, and the object length of one world unit along it: a hit at
+    /// object distance `t` lies at world distance `t / factor`.
     ///
     /// `None` if the direction leaves the range of numbers on the way.
     pub fn ray_to_object(&self, ray: &Ray) -> Option<(Ray, f64)> {
@@ -206,7 +205,7 @@ impl Transform {
         8.0 * f64::EPSILON / 2.0 * (norm(&self.linear) * there + back)
     }
 
-    /// How many times longer, at most, the largest coordinate of a vector becomes.
+    /// Upper bound on the factor by which the largest coordinate of a vector grows.
     pub(super) fn stretch(&self) -> f64 {
         norm(&self.linear)
     }

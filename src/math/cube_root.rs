@@ -2,8 +2,8 @@
 
 /// Cube root of a positive normal number, to four roundings (relative error below 5e-16).
 ///
-/// [`cbrt`](super::cbrt) rounds correctly, for which it multiplies and adds in one rounding; on
-/// processors without that instruction it costs several times as much.
+/// [`cbrt`](super::cbrt) rounds correctly and needs fused multiply-add for it; on processors
+/// without that instruction it costs several times as much.
 ///
 /// Halley's iteration `r ← r (r³ + 2x)/(2r³ + x)` cubes the relative error, times 2/3. It starts
 /// within 5 %: 0.05 → 8e-5 → 4e-13 → rounding.

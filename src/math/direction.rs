@@ -5,7 +5,7 @@ use std::ops::{Deref, Mul, Neg};
 
 /// A direction: a vector of length 1, up to rounding.
 ///
-/// Neither a point nor the difference of two points is one. Reads as the vector that it is.
+/// A type of its own, distinct from points and displacements. Dereferences to its vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Direction(DVec3);
 
@@ -23,11 +23,10 @@ impl Direction {
     /// Against the third axis.
     pub const NEG_Z: Direction = Direction(DVec3::NEG_Z);
 
-    /// `v / |v|`, or `None` for the zero vector and for one that is not finite: they have no
-    /// direction.
+    /// `v / |v|`; `None` for the zero vector and for vectors that are not finite.
     ///
     /// Works over the whole range of finite vectors: where `|v|²` would leave the range of normal
-    /// numbers, `v` is first brought near 1 by a power of two, which changes no digit of it.
+    /// numbers, `v` is first scaled to near 1 by a power of two, which is exact.
     pub fn of(v: DVec3) -> Option<Direction> {
         let length_squared = v.length_squared();
         if (1e-290..1e290).contains(&length_squared) {
@@ -49,15 +48,15 @@ impl Direction {
         Some(Direction(scaled / scaled.length()))
     }
 
-    /// `v` itself, every bit of it, whose length is 1 by its formula: a quotient by its own length,
-    /// a sine and a cosine, a direction turned, mirrored or refracted.
+    /// `v`, unchanged. Its formula gives it length 1: a vector divided by its length, a sine and a
+    /// cosine, or a direction rotated, mirrored or refracted.
     ///
-    /// The length is not checked: it is as far from 1 as the roundings of the formula leave it.
+    /// The length is not checked; it differs from 1 by the rounding of that formula.
     pub const fn unit(v: DVec3) -> Direction {
         Direction(v)
     }
 
-    /// Cosine of the angle to `other`: the scalar product, beyond ±1 by roundings at most.
+    /// Cosine of the angle to `other`: the dot product, which rounding may take beyond ±1.
     #[inline]
     pub fn cosine_to(self, other: Direction) -> f64 {
         self.0.dot(other.0)

@@ -1,9 +1,9 @@
-//! The only door to transcendental functions.
+//! Transcendental functions; the only place that calls them.
 //!
 //! The standard library's `exp`, `sin` and the rest call the platform's C library, whose last
 //! bit differs from system to system. These forward to the `libm` crate, pinned to one version
 //! in `Cargo.toml`, so that an image has the same bits everywhere. `sqrt`, `+ − × ÷` are
-//! correctly rounded by IEEE 754 and need no such door.
+//! correctly rounded by IEEE 754 and can be used directly.
 
 /// `e^x`.
 pub fn exp(x: f64) -> f64 {

@@ -1,4 +1,4 @@
-//! Two directions at right angles to a third.
+//! Orthonormal bases around a direction.
 
 use super::Direction;
 use glam::DVec3;

@@ -1,5 +1,5 @@
-//! Elementary functions with the same bits on every platform, sums that keep their digits,
-//! random numbers and what is made of them.
+//! Elementary functions with the same bits on every platform, compensated sums, random numbers and
+//! sampling.
 
 mod cube_root;
 mod direction;

@@ -3,7 +3,7 @@
 /// Count, mean and sum of squared deviations, updated one sample at a time.
 ///
 /// Deviations are taken from the running mean: the difference of sum of squares and squared sum
-/// loses every digit where the spread is small against the mean.
+/// loses all digits where the spread is small compared with the mean.
 ///
 /// Sources: Welford 1962, Technometrics 4, 419–420; merging: Chan, Golub & LeVeque 1983,
 /// The American Statistician 37, 242–247.
@@ -15,7 +15,7 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Takes one more sample in.
+    /// Adds one sample.
     pub fn add(&mut self, sample: f64) {
         self.count += 1;
         let deviation = sample - self.mean;
@@ -23,8 +23,8 @@ impl Moments {
         self.squared_deviations += deviation * (sample - self.mean);
     }
 
-    /// The moments of both series. The last bits depend on how a series is cut, so whoever
-    /// merges fixes the cuts and their order, whatever the number of threads.
+    /// The moments of both series together. The last bits depend on the partition of a series, so
+    /// callers fix the parts and their order independently of the number of threads.
     pub fn merged(self, other: Moments) -> Moments {
         if self.count == 0 || other.count == 0 {
             return if self.count == 0 { other } else { self };
@@ -56,14 +56,14 @@ impl Moments {
         self.squared_deviations / self.count.max(1) as f64
     }
 
-    /// Unbiased estimate of the variance of what the samples come from, `Σ(x − mean)²/(n − 1)`;
-    /// `None` below two samples, which say nothing about it.
+    /// Unbiased estimate of the variance of the distribution, `Σ(x − mean)²/(n − 1)`; `None` for
+    /// fewer than two samples.
     pub fn variance(&self) -> Option<f64> {
         (self.count >= 2).then(|| self.squared_deviations / (self.count - 1) as f64)
     }
 
-    /// Unbiased estimate of the variance of the mean, the square of its standard error;
-    /// `None` below two samples.
+    /// Unbiased estimate of the variance of the mean, the square of its standard error; `None` for
+    /// fewer than two samples.
     pub fn variance_of_mean(&self) -> Option<f64> {
         self.variance().map(|variance| variance / self.count as f64)
     }

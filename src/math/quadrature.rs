@@ -1,7 +1,7 @@
-//! Integrals over an interval, to a tolerance.
+//! Adaptive quadrature over an interval, to a tolerance.
 //!
-//! Of our own because the bits must be the same everywhere: the crates for this compute their
-//! nodes with the platform's trigonometry, and do not cut where an integrand has a kink.
+//! Our own, because the bits must be the same everywhere: the available crates compute their nodes
+//! with the platform's trigonometry, and do not subdivide where an integrand has a kink.
 
 use super::Sum;
 use glam::DVec3;
@@ -11,16 +11,16 @@ use glam::DVec3;
 pub struct Integral {
     /// The value, by channel.
     pub value: DVec3,
-    /// What is left in doubt, summed over the channels; generous for smooth integrands.
+    /// Error bound, summed over the channels; generous for smooth integrands.
     pub error: f64,
 }
 
 /// `∫ f(x) dx` from `from` to `to`, both finite, for three channels at once.
 ///
 /// Globally adaptive Gauss–Kronrod quadrature: each piece is integrated by 15 points and by the 7
-/// Gauss points among them, whose difference bounds its error; the worst piece is cut in halves
-/// until all errors together are at most `tolerance` times the value, or there are
-/// `MOST_PIECES`. A kink or jump costs about one cut for each binary digit.
+/// Gauss points among them, whose difference bounds its error; the worst piece is halved until the
+/// sum of all errors is at most `tolerance` times the value, or there are `MOST_PIECES`. A kink or
+/// jump costs about one halving for each binary digit.
 ///
 /// Source: Piessens et al. 1983, *QUADPACK*, Springer; nodes and weights as in its QK15.
 pub fn integrate(mut f: impl FnMut(f64) -> DVec3, from: f64, to: f64, tolerance: f64) -> Integral {
@@ -156,9 +156,9 @@ fn piece(f: &mut impl FnMut(f64) -> DVec3, from: f64, to: f64) -> QuadraturePiec
     }
 }
 
-/// Integral over [from, to] of a function that is at most cubic, from two values: Gauss and
-/// Legendre's rule. Exact up to rounding, for a trilinear density inside one cell for one, which
-/// along a straight line is a cubic.
+/// Integral over [from, to] of a polynomial of degree at most 3, from two values: the
+/// Gauss–Legendre rule. Exact up to rounding, for example for a trilinear density inside one cell,
+/// which is a cubic along a straight line.
 pub fn cubic_integral(mut function: impl FnMut(f64) -> f64, from: f64, to: f64) -> f64 {
     // The roots of the second Legendre polynomial, ±1/√3, on the unit interval.
     const OFFSET: f64 = 0.288_675_134_594_812_9;

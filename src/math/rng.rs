@@ -1,32 +1,31 @@
-//! Random numbers that are a function of what they are for.
+//! Random numbers as a function of their purpose.
 //!
-//! A generator with a state hands out numbers in the order in which they are asked for: one
-//! more effect, one more thread, and every later number is another one. Here nothing is stored.
-//! A number is computed from the name of its use, so that switching an effect on moves no number
-//! of any other, and pixels may be rendered in any order.
+//! A generator with a state returns numbers in the order of the calls: one more effect or thread
+//! changes every later number. Here nothing is stored. A number is computed from its purpose, so
+//! that enabling one effect changes no number of another, and pixels may be rendered in any order.
 
-/// What a random number decides. Every use has numbers of its own.
+/// Purpose of a random number. Each purpose has its own numbers.
 ///
-/// The discriminants are part of every sampled golden: new uses go to the end.
+/// The discriminants determine every sampled golden: new purposes go to the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Purpose {
-    /// Where in the pixel and on the lens a path begins.
+    /// Start of a path in the pixel and on the lens.
     Camera = 0,
-    /// Distance to the next collision, or tentative collision, and whether it is one.
+    /// Distance to the next real or null collision, and the choice between them.
     FreeFlight = 1,
-    /// With which of the media that overlap there a collision is.
+    /// Medium of a collision among overlapping media.
     Collision = 2,
-    /// Transmittance estimated by tracking: towards a light, back from one, and through what only
-    /// absorbs.
+    /// Transmittance estimated by tracking: towards a light, from a light, and through media that
+    /// only absorb.
     Tracking = 3,
     /// Direction after scattering in the medium.
     PhaseDirection = 4,
-    /// Which light is asked.
+    /// Choice of a light.
     LightChoice = 5,
     /// Point on the light, or direction to it.
     LightPoint = 6,
-    /// Place on the ray that a light is connected to.
+    /// Point on the ray to which a light is connected.
     LightDistance = 7,
     /// Direction, or lobe, after reflection or refraction at a surface.
     Surface = 8,
@@ -34,16 +33,16 @@ pub enum Purpose {
     Roulette = 9,
     /// Colour channel by which the next distance is sampled.
     Channel = 10,
-    /// Place in a medium or on a surface, chosen from a light.
+    /// Point in a medium or on a surface, sampled from a light.
     LitPlace = 11,
-    /// Light that heterogeneous media emit, collected along a ray.
+    /// Emission of heterogeneous media along a ray.
     Emission = 12,
-    /// Everything that a path of the reference path tracer decides, in order.
+    /// All random numbers of the reference path tracer, in order.
     Reference = 13,
 }
 
 impl Purpose {
-    /// Every use, by rising discriminant.
+    /// All purposes, by ascending discriminant.
     pub const ALL: [Purpose; 14] = [
         Purpose::Camera,
         Purpose::FreeFlight,
@@ -65,7 +64,7 @@ impl Purpose {
 /// The random numbers of one sample of one pixel.
 ///
 /// The generator is Philox4x32-10, a keyed bijection of 128-bit counters. The key is the seed;
-/// the name of the use is the counter, from the lowest bit:
+/// the purpose of the number is the counter, from the lowest bit:
 ///
 /// | bits | width | field |
 /// |---|---|---|
@@ -75,8 +74,8 @@ impl Purpose {
 /// | 64–95 | 32 | sample |
 /// | 96–127 | 32 | pixel |
 ///
-/// No field reaches into another and a bijection keeps different counters different, so with one
-/// seed no block is ever used twice. A block of 128 bits makes one pair of numbers of 53 bits.
+/// The fields do not overlap and a bijection maps different counters to different blocks, so no
+/// block is used twice with one seed. A block of 128 bits makes a pair of 53-bit numbers.
 ///
 /// Limits: 2^32 pixels, samples of a pixel and numbers per bounce and purpose (an index has 32
 /// bits, so tracking may make 4·10⁹ steps between two bounces) and 2^26 bounces.
@@ -90,7 +89,7 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Bounces lie below this.
+    /// Upper limit of bounces, exclusive.
     pub const BOUNCES: u32 = 1 << BOUNCE_BITS;
 
     /// The numbers of sample `sample` of the pixel with index `pixel`, under `seed`.
@@ -106,13 +105,13 @@ impl Stream {
     ///
     /// # Panics
     ///
-    /// If `bounce` is not below [`Stream::BOUNCES`]. No path of physical interest is as long,
-    /// and a number used twice would be a bias nobody sees.
+    /// If `bounce` is not below [`Stream::BOUNCES`]. No path of physical interest is as long, and
+    /// reused numbers would be an unnoticed bias.
     pub fn uniform(&self, bounce: u32, purpose: Purpose, index: u32) -> f64 {
         self.pair(bounce, purpose, index / 2)[(index % 2) as usize]
     }
 
-    /// Numbers `2·pair` and `2·pair + 1` of [`Stream::uniform`], at the price of one.
+    /// Numbers `2·pair` and `2·pair + 1` of [`Stream::uniform`], at the cost of one.
     ///
     /// # Panics
     ///

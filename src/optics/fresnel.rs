@@ -1,22 +1,23 @@
-//! What happens where the refractive index jumps.
+//! Reflection and refraction at a jump of the refractive index.
 
 use crate::math::Direction;
 
-/// Light that meets the smooth boundary between two clear substances.
+/// Light at the smooth boundary between two clear media, split into its reflected and refracted
+/// parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Split {
-    /// The share that is reflected, in [0, 1]; the rest is refracted.
+    /// The reflected fraction, in [0, 1]; the rest is refracted.
     pub reflectance: f64,
-    /// Direction of what is refracted; `None` where all is reflected.
+    /// Direction of the refracted light; `None` for total reflection.
     pub refracted: Option<Direction>,
 }
 
-/// Splits unpolarised light that travels along `direction` and meets a boundary with the normal
-/// `normal`, on the side it comes from. `ratio` is the refractive index of the side it comes from
-/// over that of the other; positive.
+/// Splits unpolarised light that travels along `direction` at a boundary whose `normal` points to
+/// the side of the incoming light. `ratio` is the refractive index on that side over the one on the
+/// other side; positive.
 ///
-/// Fresnel's equations and Snell's law, for real indices. At `ratio` 1 nothing is reflected
-/// and nothing turned, exactly.
+/// Fresnel's equations and Snell's law, for real indices. At `ratio` 1 there is exactly no
+/// reflection and no change of direction.
 ///
 /// Source: Born & Wolf 1999, *Principles of Optics*, 7th ed., §1.5.
 pub fn split(direction: Direction, normal: Direction, ratio: f64) -> Split {
@@ -49,8 +50,8 @@ pub fn split(direction: Direction, normal: Direction, ratio: f64) -> Split {
     }
 }
 
-/// The direction of what a mirror with the normal `normal` makes of light that travels
-/// along `direction`.
+/// The direction of light that travelled along `direction` after reflection by a mirror with the
+/// normal `normal`.
 pub fn reflected(direction: Direction, normal: Direction) -> Direction {
     Direction::unit(*direction - normal * (2.0 * direction.cosine_to(normal)))
 }

@@ -5,19 +5,19 @@ use crate::math::{atan2, cos};
 use glam::DVec3;
 use thiserror::Error;
 
-/// A light that no ray can meet by chance.
+/// A light that rays hit with probability 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {
-    /// Shines from a point into every direction.
+    /// Emits from a point in every direction.
     Point(Point),
-    /// Shines from a point into a cone.
+    /// Emits from a point into a cone.
     Spot(Spot),
-    /// Shines from infinitely far away.
+    /// Emits from infinitely far away.
     Directional(Directional),
 }
 
 impl Light {
-    /// Where the light stands; `None` for one infinitely far away.
+    /// World position; `None` for a light infinitely far away.
     pub fn position(&self) -> Option<DVec3> {
         match self {
             Light::Point(light) => Some(light.position),
@@ -35,8 +35,8 @@ impl Light {
         }
     }
 
-    /// What the light sends towards `point`, by channel: intensity, per steradian, or, of one
-    /// that is infinitely far away, irradiance.
+    /// Intensity towards `point` by channel, per steradian; irradiance for a light infinitely far
+    /// away.
     pub fn strength_towards(&self, point: DVec3) -> DVec3 {
         match self {
             Light::Point(light) => light.intensity,
@@ -59,18 +59,17 @@ pub struct Point {
     pub intensity: DVec3,
 }
 
-/// Light from far away: the same direction everywhere.
+/// Light from infinitely far away, with the same direction everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Directional {
-    /// Where the light travels.
+    /// Direction of travel.
     pub direction: Direction,
     /// Irradiance by channel on a plane perpendicular to the direction.
     pub irradiance: DVec3,
 }
 
-/// A point light that shines into a cone: with full intensity within the inner angle from its
-/// axis, not at all from the outer angle on, and falling linearly in the angle in between. With
-/// equal angles it is a step.
+/// A point light that emits into a cone: full intensity within the inner angle from its axis, none
+/// beyond the outer angle, and a linear falloff in the angle in between. Equal angles give a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
     /// World position.
@@ -83,7 +82,7 @@ pub struct Spot {
     cos_outer: f64,
 }
 
-/// Why numbers make no spotlight.
+/// Reason for refusing a spotlight.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum SpotError {
     /// The zero vector, or one that is not finite.
@@ -102,8 +101,8 @@ pub enum SpotError {
 }
 
 impl Spot {
-    /// A spotlight at `position`, shining along `towards` (any length but 0), with `intensity`
-    /// on its axis; half-angles of the cone in degrees.
+    /// A spotlight at `position` along `towards` (any length but 0), with `intensity` on its axis;
+    /// half-angles of the cone in degrees.
     pub fn new(
         position: DVec3,
         towards: DVec3,
@@ -136,7 +135,7 @@ impl Spot {
         self.inner
     }
 
-    /// Half-angle from which on nothing is emitted, radians.
+    /// Half-angle beyond which nothing is emitted, radians.
     pub fn outer(&self) -> f64 {
         self.outer
     }
@@ -146,8 +145,8 @@ impl Spot {
         self.cos_outer
     }
 
-    /// Intensity sent into `direction`, as a share of that on the axis: 1 within the inner cone, 0
-    /// from its outer edge on.
+    /// Intensity in `direction` relative to that on the axis: 1 within the inner cone, 0 from its
+    /// outer edge on.
     pub fn falloff(&self, direction: Direction) -> f64 {
         let cosine = direction.cosine_to(self.axis);
         // The edge itself is dark, also where both angles are one: no 0/0 there.

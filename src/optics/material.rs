@@ -1,18 +1,17 @@
-//! What a surface does to light.
+//! Materials of surfaces.
 
 use glam::DVec3;
 
-/// What a surface does to the light that meets it. Everything is two-sided.
+/// Scattering of light at a surface. All materials are two-sided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Material {
-    /// Lambert's: reflects into the half-space it was met from, with the same radiance in every
-    /// direction. The reflectance, by channel, lies in [0, 1].
+    /// Lambertian: reflects into the half-space of the incoming light, with the same radiance in
+    /// every direction. The reflectance, by channel, lies in [0, 1].
     Diffuse(DVec3),
     /// Reflects as a perfect mirror. The reflectance, by channel, lies in [0, 1].
     Mirror(DVec3),
-    /// Smooth, clear glass: reflects and refracts by Fresnel's equations. The index of
-    /// refraction of what lies behind the surface (inside a closed shape), relative to what lies
-    /// in front; positive.
+    /// Smooth, clear glass: reflects and refracts by Fresnel's equations. The refractive index
+    /// behind the surface (inside a closed shape) relative to that in front; positive.
     Glass(f64),
 }
 

@@ -1,10 +1,10 @@
-//! Directions, around +z where one is distinguished. Lengths are 1 to 8 roundings.
+//! Directions, relative to +z. Lengths are 1 to within 8 roundings.
 
 use crate::math::{Direction, cos, sin};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// A direction from anywhere. `1 − z` and `1 + z` are uniform, and their product is `sin²`.
+/// A uniform direction. `1 − z` and `1 + z` are uniform, and their product is `sin²`.
 pub fn sphere([u, v]: [f64; 2]) -> Direction {
     from_cosine(1.0 - 2.0 * u, 2.0 * (u * (1.0 - u)).sqrt(), v)
 }
@@ -14,10 +14,10 @@ pub fn sphere_pdf() -> f64 {
     1.0 / (4.0 * PI)
 }
 
-/// A direction with `z > 0`, with a density in proportion to its cosine `z`.
+/// A direction with `z > 0` and a density proportional to its cosine `z`.
 ///
 /// The smallest cosine is `√(1 − u)`, 1e-8 at the end of the random range: never 0, so that the
-/// density is positive at every direction there is.
+/// density of every sampled direction is positive.
 pub fn cosine_hemisphere([u, v]: [f64; 2]) -> Direction {
     from_cosine((1.0 - u).sqrt(), u.sqrt(), v)
 }
@@ -30,8 +30,8 @@ pub fn cosine_hemisphere_pdf(cos: f64) -> f64 {
 
 /// The directions within a half-angle about +z: the light of a spotlight, or of a distant sphere.
 ///
-/// Held as `1 − cos` of the half-angle, in which a cone of any width keeps its digits:
-/// `sin²(θ/2)` times 2. The cosine alone takes every cone below 1e-8 rad for none.
+/// Stored as `1 − cos` of the half-angle, which keeps its digits for a cone of any width:
+/// `sin²(θ/2)` times 2. The cosine alone would be 1 for every cone below 1e-8 rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
     one_minus_cos: f64,
@@ -52,7 +52,7 @@ impl Cone {
         1.0 - self.one_minus_cos
     }
 
-    /// A direction inside, all equally likely.
+    /// A uniform direction inside the cone.
     pub fn direction(&self, [u, v]: [f64; 2]) -> Direction {
         let one_minus_cos = u * self.one_minus_cos;
         let sine_squared = one_minus_cos * (2.0 - one_minus_cos);
@@ -65,7 +65,7 @@ impl Cone {
     }
 }
 
-/// The direction of the given cosine and sine to +z, at the share `v` of a turn about it.
+/// The direction with the given cosine and sine to +z, at the fraction `v` of a turn around it.
 #[inline]
 pub fn from_cosine(cosine: f64, sine: f64, v: f64) -> Direction {
     let azimuth = TAU * v;

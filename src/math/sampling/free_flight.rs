@@ -11,8 +11,8 @@ pub fn optical_distance(u: f64) -> f64 {
     -ln_1p(-u)
 }
 
-/// Distance to the next collision in a homogeneous medium, `−ln(1 − u)/σ`; infinite without
-/// extinction and beyond the range of numbers: no collision, ever.
+/// Distance to the next collision in a homogeneous medium, `−ln(1 − u)/σ`; infinite, that is no
+/// collision, without extinction and beyond the range of numbers.
 ///
 /// Domain: `sigma_t ≥ 0` per length, `u` in [0, 1). Relative error at most 3 · 2^-53; measured on
 /// 100 000 pairs: at most 1.5 ulp.
@@ -24,8 +24,8 @@ pub fn free_flight(sigma_t: f64, u: f64) -> f64 {
     }
 }
 
-/// [`optical_distance`] of those flights alone that collide before an optical depth `τ`, with the
-/// probability `colliding = 1 − e^(−τ)`.
+/// [`optical_distance`] of the flights that collide before the optical depth `τ`, which they do
+/// with probability `colliding = 1 − e^(−τ)`.
 ///
 /// Domain: `colliding` in (0, 1], `u` in [0, 1). Towards the end of a deep medium the distance
 /// depends on the last digits of the share `v = u · colliding` of all flights that collide before
@@ -35,8 +35,8 @@ pub fn truncated_optical_distance(colliding: f64, u: f64) -> f64 {
     optical_distance(u * colliding)
 }
 
-/// Density, per length, of the distance that belongs to [`truncated_optical_distance`]:
-/// `σ e^(−τ)/colliding` where the extinction is `sigma_t` and the optical depth `depth`.
+/// Density, per length, of the distance from [`truncated_optical_distance`]: `σ e^(−τ)/colliding`
+/// where the extinction is `sigma_t` and the optical depth `depth`.
 pub fn truncated_free_flight_pdf(sigma_t: f64, depth: f64, colliding: f64) -> f64 {
     sigma_t * exp(-depth) / colliding
 }

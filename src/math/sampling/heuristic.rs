@@ -1,7 +1,7 @@
-//! Several ways to sample the same thing.
+//! Multiple importance sampling.
 
-/// The weight of what was sampled with density `mine > 0`, where another way could have found it
-/// with density `other`: both weights add up to 1, in the proportion of the densities' squares.
+/// The weight of a sample of density `mine > 0` that another technique samples with density
+/// `other`, by the power heuristic with exponent 2. Both weights add up to 1.
 ///
 /// Source: Veach & Guibas 1995, "Optimally combining sampling techniques for Monte Carlo
 /// rendering", SIGGRAPH '95, §4.2.

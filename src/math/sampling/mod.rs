@@ -1,7 +1,7 @@
-//! Warps: from uniform numbers in [0, 1) to directions and distances, with their densities.
+//! Maps from uniform numbers in [0, 1) to directions and distances, with their densities.
 //!
-//! Every warp stays finite and inside its domain at both ends of the random range, `u = 0` and
-//! `u = 1 − 2^-53`, where its density is positive.
+//! Every map stays finite and inside its domain at both ends of the random range, `u = 0` and `u =
+//! 1 − 2^-53`, where its density is positive.
 
 mod directions;
 mod equiangular;
