@@ -1,26 +1,26 @@
-//! Why something is no image, or not one that can be judged.
+//! Errors in reading images.
 
 use super::Film;
 use crate::decoder::Stopped;
 use thiserror::Error;
 
-/// Why bytes are no image.
+/// Reason why bytes are not a usable image.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum FilmError {
-    /// Not readable as an image of the format.
+    /// Not a readable image of the format.
     #[error("not a readable {format} image: {reason}")]
     Unreadable {
         /// `EXR`, `PFM`, `NPY` or `PNG`.
         format: &'static str,
-        /// What the reader says.
+        /// Error of the reader.
         reason: String,
     },
-    /// An image, but of a kind whose colours would have to be guessed.
+    /// A kind of image whose colours would have to be guessed.
     #[error("{what}; {remedy}")]
     Unsuited {
-        /// What the file holds.
+        /// Contents of the file.
         what: String,
-        /// What to do instead.
+        /// Remedy.
         remedy: &'static str,
     },
     /// The contents are not what the extension says.
@@ -29,12 +29,12 @@ pub enum FilmError {
          as one of the formats that are read (.exr, .pfm, .npy, .png)"
     )]
     Disguised {
-        /// What the name says.
+        /// Extension of the file.
         extension: &'static str,
-        /// What the first bytes say, with its article.
+        /// Format by the first bytes, with an article.
         really: &'static str,
     },
-    /// Pixels that the file is too short to hold.
+    /// More pixels than the file can hold.
     #[error(
         "the image claims {claimed} bytes of pixels, which a file of {bytes} bytes cannot hold"
     )]
@@ -44,7 +44,7 @@ pub enum FilmError {
         /// Bytes of the file.
         bytes: usize,
     },
-    /// No colours inside.
+    /// No colour channels.
     #[error("no layer of the image has the channels R, G and B; there are: {found}")]
     Channels {
         /// Names of the channels there are, `layer.channel` in a named layer.
@@ -76,13 +76,13 @@ pub enum FilmError {
         /// Rows.
         height: usize,
     },
-    /// Variances that cannot be understood.
+    /// Variances that cannot be used.
     #[error("the noise of the image cannot be read: {0}")]
     Noise(&'static str),
-    /// Renderings that are not independent renderings of one picture.
+    /// Replicates that are not independent renderings of one image.
     #[error("no independent renderings of one picture: {0}")]
     Replicates(String),
-    /// A file name that stands for no format.
+    /// An unknown file extension.
     #[error(
         "not an image by its extension: known are .exr, .pfm and .npy (linear radiance) and .png \
          (8-bit sRGB)"
@@ -107,11 +107,11 @@ impl FilmError {
     }
 }
 
-/// No compression of PNG or EXR makes more of a byte: deflate, the strongest, reaches 1032.
+/// No compression of PNG or EXR has a higher ratio: deflate, the strongest, reaches 1032.
 const MOST_BYTES_FROM_ONE: u64 = 1100;
 
-/// Fails where a file of that many bytes cannot hold `claimed` bytes of pixels: asked before
-/// they are allocated.
+/// Fails if a file of `bytes` bytes cannot hold `claimed` bytes of pixels; called before these are
+/// allocated.
 pub(super) fn check_claim(claimed: u64, bytes: usize) -> Result<(), FilmError> {
     if claimed <= MOST_BYTES_FROM_ONE.saturating_mul(bytes as u64) {
         return Ok(());
@@ -119,7 +119,7 @@ pub(super) fn check_claim(claimed: u64, bytes: usize) -> Result<(), FilmError> {
     Err(FilmError::Bomb { claimed, bytes })
 }
 
-/// Fails where no image of that size is read.
+/// Fails for images too large to be read.
 pub(super) fn check_size(width: usize, height: usize) -> Result<(), FilmError> {
     if width == 0 || height == 0 {
         return Err(FilmError::Empty { width, height });

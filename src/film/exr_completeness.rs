@@ -1,6 +1,6 @@
-//! Whether an EXR holds all that its header promises, which the `exr` crate does not ask: it takes
-//! the corners of a window in any order, reads only the largest of several resolutions, and leaves
-//! zeros where two places of the table of blocks lead to one block.
+//! Checks that an EXR holds everything that its header declares. The `exr` crate does not: it
+//! accepts the corners of a window in any order, reads only the largest of several resolutions, and
+//! leaves zeros if two entries of the offset table point to the same block.
 
 use super::FilmError;
 use exr::block::chunk::{CompressedBlock, TileCoordinates};
@@ -24,7 +24,7 @@ pub(super) fn unreadable(error: exr::error::Error) -> FilmError {
     FilmError::unreadable("EXR", reason)
 }
 
-/// Fails where a window of any part ends before it begins.
+/// Fails if a window of any part ends before it begins.
 ///
 /// Source: <https://openexr.com/en/latest/OpenEXRFileLayout.html>, header: name, type and size of
 /// each attribute, then its value; an empty name ends the header.
@@ -45,7 +45,7 @@ pub(super) fn check_windows(bytes: &[u8]) -> Result<(), FilmError> {
     Ok(())
 }
 
-/// Name and value of the first attribute in `bytes`, and what follows it.
+/// Name and value of the first attribute in `bytes`, and the rest.
 fn attribute(bytes: &[u8]) -> Option<(&[u8], &[u8], &[u8])> {
     let (name, rest) = text(bytes)?;
     let (_type, rest) = text(rest)?;
@@ -55,7 +55,7 @@ fn attribute(bytes: &[u8]) -> Option<(&[u8], &[u8], &[u8])> {
     Some((name, value, rest))
 }
 
-/// A text that is not empty, up to its zero, and what follows that.
+/// A non-empty text up to its terminating zero, and the rest.
 fn text(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let end = bytes.iter().position(|&byte| byte == 0)?;
     (end > 0).then(|| (&bytes[..end], &bytes[end + 1..]))
@@ -79,8 +79,8 @@ fn check_window(name: &[u8], value: &[u8]) -> Result<(), FilmError> {
     ))
 }
 
-/// Fails where a block of pixels is missing, of any part and resolution, or where the table leads
-/// to one of another resolution than it says. Nothing is unpacked.
+/// Fails if a block of pixels of any part and resolution is missing, or if the offset table points
+/// to a block of another resolution. Nothing is decompressed.
 pub(super) fn check_blocks(bytes: &[u8]) -> Result<(), FilmError> {
     // Two walks: the reader gives blocks without the entry of the table that led to them, so that
     // entries exchanged between two resolutions show only where those of the largest, the only ones
@@ -90,7 +90,7 @@ pub(super) fn check_blocks(bytes: &[u8]) -> Result<(), FilmError> {
     check_blocks_of(bytes, &whole)
 }
 
-/// As [`check_blocks`], of the blocks whose places in the table are `wanted`.
+/// As [`check_blocks`], for the blocks with the indices `wanted`.
 fn check_blocks_of(
     bytes: &[u8],
     wanted: &dyn Fn(&TileCoordinates) -> bool,
@@ -125,7 +125,7 @@ fn check_blocks_of(
     ))
 }
 
-/// Which block of its part it is.
+/// Index of the block in its part.
 fn tile(block: &CompressedBlock, header: &Header) -> Option<TileCoordinates> {
     match block {
         CompressedBlock::Tile(tile) => Some(tile.coordinates),

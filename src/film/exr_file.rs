@@ -1,8 +1,8 @@
 //! OpenEXR, through the `exr` crate.
 //!
-//! Noise is written as channels of the one part, `variance.R` … `samples.Y`: a layer, in the
-//! words of OpenEXR, is a prefix of channel names. Viewers show R, G and B, and those that know
-//! layers offer the others; of several parts many programs read the first only.
+//! Noise is written as channels of a single part, `variance.R` … `samples.Y`: a layer, in the terms
+//! of OpenEXR, is a prefix of channel names. Viewers show R, G and B, and those with layers offer
+//! the others; of several parts many programs read only the first.
 
 use super::error::{check_claim, check_size};
 use super::exr_completeness::{check_blocks, check_windows, unreadable};
@@ -18,12 +18,12 @@ use exr::prelude::{
 use std::io::Cursor;
 use std::ops::Range;
 
-/// Channels with the variance of the mean of red, green and blue. Only in small letters:
-/// pbrt writes `Variance.R` for the variance of one sample, another quantity.
+/// Channels with the variance of the mean of red, green and blue. Lower case only: pbrt writes
+/// `Variance.R` for the variance of one sample, another quantity.
 const VARIANCE: [&str; 3] = ["variance.R", "variance.G", "variance.B"];
 /// Channel with the number of samples, the same in every pixel.
 const SAMPLES: &str = "samples.Y";
-/// Without their number a variance says nothing of rare light that was missed.
+/// Without the number of samples a variance tells nothing about rare light that was missed.
 const NO_COUNT: &str = "there are variances, but no channel samples.Y: of how many samples a \
                         pixel? Write that number into it, the same everywhere; or give several \
                         renderings of other seeds in place of variances";
@@ -190,7 +190,7 @@ fn beside<'f>(
     })
 }
 
-/// The noise of the image in `colours`.
+/// The noise of the image with the channels `colours`.
 fn noise(colours: &Colours, file: &ExrParts) -> Result<Option<Noise>, FilmError> {
     let channels = VARIANCE.map(|name| beside(colours, file, name));
     if channels.iter().all(Option::is_none) {
@@ -207,13 +207,13 @@ fn noise(colours: &Colours, file: &ExrParts) -> Result<Option<Noise>, FilmError>
     Ok(Some(Noise::of_samples(variance, count(samples)?)))
 }
 
-/// Where the pixels of a picture are among those of a part of its file.
+/// Position of an image's pixels among those of a part of its file.
 struct PixelWindow {
-    /// Columns of the picture.
+    /// Columns of the image.
     width: usize,
-    /// Rows of the picture.
+    /// Rows of the image.
     height: usize,
-    /// Column and row in the picture of the first pixel of the part.
+    /// Column and row in the image of the first pixel of the part.
     first: [i64; 2],
     /// Columns of the part.
     stride: usize,
@@ -254,17 +254,17 @@ impl PixelWindow {
         Ok(frame)
     }
 
-    /// Columns of the picture that have data.
+    /// Columns of the image with data.
     fn columns(&self) -> Range<usize> {
         overlap(self.width, self.first[0], self.stride)
     }
 
-    /// Rows of the picture that have data.
+    /// Rows of the image with data.
     fn covered_rows(&self) -> Range<usize> {
         overlap(self.height, self.first[1], self.rows)
     }
 
-    /// The picture, from the values of the part: zero where there are none.
+    /// The image, from the values of the part: zero where there are none.
     fn cut<T: Copy + Default>(&self, values: Vec<T>) -> Vec<T> {
         if self.first == [0, 0] && (self.stride, self.rows) == (self.width, self.height) {
             return values;
@@ -281,13 +281,13 @@ impl PixelWindow {
     }
 }
 
-/// Of `length` places those that `count` others cover, beginning at `first`.
+/// The part of `0..length` that the `count` indices from `first` cover.
 fn overlap(length: usize, first: i64, count: usize) -> Range<usize> {
     let inside = |position: i64| position.clamp(0, length as i64) as usize;
     inside(first)..inside(first + count as i64)
 }
 
-/// The one number of samples that every pixel states.
+/// The number of samples, the same in every pixel.
 fn count(samples: &FlatSamples) -> Result<u32, FilmError> {
     let counts: Vec<f64> = match samples {
         FlatSamples::U32(counts) => counts.iter().map(|&count| count.into()).collect(),

@@ -1,7 +1,7 @@
-//! Which of the many channels of an EXR file are its picture.
+//! The colour channels of an EXR file, chosen among its layers.
 //!
-//! Channels are grouped into layers by what their names begin with, `diffuse.R`, or by the part
-//! of the file they are in, or by both.
+//! Channels are grouped into layers by the prefix of their names, such as `diffuse.R`, by the part
+//! of the file, or by both.
 
 use super::FilmError;
 use exr::prelude::{AnyChannels, FlatSamples, Image, Layer, Layers};
@@ -12,16 +12,16 @@ pub(super) type ExrParts = Image<Layers<AnyChannels<FlatSamples>>>;
 /// A part of a file: channels of one size, at one place.
 pub(super) type ExrPart = Layer<AnyChannels<FlatSamples>>;
 
-/// Last names of layers that hold the picture, where several hold colours.
+/// Names of the main layer, if several layers have colours.
 const MAIN: [&str; 4] = ["", "rgba", "beauty", "combined"];
 
-/// Layers with colours that are no picture.
+/// Layers with colours that are not the image.
 const NOISE: [&str; 2] = ["variance", "samples"];
 
-/// The channels of a picture.
+/// The channels of an image.
 pub(super) struct Colours<'f> {
     pub part: &'f ExrPart,
-    /// Thrice the same of a grey image.
+    /// The same channel three times for a grey image.
     pub rgb: [&'f FlatSamples; 3],
     pub opacity: Option<&'f FlatSamples>,
 }
@@ -39,7 +39,7 @@ pub(super) fn samples_of<'p>(part: &'p ExrPart, name: &str) -> Option<&'p FlatSa
         .map(|channel| &channel.sample_data)
 }
 
-/// Channels that belong together.
+/// The channels of a layer.
 struct Group<'f> {
     part: &'f ExrPart,
     /// What the names of its channels have before the last dot.
@@ -112,7 +112,7 @@ fn groups(file: &ExrParts) -> Vec<Group<'_>> {
     groups
 }
 
-/// The one layer that is the picture.
+/// The layer of the image.
 pub(super) fn main_layer(file: &ExrParts) -> Result<Colours<'_>, FilmError> {
     let mut groups = groups(file);
     groups.retain(|group| !group.is_noise());
@@ -130,8 +130,8 @@ pub(super) fn main_layer(file: &ExrParts) -> Result<Colours<'_>, FilmError> {
     })
 }
 
-/// Of the groups that have `colours` the only one, else the one without a name, else the only one
-/// with the name of a main layer; nothing where there are none.
+/// Among the layers with `colours`, the only one, else the one without a name, else the only one
+/// with the name of a main layer; `None` if there are none.
 fn the_one<'f>(
     groups: &[Group<'f>],
     colours: impl Fn(&Group<'f>) -> Option<[&'f FlatSamples; 3]>,

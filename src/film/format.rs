@@ -1,9 +1,9 @@
-//! Which format a file has: by its name, and by its first bytes.
+//! Image formats, by extension and by first bytes.
 
 use super::FilmError;
 use std::path::Path;
 
-/// What an image can be read from.
+/// A format that images can be read from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FilmFormat {
     /// `.exr`: OpenEXR, linear radiance.
@@ -12,12 +12,12 @@ pub enum FilmFormat {
     Pfm,
     /// `.npy`: one array of NumPy, linear radiance.
     Npy,
-    /// `.png`: sRGB codes of 8 bits.
+    /// `.png`: 8-bit sRGB codes.
     Png,
 }
 
 impl FilmFormat {
-    /// All of them.
+    /// All formats.
     pub const ALL: [FilmFormat; 4] = [
         FilmFormat::Exr,
         FilmFormat::Pfm,
@@ -25,14 +25,14 @@ impl FilmFormat {
         FilmFormat::Png,
     ];
 
-    /// The format that the extension of `path` stands for, in capitals or not.
+    /// The format for the extension of `path`, in upper or lower case.
     pub fn of(path: &Path) -> Option<FilmFormat> {
         let extension = path.extension()?;
         let is_of = |format: &FilmFormat| extension.eq_ignore_ascii_case(format.extension());
         FilmFormat::ALL.into_iter().find(is_of)
     }
 
-    /// Without the dot.
+    /// The extension, without the dot.
     pub fn extension(self) -> &'static str {
         match self {
             FilmFormat::Exr => "exr",
@@ -42,8 +42,8 @@ impl FilmFormat {
         }
     }
 
-    /// Fails where `bytes` begin like another kind of file that people put images into. Bytes
-    /// that begin like nothing known are left to the reader, which says what is wrong with them.
+    /// Fails if `bytes` begin with the signature of another kind of image file. Unknown bytes are
+    /// left to the reader, which reports the error.
     pub fn check(self, bytes: &[u8]) -> Result<(), FilmError> {
         let begins = |(signature, ..): &&(&[u8], _, _)| bytes.starts_with(signature);
         match KINDS.iter().find(begins) {

@@ -1,4 +1,4 @@
-//! Linear radiance on a grid of pixels; alone knows image files.
+//! Linear radiance on a grid of pixels, and the readers and writers of image files.
 
 mod error;
 mod exr_completeness;
@@ -17,8 +17,8 @@ pub use error::FilmError;
 pub use format::FilmFormat;
 pub use noise::Noise;
 
-/// Linear, scene-referred RGB radiance, top row first; opacity where a volume has one, and
-/// noise where the radiance is a mean of random samples.
+/// Linear, scene-referred RGB radiance, top row first; with opacity for a volume, and with noise if
+/// the radiance is a mean of random samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: usize,
@@ -63,12 +63,11 @@ impl Film {
     }
 
     /// An image of means of `samples` random samples each, with the estimated variances of those
-    /// means ([`Moments::variance_of_mean`](crate::math::Moments::variance_of_mean)), which are
-    /// kept to eight significant bits. From a single sample nothing is known of the variance:
-    /// such an image is [`Film::new`], without noise.
+    /// means ([`Moments::variance_of_mean`](crate::math::Moments::variance_of_mean)), rounded to
+    /// eight significant bits. A single sample has no variance: use [`Film::new`], without noise.
     ///
     /// # Panics
-    /// If there is not one value per pixel, or below two samples.
+    /// If there is not one value per pixel, or fewer than two samples.
     pub fn with_noise(
         width: usize,
         height: usize,
@@ -89,8 +88,8 @@ impl Film {
         }
     }
 
-    /// An image of the means of `samples` random samples of each pixel, and of the variances of
-    /// those means where there are at least two samples.
+    /// An image of the means of `samples` random samples of each pixel, with the variances of those
+    /// means if there are at least two samples.
     ///
     /// # Panics
     /// If there is not one value per pixel.
@@ -105,27 +104,27 @@ impl Film {
         Film::with_noise(width, height, means, variances, samples)
     }
 
-    /// Independent renderings of one picture, at least two, as one image with noise.
+    /// At least two independent renderings of one image, combined into an image with noise.
     ///
-    /// Where all state how many samples they have and their variance, the result is what one
-    /// image of all those samples would state: it has the spread within the renderings and
-    /// between them, and its samples are the sum of theirs.
+    /// If all state their number of samples and their variance, the result is that of a single
+    /// image of all those samples: it has the spread within and between the renderings, and its
+    /// samples are the sum of theirs.
     ///
-    /// Otherwise each rendering counts as one number: the variance of the mean is their spread
-    /// over how many there are, which [`Noise::samples`] is then
-    /// ([`Noise::is_of_renderings`]). Of few this is very rough: its
-    /// own relative standard error is √(2/(n − 1)), all of it for three and a half of it for
-    /// nine, and by chance it may be next to nothing. No variance stated by the renderings is
-    /// used then. [`Film::samples`] is the sum of theirs where all have one.
+    /// Otherwise each rendering counts as one number: the variance of the mean is their sample
+    /// variance divided by their number n, which is then [`Noise::samples`]
+    /// ([`Noise::is_of_renderings`]). For few renderings this is very rough: its relative standard
+    /// error is √(2/(n − 1)), 1 for three and ½ for nine, and by chance it may be close to 0.
+    /// Variances stated by the renderings are not used then. [`Film::samples`] is the sum of theirs
+    /// if all have one.
     ///
-    /// Fails for sizes that differ, opacity in some only, and two renderings that are equal in
-    /// every bit, which are not independent: their spread would say that there is no noise.
+    /// Fails if sizes differ, if only some have opacity, or if two renderings are equal in every
+    /// bit: these are not independent, and their spread would suggest that there is no noise.
     pub fn from_replicates(films: &[Film]) -> Result<Film, FilmError> {
         replicates::pooled(films)
     }
 
-    /// This image with noise: the radiances of `variance`, an image of its size, are the variances
-    /// of its means of `samples` samples each, at least two. They are taken as they are.
+    /// This image with noise: the radiances of `variance`, an image of the same size, are the
+    /// variances of its means of `samples` samples each, at least two. They are used unchanged.
     pub fn with_variance_of(self, variance: &Film, samples: u32) -> Result<Film, FilmError> {
         if self.noise.is_some() {
             return Err(FilmError::Noise(
@@ -148,8 +147,8 @@ impl Film {
         })
     }
 
-    /// This image with [`samples`](Film::samples) of `samples` per pixel in each of its
-    /// renderings: what a renderer was asked for. What the image states itself is kept.
+    /// This image with `samples` [per pixel](Film::samples) in each of its renderings, as requested
+    /// from a renderer. A number that the image itself states is kept.
     pub fn with_samples(self, samples: u32) -> Film {
         let renderings = self.renderings().unwrap_or(1);
         let asked = u64::from(samples) * u64::from(renderings);
@@ -159,8 +158,8 @@ impl Film {
         }
     }
 
-    /// The films next to each other, from left to right. All of one height, and all with
-    /// opacity or none. The noise is kept where all have it, of as many samples.
+    /// The films side by side, from left to right. All must have the same height, and all or none
+    /// opacity. The noise is kept if all have noise from the same number of samples.
     pub fn side_by_side(films: &[Film]) -> Film {
         let height = films[0].height;
         let width = films.iter().map(|film| film.width).sum();
@@ -209,32 +208,31 @@ impl Film {
         [r, g, b, opacity.map_or(1.0, |opacity| opacity[index])]
     }
 
-    /// Opacity of every pixel, in [0, 1], where the image has it.
+    /// Opacity of every pixel, in [0, 1], if the image has any.
     pub fn opacity(&self) -> Option<&[f32]> {
         self.opacity.as_deref()
     }
 
-    /// Samples per pixel, of all renderings together where there are several; nothing where
-    /// neither the image nor who asked for it says how many there are.
+    /// Samples per pixel, of all renderings together; `None` if neither the image nor its caller
+    /// states them.
     pub fn samples(&self) -> Option<u64> {
         self.samples
     }
 
-    /// Independent renderings that were put together without knowing their samples
+    /// Number of independent renderings combined without a sample count
     /// ([`Film::from_replicates`]).
     pub fn renderings(&self) -> Option<u32> {
         let noise = self.noise.as_ref()?;
         noise.is_of_renderings.then_some(noise.samples)
     }
 
-    /// How far the radiance may be off, where it is a mean of random samples.
+    /// Noise of the radiance, if it is a mean of random samples.
     pub fn noise(&self) -> Option<&Noise> {
         self.noise.as_ref()
     }
 
-    /// The first pixel whose radiance or opacity is negative or not finite: [column, row], and
-    /// what it holds. Where every radiance is one, the first pixel of which that is true of the
-    /// variance: its variances, and its opacity.
+    /// The first pixel whose radiance or opacity is negative or not finite: [column, row] and its
+    /// value. If there is none, the first such pixel by variance: its variances and opacity.
     pub fn first_without_radiance(&self) -> Option<([usize; 2], [f32; 4])> {
         let position = |index: usize| [index % self.width, index / self.width];
         let broken = |value: &f32| !(value.is_finite() && *value >= 0.0);
@@ -249,8 +247,8 @@ impl Film {
         Some((position(index), [r, g, b, self.pixel(index)[3]]))
     }
 
-    /// BLAKE3 of size, channels and the bits of every pixel, of its noise too where it has any:
-    /// equal for equal images only.
+    /// BLAKE3 hash of size, channels and the bits of every pixel, and of the noise if there is any:
+    /// equal only for equal images.
     pub fn pixel_hash(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         let noise = self.noise.as_ref();
@@ -274,7 +272,7 @@ impl Film {
     }
 
     /// 8-bit sRGB codes of the radiance times 2^`exposure`, clipped to [0, 1], rounded to the
-    /// nearest code. What is not a number becomes black.
+    /// nearest code. NaN becomes black.
     pub fn srgb_codes(&self, exposure: f64) -> Vec<[u8; 3]> {
         png_file::srgb_codes(&self.radiance, exposure)
     }
@@ -292,39 +290,39 @@ impl Film {
         png_file::encode(codes, width, height)
     }
 
-    /// The image as EXR, 32-bit float, lossless: R, G and B, A where there is opacity; where
-    /// there is noise, the variances of the means as layer `variance` and the number of samples
-    /// as layer `samples`.
+    /// The image as EXR, 32-bit float, lossless: R, G and B; A if there is opacity; if there is
+    /// noise, the variances of the means as layer `variance` and the number of samples as layer
+    /// `samples`.
     pub fn to_exr(&self) -> Result<Vec<u8>, FilmError> {
         exr_file::encode(self)
     }
 
-    /// Reads an EXR image. The picture is the display window: what lies outside is cut off, and
-    /// what no data cover is black and without opacity.
+    /// Reads an EXR image. The image is the display window: pixels outside are cut off, and pixels
+    /// without data are black and transparent.
     ///
-    /// Colours are the channels R, G and B, in capitals or not, of half, float or whole numbers,
-    /// and A where it is beside them; without colours elsewhere a channel Y is grey. They may
-    /// be in a layer, be it a part of the file with that name or channels called `beauty.R` and so
-    /// on: the only layer with colours, else the one without a name, else the only one called
-    /// `rgba`, `beauty` or `combined`. Everything else is left out, but noise: the layers
-    /// `variance` (of the means; R, G, B) and `samples` (Y).
+    /// Colours are the channels R, G and B, in upper or lower case, of half, float or integer type,
+    /// with A if present; without any colours a channel Y is grey. They may be in a layer, either a
+    /// part of the file with that name or channels such as `beauty.R`: the only layer with colours,
+    /// else the one without a name, else the only one called `rgba`, `beauty` or `combined`. All
+    /// else is ignored, except for noise: the layers `variance` (of the means; R, G, B) and
+    /// `samples` (Y).
     ///
-    /// Refused are deep data, subsampled channels, luminance with chroma, the compressions DWAA and
-    /// DWAB, windows that end before they begin, and files that lack a block of pixels of any part
-    /// and resolution. Numbers that are not finite are kept.
+    /// Deep data, subsampled channels, luminance with chroma, the compressions DWAA and DWAB,
+    /// windows that end before they begin, and files with a missing block of pixels in any part or
+    /// resolution are refused. Values that are not finite are kept.
     pub fn from_exr(bytes: &[u8]) -> Result<Film, FilmError> {
         exr_file::decode(bytes)
     }
 
     /// Reads the file of variances beside an image: an EXR whose colours are variances of the
-    /// mean, and whose channel `samples.Y` is the number of samples. To be given to
+    /// mean, and whose channel `samples.Y` is the number of samples; for
     /// [`Film::with_variance_of`].
     pub fn variance_from_exr(bytes: &[u8]) -> Result<(Film, u32), FilmError> {
         exr_file::decode_variance(bytes)
     }
 
-    /// Reads a PFM image: colour, or grey for three equal channels, of either byte order,
-    /// multiplied by the scale it states. Numbers that are not finite are kept.
+    /// Reads a PFM image: colour, or grey as three equal channels, of either byte order, multiplied
+    /// by its scale. Values that are not finite are kept.
     pub fn from_pfm(bytes: &[u8]) -> Result<Film, FilmError> {
         pfm_file::decode(bytes)
     }
@@ -334,25 +332,25 @@ impl Film {
         pfm_file::encode(self)
     }
 
-    /// Reads an array of NumPy: float16, float32 or float64 of either byte order, of the shape
-    /// (height, width, 3), (height, width, 4) with opacity, or (height, width) or
-    /// (height, width, 1) for three equal channels; its memory in either order. Numbers that are
-    /// not finite are kept, and those beyond 32 bits become infinite.
+    /// Reads a NumPy array: float16, float32 or float64 of either byte order, of the shape (height,
+    /// width, 3), (height, width, 4) with opacity, or (height, width) or (height, width, 1) for
+    /// grey, in C or Fortran order. Values that are not finite are kept, and those beyond 32 bits
+    /// become infinite.
     pub fn from_npy(bytes: &[u8]) -> Result<Film, FilmError> {
         npy_file::decode(bytes)
     }
 
-    /// The image as an array of NumPy, float32, of the shape (height, width, 3), or 4 with
+    /// The image as a NumPy array, float32, of shape (height, width, 3), or (height, width, 4) with
     /// opacity; without its noise.
     pub fn to_npy(&self) -> Vec<u8> {
         npy_file::encode(self)
     }
 
-    /// Reads 8-bit sRGB codes from a PNG image: colour, grey or palette, of 16 bits the nearest
-    /// codes (v/257). Returns width, height and the codes.
+    /// Reads 8-bit sRGB codes from a PNG image: colour, grey or palette; 16-bit values become the
+    /// nearest codes (v/257). Returns width, height and the codes.
     ///
-    /// Refused are transparent pixels, animations, colours beyond the end of the palette, and codes
-    /// that are not sRGB: of another gamma or profile.
+    /// Transparent pixels, animations, colours beyond the end of the palette, and codes that are
+    /// not sRGB (another gamma or profile) are refused.
     pub fn codes_from_png(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
         png_file::decode(bytes)
     }

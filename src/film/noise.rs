@@ -1,8 +1,7 @@
-//! How far the radiance of a sampled image may be off.
+//! The noise of a sampled image.
 
-/// Of an image whose pixels are means of random samples: the variance of those means, and how
-/// many numbers each is the mean of. There is none for fewer than two, which say nothing about
-/// their spread.
+/// The noise of an image whose pixels are means of random samples: the variance of those means, and
+/// the number of samples in each. Fewer than two samples have no variance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noise {
     pub(super) variance: Vec<[f32; 3]>,
@@ -27,14 +26,13 @@ impl Noise {
         &self.variance
     }
 
-    /// Independent numbers that each pixel is the mean of, and whose spread the variance is, at
-    /// least 2: its samples, or the renderings of replicates that do not state theirs.
+    /// Number, at least 2, of independent values of which each pixel is the mean and from whose
+    /// spread the variance was estimated: samples, or replicates without a sample count.
     pub fn samples(&self) -> u32 {
         self.samples
     }
 
-    /// Whether those numbers are whole renderings, each the mean of samples that it does not
-    /// count.
+    /// Whether those values are whole renderings without a sample count.
     pub fn is_of_renderings(&self) -> bool {
         self.is_of_renderings
     }
@@ -46,12 +44,11 @@ impl Noise {
     }
 }
 
-/// `variance` to the nearest number of eight significant bits, ties to even: off by at most
-/// 2⁻⁸ of it.
+/// `variance` rounded to eight significant bits, ties to even: relative error at most 2⁻⁸.
 ///
-/// An estimate from n samples is itself only known to about √(2/n) of it, which is above 2⁻⁸
-/// up to n = 2¹⁷; a standard error moves by 2⁻⁹ of it. Sixteen zero bits a value cost next to
-/// nothing in a compressed file, sixteen random bits cost two bytes.
+/// An estimate from n samples has a relative error of about √(2/n), which is above 2⁻⁸ up to n =
+/// 2¹⁷; the standard error changes by 2⁻⁹. Sixteen zero bits per value cost almost nothing in a
+/// compressed file, sixteen random bits cost two bytes.
 pub(super) fn rounded(variance: f32) -> f32 {
     if !variance.is_finite() {
         return variance;

@@ -1,7 +1,7 @@
-//! NPY, one array of NumPy.
+//! NPY, a file with one NumPy array.
 //!
-//! The crate `npyz` multiplies the lengths of the axes unchecked, which panics on a header of a
-//! few bytes; so the header is read here. It is one Python dictionary of three known keys.
+//! The crate `npyz` multiplies the lengths of the axes unchecked and panics on a header of a few
+//! bytes, so the header is read here. It is one Python dictionary of three known keys.
 //!
 //! Source: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
@@ -13,14 +13,14 @@ fn unreadable(reason: impl Into<String>) -> FilmError {
     FilmError::unreadable("NPY", reason)
 }
 
-/// Longest header, as in NumPy: there is nothing to say at such length.
+/// Longest header, as in NumPy.
 const LONGEST_HEADER: usize = 10_000;
 
-/// What the header says of the array.
+/// The header of the array.
 struct NpyHeader {
     /// Type of a number, such as `<f4`.
     descr: String,
-    /// Whether the first axis runs fastest, and not the last.
+    /// Whether the first axis runs fastest instead of the last.
     fortran_order: bool,
     /// Lengths of the axes.
     shape: Vec<usize>,
@@ -148,7 +148,7 @@ impl NpyHeader {
     }
 }
 
-/// What is left of the text of a header.
+/// The rest of the text of a header.
 struct Rest<'t>(&'t str);
 
 impl<'t> Rest<'t> {
@@ -224,7 +224,7 @@ impl<'t> Rest<'t> {
     }
 }
 
-/// How numbers are stored.
+/// Storage of a number.
 struct NpyNumber {
     /// 2, 4 or 8.
     bytes: usize,
@@ -303,7 +303,7 @@ fn axes(shape: &[usize]) -> Result<[usize; 3], FilmError> {
     ))
 }
 
-/// As Python shows it; only the first axes of very many.
+/// The shape in Python's notation; only the first few axes.
 fn shown(shape: &[usize]) -> String {
     let mut lengths: Vec<String> = shape.iter().take(6).map(usize::to_string).collect();
     if shape.len() > lengths.len() {

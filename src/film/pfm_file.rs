@@ -13,10 +13,10 @@ fn unreadable(reason: impl Into<String>) -> FilmError {
     FilmError::unreadable("PFM", reason)
 }
 
-/// No word of a header is longer.
+/// Longest word of a header.
 const LONGEST_WORD: usize = 32;
 
-/// The next word of the header, and what follows it: white space and data.
+/// The next word of the header, and the rest: white space and data.
 fn word(bytes: &[u8]) -> Result<(&str, &[u8]), FilmError> {
     let start = bytes.iter().position(|byte| !byte.is_ascii_whitespace());
     let bytes = &bytes[start.unwrap_or(bytes.len())..];

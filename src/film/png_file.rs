@@ -1,8 +1,8 @@
-//! PNG: pixels through the `image` crate, and what they mean through `png` below it, for `image`
-//! tells no gamma.
+//! PNG: pixels by the `image` crate, their encoding by the `png` crate below it, since `image` does
+//! not report gamma.
 //!
-//! What is read are sRGB codes. A file that says its codes are others (another gamma, another
-//! profile) is refused: to convert them is to guess what its renderer meant.
+//! The codes must be sRGB. A file with another gamma or profile is refused: converting it would be
+//! guessing the intention of its renderer.
 
 use super::FilmError;
 use super::error::{check_claim, check_size};
@@ -34,13 +34,13 @@ pub(super) fn encode(codes: &[[u8; 3]], width: usize, height: usize) -> Vec<u8> 
     bytes
 }
 
-/// Memory for a row, a chunk and a profile, in bytes: a profile may be a bomb too.
+/// Memory for a row, a chunk and a profile, in bytes: a profile can be a decompression bomb, too.
 const MOST_MEMORY: u64 = 1 << 28;
 
-/// What a file without gamma has: 1/2.2, which stands for sRGB where it is stated.
+/// Gamma of a file that does not state it: 1/2.2, which stands for sRGB if stated.
 const SRGB_GAMMA: f64 = 0.45455;
 
-/// Stated gammas as far off as this are roundings of that one. A code is `255·vᵞ`, whose slope in
+/// Stated gammas within this distance are roundings of that one. A code is `255·vᵞ`, whose slope in
 /// γ is `255·vᵞ·|ln v|`, at most `255/(e·γ)` = 206: this moves it by a tenth.
 const GAMMA_ROUNDING: f64 = 0.0005;
 
@@ -87,8 +87,8 @@ fn broken(reason: impl ToString) -> FilmError {
     FilmError::unreadable("PNG", reason.to_string())
 }
 
-/// Fails where a palette is cut off, or a pixel has a colour beyond its end: the crates show what
-/// is not there as black.
+/// Fails if a palette is truncated, or a pixel has a colour beyond its end: the crates show missing
+/// colours as black.
 fn check_palette(reader: &mut png::Reader<Cursor<&[u8]>>) -> Result<(), FilmError> {
     let info = reader.info();
     if info.color_type != png::ColorType::Indexed {
@@ -121,7 +121,7 @@ fn check_palette(reader: &mut png::Reader<Cursor<&[u8]>>) -> Result<(), FilmErro
     Ok(())
 }
 
-/// Fails where the file is no single image of sRGB codes.
+/// Fails if the file is not a single image of sRGB codes.
 fn check_meaning(info: &png::Info) -> Result<(), FilmError> {
     if info.animation_control.is_some() {
         return Err(FilmError::unsuited(
@@ -138,8 +138,8 @@ fn check_meaning(info: &png::Info) -> Result<(), FilmError> {
     }
 }
 
-/// What the file says of its codes, if they are not sRGB. Of four ways to say it the first that
-/// is there counts; a file that says nothing has sRGB.
+/// The stated encoding, if it is not sRGB. Of four chunks the first present counts; a file with
+/// none of them is sRGB.
 ///
 /// Source: PNG, third edition, 4.3 and 11.3.2.
 fn other_codes(info: &png::Info) -> Option<String> {
@@ -163,7 +163,7 @@ fn other_codes(info: &png::Info) -> Option<String> {
     (!is_srgb).then(|| format!("its gAMA says {gamma}"))
 }
 
-/// The name that an ICC profile gives itself: its tag `desc`, in 8 or 16 bits a letter.
+/// The name in an ICC profile: its tag `desc`, in 8 or 16 bits a letter.
 ///
 /// Source: ICC.1:2022, 7.3 (tag table) and 9.2.41.
 fn description(profile: &[u8]) -> Option<String> {
@@ -201,7 +201,7 @@ fn first_transparent(image: &DynamicImage) -> Option<usize> {
     }
 }
 
-/// Codes of 8 bits; of 16 bits the nearest, v/257.
+/// 8-bit codes; for 16-bit values the nearest, v/257.
 fn eight_bits(image: &DynamicImage) -> Vec<[u8; 3]> {
     use DynamicImage::{ImageLuma16, ImageLumaA16, ImageRgb16, ImageRgba16};
     if matches!(

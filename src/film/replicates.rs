@@ -1,4 +1,4 @@
-//! Several independent renderings of one picture, as one image with noise.
+//! Independent renderings of one image, combined into an image with noise.
 
 use super::{Film, FilmError};
 
@@ -80,24 +80,24 @@ pub(super) fn pooled(films: &[Film]) -> Result<Film, FilmError> {
     Ok(film)
 }
 
-/// The bits of every colour of an image: NaN is like itself.
+/// The bits of every colour of an image, so that NaN equals itself.
 fn bits(film: &Film) -> impl Iterator<Item = u32> {
     let values = film.radiance.as_flattened();
     values.iter().map(|value| value.to_bits())
 }
 
-/// What one rendering says of one channel of a pixel.
+/// Moments of one channel of a pixel in one rendering.
 struct ReplicateMoments {
-    /// Numbers that `mean` is the mean of.
+    /// Number of values in `mean`.
     count: f64,
     mean: f64,
-    /// As those numbers have it; without meaning where `count` is 1.
+    /// Variance of `mean`; meaningless if `count` is 1.
     variance_of_mean: f64,
 }
 
-/// Mean, and variance of the mean, of all numbers of all parts: as if one rendering had taken
-/// them all. The squared deviations are those within the parts, `v·n·(n − 1)` each, and those of
-/// the parts' means from the common mean, `n·(m − mean)²`.
+/// Mean, and variance of the mean, of all values of all parts, as if from one rendering. The
+/// squared deviations are those within the parts, `v·n·(n − 1)` each, and those of the parts' means
+/// from the common mean, `n·(m − mean)²`.
 fn pooled_value(parts: impl Iterator<Item = ReplicateMoments> + Clone) -> (f64, f64) {
     let total: f64 = parts.clone().map(|part| part.count).sum();
     let mean = parts

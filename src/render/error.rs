@@ -1,8 +1,8 @@
-//! Reasons for which an image cannot be had.
+//! Errors of rendering.
 
 use thiserror::Error;
 
-/// Reason for which an image cannot be had.
+/// Reason why an image cannot be rendered.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum RenderError {
     /// A path without an end.
@@ -24,14 +24,14 @@ pub enum RenderError {
          volref; please report it with the scene"
     )]
     Majorant {
-        /// Number of such look-ups, in all pixels; each pixel ends with its first such path.
+        /// Number of such look-ups, in all pixels; each pixel stops at its first such path.
         violations: u64,
         /// Column, from the left.
         column: usize,
         /// Row, from the top.
         row: usize,
     },
-    /// Unbounded radiance: a ray runs into a light without extent.
+    /// Unbounded radiance: a ray hits a light without extent.
     #[error(
         "pixel ({column}, {row}) is infinitely bright: a light without extent lies on its line \
          of sight, in a scattering medium, or nearer to what it lights than numbers can tell. \
@@ -66,7 +66,7 @@ pub enum RenderError {
         width: usize,
         /// Rows.
         height: usize,
-        /// Most that is held at a time.
+        /// Peak memory, bytes.
         bytes: u64,
     },
     /// A pixel that is not finite, or negative.
@@ -82,7 +82,7 @@ pub enum RenderError {
         /// Red, green, blue, opacity.
         value: [f32; 4],
     },
-    /// The image is not wanted any longer.
+    /// The rendering was cancelled.
     #[error("the image was given up before it was finished")]
     Stopped,
 }

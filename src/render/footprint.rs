@@ -1,4 +1,4 @@
-//! The memory that an image takes.
+//! The memory of an image.
 
 use super::plan::{Kernel, Plan};
 use super::radiative::path_tracer::PathFault;
@@ -10,8 +10,8 @@ use crate::math::Moments;
 pub struct Footprint {
     /// The finished image: radiance, and opacity or variance.
     pub image: u64,
-    /// Peak while it is rendered and written as EXR, with what is made for it (gradients,
-    /// majorants). The scene and its volumes are not counted.
+    /// Peak while it is rendered and written as EXR, including gradients and majorants. The scene
+    /// and its volumes are not counted.
     pub most: u64,
 }
 
@@ -57,8 +57,8 @@ fn of_film(plan: &Plan<'_>, sampling: Sampling) -> usize {
     }
 }
 
-/// Bytes of a pixel that are held at most while the panel is rendered, beside those before it:
-/// all rows and the image they are put together to, or that image and its film.
+/// Peak bytes per pixel while the panel is rendered, beside the panels before it: all rows and the
+/// image assembled from them, or that image and its film.
 fn while_rendered(plan: &Plan<'_>, film: usize) -> usize {
     let (pixel, between) = match plan.kernel {
         Kernel::PathTracer { .. } => (

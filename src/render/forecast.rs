@@ -1,17 +1,17 @@
-//! Forecast of the time that an image takes, from a few of its pixels.
+//! Forecast of the rendering time of an image, from a few of its pixels.
 
 use super::progress::Forecast;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// Pixels that are measured, at most. Of rays whose costs spread as widely as they are long, the
-/// mean of so many is known to 1/√256 = 6 %.
+/// Pixels that are measured, at most. For ray costs with a standard deviation equal to their mean,
+/// the mean of 256 is known to 1/√256 = 6 %.
 const MOST_PROBES: usize = 256;
 
-/// Of the rays of an image this share, at most, is cast twice.
+/// At most this fraction of the rays of an image is cast twice, 1/16.
 const SHARE: u64 = 16;
 
-/// Of a panel of `pixels` with `samples` each, where `probes` of its rays took `seconds` of
+/// Forecast for a panel of `pixels` with `samples` each, `probes` rays of which took `seconds` on
 /// one thread.
 fn extrapolated(
     pixels: u64,
@@ -28,9 +28,9 @@ fn extrapolated(
     }
 }
 
-/// The forecast of an image of `size`, from the times that `probe` takes for one ray through each
-/// of some pixels: measured for `most`, and until the ray under way then is done. None for an
-/// image of a few rays.
+/// The forecast for an image of `size`, from the times that `probe` takes for one ray through each
+/// of some pixels, measured for `most` and to the end of the current ray. `None` for an image of a
+/// few rays.
 pub(super) fn forecast(
     size: [usize; 2],
     samples: u32,
@@ -63,7 +63,7 @@ pub(super) fn forecast(
     Some(extrapolated(pixels, samples, threads, measured))
 }
 
-/// The pixel that is measured as `index`: any number of the first are spread evenly over the image.
+/// Pixel number `index` to be measured: any number of the first are spread evenly over the image.
 ///
 /// Source: the R2 sequence of Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences",
 /// 2018: multiples of the powers of 1/ρ, ρ³ = ρ + 1.

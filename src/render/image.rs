@@ -20,12 +20,12 @@ use std::marker::PhantomData;
 pub struct Rendering {
     /// The panels, side by side.
     pub film: Film,
-    /// Work done, panel by panel, where it was counted.
+    /// Work by panel, if it was counted.
     pub work: Vec<Counters>,
 }
 
-/// The image of the panels of `plans`, side by side. Its bits depend on nothing but the plans and
-/// the `sampling`: not on the number of threads, not on the build.
+/// The image of the panels of `plans`, side by side. Its bits depend only on the plans and the
+/// `sampling`, not on the number of threads or the build.
 pub fn render(
     plans: &[Plan<'_>],
     sampling: Sampling,
@@ -45,12 +45,12 @@ pub fn render_counted(
         .map(|(film, work)| Rendering { film, work })
 }
 
-/// A coarse image, made of fewer pixels or larger ones.
+/// A coarse image, of fewer or larger pixels.
 ///
 /// # Errors
 ///
-/// Those of [`render`] for the pixels rendered, and [`RenderError::Stopped`] once `stopped` says
-/// so: it is asked before every row, from any thread.
+/// Those of [`render`] for the pixels rendered, and [`RenderError::Stopped`] once `stopped` returns
+/// true; it is called before every row, from any thread.
 pub fn render_coarse(
     plans: &[Plan<'_>],
     sampling: Sampling,
@@ -66,11 +66,11 @@ pub fn render_coarse(
     render_with::<Uncounted>(plans, &job).map(|(film, _)| film)
 }
 
-/// The part of an image that is rendered, and with which samples.
+/// The part of an image to be rendered, and its samples.
 struct Job<'e> {
     sampling: Sampling,
     detail: Detail,
-    /// Whether to end early; asked before every row.
+    /// Whether to stop early; called before every row.
     stopped: &'e (dyn Fn() -> bool + Sync),
     progress: Progress<'e>,
 }
@@ -119,14 +119,14 @@ fn render_with<W: Work>(plans: &[Plan<'_>], job: &Job<'_>) -> Result<(Film, Vec<
     }
 }
 
-/// Whether this many bytes can be had at once. They are given back untouched: it costs nothing, and
-/// is found out before the work and not after it.
+/// Whether this many bytes can be allocated at once. They are freed untouched, which costs nothing,
+/// so that a lack of memory shows before the work.
 fn has_memory(bytes: u64) -> bool {
     let mut memory: Vec<u8> = Vec::new();
     usize::try_from(bytes).is_ok_and(|bytes| memory.try_reserve_exact(bytes).is_ok())
 }
 
-/// The steps of a panel that progress is reported by.
+/// Progress steps of a panel.
 fn steps(plan: &Plan<'_>, sampling: Sampling) -> u64 {
     let pixels = (plan.panel.width * plan.panel.height) as u64;
     match plan.kernel {
@@ -202,7 +202,7 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<(Film, W), Re
     Ok((Film::with_opacity(width, height, pixels), work))
 }
 
-/// Whether a light stands anywhere in the scene whose radiance may have no bound.
+/// Whether the scene has a light of unbounded radiance.
 fn has_points(scene: &Radiative) -> bool {
     scene.lights.iter().any(|light| light.position().is_some())
 }
@@ -241,7 +241,7 @@ fn without_faults<P>(
     })
 }
 
-/// The film of the means and of their variances; of one sample each, of the means alone.
+/// The film of the means and their variances; for a single sample, of the means alone.
 fn mean_of_samples([width, height]: [usize; 2], samples: u32, pixels: &[[Moments; 3]]) -> Film {
     let mean = |pixel: &[Moments; 3]| pixel.map(|channel| channel.mean() as f32);
     let variance = |pixel: &[Moments; 3]| {
