@@ -12,18 +12,18 @@ use std::ops::Range;
 pub enum Detail {
     /// All.
     Whole,
-    /// In each panel one column and row in this many, the first half as far from the edge as from
-    /// the next. Each pixel has the bits that it has in the whole image.
+    /// In each panel every n-th column and row, the first n/2 from the edge. Each pixel has the
+    /// same bits as in the whole image.
     Lattice(usize),
-    /// In each panel blocks of this many columns and rows, as one pixel each; what is left over at
-    /// the right and the bottom is left out. Path tracing samples the whole block, so that the
-    /// result is the mean of its pixels; whatever casts one ray casts it through the upper left
-    /// pixel.
+    /// In each panel blocks of this many columns and rows, as one pixel each; incomplete blocks at
+    /// the right and the bottom are left out. Path tracing samples the whole block, so that the
+    /// result is the mean of its pixels; kernels with one ray per pixel cast it through the upper
+    /// left pixel.
     Blocks(usize),
 }
 
 impl Detail {
-    /// The columns, or rows, in `size` of them that are rendered, or that blocks begin with.
+    /// The columns, or rows, out of `size` that are rendered, or that begin a block.
     pub fn places(self, size: usize) -> StepBy<Range<usize>> {
         let (first, end, step) = match self {
             Detail::Whole => (0, size, 1),
@@ -46,10 +46,10 @@ impl Detail {
 pub(super) struct Pixels<'p> {
     pub width: usize,
     pub height: usize,
-    /// Samples of each; 1 where it is not sampled.
+    /// Samples per pixel; 1 if the image is not sampled.
     pub samples: u32,
     pub detail: Detail,
-    /// Whether the rows not yet begun are to be left out.
+    /// Whether to skip the rows not yet begun.
     pub stopped: &'p (dyn Fn() -> bool + Sync),
     pub progress: Progress<'p>,
 }
@@ -73,7 +73,7 @@ impl Pixels<'_> {
         self.columns().len() * self.rows().len()
     }
 
-    /// Of an image of all pixels, those that are rendered.
+    /// The rendered pixels of an image of all pixels.
     pub fn those_rendered<P: Copy>(&self, image: &[P]) -> Vec<P> {
         self.rows()
             .flat_map(|row| {
@@ -90,14 +90,14 @@ struct RowSegment {
     columns: StepBy<Range<usize>>,
     /// Samples of a pixel, at most.
     most_samples: u32,
-    /// Whether it is part of the image; else it is a probe of the time that the image takes.
+    /// Whether it is part of the image, not a probe for the forecast of the time.
     is_image: bool,
 }
 
-/// The values of `pixel` at every pixel [column, row] that is rendered, of at most that many
-/// samples; rows in parallel. A pixel depends on its position alone, and pixels are put together
-/// in order, so the image is the same for any number of threads. `scratch` makes memory that the
-/// pixels of a row use one after the other.
+/// The values of `pixel` at every rendered pixel [column, row], with at most that many samples;
+/// rows in parallel. A pixel depends only on its position, and pixels are collected in order, so
+/// the image is the same for any number of threads. `scratch` allocates memory that the pixels of a
+/// row share in turn.
 ///
 /// This is compiled for every kernel, so it is the loop along a row and no more.
 pub(super) fn rows<P: Send, S, W: Work>(

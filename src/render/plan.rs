@@ -1,4 +1,4 @@
-//! The effects that a scene calls for, decided once per image.
+//! The effects that a scene needs, decided once per image.
 //!
 //! The [`Plan`] is the only way from a scene to a kernel. For each effect it says whether it is
 //! simulated and why; the kernel is compiled for exactly that. It is made from the values of the
@@ -22,10 +22,10 @@
 //!
 //! A grid of one value is a homogeneous medium to every kernel, equal to it up to rounding.
 //!
-//! What a model does not have (surfaces in a classified volume, gradient shading in media) is elided
-//! too. An effect that is null can be [forced](Plan::forcing): the same bits for more work. Which work
-//! belongs to which effect stands in [`Event::effects`](super::counters::Event::effects). A key
-//! without any effect is a [warning](Plan::warnings).
+//! Effects that a model does not have (surfaces in a classified volume, gradient shading in media)
+//! are elided, too. An effect that is null can be [forced](Plan::forcing): the same bits for more
+//! work. [`Event::effects`](super::counters::Event::effects) lists the effects behind each kind of
+//! work. A key without any effect is a [warning](Plan::warnings).
 
 mod canonical_text;
 mod classified;
@@ -45,14 +45,14 @@ use crate::scene::{Curve, Model, Panel, Scene};
 use decision::{Decisions, EffectFinding};
 use serde::Serialize;
 
-/// A part of an effect that is left out because the scene asks for it, with the bound on its bias.
+/// A part of an effect that is omitted at the scene's request, with the bound on its bias.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Approximation {
     /// The part left out, in words.
     pub without: String,
     /// The key of the scene behind it.
     pub field: &'static str,
-    /// The line of the scene file on which it stands.
+    /// The line of that key in the scene file.
     pub line: Option<usize>,
     /// Largest error of a channel of a pixel, radiance.
     pub bias: f64,
@@ -65,9 +65,9 @@ pub struct Plan<'s> {
     pub panel: &'s Panel,
     /// A decision for each of [`Effect::ALL`].
     pub decisions: Vec<Decision>,
-    /// Parts of simulated effects that are left out because the scene asks for it.
+    /// Parts of simulated effects that are omitted at the scene's request.
     pub approximations: Vec<Approximation>,
-    /// Keys of the scene file without any effect, and media that take longer than they may seem.
+    /// Keys of the scene file without any effect, and media that take unexpectedly long.
     pub warnings: Vec<Reason>,
     /// The estimator of a pixel's radiance.
     pub estimator: Estimator,
@@ -75,15 +75,15 @@ pub struct Plan<'s> {
     pub kernel: Kernel<'s>,
 }
 
-/// Reason for which a plan cannot be had.
+/// Error in making a plan.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PlanError {
-    /// The scene does not ask for the effect; forcing it would be another picture.
+    /// The scene does not request the effect; forcing it would change the image.
     #[error(
         "{effect} is not part of this scene, and forcing it would change the picture: {reason}"
     )]
     NotAsked {
-        /// The effect that was to be forced.
+        /// The effect to be forced.
         effect: Effect,
         /// Why it is off.
         reason: String,
@@ -150,7 +150,7 @@ impl<'s> Plan<'s> {
         matches!(self.kernel, Kernel::PathTracer { .. })
     }
 
-    /// Names of the effects that the scene could have asked for and did not, and what is left out
+    /// Names of the effects that the scene could have requested and did not, and the omitted parts
     /// of others.
     pub fn omitted(&self) -> Vec<String> {
         let omitted = self

@@ -23,14 +23,14 @@ use std::fmt;
 pub struct PredictedWork {
     /// Rays from the eye.
     pub rays: u64,
-    /// Units of work of the whole image; of events not in the list, nothing is known beforehand.
+    /// Units of work of the whole image; counts of events not in the list cannot be predicted.
     pub work: Vec<(Event, Amount)>,
     /// Memory beside the scene and the image.
     pub memory: Vec<Memory>,
 }
 
 impl PredictedWork {
-    /// The predicted count of `event`; none where nothing is known beforehand.
+    /// The predicted count of `event`; `None` if it cannot be predicted.
     pub fn of(&self, event: Event) -> Option<Amount> {
         let mut known = self.work.iter().filter(|(known, _)| *known == event);
         known.next().map(|(_, amount)| *amount)
@@ -73,7 +73,7 @@ impl fmt::Display for Bound {
     }
 }
 
-/// Memory of something that is made for an image and kept while it is rendered.
+/// Memory of data computed for an image and kept while it is rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Memory {
     /// Its contents.
@@ -92,7 +92,7 @@ const MOST_RAYS: usize = 1 << 16;
 const MOST_SAMPLES: u64 = 1 << 26;
 
 impl Plan<'_> {
-    /// The work and memory that the image takes with `sampling`, as far as closed forms tell.
+    /// The work and memory of the image with `sampling`, as far as closed forms exist.
     pub fn predicted_work(&self, sampling: Sampling) -> PredictedWork {
         let pixels = (self.panel.width * self.panel.height) as u64;
         let rays = pixels.saturating_mul(self.samples(sampling).into());
@@ -157,7 +157,7 @@ impl Plan<'_> {
         memory
     }
 
-    /// Memory made for the image: nothing that only an omitted effect needs.
+    /// Memory allocated for the image: nothing that only an omitted effect needs.
     fn memory(&self) -> Vec<Memory> {
         let mut memory = Vec::new();
         let mut add = |what, bytes| memory.push(Memory { what, bytes });

@@ -1,17 +1,17 @@
-//! Progress of a rendering, reported to whoever waits for it.
+//! Progress reports of a rendering.
 
 use std::time::Duration;
 
 /// An observer of a rendering, called from any thread. A closure is called at every step.
 pub trait Watch: Sync {
-    /// An image begins that takes this many steps: one for each pixel, and one for every
-    /// 1024 samples within it. Where it ends early, fewer are taken.
+    /// An image of this many steps begins: one for each pixel, and one for every 1024 samples
+    /// within it. A rendering that stops early takes fewer.
     fn begin(&self, _steps: u64) {}
 
     /// A step is done.
     fn step(&self);
 
-    /// Time that may be spent, at each panel, on a [`Forecast`]; without, none is made.
+    /// Time limit for a [`Forecast`] of each panel; `None` for no forecast.
     fn may_measure(&self) -> Option<Duration> {
         None
     }
@@ -29,7 +29,7 @@ impl<F: Fn() + Sync> Watch for F {
 /// The observer of a rendering.
 pub type Progress<'p> = &'p dyn Watch;
 
-/// Time that a panel will take.
+/// Forecast of the time of a panel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
     /// Seconds, on all threads together.

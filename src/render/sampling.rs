@@ -2,8 +2,8 @@
 
 use crate::scene::Radiative;
 
-/// Samples per pixel and random numbers of a rendering; by default those that the scene asks for.
-/// Without effect where a panel is not sampled.
+/// Samples per pixel and random numbers of a rendering; by default those of the scene. No effect on
+/// panels that are not sampled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sampling {
     /// Samples per pixel, at least 1, in place of those of the scene.
@@ -26,7 +26,7 @@ pub enum Seed {
 }
 
 impl Sampling {
-    /// As many samples per pixel, with the random numbers of the scene.
+    /// `samples` per pixel, with the random numbers of the scene.
     pub fn of_samples(samples: u32) -> Sampling {
         Sampling {
             samples: Some(samples),

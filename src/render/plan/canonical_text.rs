@@ -1,13 +1,13 @@
-//! A plan as the text by which goldens know it.
+//! The canonical text of a plan, which goldens hash.
 //!
-//! Goldens hold a hash of it, so its words stay as they are, whatever the code calls a thing today;
-//! and a feature that goldens of old know nothing of is named only where it is on.
+//! Goldens hold a hash of it, so its words never change, even where the code has renamed things;
+//! and a feature newer than the first goldens is named only where it is on.
 
 use super::{Kernel, Plan, RadiativeFeatures, RayCasterFeatures};
 
 impl Plan<'_> {
     /// The plan as text that changes with anything it covers: the kernel and the state of every
-    /// effect. Goldens keep its hash, so none can silently come to cover other physics.
+    /// effect. Goldens store its hash, so none can silently stand for other physics.
     pub fn canonical_text(&self) -> String {
         let mut text = of_kernel(&self.kernel);
         text.push('\n');

@@ -24,9 +24,9 @@ pub struct Decision {
 pub struct Reason {
     /// In words.
     pub reason: String,
-    /// The key of the scene behind it, where there is one, such as `radiative.medium[0].g`.
+    /// The key of the scene behind it, if any, such as `radiative.medium[0].g`.
     pub field: Option<String>,
-    /// The line of the scene file on which that key stands; none where the file leaves it out.
+    /// The line of that key in the scene file; `None` if the file leaves it out.
     pub line: Option<usize>,
 }
 
@@ -66,7 +66,7 @@ impl fmt::Display for Reason {
     }
 }
 
-/// The scene's say about one effect.
+/// The finding on one effect in a scene.
 pub(super) enum EffectFinding {
     /// The model does not have it.
     Absent(&'static str),

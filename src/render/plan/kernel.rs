@@ -1,4 +1,4 @@
-//! The code that renders an image, by what it is compiled for.
+//! The code that renders an image, by the features it is compiled for.
 
 use crate::scene::{Classified, Compositing, Curve, Radiative};
 use std::fmt;

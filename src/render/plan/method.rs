@@ -4,12 +4,12 @@ use super::Reason;
 use serde::Serialize;
 use std::fmt;
 
-/// The estimator of a plan: the cheapest that is exact for what the scene asks, with the reason.
+/// The estimator of a plan: the cheapest that is exact for the scene, with the reason.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Estimator {
     /// The method.
     pub method: Method,
-    /// The reason why nothing simpler would do, or why nothing more is needed.
+    /// The reason why nothing simpler suffices, or why nothing more is needed.
     #[serde(flatten)]
     pub why: Reason,
 }

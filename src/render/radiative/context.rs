@@ -11,9 +11,9 @@ use glam::DVec3;
 pub struct PathContext<'c, W> {
     /// The ray under way.
     pub ray: Ray,
-    /// Share, by channel, of radiance along the ray that reaches the eye.
+    /// Fraction, by channel, of the radiance along the ray that reaches the eye.
     pub throughput: DVec3,
-    /// The bounce that the ray left from.
+    /// The bounce at which the ray starts.
     pub previous: PreviousBounce,
     /// Bounces so far: the scattering order of light found next is one more.
     pub depth: u32,
@@ -68,7 +68,7 @@ impl<'c, W> PathContext<'c, W> {
         }
     }
 
-    /// Goes on along `ray` by one bounce.
+    /// Continues along `ray` after a bounce.
     pub fn go_on(&mut self, ray: Ray, previous: PreviousBounce) {
         self.ray = ray;
         self.previous = previous;

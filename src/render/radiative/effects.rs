@@ -1,6 +1,6 @@
 //! Effects that a kernel is compiled for.
 
-/// Effects as constants: what is off is not in the compiled code at all.
+/// Effects as constants: the compiled code does not contain effects that are off.
 pub trait Effects: Sync {
     /// Media that scatter, absorb or emit light.
     const MEDIA: bool;

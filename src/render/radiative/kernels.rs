@@ -18,7 +18,7 @@ use glam::DVec3;
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Something to be run by code compiled for certain effects.
+/// A task run by code compiled for certain effects.
 pub(in crate::render) trait KernelTask {
     /// Its result.
     type Output;
@@ -132,7 +132,7 @@ impl<W: Work> KernelTask for ByLineOfSight<'_, W> {
     }
 }
 
-/// Renders a scene by tracing paths, each through a random place of its pixel.
+/// Renders a scene by tracing paths, each through a random point of its pixel.
 pub(in crate::render) struct ByPathTracing<'p, W> {
     pub scene: &'p Radiative,
     pub features: RadiativeFeatures,
@@ -186,8 +186,7 @@ impl<W: Work> KernelTask for ByPathTracing<'_, W> {
     }
 }
 
-/// Light that is brighter than any number could be made no mean of: with what is darker it would
-/// be no number at all.
+/// A radiance that overflows has no mean: together with others it would become NaN.
 fn finite(radiance: DVec3) -> Result<DVec3, PathFault> {
     if radiance.to_array().contains(&f64::INFINITY) {
         Err(PathFault::Infinite)

@@ -1,13 +1,13 @@
 //! Light vertices: light scattered once on its way to a vertex, sampled from the light's end.
 //!
 //! A positioned light makes a shaft in a medium and a spot on the surface at its end. A path that
-//! goes on from the vertex finds both too: by its direction, then by a point on its next ray or the
-//! surface at its end. But the smaller the shaft, the fewer paths meet it, and those that pass the
-//! light itself at a distance `D` bring back something like `1/D`, whose square has no bounded mean
-//! over all directions. So such points are also sampled from the light's end: a direction out of
-//! the light, then the surface there, and a distance on the way to it, by equal angles seen from
-//! the vertex. Both samplers are weighted by multiple importance sampling, and near each end the
-//! other one is the better.
+//! continues from the vertex finds both, too: by its direction, then by a point on its next ray or
+//! the surface at its end. But the smaller the shaft, the fewer paths hit it, and those that pass
+//! the light at a distance `D` return about `1/D`, whose square has no finite mean over all
+//! directions. So such points are also sampled from the light's end: a direction from the light,
+//! then the surface there, and a distance on the way to it, by equal angles seen from the vertex.
+//! Both samplers are weighted by multiple importance sampling, and each is better near the end of
+//! the other.
 //!
 //! Sources: Lafortune & Willems 1996, "Rendering participating media with bidirectional path
 //! tracing", EGWR '96; Georgiev et al. 2013, "Joint importance sampling of low-order volumetric
@@ -30,7 +30,7 @@ use crate::render::counters::Work;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// A ray out of a light, with the density of its direction, per steradian.
+/// A ray from a light, with the density of its direction, per steradian.
 struct LightRay {
     ray: Ray,
     pdf: f64,

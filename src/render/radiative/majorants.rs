@@ -4,7 +4,7 @@ use crate::geometry::{Aabb, Ray, Span};
 use crate::media::{Density, DensityLine};
 use crate::volume::{DensityField, DensityRange, Visit, Walk};
 
-/// The blocks of one heterogeneous medium along a ray.
+/// The blocks of a heterogeneous medium along a ray.
 #[derive(Clone, Debug)]
 pub struct HeterogeneousSegment {
     /// Index of the medium among those of the scene.
@@ -45,7 +45,7 @@ impl HeterogeneousSegment {
         })
     }
 
-    /// Goes on to the block, or gap, that begins at distance `t`.
+    /// Advances to the block, or gap, that begins at distance `t`.
     pub fn advance(&mut self, t: f64, density: &Density) {
         let blocks = density.blocks();
         match self.next_visit.take().or_else(|| self.walk.next()) {

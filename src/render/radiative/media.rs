@@ -28,7 +28,7 @@ pub type Set = u64;
 
 impl<'s> Media<'s> {
     /// The media of `bodies` for random paths, which track light through heterogeneous media. With
-    /// `vacuum`, media that change nothing are kept too.
+    /// `vacuum`, media without any effect are kept, too.
     pub fn new(bodies: &'s [Body], vacuum: bool) -> Media<'s> {
         // Made here and not by the threads that first ask for them.
         for density in tracked(bodies) {

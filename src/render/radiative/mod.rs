@@ -9,8 +9,9 @@
 //! | `kernels` | what a plan compiles |
 //! | [`path_tracer`], [`line_of_sight`] | the two renderers |
 //! | [`light_vertices`], [`single_scattering`], [`direct_light`], [`emission`], [`free_flight`], [`specular`] | their estimators |
-//! | [`visibility`], [`transmittance`], [`scattering`], [`intersection`], [`shadow_edges`] | what estimators ask of a scene |
-//! | [`context`], [`tracker`] | what they are handed: path, random numbers, memory, counters |
+//! | [`visibility`], [`transmittance`], [`scattering`], [`intersection`], [`shadow_edges`] |
+//! queries of estimators to a scene |
+//! | [`context`], [`tracker`] | the state passed to them: path, random numbers, memory, counters |
 //! | [`scene_context`], [`segments`], [`ray_majorants`], [`vertex`] | a scene and its media along a ray |
 //! | [`media`], [`medium`], [`majorants`] | the media of a scene |
 //! | [`sampler`], [`tracking`], [`effects`] | random numbers, tracking in general, compiled effects |

@@ -3,14 +3,14 @@
 //! A path begins at the eye. Along each of its rays it collects the emission of media, the single
 //! scattering of lights without extent, and the emission of a surface at its end. Then it either
 //! collides with a medium that scatters or reaches the surface; there it collects direct light,
-//! scatters, and goes on.
+//! scatters, and continues.
 //!
-//! Every light is counted once. Lights without extent can only be connected to, straight or by
+//! Every light is counted once. Lights without extent can only be connected to, directly or by
 //! single scattering in a medium, and both samplers of that scattering are weighted by multiple
 //! importance sampling; an area light is connected to *and* hit, weighted likewise; the
-//! environment, being the same in all directions, is only hit, since directions are sampled in the
-//! proportion in which they matter. So in a furnace, a conservative scene with an environment alone
-//! and no glass, every path returns exactly the radiance of the environment.
+//! environment, being the same in all directions, is only hit, since directions are sampled in
+//! proportion to their contribution. So in a furnace, a conservative scene with an environment
+//! alone and no glass, every path returns exactly the radiance of the environment.
 //!
 //! Sources: Kajiya 1986, "The rendering equation", SIGGRAPH '86; Veach 1997, thesis, ch. 9–11;
 //! Kulla & Fajardo 2012 for lights in media.
@@ -61,7 +61,7 @@ enum Interaction {
     Glass(Hit, f64),
 }
 
-/// The direction in which a path goes on.
+/// The direction in which a path continues.
 struct Bounce {
     ray: Ray,
     /// Response over density, by channel.
@@ -71,7 +71,7 @@ struct Bounce {
 
 impl<'s, E: Effects> PathTracer<'s, E> {
     /// A tracer of paths through `scene` with `limit` bounces at most, `None` for any number.
-    /// With `vacuum`, media that change nothing are looked for along rays like others.
+    /// With `vacuum`, media without any effect are intersected like others.
     pub fn new(scene: &'s Radiative, limit: Option<u32>, vacuum: bool) -> Self {
         PathTracer {
             scene: SceneContext::new(scene, vacuum),
@@ -267,7 +267,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         radiance
     }
 
-    /// Samples the direction in which the path goes on.
+    /// Samples the direction in which the path continues.
     fn bounce<W: Work>(
         &self,
         interaction: &Interaction,
@@ -323,12 +323,11 @@ fn scattering_at(depth: u32) -> Event {
     }
 }
 
-/// Probability that a path goes on, by its throughput as a share of that at its first bounce:
-/// certain down to a half, so that a conservative path is never cut (but in glass, where radiance
-/// is measured in other solid angles) and a pixel behind something dark is not noisier for it. Half
-/// because it is cheapest: in the Cornell room, error squared times time is 10 to 25 % larger if
-/// paths are cut from the start, from the second or from the fifth bounce on in proportion to
-/// their throughput.
+/// Probability that a path continues, by its throughput relative to that at its first bounce: 1
+/// down to a half, so that a conservative path never ends (except in glass, where radiance is
+/// measured in other solid angles) and a pixel behind a dark object has no more noise. One half is
+/// the cheapest: in the Cornell room, error squared times time is 10 to 25 % larger if paths end in
+/// proportion to their throughput from the start, from the second or from the fifth bounce on.
 fn survival(throughput: DVec3, first_throughput: DVec3) -> f64 {
     (2.0 * throughput.max_element() / first_throughput.max_element()).min(1.0)
 }

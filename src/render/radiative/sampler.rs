@@ -4,10 +4,10 @@ use super::tracking::{Tentative, TentativeNumbers};
 use crate::math::rng::{Purpose, Stream};
 use crate::math::sampling::optical_distance;
 
-/// Gives every random number that a path uses, and counts it.
+/// The source of all random numbers of a path, with a count.
 ///
-/// The count is one addition beside the hundred operations that make a number, so it needs no
-/// kernel of its own: [`Sampler::given`] goes into the counters at the end of the path.
+/// The count is one addition beside about a hundred operations per number, so it needs no kernel of
+/// its own: [`Sampler::given`] goes into the counters at the end of the path.
 #[derive(Clone, Debug)]
 pub struct Sampler {
     stream: Stream,
@@ -39,7 +39,7 @@ impl NumberRow {
 }
 
 impl Sampler {
-    /// Bounces lie below this.
+    /// Upper limit of bounces, exclusive.
     pub const BOUNCES: u32 = Stream::BOUNCES;
 
     /// The numbers of `stream`, from the first bounce on.
@@ -57,7 +57,7 @@ impl Sampler {
         Sampler::new(Stream::new(0, 0, 0))
     }
 
-    /// Goes on with the numbers of `bounce`.
+    /// Continues with the numbers of `bounce`.
     pub fn begin_bounce(&mut self, bounce: u32) {
         self.bounce = bounce;
         self.rows = [0; 3];

@@ -31,7 +31,7 @@ pub struct Response {
 /// A direction sampled at a vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct SampledDirection {
-    /// The ray that goes on.
+    /// The continuing ray.
     pub ray: Ray,
     /// By channel, response over density.
     pub weight: DVec3,
@@ -67,7 +67,7 @@ impl<E: Effects> SceneContext<'_, E> {
         }
     }
 
-    /// Samples the direction in which a path of `throughput` goes on from `vertex`.
+    /// Samples the direction in which a path of `throughput` continues from `vertex`.
     pub fn scatter<W: Work>(
         &self,
         vertex: &Vertex,
@@ -162,8 +162,8 @@ impl<E: Effects> SceneContext<'_, E> {
     }
 
     /// One of the overlapping media, sampled in the proportion of their scattering of the
-    /// throughput, and by channel its share of the scattering over its probability. So the channels
-    /// together carry as much as before, however often media are sampled.
+    /// throughput, and by channel its fraction of the scattering over its probability. So the sum
+    /// of the channels is preserved, however often media are sampled.
     fn sample_phase<W: Work>(
         &self,
         set: Set,
@@ -208,8 +208,8 @@ impl<E: Effects> SceneContext<'_, E> {
     }
 
     /// Scattering coefficient and phase function of each medium in `set` that scatters, at the
-    /// world point `point`, which lies in all of them. Of one medium alone, the coefficient is
-    /// not looked up: it has nothing to be compared with. Adds to `lookups`.
+    /// world point `point`, which lies in all of them. The coefficient of a single medium is not
+    /// looked up, since there is no other to compare it with. Adds to `lookups`.
     fn scatterers(
         &self,
         set: Set,

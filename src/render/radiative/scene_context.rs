@@ -17,7 +17,7 @@ pub struct SceneContext<'s, E> {
     effects: PhantomData<E>,
 }
 
-/// A light that shines from a point.
+/// A light at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct PositionedLight<'s> {
     /// The light.
@@ -29,8 +29,8 @@ pub struct PositionedLight<'s> {
 }
 
 impl<'s, E: Effects> SceneContext<'s, E> {
-    /// `scene` prepared for random paths. With `vacuum`, media that change nothing are looked for
-    /// along rays like others.
+    /// `scene` prepared for random paths. With `vacuum`, media without any effect are intersected
+    /// like others.
     pub fn new(scene: &'s Radiative, vacuum: bool) -> Self {
         SceneContext::with(scene, Media::new(&scene.media, vacuum))
     }
@@ -53,7 +53,7 @@ impl<'s, E: Effects> SceneContext<'s, E> {
         E::HETEROGENEOUS && self.media.has_heterogeneous()
     }
 
-    /// The lights that shine from a point.
+    /// The lights at a point.
     pub fn positioned_lights(&self) -> impl Iterator<Item = PositionedLight<'s>> + use<'s, E> {
         let lights = self.radiative.lights.iter().enumerate();
         let shining = lights.filter(|(_, light)| light.strength() != DVec3::ZERO);

@@ -1,14 +1,13 @@
 //! The media along a ray: segments between their boundaries.
 //!
-//! Boundaries of media do not refract here (their refractive index is that of what surrounds
-//! them), so a straight path crosses them all. It is cut where any medium begins or ends; in
-//! between, coefficients and emissions of the media that overlap add up. Nothing is remembered
-//! from one ray to the next: where a ray begins decides what it begins in, so no count of
-//! crossings can go wrong.
+//! Boundaries of media do not refract here (their refractive index is that of their surroundings),
+//! so a straight path crosses them all. It is cut where any medium begins or ends; in between,
+//! coefficients and emissions of overlapping media add up. No state is kept from one ray to the
+//! next: the origin of a ray determines the media around it, so no count of crossings can go wrong.
 //!
-//! A heterogeneous medium has no coefficients of its own on a segment. There light is followed by
-//! [tracking](super::tracking), and the properties of the segment are those of a homogeneous medium
-//! by which points are sampled: any will do.
+//! A heterogeneous medium has no coefficients of its own on a segment. There light is
+//! [tracked](super::tracking), and the properties of the segment are those of a homogeneous medium
+//! by which points are sampled: any is valid.
 
 use super::media::{Media, Set};
 use super::medium::{MediumProperties, over};

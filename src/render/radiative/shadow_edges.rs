@@ -1,10 +1,10 @@
-//! Edges of the shadows that media throw onto a ray.
+//! Edges of the shadows that media cast onto a ray.
 //!
 //! Towards a light the transmittance of other media is smooth between the points of a ray whose
 //! connection passes an edge of a body. A rule of few points that straddled a narrow shadow would not
 //! see it, so integrals along the line of sight are cut there.
 //!
-//! All happens in the plane through ray and light: it cuts a box in a polygon and a sphere in a
+//! The geometry is in the plane through ray and light: it cuts a box in a polygon and a sphere in a
 //! circle. The lines from the light through the corners of the one, and along the tangents of the
 //! other, meet the ray at the edges.
 

@@ -1,10 +1,10 @@
 //! Single scattering of a positioned light along a ray: equiangular sampling.
 //!
-//! Near the light the irradiance grows with one over the squared distance, and a path that
-//! collides near it by chance carries that factor: its variance has no bound. So a point of
-//! the ray is sampled for the light instead: by equal angles seen from it, which takes the factor
-//! away, or by free flight, which suits dense media, with equal probability; the sample is
-//! weighted by the mean of both densities.
+//! Near the light the irradiance grows with the inverse squared distance, and a path that collides
+//! near it by chance carries that factor: its variance is unbounded. So a point of the ray is
+//! sampled for the light instead: by equal angles seen from it, which cancels the factor, or by
+//! free flight, which suits dense media, with equal probability; the sample is weighted by the mean
+//! of both densities.
 //!
 //! Source: Kulla & Fajardo 2012, "Importance sampling techniques for path tracing in
 //! participating media", Computer Graphics Forum 31, 1519–1528.
@@ -97,8 +97,8 @@ fn within_cone(spot: &Spot, ray: &Ray, span: Span) -> Option<Span> {
 /// Distances at which the light on `ray` begins or ends at the edge of the cone of `light`, to the
 /// last place.
 ///
-/// An integral has to be cut there. A rule of some points, laid over light and a sliver of dark
-/// beside it, does not see the dark: its outermost point lies half a hundredth of the way inside.
+/// An integral has to be split there. A quadrature rule over light and a sliver of dark beside it
+/// misses the dark: its outermost point lies half a hundredth of the way inside.
 pub fn edges(light: &Light, ray: &Ray) -> Vec<f64> {
     let Light::Spot(spot) = light else {
         return vec![];
@@ -255,7 +255,7 @@ impl<'p, E: Effects> ScatteringPointSampler<'p, E> {
         }))
     }
 
-    /// The point that belongs to two numbers in [0, 1).
+    /// The point for two numbers in [0, 1).
     pub fn sample(&self, [choice, u]: [f64; 2]) -> Option<ScatteringPoint> {
         let t = if choice < 0.5 {
             self.foot + self.equiangular.sample(u)

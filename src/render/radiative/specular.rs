@@ -1,4 +1,4 @@
-//! Mirrors and glass: surfaces where a path goes on in one or two directions.
+//! Mirrors and glass: surfaces where a path continues in one or two directions.
 
 use super::sampler::Sampler;
 use crate::geometry::{Direction, Hit, Ray, Side};
@@ -10,9 +10,9 @@ pub fn mirrored(ray: &Ray, hit: &Hit) -> Option<Ray> {
     hit.point.leave(reflected(ray.direction, facing(hit)))
 }
 
-/// The ray that goes on from glass of refractive `index`, reflected or refracted with the
-/// probability of its share of the light, and its weight: radiance is measured per solid angle,
-/// which refraction stretches by the square of the ratio of indices.
+/// The ray that continues from glass of refractive `index`, reflected or refracted in proportion to
+/// the light, and its weight: radiance is measured per solid angle, which refraction scales by the
+/// square of the ratio of indices.
 pub fn through_glass(
     ray: &Ray,
     hit: &Hit,

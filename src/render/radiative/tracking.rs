@@ -1,9 +1,9 @@
 //! Tracking: estimators of free flights and transmittances through heterogeneous media.
 //!
-//! Where the extinction along a ray has no integral at hand, it is compared with a majorant that
-//! has: tentative collisions have the density of the majorant `σ̄`, and the extinction `σ ≤ σ̄` at
-//! each of them decides what becomes of it. The walk from one to the next is written once;
-//! estimators differ in what they do there. None has a bias, none has a step.
+//! If the extinction along a ray has no known integral, it is compared with a majorant that has
+//! one: tentative collisions have the density of the majorant `σ̄`, and the extinction `σ ≤ σ̄` at
+//! each of them decides its outcome. The walk from one to the next is written once; estimators
+//! differ in their response. None has a bias or a step size.
 //!
 //! | estimator | variance | mean look-ups |
 //! |---|---|---|
@@ -220,8 +220,8 @@ pub fn ratio_tracking<M: Majorants>(
     }
 }
 
-/// Threshold of the roulette on estimates. The noise it adds is small against that of the paths
-/// that ask; it saves everything behind ten optical depths.
+/// Threshold of the roulette on estimates. Its noise is small compared with that of the paths; it
+/// saves all work beyond ten optical depths.
 const THIN: f64 = 0.1;
 
 /// Russian roulette on a small estimate: `u`, uniform in [0, 1), ends it, or raises it to the

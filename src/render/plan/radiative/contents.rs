@@ -12,8 +12,7 @@ pub(super) const SCATTERING: &str = "radiative.scattering";
 pub(super) const LIGHT: &str = "radiative.light";
 pub(super) const MAX_BOUNCES: &str = "radiative.max_bounces";
 
-/// The keys of a medium that give a property of it, those first that give nothing else.
-/// Any of the coefficients.
+/// The keys of a medium that give a property, the most specific first. Any of the coefficients.
 pub(super) const COEFFICIENTS: &[&str] = &["sigma_a", "sigma_s", "sigma_t", "albedo", "procedural"];
 pub(super) const ABSORPTION: &[&str] = &["sigma_a", "sigma_t", "procedural"];
 pub(super) const BY_ALBEDO: &[&str] = &["sigma_a", "albedo", "procedural"];
@@ -132,10 +131,9 @@ impl<'s> Contents<'s> {
         self.scene.scattering != Scattering::None && self.scatters()
     }
 
-    /// Whether single scattering is one integral along the line of sight that misses nothing:
-    /// lights have no extent, and there are either scattering media without surfaces or diffuse
-    /// surfaces. (The shadow that a surface or a mesh casts into a medium may be too narrow for
-    /// quadrature.)
+    /// Whether single scattering is one complete integral along the line of sight: lights have no
+    /// extent, and there are either scattering media without surfaces or diffuse surfaces. (The
+    /// shadow that a surface or a mesh casts into a medium may be too narrow for quadrature.)
     pub fn is_one_integral(&self) -> bool {
         let objects = &self.scene.objects;
         let diffuse = |material| matches!(material, Material::Diffuse(_));
@@ -148,7 +146,7 @@ impl<'s> Contents<'s> {
             && !self.mesh_shades()
     }
 
-    /// One of several media is a mesh, which may throw shadows into those that scatter.
+    /// One of several media is a mesh, which may cast shadows into those that scatter.
     pub fn mesh_shades(&self) -> bool {
         let is_mesh = |body: &Body| {
             matches!(

@@ -6,14 +6,13 @@ use crate::scene::{Body, Radiative};
 use crate::volume::DensityField;
 use glam::DVec3;
 
-/// Scattering orders above this are warned of. A scattering takes a tenth of a microsecond and more,
-/// so such a path takes milliseconds, and an image of 256 × 256 pixels with 64 samples, were all of
-/// its paths like that, hours.
+/// Higher scattering orders cause a warning. A scattering event takes at least a tenth of a
+/// microsecond, so such a path takes milliseconds, and an image of 256 × 256 pixels with 64 samples
+/// of such paths hours.
 pub(super) const MANY_SCATTERINGS: f64 = 1e4;
 
 /// Mean scattering order of light from the middle of `body` until it leaves or is absorbed: an
-/// estimate within a factor of two where the order is high, and infinite where nothing ends the
-/// walk.
+/// estimate within a factor of two for high orders, and infinite if nothing ends the walk.
 ///
 /// *It leaves.* Where scattering dominates, light diffuses: it moves by `1 / (sigma_s (1 − g))`
 /// between directions that have nothing to do with each other, a diffusion coefficient of
@@ -25,11 +24,11 @@ pub(super) const MANY_SCATTERINGS: f64 = 1e4;
 /// the axes. Light that enters from outside mostly leaves again at once, after `4/3 τ` scatterings on average
 /// in a ball; it is one path in some `τ` that gets to the middle, and those take the time.
 ///
-/// *It is absorbed.* A path goes on for certain until it carries half of what it began with, which
-/// takes `ln 2 / (1 − albedo)` scatterings, and from there with a probability of `albedo` each:
-/// `1 / (1 − albedo)` more.
+/// *It is absorbed.* A path continues with certainty until its throughput is half of what it was,
+/// which takes `ln 2 / (1 − albedo)` scatterings, and from there with a probability of `albedo`
+/// each: `1 / (1 − albedo)` more.
 ///
-/// The rates at which it comes to an end add up.
+/// The rates of both ends add up.
 pub(super) fn scatterings_from_the_middle(scene: &Radiative, body: &Body) -> f64 {
     let coefficients = body.medium.coefficients;
     let density = body.density.as_ref().map_or(1.0, mean);
