@@ -5,7 +5,7 @@
 //! node lies at the world origin.
 
 use super::error::{VolumeFault, refused};
-use super::file::{Stored, VolumeFormat, VolumeRead};
+use super::format::{Stored, VolumeFormat, VolumeRead};
 use super::orientation::{Axes, AxisSteps};
 use super::samples::{fill, read_grid};
 use super::source::VolumeSource;

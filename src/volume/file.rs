@@ -1,7 +1,8 @@
 //! Volumes from files, the format by the extension.
 
 use super::course_grid::COURSE_GRID;
-use super::error::{VolumeError, VolumeFault};
+use super::error::VolumeError;
+use super::format::{Stored, VolumeFormat};
 use super::grid::Grid;
 use super::load_options::LoadOptions;
 use super::mitsuba_vol::MITSUBA_VOL;
@@ -9,26 +10,8 @@ use super::nifti::NIFTI;
 use super::nrrd::NRRD;
 use super::point_cloud::POINT_CLOUD;
 use super::raw_volume::BARE_SAMPLES;
-use super::samples::Layout;
 use super::source::{FileRead, VolumeSource, ends_in};
-use crate::geometry::Aabb;
 use std::path::Path;
-
-/// A format of volume files. A new one is a file that declares it, and a row of the table.
-pub struct VolumeFormat {
-    /// Name of the format.
-    pub name: &'static str,
-    /// Endings of the names of its files: a dot and small letters. Capitals are recognised, too.
-    pub extensions: &'static [&'static str],
-    /// Whether its files hold points that are splatted, and not a grid.
-    pub is_point_cloud: bool,
-    /// Reads a file of the format. Values of the grid are finite, unless asked for otherwise, and
-    /// may be negative.
-    pub(super) read: fn(&mut VolumeSource, &LoadOptions) -> VolumeRead,
-}
-
-/// What a file holds, and in which form.
-pub(super) type VolumeRead = Result<(Grid<f32>, Stored), VolumeFault>;
 
 /// Every format that is read.
 const VOLUME_FORMATS: [&VolumeFormat; 6] = [
@@ -39,20 +22,6 @@ const VOLUME_FORMATS: [&VolumeFormat; 6] = [
     &NIFTI,
     &BARE_SAMPLES,
 ];
-
-/// The form in which a file holds a volume.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Stored {
-    /// As points.
-    Cloud {
-        /// Number of points.
-        points: usize,
-        /// The box around them.
-        extent: Aabb,
-    },
-    /// As samples of a grid.
-    Samples(Layout),
-}
 
 /// A volume, and where it came from.
 #[derive(Clone, Debug)]

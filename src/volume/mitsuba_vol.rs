@@ -10,7 +10,7 @@
 //! cell; [`LoadOptions::centring`] asks for that. The box is the same in both cases.
 
 use super::error::{VolumeFault, refused};
-use super::file::{Stored, VolumeFormat, VolumeRead};
+use super::format::{Stored, VolumeFormat, VolumeRead};
 use super::orientation::{Axes, AxisSteps};
 use super::samples::{check_sizes, fill, read_grid};
 use super::source::VolumeSource;

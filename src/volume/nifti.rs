@@ -12,7 +12,7 @@
 //! of 1), and holds the file's bytes beside the values made of them.
 
 use super::error::{VolumeFault, refused};
-use super::file::{Stored, VolumeFormat, VolumeRead};
+use super::format::{Stored, VolumeFormat, VolumeRead};
 use super::orientation::{Axes, AxisSteps};
 use super::samples::{check_sizes, fill, read_grid, read_unpacked};
 use super::source::VolumeSource;

@@ -15,7 +15,7 @@
 //! A file with the wrong `endian` cannot be told from one with odd values.
 
 use super::error::{VolumeFault, refused};
-use super::file::{Stored, VolumeFormat, VolumeRead};
+use super::format::{Stored, VolumeFormat, VolumeRead};
 use super::orientation::{Axes, AxisSteps};
 use super::samples::{check_sizes, read_grid};
 use super::source::VolumeSource;

@@ -1,7 +1,7 @@
 //! Point clouds as volumes: read from Wavefront OBJ, splatted to a grid.
 
 use super::error::VolumeFault;
-use super::file::{Stored, VolumeFormat, VolumeRead};
+use super::format::{Stored, VolumeFormat, VolumeRead};
 use super::load_options::LoadOptions;
 use super::obj_points::read_obj_points;
 use super::source::VolumeSource;

@@ -15,7 +15,7 @@
 //! A wrong `endian` cannot be told from odd values.
 
 use super::error::{VolumeFault, refused};
-use super::file::{Stored, VolumeFormat, VolumeRead};
+use super::format::{Stored, VolumeFormat, VolumeRead};
 use super::orientation::{Axes, AxisSteps, Orientation};
 use super::samples::{check_sizes, read_grid};
 use super::source::VolumeSource;

@@ -25,6 +25,13 @@ fn the_committed_schemas_are_those_of_the_command() {
     }
 }
 
+/// `volref compare` promises what a case does that says nothing.
+#[test]
+fn the_resolution_of_a_case_is_that_of_compare() {
+    let default = &schema("case")["properties"]["mean_resolution"]["default"];
+    assert_eq!(default.as_f64(), Some(volref::suite::MEAN_RESOLUTION));
+}
+
 #[test]
 fn the_scene_is_the_default() {
     let folder = Folder::new();

@@ -1,0 +1,39 @@
+//! A format of volume files.
+
+use super::error::VolumeFault;
+use super::grid::Grid;
+use super::load_options::LoadOptions;
+use super::samples::Layout;
+use super::source::VolumeSource;
+use crate::geometry::Aabb;
+
+/// A format of volume files. A new one is a file that declares it, and a row of the table in
+/// `file.rs`.
+pub struct VolumeFormat {
+    /// Name of the format.
+    pub name: &'static str,
+    /// Endings of the names of its files: a dot and small letters. Capitals are recognised, too.
+    pub extensions: &'static [&'static str],
+    /// Whether its files hold points that are splatted, and not a grid.
+    pub is_point_cloud: bool,
+    /// Reads a file of the format. Values of the grid are finite, unless asked for otherwise, and
+    /// may be negative.
+    pub(super) read: fn(&mut VolumeSource, &LoadOptions) -> VolumeRead,
+}
+
+/// What a file holds, and in which form.
+pub(super) type VolumeRead = Result<(Grid<f32>, Stored), VolumeFault>;
+
+/// The form in which a file holds a volume.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stored {
+    /// As points.
+    Cloud {
+        /// Number of points.
+        points: usize,
+        /// The box around them.
+        extent: Aabb,
+    },
+    /// As samples of a grid.
+    Samples(Layout),
+}
