@@ -199,7 +199,7 @@ const SAMPLES_OF_A_SWEEP: u32 = 1 << 14;
 /// Samples whose time is taken.
 const SAMPLES_TIMED: u32 = 1 << 12;
 
-/// What many samples came to.
+/// Statistics of many samples.
 struct Measured {
     mean: f64,
     variance: f64,

@@ -62,35 +62,22 @@ pub fn order(
     expected: ExpectedOrder,
     bound: f64,
 ) -> ConvergenceOrder {
-    let squares: Vec<f64> = errors.iter().map(|error| error.l2).collect();
-    let largest: Vec<f64> = errors.iter().map(|error| error.max).collect();
-    let local: Vec<Option<f64>> = (1..values.len())
-        .map(|fine| {
-            let at = |index: usize| ErrorPoint {
-                value: values[index],
-                error: squares[index],
-                uncertainty: 0.0,
-            };
-            let line = line(&[at(fine - 1), at(fine)]);
-            line.map(|line| line.slope)
-                .filter(|_| squares[fine] > bound)
-        })
-        .collect();
+    let points_of = |size: fn(&Norms) -> f64| -> Vec<ErrorPoint> {
+        let all = values.iter().zip(errors);
+        let points = all.map(|(&value, norms)| ErrorPoint {
+            value,
+            error: size(norms),
+            uncertainty: norms.uncertainty,
+        });
+        points.collect()
+    };
     let (floor, ceiling) = if expected.by_chance {
         (ABOVE_THE_NOISE * bound, f64::INFINITY)
     } else {
         (ABOVE_THE_BOUND * bound, COARSE)
     };
-    let counting = |sizes: &[f64]| -> Vec<ErrorPoint> {
-        let all = values.iter().zip(sizes).zip(errors);
-        let points = all.map(|((&value, &error), norms)| ErrorPoint {
-            value,
-            error,
-            uncertainty: norms.uncertainty,
-        });
-        let mut points: Vec<_> = points
-            .filter(|point| point.error > floor && point.error < ceiling)
-            .collect();
+    let counting = |mut points: Vec<ErrorPoint>| {
+        points.retain(|point| point.error > floor && point.error < ceiling);
         if !expected.by_chance && points.len() > MOST {
             points.drain(..points.len() - MOST);
         }
@@ -100,7 +87,13 @@ pub fn order(
         0..FEWEST => None,
         _ => line(points),
     };
-    let points = counting(&squares);
+    let all = points_of(|norms| norms.l2);
+    let local = all.windows(2).map(|pair| {
+        let line = line(pair).filter(|_| pair[1].error > bound)?;
+        Some(line.slope)
+    });
+    let local = local.collect();
+    let points = counting(all);
     let counted = values
         .iter()
         .map(|value| points.iter().any(|point| point.value == *value));
@@ -133,7 +126,7 @@ pub fn order(
         known: floor,
         counted: counted.collect(),
         fitted,
-        fitted_max: fit(&counting(&largest)).map(|line| line.slope),
+        fitted_max: fit(&counting(points_of(|norms| norms.max))).map(|line| line.slope),
         local,
         tolerance: expected.tolerance,
         uncertainty,

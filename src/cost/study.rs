@@ -9,16 +9,16 @@ use crate::render::Counters;
 use crate::render::counters::Work;
 use rayon::prelude::*;
 
-/// What came of one setting.
+/// Outcome of one setting.
 #[derive(Clone, Debug, Default)]
 pub struct SettingOutcome {
     /// Signed errors, in a fixed order: ray by ray and channel by channel.
     pub errors: Vec<f64>,
-    /// What was done for them.
+    /// Work done for them.
     pub work: Counters,
-    /// Among how many rays or pixels that is shared.
+    /// Rays or pixels that share the work.
     pub rays: usize,
-    /// How many errors in a row belong to one place: those of red, green and blue.
+    /// Errors in a row that belong to one place: those of red, green and blue.
     pub channels: usize,
 }
 
@@ -49,7 +49,7 @@ impl SettingOutcome {
     }
 }
 
-/// Does what one setting says. The same on every call.
+/// Run of one setting: the same outcome on every call.
 pub type SettingRun<'a> = Box<dyn Fn() -> SettingOutcome + Send + Sync + 'a>;
 
 /// One setting of a sweep.
@@ -58,7 +58,7 @@ pub struct Setting<'a> {
     pub name: String,
     /// As a number.
     pub value: f64,
-    /// What is done.
+    /// The run.
     pub run: SettingRun<'a>,
     /// The same in single precision.
     pub single: Option<SettingRun<'a>>,
@@ -92,13 +92,13 @@ pub struct PlannedSweep<'a> {
 
 /// Reference of a study, with what its errors are measured by.
 pub struct Truth<'a> {
-    /// How it was come by.
+    /// Method of the reference.
     pub method: String,
     /// The unit of errors.
     pub scale: f64,
-    /// The reference may be off by so many of them.
+    /// Error of the reference itself at most, in those units.
     pub bound: f64,
-    /// By error, whether orders are judged by it; all are if there are none.
+    /// Whether orders are judged by an error, for each; by all of them if there are none.
     pub judged: Option<&'a [bool]>,
 }
 

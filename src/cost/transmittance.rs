@@ -2,6 +2,7 @@
 
 use super::collocation::{Collocation, Here};
 use super::estimators::TransmittanceEstimator;
+use super::marching::Scheme;
 use super::norms::root_mean_square;
 use super::order::ExpectedOrder;
 use super::profile::{BoundedSegment, Profile};
@@ -357,8 +358,7 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
         seed,
     };
     let mut planned: Vec<PlannedSweep<'_>> = StepRule::all().map(|rule| asked.by_rule(rule)).into();
-    planned.push(asked.by_jitter(false));
-    planned.push(asked.by_jitter(true));
+    planned.extend([Scheme::Comb, Scheme::Stratified].map(|scheme| asked.by_jitter(scheme)));
     let deepest = crossings
         .rays
         .iter()
@@ -467,20 +467,16 @@ impl Asked<'_, '_> {
         })
     }
 
-    fn by_jitter(&self, stratified: bool) -> PlannedSweep<'_> {
+    fn by_jitter(&self, scheme: Scheme) -> PlannedSweep<'_> {
         let crossings = self.crossings;
-        let expected = match (crossings.jumps, stratified) {
-            (true, _) => 1.0,
-            (false, true) => 1.5,
-            (false, false) if crossings.ends == Ends::Same => 2.0,
-            (false, false) => 1.0,
+        let stratified = scheme == Scheme::Stratified;
+        let expected = match stratified {
+            _ if crossings.jumps => 1.0,
+            false if crossings.ends == Ends::Same => 2.0,
+            _ => scheme.order(),
         };
         let rough = crossings.rough || !stratified && crossings.ends == Ends::Alike;
-        let name = match stratified {
-            true => "jittered, stratified",
-            false => "jittered, one offset a ray",
-        };
-        self.by_step(name, (!rough).then_some(expected), |step| {
+        self.by_step(scheme.name(), (!rough).then_some(expected), |step| {
             self.run(move |ray, index, work| {
                 let stream = Stream::new(self.seed, index as u32, 0);
                 let steps = Steps::over(ray.profile.span(), step);

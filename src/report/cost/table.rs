@@ -3,11 +3,11 @@
 use super::words::Mark;
 use minijinja::{Value, context};
 
-/// No line of plain text is longer.
+/// Longest line of plain text.
 pub(super) const WIDEST: usize = 100;
-/// What is between two columns.
+/// Blanks between two columns.
 const GAP: usize = 2;
-/// No column is cut to less.
+/// Least width that words are cut to.
 const NARROWEST: usize = 12;
 
 /// Rows of cells; all rows have the same columns, those of the first.
@@ -17,7 +17,7 @@ pub(super) struct Table {
     pub(super) rows: Vec<Vec<Cell>>,
     /// Whether rows that begin alike belong together: the first of them says it for all.
     pub(super) is_grouped: bool,
-    /// What must be known besides.
+    /// Sentences below it.
     pub(super) notes: Vec<String>,
 }
 
@@ -142,9 +142,10 @@ impl Table {
         let is_shown = |&at: &usize| {
             let cell = &first[at];
             let is_empty = || self.rows.iter().all(|row| row[at].text.is_none());
-            !cell.head.is_empty()
-                && (is_page || !cell.is_page_only)
-                && !(cell.is_optional && is_empty())
+            let is_left_out = cell.head.is_empty()
+                || cell.is_page_only && !is_page
+                || cell.is_optional && is_empty();
+            !is_left_out
         };
         (0..first.len()).filter(is_shown).collect()
     }

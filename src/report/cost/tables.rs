@@ -10,10 +10,13 @@ use crate::cost::results::{
 /// A row of a table, with all its columns.
 type Row = Vec<Cell>;
 
+/// The rows about a scene.
+type RowsOf = fn(&Cost) -> Vec<Row>;
+
 /// A CSV file for each table that has rows, of all scenes: its name and its text. Times come last,
 /// so that two runs can be compared without them.
 pub fn cost_csv(costs: &[Cost]) -> Vec<(String, String)> {
-    let tables: [(&str, fn(&Cost) -> Vec<Row>); 7] = [
+    let tables: [(&str, RowsOf); 7] = [
         ("sweeps", |cost| rows_of(&cost.studies, sweeps_rows)),
         ("orders", |cost| {
             let mut rows = rows_of(&cost.studies, order_rows);

@@ -272,7 +272,7 @@ fn orders(cost: &Cost) -> Vec<(String, &ConvergenceOrder)> {
     orders
 }
 
-/// What came of all expectations.
+/// Verdicts of all orders and estimators of the scenes.
 pub(super) fn judgement(costs: &[Cost]) -> Judgement {
     let mut faults = Vec::new();
     // As expected, as far as rays tell, otherwise, undecided, not yet a power, nothing expected.

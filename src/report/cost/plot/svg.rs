@@ -1,5 +1,6 @@
 //! Scalable vector graphics, element by element: lines, marks, text, tooltips. No fonts are needed.
 
+use crate::report::visible::xml_text;
 use std::borrow::Cow;
 use std::fmt::Write;
 
@@ -77,7 +78,7 @@ impl Svg {
                 "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
             ),
         };
-        let title = escaped(title);
+        let title = xml_text(title);
         let out = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" {kind} viewBox=\"0 0 {width} {height}\" \
              role=\"img\" aria-label=\"{title}\" font-family=\"{FONT}\" \
@@ -201,7 +202,7 @@ impl Svg {
         anchor: &str,
         more: &str,
     ) {
-        let (text, fill) = (escaped(text), self.colour(ink));
+        let (text, fill) = (xml_text(text), self.colour(ink));
         self.push(format_args!(
             "<text x=\"{x:.1}\" y=\"{y:.1}\" dy=\".35em\" font-size=\"{size}\" fill=\"{fill}\" \
              text-anchor=\"{anchor}\"{more}>{text}</text>"
@@ -211,7 +212,7 @@ impl Svg {
     /// A text that browsers show where the pointer rests near `at`.
     pub(super) fn tooltip(&mut self, [x, y]: Point, text: &str) {
         if !text.is_empty() {
-            let text = escaped(text);
+            let text = xml_text(text);
             self.push(format_args!(
                 "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"7\" fill=\"#000\" fill-opacity=\"0\">\
                  <title>{text}</title></circle>"
@@ -223,11 +224,4 @@ impl Svg {
 fn joined(points: &[Point]) -> String {
     let points = points.iter().map(|[x, y]| format!("{x:.1},{y:.1}"));
     points.collect::<Vec<_>>().join(" ")
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }
