@@ -48,25 +48,20 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             "exposure": case.exposure,
         }));
     }
+    let mut value = json!({ "schema": "volref/list/1", "cases": entries });
+    let mut entries = Vec::new();
     for (row, name) in rows.iter().zip(&row_names) {
         text.push_str(&format!("{name:<widest$}  {ANALYTIC:<13}  {}\n", row.what));
+        entries.push(json!({
+            "name": name,
+            "what": row.what,
+            "tolerance": row.tolerance,
+            "remedy": row.remedy,
+            "file": row.file,
+        }));
     }
-    let rows: Vec<_> = rows
-        .iter()
-        .zip(row_names)
-        .map(|(row, name)| {
-            json!({
-                "name": name,
-                "what": row.what,
-                "tolerance": row.tolerance,
-                "remedy": row.remedy,
-                "file": row.file,
-            })
-        })
-        .collect();
-    let mut value = json!({ "schema": "volref/list/1", "cases": entries });
-    if !rows.is_empty() {
-        value["rows"] = json!(rows);
+    if !entries.is_empty() {
+        value["rows"] = entries.into();
     }
     arguments.json.instead_of(text, &value).map(Outcome::from)
 }

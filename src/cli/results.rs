@@ -23,8 +23,6 @@ pub struct ResultFiles {
 pub struct Findings<'f> {
     /// `verify` or `validate`.
     pub command: &'f str,
-    /// What the page is called.
-    pub title: &'f str,
     /// Result and evidence of each case.
     pub judged: Vec<Judged>,
     /// Mistakes that the images look like.
@@ -93,7 +91,7 @@ fn page(findings: &Findings<'_>, results: &[CaseResult]) -> String {
     let evidence: Vec<Evidence> = findings.judged.iter().map(|j| j.evidence.clone()).collect();
     let words: Vec<String> = std::env::args().skip(1).collect();
     report::results_html(&report::Page {
-        title: findings.title,
+        title: &format!("volref {}", findings.command),
         command: &format!("volref {}", shell_words::join(words)),
         results,
         evidence: &evidence,

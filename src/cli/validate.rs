@@ -154,7 +154,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     });
     let findings = Findings {
         command: "validate",
-        title: "volref validate",
         judged,
         likely: found.map(|(found, _)| found.likely).unwrap_or_default(),
     };

@@ -68,7 +68,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     let findings = Findings {
         command: "verify",
-        title: "volref verify",
         judged,
         likely: Vec::new(),
     };
