@@ -190,7 +190,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "half-resolution",
         advice: "the image was rendered with half the pixels each way and enlarged",
-        edit: Edit::Image(|film| coarsened(film)),
+        edit: Edit::Image(coarsened),
     },
     Mistake {
         name: "tile-missing",
