@@ -7,16 +7,16 @@ use super::{Outcome, progress};
 use crate::suite::{self, AcceptError, Cache, Change, StoreError};
 use serde_json::json;
 
-/// Render cases and make the results their goldens; look at the pictures before and after
+/// Render cases and accept the images as their goldens; look at them before and after
 ///
-/// All are accepted, or none. Finished renderings of stochastic cases are kept below .volref
-/// until their goldens are written: a run that was interrupted goes on after the last of them.
+/// All cases are accepted, or none. Finished renderings of stochastic cases are kept below .volref
+/// until their goldens are written, so that an interrupted run resumes after the last of them.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Cases, families, or patterns over them such as 'figures/*'
     #[arg(value_name = "CASE", required = true)]
     cases: Vec<String>,
-    /// What was wrong with the old goldens, or why there are new ones; kept with each golden
+    /// The fault of the old goldens, or the purpose of new ones; stored with each golden
     #[arg(long, value_name = "TEXT")]
     reason: String,
     #[command(flatten)]

@@ -13,17 +13,17 @@ use crate::suite::{CaseFinding, CaseResult, MEAN_RESOLUTION};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Compare one pair of images
+/// Compare two images
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The image taken to be right: .exr, .pfm or .npy (linear radiance) or .png (8-bit sRGB)
+    /// The correct image: .exr, .pfm or .npy (linear radiance) or .png (8-bit sRGB)
     reference: PathBuf,
     /// The image to judge
     test: PathBuf,
     // `help` lists the gates.
     #[arg(long, value_name = "GATE", value_parser = gate_named, help = gates_help())]
     gate: Option<&'static dyn ImageGate>,
-    /// Largest detectable bias of the mean of the image with which the stochastic gate passes, in
+    /// Detectable bias of the mean of the image that the stochastic gate requires for a pass, in
     /// percent of that mean plus 0.001; noisier images are inconclusive (exit code 5)
     #[arg(
         long,
@@ -33,7 +33,7 @@ pub struct Arguments {
         value_parser = percent
     )]
     resolution: f64,
-    /// Exposure at which radiance is seen, in stops, for the perceptual gate and the heat map
+    /// Exposure of radiance, in stops, for the perceptual gate and the heat map
     #[arg(
         long,
         value_name = "STOPS",
@@ -42,14 +42,14 @@ pub struct Arguments {
         value_parser = output::stops
     )]
     exposure: f64,
-    /// Write a picture of the perceived difference (FLIP): black where equal, bright where not
+    /// Write an image of the perceived difference (FLIP): black where equal, bright where different
     #[arg(long, value_name = "FILE.png")]
     heatmap: Option<PathBuf>,
     #[command(flatten)]
     json: Json,
 }
 
-/// A share of something: above 0 and below 100.
+/// A percentage above 0 and below 100.
 fn percent(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(percent) if percent > 0.0 && percent < 100.0 => Ok(percent),
@@ -57,7 +57,7 @@ fn percent(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Names of the gates, and the pairs that each is the default of.
+/// Names of the gates, and the pairs of images for which each is the default.
 fn gates_help() -> String {
     let default =
         |gate: &dyn ImageGate| Some(format!("{} for {}", gate.name(), gate.default_for()?));

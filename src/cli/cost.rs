@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Show what accuracy costs in a scene: error against look-ups and time, by parameter
+/// Measure the cost of accuracy: error against look-ups and time, by parameter
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Errors and counts of work are the same on every run; only times differ. \
@@ -21,18 +21,18 @@ pub struct Arguments {
     /// Scene files (TOML)
     #[arg(value_name = "SCENE", required = true)]
     scenes: Vec<PathBuf>,
-    /// Start no further level after this long, for all scenes together, and say how far it got; what has
-    /// been begun is finished [default: finish all sweeps]
+    /// Time limit for all scenes together: no further level starts after it, and the report states
+    /// which were left out; levels that have begun are finished [default: finish all sweeps]
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     budget: Option<f64>,
-    /// Runs of each setting whose time is taken, 2 or more; 0 takes none
+    /// Timed runs of each setting, 2 or more; 0 for no timings
     #[arg(long, value_name = "N", default_value_t = RUNS, value_parser = runs)]
     runs: usize,
     /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Write a page to look at, DIR/index.html, one file that needs nothing else; beside it the
-    /// tables as CSV and the plots of error against work as SVG
+    /// Write a page that works offline, DIR/index.html; beside it the tables as CSV and the plots
+    /// of error against work as SVG
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     #[command(flatten)]
@@ -137,7 +137,7 @@ fn pictures(costs: &[Cost]) -> Vec<(String, String)> {
     pictures
 }
 
-/// Seconds on the command line: up to a year, which no clock overflows by.
+/// Seconds on the command line: up to a year, which overflows no clock.
 fn seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(seconds) if (0.0..=3.2e7).contains(&seconds) && seconds > 0.0 => Ok(seconds),
@@ -145,7 +145,7 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Runs whose time is taken.
+/// Number of timed runs.
 fn runs(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(1) => Err("one run has no spread: take 2 or more, or 0 for no times".to_owned()),

@@ -15,10 +15,10 @@ use std::path::{Path, PathBuf};
 pub struct Arguments {
     /// Scene file (TOML)
     scene: PathBuf,
-    /// For whom: mitsuba (3, XML), pbrt (v4), or bundle (a classified volume as plain numbers)
+    /// Format: mitsuba (3, XML), pbrt (v4), or bundle (a classified volume as plain numbers)
     #[arg(long, value_name = "FORMAT")]
     to: Format,
-    /// Folder to write into; made if it does not exist
+    /// Folder to write into; created if it does not exist
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     #[command(flatten)]
@@ -78,8 +78,8 @@ impl From<Refusal> for Failure {
     }
 }
 
-/// All files or none: they are written aside, in the folder itself, then renamed, the main one
-/// last. A folder that was made for them is removed again.
+/// All files or none: they are written under temporary names in the same folder, then renamed, the
+/// main one last. A folder created for them is removed again on failure.
 pub(super) fn write_all(folder: &Path, export: &Export) -> io::Result<()> {
     let is_new = !folder.exists();
     fs::create_dir_all(folder)?;
@@ -116,7 +116,7 @@ fn write_into(folder: &Path, export: &Export) -> io::Result<()> {
     Ok(())
 }
 
-/// How to call the other renderer.
+/// Command lines of the other renderer.
 fn commands(format: Format, folder: &Path, export: &Export) -> Vec<String> {
     let quoted = |name: &str| quoted(&folder.join(name));
     let named = |ending: &str| {
@@ -150,7 +150,7 @@ fn commands(format: Format, folder: &Path, export: &Export) -> Vec<String> {
     }
 }
 
-/// A path as a shell takes it.
+/// A path quoted for a shell.
 fn quoted(path: &Path) -> String {
     let path = path.display().to_string();
     let plain = |letter: char| letter.is_ascii_alphanumeric() || "/._-".contains(letter);

@@ -6,29 +6,29 @@ use miette::{MietteHandlerOpts, Report};
 use std::io::IsTerminal;
 use std::process::ExitCode;
 
-/// Exit codes. Where several causes meet, [`Exit::first_of`] them is the code.
+/// Exit codes. If several apply, [`Exit::first_of`] chooses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
-    /// All compared and passed.
+    /// All images compared and passed.
     Passed = 0,
     /// An image differs.
     Mismatch = 1,
-    /// Usage, or bad input.
+    /// Wrong usage or bad input.
     BadInput = 2,
     /// A golden is missing, stale or tampered with.
     Golden = 3,
     /// The other renderer's image is missing or unreadable.
     OtherRenderer = 4,
-    /// Nothing was compared, or the comparison decided nothing.
+    /// Nothing was compared, or the comparison is inconclusive.
     Undecided = 5,
-    /// The suite misses a mistake, or rejects what is right.
+    /// The suite misses a mistake, or rejects a correct image.
     SelfTest = 6,
 }
 
 impl Exit {
-    /// All, those first that say most about why a result cannot be relied on: what was asked cannot
-    /// be done; the goldens, or the suite, cannot be trusted; an image differs; there is none; the
-    /// comparison decides nothing.
+    /// All exit codes, in order of precedence: the request cannot be carried out; the goldens, or
+    /// the suite, cannot be trusted; an image differs; an image is missing; the comparison is
+    /// inconclusive.
     const ORDER: [Exit; 7] = [
         Exit::BadInput,
         Exit::Golden,
@@ -39,7 +39,7 @@ impl Exit {
         Exit::Passed,
     ];
 
-    /// The exit code of a command that met all of these; where it met none, nothing was compared.
+    /// The exit code of a command with these outcomes; without any, nothing was compared.
     pub fn first_of(met: impl IntoIterator<Item = Exit>) -> Exit {
         let met: Vec<Exit> = met.into_iter().collect();
         let first = Exit::ORDER.into_iter().find(|exit| met.contains(exit));
@@ -62,10 +62,10 @@ impl From<Cause> for Exit {
 
 /// Exit codes and their order, for `--help`.
 pub const EXIT_CODES: &str = "\
-Exit codes: 0 all compared and passed; 1 mismatch; 2 usage or bad input; 3 golden missing, stale or \
-tampered; 4 the other renderer's image missing, unreadable, crashed or timed out; 5 nothing \
-compared, or inconclusive; 6 self-test failed. Where several apply, the first in this order: \
-2, 3, 6, 1, 4, 5.";
+Exit codes: 0 all images compared and passed; 1 mismatch; 2 wrong usage or bad input; 3 golden \
+missing, stale or tampered with; 4 image of the other renderer missing or unreadable, or the \
+renderer crashed or timed out; 5 nothing compared, or inconclusive; 6 self-test failed. If \
+several apply, the first in the order 2, 3, 6, 1, 4, 5.";
 
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> ExitCode {
@@ -73,17 +73,17 @@ impl From<Exit> for ExitCode {
     }
 }
 
-/// A command that could not run to its end.
+/// A command that failed.
 #[derive(Debug)]
 pub struct Failure {
-    /// For the shell.
+    /// Exit code.
     pub exit: Exit,
-    /// For stderr.
+    /// Message for stderr.
     pub report: Report,
 }
 
 impl Failure {
-    /// Any failure, in words.
+    /// A failure with a message.
     pub fn new(exit: Exit, message: impl Into<String>, help: Option<&str>) -> Failure {
         let diagnostic = miette::MietteDiagnostic::new(shortened(message.into()));
         let diagnostic = match help {
@@ -97,7 +97,7 @@ impl Failure {
     }
 }
 
-/// Bad input, in words.
+/// Bad input with a message.
 pub fn bad_input(error: impl ToString) -> Failure {
     Failure::new(Exit::BadInput, error.to_string(), None)
 }
@@ -111,8 +111,8 @@ impl From<Box<SceneError>> for Failure {
     }
 }
 
-/// Colours and line width by the terminal; in a pipe plain text, each message on one line, so
-/// that other programs find path, line and column together.
+/// Colours and line width of the terminal; in a pipe plain text, each message on one line, so that
+/// other programs find path, line and column together.
 pub fn draw_errors_for_the_terminal() {
     let terminal = std::io::stderr().is_terminal();
     let _ = miette::set_hook(Box::new(move |_| {

@@ -11,28 +11,28 @@ use crate::volume::{
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Show what a volume file holds: where it lies, how it is stored, its values
+/// Show the contents of a volume file: position, storage, values
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     // `help` lists the formats.
     #[arg(help = format!("Volume file: {}", volume_formats()))]
     file: PathBuf,
-    /// Point clouds: nodes along the longest side of the grid they are splatted to [default: one
-    /// point to a voxel, on average]
+    /// Point clouds: nodes along the longest side of the grid [default: one point per voxel, on
+    /// average]
     #[arg(long, value_name = "NODES", value_parser = clap::value_parser!(u64).range(2..=4096))]
     resolution: Option<u64>,
-    /// Point clouds: empty nodes around them on each side
+    /// Point clouds: empty nodes on each side
     #[arg(long, value_name = "NODES", default_value_t = 2,
           value_parser = clap::value_parser!(u64).range(0..=1024))]
     padding: u64,
-    /// Where the box ends: at the outermost nodes or half a spacing beyond [default: as the file
-    /// says, else nodes]
+    /// Faces of the box: at the outermost nodes or half a spacing beyond [default: as in the file,
+    /// else nodes]
     #[arg(long, value_parser = [NODES, CELLS])]
     centring: Option<String>,
-    /// Take the stored axes for x, y and z, wherever they point
+    /// Use the stored axes as x, y and z, whatever their direction
     #[arg(long)]
     as_stored: bool,
-    /// Follow a header, or a link, to data outside its own folder
+    /// Read data outside the folder of the header, if the header or a link leads there
     #[arg(long)]
     detached_anywhere: bool,
     #[command(flatten)]
@@ -46,7 +46,7 @@ const CELLS: &str = "cells";
 /// Bars of the histogram.
 const BINS: usize = 16;
 
-/// Letters of the longest bar.
+/// Characters of the longest bar.
 const LONGEST_BAR: f64 = 40.0;
 
 #[derive(Serialize)]
@@ -92,7 +92,7 @@ struct StoredJson {
     scaling: Option<Scaling>,
 }
 
-/// Values are `slope·s + intercept` of stored samples s, of which this is the summary.
+/// Summary of the stored samples s, whose values are `slope·s + intercept`.
 #[derive(Serialize)]
 struct Scaling {
     slope: f64,
@@ -102,7 +102,7 @@ struct Scaling {
     mean: f64,
 }
 
-/// What the values of a grid come to; those that are not finite are only counted.
+/// Statistics of the values of a grid; values that are not finite are only counted.
 #[derive(Serialize)]
 struct ValueStatistics {
     min: Option<f64>,
@@ -262,7 +262,7 @@ impl ValueStatistics {
     }
 }
 
-/// Bins of one width from `low` to `high`; a single one where all values are the same.
+/// Bins of equal width from `low` to `high`; a single one if all values are equal.
 fn histogram(values: impl Iterator<Item = f32>, low: f64, high: f64) -> Vec<Bin> {
     let width = high - low;
     let bins = match width {
@@ -347,8 +347,8 @@ fn describe(info: &Info) -> String {
     text
 }
 
-/// A bar for each bin. One bin that dwarfs all others, such as the air around a thing, would
-/// leave nothing to see of them: then the bars grow with the logarithm of their counts.
+/// A bar for each bin. A dominant bin, such as the air around an object, would hide all others:
+/// then the bars are logarithmic.
 fn plot(bins: &[Bin]) -> String {
     let mut counts: Vec<usize> = bins.iter().map(|bin| bin.count).collect();
     counts.sort_unstable();

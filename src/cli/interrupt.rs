@@ -1,18 +1,18 @@
-//! Ctrl-C: ends the process, or only work that can be cut short.
+//! Ctrl-C: ends the process, or only work that can be interrupted.
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
 /// The next Ctrl-C ends the process.
 const ENDS: u8 = 0;
-/// The next one is taken as a wish to cut work short.
+/// The next Ctrl-C interrupts the work.
 const CUTS: u8 = 1;
-/// There was such a wish, and the next one ends the process.
+/// The work was interrupted, and the next Ctrl-C ends the process.
 const CUT: u8 = 2;
 
 static NEXT: AtomicU8 = AtomicU8::new(ENDS);
 
-/// Has `last` done before Ctrl-C, or whatever else tells this process to end, ends it. To be called
-/// once; where the system has no such signals, nothing happens.
+/// Runs `last` before Ctrl-C, or another signal, ends this process. Must be called once; on systems
+/// without such signals it does nothing.
 pub fn before_the_end(last: impl Fn() + Send + 'static) {
     let _ = ctrlc::set_handler(move || {
         let is_cut = NEXT.compare_exchange(CUTS, CUT, Ordering::SeqCst, Ordering::SeqCst);
@@ -24,15 +24,15 @@ pub fn before_the_end(last: impl Fn() + Send + 'static) {
     });
 }
 
-/// Does `work`, which a first Ctrl-C cuts short rather than ending the process: it is to ask often
-/// whether [`is_cut_short`]. Whether it was, is the second value.
+/// Runs `work`, which a first Ctrl-C interrupts instead of ending the process: it must poll
+/// [`is_cut_short`]. The second value tells whether it was interrupted.
 pub fn can_be_cut_short<T>(work: impl FnOnce() -> T) -> (T, bool) {
     NEXT.store(CUTS, Ordering::SeqCst);
     let value = work();
     (value, NEXT.swap(ENDS, Ordering::SeqCst) == CUT)
 }
 
-/// Whether there was a Ctrl-C since the work began that can be cut short.
+/// Whether Ctrl-C was pressed since the interruptible work began.
 pub fn is_cut_short() -> bool {
     NEXT.load(Ordering::SeqCst) == CUT
 }

@@ -5,7 +5,7 @@ use super::output::pretty;
 use crate::suite::{Keeper, keep};
 use std::ffi::OsString;
 
-/// Run a renderer, and end all that it started with it; says in JSON what came of it
+/// Run a renderer, and end all processes that it started; prints the outcome as JSON
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// The renderer and its arguments
@@ -18,7 +18,7 @@ pub fn run(arguments: Arguments) -> Outcome {
     Outcome::from(pretty(&keep(&arguments.words)))
 }
 
-/// This program as the keeper of a renderer; none where there are no keepers.
+/// This program as the keeper of a renderer; `None` on systems without keepers.
 pub fn keeper() -> Option<Keeper> {
     // What is running, even if another build has taken its place.
     let program = if cfg!(target_os = "linux") {
@@ -32,5 +32,5 @@ pub fn keeper() -> Option<Keeper> {
     })
 }
 
-/// What the command is called.
+/// Name of the command.
 pub const NAME: &str = "__keep";

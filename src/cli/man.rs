@@ -8,7 +8,7 @@ use clap_mangen::Man;
 /// Print the manual page of volref or of a command, for man -l
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Command; without it, volref itself
+    /// Command [default: volref itself]
     command: Option<String>,
 }
 

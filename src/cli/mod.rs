@@ -30,8 +30,8 @@ use std::process::ExitCode;
 
 pub use failure::Exit;
 
-/// A reference renderer for volumes, and the golden-image harness that judges other volume
-/// renderers by it.
+/// A reference renderer for volumes, and a golden-image harness that tests other volume renderers
+/// against it.
 #[derive(Debug, Parser)]
 #[command(name = "volref", version, max_term_width = 100)]
 #[command(after_help = failure::EXIT_CODES)]
@@ -60,7 +60,7 @@ enum Command {
     Keep(keep::Arguments),
 }
 
-/// What a command that ran to its end says.
+/// The outcome of a command that succeeded.
 struct Outcome {
     /// For stdout.
     text: String,
@@ -77,7 +77,7 @@ impl From<String> for Outcome {
     }
 }
 
-/// Runs the command the process was called with; the value is its exit code.
+/// Runs the command of the process; returns its exit code.
 pub fn main() -> ExitCode {
     failure::draw_errors_for_the_terminal();
     let arguments = match Arguments::try_parse() {

@@ -1,5 +1,5 @@
-//! The door through which all is printed. It survives a reader who leaves early, and lets no control
-//! character through that stands in a name, a key or the output of another renderer.
+//! All printing. A reader may close the pipe early, and control characters in names, keys or the
+//! output of another renderer are never printed.
 
 use super::failure::{Exit, Failure, bad_input};
 use super::visible_report::visible_report;
@@ -21,7 +21,7 @@ pub fn print(text: &str) {
         .and_then(|()| stdout.flush());
 }
 
-/// Writes a failure to stderr; where the command line asks for JSON, as an object to stdout as well.
+/// Writes a failure to stderr; with `--json`, as an object to stdout as well.
 pub fn print_error(failure: &Failure) {
     let diagnostic: &dyn miette::Diagnostic = failure.report.as_ref();
     print_error_object(
@@ -33,7 +33,7 @@ pub fn print_error(failure: &Failure) {
     let _ = writeln!(std::io::stderr(), "{shown:?}");
 }
 
-/// A command that fails prints this in place of its JSON.
+/// The JSON of a command that fails.
 fn print_error_object(exit: Exit, message: String, help: Option<String>) {
     let asked = |argument: OsString| argument == "--json" || argument == "--json=-";
     if std::env::args_os().any(asked) {
@@ -46,8 +46,8 @@ fn print_error_object(exit: Exit, message: String, help: Option<String>) {
     }
 }
 
-/// Writes what clap has to say of the command line, or its help. Where the arguments hold control
-/// characters, which it repeats, the message goes without colours.
+/// Writes clap's message about the command line, or the help. If the arguments contain control
+/// characters, which the message repeats, it has no colours.
 pub fn print_usage(error: &clap::Error) {
     if error.use_stderr() {
         print_error_object(Exit::BadInput, error.to_string(), None);
@@ -73,13 +73,13 @@ pub struct Json {
 }
 
 impl Json {
-    /// The file to write, if there is to be one; `-` stands for standard output.
+    /// The file to write, if any; `-` is standard output.
     pub fn file(&self) -> Option<&Path> {
         let file = self.json.as_deref();
         file.filter(|path| path.as_os_str() != "-")
     }
 
-    /// Standard output is for JSON alone.
+    /// Whether standard output is for JSON alone.
     pub fn is_printed(&self) -> bool {
         self.json.is_some() && self.file().is_none()
     }
@@ -103,7 +103,7 @@ pub fn pretty(value: &impl Serialize) -> String {
     visible_json(&text)
 }
 
-/// Writes a whole file or nothing; over no input.
+/// Writes a whole file or nothing, and never over an input.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     check_no_input(path)?;
     write_atomically(path, bytes).map_err(|error| {
@@ -113,9 +113,8 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     })
 }
 
-/// Fails where [`write`] is bound to for one of the outputs, or would write one over another:
-/// asked before long work, not after it, and again once all inputs were read, for they may name
-/// further ones.
+/// Fails if [`write`] would fail for one of the outputs, or if one would overwrite another. Called
+/// before long work, and again once all inputs are read, since these may name further ones.
 pub fn check(outputs: &[Option<&Path>], inputs: &[&Path]) -> Result<(), Failure> {
     inputs.iter().for_each(|input| note_input(input));
     let outputs: Vec<&Path> = outputs.iter().copied().flatten().collect();
@@ -138,8 +137,8 @@ pub fn check(outputs: &[Option<&Path>], inputs: &[&Path]) -> Result<(), Failure>
     Ok(())
 }
 
-/// What an output is known by: its identity, or before there is a file, that of its folder and
-/// its name. A stream is nothing that could be overwritten.
+/// Identity of an output: that of its file or, before the file exists, that of its folder with its
+/// name. Streams have none, since they cannot be overwritten.
 fn target(path: &Path) -> Option<(Identity, Option<OsString>)> {
     let file = file_behind(path)?;
     match Identity::of(&file) {
@@ -151,7 +150,7 @@ fn target(path: &Path) -> Option<(Identity, Option<OsString>)> {
     }
 }
 
-/// Fails where the file at `path` is an input of this command, under whatever name.
+/// Fails if the file at `path` is an input of this command, under any name.
 pub fn check_no_input(path: &Path) -> Result<(), Failure> {
     if !is_input(path) {
         return Ok(());
@@ -164,7 +163,7 @@ pub fn check_no_input(path: &Path) -> Result<(), Failure> {
     Err(Failure::new(Exit::BadInput, message, Some(help)))
 }
 
-/// Fails where [`write`] is bound to.
+/// Fails if [`write`] would fail.
 fn check_target(path: &Path) -> Result<(), Failure> {
     let what = if path.is_dir() {
         "it is a folder"
@@ -178,7 +177,7 @@ fn check_target(path: &Path) -> Result<(), Failure> {
     Err(Failure::new(Exit::BadInput, message, Some(help)))
 }
 
-/// Makes a folder for outputs, with its parents.
+/// Creates a folder for outputs, with its parents.
 pub fn make_folder(folder: &Path) -> Result<(), Failure> {
     let failed = |error| {
         bad_input(format!(
@@ -189,7 +188,7 @@ pub fn make_folder(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(failed)
 }
 
-/// Stops of exposure on the command line.
+/// Exposure on the command line, in stops.
 pub fn stops(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(stops) if f64::abs(stops) <= 64.0 => Ok(stops),

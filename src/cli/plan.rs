@@ -15,16 +15,16 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Show what a scene calls for: effects with reasons, the kernel, filled-in defaults
+/// Show the plan for a scene: its effects with reasons, the kernel, the defaults
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Scene file (TOML)
     scene: PathBuf,
-    /// Render, and show how much work of each kind was done
+    /// Render, and show the measured work of each kind
     #[arg(long)]
     counters: bool,
     /// Simulate an effect although it is provably null here: same bits, more work. May be given
-    /// several times; `all` stands for every one that is null
+    /// several times; `all` for all that are null
     #[arg(long, value_name = "EFFECT", value_parser = forced)]
     force: Vec<Forced>,
     #[command(flatten)]
@@ -59,14 +59,14 @@ struct PlanJson<'s> {
     panels: Vec<PanelJson<'s>>,
 }
 
-/// The whole picture, all panels together.
+/// The whole image, all panels together.
 #[derive(Serialize)]
 struct ImageJson {
     width: usize,
     height: usize,
     /// Of the finished image.
     bytes: u64,
-    /// Held at most while it is rendered and written.
+    /// Peak while it is rendered and written.
     most_bytes: u64,
 }
 
@@ -82,7 +82,7 @@ struct PanelJson<'s> {
     #[serde(skip_serializing_if = "Option::is_none")]
     volume: Option<VolumeJson>,
     defaults: Vec<DefaultJson<'s>>,
-    /// Rays from the eye, of which the expected work is that of all together.
+    /// Rays from the eye; the expected work is the sum over all of them.
     rays: u64,
     /// By the names of the counters.
     expected: BTreeMap<&'static str, AmountJson>,
@@ -95,7 +95,7 @@ struct PanelJson<'s> {
 struct AmountJson {
     /// exactly, at-most, at-least, about, about-at-most or unknown.
     bound: String,
-    /// Of all rays together; null where nothing is known beforehand.
+    /// Sum over all rays; null if it cannot be predicted.
     count: Option<u64>,
 }
 
@@ -118,7 +118,7 @@ struct DefaultJson<'s> {
     rule: Option<&'static str>,
 }
 
-/// Where the grid lies, world units.
+/// Position of the grid, world units.
 #[derive(Serialize)]
 struct VolumeJson {
     nodes: [usize; 3],

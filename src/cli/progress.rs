@@ -1,6 +1,5 @@
-//! Signs of life: what is being done, how far it is and how long it will take. On a terminal a bar,
-//! from the first moment on; in a pipe a line now and then, so that a log shows that work goes on.
-//! All on stderr.
+//! Progress: the current work, its share done and the time left. On a terminal a bar, from the
+//! start; in a pipe a line from time to time, so that a log shows progress. All on stderr.
 
 use crate::render::plan::Reason;
 use crate::render::{Forecast, Watch};
@@ -13,25 +12,25 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// A terminal is drawn anew after this time.
+/// Redraw interval of a terminal.
 const FRAME: Duration = Duration::from_millis(100);
 
-/// Positions of the bar: more than a terminal has columns.
+/// Steps of the bar: more than a terminal has columns.
 const BAR_LENGTH: u64 = 1000;
 
-/// In a pipe the first line comes after this time: what takes less needs none.
+/// Time before the first line in a pipe: shorter work needs none.
 const FIRST_LINE: Duration = Duration::from_secs(2);
 
-/// The longest silence in a pipe. Services that run tests end what says nothing for ten minutes.
+/// The longest silence in a pipe. CI services end jobs that print nothing for ten minutes.
 const LONGEST_SILENCE: Duration = Duration::from_secs(300);
 
-/// A panel that takes longer is announced before it is rendered.
+/// Forecast time above which a panel is announced before it is rendered.
 const WORTH_A_WARNING: f64 = 10.0;
 
-/// Measuring how long a panel will take takes no longer, but for the ray under way.
+/// Time limit for measuring the forecast of a panel, except for the current ray.
 const MEASURING: Duration = Duration::from_millis(250);
 
-/// A sign of life, until it is dropped or [finished](Bar::finish_and_clear).
+/// A progress display, until it is dropped or [finished](Bar::finish_and_clear).
 pub struct Bar {
     shared: Arc<SharedBar>,
     ticker: Option<JoinHandle<()>>,
@@ -51,18 +50,18 @@ struct SharedBar {
     steps: Counter,
 }
 
-/// What is said beside how far the work is.
+/// Text shown beside the progress.
 #[derive(Default)]
 struct ProgressText {
-    /// What is being done.
+    /// The current work.
     message: String,
-    /// What the parts are called, if they are counted aloud.
+    /// Name of the parts, if their count is shown.
     parts: Option<&'static str>,
-    /// Said once, as soon as it lasts.
+    /// Printed once, if the work takes long.
     notes: Vec<String>,
-    /// How long all was expected to take, in seconds.
+    /// Expected time of all the work, in seconds.
     expected: Option<f64>,
-    /// How to make it shorter, where it may be measured how long it takes.
+    /// Advice on making it faster, if its time can be measured.
     advice: Option<&'static str>,
     ended: bool,
 }
@@ -76,7 +75,7 @@ impl ProgressText {
     }
 }
 
-/// Steps done, of all; of 0 nothing is known.
+/// Steps done, of all; 0 if unknown.
 #[derive(Default)]
 struct Counter {
     done: AtomicU64,
@@ -95,8 +94,8 @@ impl Counter {
     }
 }
 
-/// One image; `label` says what is done to it. Before a panel that takes long, that is said, and
-/// how to make it shorter: `advice`. What is to be noted is noted as soon as it lasts.
+/// One image; `label` names the work. A panel that takes long is announced, with `advice` on making
+/// it faster. Notes are printed once the work takes long.
 pub fn image(label: &str, advice: &'static str, notes: &[&Reason]) -> Bar {
     let said = ProgressText {
         advice: Some(advice),
@@ -111,7 +110,7 @@ pub fn cases(cases: usize) -> Bar {
     counted("cases", cases)
 }
 
-/// A number of `parts`, which are called so.
+/// A number of `parts`, with their name.
 pub fn counted(name: &'static str, parts: usize) -> Bar {
     let said = ProgressText {
         parts: Some(name),
@@ -120,12 +119,12 @@ pub fn counted(name: &'static str, parts: usize) -> Bar {
     Bar::begin(parts as u64, said)
 }
 
-/// Work whose amount is said later.
+/// Work whose amount is given later.
 pub fn work() -> Bar {
     Bar::begin(0, ProgressText::default())
 }
 
-/// Does `work` of which no part is known to be done before all is, such as reading files.
+/// Runs `work` without known parts, such as reading files.
 pub fn during<T>(label: &str, work: impl FnOnce() -> T) -> T {
     let bar = Bar::begin(0, ProgressText::of(label));
     let result = work();
@@ -133,8 +132,8 @@ pub fn during<T>(label: &str, work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// The search for the mistakes behind `failed` images, at most so many `seconds` each. In a pipe a
-/// line says so at once.
+/// The search for the mistakes behind `failed` images, at most `seconds` each. In a pipe it is
+/// announced at once.
 pub fn mistakes(failed: usize, seconds: f64) -> Bar {
     if !std::io::stderr().is_terminal() {
         let cases = if failed == 1 { "case" } else { "cases" };
@@ -147,7 +146,7 @@ pub fn mistakes(failed: usize, seconds: f64) -> Bar {
     Bar::begin(0, ProgressText::of("looking for the mistake"))
 }
 
-/// Shows where that search is.
+/// Shows the progress of that search.
 pub fn mistake(bar: &Bar, step: &SearchStep) {
     let left = step.left.map_or(String::new(), |left| {
         format!(", {:.0} s left for this case", left.as_secs_f64())
@@ -181,24 +180,24 @@ impl Bar {
         }
     }
 
-    /// What is being done now, such as the name of a case.
+    /// Sets the current work, such as the name of a case.
     pub fn set_message(&self, message: impl Into<String>) {
         self.shared.said().message = visible(&message.into());
         self.shared.steps.begin(0);
     }
 
-    /// Some parts more are done.
+    /// Adds to the parts done.
     pub fn inc(&self, parts: u64) {
         self.shared.steps.begin(0);
         self.shared.parts.done.fetch_add(parts, Ordering::Relaxed);
     }
 
-    /// Takes this to be the time that all will take, in seconds.
+    /// Sets the expected time of all the work, in seconds.
     pub fn expect(&self, seconds: f64) {
         self.shared.said().expected = Some(seconds);
     }
 
-    /// Writes beside the bar.
+    /// Prints a line above the bar.
     pub fn suspend<T>(&self, write: impl FnOnce() -> T) -> T {
         match &self.shared.bar {
             Some(bar) => bar.suspend(write),
@@ -206,7 +205,7 @@ impl Bar {
         }
     }
 
-    /// Ends it, and leaves nothing on a terminal.
+    /// Ends the display, and clears it on a terminal.
     pub fn finish_and_clear(mut self) {
         self.end();
     }
@@ -274,7 +273,7 @@ impl SharedBar {
         self.said.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Shows how far the work is, until it has ended.
+    /// Shows the progress until the work has ended.
     fn tick(&self) {
         let mut next = FIRST_LINE;
         loop {
@@ -348,7 +347,7 @@ impl SharedBar {
     }
 }
 
-/// A bar only where it is known how much is done.
+/// A bar only if the share done is known.
 fn style(is_known: bool) -> ProgressStyle {
     let template = if is_known {
         "{spinner} [{bar:16}] {wide_msg}"
@@ -359,8 +358,8 @@ fn style(is_known: bool) -> ProgressStyle {
     style.progress_chars("=> ")
 }
 
-/// When the next line follows one at `elapsed`: at three times the time, so that there are few of
-/// them, and never after too long a silence.
+/// Time of the next line after one at `elapsed`: three times as late, so that there are few, but
+/// never after too long a silence.
 fn next_line(elapsed: Duration) -> Duration {
     (elapsed * 3).min(elapsed + LONGEST_SILENCE)
 }
@@ -382,8 +381,8 @@ fn share_done(
     }
 }
 
-/// Seconds that are left. What is done says it by its time, but the first rows may be empty where
-/// the middle is not; so what was expected counts for the share that is still to be done.
+/// Seconds left, extrapolated from the work done. But the first rows may be empty while the middle
+/// is not, so the expected time counts in proportion to the work left.
 fn left(done: Option<f64>, elapsed: f64, expected: Option<f64>) -> Option<f64> {
     let share = done.unwrap_or(0.0);
     let by_time = (share > 0.0).then(|| elapsed * (1.0 - share) / share);
@@ -394,8 +393,8 @@ fn left(done: Option<f64>, elapsed: f64, expected: Option<f64>) -> Option<f64> {
     }
 }
 
-/// One line: what is being done, how far it is, how long it has taken and will take. Beside a bar
-/// what may be cut off comes last, and the time it has taken goes without saying.
+/// One line: the current work, its share done, time elapsed and left. Beside a bar the parts that
+/// may be cut off come last, and the time elapsed is left out.
 fn state(
     message: &str,
     parts: Option<(&str, [u64; 2])>,
@@ -424,7 +423,7 @@ fn state(
     facts.join(", ")
 }
 
-/// That `what` takes long.
+/// The announcement that `what` takes long.
 fn takes(what: &str, forecast: &Forecast, advice: &str) -> String {
     let Forecast {
         seconds,

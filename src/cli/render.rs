@@ -21,13 +21,13 @@ pub struct Arguments {
     /// Image to write: .exr (linear radiance, 32-bit float) or .png (8-bit sRGB preview)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Samples per pixel, for sampled scenes; from 2 on, an .exr holds their variance as well
+    /// Samples per pixel, for sampled scenes; with 2 or more, an .exr also stores their variance
     #[arg(long, value_name = "N", value_parser = samples)]
     spp: Option<u32>,
     /// Seed of the random numbers, for sampled scenes
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Distance between samples along a ray, in place of the scene's: world units, or "0.5 voxels"
+    /// Distance between samples along a ray, instead of the scene's: world units, or "0.5 voxels"
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<Length>,
     /// Threads to use; the image is the same for any number [default: all cores]
@@ -42,8 +42,8 @@ pub struct Arguments {
         value_parser = output::stops
     )]
     exposure: f64,
-    /// Render by the plain reference renderers (src/reference): usually slower, and by random
-    /// samples wherever there are media, surfaces and lights
+    /// Use the plain reference renderers (src/reference): usually slower, and sampled for all
+    /// scenes of media, surfaces and lights
     #[arg(long)]
     reference: bool,
     #[command(flatten)]
@@ -128,8 +128,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     arguments.json.instead_of(text, &value).map(Outcome::from)
 }
 
-/// What the plans of all panels warn of: what matters to one of several panels matters to the
-/// picture.
+/// The warnings of the plans of all panels.
 pub fn warnings_of_all<'p>(plans: &'p [Plan<'_>]) -> Vec<&'p Reason> {
     let warnings = plans[0].warnings.iter();
     warnings
@@ -137,7 +136,7 @@ pub fn warnings_of_all<'p>(plans: &'p [Plan<'_>]) -> Vec<&'p Reason> {
         .collect()
 }
 
-/// What to say of an image that is empty, or too dark to see as a preview.
+/// A note on an image that is black, or too dark to see as a preview.
 fn brightness_note(film: &Film, format: FilmFormat, exposure: f64) -> Option<String> {
     let mut lit: Vec<f32> = film
         .radiance()

@@ -1,4 +1,4 @@
-//! What `verify` and `validate` write beside their text.
+//! Result files of `verify` and `validate`.
 
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
@@ -6,7 +6,7 @@ use crate::report;
 use crate::suite::{CaseResult, Evidence, Judged, Likeness, Suite};
 use std::path::{Path, PathBuf};
 
-/// Where results go.
+/// Destinations of the results.
 #[derive(clap::Args, Debug)]
 pub struct ResultFiles {
     #[command(flatten)]
@@ -14,18 +14,18 @@ pub struct ResultFiles {
     /// Write the results as JUnit XML, for build servers
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
-    /// Write a report to look at, DIR/index.html: one file that needs nothing else
+    /// Write a report as one page that works offline, DIR/index.html
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
 }
 
-/// What a command on the suite found.
+/// Results of a command on the suite.
 pub struct Findings<'f> {
     /// `verify` or `validate`.
     pub command: &'f str,
     /// Result and evidence of each case.
     pub judged: Vec<Judged>,
-    /// Mistakes that the images look like.
+    /// Likely mistakes behind the images.
     pub likely: Vec<Likeness>,
 }
 
@@ -45,13 +45,13 @@ impl ResultFiles {
         self.json.is_printed()
     }
 
-    /// Whether the images behind the results are wanted.
+    /// Whether the report needs the images behind the results.
     pub fn wants_evidence(&self) -> bool {
         self.report.is_some()
     }
 
-    /// Fails where a file cannot be written or lies among the goldens: asked before long work, not
-    /// after it.
+    /// Fails if a file cannot be written or is in the folder of the goldens; called before long
+    /// work.
     pub fn check(&self, suite: &Suite) -> Result<(), Failure> {
         let page = self.report.as_deref().map(page_in);
         if let Some(folder) = &self.report {
@@ -64,7 +64,7 @@ impl ResultFiles {
         output::check(&outputs, &[])
     }
 
-    /// Writes what is wanted, and returns what to print: `text`, or JSON in its place.
+    /// Writes the requested files, and returns the text to print: `text`, or JSON instead.
     pub fn write(&self, findings: &Findings<'_>, mut text: String) -> Result<String, Failure> {
         let results = findings.results();
         if let Some(path) = &self.junit {
@@ -99,7 +99,7 @@ fn page(findings: &Findings<'_>, results: &[CaseResult]) -> String {
     })
 }
 
-/// Fails where an output would lie among the goldens.
+/// Fails if an output would be in the folder of the goldens.
 pub fn check_not_golden(path: &Path, suite: &Suite) -> Result<(), Failure> {
     if !is_below(path, &suite.golden_folder()) {
         return Ok(());
@@ -109,7 +109,7 @@ pub fn check_not_golden(path: &Path, suite: &Suite) -> Result<(), Failure> {
     Err(Failure::new(Exit::BadInput, message, Some(help)))
 }
 
-/// Whether `path` names something in `folder`, however either is spelt.
+/// Whether `path` is in `folder`, however either is spelt.
 fn is_below(path: &Path, folder: &Path) -> bool {
     let (Ok(path), Ok(folder)) = (std::path::absolute(path), folder.canonicalize()) else {
         return false;

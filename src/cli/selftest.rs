@@ -11,7 +11,7 @@ use crate::suite::{
 };
 use serde_json::json;
 
-/// Make every known mistake and see that the suite catches it, and nothing that is right
+/// Check that the suite catches every known mistake, and rejects no correct image
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Families, cases, or patterns over them such as 'figures/*' [default: all cases]
@@ -19,10 +19,10 @@ pub struct Arguments {
     filters: Vec<String>,
     #[command(flatten)]
     selection: Selection,
-    /// Ask about a mistake only until a case has caught it
+    /// Try each mistake only until a case catches it
     #[arg(long)]
     quick: bool,
-    /// Instead: make each mistake RUNS times and count how often it is the first to be named
+    /// Instead: make each mistake RUNS times and count how often it is named first
     #[arg(long, value_name = "RUNS", value_parser = clap::value_parser!(u64).range(1..=1000))]
     naming: Option<u64>,
     /// Instead: make COUNT pairs of mistakes and count how often they are among the first three
@@ -68,8 +68,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     Ok(Outcome { text, exit })
 }
 
-/// What is made: each mistake `runs` times, and `pairs` pairs of mistakes, spread over all there
-/// are.
+/// The mistakes to make: each one `runs` times, and `pairs` pairs, spread over all pairs.
 fn made(runs: u64, pairs: u64) -> Vec<(Vec<&'static Mistake>, u64)> {
     let all: Vec<&'static Mistake> = mistakes::catalogue().collect();
     let mut made = Vec::new();

@@ -1,30 +1,30 @@
-//! What commands on the suite have in common.
+//! Arguments shared by commands on the suite.
 
 use super::failure::{Exit, Failure};
 use crate::regular_file::note_input;
 use crate::suite::{CaseResult, Suite, SuiteError};
 use std::path::{Path, PathBuf};
 
-/// The suite that is meant where none is given.
+/// The default suite.
 const HERE: &str = ".";
 
-/// Which cases of which suite.
+/// The selected cases of a suite.
 #[derive(clap::Args, Debug)]
 pub struct Selection {
-    /// Folder of the suite, the one with fixtures/ and golden/
+    /// Folder of the suite, with fixtures/ and golden/
     #[arg(long = "suite", value_name = "DIR", default_value = HERE)]
     folder: PathBuf,
 }
 
 impl Selection {
-    /// The suite. All its files count as inputs, whether they are read or not.
+    /// The suite. All its files count as inputs, even unread ones.
     pub fn open(&self) -> Result<Suite, Failure> {
         let suite = Suite::open(&self.folder)?;
         suite.files().iter().for_each(|file| note_input(file));
         Ok(suite)
     }
 
-    /// The line for a shell that does `command` again for one case of this suite.
+    /// The command line that repeats `command` for one case of this suite.
     pub fn again(&self, command: &str, case: &str, arguments: &[String]) -> String {
         let mut words = vec!["volref".to_owned(), command.to_owned(), case.to_owned()];
         if self.folder != Path::new(HERE) {
@@ -45,7 +45,7 @@ fn output_help(filter: &str) -> Option<String> {
     }
 }
 
-/// No such case is exit code 5, a suite that cannot be read 2.
+/// An unknown case is exit code 5, an unreadable suite 2.
 impl From<SuiteError> for Failure {
     fn from(error: SuiteError) -> Failure {
         let (exit, error) = match error {

@@ -21,7 +21,7 @@ use std::sync::mpsc;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// Defaults of what a renderer is asked for, as one would write them.
+/// Default arguments for a renderer, as text.
 const TIMEOUT: &str = "600";
 const SPP: &str = "64";
 const SEED: &str = "1";
@@ -29,18 +29,18 @@ const FORMAT: &str = "exr";
 
 /// Images and placeholders, for `--help`.
 const IMAGES: &str = "Images are named after the cases, family/name or just name, and end in .exr, \
-    .pfm, .npy (linear radiance) or .png (8-bit sRGB). Several independent renderings, name.0.exr, \
-    name.1.exr, ..., or a file name.variance.exr with the variances of the means tell the noise of \
-    a sampled image; without, it is estimated.\n\n\
-    In CMD, {scene} stands for the scene file, {output} for where the image goes, {width}, \
-    {height}, {spp}, {seed} for numbers, {case} for the name of the case, and {export:mitsuba}, \
+    .pfm, .npy (linear radiance) or .png (8-bit sRGB). The noise of a sampled image is given by \
+    several independent renderings, name.0.exr, name.1.exr, ..., or by a file name.variance.exr with \
+    the variances of the means; otherwise it is estimated.\n\n\
+    In CMD, {scene} stands for the scene file, {output} for the image to write, {width}, {height}, \
+    {spp}, {seed} for numbers, {case} for the name of the case, and {export:mitsuba}, \
     {export:pbrt}, {export:bundle} for a copy of the scene in that format (see volref export).\n\n\
-    Verdicts are printed as they are known; then images that failed are held against a catalogue of \
-    mistakes. Ctrl-C ends that search and keeps the verdicts. What the search renders is kept for \
-    the next run in the folder that VOLREF_CACHE names (empty: none), else in the user's folder for \
-    caches, such as ~/.cache/volref; it holds 256 MB at most and can be removed at any time.";
+    Each verdict is printed as soon as it is known; then failed images are compared with a catalogue \
+    of mistakes. Ctrl-C ends that search and keeps the verdicts. Renderings of the search are cached \
+    in the folder that VOLREF_CACHE names (empty: no cache), else in the user's cache folder, such \
+    as ~/.cache/volref; the cache holds 256 MB at most and can be removed at any time.";
 
-/// Judge another renderer's images by the goldens, and name the mistake
+/// Compare the images of another renderer with the goldens, and name its mistakes
 #[derive(Debug, clap::Args)]
 #[command(group = clap::ArgGroup::new("images").required(true))]
 #[command(
@@ -55,31 +55,31 @@ pub struct Arguments {
     /// Folder with finished images
     #[arg(long, value_name = "DIR", group = "images")]
     outputs: Option<PathBuf>,
-    /// Command that renders a case; called once for each, without a shell
+    /// Command that renders a case; run once for each, without a shell
     #[arg(long, value_name = "CMD", group = "images")]
     run: Option<String>,
-    /// Leave out cases that have no image, or that the renderer's format cannot say
+    /// Skip cases that have no image or cannot be exported to the renderer's format
     #[arg(long)]
     only_present: bool,
     /// List every case without an image
     #[arg(long)]
     verbose: bool,
-    /// Look for the mistake behind a failing image this long, for each; 0 to name none
+    /// Time limit for finding the mistake behind each failing image; 0 for no search
     #[arg(long, value_name = "SECONDS", default_value_t = Search::BUDGET.into(), allow_negative_numbers = true, value_parser = budget)]
     explain: f64,
-    /// With --run: seconds after which the renderer, and all that it started, is ended
+    /// With --run: time limit, after which the renderer and all its processes are ended
     #[arg(long, value_name = "SECONDS", default_value = TIMEOUT, allow_negative_numbers = true, value_parser = seconds)]
     timeout: f64,
-    /// With --run: cases to render at the same time
+    /// With --run: number of cases rendered at the same time
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     jobs: u16,
-    /// With --run: samples per pixel to ask for, {spp}
+    /// With --run: samples per pixel, {spp}
     #[arg(long, value_name = "N", default_value = SPP, value_parser = crate::scene::samples)]
     spp: u32,
-    /// With --run: seed to ask for, {seed}
+    /// With --run: seed, {seed}
     #[arg(long, value_name = "N", default_value = SEED)]
     seed: u64,
-    /// With --run: the kind of file that {output} names: exr, pfm, npy or png
+    /// With --run: image format of {output}: exr, pfm, npy or png
     #[arg(long, value_name = "EXT", default_value = FORMAT, value_parser = ["exr", "pfm", "npy", "png"])]
     format: String,
     /// With --run: keep the images in DIR
@@ -97,7 +97,7 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The time for a search: not negative, and finite.
+/// A time limit for the search: not negative, and finite.
 fn budget(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if (0.0..=1e9).contains(&seconds) => Ok(seconds),
@@ -163,13 +163,13 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     })
 }
 
-/// What is printed while cases are judged.
+/// Output while cases are judged.
 struct PrintedVerdicts {
-    /// Whether anything is: not where standard output is for JSON.
+    /// Whether to print at all: not if standard output is for JSON.
     speaks: bool,
-    /// Letters of the longest name.
+    /// Length of the longest name.
     widest: usize,
-    /// Whether cases without an image are counted rather than listed.
+    /// Whether cases without an image are only counted.
     folds_missing: bool,
 }
 
@@ -192,7 +192,7 @@ impl PrintedVerdicts {
         }
     }
 
-    /// How many cases were not listed.
+    /// Number of cases not listed.
     fn without_image(&self, results: &[CaseResult]) -> String {
         let folded = results.iter().filter(|result| self.folds(result));
         let names: Vec<&str> = folded.map(|result| result.name.as_str()).collect();
@@ -200,8 +200,8 @@ impl PrintedVerdicts {
     }
 }
 
-/// Names the mistakes that the images that failed look like, within the time there is for it. The
-/// second value says whether Ctrl-C ended the search; nothing where there was none.
+/// Names the likely mistakes behind failed images, within the time limit. The second value tells
+/// whether Ctrl-C ended the search; `None` without a search.
 fn named(
     arguments: &Arguments,
     suite: &Suite,
@@ -230,7 +230,7 @@ fn named(
     }))
 }
 
-/// Where images come from.
+/// Source of the images.
 enum Source<'a> {
     /// A folder of finished images.
     Finished(&'a Path, Outputs),
@@ -248,7 +248,7 @@ struct RendererRun<'a> {
 }
 
 impl<'a> Source<'a> {
-    /// `names` are those of all the cases of the suite.
+    /// `names` are the names of all cases of the suite.
     fn of(arguments: &'a Arguments, names: &[&str]) -> Result<Source<'a>, Failure> {
         if let Some(folder) = &arguments.outputs {
             if !folder.is_dir() {
@@ -282,7 +282,7 @@ impl<'a> Source<'a> {
         }))
     }
 
-    /// What there is of `case`, and how it came about.
+    /// The output for `case`, and its origin.
     fn output(&self, case: &Case) -> Made {
         match self {
             Source::Finished(folder, outputs) => Made::of(read(outputs, folder, case)),
@@ -290,7 +290,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The arguments that say where the images come from.
+    /// The arguments for the source of the images.
     fn arguments(&self) -> Vec<String> {
         match self {
             Source::Finished(folder, _) => {
@@ -300,9 +300,9 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Has renderers end, and what is temporary go, when this process is told to end, as by Ctrl-C.
-    /// Renderers have process groups of their own, so nobody else tells them; where no such handler
-    /// can be had, they end by their time limit.
+    /// Ends renderers and removes temporary files when this process is ended, for example by
+    /// Ctrl-C. Renderers have their own process groups, so the signal does not reach them; without
+    /// such a handler they end by their time limit.
     fn end_with_us(&self) {
         let temporary = match self {
             Source::Finished(..) => None,
@@ -316,7 +316,7 @@ impl<'a> Source<'a> {
         });
     }
 
-    /// A warning of images that belong to no case.
+    /// A warning about images that belong to no case.
     fn unknown_files(&self) -> String {
         let Source::Finished(_, outputs) = self else {
             return String::new();
@@ -332,14 +332,14 @@ impl<'a> Source<'a> {
     }
 }
 
-/// What there is of a case, and how it came about.
+/// The output for a case, and its origin.
 struct Made {
     output: Output,
-    /// What the renderer printed, if one was run.
+    /// Output of the renderer, if one was run.
     printed: Option<String>,
-    /// What is to be said beside the verdict.
+    /// Notes beside the verdict.
     notes: Vec<String>,
-    /// How the renderer was called, if it was.
+    /// Command line of the renderer, if one was run.
     call: Option<String>,
 }
 
@@ -354,7 +354,7 @@ impl Made {
     }
 }
 
-/// Where a renderer is to write the image of `case`.
+/// Path at which a renderer is to write the image of `case`.
 fn image_of(folder: &Path, case: &Case, extension: &str) -> PathBuf {
     folder.join(format!("{}.{extension}", case.name))
 }
@@ -375,7 +375,7 @@ fn read(outputs: &Outputs, folder: &Path, case: &Case) -> Output {
     }
 }
 
-/// The last lines that a renderer printed, where errors are, as the end of a message.
+/// The last lines of a renderer's output, with its errors, as the end of a message.
 fn last_words(printed: &str) -> String {
     const LINES: usize = 3;
     const LETTERS: usize = 400;
@@ -435,8 +435,7 @@ impl RendererRun<'_> {
         }
     }
 
-    /// The arguments with which it is run in the same way; as they are by default, they are left
-    /// out.
+    /// The arguments that repeat the run, without those that equal their defaults.
     fn arguments(&self) -> Vec<String> {
         let given = self.arguments;
         let mut arguments = vec!["--run".to_owned(), given.run.clone().unwrap_or_default()];
@@ -452,12 +451,12 @@ impl RendererRun<'_> {
         arguments
     }
 
-    /// Whether the renderer is told how many samples it is to take.
+    /// Whether the command passes the number of samples.
     fn asks_for_samples(&self) -> bool {
         self.template.uses("spp")
     }
 
-    /// The command for `case`, its folder and exports made.
+    /// The command for `case`, after creating its folder and exports.
     fn words(&self, case: &Case) -> Result<Vec<String>, Output> {
         let failed = |error: std::io::Error| {
             Output::Unusable(format!("the renderer could not be run: {error}"))
@@ -497,7 +496,8 @@ impl RendererRun<'_> {
         Ok(self.template.fill(&values))
     }
 
-    /// A copy of the scene in another format; what the format cannot say is a missing image.
+    /// A copy of the scene in another format; a scene that cannot be exported counts as a missing
+    /// image.
     fn export(&self, scene: &Scene, case: &Case, format: &str) -> Result<PathBuf, Output> {
         let format: Format = format.parse().expect("placeholders name formats");
         let exports = self.temporary.path().join("exports");
@@ -511,9 +511,9 @@ impl RendererRun<'_> {
     }
 }
 
-/// Judges all cases, several at a time where a renderer is run; results are in the order of the
-/// cases, and said as soon as those before them are. Cases without an image are left out if so
-/// asked.
+/// Judges all cases, several at a time if a renderer is run. Results are in the order of the cases,
+/// and printed as soon as those before them are. With `--only-present`, cases without an image are
+/// skipped.
 fn judge_all(
     cases: &[&Case],
     store: &Store,
@@ -560,7 +560,7 @@ fn judge_all(
     in_order
 }
 
-/// Judges the image of one case; nothing if it has none and is to be left out then.
+/// Judges the image of one case; `None` if it has none and is to be skipped.
 fn judge_case(
     case: &Case,
     store: &Store,

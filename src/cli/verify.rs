@@ -7,7 +7,7 @@ use super::{Outcome, progress, render};
 use crate::report;
 use crate::suite::{self, Case, CaseResult, Evidence, Suite, Verdict};
 
-/// Render the suite with the reference and compare every bit with the goldens
+/// Render the suite and compare it with the goldens, bit by bit
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXIT_CODES)]
 pub struct Arguments {
@@ -17,7 +17,7 @@ pub struct Arguments {
     filters: Vec<String>,
     #[command(flatten)]
     selection: Selection,
-    /// List every case, also those that passed
+    /// List every case, including those that passed
     #[arg(long)]
     verbose: bool,
     #[command(flatten)]
@@ -84,7 +84,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     })
 }
 
-/// How to see what moved in the first case that failed: the image that was compared, rendered again.
+/// Commands that show the difference in the first case that failed, by rendering its image again.
 fn what_moved(results: &[CaseResult], cases: &[&Case], suite: &Suite) -> String {
     let failed = results
         .iter()

@@ -1,5 +1,5 @@
-//! A message with all that is foreign in it made visible, before it is drawn: afterwards nobody can
-//! tell the escape codes of a file's name from those that colour the message.
+//! A message whose foreign parts are made visible before it is drawn: afterwards the escape codes
+//! of a file's name cannot be told from those that colour the message.
 
 use crate::report::{visible, visible_char};
 use miette::{
@@ -7,7 +7,7 @@ use miette::{
     SourceSpan, SpanContents,
 };
 
-/// `diagnostic` to be drawn: the same words, and pictures in place of control characters.
+/// `diagnostic` for drawing: the same text, with symbols in place of control characters.
 pub fn visible_report(diagnostic: &dyn Diagnostic) -> Report {
     let mut shown = MietteDiagnostic::new(visible(&diagnostic.to_string()));
     shown.help = diagnostic.help().map(|help| visible(&help.to_string()));

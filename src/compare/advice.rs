@@ -1,29 +1,29 @@
-//! The samples that decide a comparison which noise leaves open.
+//! The samples needed to decide a comparison that noise leaves open.
 
 use crate::math;
 use std::fmt;
 
-/// A pass that says too little: the bias of the mean of the image that is to be seen would not have
-/// been seen. What would decide.
+/// An inconclusive pass: the required bias of the mean would not have been detected. The variants
+/// state what would decide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Undecided {
     /// More samples in the test image.
     Samples(Advice),
-    /// Nothing the test image could do: even one without noise would not show a bias below this,
-    /// relative to the mean of the image.
+    /// No test image: even one without noise would not show a bias below this, relative to the mean
+    /// of the image.
     Reference(f64),
 }
 
 /// Samples of a test image that would decide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Advice {
-    /// That many times those it has.
+    /// Factor on its present samples.
     pub times: f64,
-    /// Samples per pixel, of all its renderings together; `None` where it does not say.
+    /// Samples per pixel, of all its renderings together; `None` if unknown.
     pub has: Option<u64>,
-    /// Its renderings: 1 of a single image.
+    /// Number of renderings: 1 for a single image.
     pub renderings: u32,
-    /// Whether it states the variance of its samples: noise that is estimated is less sure.
+    /// Whether it states the variance of its samples: estimated noise is less certain.
     pub is_stated: bool,
 }
 

@@ -14,9 +14,9 @@ use super::picture::{Picture, PictureError};
 use crate::film::Film;
 use crate::math::Sum;
 
-/// Absolute part of the tolerance of a channel.
+/// Absolute tolerance of a channel.
 pub const ABSOLUTE: f64 = 1e-3;
-/// Relative part.
+/// Relative tolerance of a channel.
 pub const RELATIVE: f64 = 0.01;
 /// Share of pixels that may lie outside: rays that graze a voxel face and fall, by a rounding,
 /// on its other side.

@@ -1,6 +1,6 @@
-//! The unit in which a report shows how far two images are apart.
+//! The unit of the difference of two images in a report.
 
-/// Unit in which the difference of two images is shown.
+/// Unit of the difference of two images.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DifferenceScale {
     /// Radiance.
@@ -9,7 +9,7 @@ pub enum DifferenceScale {
     Tolerance {
         /// Radiance.
         absolute: f64,
-        /// Share of the golden.
+        /// Fraction of the golden.
         relative: f64,
     },
     /// Standard errors of the mean of a block of pixels.
@@ -23,7 +23,7 @@ pub struct BlockMap {
     pub columns: usize,
     /// Rows of blocks.
     pub rows: usize,
-    /// Test minus reference in standard errors, by channel; row by row from the top. What is left
-    /// over at the right and lower edges belongs to the last blocks. At most 1e9 either way.
+    /// Test minus reference in standard errors, by channel; row by row from the top. Incomplete
+    /// blocks at the right and lower edges are part of the last blocks. At most 1e9 in magnitude.
     pub deviations: Vec<[f64; 3]>,
 }

@@ -1,4 +1,4 @@
-//! The gate: a rule by which images are judged, and everything the program says about it.
+//! The gate: a rule for judging images, and its description.
 //!
 //! A new gate is a file that implements [`Gate`] and [`ImageGate`](super::ImageGate), and a row of
 //! [`GATES`](super::GATES).
@@ -11,7 +11,7 @@ use std::fmt;
 /// Name and meaning of a metric.
 pub type Metric = (&'static str, &'static str);
 
-/// A rule that a result was reached by.
+/// A rule behind a result.
 pub trait Gate: Send + Sync {
     /// Name, as in JSON and after `--gate`.
     fn name(&self) -> &'static str;
@@ -22,7 +22,7 @@ pub trait Gate: Send + Sync {
     /// The metrics of its judgements.
     fn metrics(&self) -> &'static [Metric];
 
-    /// Evidence for a report: the unit in which the difference of two images of one size is shown.
+    /// For a report: the unit of the difference of two images of the same size.
     fn difference_scale(&self, _golden: &Film, _test: &Film) -> DifferenceScale {
         DifferenceScale::Radiance
     }

@@ -11,7 +11,7 @@ pub trait ImageGate: Gate {
     ///
     /// # Errors
     ///
-    /// Where the gate cannot judge images of this kind.
+    /// If the gate cannot judge images of this kind.
     fn judge(
         &self,
         reference: &Picture,
@@ -19,38 +19,38 @@ pub trait ImageGate: Gate {
         conditions: &Conditions,
     ) -> Result<Judgement, PictureError>;
 
-    /// The pairs that it judges where no gate is named, in words after "for"; none for a gate that
-    /// has to be named.
+    /// The pairs for which it is the default, in words after "for"; `None` for a gate that has to
+    /// be named.
     fn default_for(&self) -> Option<&'static str> {
         None
     }
 
-    /// The reason why `reference` and `test` are such a pair, as the end of a sentence; empty where it
-    /// is plain, `None` for another pair.
+    /// The reason why `reference` and `test` are such a pair, as the end of a sentence; empty if it
+    /// is obvious, `None` for another pair.
     fn default_reason(&self, _reference: &Picture, _test: &Picture) -> Option<&'static str> {
         None
     }
 
-    /// The gate judges what a display shows, so that the exposure decides.
+    /// Whether the gate depends on the exposure, because it judges displayed images.
     fn depends_on_exposure(&self) -> bool {
         false
     }
 }
 
-/// The conditions of a comparison beside the images.
+/// Parameters of a comparison beside the images.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditions {
-    /// Stops at which radiance is shown.
+    /// Exposure of radiance, in stops.
     pub exposure: f64,
-    /// Comparisons, this one included, that share one rate of false alarms.
+    /// Number of comparisons, including this one, that share one rate of false alarms.
     pub cases: usize,
-    /// Bias of the mean of the image that a pass must have been able to see, relative to that mean
-    /// plus [`DARK`](super::stochastic::DARK); none where a pass promises nothing.
+    /// Bias of the mean of the image that must be detectable for a pass, relative to that mean plus
+    /// [`DARK`](super::stochastic::DARK); `None` for no such requirement.
     pub visible_bias: Option<f64>,
 }
 
 impl Default for Conditions {
-    /// A single comparison at exposure 0, whose pass promises nothing.
+    /// A single comparison at exposure 0, without a required bias.
     fn default() -> Conditions {
         Conditions {
             exposure: 0.0,

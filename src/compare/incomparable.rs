@@ -1,6 +1,6 @@
-//! Reasons why no gate can compare two images: another size, pixels that are no numbers.
+//! Reasons why no gate can compare two images: different sizes, pixels that are not finite.
 //!
-//! Looked for first, because `error > limit` is false for NaN.
+//! Checked first, because `error > limit` is false for NaN.
 
 use super::gate::{Gate, Metric};
 use super::judgement::Judgement;

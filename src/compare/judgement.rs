@@ -13,10 +13,11 @@ pub struct Judgement {
     pub gate: &'static dyn Gate,
     /// Numbers by name, all finite; [`Gate::metrics`] says what they mean.
     pub metrics: BTreeMap<String, f64>,
-    /// The deciding number in words.
+    /// The reason, with the deciding number.
     pub reason: String,
-    /// Of a pass that could not have seen the [bias](super::Conditions::visible_bias) that it had
-    /// to: the verdict is *inconclusive*, and this would decide.
+    /// For a pass that could not have detected the required
+    /// [bias](super::Conditions::visible_bias): the verdict is *inconclusive*, and this would
+    /// decide.
     pub undecided: Option<Undecided>,
 }
 

@@ -1,7 +1,7 @@
-//! Two images to a judgement.
+//! Comparison of two images.
 //!
-//! First what makes images incomparable: another size, pixels that are no numbers. Then a gate:
-//! [exact](Exact), [deterministic](Deterministic), [perceptual](Perceptual) or
+//! First the checks for incomparable images: different sizes, pixels that are not finite. Then a
+//! gate: [exact](Exact), [deterministic](Deterministic), [perceptual](Perceptual) or
 //! [stochastic](Stochastic), each in its own file with its limits and their reasons.
 
 mod advice;
@@ -31,14 +31,14 @@ pub use stochastic::Stochastic;
 
 use incomparable::NON_FINITE;
 
-/// Every gate for a pair of images. For a pair that several are the default of, the first is taken.
+/// Every gate for a pair of images. If several are the default for a pair, the first is used.
 pub const GATES: [&dyn ImageGate; 4] = [&Exact, &Deterministic, &Perceptual, &Stochastic];
 
 /// The gate called `name`.
 ///
 /// # Errors
 ///
-/// A message that lists the gates, where there is none of that name.
+/// A message that lists the gates, if there is none of that name.
 pub fn gate_named(name: &str) -> Result<&'static dyn ImageGate, String> {
     let found = GATES.into_iter().find(|gate| gate.name() == name);
     found.ok_or_else(|| {
@@ -47,8 +47,7 @@ pub fn gate_named(name: &str) -> Result<&'static dyn ImageGate, String> {
     })
 }
 
-/// The gate for a pair where none is named, with the reason as the end of a sentence; it is empty
-/// where it is plain.
+/// The default gate for a pair, with the reason as the end of a sentence; empty if it is obvious.
 pub fn default_gate(reference: &Picture, test: &Picture) -> (&'static dyn ImageGate, &'static str) {
     let mut claims = GATES
         .into_iter()
@@ -64,12 +63,12 @@ pub fn metric_meaning(name: &str) -> Option<&'static str> {
     found.or(common).map(|&(_, meaning)| meaning)
 }
 
-/// Judges `test` by `reference`: their sizes and whether all pixels are numbers, then by the gate.
+/// Judges `test` by `reference`: first their sizes and whether all pixels are finite, then by the
+/// gate.
 ///
 /// # Errors
 ///
-/// Where the gate cannot judge images of this kind: 8-bit ones are only ever judged by the
-/// perceptual gate.
+/// If the gate cannot judge images of this kind: only the perceptual gate judges 8-bit images.
 pub fn judge(
     gate: &'static dyn ImageGate,
     reference: &Picture,

@@ -1,4 +1,4 @@
-//! Either kind of image that can be compared.
+//! The two kinds of images that can be compared.
 
 use super::flip::SrgbImage;
 use super::gate::Gate;
@@ -16,7 +16,7 @@ pub enum Picture {
     Codes(SrgbImage),
 }
 
-/// Why an image cannot be compared.
+/// Reason why an image cannot be compared.
 #[derive(Debug, Error)]
 pub enum PictureError {
     /// The file cannot be read.
@@ -24,7 +24,7 @@ pub enum PictureError {
     Read {
         /// The file.
         path: String,
-        /// What went wrong.
+        /// Error of the operating system.
         error: std::io::Error,
     },
     /// A directory, or a device.
@@ -32,10 +32,10 @@ pub enum PictureError {
     NotAFile {
         /// Where.
         path: String,
-        /// What is there instead.
+        /// Kind of file found.
         what: &'static str,
     },
-    /// A file too large to be meant.
+    /// A file too large to be an image.
     #[error(
         "{path}: the file has {bytes} bytes; images of at most {} are read",
         Picture::MOST_BYTES
@@ -46,7 +46,7 @@ pub enum PictureError {
         /// Bytes in the file.
         bytes: u64,
     },
-    /// The file holds no image that can be used.
+    /// The file contains no usable image.
     #[error("{path}: {error}")]
     Film {
         /// The file.
@@ -87,7 +87,7 @@ impl Picture {
         Picture::decode(format, &bytes).map_err(in_film)
     }
 
-    /// All bytes of the image file at `path`, whatever is in them.
+    /// All bytes of the image file at `path`.
     pub fn bytes(path: &Path) -> Result<Vec<u8>, PictureError> {
         let name = || path.display().to_string();
         let in_read = |error| PictureError::Read {
@@ -122,7 +122,7 @@ impl Picture {
         }
     }
 
-    /// [`Film::with_samples`] of radiance; 8-bit codes are judged without regard to it.
+    /// [`Film::with_samples`] for radiance; no effect on 8-bit codes.
     pub fn with_samples(self, samples: u32) -> Picture {
         match self {
             Picture::Radiance(film) => Picture::Radiance(film.with_samples(samples)),
@@ -130,7 +130,7 @@ impl Picture {
         }
     }
 
-    /// Linear radiance; none of 8-bit codes.
+    /// Linear radiance; `None` for 8-bit codes.
     pub fn radiance(&self) -> Option<&Film> {
         match self {
             Picture::Radiance(film) => Some(film),
@@ -152,7 +152,7 @@ impl Picture {
         }
     }
 
-    /// As a display shows it; radiance at `exposure` stops.
+    /// The displayed image; radiance at `exposure` stops.
     pub fn srgb(&self, exposure: f64) -> Result<SrgbImage, PictureError> {
         match self {
             Picture::Codes(image) => Ok(image.clone()),

@@ -1,11 +1,11 @@
-//! How unlikely a deviation is, and how unlikely is too unlikely.
+//! Significance of deviations.
 
 use crate::math;
 use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, Normal, StudentsT};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Difference of two means in its own standard errors, given their variances: the normal form of
-/// Welch's statistic. 0 of equal means, infinite where different means have no variance.
+/// Welch's statistic. 0 for equal means, infinite for different means without variance.
 ///
 /// Source: Welch 1947, Biometrika 34, 28–35.
 pub fn deviation(difference: f64, variance: f64) -> f64 {
@@ -15,7 +15,7 @@ pub fn deviation(difference: f64, variance: f64) -> f64 {
     difference / variance.sqrt()
 }
 
-/// Probability of a standard normal number at least as far from 0 as `z`, to either side.
+/// Probability that a standard normal number is at least as far from 0 as `z`, on either side.
 pub fn two_sided(z: f64) -> f64 {
     math::erfc(z.abs() * FRAC_1_SQRT_2)
 }
@@ -46,9 +46,9 @@ pub fn sidak(level: f64, tests: f64) -> f64 {
     -math::exp_m1(math::ln_1p(-level) / tests)
 }
 
-/// How many of the hypotheses with these probabilities are rejected, so that a true one is
-/// rejected with probability `level` at most, however they depend on each other: the k-th
-/// smallest of n is, as long as all before it are and it is at most `level/(n + 1 − k)`.
+/// Number of hypotheses with these probabilities to reject, such that a true one is rejected with
+/// probability `level` at most, for any dependence between them: the k-th smallest of n is rejected
+/// if all before it are and it is at most `level/(n + 1 − k)`.
 ///
 /// Source: Holm 1979, Scandinavian Journal of Statistics 6, 65–70.
 pub fn holm(probabilities: &[f64], level: f64) -> usize {

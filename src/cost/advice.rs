@@ -1,4 +1,4 @@
-//! What to take, in plain words.
+//! Recommended settings.
 
 use super::image::in_voxels;
 use super::results::{Cost, Level, Parameter, Recommendation, Study, Sweep};

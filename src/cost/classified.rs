@@ -1,4 +1,4 @@
-//! A classified volume, ready to be asked in every way there is to composite it.
+//! A classified volume prepared for all compositing schemes.
 
 use super::collocation::{CollocatedLight, Collocation, Here};
 use crate::geometry::{Aabb, Ray, Span};
@@ -17,10 +17,10 @@ use crate::scene::{Classified, Shadow};
 use crate::volume::{DensityField, GridDensity, Interpolation, relative_gradients};
 use glam::DVec3;
 
-/// How much light a sample gets.
+/// Lighting of the samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shade {
-    /// As the scene has it.
+    /// As in the scene.
     AsGiven,
     /// By shadow rays sampled at this distance.
     Every(f64),
@@ -30,7 +30,7 @@ pub enum Shade {
     None,
 }
 
-/// A classified volume and all that can be asked of a ray through it.
+/// A classified volume with all queries along a ray.
 pub struct ShadedVolume<'s> {
     scene: &'s Classified,
     caster: Caster<'s>,
@@ -59,7 +59,7 @@ impl<'s> ShadedVolume<'s> {
         }
     }
 
-    /// Whether [`Shade::Exact`] can be had.
+    /// Whether [`Shade::Exact`] is available.
     pub fn has_exact_shadow(scene: &Classified) -> bool {
         matches!(
             scene.transfer_function.appearance,
@@ -72,7 +72,7 @@ impl<'s> ShadedVolume<'s> {
         self.scene.grid.lattice().bounds().span(ray)
     }
 
-    /// What comes back along `ray` by the reference renderer's ray caster, with this step.
+    /// Radiance along `ray` by volref's ray caster, with this step.
     pub fn cast(&self, step: f64, ray: &Ray, work: &mut Counters) -> DVec3 {
         self.layers(step, ray, work).before(self.scene.background)
     }
@@ -82,12 +82,12 @@ impl<'s> ShadedVolume<'s> {
         self.caster.layers_by(step, ray, work)
     }
 
-    /// What comes back along `ray` if `radiance` is seen before a `depth`.
+    /// Radiance along `ray` if `radiance` lies before an optical `depth`.
     pub fn before_background(&self, radiance: DVec3, depth: f64) -> DVec3 {
         radiance + self.scene.background * exp(-depth)
     }
 
-    /// The value of the field and what an opaque sample sends back, at distance `t`.
+    /// The value of the field and the radiance of an opaque sample, at distance `t`.
     pub fn sample(&self, ray: &Ray, t: f64, work: &mut Counters) -> (f64, DVec3) {
         self.caster.at(ray, ray.at(t), work)
     }
@@ -108,7 +108,7 @@ impl<'s> ShadedVolume<'s> {
         self.scene.phong.is_some() || self.scene.shadow.is_some()
     }
 
-    /// What an opaque sample of `value` would send back, were it neither shaded nor shadowed.
+    /// Radiance of an opaque sample of `value` without shading and shadow.
     pub fn unlit(&self, value: f64) -> DVec3 {
         let transfer_function = &self.scene.transfer_function;
         transfer_function.colour(value) * transfer_function.emission(value)

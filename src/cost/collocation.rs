@@ -15,10 +15,10 @@ use crate::math::{Sum, exp};
 use crate::media::source_factor;
 use glam::DVec3;
 
-/// What is found at a place on a ray.
+/// Extinction and emission at a point of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Here {
-    /// Extinction, per length; infinite in what is opaque.
+    /// Extinction, per length; infinite in opaque matter.
     pub extinction: f64,
     /// Radiance emitted per length; where the extinction is infinite, the radiance itself.
     pub emission: DVec3,
@@ -37,7 +37,7 @@ impl Here {
         }
     }
 
-    /// Radiance of `length` of this, seen through itself.
+    /// Radiance of a segment of this `length`, with its own attenuation.
     pub fn seen_over(&self, length: f64) -> DVec3 {
         if self.extinction.is_finite() || length == 0.0 {
             self.emission * (length * source_factor(self.extinction * length))
@@ -50,13 +50,13 @@ impl Here {
 /// Light along a piece of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CollocatedLight {
-    /// What it sends back.
+    /// Its radiance.
     pub radiance: DVec3,
     /// Its optical depth.
     pub depth: f64,
-    /// No channel of the radiance is off by more, as far as halving elements can tell.
+    /// Error bound of each channel of the radiance, estimated by halving elements.
     pub radiance_error: f64,
-    /// The depth is not off by more.
+    /// Error bound of the depth.
     pub depth_error: f64,
 }
 

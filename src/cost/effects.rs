@@ -1,4 +1,4 @@
-//! What each effect costs by itself.
+//! The cost of each effect by itself.
 
 use super::results::{EffectPrice, MeanWork};
 use super::thumbnail;
@@ -16,7 +16,7 @@ const SAMPLES: u32 = 4;
 /// A scene with some of its effects.
 #[derive(Clone, Debug)]
 pub struct Variant {
-    /// Which effects, in words.
+    /// Names of the effects.
     pub name: String,
     /// A small image of it, of one panel.
     pub scene: Scene,
@@ -36,7 +36,7 @@ pub fn variants(panel: &Panel) -> Vec<Variant> {
     variants.into_iter().map(small).collect()
 }
 
-/// What the [`variants`] of `panel` cost.
+/// The cost of the [`variants`] of `panel`.
 pub fn prices(panel: &Panel, clock: &Clock) -> Result<Vec<EffectPrice>, RenderError> {
     let [width, height] = thumbnail::thumbnail([panel.width, panel.height], SIDE);
     let pixels = width * height;

@@ -1,4 +1,4 @@
-//! Estimators of a ray's transmittance by random numbers: what theory promises, and what they do.
+//! Stochastic estimators of a ray's transmittance: theory and measurement.
 
 use super::collocation::{Collocation, Here};
 use super::profile::{BoundedSegment, Profile};
@@ -17,7 +17,7 @@ use crate::render::radiative::tracking::{
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// A way to estimate transmittance without bias.
+/// An unbiased estimator of transmittance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TransmittanceEstimator {
     /// 1 for a flight that gets through, 0 for one that does not.
@@ -30,7 +30,7 @@ pub enum TransmittanceEstimator {
     UnbiasedMarching,
 }
 
-/// One estimate, and what it took.
+/// One estimate and its cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimatorSample {
     /// The estimate.
@@ -50,7 +50,7 @@ impl TransmittanceEstimator {
         TransmittanceEstimator::UnbiasedMarching,
     ];
 
-    /// As it is called.
+    /// Name.
     pub fn name(self) -> &'static str {
         match self {
             TransmittanceEstimator::Delta => "delta tracking",

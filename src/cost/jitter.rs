@@ -1,4 +1,4 @@
-//! Jittered marching: bias and variance apart, without taking a sample.
+//! Jittered marching: bias and variance separately, without sampling.
 //!
 //! A step looked at in a random place gives the right depth on average, `E τ̂ = τ`, but
 //! `E e^(−τ̂) > e^(−τ)`: the transmittance has a bias, about `½ T Var τ̂`. With one offset for all
@@ -19,7 +19,7 @@ use crate::render::classified::steps::Steps;
 /// Values that an offset may take.
 const OFFSETS: usize = 64;
 
-/// How steps are jittered.
+/// Kind of jitter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Jitter {
     /// One offset for all steps of a ray.
@@ -29,7 +29,7 @@ pub enum Jitter {
 }
 
 impl Jitter {
-    /// As it is called.
+    /// Name.
     pub fn name(self) -> &'static str {
         match self {
             Jitter::Comb => "one offset a ray (comb)",
@@ -45,7 +45,7 @@ impl Jitter {
         }
     }
 
-    /// What becomes of the transmittance of `profile` with steps of `step`.
+    /// Bias and variance of the transmittance of `profile` with steps of `step`.
     pub fn split(self, profile: &Profile<'_>, step: f64) -> JitterPoint {
         let steps = Steps::over(profile.span(), step);
         // How far the depth is off, by offset, of one step or of all.

@@ -8,8 +8,8 @@ use crate::media::optical_depth;
 use crate::render::classified::steps::Steps;
 use glam::DVec3;
 
-/// What is done with one step of length `h`, `σ` and `ε` being extinction and emission where it
-/// looks, and `S = ε/σ` the source.
+/// The rule for a step of length `h`, with `σ` and `ε` the extinction and emission at its sample,
+/// and `S = ε/σ` the source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
     /// In its middle, `S (1 − e^(−σh))`: the reference's.
@@ -57,7 +57,7 @@ impl Scheme {
         SCHEMES.map(|(scheme, ..)| scheme)
     }
 
-    /// As it is called.
+    /// Name.
     pub fn name(self) -> &'static str {
         SCHEMES[self as usize].1
     }

@@ -1,4 +1,4 @@
-//! Sizes of an error.
+//! Norms of errors.
 
 use super::results::Norms;
 use crate::math::Sum;

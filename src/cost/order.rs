@@ -1,4 +1,4 @@
-//! How an error falls: orders of convergence, and whether they are those of theory.
+//! Orders of convergence, compared with theory.
 
 use super::results::{ConvergenceOrder, Norms, OrderVerdict};
 use crate::math;

@@ -1,4 +1,4 @@
-//! Extinction along one ray: what every estimator of its transmittance is given.
+//! Extinction along one ray: the input of every estimator of its transmittance.
 
 use crate::geometry::Span;
 use crate::render::radiative::tracking::{MajorantSegment, Majorants};
@@ -22,7 +22,7 @@ pub type Extinction<'p> = Box<dyn Fn(f64, &mut u64) -> f64 + Send + Sync + 'p>;
 /// A segment of a ray, and bounds on the extinction over it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundedSegment {
-    /// From where to where.
+    /// The segment.
     pub span: Span,
     /// No extinction is below.
     pub low: f64,
@@ -31,7 +31,7 @@ pub struct BoundedSegment {
 }
 
 impl Profile<'_> {
-    /// From where to where the ray is followed.
+    /// The span of the ray.
     pub fn span(&self) -> Span {
         match (self.segments.first(), self.segments.last()) {
             (Some(first), Some(last)) => Span::new(first.span.near, last.span.far),
@@ -94,7 +94,7 @@ impl Profile<'_> {
         }
     }
 
-    /// The ray as the renderer's own trackers want it.
+    /// The ray as an iterator for the renderer's own trackers.
     pub fn walk(&self) -> ProfileWalk<'_> {
         ProfileWalk {
             profile: self,

@@ -1,43 +1,43 @@
-//! What was found out about a scene, ready to be printed and drawn.
+//! Results for a scene, ready to be printed and drawn.
 
 use crate::render::Counters;
 pub use crate::render::Event;
 use crate::render::counters::PerEvent;
 use serde::{Serialize, Serializer};
 
-/// What accuracy costs in one scene, or in one panel of it.
+/// The cost of accuracy in one scene, or in one panel of it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Cost {
-    /// The scene, as it was named.
+    /// The scene, as named by the user.
     pub scene: String,
     /// Title of the panel, where the scene has several.
     pub panel: Option<String>,
-    /// What was approximated, and what each approximation costs.
+    /// The quantities approximated, and the cost of each approximation.
     pub studies: Vec<Study>,
-    /// Estimators of one ray's transmittance: what they promise, and what they keep.
+    /// Estimators of one ray's transmittance, predicted and measured.
     pub estimators: Option<EstimatorTable>,
     /// The same estimators in thinner and denser media.
     pub thickness: Option<ThicknessSweep>,
-    /// Jittered marching along one ray: bias and variance apart.
+    /// Jittered marching along one ray: bias and variance.
     pub jitter: Option<JitterSplit>,
     /// What each effect costs by itself.
     pub effects: Vec<EffectPrice>,
-    /// What to take, in words.
+    /// Recommended settings.
     pub recommendations: Vec<Recommendation>,
-    /// What was not measured, and why.
+    /// Quantities not measured, with reasons.
     pub notes: Vec<String>,
 }
 
 /// One quantity, approximated in several ways.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Study {
-    /// What is approximated: `image`, `transmittance`, …; a word for files and links.
+    /// The quantity approximated: `image`, `transmittance`, …; a word for files and links.
     pub name: &'static str,
     /// The same in a sentence.
     pub quantity: String,
-    /// What the errors are measured against.
+    /// The reference of the errors.
     pub reference: Reference,
-    /// What orders are judged on, where that is not all of it.
+    /// The part on which orders are judged, if it is not the whole.
     pub judged_on: Option<String>,
     /// A sweep for every way to approximate it.
     pub sweeps: Vec<Sweep>,
@@ -45,14 +45,14 @@ pub struct Study {
     pub prices: Vec<Price>,
     /// Pictures of signed errors.
     pub pictures: Vec<ErrorPicture>,
-    /// The ray on which the default setting is farthest off.
+    /// The ray with the largest error of the default setting.
     pub worst_ray: Option<RayTrace>,
 }
 
-/// What errors are measured against.
+/// The reference of errors.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Reference {
-    /// How it was come by.
+    /// Its method.
     pub method: String,
     /// Its own error, relative as in [`Norms`], is at most this: errors not far above it are not
     /// called errors of a setting.
@@ -64,19 +64,19 @@ pub struct Reference {
 pub struct Sweep {
     /// The way to approximate: `midpoint`, `delta tracking`, …
     pub estimator: String,
-    /// Whether it is what the reference renderer does.
+    /// Whether it is volref's own method.
     pub is_ours: bool,
     /// The parameter that is varied.
     pub parameter: Parameter,
     /// The settings.
     pub levels: Vec<Level>,
-    /// How its error is expected to fall, and how it does.
+    /// Its order of convergence, expected and measured.
     pub order: ConvergenceOrder,
-    /// Where a sweep ended early, why.
+    /// Reason for ending early, if it did.
     pub cut: Option<String>,
 }
 
-/// Something to be varied.
+/// A parameter that is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Parameter {
@@ -107,7 +107,7 @@ pub struct Level {
     pub error: Norms,
     /// The same over those rays alone on which theory expects an order, where these are not all.
     pub error_of_order: Option<Norms>,
-    /// How far the same setting in single precision is from this, where that was tried.
+    /// Difference of the same setting in single precision, if tried.
     pub single_precision: Option<Norms>,
     /// Time for each ray.
     pub time: Option<Times>,
@@ -168,7 +168,7 @@ impl Serialize for MeanWork {
     }
 }
 
-/// What the price of a setting counts.
+/// The kind of work that a price counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Counted {
     /// Look-ups of densities and gradients.
@@ -231,7 +231,7 @@ pub struct ConvergenceOrder {
     pub tolerance: f64,
     /// Standard error of `fitted`, as far as these rays stand for others.
     pub uncertainty: f64,
-    /// What follows.
+    /// The verdict.
     pub verdict: OrderVerdict,
 }
 
@@ -294,7 +294,7 @@ pub struct EstimatorTable {
     pub rows: Vec<EstimatorRow>,
 }
 
-/// What was predicted of an estimator, and what it did.
+/// An estimator, predicted and measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EstimatorRow {
     /// Which.
@@ -394,7 +394,7 @@ pub struct JitterPoint {
 /// What one effect costs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EffectPrice {
-    /// What is simulated.
+    /// The effects simulated.
     pub effect: String,
     /// Work for each pixel.
     pub work: MeanWork,
@@ -404,10 +404,10 @@ pub struct EffectPrice {
     pub times_lookups: Option<f64>,
 }
 
-/// A setting to take.
+/// A recommended setting.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Recommendation {
-    /// For this root mean square error.
+    /// Root mean square error wanted.
     pub error: f64,
     /// In words.
     pub text: String,
@@ -418,7 +418,7 @@ pub struct Recommendation {
 /// Signed error of an image.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ErrorPicture {
-    /// Of which setting.
+    /// The setting.
     pub setting: String,
     /// Columns and rows.
     pub size: [usize; 2],
@@ -428,7 +428,7 @@ pub struct ErrorPicture {
     pub errors: Vec<f64>,
 }
 
-/// Extinction along a ray, and where a setting looked.
+/// Extinction along a ray, and the samples of a setting.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RayTrace {
     /// Which ray.
@@ -439,13 +439,13 @@ pub struct RayTrace {
     pub extinction: Vec<[f64; 2]>,
     /// Distance and extinction at the samples.
     pub samples: Vec<[f64; 2]>,
-    /// What comes back, by this setting.
+    /// Radiance by this setting.
     pub value: f64,
-    /// What should.
+    /// Radiance of the reference.
     pub reference: f64,
 }
 
-/// Where times were taken.
+/// The machine that measured the times.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Machine {
     /// Processor, as it calls itself.

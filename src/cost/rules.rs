@@ -36,7 +36,7 @@ impl StepRule {
         RULES.map(|(rule, ..)| rule)
     }
 
-    /// As it is called.
+    /// Name.
     pub fn name(self) -> &'static str {
         RULES[self as usize].1
     }

@@ -1,4 +1,4 @@
-//! What samples per pixel cost, where an image is a mean of random samples.
+//! The cost of samples per pixel in sampled images.
 
 use super::norms::root_mean_square;
 use super::order::ExpectedOrder;

@@ -1,4 +1,4 @@
-//! All that can be found out about one scene.
+//! All studies of one scene.
 
 use super::estimators;
 use super::jitter::Jitter;
@@ -13,19 +13,19 @@ use crate::scene::{Classified, Compositing, Model, Panel, Radiative, Scene};
 use std::path::Path;
 use thiserror::Error;
 
-/// How a scene is looked into.
+/// Options of the studies.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
-    /// Who measures time, and when it is over.
+    /// Time measurement and time limit.
     pub clock: Clock,
     /// Chooses the random numbers.
     pub seed: u64,
 }
 
-/// Why nothing was found out.
+/// Reason why nothing was measured.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum CostError {
-    /// There is nothing to be varied.
+    /// The scene has no parameter to vary.
     #[error("this scene has no parameter to vary: {0}")]
     NoParameter(&'static str),
     /// The scene cannot be rendered.

@@ -1,4 +1,4 @@
-//! A smaller image of a scene: its shape is what is kept, and every cost is one of each ray.
+//! A smaller image of a scene, of the same shape, since costs are per ray.
 
 use crate::geometry::{Camera, Ray};
 use crate::scene::{Model, Panel, Scene};

@@ -1,4 +1,4 @@
-//! Wall time, reported honestly: by turns, with its spread, and called noisy when it is.
+//! Wall time, measured in turns, with its spread, and marked if noisy.
 
 use super::results::{Machine, Times};
 use crate::regular_file;
@@ -10,17 +10,17 @@ pub const RUNS: usize = 10;
 /// Work whose time is taken.
 pub type Task<'a> = Box<dyn Fn() + Sync + 'a>;
 
-/// Whoever measures time; counting work and errors needs none of it.
+/// Time measurement; counts of work and errors do not need it.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
-    /// Runs of each setting; none, and no time is taken.
+    /// Runs of each setting; 0 for no timings.
     pub runs: usize,
-    /// Where the time that was given ends.
+    /// The time limit.
     pub deadline: Option<Instant>,
 }
 
 impl Clock {
-    /// No time is taken, and there is no end to it.
+    /// No timings and no time limit.
     pub const NONE: Clock = Clock {
         runs: 0,
         deadline: None,
@@ -31,7 +31,7 @@ impl Clock {
         Clock { runs: 0, ..self }
     }
 
-    /// Whether the time that was given is over.
+    /// Whether the time limit has passed.
     pub fn is_over(&self) -> bool {
         self.deadline
             .is_some_and(|deadline| Instant::now() >= deadline)

@@ -1,4 +1,4 @@
-//! Cost of transmittance estimates in heterogeneous media, along the rays of the camera.
+//! Cost of transmittance estimates in heterogeneous media, along camera rays.
 
 use super::collocation::{Collocation, Here};
 use super::estimators::TransmittanceEstimator;
@@ -125,7 +125,7 @@ pub struct Crossings<'s> {
     /// Whether they have detail finer than any step here, as noise of many octaves does: then no
     /// step is small.
     pub rough: bool,
-    /// How rays begin and end.
+    /// Extinction at the ends of rays.
     pub ends: Ends,
 }
 

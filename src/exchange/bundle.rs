@@ -1,5 +1,5 @@
-//! A classified scene as a plain bundle: a JSON file that says in words and numbers all that is
-//! computed, beside bare densities. Made for somebody who writes a renderer and has nothing else.
+//! A classified scene as a plain bundle: a JSON file that describes the whole computation in words
+//! and numbers, beside raw densities. It is self-contained, for authors of renderers.
 //!
 //! Formulas stand beside the numbers they use, and name them by their keys. They are ASCII, so
 //! that they can be read with any editor and pasted into code.
@@ -19,8 +19,8 @@ use std::sync::Arc;
 /// The bundle of `scene`: `NAME.json`, and beside it `NAME.grid-1.raw` and so on for each volume,
 /// `NAME.backdrop-1.raw` for each plot. The same scene gives the same bytes.
 ///
-/// Classified volumes and plots of a transfer function only: a participating medium is no short
-/// list of formulas, and there are formats for it.
+/// Classified volumes and plots of a transfer function only: participating media need more than a
+/// short list of formulas, and have their own formats.
 pub fn bundle(scene: &Scene, name: &str) -> Result<Export, Refusal> {
     let mut raw = RawFiles::new(name);
     let mut panels = Vec::new();

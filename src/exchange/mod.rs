@@ -1,10 +1,10 @@
 //! Scenes for other renderers.
 //!
-//! [`export`] says a scene in another renderer's words: light in media for [Mitsuba 3] and
-//! [pbrt-v4], classified volumes as a plain bundle of numbers. What a format has no words for is
-//! a [`Refusal`] that names each such thing; nothing is approximated. Where a scene must be bent
-//! a little, since other renderers move rays off surfaces by more than rounding, the file says
-//! so in a comment.
+//! [`export`] writes a scene in the format of another renderer: participating media for [Mitsuba 3]
+//! and [pbrt-v4], classified volumes as a plain bundle of numbers. A scene that a format cannot
+//! express is a [`Refusal`] that names each reason; nothing is approximated. If a scene must be
+//! changed slightly, because other renderers move rays off surfaces by more than rounding, a
+//! comment in the file states it.
 //!
 //! `forms` are shapes by their coordinates, `nested_media` which media lie in which, `limits` what
 //! 32-bit numbers lose; `mitsuba` and `pbrt` write.
@@ -31,7 +31,7 @@ use crate::scene::{Model, Scene};
 use std::fmt;
 use std::str::FromStr;
 
-/// For whom a scene is written.
+/// Format of an export.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// XML of Mitsuba 3, with grids (`.vol`) and meshes (`.ply`) beside it.
@@ -82,18 +82,18 @@ const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 /// A scene in another format: files by names relative to one folder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Export {
-    /// The file that the other renderer is given; one of `files`.
+    /// The main file, for the command line of the other renderer; one of `files`.
     pub main: String,
-    /// Every file and what is in it. No name leads out of the folder.
+    /// Every file with its contents. No name leads out of the folder.
     pub files: Vec<(String, Vec<u8>)>,
 }
 
-/// `scene` in the words of `format`, in files whose names begin with `name`: letters, digits,
-/// `.`, `-` and `_` of it, other characters as `-`.
+/// `scene` in the given `format`, in files whose names begin with `name`: letters, digits, `.`, `-`
+/// and `_` are kept, other characters become `-`.
 ///
 /// # Errors
 ///
-/// [`Refusal`] names everything that the format has no words for.
+/// [`Refusal`] names everything that the format cannot express.
 pub fn export(scene: &Scene, format: Format, name: &str) -> Result<Export, Refusal> {
     let name = &plain(name);
     if format == Format::Bundle {
@@ -121,7 +121,7 @@ pub fn export(scene: &Scene, format: Format, name: &str) -> Result<Export, Refus
     }
 }
 
-/// A name that any file system, shell, XML attribute and pbrt string takes as it is.
+/// A name that is safe in any file system, shell, XML attribute and pbrt string.
 fn plain(name: &str) -> String {
     let plain = |letter: char| match letter {
         'a'..='z' | 'A'..='Z' | '0'..='9' | '.' | '_' => letter,

@@ -1,15 +1,15 @@
-//! What a format has no words for.
+//! Scenes that a format cannot express.
 
 use super::Format;
 use std::fmt;
 use thiserror::Error;
 
-/// One thing that a format cannot say.
+/// One feature that a format cannot express.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExportFault {
-    /// Where it stands in the scene, such as `radiative.medium[2]`, counted from 0.
+    /// Its key in the scene, such as `radiative.medium[2]`, counted from 0.
     pub key: String,
-    /// What it is, and where there is a way around it, which.
+    /// Description, with a way around it if there is one.
     pub what: String,
 }
 
@@ -19,13 +19,13 @@ impl fmt::Display for ExportFault {
     }
 }
 
-/// A scene that a format cannot say without changing it.
+/// A scene that a format cannot express without changing it.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{format} cannot say {}", listed(faults))]
 pub struct Refusal {
     /// The format.
     pub format: Format,
-    /// Everything it has no words for, at least one thing.
+    /// All features it cannot express, at least one.
     pub faults: Vec<ExportFault>,
 }
 
@@ -50,7 +50,7 @@ fn listed(faults: &[ExportFault]) -> String {
 pub(super) struct Faults(Vec<ExportFault>);
 
 impl Faults {
-    /// Notes one.
+    /// Records one.
     pub(super) fn add(&mut self, key: impl Into<String>, what: impl Into<String>) {
         let (key, what) = (key.into(), what.into());
         self.0.push(ExportFault { key, what });

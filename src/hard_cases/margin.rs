@@ -1,4 +1,4 @@
-//! How close a row comes to the edge of its tolerance.
+//! Errors of a row relative to its tolerance.
 
 use crate::math::Moments;
 use std::fmt::{Debug, Display};
@@ -10,8 +10,8 @@ pub const U: f64 = f64::EPSILON / 2.0;
 /// farther off; seeds are fixed, and not among those.
 pub const STANDARD_ERRORS: f64 = 4.0;
 
-/// The worst of many comparisons, each as a share of what it is allowed to be off: 0 is exact, 1
-/// the edge. What is no number is infinitely far off.
+/// The worst of many comparisons, each error relative to its tolerance: 0 is exact, 1 the limit.
+/// NaN counts as infinite error.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Margin {
     share: f64,
@@ -20,23 +20,23 @@ pub struct Margin {
 }
 
 impl Margin {
-    /// The largest error as a share of its tolerance.
+    /// The largest error relative to its tolerance.
     pub fn share(&self) -> f64 {
         self.share
     }
 
-    /// What was compared where the error is largest, in words; empty where there is no error.
+    /// Description of the comparison with the largest error; empty without any error.
     pub fn worst(&self) -> &str {
         &self.worst
     }
 
-    /// Whether anything was compared, and all of it within its tolerance.
+    /// Whether anything was compared, and everything is within its tolerance.
     pub fn passed(&self) -> bool {
         self.comparisons > 0 && self.share <= 1.0
     }
 
-    /// `found` has to be within `allowed` of `right`. Equal numbers are no error, infinite ones
-    /// included.
+    /// Requires `found` to be within `allowed` of `right`. Equal numbers, even infinite ones, have
+    /// error 0.
     pub fn within(&mut self, what: impl Display, found: f64, right: f64, allowed: f64) {
         let share = match found == right {
             true => 0.0,
@@ -57,7 +57,7 @@ impl Margin {
         }
     }
 
-    /// `found` has to be `right` but for so many roundings.
+    /// Requires `found` to be `right` up to this number of roundings.
     pub fn roundings(&mut self, what: impl Display, found: f64, right: f64, roundings: f64) {
         self.relative(what, found, right, roundings * U);
     }
@@ -72,7 +72,7 @@ impl Margin {
         });
     }
 
-    /// Both pictures, by a hash of their bits, have to be there and the same.
+    /// Requires both images to exist and to be equal, by a hash of their bits.
     pub fn same_picture(
         &mut self,
         what: impl Display,
@@ -83,7 +83,7 @@ impl Margin {
         self.exact(what, found, right);
     }
 
-    /// It has to be so.
+    /// Requires a condition.
     pub fn holds(&mut self, what: impl Display, so: bool) {
         let share = if so { 0.0 } else { f64::INFINITY };
         self.note(share, || format!("not so: {what}"));

@@ -1,13 +1,12 @@
-//! The catalogue of hard cases: inputs that make volume renderers wrong without making them crash.
+//! The catalogue of hard cases: inputs for which volume renderers silently give wrong results.
 //!
-//! Each row has a small set-up, an answer that is known beforehand, and a tolerance that is derived
-//! from the number of roundings or from the number of samples. It is run on the code that renders,
-//! never on a copy of a formula. `volref verify hard` prints every row with its error as a share of
-//! its tolerance, so that one sees how close to the edge it is; `cargo test --test hard_cases` has
-//! a test for each.
+//! Each row has a small set-up, a known answer, and a tolerance derived from the number of
+//! roundings or of samples. It runs the code that renders images, never a copy of a formula.
+//! `volref verify hard` prints every row with its error relative to its tolerance; `cargo test
+//! --test hard_cases` has a test for each.
 //!
-//! Rows that are images stand a second time in the suite, as cases of the family `hard`, so that
-//! other renderers can be run on them.
+//! Rows about images are also cases of the family `hard` in the suite, so that other renderers can
+//! be tested with them.
 //!
 //! # Policies that the rows rely on
 //!
@@ -55,13 +54,13 @@ use std::sync::LazyLock;
 pub struct Row {
     /// Letter and number: `G1`.
     pub id: String,
-    /// The case in words.
+    /// Description of the case.
     pub what: String,
-    /// What it is allowed to be off, in words.
+    /// Description of the tolerance.
     pub tolerance: String,
-    /// What keeps the renderer right.
+    /// Remedy in the renderer.
     pub remedy: String,
-    /// The source file in which the remedy stands, with its reason.
+    /// The source file with the remedy and its reason.
     pub file: String,
     #[serde(default)]
     table: Vec<Table>,

@@ -1,4 +1,4 @@
-//! What a medium does to light per unit of length.
+//! Absorption and scattering coefficients of a medium.
 
 use crate::math::exp;
 use crate::volume::{InvalidParameter, require};
@@ -48,7 +48,7 @@ impl Coefficients {
         self.sigma_a + self.sigma_s
     }
 
-    /// The share of extinction that scatters, in [0, 1]; 0 where there is no extinction.
+    /// The fraction of extinction that scatters, in [0, 1]; 0 without extinction.
     pub fn albedo(&self) -> DVec3 {
         let sigma_t = self.sigma_t();
         DVec3::from_array(std::array::from_fn(|channel| {
@@ -61,11 +61,11 @@ impl Coefficients {
     }
 }
 
-/// The channel by which a distance is sampled: the one that `u`, uniform in [0, 1), falls to if
-/// each has a part in proportion to its share. `shares` are not negative and not all 0.
+/// The channel by which a distance is sampled, chosen by `u`, uniform in [0, 1), in proportion to
+/// `shares`, which are not negative and not all 0.
 ///
-/// Shares are what a path carries. With equal ones in every flight its weights would multiply to
-/// 3^n, with a probability of 3^(−n), in the channel that it happens to be sampled by.
+/// The shares are the throughput of a path. With equal shares in every flight its weights would
+/// multiply to 3^n, with a probability of 3^(−n), in the sampled channel.
 pub fn sampled_channel(shares: DVec3, u: f64) -> usize {
     let share = u * (shares.x + shares.y + shares.z);
     if share < shares.x {
@@ -78,10 +78,10 @@ pub fn sampled_channel(shares: DVec3, u: f64) -> usize {
 }
 
 /// Weight, by channel, of a collision whose distance was sampled by [`sampled_channel`]: with
-/// `p` the shares brought to a sum of 1, `σ_c T_c / Σ_k p_k σ_k T_k`, between 0 and `1/p_c`; 0
-/// without a share. The albedo is not in it.
+/// `p` the shares normalized to a sum of 1, `σ_c T_c / Σ_k p_k σ_k T_k`, between 0 and `1/p_c`; 0
+/// without a share. The albedo is not included.
 ///
-/// So the shares times their weights add up to what the shares do, whatever the medium.
+/// So the weighted shares have the same sum as the shares, for any medium.
 ///
 /// Numerator and denominator underflow together, so only their ratios are formed,
 /// `σ_k/σ_c · e^(τ_c − τ_k)`: at any depth a grey medium has the weight 1, exactly.
@@ -110,9 +110,9 @@ pub fn escape_weight(shares: DVec3, depth: DVec3, survived: DVec3) -> DVec3 {
     })
 }
 
-/// How many times as likely it is to get through in channel `k` as in channel `c`, by depths and
-/// null collisions of `[k, c]`. What has not survived in channel `c` has no weight in it: there
-/// the ratio is infinite.
+/// Probability of survival in channel `k` relative to channel `c`, by depths and null collisions of
+/// `[k, c]`. A path that has not survived in channel `c` has no weight in it: there the ratio is
+/// infinite.
 fn survival(depth: [f64; 2], survived: [f64; 2]) -> f64 {
     // Before any product: a vanishing ratio times an overflowing one would be no number.
     if survived[1] == 0.0 {
@@ -141,7 +141,7 @@ fn weight(shares: DVec3, ratio: impl Fn(usize, usize) -> f64) -> DVec3 {
     }))
 }
 
-/// `a − b`, where equal depths differ by nothing, infinite ones too.
+/// `a − b`, and 0 for equal depths, even infinite ones.
 fn difference(a: f64, b: f64) -> f64 {
     if a == b { 0.0 } else { a - b }
 }

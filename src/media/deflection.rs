@@ -10,15 +10,15 @@ use crate::volume::{InvalidParameter, require};
 pub struct Asymmetry(f64);
 
 impl Asymmetry {
-    /// Scatters into every direction alike.
+    /// Isotropic scattering.
     pub const ISOTROPIC: Asymmetry = Asymmetry(0.0);
 
     /// Checks `g`.
     ///
     /// # Errors
     ///
-    /// At ±1 light is not scattered into directions at all, but goes straight on or back; those,
-    /// what lies beyond and NaN are refused.
+    /// At ±1 light goes straight on or back and is not scattered; these values, those beyond and
+    /// NaN are refused.
     pub fn new(g: f64) -> Result<Asymmetry, InvalidParameter> {
         let message = format_args!("the asymmetry g must lie strictly between -1 and 1, got {g}");
         require(g.abs() < 1.0, "g", message)?;
@@ -61,7 +61,7 @@ impl Deflection {
         (self.one_minus_cos * self.one_plus_cos).sqrt()
     }
 
-    /// The direction after this deflection from +z, at the share `v` of a turn about it.
+    /// The direction after this deflection from +z, at the fraction `v` of a turn around it.
     #[inline]
     pub fn direction(&self, v: f64) -> Direction {
         from_cosine(self.cos, self.sine(), v)

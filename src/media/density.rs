@@ -19,11 +19,11 @@ pub enum Field {
     Grid(GridDensity),
     /// Noise at many scales.
     Noise(FractalDensity),
-    /// A layer that thins with height.
+    /// An exponential layer.
     Exponential(ExponentialLayer),
     /// A linear ramp.
     Linear(LinearRamp),
-    /// A ball without an edge.
+    /// A Gaussian ball.
     Blob(Blob),
 }
 
@@ -59,11 +59,11 @@ pub struct Density {
     bounds: Aabb,
     /// The box of its medium, in the coordinates of the field.
     medium: Aabb,
-    /// From the coordinates of the field to the world; none if they are the same.
+    /// The map from the coordinates of the field to the world; `None` if they are the same.
     to_world: Option<Transform>,
     range: DensityRange,
     constant: Option<f64>,
-    /// Bounds block by block, made when they are first asked for: only tracking needs them.
+    /// Bounds by block, computed on first use: only tracking needs them.
     blocks: OnceLock<Blocks>,
 }
 
@@ -72,7 +72,7 @@ const BLOCKS: f64 = 32.0;
 
 impl Density {
     /// `field` in the box `bounds`, in the coordinates of the field, moved by `to_world`. The box
-    /// is finite and has an inside. A grid reaches no farther than its own box.
+    /// is finite and not flat. A grid does not extend beyond its own box.
     pub fn new(field: Field, bounds: Aabb, to_world: Option<Transform>) -> Density {
         let medium = bounds;
         let bounds = match &field {
@@ -115,7 +115,7 @@ impl Density {
         self.bounds
     }
 
-    /// Bounds on it, over all of its box.
+    /// Bounds on the density over its whole box.
     pub fn range(&self) -> DensityRange {
         self.range
     }
@@ -125,12 +125,12 @@ impl Density {
         self.constant
     }
 
-    /// Density 0 everywhere.
+    /// Whether the density is 0 everywhere.
     pub fn is_nothing(&self) -> bool {
         self.range.high == 0.0
     }
 
-    /// Bounds on it, block by block: what tracking needs.
+    /// Bounds on the density by block, for tracking.
     pub fn blocks(&self) -> &Blocks {
         if let Some(blocks) = self.blocks.get() {
             return blocks;
@@ -157,7 +157,7 @@ impl Density {
         Blocks::of(&self.field, self.bounds, counts, size)
     }
 
-    /// How many blocks there are along each axis, and their edges.
+    /// Number of blocks along each axis, and their edges.
     fn division(&self) -> ([usize; 3], DVec3) {
         if let Field::Grid(grid) = &self.field {
             return grid.division();
@@ -173,13 +173,13 @@ impl Density {
         (counts, size)
     }
 
-    /// A number that stands in for the density where one has to: above 0 if any density is.
+    /// A single number in place of the density: above 0 if any density is.
     pub fn typical(&self) -> f64 {
         self.blocks().typical()
     }
 
-    /// Density at a world point; a grid has none outside its box, of other fields the point is
-    /// taken to lie in theirs. Adds 1 to `lookups`, unless there is known to be nothing.
+    /// Density at a world point: 0 outside the box of a grid; for other fields the point must lie
+    /// in their box. Adds 1 to `lookups`, unless the density is known to be 0.
     pub fn at(&self, point: DVec3, lookups: &mut u64) -> f64 {
         match self.inside(point) {
             Some(point) if self.blocks().range_at(point).high > 0.0 => {
@@ -283,7 +283,7 @@ impl Density {
     }
 
     /// Appends the points on `line`, over `span`, between which a rule of few points sees all of
-    /// the density: where it has a kink, and where it falls to next to nothing.
+    /// the density: at its kinks, and where it falls almost to 0.
     pub fn append_kinks(&self, line: &DensityLine, span: Span, kinks: &mut Vec<f64>) {
         match &self.field {
             Field::Grid(grid) => {
@@ -318,7 +318,7 @@ impl Density {
     }
 }
 
-/// Where a line comes nearest to the centre of a blob, and the width of the blob along it, in
+/// The point of a line nearest to the centre of a blob, and the width of the blob along it, in
 /// world distances.
 fn blob_along(blob: &Blob, line: &DensityLine) -> (f64, f64) {
     let squared = line.direction.length_squared();

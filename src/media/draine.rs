@@ -6,7 +6,7 @@ use crate::volume::{InvalidParameter, require};
 use std::fmt;
 
 /// The Henyey–Greenstein function with parameter `g` times `(1 + α cos²θ)/N`, per steradian, where
-/// `N = 1 + α (1 + 2g²)/3` brings the integral to 1.
+/// `N = 1 + α (1 + 2g²)/3` normalizes the integral to 1.
 ///
 /// At `g = 0`, `α = 1` Rayleigh's function, at `α = 1` that of Cornette & Shanks 1992, at `α = 0`
 /// that of Henyey & Greenstein, to the bit.
@@ -79,13 +79,13 @@ impl Draine {
         1.0 + self.alpha * (1.0 + 2.0 * g * g) / 3.0
     }
 
-    /// The deflection that a share `u` of all scattered light stays below in its cosine; rises with
-    /// `u` from straight back at 0 to straight on at 1.
+    /// The deflection at the quantile `u` of the cosine; rises with `u` from straight back at 0 to
+    /// straight on at 1.
     ///
-    /// It is the deflection of the Henyey–Greenstein function at another share `v`, the root of
-    /// `v + α W(v) = N u`, where `W(v) = ∫₀^v cos² dv` has a closed form.
-    /// The left side rises by `1 + α cos²`, so the root lies between `N u/(1 + α)` and `N u`, and is
-    /// as well conditioned as the function itself.
+    /// It is the deflection of the Henyey–Greenstein function at another quantile `v`, the root of
+    /// `v + α W(v) = N u`, where `W(v) = ∫₀^v cos² dv` has a closed form. The left side rises by `1
+    /// + α cos²`, so the root lies between `N u/(1 + α)` and `N u`, and is as well conditioned as
+    /// the function itself.
     pub fn deflection(&self, u: f64) -> Deflection {
         if self.alpha == 0.0 {
             return self.henyey_greenstein.deflection(u);
@@ -146,8 +146,8 @@ impl Draine {
 /// ∫   = v (6g (1 + g²)² v³ + 4k m² v² − 6k² m v + 3k³)/(3D³)
 /// ```
 ///
-/// The cosine is the inverse distribution; the integral is that of its square, brought to one
-/// fraction in which nothing is divided by `g`.
+/// The cosine is the inverse distribution; the integral is that of its square, as one fraction
+/// without a division by `g`.
 fn squared_cosines(g: f64, v: f64) -> (f64, f64) {
     let k = 1.0 - g;
     let m = k + g * g;

@@ -1,4 +1,4 @@
-//! The phase function of fog and clouds: droplets of water.
+//! The phase function of fog and clouds: water droplets.
 
 use super::deflection::{Asymmetry, Deflection};
 use super::draine::Draine;
@@ -7,9 +7,8 @@ use crate::math::exp;
 use crate::volume::{InvalidParameter, require};
 use std::fmt;
 
-/// Scattering by droplets of water that are larger than the wavelength of light: a narrow
-/// Henyey–Greenstein lobe and a wide one of [`Draine`], fitted to Mie's theory over the
-/// visible spectrum.
+/// Scattering by water droplets larger than the wavelength of light: a narrow Henyey–Greenstein
+/// lobe and a wide one of [`Draine`], fitted to Mie's theory over the visible spectrum.
 ///
 /// Source: Jendersie & d'Eon 2023, "An approximate Mie scattering function for fog and cloud
 /// rendering", SIGGRAPH Talks, no. 47, eq. 4 to 7.
@@ -18,7 +17,7 @@ pub struct Droplets {
     diameter: f64,
     narrow: HenyeyGreenstein,
     wide: Draine,
-    /// Share of the wide lobe.
+    /// Weight of the wide lobe.
     weight: f64,
 }
 
@@ -65,8 +64,8 @@ impl Droplets {
         narrow + self.weight * (self.wide.per_steradian(deflection) - narrow)
     }
 
-    /// The deflection that belongs to `u`, uniform in [0, 1): its lower part samples the wide lobe,
-    /// the rest the narrow one.
+    /// The deflection for `u`, uniform in [0, 1): its lower part samples the wide lobe, the rest
+    /// the narrow one.
     pub fn deflection(&self, u: f64) -> Deflection {
         if u < self.weight {
             self.wide.deflection(u / self.weight)

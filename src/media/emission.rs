@@ -4,7 +4,7 @@ use super::optical_depth::{optical_depth, source_factor};
 
 /// Radiance of the emission `j ≥ 0` per length: `∫₀^L j e^(−σt) dt`.
 ///
-/// Of an endless medium `j/σ`, infinite where nothing absorbs.
+/// For an unbounded medium `j/σ`, infinite without absorption.
 pub fn constant_emission(j: f64, sigma_t: f64, length: f64) -> f64 {
     if j == 0.0 {
         return 0.0;

@@ -1,5 +1,4 @@
-//! How noisy an estimate of transmittance is bound to be, before any sample is taken. What a
-//! tracker measures is judged by this.
+//! Predicted variances of estimators of transmittance, which tests compare with measured ones.
 
 use crate::math::exp_m1;
 use crate::media::{opacity, transmittance};

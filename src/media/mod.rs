@@ -1,4 +1,4 @@
-//! What a volume does to light.
+//! Optical properties of volumes: media, phase functions, transfer functions.
 
 mod coefficients;
 mod colormap;

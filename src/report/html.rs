@@ -1,4 +1,4 @@
-//! Results as one page that needs no network: is it wrong, where, by how much, and what to change.
+//! Results as one offline page: which cases are wrong, where, by how much, and what to change.
 
 mod case;
 mod measures;
@@ -18,16 +18,15 @@ pub struct Page<'a> {
     pub title: &'a str,
     /// The command that made it.
     pub command: &'a str,
-    /// What came of the cases.
+    /// Results of the cases.
     pub results: &'a [CaseResult],
-    /// What belongs to each of them, in the same order; none where there is less of it.
+    /// Evidence for each of them, in the same order; it may be shorter.
     pub evidence: &'a [Evidence],
     /// Mistakes that explain the failures, most likely first.
     pub likely: &'a [Likeness],
 }
 
-/// The page as HTML, a whole file. It asks for nothing outside of itself and works from
-/// `file://`.
+/// The page as a complete HTML file. It loads nothing else and works from `file://`.
 pub fn results_html(page: &Page<'_>) -> String {
     let none = Evidence::default();
     let mut order: Vec<usize> = (0..page.results.len()).collect();

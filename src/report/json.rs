@@ -12,7 +12,7 @@ pub fn results_json(kind: &str, results: &[CaseResult]) -> Value {
     })
 }
 
-/// [`results_json`] of `validate`, with the mistakes that the images look like all together.
+/// [`results_json`] of `validate`, with the likely mistakes over all cases.
 pub fn validation_json(results: &[CaseResult], likely: &[Likeness]) -> Value {
     let mut value = results_json("validate", results);
     value["looks_like"] = json!(likely);

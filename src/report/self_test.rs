@@ -1,10 +1,10 @@
-//! What a self-test found, for people and for programs.
+//! Results of a self-test, for people and for programs.
 
 use crate::suite::mistakes;
 use crate::suite::{MistakeTrials, Naming, SelfTest, Trial};
 use serde_json::{Value, json};
 
-/// The matrix of mistakes and cases, what honest pictures came to, and a verdict.
+/// The matrix of mistakes and cases, the results for correct images, and a verdict.
 pub fn self_test_text(test: &SelfTest) -> String {
     let mut text = String::from("cases\n");
     for (index, case) in test.cases.iter().enumerate() {
@@ -122,7 +122,7 @@ pub fn self_test_json(test: &SelfTest) -> Value {
     })
 }
 
-/// How often what was made was named, and what was named in its place.
+/// How often the mistake made was named, and what was named instead.
 pub fn naming_text(namings: &[Naming]) -> String {
     let mut text = String::new();
     for (what, size, within) in [("mistakes", 1, 1), ("pairs of mistakes", 2, 3)] {

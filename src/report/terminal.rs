@@ -93,7 +93,7 @@ pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
 /// Cases without an image that are named rather than counted, at most.
 const MOST_MISSING: usize = 3;
 
-/// How many cases have no image, for a list that leaves them out.
+/// Number of cases without an image, for a list that leaves them out.
 pub fn without_image_text(names: &[&str]) -> String {
     match names {
         [] => String::new(),
@@ -112,7 +112,7 @@ pub fn without_image_text(names: &[&str]) -> String {
     }
 }
 
-/// How many cases came out how.
+/// Number of cases by verdict.
 pub fn summary_text(results: &[CaseResult]) -> String {
     let mut text = String::new();
     if results
@@ -155,8 +155,8 @@ fn closeness(share: f64) -> String {
     }
 }
 
-/// What failing images look like, most likely first, and how far the search came: at most `seconds`
-/// for each case, unless it `was_cut_short` by the user.
+/// Likely mistakes, most likely first, and the extent of the search: at most `seconds` for each
+/// case, unless it `was_cut_short` by the user.
 pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> String {
     let mut text = String::new();
     for known in &found.likely {

@@ -1,16 +1,15 @@
-//! Foreign text, made harmless: names of files, keys, what another renderer printed.
+//! Foreign text made harmless: names of files, keys, output of another renderer.
 //!
-//! A terminal obeys control characters: they colour, erase, and write its title or the clipboard.
-//! Characters that turn the direction of writing make a text look like another.
+//! A terminal obeys control characters: they colour, erase, and set its title or the clipboard.
+//! Characters that change the direction of writing make a text look like another.
 
-/// `text` with a picture in place of every character that is to be obeyed rather than seen, other
-/// than newline and tab: `␛` for escape, `�` where there is no picture. One character stands for
-/// one, so columns stay what they are.
+/// `text` with a symbol in place of every control character other than newline and tab: `␛` for
+/// escape, `�` if there is no symbol. Each is one character, so columns are unchanged.
 pub fn visible(text: &str) -> String {
     text.chars().map(visible_char).collect()
 }
 
-/// What [`visible`] writes for a character.
+/// The symbol that [`visible`] writes for a character.
 pub fn visible_char(letter: char) -> char {
     let code = u32::from(letter);
     match letter {

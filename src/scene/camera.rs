@@ -1,4 +1,4 @@
-//! The eye: where it stands and what it looks at.
+//! The camera: its position and its target.
 
 use super::SceneResult;
 use super::format::{Key, Kind, Range, Table};
@@ -19,7 +19,7 @@ pub(super) const CAMERA: Table = Table::new("The pinhole camera. Left out: one t
         .doc("Full angle between the top and bottom edge of the image, degrees."),
 ]);
 
-/// The camera, and what it looks at.
+/// The camera and its target.
 pub(super) struct View {
     pub camera: Camera,
     pub target: DVec3,

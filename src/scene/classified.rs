@@ -1,4 +1,4 @@
-//! A classified volume: a scalar grid, what its densities look like, and who looks at it.
+//! A classified volume: a scalar grid, its transfer function and the camera.
 
 use super::SceneResult;
 use super::camera::View;
@@ -59,13 +59,12 @@ const SHADOW: Table = Table::new("Volume shadow: radiance times exp(−S/100), S
         .doc("Length that counts as one unit of S, or over which the opacities of points hold, world units or voxels; smaller means darker."),
 ]);
 
-/// The order in which the samples of a ray are put together.
+/// The order in which the samples of a ray are composited.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Compositing {
     /// From the eye into the volume.
     FrontToBack,
-    /// From the eye into the volume, until less than this share of the light behind, in (0, 1), is
-    /// let through.
+    /// From the eye into the volume, until the transmittance falls below this value in (0, 1).
     EarlyTermination(f64),
     /// Towards the eye.
     BackToFront,
@@ -73,7 +72,7 @@ pub enum Compositing {
 
 /// Volume shadow: the radiance of a sample is multiplied by `min(1, exp(−S/100))`, `S` the
 /// integral of density towards the light, counted in units of `reference_step`. With a table of
-/// points it is what the opacities on the way let through, each stated over `reference_step`.
+/// points it is the transmittance of the opacities on the way, each stated over `reference_step`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shadow {
     /// Distance between samples along the shadow ray, world units, > 0.
@@ -93,7 +92,7 @@ pub struct Classified {
     pub compositing: Compositing,
     /// Distance between samples along a ray, > 0.
     pub step: f64,
-    /// What a value looks like.
+    /// Colour and opacity by value.
     pub transfer_function: TransferFunction,
     /// Shading by gradient, if asked for.
     pub phong: Option<Phong>,
@@ -187,7 +186,7 @@ impl Classified {
         Ok(scene)
     }
 
-    /// Refuses a scene whose radiance may be more than an image of `f32` can hold.
+    /// Refuses a scene whose radiance may exceed the range of `f32`.
     ///
     /// A pixel is an average of what its samples emit and of the background. A sample sends
     /// out at most the brightest colour as shading makes it, times the strength of the densest
@@ -215,7 +214,7 @@ impl Classified {
         ))
     }
 
-    /// A radiance that nothing in the scene exceeds, no sample and not the background.
+    /// An upper bound on the radiance of all samples and the background.
     pub fn brightest(&self) -> f64 {
         let (least, most) = self.grid.range();
         let colour = self.transfer_function.brightest_colour();
@@ -237,7 +236,7 @@ impl Classified {
         sent.max(self.background.max_element())
     }
 
-    /// Replaces the distance between samples; fails where rays would get too many of them.
+    /// Replaces the distance between samples; fails if rays would have too many of them.
     pub fn set_step(&mut self, step: Length) -> Result<(), String> {
         let before = self.step;
         self.step = checked_step(step, self.grid.lattice())?;

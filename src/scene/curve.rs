@@ -12,12 +12,12 @@ pub(super) const CURVE: Table = Table::new("A plot of the transfer function: tra
         .doc("Density at the right end of the axis; the left end is 0. Not with a table of points, whose ends are those of the axis."),
 ]);
 
-/// A plot of what a transfer function says of opacity.
+/// A plot of the opacity of a transfer function.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Curve {
     /// Transparency and opacity over density.
     Formula {
-        /// What is plotted.
+        /// The opacity plotted.
         opacity: TransferOpacity,
         /// Density at the right end of the axis, > 0.
         densities: f64,

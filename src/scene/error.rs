@@ -1,4 +1,4 @@
-//! What is wrong with a scene, where, and how to mend it.
+//! Errors in scenes, with their position and remedy.
 
 use super::excerpt::{Excerpt, shortened};
 use miette::{Diagnostic, SourceSpan};
@@ -8,9 +8,9 @@ use thiserror::Error;
 /// What a file of volref's holds, or the mistake in it.
 pub type SceneResult<T> = Result<T, Box<SceneError>>;
 
-/// A mistake in a TOML file of volref's, with its place.
+/// An error in a TOML file of volref, with its position.
 ///
-/// As a [`miette::Diagnostic`] it shows the line with the place underlined; its plain
+/// As a [`miette::Diagnostic`] it shows the line with the position underlined; its plain
 /// [`Display`](std::fmt::Display) is `path:line:column: message`.
 #[derive(Clone, Debug, Diagnostic, Error)]
 #[error("{}{message}", self.location())]
@@ -46,17 +46,17 @@ impl SceneError {
         })
     }
 
-    /// What is wrong, without the place.
+    /// The message, without the position.
     pub fn message(&self) -> &str {
         &self.message
     }
 
-    /// How to mend it.
+    /// The remedy.
     pub fn help_text(&self) -> Option<&str> {
         self.help.as_deref()
     }
 
-    /// Line and column of the mistake, from 1; columns count characters.
+    /// Line and column of the error, from 1; columns count characters.
     pub fn position(&self) -> Option<(usize, usize)> {
         let before = &self.source_code.text[..self.span?.offset()];
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);

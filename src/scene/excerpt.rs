@@ -1,4 +1,4 @@
-//! What a message shows of a text that has no end.
+//! Excerpts of long texts in messages.
 
 use miette::{MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 use std::ops::Range;
@@ -11,7 +11,7 @@ const MOST_CHARACTERS: usize = 1000;
 const BEGINNING: usize = 400;
 const END: usize = 300;
 
-/// `text`, of which the middle is left out if it is too long to be read.
+/// `text`, without its middle if it is too long.
 pub fn shortened(text: String) -> String {
     if text.len() <= MOST_CHARACTERS {
         return text;

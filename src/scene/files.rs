@@ -1,4 +1,4 @@
-//! The files that scenes name: each is read once, and noted with its hash.
+//! The files that scenes name: each is read once and recorded with its hash.
 
 use super::reader::Reader;
 use super::volume::VolumeRequest;
@@ -11,7 +11,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A file that a picture was made from.
+/// An input file of an image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputFile {
     /// As the scene names it.

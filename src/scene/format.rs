@@ -13,7 +13,7 @@ pub struct Table {
     pub doc: &'static str,
     /// Everything it may hold.
     pub keys: &'static [Key],
-    /// Which keys exclude or need each other.
+    /// Rules on keys that exclude or need each other.
     pub rules: &'static [Rule],
 }
 
@@ -57,9 +57,9 @@ pub enum Rule {
 pub struct Key {
     /// As written in the file.
     pub name: &'static str,
-    /// What value it takes.
+    /// Kind of its value.
     pub kind: Kind,
-    /// What its absence means.
+    /// Meaning of its absence.
     pub absent: Absent,
     /// Quantity and unit, one sentence.
     pub doc: &'static str,
@@ -101,7 +101,7 @@ impl Key {
     }
 }
 
-/// What value a key takes.
+/// Kind of a key's value.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
     /// A whole number from `.0` to `.1`.
@@ -144,16 +144,16 @@ pub fn whole_number(
         .ok_or_else(|| format!("`{name}` must lie in [{low}, {high}], got {text}"))
 }
 
-/// What the absence of a key means.
+/// Meaning of a key's absence.
 #[derive(Clone, Copy, Debug)]
 pub enum Absent {
-    /// The file is incomplete.
+    /// Required: the file is incomplete without it.
     Error,
     /// This value, in TOML.
     Default(&'static str),
     /// A value that follows from other parts of the file, as the text says.
     Derived(&'static str),
-    /// Nothing: the thing is not asked for.
+    /// Optional: the feature is not requested.
     Nothing,
 }
 
@@ -221,7 +221,7 @@ impl std::fmt::Display for Range {
 }
 
 impl Kind {
-    /// What the kind is called in an error: "expected …".
+    /// Name of the kind in an error: "expected …".
     pub fn expected(&self) -> String {
         match self {
             Kind::Count(low, high) => format!("a whole number from {low} to {high}"),

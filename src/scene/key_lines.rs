@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
 /// The line of each key and table that a file gives, by its dotted path from the root, such as
-/// `classified.phong` or `radiative.medium[0].sigma_a`. A list of tables stands where its first
-/// does. Empty for a scene that was made from no file.
+/// `classified.phong` or `radiative.medium[0].sigma_a`. A list of tables has the line of its first
+/// table. Empty for a scene without a file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct KeyLines(BTreeMap<String, usize>);
 
@@ -17,7 +17,7 @@ impl KeyLines {
         lines_of_keys
     }
 
-    /// The line, from 1, on which `key` stands; none where the file leaves it out.
+    /// The line, from 1, of `key`; `None` if the file leaves it out.
     pub fn line(&self, key: &str) -> Option<usize> {
         self.0.get(key).copied()
     }

@@ -51,35 +51,35 @@ const MOST_PIXELS: usize = 1 << 28;
 /// Longest scene file read: 16 MiB, some hundred thousand bodies.
 const MOST_BYTES: u64 = 1 << 24;
 
-/// A scene: one picture, or several side by side.
+/// A scene: one image, or several side by side.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// The file it was read from.
     pub path: PathBuf,
-    /// The pictures from left to right, at least one, all of one height.
+    /// The images from left to right, at least one, all of the same height.
     pub panels: Vec<Panel>,
 }
 
-/// One picture of a scene.
+/// One image of a scene.
 #[derive(Clone, Debug)]
 pub struct Panel {
-    /// What it shows, in words.
+    /// Description.
     pub title: Option<String>,
     /// Columns of pixels.
     pub width: usize,
     /// Rows of pixels.
     pub height: usize,
-    /// What is rendered.
+    /// The model rendered.
     pub model: Model,
-    /// The files it is made from, in the order in which they are named first.
+    /// Its input files, in the order in which they are first named.
     pub inputs: Vec<InputFile>,
     /// Every key as read, defaults included, in a fixed order.
     pub readings: Vec<Reading>,
-    /// Where the file gives what it gives.
+    /// Lines of the keys in the file.
     pub key_lines: KeyLines,
 }
 
-/// What is rendered, and by which equation.
+/// The model of a panel.
 #[derive(Clone, Debug)]
 pub enum Model {
     /// Direct volume rendering of a scalar grid.
@@ -103,7 +103,7 @@ impl From<Radiative> for Model {
 }
 
 impl Scene {
-    /// A scene of one picture that was read from no file.
+    /// A scene of one image without a file.
     pub fn of(panel: Panel) -> Scene {
         Scene {
             path: PathBuf::new(),
@@ -138,8 +138,8 @@ impl Scene {
         Scene::parse(&text, path)
     }
 
-    /// Reads a scene from `text`; `path` names it in messages, and files are looked for
-    /// relative to its folder.
+    /// Reads a scene from `text`; `path` names it in messages, and paths in the scene are relative
+    /// to its folder.
     pub fn parse(text: &str, path: &Path) -> SceneResult<Scene> {
         let name = path.display().to_string();
         let document = Document { path: &name, text };
@@ -171,8 +171,8 @@ impl Scene {
         })
     }
 
-    /// The scene as text that changes with anything that changes the picture, except the
-    /// contents of the files it names: every key with its value, defaults included.
+    /// The scene as text that changes with any change of the image, except for the contents of the
+    /// files it names: every key with its value, defaults included.
     pub fn canonical_text(&self) -> String {
         let mut text = String::new();
         for panel in &self.panels {
@@ -240,7 +240,7 @@ fn panel_tables<'s>(
 }
 
 impl Panel {
-    /// A picture of `model`, read from no file, `width` columns by `height` rows.
+    /// An image of `model`, without a file, `width` columns by `height` rows.
     pub fn of(model: Model, [width, height]: [usize; 2]) -> Panel {
         Panel {
             title: None,

@@ -1,4 +1,4 @@
-//! Text to a valid [`Scene`]; nothing invalid leaves this room.
+//! From text to a valid [`Scene`].
 
 mod camera;
 mod classified;

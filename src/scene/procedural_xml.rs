@@ -1,4 +1,4 @@
-//! The procedural medium of the source's renderer, as its XML scenes write it.
+//! The procedural medium of a student's renderer, from its XML scenes.
 
 use super::format::{Key, Kind, Range as Domain};
 use super::reader::{Document, Origin, Reading};
@@ -16,8 +16,8 @@ pub struct ProceduralMedium {
     pub coefficients: Coefficients,
     /// The density.
     pub density: FractalDensity,
-    /// Mean cosine of Henyey and Greenstein's phase function, if the block has one; else the
-    /// medium scatters into all directions alike.
+    /// Mean cosine of Henyey and Greenstein's phase function, if the block has one; else scattering
+    /// is isotropic.
     pub asymmetry: Option<Asymmetry>,
     /// Every parameter with its value, and whether the block gives it.
     pub readings: Vec<Reading>,
@@ -35,7 +35,7 @@ pub struct ProceduralMedium {
 /// | `lacunarity`, `gain` | `float` | 2, 0.5 |
 /// | `maxDensity`, `threshold` | `float` | 1, 0 |
 /// | `scale`, `offset` | `vector` | 1 1 1, 0 0 0 |
-/// | `g` | `float` | scatters into all directions alike |
+/// | `g` | `float` | isotropic scattering |
 ///
 /// A `color` and a `vector` are three numbers with blanks or commas between; a `color` may be
 /// one number for all three. Whether a number is an `integer` or a `float` is nothing to its

@@ -44,7 +44,7 @@ pub(super) const RADIATIVE: Table = Table::new("Surfaces, participating media an
 /// together. The boundary of a medium is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scattering {
-    /// None: lights are seen straight, through what absorbs.
+    /// None: lights are seen directly, through absorbing media.
     None,
     /// At most one.
     Single,
@@ -68,7 +68,7 @@ pub struct AreaLight {
     pub shape: Luminous,
     /// Radiance by channel, the same in every direction.
     pub radiance: DVec3,
-    /// Which sides send it out.
+    /// Sides that emit.
     pub sides: Sides,
 }
 

@@ -1,4 +1,4 @@
-//! Reads a TOML table by its [declaration](super::format), with the place of every mistake.
+//! Reads a TOML table by its [declaration](super::format), with the position of every error.
 
 use super::format::{Absent, Key, Kind, Rule, Table, whole_number};
 use super::{SceneError, SceneResult};
@@ -21,8 +21,8 @@ pub enum Length {
 }
 
 impl Length {
-    /// The length in world units, where one voxel is `voxel` world units. Fails where the
-    /// product leaves the range of positive finite numbers.
+    /// The length in world units, for a voxel of `voxel` world units. Fails if the product leaves
+    /// the range of positive finite numbers.
     pub fn in_world_units(self, voxel: f64) -> Result<f64, String> {
         let length = match self {
             Length::World(length) => length,
@@ -74,25 +74,25 @@ impl Display for Length {
     }
 }
 
-/// A key as it was read.
+/// A key with the value read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
     /// Dotted path from the root of the file, such as `classified.phong.ambient`.
     pub key: String,
     /// The value, as TOML.
     pub value: String,
-    /// Where the value came from.
+    /// Origin of the value.
     pub origin: Origin,
 }
 
-/// Where a value came from.
+/// Origin of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// The file gives it.
     Given,
-    /// The file leaves it out, and the format has this value for it.
+    /// The file leaves it out, and this is the default.
     Default,
-    /// The file leaves it out, and it follows from other things by this rule.
+    /// The file leaves it out, and it follows from other values by this rule.
     Derived(&'static str),
 }
 
@@ -113,7 +113,7 @@ impl<'s> Document<'s> {
         })
     }
 
-    /// A mistake at `span` of this file.
+    /// An error at `span` of this file.
     pub fn error(
         &self,
         span: Option<Range<usize>>,
@@ -311,7 +311,7 @@ impl<'d, 's> Reader<'d, 's> {
         self.log.borrow_mut().push(Reading { key, value, origin });
     }
 
-    /// Notes what a key that the file leaves out came to.
+    /// Records the value of a key that the file leaves out.
     pub fn resolved(&self, name: &str, value: impl Display) {
         let key = self.key_path(name);
         let mut log = self.log.borrow_mut();
@@ -348,7 +348,7 @@ impl<'d, 's> Reader<'d, 's> {
         Ok(Some((self.document.path.to_owned(), in_place)))
     }
 
-    /// A mistake in the value of `name`, or in its absence.
+    /// An error in the value of `name`, or in its absence.
     pub fn error(&self, name: &str, message: impl Into<String>) -> Box<SceneError> {
         let help = format!("`{}`: {}", self.key_path(name), self.declared(name).doc);
         self.mistake(name, message, help)
@@ -359,7 +359,7 @@ impl<'d, 's> Reader<'d, 's> {
         made.map_err(|error| self.error(error.name, error.message))
     }
 
-    /// As [`Reader::error`], with words of its own on how to mend it.
+    /// As [`Reader::error`], with its own remedy.
     pub fn mistake(
         &self,
         name: &str,
@@ -372,7 +372,7 @@ impl<'d, 's> Reader<'d, 's> {
         self.document.error(Some(span), message, Some(help.into()))
     }
 
-    /// A mistake of the table as a whole, and how to mend it.
+    /// An error of the table as a whole, with its remedy.
     pub fn mistake_here(
         &self,
         message: impl Into<String>,
@@ -660,7 +660,7 @@ impl<'d, 's> Reader<'d, 's> {
         items.iter().enumerate().map(table).collect()
     }
 
-    /// A declared [`Kind::Table`]; where the file leaves it out, an empty one.
+    /// A declared [`Kind::Table`]; an empty one if the file leaves it out.
     pub fn table_or_default(&self, name: &str) -> SceneResult<Reader<'d, 's>> {
         static EMPTY: LazyLock<DeTable<'static>> = LazyLock::new(DeTable::new);
         if let Some(reader) = self.table(name)? {
@@ -678,7 +678,7 @@ impl<'d, 's> Reader<'d, 's> {
     }
 }
 
-/// `base` with every key of `over` put in its place, table by table; a list is one value, so
+/// `base` with every key of `over` in place of its own, table by table; a list is one value, so
 /// that of `over` replaces that of `base` as a whole.
 pub fn overridden<'s>(base: &DeTable<'s>, over: &DeTable<'s>) -> DeTable<'s> {
     let mut merged = base.clone();

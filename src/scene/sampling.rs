@@ -1,4 +1,4 @@
-//! How much chance a picture takes.
+//! Sampling: samples per pixel and seed.
 
 use super::SceneResult;
 use super::format::{Key, Kind, Table, whole_number};
@@ -7,8 +7,7 @@ use super::reader::Reader;
 /// Samples per pixel, at most.
 const MOST_SAMPLES: u32 = 1 << 31;
 
-/// Samples per pixel, given in words other than a scene's: as many as `sampling.samples` may be,
-/// and refused in the same words.
+/// Samples per pixel from the command line, with the limits and messages of `sampling.samples`.
 pub fn samples(text: &str) -> Result<u32, String> {
     let count = whole_number("samples", text, 10, [1, MOST_SAMPLES.into()])?;
     Ok(u32::try_from(count).expect("at most MOST_SAMPLES"))
@@ -24,7 +23,7 @@ pub(super) const SAMPLING: Table =
             .doc("Chooses the random numbers: the same seed gives the same image."),
     ]);
 
-/// What `[sampling]` says.
+/// The values of `[sampling]`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SamplingTable {
     pub samples: u32,

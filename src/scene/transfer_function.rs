@@ -1,4 +1,4 @@
-//! What a value of the field looks like: by the assignment's formula or by a table of points.
+//! Transfer functions: the assignment's formula or a table of points.
 
 use super::SceneResult;
 use super::format::{Key, Kind, Range, Rule, Table};
@@ -66,7 +66,7 @@ fn read_points(reader: &Reader) -> SceneResult<TransferPoints> {
     })
 }
 
-/// The rest of the transfer function, once the grid says how long a voxel is.
+/// The rest of the transfer function, once the grid gives the length of a voxel.
 pub(super) fn read_transfer_function(
     reader: &Reader,
     opacity: OpacityByValue,

@@ -1,4 +1,4 @@
-//! The file a grid comes from, and how it is read.
+//! The file of a grid, and its options.
 
 use super::SceneResult;
 use super::format::{Key, Kind, Range, Table};
@@ -24,12 +24,12 @@ pub(super) const VOLUME: Table = Table::new("The file a grid of densities comes 
         .doc("Grids only: whether a header may name a file of data outside its own folder, or a link that leads there. Left out: it may not."),
 ]);
 
-/// What a table that names a volume file asks for.
+/// The request of a table that names a volume file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct VolumeRequest {
     /// As the scene names it.
     pub file: String,
-    /// How it is read.
+    /// Options of its reader.
     pub options: LoadOptions,
 }
 

@@ -15,37 +15,37 @@ use crate::scene::Scene;
 use miette::Diagnostic;
 use thiserror::Error;
 
-/// What became of the golden of one case.
+/// The outcome for the golden of one case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Accepted {
     /// `family/name`.
     pub case: String,
     /// How it changed.
     pub change: Change,
-    /// Whether a rendering of it had been kept by an earlier run.
+    /// Whether a rendering from an earlier run was used.
     pub resumed: bool,
 }
 
 /// How a golden changed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// There was none, or none that could be trusted.
+    /// There was no golden, or no trustworthy one.
     New {
-        /// Whether there were files of one.
+        /// Whether some files of a golden existed.
         damaged: bool,
     },
-    /// Same picture, scene and plan: left as it is, with its old reason.
+    /// Same image, scene and plan: unchanged, with its old reason.
     Unchanged,
-    /// Same picture, but of a changed scene or plan.
+    /// Same image, but of a changed scene or plan.
     SamePicture,
-    /// Another picture; how it differs from the old one.
+    /// Another image, with its difference from the old one.
     Replaced(String),
 }
 
-/// Why nothing was accepted. Every golden is as it was.
+/// Reason why nothing was accepted. All goldens are unchanged.
 #[derive(Debug, Diagnostic, Error)]
 pub enum AcceptError {
-    /// On a build server nobody looks at pictures.
+    /// Nobody looks at images in CI.
     #[error("goldens are not accepted where CI is set: nobody looks at the pictures there")]
     #[diagnostic(help("accept on your own machine, look at the pictures, commit them"))]
     Ci,
@@ -62,7 +62,7 @@ pub enum AcceptError {
         /// What went wrong.
         reason: String,
     },
-    /// A converged image that is not converged.
+    /// A converged image with too much noise.
     #[error(
         "{case}: the golden would be too noisy: the standard error of a block is {error:.2e} of \
          its mean, and a resolution of {resolution} needs a quarter of that"
@@ -73,12 +73,12 @@ pub enum AcceptError {
         case: String,
         /// Relative standard error of a block that nine tenths do not exceed.
         error: f64,
-        /// The bias the case promises to see.
+        /// The bias that the case must detect.
         resolution: f64,
-        /// Samples that would do.
+        /// Samples that would suffice.
         enough: u64,
     },
-    /// Two renderings of one scene that are not of one picture.
+    /// Two renderings of one scene that differ.
     #[error(
         "{case}: the quick rendering and the converged one differ by more than noise: {reason}"
     )]
@@ -92,7 +92,7 @@ pub enum AcceptError {
         /// How they differ.
         reason: String,
     },
-    /// A picture that is not what is known beforehand.
+    /// An image that differs from the known answer.
     #[error("{case}: the picture is not the answer that is known beforehand: {reason}")]
     #[diagnostic(help(
         "either `answer` or `answer_within` of the manifest is wrong, or the scene, or the \
@@ -112,15 +112,15 @@ pub enum AcceptError {
 /// Progress of an accept, called from any thread; that of a picture within it as a
 /// [`Watch`](render::Watch). Work is counted in pixels times samples.
 pub trait AcceptWatch: render::Watch {
-    /// This much work is to be done, without what was kept by earlier runs.
+    /// Announces the amount of work, without renderings kept by earlier runs.
     fn begin_all(&self, work: u64);
     /// A picture of a case begins: this much of the work.
     fn begin_picture(&self, case: &str, work: u64);
 }
 
-/// Renders `cases` and makes the results their goldens, all at once or none. Finished renderings
-/// of stochastic cases are kept in `cache` until then: a run that was interrupted goes on after
-/// the last of them. `in_ci` is whether the environment variable CI is set.
+/// Renders `cases` and accepts the images as their goldens, all at once or none. Finished
+/// renderings of stochastic cases are kept in `cache` until then, so that an interrupted run
+/// resumes after the last of them. `in_ci` tells whether the environment variable CI is set.
 pub fn accept(
     cases: &[&Case],
     store: &Store,
@@ -192,7 +192,7 @@ fn incomplete(case: &Case, reason: impl ToString) -> AcceptError {
     }
 }
 
-/// A case with all that is needed to render it.
+/// A case with everything needed to render it.
 struct Task<'c> {
     case: &'c Case,
     scene: Scene,
@@ -314,7 +314,7 @@ impl<'c> Task<'c> {
     }
 }
 
-/// Fails where the noise of a golden would hide what its case promises to see.
+/// Fails if the noise of a golden would hide a bias that its case must detect.
 fn check_converged(case: &Case, sampling: CaseSampling, golden: &Film) -> Result<(), AcceptError> {
     let error = stochastic::block_error(golden).expect("a converged image states its noise");
     let excess = MARGIN * error / sampling.resolution;

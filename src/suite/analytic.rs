@@ -1,15 +1,14 @@
-//! Known answers, with a bound on how far from them a number may be.
+//! Known answers with tolerances.
 
 use crate::compare::{Gate, Metric};
 
 /// The class of rows in results.
 pub const ANALYTIC: &str = "analytic";
 
-/// The number by which results say how far from a known answer they are, as a share of what they
-/// may be.
+/// The metric for the error of a known answer relative to its tolerance.
 pub const ERROR_OF_TOLERANCE: &str = "error_of_tolerance";
 
-/// A known answer and a bound. It judges numbers, not pairs of images.
+/// A known answer with a tolerance. It judges numbers, not pairs of images.
 #[derive(Clone, Copy, Debug)]
 pub struct Analytic;
 

@@ -1,4 +1,4 @@
-//! Answers that are known beforehand: the first rank of truth, above any golden.
+//! Known answers, which take precedence over any golden.
 
 use crate::film::Film;
 use crate::hard_cases::{Margin, STANDARD_ERRORS};
@@ -6,17 +6,17 @@ use crate::math::Sum;
 use glam::DVec3;
 use std::fmt;
 
-/// Radiance that every pixel of a case has.
+/// The known radiance of every pixel of a case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Answer {
     /// Of an image without noise.
     EveryPixel {
-        /// What each pixel is.
+        /// Radiance of each pixel.
         radiance: DVec3,
-        /// How far from it a pixel may be, relative to it.
+        /// Relative tolerance of a pixel.
         within: f64,
     },
-    /// Of an image of random samples: what the mean of all pixels is, but for noise.
+    /// For a sampled image: the mean of all pixels, up to noise.
     InTheMean(DVec3),
 }
 
@@ -43,7 +43,7 @@ const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 const STORED: f64 = 1.0 / (1 << 24) as f64;
 
 impl Answer {
-    /// How far `film` is from the answer.
+    /// The error of `film` relative to the tolerance.
     pub fn margin(&self, film: &Film) -> Margin {
         let mut margin = Margin::default();
         match *self {

@@ -1,8 +1,8 @@
-//! Renderings of an accept that did not come to its end.
+//! Renderings of an interrupted accept.
 //!
-//! A converged rendering takes minutes to hours. Each one is kept when it is finished, so that
-//! the next run goes on from there; when its case is accepted, it is removed. Within a rendering
-//! nothing is kept: what was not finished is begun again.
+//! A converged rendering takes minutes to hours. Each one is kept when it is finished, so that the
+//! next run resumes there; when its case is accepted, it is removed. An unfinished rendering starts
+//! again.
 //!
 //! The key of a rendering is a hash of everything it depends on: scene, plan, input files,
 //! samples and seed, the versions of volref and `libm`, and the executable itself, so that no
@@ -39,7 +39,7 @@ impl Cache {
         }
     }
 
-    /// What a rendering is known by, if anything can be kept.
+    /// The key of a rendering, if it can be kept.
     pub(super) fn key(
         &self,
         scene: &Scene,
@@ -61,13 +61,12 @@ impl Cache {
         Some(hash(&parts))
     }
 
-    /// The rendering of `case` with this key, if it was kept as it was.
+    /// The rendering of `case` with this key, if it was kept and is intact.
     pub(super) fn get(&self, case: &str, key: &str) -> Option<Film> {
         read_film(&self.folder.join(case).join(key))
     }
 
-    /// Keeps a finished rendering. Where that fails, the next run renders it again: no reason to
-    /// end this one.
+    /// Keeps a finished rendering. A failure is ignored: the next run renders it again.
     pub(super) fn put(&self, case: &str, key: &str, film: &Film) {
         if write_film(&self.folder.join(case).join(key), film).is_none() {
             return;
@@ -79,7 +78,7 @@ impl Cache {
         }
     }
 
-    /// Removes what was kept of `case`, and the folders that are empty then.
+    /// Removes the kept renderings of `case`, and folders left empty.
     pub(super) fn forget(&self, case: &str) {
         let folder = self.folder.join(case);
         if std::fs::remove_dir_all(&folder).is_err() {
@@ -118,18 +117,18 @@ pub(super) fn write_film(path: &Path, film: &Film) -> Option<u64> {
     Some(bytes.len() as u64)
 }
 
-/// Hash of the running executable: what it renders may differ from what any other build does.
+/// Hash of the running executable, since other builds may render other images.
 pub(super) fn executable_hash() -> Option<String> {
     let bytes = regular_file::read(&std::env::current_exe().ok()?, MOST_BYTES);
     bytes.ok().map(|bytes| hash(&[&bytes]))
 }
 
-/// Removes a folder that is empty.
+/// Removes a folder if it is empty.
 fn is_removed(folder: &Path) -> bool {
     std::fs::remove_dir(folder).is_ok()
 }
 
-/// Hash of the parts, each with its length: no two lists of parts run into each other.
+/// Hash of the parts, each with its length, so that no two lists of parts collide.
 pub(super) fn hash<P: AsRef<[u8]>>(parts: &[P]) -> String {
     let mut hasher = blake3::Hasher::new();
     for part in parts.iter().map(AsRef::as_ref) {

@@ -1,4 +1,4 @@
-//! The folder is the suite: every manifest in it is a case.
+//! The suite: every manifest in its folder is a case.
 
 use super::{Answer, Store, mistakes, row_name};
 use crate::compare::{Deterministic, ImageGate, Stochastic};
@@ -13,17 +13,17 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Where scenes, manifests and what they name are, from the root of the suite.
+/// Folder of scenes, manifests and their files, relative to the root of the suite.
 const FIXTURES: &str = "fixtures";
-/// Where the manifests are, from the root of the suite.
+/// Folder of the manifests, relative to the root of the suite.
 const CASES: &str = "fixtures/cases";
 /// Where the goldens are.
 const GOLDEN: &str = "golden";
-/// Among the goldens, a folder that holds none: what other renderers came to.
+/// A folder among the goldens for the results of other renderers.
 const PEERS: &str = "peers";
 /// Where renderings of an interrupted accept are.
 const CACHE: &str = ".volref";
-/// Longest manifest read: 1 MiB, where a page is meant.
+/// Longest manifest read: 1 MiB, far more than any needs.
 const MOST_MANIFEST_BYTES: u64 = 1 << 20;
 
 /// Bias of the mean of an image that is promised to be seen where nothing else is said, relative to
@@ -75,23 +75,23 @@ pub struct Case {
     pub family: String,
     /// Scene file.
     pub scene: PathBuf,
-    /// Document and figure that is reproduced.
+    /// Document and figure that the case reproduces.
     pub source: String,
-    /// What one should see.
+    /// Features of a correct image.
     pub shows: String,
-    /// Exactly what is computed.
+    /// The exact computation.
     pub computes: String,
-    /// Radiance that every pixel has, where it is known beforehand.
+    /// Radiance of every pixel, if it is known beforehand.
     pub answer: Option<Answer>,
-    /// Mistakes that it must catch, by name.
+    /// Mistakes that the case must catch, by name.
     pub mistakes: Vec<String>,
-    /// Stops at which 8-bit images are made.
+    /// Exposure of 8-bit images, in stops.
     pub exposure: f64,
     /// Of a stochastic case.
     pub sampling: Option<CaseSampling>,
 }
 
-/// How a stochastic case is sampled.
+/// Sampling of a stochastic case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CaseSampling {
     /// Samples per pixel of the golden image.
@@ -101,7 +101,7 @@ pub struct CaseSampling {
     /// Four standard errors of a block of the golden are below this, relative to the mean of the
     /// block plus [`DARK`](crate::compare::stochastic::DARK).
     pub resolution: f64,
-    /// Bias of the mean of the image that the gate promises to see, relative likewise.
+    /// Bias of the mean of the image that the gate must detect, relative likewise.
     pub mean_resolution: f64,
 }
 
@@ -114,7 +114,7 @@ impl Case {
         }
     }
 
-    /// The gate that images of other renderers are judged by.
+    /// The gate for images of other renderers.
     pub fn gate(&self) -> &'static dyn ImageGate {
         match self.sampling {
             Some(_) => &Stochastic,
@@ -135,10 +135,10 @@ pub struct Suite {
     cases: Vec<Case>,
 }
 
-/// Why there is no suite, or no such case.
+/// Errors in finding a suite or its cases.
 #[derive(Debug, Diagnostic, Error)]
 pub enum SuiteError {
-    /// No manifests where they should be.
+    /// No folder of manifests.
     #[error("{} holds no suite: there is no folder {CASES}", .0.display())]
     #[diagnostic(help("go to the folder of the suite, or name it with --suite DIR"))]
     NoSuite(PathBuf),
@@ -147,14 +147,14 @@ pub enum SuiteError {
     Read {
         /// File or folder.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         error: std::io::Error,
     },
     /// A manifest with a mistake.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Manifest(Box<SceneError>),
-    /// A filter that is not a pattern.
+    /// An invalid pattern.
     #[error("{filter:?} is not a pattern: {reason}")]
     #[diagnostic(help("a filter is a family, a case, or a pattern over them such as 'figures/*'"))]
     Pattern {
@@ -213,8 +213,8 @@ impl Suite {
         Store::open(self.golden_folder())
     }
 
-    /// Every file of the suite: whatever lies below its fixtures and goldens, and what links there
-    /// lead to.
+    /// Every file of the suite: all files below its fixtures and goldens, and the targets of links
+    /// there.
     pub fn files(&self) -> Vec<PathBuf> {
         let mut files = Vec::new();
         let mut folders = vec![self.root.join(FIXTURES), self.golden_folder()];
@@ -242,7 +242,7 @@ impl Suite {
         self.root.join(CACHE)
     }
 
-    /// `family/name` of every golden there is, by its provenance file.
+    /// `family/name` of every golden, by its provenance file.
     pub fn golden_names(&self) -> Result<Vec<String>, SuiteError> {
         let root = self.golden_folder();
         if !root.is_dir() {
@@ -257,9 +257,9 @@ impl Suite {
         Ok(names.collect())
     }
 
-    /// The cases that any of the filters matches, all of them without filters. A filter is a
-    /// family, a case (`family/name` or just `name`), or a glob over either. One that matches
-    /// nothing is an error: a check that silently checks nothing is worse than none.
+    /// The cases that any of the filters matches; all cases without filters. A filter is a family,
+    /// a case (`family/name` or just `name`), or a glob over either. A filter without a match is an
+    /// error: a check that silently checks nothing is worse than none.
     pub fn select(&self, filters: &[String]) -> Result<Vec<&Case>, SuiteError> {
         let chosen = self.chosen(filters, &[])?;
         let cases = self.cases.iter().filter(|case| chosen.has(&case.name));

@@ -1,4 +1,4 @@
-//! The suite from within another renderer's own tests.
+//! The suite inside the tests of another renderer.
 
 use super::validate::{Output, validate};
 use super::{CaseResult, Predictions, Search, Suite, SuiteError, likeness};
@@ -7,16 +7,16 @@ use crate::film::Film;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Names the folder of a suite other than the one that comes with volref.
+/// Environment variable for the folder of a suite other than volref's own.
 pub const SUITE_VARIABLE: &str = "VOLREF_SUITE";
 
 impl Suite {
-    /// The suite that comes with volref, or the one that the environment variable
+    /// The suite of volref, or the one that the environment variable
     /// [`VOLREF_SUITE`](SUITE_VARIABLE) names.
     ///
     /// # Errors
     ///
-    /// Where the sources of volref are not where it was built from, and no other suite is named.
+    /// If the sources of volref are no longer where it was built, and no other suite is named.
     pub fn bundled() -> Result<Suite, SuiteError> {
         let named = std::env::var_os(SUITE_VARIABLE).map(PathBuf::from);
         Suite::open(&named.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()))
@@ -25,8 +25,8 @@ impl Suite {
 
 /// Judges `image`, linear radiance with the top row first, as an image of `case` of the
 /// [bundled](Suite::bundled) suite, as `volref validate` would: verdict, numbers, the reason in
-/// words, and the mistakes that a failing image looks like. To find those takes up to
-/// [ten seconds](Search::BUDGET).
+/// words, and the likely mistakes behind a failing image. The search for these takes up to [ten
+/// seconds](Search::BUDGET).
 ///
 /// ```
 /// use volref::film::Film;
@@ -42,13 +42,13 @@ impl Suite {
 /// # Ok::<(), volref::suite::SuiteError>(())
 /// ```
 ///
-/// Your image is a [`Film::new`] of the pixels, or, where each is a mean of random samples and you
-/// know the variances of those means, a [`Film::with_noise`]; of several renderings with seeds of
-/// their own, [`Film::from_replicates`].
+/// Make your image by [`Film::new`] from the pixels; if each is a mean of random samples and you
+/// know the variances of those means, by [`Film::with_noise`]; from several renderings with
+/// different seeds by [`Film::from_replicates`].
 ///
 /// # Errors
 ///
-/// Where there is no suite, or no such case in it. A golden that cannot be trusted is a verdict.
+/// If there is no suite, or no such case in it. An untrustworthy golden is a verdict, not an error.
 pub fn check(case: &str, image: &Film) -> Result<CaseResult, SuiteError> {
     let suite = Suite::bundled()?;
     let cases = suite.select(&[case.to_owned()])?;

@@ -17,7 +17,7 @@ pub fn value(film: &Film, [x, y]: [usize; 2]) -> Value {
     )
 }
 
-/// The film with other pixels; opacity stays where it is.
+/// The film with other pixels; opacity is unchanged.
 pub fn rebuilt(film: &Film, pixel: impl Fn(&Film, [usize; 2]) -> Value) -> Film {
     let (width, height) = (film.width(), film.height());
     let single = |values: [f64; 3]| values.map(|value| value as f32);

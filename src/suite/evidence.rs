@@ -1,38 +1,38 @@
-//! What a report shows of a case beside its result.
+//! Contents of a report on a case beside its result.
 
 use super::Case;
 use crate::compare::Picture;
 use crate::film::Film;
 
-/// The images behind a result, and where they came from.
+/// The images behind a result, and their origin.
 #[derive(Clone, Debug, Default)]
 pub struct Evidence {
-    /// What the image had to be; none where there is no golden that can be trusted.
+    /// The golden; `None` if there is no trustworthy one.
     pub golden: Option<Film>,
-    /// The image that was judged; none where there is none, or none that can be read.
+    /// The image that was judged; `None` if it is missing or unreadable.
     pub test: Option<Picture>,
-    /// Whether there is an image at all: a row of the catalogue of hard cases has none.
+    /// Whether the case has no image, as rows of the catalogue of hard cases.
     pub without_image: bool,
-    /// Stops at which the images are shown first.
+    /// Initial exposure of the images, in stops.
     pub exposure: f64,
     /// Document and figure that the case reproduces.
     pub source: String,
-    /// What one should see in a right image.
+    /// Features of a correct image.
     pub shows: String,
     /// Exactly what is computed.
     pub computes: String,
-    /// Facts about the golden and the image, name and value, to be read by people.
+    /// Facts about the golden and the image, name and value, for people.
     pub provenance: Vec<(String, String)>,
     /// Commands that repeat the judgement, one to a line.
     pub reproduce: Vec<String>,
-    /// How the other renderer was called, if it was run.
+    /// Command line of the other renderer, if it was run.
     pub call: Option<String>,
-    /// What the other renderer wrote to its standard output and error, if it was run.
+    /// Standard output and error of the other renderer, if it was run.
     pub output: Option<String>,
 }
 
 impl Evidence {
-    /// What is known of `case` before anything was rendered or read.
+    /// The evidence on `case` before anything is rendered or read.
     pub fn of(case: &Case) -> Evidence {
         Evidence {
             exposure: case.exposure,
@@ -44,21 +44,21 @@ impl Evidence {
     }
 }
 
-/// A mistake that images look like, over all the cases that failed.
+/// A likely mistake, over all the cases that failed.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Likeness {
     /// Its name in the catalogue; two joined by ` + ` for a combination.
     pub mistake: String,
-    /// What is wrong and where to look, for whoever made the image.
+    /// Description and advice for the author of the image.
     pub advice: String,
     /// Failed cases that it explains.
     pub explains: usize,
-    /// Failed cases that it was held against.
+    /// Failed cases that it was compared with.
     pub of: usize,
     /// Names of those that it explains.
     pub cases: Vec<String>,
-    /// How likely it is beside the next one, where both explain the same cases: a sentence without
-    /// its subject, for people.
+    /// Comparison with the next mistake, if both explain the same cases: a sentence without its
+    /// subject, for people.
     #[serde(skip)]
     pub beside_the_next: Option<String>,
 }

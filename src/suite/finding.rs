@@ -1,4 +1,4 @@
-//! What a case came to, and the golden it is held against.
+//! The finding on a case, and the golden it is compared with.
 
 use super::golden::{plan_hash, scene_hash, short};
 use super::rendering::{ReferenceRenderer, Renderer, check_class};
@@ -14,18 +14,18 @@ use std::time::Instant;
 /// A result, and the images behind it.
 #[derive(Clone, Debug)]
 pub struct Judged {
-    /// What came of the case.
+    /// The result of the case.
     pub result: CaseResult,
     /// For a report.
     pub evidence: Evidence,
 }
 
-/// What a case came to, before time and names are added.
+/// The finding on a case, before time and names are added.
 #[derive(Debug)]
 pub struct CaseFinding {
     /// What came of it.
     pub verdict: Verdict,
-    /// Whose fault it is.
+    /// Cause of the verdict.
     pub cause: Cause,
     /// Why, in words.
     pub reason: String,
@@ -83,7 +83,7 @@ impl From<Judgement> for CaseFinding {
     }
 }
 
-/// A case whose golden is that of its scene.
+/// A case whose golden belongs to its scene.
 #[derive(Debug)]
 pub(super) struct CheckedGolden {
     pub scene: Scene,
@@ -91,7 +91,7 @@ pub(super) struct CheckedGolden {
 }
 
 impl CheckedGolden {
-    /// Loads scene and golden of `case`; what is wrong with either is a finding.
+    /// Loads scene and golden of `case`; an error in either is a finding.
     pub fn load(case: &Case, store: &Store) -> Result<CheckedGolden, CaseFinding> {
         CheckedGolden::load_for(&ReferenceRenderer, case, store)
     }
@@ -125,7 +125,7 @@ impl CheckedGolden {
         plans(&self.scene)
     }
 
-    /// Where the golden came from, to be read by people.
+    /// Provenance of the golden, for people.
     pub fn provenance(&self) -> Vec<(String, String)> {
         let of = &self.golden.provenance;
         let mut facts = vec![
@@ -153,8 +153,8 @@ impl CheckedGolden {
         facts.into_iter().map(named).collect()
     }
 
-    /// Effects that the scene is declared to leave out, said with every comparison made with it, as
-    /// the end of a sentence.
+    /// Effects that the scene is declared to leave out, as the end of a sentence in every
+    /// comparison.
     pub fn omissions(&self) -> String {
         match self.without() {
             without if without.is_empty() => without,
@@ -186,12 +186,11 @@ impl CheckedGolden {
     }
 }
 
-/// How much smaller than the promised resolution the standard error of a golden must be: then a
-/// bias of that size is four of them, and the noise of the golden adds to that of a test image
-/// of as many samples hardly more than it has itself.
+/// Ratio of the required resolution to the standard error of a golden: a bias of that size is then
+/// four standard errors, and the noise of the golden hardly increases that of the comparison.
 pub(super) const MARGIN: f64 = 4.0;
 
-/// Why the golden is one of another case, scene or plan.
+/// Reason why the golden belongs to another case, scene or plan.
 fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
     let provenance = &golden.provenance;
     let (width, height) = (scene.width(), scene.height());

@@ -1,4 +1,4 @@
-//! What must come out: an image, and where it came from.
+//! Goldens: an image and its provenance.
 
 use super::{Case, Store, StoreError};
 use crate::compare::stochastic;
@@ -14,7 +14,7 @@ use thiserror::Error;
 /// a test compares the two.
 pub const LIBM_VERSION: &str = "0.2.16";
 
-/// Where a golden came from: the `.toml` beside the image.
+/// Provenance of a golden: the `.toml` beside the image.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Provenance {
@@ -22,25 +22,25 @@ pub struct Provenance {
     pub schema: String,
     /// `family/name`.
     pub case: String,
-    /// Why the picture was last changed, in the words of whoever accepted it.
+    /// Reason for the last change of the image, given at its acceptance.
     pub reason: String,
-    /// Why this record was written anew while the picture stayed; empty where it is as old as the
-    /// picture.
+    /// Reason for rewriting this record with the image unchanged; empty if it is as old as the
+    /// image.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub record_reason: String,
-    /// Hash of the image that it replaced; empty for a first golden.
+    /// Hash of the image it replaced; empty for a first golden.
     pub replaces: String,
     /// Hash of the pixels of the EXR image.
     pub pixels: String,
     /// Hash of the preview file.
     pub preview: String,
-    /// Stops at which the preview is exposed.
+    /// Exposure of the preview, in stops.
     pub exposure: f64,
     /// Hash of the canonical scene: every key with its value.
     pub scene: String,
-    /// Hash of the plan: what was simulated and what was not.
+    /// Hash of the plan: the effects simulated and omitted.
     pub plan: String,
-    /// Effects that the scene could have asked for and did not, by panel.
+    /// Effects that the scene could have requested and did not, by panel.
     pub omitted: Vec<Vec<String>>,
     /// Columns of pixels.
     pub width: usize,
@@ -60,13 +60,13 @@ pub struct Provenance {
     pub volref: String,
     /// Version of `libm`.
     pub libm: String,
-    /// Platform it was rendered on; the bits are the same on every other.
+    /// Platform of the rendering; the bits are the same on all platforms.
     pub target: String,
-    /// Hash of this file without this line: nothing else here changes unnoticed either.
+    /// Hash of this file without this line, to detect other changes.
     pub seal: String,
     /// Hashes of the files the scene names, by path.
     pub inputs: BTreeMap<String, String>,
-    /// Of a stochastic case: the rendering of few samples that `verify` repeats.
+    /// For a stochastic case: the rendering of few samples that `verify` repeats.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quick: Option<Quick>,
 }
@@ -89,7 +89,7 @@ impl Provenance {
         toml::to_string(self).expect("plain data becomes TOML")
     }
 
-    /// What [`Provenance::seal`] must be.
+    /// The correct value of [`Provenance::seal`].
     fn seal(&self) -> String {
         let unsealed = Provenance {
             seal: String::new(),
@@ -99,14 +99,14 @@ impl Provenance {
     }
 }
 
-/// Why a golden is as it is: [`Provenance::reason`] and [`Provenance::record_reason`].
+/// The reasons of a golden: [`Provenance::reason`] and [`Provenance::record_reason`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reasons<'a> {
     pub picture: &'a str,
     pub record: &'a str,
 }
 
-/// A golden as it stands.
+/// A golden with its image and provenance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Golden {
     /// Where it came from.
@@ -115,13 +115,13 @@ pub struct Golden {
     pub film: Film,
 }
 
-/// Why a case has no golden that can be trusted.
+/// Reason why a case has no trustworthy golden.
 #[derive(Debug, Error)]
 pub enum GoldenError {
-    /// None of its files is there.
+    /// All its files are missing.
     #[error("there is no golden yet; look at the picture, then accept it")]
     Missing,
-    /// Some are there, some not.
+    /// Some files are missing.
     #[error("the golden is incomplete: {0} is missing; restore it from version control")]
     Incomplete(String),
     /// A file cannot be read.
@@ -129,10 +129,10 @@ pub enum GoldenError {
     Unreadable {
         /// Which.
         file: String,
-        /// What is wrong.
+        /// Reason.
         reason: String,
     },
-    /// Contents and hash do not belong together.
+    /// Contents and hash do not match.
     #[error(
         "{file} is not what was accepted: its hash is {found}, the golden says {expected}; \
          restore it from version control"
@@ -140,9 +140,9 @@ pub enum GoldenError {
     Tampered {
         /// Which.
         file: String,
-        /// Hash of what is there.
+        /// Hash of the file.
         found: String,
-        /// Hash of what was accepted.
+        /// Hash at acceptance.
         expected: String,
     },
     /// The files below the goldens are in disorder.

@@ -1,15 +1,15 @@
-//! Which mistake an image looks like.
+//! The likely mistake behind an image.
 //!
-//! A failing image is held against what every mistake of the [catalogue](super::mistakes) would
-//! have made of the case: mistakes of the image are made in the golden, those of the scene are
-//! rendered, first in few pixels or samples, and what is left in more. A mistake explains an image
-//! if the two differ by no more than noise, and the golden does not; among several, the one that is
-//! nearest beyond doubt comes first. Where none does, two at a time are tried. Cases that passed
-//! speak against mistakes that would have been seen in them.
+//! A failing image is compared with the image that every mistake of the
+//! [catalogue](super::mistakes) would give: mistakes of the image are applied to the golden, those
+//! of the scene are rendered, first with few pixels or samples, the remaining ones with more. A
+//! mistake explains an image if the two differ by no more than noise, and the golden does not;
+//! among several, the one that is significantly nearest comes first. If none does, pairs of
+//! mistakes are tried. Cases that passed contradict mistakes that would have shown in them.
 //!
-//! A case that a mistake already found explains is not searched again: one mistake that runs
-//! through a whole suite is looked for once. The search of a case has a [budget](Search), and what
-//! was rendered is [kept](Predictions) for the next run.
+//! A case explained by a mistake found before is not searched again, so a mistake that affects a
+//! whole suite is searched once. The search of a case has a [budget](Search), and its renderings
+//! are [kept](Predictions) for the next run.
 
 mod cells;
 mod clock;
@@ -50,10 +50,10 @@ const MOST_PASSING: usize = 12;
 /// one case is tried in all others: the second is for a folder whose first failing case is special.
 const MOST_PAIR_SEARCHES: usize = 2;
 
-/// What a search for mistakes found.
+/// Results of a search for mistakes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Likenesses {
-    /// Mistakes that images look like, most likely first.
+    /// Likely mistakes, most likely first.
     pub likely: Vec<Likeness>,
     /// Cases that were searched, to the end or not.
     pub searched: usize,
@@ -61,8 +61,8 @@ pub struct Likenesses {
     pub unfinished: Vec<SearchStep>,
 }
 
-/// Names the mistakes that the images in `judged` that failed look like: in `looks_like` of each
-/// result, and for all together, most likely first. `others` are cases that may tell apart what
+/// Names the likely mistakes behind the failed images in `judged`: in `looks_like` of each result,
+/// and for all together, most likely first. `others` are cases that may distinguish mistakes where
 /// these cannot.
 pub fn likeness(
     cases: &[&Case],

@@ -1,4 +1,4 @@
-//! Cases, their goldens, and what `verify` and `accept` do with them.
+//! Cases and goldens, and their use by `verify`, `validate` and `accept`.
 
 mod accept;
 mod analytic;

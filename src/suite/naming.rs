@@ -1,4 +1,4 @@
-//! How often the mistake that was made is the one that is named.
+//! Statistics on naming the mistake that was made.
 
 use super::likeness::{Predictions, Search, likeness_with};
 use super::mistakes::Mistake;
@@ -6,14 +6,14 @@ use super::self_test::Subject;
 use super::{Case, Judged, Likeness, Store, Verdict};
 use crate::compare::Picture;
 
-/// Mistakes that were made, and what was named.
+/// The mistakes made, and those named.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Naming {
-    /// What was made: one name or two.
+    /// The mistakes made: one name or two.
     pub made: Vec<&'static str>,
     /// Cases that failed.
     pub failed: usize,
-    /// What was named, most likely first.
+    /// The mistakes named, most likely first.
     pub named: Vec<Likeness>,
 }
 

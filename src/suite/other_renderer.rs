@@ -1,4 +1,4 @@
-//! Another renderer, called once for each case, without a shell.
+//! Another renderer, run once for each case, without a shell.
 //!
 //! The command is split into words as a shell would, then placeholders are filled in, so that no
 //! path needs quoting.
@@ -28,22 +28,22 @@ enum Part {
     Placeholder(String),
 }
 
-/// Why a text is no command.
+/// Error in a command.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum TemplateError {
-    /// Quotes that do not end.
+    /// Unclosed quotes.
     #[error("a quote is opened and not closed in: {0}")]
     Quotes(String),
-    /// Nothing to run.
+    /// An empty command.
     #[error("there is no command to run")]
     Empty,
-    /// A placeholder without which no image can be found.
+    /// The placeholder for the image is missing.
     #[error("the command does not say where the image goes: it has no {{output}}")]
     NoOutput,
-    /// A name in braces that stands for nothing.
+    /// An unknown placeholder.
     #[error("{{{name}}} stands for nothing; known are: {known}")]
     Unknown {
-        /// What stands in the braces.
+        /// The name in braces.
         name: String,
         /// Every placeholder.
         known: String,

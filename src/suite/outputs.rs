@@ -1,4 +1,4 @@
-//! The images that another renderer left in a folder, by the cases they are of.
+//! The images of another renderer in a folder, by case.
 //!
 //! The image of the case `fog/forward` is one of
 //!
@@ -6,9 +6,9 @@
 //! - `fog/forward.0.exr`, `fog/forward.1.exr`, …: replicates, renderings with seeds of their own,
 //!   numbered without a gap from 0 or 1,
 //!
-//! or the same without `fog/`, where no other family has a case `forward`. Beside a single image
-//! may be `fog/forward.variance.exr`: the variance of the mean as its colours, and the number of
-//! samples as its channel `samples.Y`.
+//! or the same without `fog/`, if no other family has a case `forward`. A single image may have a
+//! second file, `fog/forward.variance.exr`: the variance of the mean as its colours, and the number
+//! of samples as its channel `samples.Y`.
 
 use crate::compare::{Picture, PictureError};
 use crate::film::{Film, FilmError, FilmFormat};
@@ -27,9 +27,9 @@ pub struct Outputs {
 /// The image of a case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
-    /// One file, or one for each replicate in their order.
+    /// One file, or one for each replicate, in order.
     pub files: Vec<PathBuf>,
-    /// The variance of the mean of the one image.
+    /// The variance of the mean of a single image.
     pub variance: Option<PathBuf>,
 }
 
@@ -38,11 +38,11 @@ pub struct Found {
 pub struct UnknownFile {
     /// Where.
     pub file: PathBuf,
-    /// Why it is not taken, and what may be meant: a sentence without its subject.
+    /// Reason why it is not used, with a suggestion: a sentence without its subject.
     pub reason: String,
 }
 
-/// Why it cannot be said which files are the image of a case.
+/// Errors in finding the files of a case's image.
 #[derive(Debug, Error)]
 pub enum OutputError {
     /// A folder cannot be listed.
@@ -50,7 +50,7 @@ pub enum OutputError {
     Folder {
         /// Where.
         folder: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         error: io::Error,
     },
     /// Two files for one image.
@@ -74,24 +74,24 @@ pub enum OutputError {
     Gap {
         /// The case.
         case: String,
-        /// The first after the gap.
+        /// The first file after the gap.
         file: PathBuf,
         /// The first number of the gap.
         missing: u32,
     },
-    /// A variance of nothing, or of several renderings.
+    /// A variance without an image, or with several renderings.
     #[error("{case}: {} is the variance of one image, and there {there}", .file.display())]
     Variance {
         /// The case.
         case: String,
         /// The file of the variance.
         file: PathBuf,
-        /// What is there in place of one image.
+        /// The images found instead of one.
         there: &'static str,
     },
 }
 
-/// What a file is to its case.
+/// Role of a file in its case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Role {
     Single,
@@ -99,7 +99,7 @@ enum Role {
     Replicate(u32),
 }
 
-/// Extensions of images that are not read: whoever writes them gets a message.
+/// Extensions of unsupported images, which cause a warning.
 const OTHER_IMAGES: [&str; 10] = [
     "jpg", "jpeg", "tif", "tiff", "hdr", "npz", "bmp", "webp", "ppm", "raw",
 ];

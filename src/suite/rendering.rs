@@ -1,10 +1,10 @@
-//! The renderings a case consists of.
+//! The renderings of a case.
 //!
-//! A deterministic case is one rendering. A stochastic case is two: a *quick* one of few samples,
-//! whose bits pin the renderer, and a *converged* one of many, which images are judged by. They
-//! share no random number: the quick one takes the seed of the scene, the converged one that seed
-//! plus 2⁶³, which no scene file can name, for whole numbers in TOML end below it.
-//! `volref render --spp N --seed S` makes either again.
+//! A deterministic case has one rendering. A stochastic case has two: a *quick* one of few samples,
+//! whose bits pin the renderer, and a *converged* one of many, with which images are compared. They
+//! share no random number: the quick one uses the seed of the scene, the converged one that seed
+//! plus 2⁶³, which no scene file can give, since integers in TOML are smaller. `volref render --spp
+//! N --seed S` makes either again.
 
 use super::Case;
 use crate::film::Film;

@@ -1,4 +1,4 @@
-//! What came of a case.
+//! Results of cases.
 
 use super::analytic::Analytic;
 use crate::compare::{self, Gate, Metric};
@@ -11,7 +11,7 @@ pub(super) const SAME_BITS: Metric = (
     "1 if every bit is that of the reference's own quick rendering, else 0.",
 );
 
-/// What came of a case, in one word.
+/// The verdict on a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
@@ -40,14 +40,14 @@ impl Verdict {
     }
 }
 
-/// Whose fault a verdict other than `pass` is. Later ones weigh more, as exit codes do.
+/// Cause of a verdict other than `pass`. Later ones take precedence, as exit codes do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Cause {
-    /// Nobody's: the case passed.
+    /// No cause: the case passed.
     None,
-    /// The images: they show too little to decide.
+    /// The images: too noisy to decide.
     Undecided,
-    /// The other renderer: no image, none that can be read, or it did not end well.
+    /// The other renderer: its image is missing or unreadable, or it failed.
     OtherRenderer,
     /// The images differ.
     Mismatch,
@@ -66,7 +66,7 @@ pub struct CaseResult {
     pub family: String,
     /// Class of the case.
     pub class: String,
-    /// What came of it.
+    /// The verdict.
     pub verdict: Verdict,
     /// Numbers by name, all finite.
     pub metrics: BTreeMap<String, f64>,
@@ -74,10 +74,10 @@ pub struct CaseResult {
     pub gate: &'static dyn Gate,
     /// Why, in words.
     pub reason: String,
-    /// What is to be said beside the verdict, whatever it is.
+    /// Notes beside the verdict.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// Mistakes that the image looks like, most likely first.
+    /// Likely mistakes, most likely first.
     pub looks_like: Vec<String>,
     /// Wall time, for information.
     pub seconds: f64,
@@ -88,7 +88,7 @@ pub struct CaseResult {
     pub cause: Cause,
 }
 
-/// How many cases came out how.
+/// Number of cases by verdict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Summary {
     /// Compared, and right.
@@ -122,7 +122,7 @@ impl Summary {
     }
 }
 
-/// Meaning of a metric of results, in a sentence; empty for one that is not known.
+/// Meaning of a metric of results, in a sentence; empty for an unknown one.
 pub fn metric_meaning(name: &str) -> &'static str {
     let of_suite = Analytic.metrics().iter().chain([&SAME_BITS]);
     let found = of_suite.copied().find(|(known, _)| *known == name);

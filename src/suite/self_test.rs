@@ -1,8 +1,8 @@
-//! Does the suite catch what it should, and nothing else?
+//! The self-test: does the suite catch every mistake, and nothing else?
 //!
-//! Every [mistake](super::mistakes) is made in the cases where there is occasion for it, the
-//! picture is rendered with fresh seeds, and judged as that of another renderer would be. A gate
-//! that was never seen to fail is a failing gate; one that rejects an honest picture is as bad.
+//! Every [mistake](super::mistakes) is made in the cases to which it applies, the image is rendered
+//! with fresh seeds, and judged like that of another renderer. A gate that was never seen to fail
+//! cannot be trusted; one that rejects a correct image is as bad.
 
 use super::edited_film::{mapped, rebuilt, value};
 use super::finding::CheckedGolden;
@@ -19,7 +19,7 @@ use half::f16;
 use serde::Serialize;
 use std::cell::OnceCell;
 
-/// What came of one mistake in one case.
+/// The outcome of one mistake in one case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Trial {
@@ -29,11 +29,11 @@ pub enum Trial {
     Missed,
     /// The mistake changes nothing here, or cannot be rendered.
     NoOccasion,
-    /// Not asked, because another case had answered.
+    /// Not tried, because another case had caught it.
     NotTried,
 }
 
-/// A mistake, and what each case made of it.
+/// A mistake and its outcome in each case.
 #[derive(Clone, Debug, Serialize)]
 pub struct MistakeTrials {
     /// Its name in the catalogue.
@@ -42,10 +42,10 @@ pub struct MistakeTrials {
     pub trials: Vec<Trial>,
 }
 
-/// A way of being right, and which cases would not have it.
+/// A benign variant, and the cases that rejected it.
 #[derive(Clone, Debug, Serialize)]
 pub struct BenignTrials {
-    /// What was done.
+    /// Name of the variant.
     pub variant: &'static str,
     /// Cases that accepted it, or were undecided.
     pub accepted: usize,
@@ -53,16 +53,16 @@ pub struct BenignTrials {
     pub rejected: Vec<Rejection>,
 }
 
-/// An honest picture that was rejected.
+/// A correct image that was rejected.
 #[derive(Clone, Debug, Serialize)]
 pub struct Rejection {
     /// Name of the case.
     pub case: String,
-    /// What its gate said.
+    /// Reason given by its gate.
     pub reason: String,
 }
 
-/// What a self-test found.
+/// Results of a self-test.
 #[derive(Clone, Debug, Serialize)]
 pub struct SelfTest {
     /// Names of the cases, in order.
@@ -71,23 +71,23 @@ pub struct SelfTest {
     pub mistakes: Vec<MistakeTrials>,
     /// Every benign variant.
     pub benign: Vec<BenignTrials>,
-    /// Mistakes that no case caught although there was occasion; if all the cases of the suite were
-    /// asked, also those for which there was none.
+    /// Mistakes that no case caught although they applied; if all cases of the suite were tried,
+    /// also those that never applied.
     pub uncaught: Vec<&'static str>,
-    /// Mistakes that the manifest of a case promises to catch, and the case does not.
+    /// Mistakes that the manifest of a case requires it to catch and that it missed.
     pub broken_promises: Vec<String>,
-    /// Goldens that cannot be trusted, and why: nothing can be said of their cases.
+    /// Untrustworthy goldens with reasons: their cases cannot be tested.
     pub unusable: Vec<Rejection>,
 }
 
 impl SelfTest {
-    /// Whether every mistake is caught, every promise kept and every honest picture accepted.
+    /// Whether every mistake is caught, every promise kept and every correct image accepted.
     pub fn passed(&self) -> bool {
         self.unusable.is_empty() && self.judges_right()
     }
 
-    /// Whether every mistake is caught, every promise kept and every honest picture accepted by the
-    /// cases whose goldens can be trusted.
+    /// Whether every mistake is caught, every promise kept and every correct image accepted by the
+    /// cases with trustworthy goldens.
     pub fn judges_right(&self) -> bool {
         self.uncaught.is_empty()
             && self.broken_promises.is_empty()
@@ -95,13 +95,13 @@ impl SelfTest {
     }
 }
 
-/// How much is asked.
+/// Extent of a self-test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SelfTestExtent {
     /// Every mistake in every case.
     Full,
-    /// Every mistake in the cases that promise to catch it, and in others until one has; honest
-    /// pictures in every fourth case.
+    /// Every mistake in the cases required to catch it, and in others until one does; correct
+    /// images in every fourth case.
     Quick,
 }
 
@@ -109,12 +109,12 @@ pub enum SelfTestExtent {
 /// goldens.
 const SEED: u64 = 0x7365_6c66_0000_0000;
 
-/// How a self-test goes on.
+/// Progress of a self-test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step<'n> {
     /// A picture of this case is made, or what this variant or mistake makes of cases is judged.
     Begins(&'n str),
-    /// What has begun is done.
+    /// The current step is done.
     Done,
 }
 

@@ -7,18 +7,18 @@ use super::{Case, Cause, Evidence, Judged, Store, Verdict};
 use crate::compare::{Conditions, ImageGate, Picture, default_gate, judge};
 use std::time::Instant;
 
-/// What another renderer made of a case.
+/// The output of another renderer for a case.
 #[derive(Clone, Debug)]
 pub enum Output {
     /// An image.
     Picture(Box<Picture>),
     /// None; with the reason, in words.
     Missing(String),
-    /// Something that is no image, or a renderer that failed; with the reason, in words.
+    /// An unusable image, or a renderer that failed; with the reason, in words.
     Unusable(String),
 }
 
-/// Judges what another renderer made of `case`, by the gate of the case: radiance by the
+/// Judges the output of another renderer for `case`, by the gate of the case: radiance by the
 /// deterministic or the stochastic one, 8-bit codes by the perceptual one.
 pub fn validate(case: &Case, store: &Store, output: Output) -> Judged {
     let start = Instant::now();

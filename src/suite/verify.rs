@@ -1,4 +1,4 @@
-//! The reference against its own goldens.
+//! Comparison of volref's images with its own goldens.
 
 use super::analytic::ERROR_OF_TOLERANCE;
 use super::finding::{CaseFinding, CheckedGolden};

@@ -1,4 +1,4 @@
-//! A ball of density without an edge.
+//! A Gaussian ball of density.
 
 use super::{DensityField, DensityRange};
 use crate::geometry::Aabb;
@@ -8,16 +8,16 @@ use glam::DVec3;
 /// Density `peak·e^(−r²/(2 width²))` at distance `r` from a centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blob {
-    /// Where the density is largest.
+    /// Point of the largest density.
     pub centre: DVec3,
-    /// How large it is there, finite and not negative.
+    /// Largest density, finite and not negative.
     pub peak: f64,
     /// Standard deviation along any line, > 0.
     pub width: f64,
 }
 
 impl Blob {
-    /// Density at a distance whose square is that many squared widths.
+    /// Density at a distance given by its square in squared widths.
     fn at(&self, squared_widths: f64) -> f64 {
         self.peak * exp(-0.5 * squared_widths)
     }

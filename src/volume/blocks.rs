@@ -56,7 +56,7 @@ impl Blocks {
         size_of_val(&*self.ranges)
     }
 
-    /// The mean of what lies halfway between the bounds of each block.
+    /// The mean over all blocks of the middle between their bounds.
     pub fn typical(&self) -> f64 {
         let middles = self
             .ranges

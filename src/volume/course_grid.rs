@@ -29,9 +29,9 @@ pub(super) const COURSE_GRID: VolumeFormat = VolumeFormat {
 /// Reads the course's binary grid.
 ///
 /// The spacing is `size / (n − 1)` of the first axis with more than one node, in `f64`; that
-/// size must be positive. The other sizes have no say, but must be finite and not negative: a
-/// thin axis may give 0. Header and length are checked before anything is allocated. Values must
-/// be finite; densities that are negative are left to [`Grid::check_densities`].
+/// size must be positive. The other sizes have no effect, but must be finite and not negative: a
+/// thin axis may give 0. Header and length are checked before anything is allocated. Values must be
+/// finite; densities that are negative are left to [`Grid::check_densities`].
 pub fn read_course_grid(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolumeFault> {
     read(&mut VolumeSource::of(bytes), options).map(|(grid, _)| grid)
 }

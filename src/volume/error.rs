@@ -5,8 +5,8 @@ use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// Why a volume could not be loaded. The message begins with the path, and with line and column
-/// where there are any.
+/// Reason why a volume could not be loaded. The message begins with the path, and with line and
+/// column if there are any.
 #[derive(Debug, Error)]
 #[error("{}:{}{fault}", path.display(), if let VolumeFault::Line(_) = fault { "" } else { " " })]
 pub struct VolumeError {

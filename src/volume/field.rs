@@ -5,9 +5,9 @@ use glam::DVec3;
 
 /// A density at every point of space, finite and not negative.
 ///
-/// What a tracking method needs to know of a field is its value at a point and bounds on it over
-/// a box: too wide a range costs time, too narrow a one is a bias that nobody sees. So bounds are
-/// proved, and every look-up of a tracker is held against them.
+/// A tracking method needs the value at a point and bounds over a box: too wide a range costs time,
+/// too narrow a range is an unnoticed bias. So bounds are proved, and every look-up of a tracker is
+/// checked against them.
 pub trait DensityField: Sync {
     /// Density at `point`, in the coordinates of the field.
     fn density(&self, point: DVec3) -> f64;

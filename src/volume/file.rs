@@ -1,4 +1,4 @@
-//! Volumes from files, the format by the extension.
+//! Volumes from files, in the format of the extension.
 
 use super::course_grid::COURSE_GRID;
 use super::error::VolumeError;
@@ -26,14 +26,14 @@ const VOLUME_FORMATS: [&VolumeFormat; 6] = [
 /// A volume, and where it came from.
 #[derive(Clone, Debug)]
 pub struct Loaded {
-    /// The grid. Values are finite unless [`NonFinite::Kept`](super::NonFinite::Kept) was asked
-    /// for, and may be negative: [`Grid::check_densities`] tells.
+    /// The grid. Values are finite unless [`NonFinite::Kept`](super::NonFinite::Kept) was
+    /// requested, and may be negative: see [`Grid::check_densities`].
     pub grid: Grid<f32>,
-    /// The files read: the volume, and that of its data if they are apart.
+    /// The files read: the volume, and its detached data if any.
     pub files: Vec<FileRead>,
     /// Name of the format of the files.
     pub format: &'static str,
-    /// The form in which they hold the volume.
+    /// The storage of the volume.
     pub stored: Stored,
 }
 
@@ -45,7 +45,7 @@ pub fn volume_format(path: &Path) -> Option<&'static VolumeFormat> {
     })
 }
 
-/// The formats that are read, each with its extensions, as a list for people.
+/// The supported formats with their extensions, as a list for people.
 pub fn volume_formats() -> String {
     VOLUME_FORMATS
         .map(|format| format!("{}: {}", format.extensions.join(", "), format.name))
@@ -57,10 +57,9 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Grid<f32>, VolumeError
     load_hashed(path, options).map(|loaded| loaded.grid)
 }
 
-/// Loads a volume: a point cloud by splatting, a grid as it is.
+/// Loads a volume: a point cloud by splatting, a grid unchanged.
 ///
-/// A splatted cloud has the maximum 1. Values of a grid are finite, unless asked for otherwise,
-/// and may be negative.
+/// A splatted cloud has the maximum 1. Values of a grid are finite by default, and may be negative.
 pub fn load_hashed(path: &Path, options: &LoadOptions) -> Result<Loaded, VolumeError> {
     let Some(format) = volume_format(path) else {
         let known = volume_formats();

@@ -1,4 +1,4 @@
-//! A density made of noise at many scales.
+//! Fractal noise as a density.
 
 use super::noise_range::noise_range;
 use super::parameter::{InvalidParameter, require};
@@ -6,10 +6,10 @@ use super::{DensityField, DensityRange, perlin_noise};
 use crate::geometry::Aabb;
 use glam::DVec3;
 
-/// What a [`FractalDensity`] is made of.
+/// Parameters of a [`FractalDensity`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FractalParameters {
-    /// How many layers of noise are added; 1 to [`MOST_OCTAVES`].
+    /// Number of layers of noise; 1 to [`MOST_OCTAVES`].
     pub octaves: u32,
     /// Factor on the frequency from one octave to the next, > 0.
     pub lacunarity: f64,
@@ -17,11 +17,11 @@ pub struct FractalParameters {
     pub gain: f64,
     /// Lattice cells of the first octave per unit of length, along each axis.
     pub scale: DVec3,
-    /// Place in the lattice of the first octave of the origin, in cells.
+    /// Position of the origin in the lattice of the first octave, in cells.
     pub offset: DVec3,
-    /// The largest density, ≥ 0, where the noise is 1 or more.
+    /// The largest density, ≥ 0, reached where the noise is 1 or more.
     pub max_density: f64,
-    /// Densities up to and including this one are taken for 0.
+    /// Densities up to and including this one count as 0.
     pub threshold: f64,
 }
 
@@ -45,7 +45,7 @@ impl Default for FractalParameters {
     }
 }
 
-/// Noise at many scales as a density.
+/// Fractal noise as a density field.
 ///
 /// With `n` [Perlin's noise](perlin_noise) and `q = p·scale + offset`, the octaves
 /// `Σᵢ gainⁱ n(q·lacunarityⁱ)` over `Σᵢ gainⁱ` are a value `v` about 0, and the density is
@@ -136,7 +136,7 @@ impl FractalDensity {
         })
     }
 
-    /// What the field is made of.
+    /// The parameters.
     pub fn parameters(&self) -> &FractalParameters {
         &self.parameters
     }

@@ -14,12 +14,12 @@ pub fn gradients<T: Scalar>(grid: &Grid<T>) -> Grid<[T; 3]> {
     gradients_over(grid, 1.0)
 }
 
-/// [`gradients`] for those who want directions only: per a length of the grid's own size, the
-/// power of two at or below its [voxel](Lattice::voxel).
+/// [`gradients`] for their directions only: per length of the power of two at or below the
+/// [voxel](Lattice::voxel) of the grid.
 ///
-/// Another power of two as unit moves no digit. Per world unit, the gradients of a small volume
-/// leave the range of `f32` upwards and those of a large one downwards. Here none exceeds half
-/// the largest density, and scaling the volume by a power of two changes no bit.
+/// A power of two as unit changes no digit. Per world unit, the gradients of a small volume would
+/// overflow `f32` and those of a large one underflow. Here none exceeds half the largest density,
+/// and scaling the volume by a power of two changes no bit.
 pub fn relative_gradients<T: Scalar>(grid: &Grid<T>) -> Grid<[T; 3]> {
     gradients_over(grid, power_of_two_below(grid.lattice().voxel()))
 }

@@ -11,7 +11,7 @@ pub struct Grid<T> {
     values: Vec<T>,
 }
 
-/// Why values make no grid.
+/// Reason for refusing the values of a grid.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum GridError {
     /// Not one value per node.
@@ -27,7 +27,7 @@ pub enum GridError {
     Density {
         /// The first such node, (i, j, k).
         node: [usize; 3],
-        /// What it holds.
+        /// Its value.
         value: f64,
     },
 }
@@ -45,7 +45,7 @@ impl<T> Grid<T> {
         Ok(Grid { lattice, values })
     }
 
-    /// Where the nodes lie.
+    /// The lattice of the nodes.
     #[inline]
     pub fn lattice(&self) -> &Lattice {
         &self.lattice

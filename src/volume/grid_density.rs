@@ -1,4 +1,4 @@
-//! The density of a grid, between its nodes.
+//! The density of a grid at any point.
 
 use super::{
     Blocks, Cell, Centring, DensityField, DensityRange, Grid, Interpolation, NodeLine, Walk,
@@ -9,9 +9,8 @@ use crate::math::quadrature::cubic_integral;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// A grid of densities, finite and not negative, and how values between the nodes follow from
-/// those at the nodes. Beyond the box of the grid the density is that of the nearest point of it;
-/// a medium does not reach there.
+/// A grid of densities, finite and not negative, with an interpolation. Beyond the box of the grid
+/// the density is that of its nearest point; media do not extend there.
 #[derive(Clone, Debug)]
 pub struct GridDensity {
     grid: Arc<Grid<f32>>,
@@ -41,12 +40,12 @@ impl GridDensity {
         &self.grid
     }
 
-    /// How values between the nodes follow from those at the nodes.
+    /// The interpolation between the nodes.
     pub fn interpolation(&self) -> Interpolation {
         self.interpolation
     }
 
-    /// The value at the place that `cell` stands for.
+    /// The value at the point of `cell`.
     #[inline]
     fn read(&self, cell: &Cell) -> f64 {
         match self.interpolation {
@@ -66,7 +65,7 @@ impl GridDensity {
         Blocks::of(self, self.bounds(), counts, size)
     }
 
-    /// How many blocks there are along each axis, and their edges.
+    /// Number of blocks along each axis, and their edges.
     pub fn division(&self) -> ([usize; 3], DVec3) {
         let lattice = self.grid.lattice();
         let counts = lattice.nodes().map(|nodes| nodes.div_ceil(BLOCK));

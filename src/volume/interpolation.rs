@@ -1,4 +1,4 @@
-//! Values between the nodes: nearest and trilinear.
+//! Interpolation between the nodes: nearest and trilinear.
 //!
 //! A look-up has two halves: finding the [`Cell`] around a point, and reading a grid there.
 //! Density and gradient at one point share the first half.
@@ -7,16 +7,16 @@ use super::{Grid, Lattice, NodePoint};
 use glam::DVec3;
 use std::ops::{Add, Mul, Sub};
 
-/// How a value between nodes follows from those at the nodes.
+/// Interpolation between the nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
-    /// The nearest node's.
+    /// Value of the nearest node.
     Nearest,
     /// Linear along each axis between the eight nodes around.
     Trilinear,
 }
 
-/// What can stand at a node, and the value it stands for in arithmetic.
+/// A type stored at nodes, and its type in arithmetic.
 pub trait Node: Copy {
     /// `f64` for a scalar field, `DVec3` for a vector field.
     type Value: Lerp;
@@ -25,7 +25,7 @@ pub trait Node: Copy {
     fn value(self) -> Self::Value;
 }
 
-/// A floating-point type in which a grid is stored.
+/// A floating-point type for the storage of a grid.
 pub trait Scalar: Node<Value = f64> + Into<f64> + Send + Sync {
     /// The nearest number of this type.
     fn rounded(value: f64) -> Self;
@@ -64,7 +64,7 @@ impl<T: Copy + Into<f64>> Node for [T; 3] {
     }
 }
 
-/// Values between which a straight line can be drawn.
+/// Values with linear interpolation.
 pub trait Lerp: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self> {
     /// `a + (b − a)·t`: exactly `a` at `t = 0`, and exactly `a` for every `t` where `a = b`, so
     /// a constant grid is a constant field to the last bit.
@@ -76,7 +76,7 @@ pub trait Lerp: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output
 impl Lerp for f64 {}
 impl Lerp for DVec3 {}
 
-/// The eight nodes around a point, and where between them the point lies.
+/// The eight nodes around a point, and its position between them.
 ///
 /// Beyond the first and last node of an axis the index is clamped, not the position: there, and
 /// on the last node itself, both neighbours are the same node and the value is exactly its own.
@@ -139,9 +139,9 @@ impl Cell {
     }
 }
 
-/// A way to come by values between the nodes.
+/// A reconstruction of values between the nodes.
 pub trait Reconstruction: Copy + Sync {
-    /// The value of `grid` at the place that `cell` stands for.
+    /// The value of `grid` at the point of `cell`.
     fn read<T: Node>(self, grid: &Grid<T>, cell: &Cell) -> T::Value;
 }
 

@@ -1,4 +1,4 @@
-//! Where the nodes of a grid lie in the world.
+//! Positions of the nodes of a grid in the world.
 
 use crate::geometry::Aabb;
 use glam::DVec3;
@@ -11,9 +11,9 @@ pub struct NodePoint(pub DVec3);
 
 /// A box of regularly spaced nodes, x fastest.
 ///
-/// [Node-centred](Centring::Nodes) unless asked otherwise: the first and last node of an axis lie
-/// on the faces of the box. An axis with a single node is a slab one spacing thick, centred on it,
-/// along which the field is constant.
+/// [Node-centred](Centring::Nodes) by default: the first and last node of an axis lie on the faces
+/// of the box. An axis with a single node is a slab one spacing thick, centred on it, along which
+/// the field is constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     nodes: [usize; 3],
@@ -28,12 +28,12 @@ pub enum Centring {
     /// On the first and last node of an axis: values are samples at points.
     #[default]
     Nodes,
-    /// Half a spacing beyond them: each value stands in the middle of a cell of its own. From the
-    /// outermost nodes to the faces the field is constant across them.
+    /// Half a spacing beyond them: each value is at the centre of its own cell. Between the
+    /// outermost nodes and the faces the field is constant along the normal.
     Cells,
 }
 
-/// Why numbers make no lattice.
+/// Reason for refusing a lattice.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum LatticeError {
     /// An axis without nodes.
@@ -48,7 +48,7 @@ pub enum LatticeError {
          got {0}"
     )]
     Spacing(DVec3),
-    /// A first node that is nowhere.
+    /// A first node that is not finite.
     #[error("the position of the first node must be finite, got {0}")]
     First(DVec3),
     /// A far corner beyond the largest number.
@@ -82,8 +82,8 @@ impl Lattice {
         lattice.with_centring(Centring::Nodes)
     }
 
-    /// Whether a lattice may have so many nodes (x, y, z). As in files, whose numbers may be beyond
-    /// those of this machine.
+    /// Checks that a lattice may have this many nodes (x, y, z), given in files by numbers that may
+    /// exceed those of this machine.
     pub(super) fn check_count(nodes: [u64; 3]) -> Result<(), LatticeError> {
         const MOST: u64 = Lattice::MOST_NODES as u64;
         let [nx, ny, nz] = nodes;
@@ -94,7 +94,7 @@ impl Lattice {
         }
     }
 
-    /// The same nodes, with the faces of the box where `centring` puts them.
+    /// The same nodes, with the faces of the box by `centring`.
     pub fn with_centring(self, centring: Centring) -> Result<Lattice, LatticeError> {
         let lattice = Lattice { centring, ..self };
         let bounds = lattice.bounds();

@@ -1,18 +1,18 @@
-//! What the reader of a volume file is left to decide.
+//! Options for reading volume files.
 
 use super::{Centring, Orientation, Splatting};
 
-/// How a file becomes a grid, where the file leaves it open or the caller knows better.
+/// Options for converting a file to a grid, where the file is silent or the caller overrides it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadOptions {
-    /// Of point clouds: the grid they are splatted to.
+    /// For point clouds: the grid they are splatted to.
     pub splatting: Splatting,
-    /// Of grids: where the faces of the box lie, in place of what the file says. A Mitsuba
-    /// volume gives its box, so its nodes move; all others give their nodes, so the box moves.
+    /// For grids: the faces of the box, overriding the file. A Mitsuba volume gives its box, so its
+    /// nodes move; all others give their nodes, so the box moves.
     pub centring: Option<Centring>,
-    /// Of grids: what stands for samples that are no finite numbers.
+    /// For grids: the treatment of samples that are not finite.
     pub non_finite: NonFinite,
-    /// Of grids: what becomes of axes that point elsewhere than x, y and z.
+    /// For grids: the treatment of axes other than x, y and z.
     pub orientation: Orientation,
     /// Whether a header may name a file of data outside its own folder: by an absolute path, by
     /// `..`, or by a symbolic link that leads there.
@@ -40,14 +40,14 @@ impl From<Splatting> for LoadOptions {
     }
 }
 
-/// The replacement of a sample that is no finite number.
+/// The treatment of a sample that is not finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum NonFinite {
-    /// Nothing does: an error names the voxel.
+    /// Refused: an error names the voxel.
     #[default]
     Refused,
     /// This value.
     Replaced(f32),
-    /// It stays as it is. For reports on a file: neither rendering nor resampling is defined.
+    /// Kept unchanged. For reports on a file: neither rendering nor resampling is defined.
     Kept,
 }

@@ -3,8 +3,8 @@
 //!
 //! Source: "Definition of NRRD File Format", Teem 1.9 (teem.sourceforge.net/nrrd/format.html).
 //!
-//! Read are grids of three axes, and those of more whose further axes have a single sample. Where
-//! the samples lie:
+//! Grids of three axes are read, and those with further axes of a single sample. Positions of the
+//! samples:
 //! - `space directions` and `space origin` give the steps and the centre of the first sample, in
 //!   the coordinates of the file's own space: left and right of a patient are not exchanged.
 //! - `axis mins` and `axis maxs` are positions of the outermost samples where the axis is centred
@@ -12,7 +12,7 @@
 //! - `spacings` alone put the first sample at the origin.
 //! - Without any of them the spacing is 1.
 //!
-//! A file with the wrong `endian` cannot be told from one with odd values.
+//! A file with the wrong `endian` cannot be told apart from one with unusual values.
 
 use super::error::{VolumeFault, refused};
 use super::format::{Stored, VolumeFormat, VolumeRead};
@@ -23,7 +23,7 @@ use super::{Centring, Element, Encoding, Endian, Grid, Layout, LoadOptions};
 use glam::DVec3;
 use std::io::{BufRead, Read};
 
-/// What a header says, and where the data are.
+/// A header, and the position of the data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NrrdHeader {
     pub(super) layout: Layout,

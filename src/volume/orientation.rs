@@ -1,4 +1,4 @@
-//! The axes of a stored grid against those of the world.
+//! The axes of a stored grid and those of the world.
 
 use super::error::{VolumeFault, refused};
 use super::{Centring, Lattice, LatticeError};
@@ -6,25 +6,25 @@ use crate::geometry::{length_of, longest_axis};
 use crate::math::atan2;
 use glam::DVec3;
 
-/// What becomes of axes that point elsewhere than x, y and z.
+/// The treatment of axes other than x, y and z.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Orientation {
-    /// Axes that point along the world's, in any order and either way, are brought into the order
-    /// x, y, z; all others are an error.
+    /// Axes along those of the world, in any order and either direction, are rearranged to x, y, z;
+    /// all others are an error.
     #[default]
     World,
-    /// The stored axes are taken for x, y and z, with the lengths of their steps for spacing. The
-    /// first sample stays where the file puts it.
+    /// The stored axes are used as x, y and z, with the lengths of their steps as spacing. The
+    /// position of the first sample is unchanged.
     AsStored,
 }
 
-/// Where the samples of a file lie.
+/// Positions of the samples of a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes {
     /// Samples along each axis as stored, the fastest first: at least one, together at most
     /// [`Lattice::MOST_NODES`].
     pub sizes: [usize; 3],
-    /// From one sample to the next along each stored axis.
+    /// Step from one sample to the next along each stored axis.
     pub steps: AxisSteps,
     /// Position of the first sample, world units.
     pub first: DVec3,
@@ -41,7 +41,7 @@ pub enum AxisSteps {
     Directed([DVec3; 3]),
 }
 
-/// How stored samples become a grid.
+/// Placement of stored samples in a grid.
 pub(super) struct Placement {
     /// Where the nodes lie.
     pub lattice: Lattice,

@@ -9,8 +9,8 @@ use glam::DVec3;
 /// Between the corners of a cell the linear functions `g·d`, `g` a corner's gradient and `d` the
 /// way from the corner, are mixed by the fades `6t⁵ − 15t⁴ + 10t³` of the fractions.
 ///
-/// Domain: any coordinates; those of magnitude 2⁶¹ and more are multiples of 256 as every such
-/// `f64` is, and so is taken what is no finite number.
+/// Domain: any coordinates; those of magnitude 2⁶¹ and more are multiples of 256, like every such
+/// `f64`; values that are not finite are treated alike.
 ///
 /// Source: Perlin 2002, "Improving noise", ACM Transactions on Graphics 21(3), 681–682, and the
 /// author's reference implementation.

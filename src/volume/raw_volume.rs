@@ -1,4 +1,4 @@
-//! Bare samples in one file, and a TOML file that says what they are.
+//! Raw samples in one file, and a TOML file that describes them.
 //!
 //! ```toml
 //! file = "scan.raw"       # beside this file
@@ -12,7 +12,7 @@
 //! header_bytes = 0        # to skip before the first sample
 //! ```
 //!
-//! A wrong `endian` cannot be told from odd values.
+//! A wrong `endian` cannot be told apart from unusual values.
 
 use super::error::{VolumeFault, refused};
 use super::format::{Stored, VolumeFormat, VolumeRead};
@@ -75,7 +75,7 @@ enum Spacing {
     Three([f64; 3]),
 }
 
-/// A description of a file of bare samples.
+/// A description of a file of raw samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RawVolume {
     pub(super) layout: Layout,

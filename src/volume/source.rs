@@ -1,4 +1,4 @@
-//! The file that a reader of volumes reads, with that of its data where they are apart.
+//! The file of a volume, with its detached data if any.
 
 use super::error::{VolumeError, VolumeFault};
 use super::load_options::LoadOptions;
@@ -6,13 +6,12 @@ use crate::regular_file::{self, OpenError};
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Component, Path, PathBuf};
 
-/// A file that was read to its end.
+/// A file that was read completely.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileRead {
     /// Path.
     pub path: PathBuf,
-    /// BLAKE3 of its bytes: it shows later whether a file is still the one an image was made
-    /// from.
+    /// BLAKE3 hash of its bytes, to detect later changes of the file.
     pub hash: String,
 }
 

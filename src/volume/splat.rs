@@ -1,14 +1,14 @@
-//! A point cloud made a grid: every point shares its weight among the nodes around it.
+//! Splatting of a point cloud: every point shares its weight among the nodes around it.
 
 use super::error::{VolumeFault, refused};
 use super::{CloudPoint, Grid, Lattice, LatticeError};
 use glam::DVec3;
 
-/// How fine a grid a cloud becomes.
+/// Resolution of the grid of a point cloud.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Splatting {
     /// Nodes along the longest side of the cloud, padding included: at least 2 + 2·padding.
-    /// `None`: as many as leave one point to a voxel of the cloud's box, on average.
+    /// `None`: one point per voxel of the cloud's box, on average.
     pub resolution: Option<usize>,
     /// Empty nodes beyond the cloud on each side of each axis.
     pub padding: usize,
@@ -28,8 +28,8 @@ pub fn splat(points: &[CloudPoint], splatting: Splatting) -> Result<Grid<f32>, V
     Ok(Grid::new(*weights.lattice(), densities).expect("one density per node"))
 }
 
-/// The weight that each node receives when every point gives its own to the eight nodes around
-/// it in trilinear shares: for a point at `t` between two nodes of an axis, `1 − t` and `t`.
+/// The weight of each node when every point distributes its own to the eight nodes around it in
+/// trilinear shares: for a point at `t` between two nodes of an axis, `1 − t` and `t`.
 ///
 /// The nodes have one spacing on all axes, the longest extent of the cloud divided by
 /// `resolution − 1 − 2·padding`; the first lies `padding` spacings before the cloud's minimum.

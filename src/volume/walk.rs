@@ -32,7 +32,7 @@ pub struct Walk {
 pub struct Visit {
     /// The cell (i, j, k).
     pub cell: [usize; 3],
-    /// Where the line is in it.
+    /// The segment of the line in it.
     pub span: Span,
 }
 

@@ -155,26 +155,25 @@ fn help() {
     assert_shown!(Folder::new().volref(&["--help"]).shown(), @r"
     exit code 0
     --- stdout
-    A reference renderer for volumes, and the golden-image harness that judges other volume renderers by
-    it
+    A reference renderer for volumes, and a golden-image harness that tests other volume renderers
+    against it
 
     Usage: volref <COMMAND>
 
     Commands:
-      verify       Render the suite with the reference and compare every bit with the goldens
-      validate     Judge another renderer's images by the goldens, and name the mistake
-      compare      Compare one pair of images
+      verify       Render the suite and compare it with the goldens, bit by bit
+      validate     Compare the images of another renderer with the goldens, and name its mistakes
+      compare      Compare two images
       render       Render a scene to an image
-      plan         Show what a scene calls for: effects with reasons, the kernel, filled-in defaults
-      cost         Show what accuracy costs in a scene: error against look-ups and time, by parameter
+      plan         Show the plan for a scene: its effects with reasons, the kernel, the defaults
+      cost         Measure the cost of accuracy: error against look-ups and time, by parameter
       export       Write a scene for another renderer
-      accept       Render cases and make the results their goldens; look at the pictures before and
-                   after
-      selftest     Make every known mistake and see that the suite catches it, and nothing that is right
-      info         Show what a volume file holds: where it lies, how it is stored, its values
+      accept       Render cases and accept the images as their goldens; look at them before and after
+      selftest     Check that the suite catches every known mistake, and rejects no correct image
+      info         Show the contents of a volume file: position, storage, values
       list         List the cases of the suite
-      schema       Print the JSON Schema of a kind of file, for completion and checks in editors
-      completions  Print the completions of a shell, which complete commands and options
+      schema       Print the JSON Schema of scenes or cases, for completion and checks in editors
+      completions  Print the completion script of a shell, for commands and options
       man          Print the manual page of volref or of a command, for man -l
       help         Print this message or the help of the given subcommand(s)
 
@@ -182,10 +181,10 @@ fn help() {
       -h, --help     Print help
       -V, --version  Print version
 
-    Exit codes: 0 all compared and passed; 1 mismatch; 2 usage or bad input; 3 golden missing, stale or
-    tampered; 4 the other renderer's image missing, unreadable, crashed or timed out; 5 nothing
-    compared, or inconclusive; 6 self-test failed. Where several apply, the first in this order: 2, 3,
-    6, 1, 4, 5.
+    Exit codes: 0 all images compared and passed; 1 mismatch; 2 wrong usage or bad input; 3 golden
+    missing, stale or tampered with; 4 image of the other renderer missing or unreadable, or the
+    renderer crashed or timed out; 5 nothing compared, or inconclusive; 6 self-test failed. If several
+    apply, the first in the order 2, 3, 6, 1, 4, 5.
     ");
 }
 
@@ -204,16 +203,16 @@ fn help_of_a_command() {
     Options:
       -o, --output <FILE>     Image to write: .exr (linear radiance, 32-bit float) or .png (8-bit sRGB
                               preview)
-          --spp <N>           Samples per pixel, for sampled scenes; from 2 on, an .exr holds their
-                              variance as well
+          --spp <N>           Samples per pixel, for sampled scenes; with 2 or more, an .exr also stores
+                              their variance
           --seed <N>          Seed of the random numbers, for sampled scenes
-          --step <LENGTH>     Distance between samples along a ray, in place of the scene's: world
-                              units, or "0.5 voxels"
+          --step <LENGTH>     Distance between samples along a ray, instead of the scene's: world units,
+                              or "0.5 voxels"
           --threads <N>       Threads to use; the image is the same for any number [default: all cores]
           --exposure <STOPS>  Exposure of a .png, in stops: radiance is multiplied by 2^STOPS [default:
                               0]
-          --reference         Render by the plain reference renderers (src/reference): usually slower,
-                              and by random samples wherever there are media, surfaces and lights
+          --reference         Use the plain reference renderers (src/reference): usually slower, and
+                              sampled for all scenes of media, surfaces and lights
           --json[=<FILE>]     Print the result as JSON instead of text; with =FILE, write it there as
                               well as the text
       -h, --help              Print help

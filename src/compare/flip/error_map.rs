@@ -1,4 +1,4 @@
-//! The output: an error per pixel, and numbers that sum it up.
+//! The output: an error per pixel, and summary statistics.
 
 use crate::math::Sum;
 
@@ -64,8 +64,8 @@ impl ErrorMap {
     }
 
     /// The smallest error v such that the pixels with errors up to v carry at least `percent`
-    /// of the sum of all errors, `percent` in [0, 100]. A plain percentile looks away from a
-    /// small fault in a large good image; this one does not.
+    /// of the sum of all errors, `percent` in [0, 100]. A plain percentile ignores a small fault in
+    /// a large correct image; this one does not.
     pub fn weighted_percentile(&self, percent: f64) -> f64 {
         let sorted = self.sorted();
         let total: Sum = sorted.iter().copied().collect();

@@ -1,4 +1,4 @@
-//! Edges and points that one image has and the other has not (the paper's feature pipeline, section 4.2).
+//! Edges and points that only one image has (the paper's feature pipeline, section 4.2).
 
 use super::kernel::Kernel;
 use super::plane::{PaddedRow, Plane};

@@ -1,4 +1,4 @@
-//! An error map as an image to look at.
+//! An error map as an image.
 
 use super::ErrorMap;
 

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Why two images could not be compared.
+/// Reason why two images could not be compared.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum FlipError {
     /// The image has no pixels.
@@ -50,7 +50,7 @@ impl SrgbImage {
     ///
     /// # Errors
     ///
-    /// If either is zero, or `pixels` has another length than their product.
+    /// If either is zero, or the length of `pixels` is not their product.
     pub fn new(width: usize, height: usize, pixels: Vec<[u8; 3]>) -> Result<Self, FlipError> {
         if width == 0 || height == 0 {
             return Err(FlipError::Empty { width, height });

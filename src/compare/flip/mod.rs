@@ -1,4 +1,4 @@
-//! LDR-FLIP: how different two images look to someone flipping between them.
+//! LDR-FLIP: the perceived difference of two images that alternate.
 //!
 //! Source: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild, "FLIP: A
 //! Difference Evaluator for Alternating Images", Proc. ACM Comput. Graph. Interact. Tech. 3(2),

@@ -7,8 +7,8 @@ use crate::compare::BlockMap;
 use crate::film::Film;
 
 /// The standard error of the mean of a block, relative to that mean plus [`DARK`], that nine
-/// tenths of the blocks and channels do not exceed, as in the metric of the gate; nothing of an image
-/// without noise.
+/// tenths of the blocks and channels do not exceed, as in the metric of the gate; `None` for an
+/// image without noise.
 pub fn block_error(film: &Film) -> Option<f64> {
     let noise = film.noise()?;
     let mut errors = Vec::new();
@@ -31,7 +31,7 @@ pub fn block_error(film: &Film) -> Option<f64> {
     Some(errors[(errors.len() * 9).div_ceil(10) - 1])
 }
 
-/// The deviations of the blocks of `test` from `reference`, images of one size; nothing where
+/// The deviations of the blocks of `test` from `reference`, images of the same size; `None` if
 /// neither states its noise.
 pub fn block_map(reference: &Film, test: &Film) -> Option<BlockMap> {
     if reference.noise().is_none() && test.noise().is_none() {

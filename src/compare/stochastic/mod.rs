@@ -1,11 +1,11 @@
-//! The stochastic gate: means of random samples, whose noise is known.
+//! The stochastic gate: means of random samples with known noise.
 //!
 //! Both images estimate the same radiance, so their difference is noise around zero, of a
-//! variance that the images state. Seven questions, each with its share of the false alarms:
+//! variance that the images state. Seven tests, each with its share of the false alarms:
 //!
 //! - *The image*: is the mean of a channel too bright or too dark?
 //! - *Blocks* of 8 × 8 pixels: is any of them, in any channel? A block has an eighth of the noise
-//!   of a pixel and is nearer to normal. Holm's procedure pays for asking often.
+//!   of a pixel and is nearer to normal. Holm's procedure corrects for the number of tests.
 //! - *Pixels*: do too many lie beyond five standard errors? By Chebyshev's inequality a pixel
 //!   does with probability 1/25 at most, whatever the shape of its noise. This finds
 //!   differences that cancel within blocks.
@@ -16,7 +16,7 @@
 //! - *The amount of noise*: the squares of the differences should sum to the variances, block by
 //!   block (chi-square). Half as much is suspicious too: as if the images shared random numbers,
 //!   or one had been smoothed. Too much is looked for from 64 samples a pixel on.
-//! - *Neighbours*: are they off together? See the file `neighbours.rs`.
+//! - *Neighbours*: are their differences correlated? See the file `neighbours.rs`.
 //!
 //! # Whose variance
 //!
@@ -45,11 +45,11 @@
 //!
 //! # What would decide
 //!
-//! A pass that could not have seen what is to be seen says how many samples could. It asks the gate
-//! itself, with the variances that the test image would have: where the noise of the reference, or
-//! what is not known of that of the test image, stays in the way, it says that instead.
+//! A pass that could not have detected the required bias states how many samples could. It
+//! evaluates the gate itself, with the variances that the test image would then have. If the noise
+//! of the reference, or an unknown noise of the test image, is the limit, it states that instead.
 //!
-//! # What is said first
+//! # Order of reasons
 //!
 //! A mean that is off, of the image or of blocks, before what follows from it. That neighbours are
 //! off together is not said where the image is off on the whole. Else it is said of what looks like
@@ -98,7 +98,7 @@ use neighbours::judge_neighbours;
 use pixels::PixelDifferences;
 use resolution::Limits;
 
-/// Probability that any case of a suite is rejected although nothing is wrong with it.
+/// Probability that any correct case of a suite is rejected.
 pub const FALSE_ALARM: f64 = 1e-6;
 
 /// Shares into which the false alarms are divided: one for each question, and one for noise that

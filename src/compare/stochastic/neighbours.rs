@@ -1,8 +1,8 @@
-//! Neighbouring pixels: do their differences have anything in common?
+//! Neighbouring pixels: are their differences correlated?
 //!
-//! Pixels of the reference are independent of each other, so pixels of the test image must be.
-//! They are not where an image was denoised, smoothed, or filtered over more than a pixel, where
-//! all pixels use the same random numbers, or where a whole region is off.
+//! Pixels of the reference are independent of each other, so pixels of the test image must be, too.
+//! They are not if an image was denoised, smoothed, or filtered over more than a pixel, if all
+//! pixels use the same random numbers, or if a whole region is off.
 //!
 //! Noise of light that arrives rarely is skewed: most pixels are a little too dark, few much too
 //! bright, and neighbours agree in sign though they have nothing in common. So pixels are first

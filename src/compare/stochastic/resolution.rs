@@ -1,4 +1,4 @@
-//! The smallest bias that would have been seen, and what it takes to see a smaller one.
+//! The smallest detectable bias, and the samples needed for a smaller one.
 
 use super::blocks::Block;
 use super::comparison::Comparison;

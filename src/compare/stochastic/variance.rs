@@ -1,4 +1,4 @@
-//! What the variance is where an image cannot know it, or does not say.
+//! The variance of images that cannot know it or do not state it.
 
 use super::super::significance::critical;
 use super::blocks::{BLOCK, Block, Channel};

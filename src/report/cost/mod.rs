@@ -1,5 +1,4 @@
-//! What accuracy costs: for a terminal, for spreadsheets, for programs, and as one page that needs
-//! no network.
+//! The cost of accuracy: for a terminal, for spreadsheets, for programs, and as one offline page.
 
 mod page;
 mod pictures;
@@ -17,7 +16,7 @@ pub use text::cost_text;
 use crate::cost::results::{Cost, Machine};
 use serde_json::{Value, json};
 
-/// What accuracy costs, as JSON. Error images are not in it.
+/// The cost of accuracy as JSON, without error images.
 pub fn cost_json(costs: &[Cost], machine: Option<&Machine>) -> Value {
     json!({
         "schema": "volref/cost/1",

@@ -1,4 +1,4 @@
-//! The cost of accuracy as one page that needs no network and no script.
+//! The cost of accuracy as one offline page without scripts.
 
 use super::pictures::pictures;
 use super::table::Table;
@@ -14,14 +14,14 @@ pub struct CostPage<'a> {
     pub title: &'a str,
     /// The command that made it.
     pub command: &'a str,
-    /// What was found out, scene by scene.
+    /// Results by scene.
     pub costs: &'a [Cost],
-    /// Where times were taken; none if there are none.
+    /// The machine that measured the times, if any.
     pub machine: Option<&'a Machine>,
 }
 
-/// The page as HTML, a whole file. It asks for nothing outside of itself, runs no script, and works
-/// from `file://`.
+/// The page as a complete HTML file. It loads nothing else, runs no script, and works from
+/// `file://`.
 pub fn cost_html(page: &CostPage<'_>) -> String {
     let judgement = words::judgement(page.costs);
     let costs: Vec<Value> = page.costs.iter().map(scene).collect();

@@ -4,9 +4,9 @@ use super::table::{Table, wrapped};
 use super::{tables, words};
 use crate::cost::results::{Cost, Machine, OrderVerdict, Sweep};
 
-/// Tables as plain text, no line longer than 100 columns but for commands: of each scene what to
-/// take and the price list first, then orders, then settings and the rest. All settings of all
-/// sweeps are in [`super::cost_csv`] and [`super::cost_html`].
+/// Tables as plain text, no line longer than 100 columns except for commands: for each scene first
+/// the recommended settings and the price list, then orders, then settings and the rest. All
+/// settings of all sweeps are in [`super::cost_csv`] and [`super::cost_html`].
 pub fn cost_text(costs: &[Cost], machine: Option<&Machine>) -> String {
     let mut text = String::new();
     for cost in costs {

@@ -1,4 +1,4 @@
-//! Shapes as scenes give them, and what becomes of them.
+//! Shapes in scenes.
 
 use super::shape_transform::ShapeTransform;
 use crate::geometry::{

@@ -1,4 +1,4 @@
-//! Surfaces: a shape, and what it does to light.
+//! Surfaces: a shape with a material.
 
 use super::{AreaLight, Object, radiance, shape_transform, shapes};
 use crate::optics::{Material, Sides};

@@ -1,25 +1,23 @@
-//! How long the search for a mistake goes on, and who hears of it.
+//! Time limit and progress of the search for a mistake.
 
 use super::kept::Predictions;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// How the search for a mistake is made.
+/// Options of the search for a mistake.
 pub struct Search<'s> {
-    /// Time for each case that failed; none for as long as it takes. One rendered row may exceed
-    /// it.
+    /// Time limit for each failed case; `None` for no limit. One rendered row may exceed it.
     pub budget: Option<Duration>,
-    /// Where predictions are kept from run to run.
+    /// Predictions kept from run to run.
     pub predictions: &'s Predictions,
-    /// Whether to end at once; asked often, from any thread.
+    /// Whether to stop at once; polled from any thread.
     pub interrupted: &'s (dyn Fn() -> bool + Sync),
-    /// Hears of every hypothesis, from any thread.
+    /// Called for every hypothesis, from any thread.
     pub progress: &'s (dyn Fn(&SearchStep) + Sync),
 }
 
 impl Search<'_> {
-    /// Seconds for each case, unless others are asked for: as long as somebody waits for an answer
-    /// before turning to something else.
+    /// Default time limit for each case, seconds: about as long as people wait for an answer.
     pub const BUDGET: u32 = 10;
 }
 
@@ -27,12 +25,12 @@ impl Search<'_> {
 /// and there are [eight](super::hunt) at most, where first looks are hundreds.
 const FIRST_LOOKS: f64 = 0.75;
 
-/// Where the search is.
+/// Progress of the search.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SearchStep {
     /// Name of the case.
     pub case: String,
-    /// What is tried.
+    /// The current stage.
     pub stage: Stage,
     /// Hypotheses done in this stage.
     pub done: usize,
@@ -42,7 +40,7 @@ pub struct SearchStep {
     pub left: Option<Duration>,
 }
 
-/// What is tried in an image.
+/// A stage of the search in an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Each mistake by itself.
@@ -52,7 +50,7 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// In words, of many.
+    /// Plural name.
     pub fn name(self) -> &'static str {
         match self {
             Stage::Singles => "single mistakes",

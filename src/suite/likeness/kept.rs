@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock};
 use std::time::SystemTime;
 
-/// Names the folder of the cache; empty for none.
+/// Environment variable for the folder of the cache; empty for no cache.
 pub const CACHE_VARIABLE: &str = "VOLREF_CACHE";
 
 /// The folder grows to this many bytes; then the oldest files go. A prediction of a case of the

@@ -1,9 +1,9 @@
 //! The mistakes people make in volume renderers.
 //!
-//! Each is a small edit of the scene or of the image, with a sentence for whoever made it. The
-//! renderer is never touched: an edited scene is rendered as it stands. The catalogue serves
-//! twice: the [self-test](super::self_test) proves that the suite rejects every one of them, and
-//! images that fail are [held against it](super::likeness), to name what went wrong.
+//! Each is a small edit of the scene or of the image, with advice for its author. The renderer
+//! itself never changes. The catalogue has two uses: the [self-test](super::self_test) proves that
+//! the suite rejects every mistake, and failing images are [compared with it](super::likeness) to
+//! name the mistake.
 
 mod classified;
 mod densities;
@@ -17,17 +17,17 @@ use crate::media::{Appearance, Homogeneous, TransferOpacity};
 use crate::optics::{Light, Material};
 use crate::scene::{Classified, Curve, Model, Radiative, Scene};
 
-/// A mistake, under the name that reports use.
+/// A mistake.
 #[derive(Clone, Copy, Debug)]
 pub struct Mistake {
-    /// Words joined by `-`, the same for ever.
+    /// Words joined by `-`; the name never changes.
     pub name: &'static str,
     /// What is wrong and where to look, for whoever made the image.
     pub advice: &'static str,
     edit: Edit,
 }
 
-/// How a mistake is made.
+/// The edit behind a mistake.
 #[derive(Clone, Copy, Debug)]
 enum Edit {
     /// Of a classified volume.
@@ -49,19 +49,18 @@ enum Edit {
 }
 
 impl Mistake {
-    /// Whether it is made in the finished image rather than in the scene.
+    /// Whether it is an edit of the finished image, not of the scene.
     pub fn is_of_the_image(&self) -> bool {
         matches!(self.edit, Edit::Pixels(_) | Edit::Image(_))
     }
 
-    /// Whether it is one of the image that makes each pixel wrong by itself: then any part of an
-    /// image shows it as the whole does.
+    /// Whether it edits each pixel of the image independently, so that any part of the image shows
+    /// it.
     pub fn is_of_single_pixels(&self) -> bool {
         matches!(self.edit, Edit::Pixels(_))
     }
 
-    /// `scene` with the mistake; nothing where there is no occasion for it, or where it is one of
-    /// the image.
+    /// `scene` with the mistake; `None` if it does not apply, or if it is one of the image.
     pub fn in_scene(&self, scene: &Scene) -> Option<Scene> {
         let mut scene = scene.clone();
         let mut occurs = false;
@@ -76,8 +75,8 @@ impl Mistake {
         occurs.then_some(scene)
     }
 
-    /// `film` with the mistake; nothing where it leaves the image as it is, or where it is one of
-    /// the scene. The noise of the image changes with it, to first order.
+    /// `film` with the mistake; `None` if it changes nothing, or if it is one of the scene. The
+    /// noise of the image changes with it, to first order.
     pub fn in_image(&self, film: &Film) -> Option<Film> {
         match self.edit {
             Edit::Pixels(edit) | Edit::Image(edit) => Some(edit(film)).filter(|new| new != film),
@@ -86,7 +85,7 @@ impl Mistake {
     }
 }
 
-/// Edits `scene`; whether there is occasion for it.
+/// Edits `scene`; returns whether the edit applies.
 fn in_radiative(edit: &Edit, scene: &mut Radiative) -> bool {
     match edit {
         Edit::Radiative(edit) => edit(scene),
@@ -132,8 +131,8 @@ fn opacity_of(model: &mut Model) -> Option<&mut TransferOpacity> {
     }
 }
 
-/// All mistakes. Where two explain an image equally well, the earlier one is named first: those of
-/// the image are looked at before those of the scene, being easier to check.
+/// All mistakes. If two explain an image equally well, the earlier one is named first; those of the
+/// image precede those of the scene, being easier to check.
 pub fn catalogue() -> impl Iterator<Item = &'static Mistake> {
     [
         images::MISTAKES,

@@ -1,17 +1,17 @@
-//! A process between volref and a renderer, which ends all that the renderer started.
+//! A process between volref and a renderer that ends all processes the renderer started.
 //!
-//! A process group reaches what stays in it. A daemon leaves it, and its parent: it belongs to
-//! nobody who would end it. A keeper has one renderer. On Linux whatever loses its parent below
-//! the keeper becomes a child of the keeper, so that nothing gets away, and nothing of another
-//! renderer is hit. It ends all of it when the renderer ends, and when its standard input does:
-//! when volref is tired of waiting, or is no more, however it was ended.
+//! Ending a process group ends its members. A daemon leaves its group and its parent, so that
+//! nobody would end it. A keeper has one renderer. On Linux a process below the keeper that loses
+//! its parent becomes a child of the keeper, so that none escapes and no other renderer is
+//! affected. The keeper ends all of them when the renderer ends, and when its own standard input
+//! closes: after the time limit, or when volref itself has ended for any reason.
 
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// How to call a keeper: the program and what comes before the words of the renderer's command.
-/// The program is to call [`keep`] and to print what it returns as JSON.
+/// The command line of a keeper, before the words of the renderer's command. The program must call
+/// [`keep`] and print the result as JSON.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Keeper {
     /// The program.
@@ -20,22 +20,22 @@ pub struct Keeper {
     pub arguments: Vec<OsString>,
 }
 
-/// What a keeper has to say about its renderer.
+/// The report of a keeper on its renderer.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Kept {
-    /// Why the renderer could not be started.
+    /// Reason why the renderer could not be started.
     pub not_started: Option<String>,
     /// The exit code of the renderer, if it had one.
     pub code: Option<i32>,
     /// The signal that ended the renderer, if one did.
     pub signal: Option<i32>,
-    /// What was still running after the renderer, and was ended: name and number.
+    /// Processes still running after the renderer, which were ended: name and number.
     pub ended: Vec<String>,
-    /// What was still running after the renderer and could not be ended: name and number.
+    /// Processes still running after the renderer that could not be ended: name and number.
     pub left: Vec<String>,
 }
 
-/// Whether a keeper sees what has left the renderer's process group, as daemons do.
+/// Whether a keeper sees processes that have left the renderer's process group, such as daemons.
 pub const SEES_DAEMONS: bool = cfg!(target_os = "linux");
 
 /// Runs the renderer that `words` call, to its end or to that of standard input, then ends all that

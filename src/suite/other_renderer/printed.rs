@@ -1,15 +1,15 @@
-//! The end of what a renderer prints.
+//! The end of a renderer's output.
 
 use std::collections::VecDeque;
 use std::io::{PipeReader, Read};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::Duration;
 
-/// Of what a renderer prints, this many bytes are kept: the end, where errors are.
+/// Bytes of a renderer's output that are kept: the end, where errors are.
 const MOST_PRINTED: usize = 64 * 1024;
 
-/// Reads a pipe as fast as it is written to, so that nobody waits for room in it, and keeps the
-/// end of what came.
+/// Reads a pipe as fast as it is written, so that the writer never waits, and keeps the end of the
+/// data.
 pub struct Printed {
     shared: Arc<SharedOutput>,
 }
@@ -67,8 +67,8 @@ impl Printed {
         printed
     }
 
-    /// What was printed up to now, the end of it if that is long. Waits for the end of the pipe,
-    /// but no longer than `patience`.
+    /// The output so far, or its end if it is long. Waits for the end of the pipe, but no longer
+    /// than `patience`.
     pub fn text(&self, patience: Duration) -> String {
         let heard = self.shared.heard.lock().expect("no reader panicked");
         let (heard, _) = (self.shared.closed)

@@ -1,7 +1,7 @@
-//! Runs another renderer to its end, or to the end of its time.
+//! Runs another renderer until it ends, or until its time limit.
 //!
-//! It leads a process group of its own, and when it ends, or its time is over, whatever it has
-//! started is ended too: by a [`Keeper`] where there is one, else by the process group.
+//! It leads its own process group, and when it ends, or at its time limit, all processes that it
+//! started are ended, too: by a [`Keeper`] if there is one, else by the process group.
 
 use super::keeper::{Keeper, Kept, SEES_DAEMONS};
 use super::printed::Printed;
@@ -12,14 +12,14 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// How a process ended.
+/// The outcome of a process.
 #[derive(Debug)]
 pub struct Ran {
-    /// Why its output cannot be used; nothing if it ended well.
+    /// Reason why its output cannot be used; `None` if it succeeded.
     pub failure: Option<String>,
-    /// What it has left running, a sentence each.
+    /// Processes that it left running, a sentence each.
     pub notes: Vec<String>,
-    /// What it wrote to its standard output and error, the end of it if that is long.
+    /// Its standard output and error, or their end if they are long.
     pub printed: String,
 }
 
@@ -40,9 +40,9 @@ static STOPPED: AtomicBool = AtomicBool::new(false);
 /// How long [`stop_all`] waits for programs that do not go.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// Ends every program that [`run`] has running, with all that it started, and starts no more: for
-/// a process that was told to end, since what it started has process groups of its own and would
-/// go on. Returns when they are gone.
+/// Ends every program that [`run`] has running, with all its processes, and starts no more. For a
+/// process that is about to end, since its children have their own process groups and would
+/// continue. Returns when they are gone.
 pub fn stop_all() {
     STOPPED.store(true, Ordering::SeqCst);
     let start = Instant::now();
@@ -51,8 +51,8 @@ pub fn stop_all() {
     }
 }
 
-/// Runs a program to its end, or until `timeout` is over. `words` are the program and its
-/// arguments. Without a `keeper`, what has left the program's process group is not ended with it.
+/// Runs a program until it ends, or until `timeout`. `words` are the program and its arguments.
+/// Without a `keeper`, processes that have left the program's process group are not ended with it.
 pub fn run(words: &[String], timeout: Duration, keeper: Option<&Keeper>) -> Ran {
     let (reader, writer) = match pipe() {
         Ok(ends) => ends,

@@ -1,4 +1,4 @@
-//! What can go wrong with the store, and how to mend it.
+//! Errors of the store, with remedies.
 
 use std::fmt;
 use std::io;
