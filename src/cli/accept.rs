@@ -55,11 +55,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         let (word, detail) = match &entry.change {
             Change::New { damaged: false } => ("new", "its first golden".to_owned()),
             Change::New { damaged: true } => ("new", "the old golden was damaged".to_owned()),
-            Change::Unchanged => (
-                "unchanged",
-                "left as it was, with its old reason".to_owned(),
-            ),
-            Change::SamePicture => ("recorded", "same picture; scene or plan changed".to_owned()),
+            Change::Unchanged => ("unchanged", "kept, with its old reason".to_owned()),
+            Change::SamePicture => ("recorded", "same image; scene or plan changed".to_owned()),
             Change::Replaced(difference) => ("replaced", difference.clone()),
         };
         let detail = if entry.resumed {
@@ -76,7 +73,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     {
         let folder = suite.golden_folder();
         text.push_str(&format!(
-            "\nNow look at the pictures in {}.\n",
+            "\nNow look at the images in {}.\n",
             folder.display()
         ));
     }

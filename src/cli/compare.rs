@@ -53,7 +53,7 @@ pub struct Arguments {
 fn percent(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(percent) if percent > 0.0 && percent < 100.0 => Ok(percent),
-        _ => Err("a resolution is a number of percent above 0 and below 100".to_owned()),
+        _ => Err("a resolution is a percentage above 0 and below 100".to_owned()),
     }
 }
 
@@ -93,13 +93,14 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let mut note = "";
     let codes = |picture: &Picture| matches!(picture, Picture::Codes(_));
     if gate.depends_on_exposure() && codes(&reference) != codes(&test) {
-        note = "\nradiance was turned into 8 bits at the exposure given with --exposure (default 0): it must be\nthe one the .png was made with\n";
+        note = "\nradiance was converted to 8 bits at the exposure given with --exposure (default \
+            0): it must be\nthe exposure of the .png\n";
     }
     if let Some(path) = &arguments.heatmap {
         if reference.size() == test.size() {
             write_heatmap(path, &reference, &test, arguments.exposure)?;
         } else {
-            note = "\nno heat map: images of two sizes cannot be laid over each other\n";
+            note = "\nno heat map: the images differ in size\n";
         }
     }
     let result = CaseResult {

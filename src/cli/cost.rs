@@ -110,7 +110,7 @@ fn failure(scene: &str, error: &CostError) -> Failure {
 fn page(costs: &[Cost], machine: Option<&Machine>) -> String {
     let words: Vec<String> = std::env::args().skip(1).collect();
     report::cost_html(&report::CostPage {
-        title: "What accuracy costs",
+        title: "Cost of accuracy",
         command: &format!("volref {}", shell_words::join(words)),
         costs,
         machine,
@@ -148,8 +148,8 @@ fn seconds(text: &str) -> Result<f64, String> {
 /// Number of timed runs.
 fn runs(text: &str) -> Result<usize, String> {
     match text.parse() {
-        Ok(1) => Err("one run has no spread: take 2 or more, or 0 for no times".to_owned()),
+        Ok(1) => Err("one run has no spread: give 2 or more, or 0 for no timings".to_owned()),
         Ok(runs @ 0..=1000) => Ok(runs),
-        _ => Err("a number of runs from 2 to 1000, or 0 for no times".to_owned()),
+        _ => Err("a number of runs from 2 to 1000, or 0 for no timings".to_owned()),
     }
 }

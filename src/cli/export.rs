@@ -44,7 +44,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     write_all(folder, &export).map_err(|error| {
         let message = format!("cannot write into {}: {error}", folder.display());
-        let help = "nothing was written; give a folder that can be made or written to";
+        let help = "nothing was written; give a folder that can be created or written to";
         Failure::new(Exit::BadInput, message, Some(help))
     })?;
     let commands = commands(format, folder, &export);
@@ -73,7 +73,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 
 impl From<Refusal> for Failure {
     fn from(refusal: Refusal) -> Failure {
-        let help = "nothing was written; leave these out of the scene, or say them another way";
+        let help =
+            "nothing was written; remove these from the scene, or express them in another way";
         Failure::new(Exit::BadInput, refusal.to_string(), Some(help))
     }
 }

@@ -330,7 +330,7 @@ fn describe(info: &Info) -> String {
     if let (Some(min), Some(max), Some(mean)) = (values.min, values.max, values.mean) {
         row("values", summary(min, max, mean));
     }
-    let mut signs = format!("{} zero, {} not", values.zeros, values.non_zeros);
+    let mut signs = format!("{} zero, {} nonzero", values.zeros, values.non_zeros);
     if values.negative > 0 {
         signs.push_str(&format!(", {} of them negative", values.negative));
     }

@@ -159,7 +159,7 @@ pub fn check_no_input(path: &Path) -> Result<(), Failure> {
         "cannot write {}: it is an input of this command",
         path.display()
     );
-    let help = "it is as it was; give another file";
+    let help = "it is unchanged; give another file";
     Err(Failure::new(Exit::BadInput, message, Some(help)))
 }
 
@@ -181,7 +181,7 @@ fn check_target(path: &Path) -> Result<(), Failure> {
 pub fn make_folder(folder: &Path) -> Result<(), Failure> {
     let failed = |error| {
         bad_input(format!(
-            "cannot make the folder {}: {error}",
+            "cannot create the folder {}: {error}",
             folder.display()
         ))
     };

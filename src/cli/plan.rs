@@ -39,7 +39,7 @@ fn forced(name: &str) -> Result<Forced, String> {
         return Ok(None);
     }
     let effect = name.parse().map(Some);
-    effect.map_err(|error: String| format!("{error}; or all, for every one that is null"))
+    effect.map_err(|error: String| format!("{error}; or all, for all that are null"))
 }
 
 /// The plan for `panel` with what is `forced`.
@@ -258,7 +258,7 @@ fn describe(plan: &Plan<'_>, expected: &PredictedWork, work: Option<&Counters>) 
         ));
     }
     if !plan.approximations.is_empty() {
-        text.push_str("\napproximations asked for\n");
+        text.push_str("\napproximations requested\n");
     }
     for of in &plan.approximations {
         let line = of

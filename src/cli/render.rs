@@ -73,9 +73,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .any(|plan| plan.is_sampled() || arguments.reference && is_radiative(plan));
     let film = with_threads(arguments.threads, || {
         let advice = if is_sampled {
-            "--spp N takes less, with more noise"
+            "--spp N is faster, with more noise"
         } else {
-            "fewer pixels in [film] take less"
+            "fewer pixels in [film] are faster"
         };
         let bar = progress::image("rendering", advice, &warnings_of_all(&plans));
         let film = if arguments.reference {
@@ -112,7 +112,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     if !is_sampled && (arguments.spp.is_some() || arguments.seed.is_some()) {
         text.push_str(
-            "note: this scene is rendered without random numbers; --spp and --seed change nothing\n",
+            "note: this scene is rendered without random numbers; --spp and --seed have no \
+            effect\n",
         );
     }
     let value = json!({
@@ -145,7 +146,7 @@ fn brightness_note(film: &Film, format: FilmFormat, exposure: f64) -> Option<Str
         .filter(|&brightest| brightest > 0.0)
         .collect();
     if lit.is_empty() {
-        let empty = "note: the image is black: no ray meets anything that emits light\n";
+        let empty = "note: the image is black: no ray reaches anything that emits light\n";
         return Some(empty.to_owned());
     }
     // The brightest hundredth of what is lit: a single hot pixel says nothing.
@@ -154,7 +155,7 @@ fn brightness_note(film: &Film, format: FilmFormat, exposure: f64) -> Option<Str
     let stops = (-math::log2(bright)).round();
     if format == FilmFormat::Png && stops - exposure >= 2.0 {
         return Some(format!(
-            "note: the picture is dark; --exposure {stops} shows it better\n"
+            "note: the image is dark; --exposure {stops} shows it better\n"
         ));
     }
     None
@@ -165,7 +166,7 @@ fn format_of(path: &Path) -> Result<FilmFormat, Failure> {
     let is_written = |format: &FilmFormat| matches!(format, FilmFormat::Exr | FilmFormat::Png);
     FilmFormat::of(path).filter(is_written).ok_or_else(|| {
         bad_input(format!(
-            "{}: not an image by its extension: written are .exr (linear radiance) and .png (preview)",
+            "{}: unknown image extension: use .exr (linear radiance) or .png (preview)",
             path.display()
         ))
     })
@@ -177,7 +178,9 @@ fn set_step(scene: &mut Scene, step: Length) -> Result<(), Failure> {
         match &mut panel.model {
             Model::Classified(classified) => classified.set_step(step).map_err(fail)?,
             Model::Curve(_) => return Err(fail("a plot of the curve has no steps".into())),
-            Model::Radiative(_) => return Err(fail("light in media is not found by steps".into())),
+            Model::Radiative(_) => {
+                return Err(fail("participating media are not rendered in steps".into()));
+            }
         }
     }
     Ok(())

@@ -104,8 +104,8 @@ pub fn check_not_golden(path: &Path, suite: &Suite) -> Result<(), Failure> {
     if !is_below(path, &suite.golden_folder()) {
         return Ok(());
     }
-    let message = format!("{} lies among the goldens", path.display());
-    let help = "goldens change by `volref accept` alone; write the report elsewhere";
+    let message = format!("{} is in the folder of the goldens", path.display());
+    let help = "only `volref accept` changes goldens; write the report elsewhere";
     Err(Failure::new(Exit::BadInput, message, Some(help)))
 }
 

@@ -101,7 +101,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 fn budget(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if (0.0..=1e9).contains(&seconds) => Ok(seconds),
-        _ => Err("the time for a search is a number of seconds; 0 is for none".to_owned()),
+        _ => Err("the time for a search is a number of seconds; 0 means no search".to_owned()),
     }
 }
 
@@ -135,7 +135,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     };
     let mut judged = judge_all(&cases, &store, &source, &arguments, &said);
     if judged.is_empty() {
-        let message = "there is no image of any of these cases: nothing was compared";
+        let message = "no image of these cases was found: nothing was compared";
         let help = "images are named family/name.exr or name.exr; `volref list` shows the cases";
         return Err(Failure::new(Exit::Undecided, message, Some(help)));
     }
@@ -253,7 +253,7 @@ impl<'a> Source<'a> {
         if let Some(folder) = &arguments.outputs {
             if !folder.is_dir() {
                 let message = format!("there is no folder {}", folder.display());
-                let help = "--outputs takes the folder that holds the images";
+                let help = "--outputs takes the folder of the images";
                 return Err(Failure::new(Exit::BadInput, message, Some(help)));
             }
             let outputs = Outputs::list(folder, names).map_err(bad_input)?;
@@ -268,12 +268,12 @@ impl<'a> Source<'a> {
         let temporary = tempfile::Builder::new()
             .prefix("volref-")
             .tempdir()
-            .map_err(|error| bad_input(format!("cannot make a temporary folder: {error}")))?;
+            .map_err(|error| bad_input(format!("cannot create a temporary folder: {error}")))?;
         let images = temporary.path().join("images");
         let folder = arguments.keep.as_ref().unwrap_or(&images);
         let folder = std::fs::create_dir_all(folder)
             .and_then(|()| absolute(folder))
-            .map_err(|error| bad_input(format!("cannot make the folder for images: {error}")))?;
+            .map_err(|error| bad_input(format!("cannot create the folder for images: {error}")))?;
         Ok(Source::Renderer(RendererRun {
             arguments,
             template,
@@ -363,7 +363,7 @@ fn image_of(folder: &Path, case: &Case, extension: &str) -> PathBuf {
 fn read(outputs: &Outputs, folder: &Path, case: &Case) -> Output {
     match outputs.find(&case.name) {
         Ok(None) => Output::Missing(format!(
-            "there is no image of this case in {}: name it {}.exr (or .pfm, .npy, .png)",
+            "no image of this case in {}: name it {}.exr (or .pfm, .npy, .png)",
             folder.display(),
             case.name
         )),
@@ -387,7 +387,7 @@ fn last_words(printed: &str) -> String {
     if last.is_empty() {
         return String::new();
     }
-    let mut text = String::from("; the last it printed:");
+    let mut text = String::from("; its last output:");
     for line in last {
         // It may hold anything, escape sequences too.
         let plain = line.chars().filter(|letter| !letter.is_control());
@@ -424,9 +424,9 @@ impl RendererRun<'_> {
             Err(error) => return Output::Unusable(error.to_string()),
         };
         match read(&outputs, &self.folder, case) {
-            Output::Missing(_) => Output::Missing(
-                "the renderer ended well, but wrote no image to {output}".to_owned(),
-            ),
+            Output::Missing(_) => {
+                Output::Missing("the renderer succeeded, but wrote no image to {output}".to_owned())
+            }
             // As far as is known, it did what it was asked for.
             Output::Picture(picture) if self.asks_for_samples() => {
                 Output::Picture(Box::new(picture.with_samples(self.arguments.spp)))

@@ -52,7 +52,7 @@ impl Gate for Deterministic {
             ),
             (
                 "outlier_share",
-                "The same as a share of all pixels; at most 0.0002 may be.",
+                "The same as a fraction of all pixels; at most 0.0002 are allowed.",
             ),
             (
                 "max_abs_error",
@@ -60,8 +60,8 @@ impl Gate for Deterministic {
             ),
             (
                 "worst_in_tolerances",
-                "How many tolerances the worst pixel is off; above 1 it disagrees, above 20 the \
-                 image fails.",
+                "Difference of the worst pixel in tolerances; above 1 the pixel disagrees, above \
+                20 the image fails.",
             ),
             (
                 "worst_column",
@@ -141,8 +141,8 @@ fn judge(reference: &Film, test: &Film) -> Judgement {
 
     let (passed, reason) = if share > OUTLIERS {
         let reason = format!(
-            "{outside} of {count} pixels ({:.3} %) are off by more than 0.001 + 1 %; at most \
-             0.02 % may be. The worst is ({column}, {row}), {:.1} times the tolerance",
+            "{outside} of {count} pixels ({:.3} %) differ by more than 0.001 + 1 %; 0.02 % are \
+            allowed. The worst is ({column}, {row}), {:.1} times the tolerance",
             100.0 * share,
             worst.1
         );
@@ -170,7 +170,8 @@ fn judge(reference: &Film, test: &Film) -> Judgement {
         (false, reason)
     } else {
         let reason = format!(
-            "{outside} of {count} pixels are outside 0.001 + 1 %; the largest difference is \
+            "{outside} of {count} pixels differ by more than 0.001 + 1 %; the largest difference \
+            is \
              {largest:.3e}"
         );
         (true, reason)

@@ -21,13 +21,10 @@ impl Gate for Exact {
 
     fn metrics(&self) -> &'static [Metric] {
         &[
-            (
-                "moved_pixels",
-                "Pixels of which any bit of the colour differs.",
-            ),
+            ("moved_pixels", "Pixels whose colour differs in any bit."),
             (
                 "moved_opacities",
-                "Pixels of which any bit of the opacity differs.",
+                "Pixels whose opacity differs in any bit.",
             ),
             (
                 "max_abs_error",
@@ -74,7 +71,7 @@ fn judge(reference: &Film, test: &Film) -> Judgement {
         format!("all {count} pixels have the same bits")
     } else {
         format!(
-            "{moved} of {count} pixels have other colours and {opacity_moved} another opacity; \
+            "{moved} of {count} pixels differ in colour and {opacity_moved} in opacity; \
              the largest difference of a channel is {largest:.3e}"
         )
     };

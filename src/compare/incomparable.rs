@@ -10,7 +10,7 @@ use crate::film::Film;
 /// The metric of images that are not finite.
 pub(super) const NON_FINITE: Metric = (
     "non_finite_pixels",
-    "Pixels that hold NaN or infinity; none may.",
+    "Pixels with NaN or infinity; none are allowed.",
 );
 
 /// A failed judgement where two images cannot be compared.

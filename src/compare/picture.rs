@@ -28,7 +28,7 @@ pub enum PictureError {
         error: std::io::Error,
     },
     /// A directory, or a device.
-    #[error("{path}: cannot be read: this is {what}, and an image is a file")]
+    #[error("{path}: cannot be read: this is {what}, not an image file")]
     NotAFile {
         /// Where.
         path: String,
@@ -66,8 +66,8 @@ pub enum PictureError {
     /// Two images without noise under the gate for noise.
     #[error(
         "the stochastic gate needs the noise of at least one image: an .exr with the layers \
-         variance (of the mean; R, G, B) and samples (per pixel), as volref renders of 2 samples \
-         or more have them"
+         variance (of the mean; R, G, B) and samples (per pixel), as volref writes them from 2 \
+         samples on"
     )]
     NeedsNoise,
 }

@@ -141,8 +141,8 @@ fn text_and_command(
         let samples = samples_for(sweep, error);
         if samples <= MOST_SAMPLES {
             let text = format!(
-                "nothing that was measured is enough, which is up to {}; if noise goes on to fall \
-                 as the root of the samples, some {} of them will do{}",
+                "no measured setting is enough, up to {}; if noise continues to fall as the root \
+                of the samples, about {} samples will do{}",
                 finest.setting,
                 in_words(samples),
                 given.relative(finest.work.price() * samples / finest.value)
@@ -167,7 +167,7 @@ fn text_and_command(
 }
 
 /// Of a sweep that ended early.
-const NO_TIME: &str = "no setting that there was time for is fine enough";
+const NO_TIME: &str = "no setting measured in the time given is fine enough";
 
 /// A count or a ratio with two or three digits that say something.
 fn in_words(number: f64) -> String {
@@ -245,8 +245,9 @@ mod tests {
         let advice = recommendation(1e-4, &sweep, &given, Path::new("fog.toml"));
         assert_eq!(
             advice.text,
-            "for an error of 1e-4 nothing that was measured is enough, which is up to 64 samples; \
-             if noise goes on to fall as the root of the samples, some 63 million of them will do: \
+            "for an error of 1e-4 no measured setting is enough, up to 64 samples; \
+             if noise continues to fall as the root of the samples, about 63 million samples will \
+             do: \
              984375 times the work of the scene's own 64 samples"
         );
         assert_eq!(advice.command, None);

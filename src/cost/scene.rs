@@ -127,7 +127,7 @@ fn panel_cost(
     let timed = cost.studies.iter().flat_map(|study| &study.sweeps);
     let mut levels = timed.flat_map(|sweep| &sweep.levels);
     if options.clock.runs > 0 && levels.all(|level| level.time.is_none()) {
-        let note = "times were not taken: the time given was over";
+        let note = "times were not measured: the budget was used up";
         cost.notes.push(note.to_owned());
     }
     cost.recommendations = advice::recommendations(&cost, panel, path);
@@ -175,7 +175,7 @@ impl Inquiry<'_> {
     fn has_time(&mut self, step: &str, missing: &str) -> bool {
         let is_over = self.options.clock.is_over();
         if is_over {
-            self.note(&format!("{missing}: the time given was over"));
+            self.note(&format!("{missing}: the budget was used up"));
         } else {
             (self.report)(step);
         }

@@ -144,7 +144,7 @@ fn run_sweeps(planned: &[PlannedSweep<'_>], truth: &Truth<'_>, clock: &Clock) ->
             if clock.is_over() {
                 let count = sweep.settings.len();
                 cuts[at].get_or_insert_with(|| {
-                    format!("the time given was over after {index} of {count} settings")
+                    format!("the budget was used up after {index} of {count} settings")
                 });
                 continue;
             }

@@ -328,8 +328,8 @@ impl MitsubaWriter<'_> {
                     (Form::Sphere { centre, radius }, Some(inward))
                 }
                 _ => {
-                    let what = "a box or mesh that emits light on both sides; of a box or \
-                                closed mesh, say `sides = \"front\"`";
+                    let what = "a box or mesh that emits light on both sides; for a box or closed \
+                    mesh, set `sides = \"front\"`";
                     self.faults.add(key, what);
                     continue;
                 }

@@ -25,8 +25,8 @@ pub enum FilmError {
     },
     /// The contents are not what the extension says.
     #[error(
-        "named .{extension}, but it begins like {really}: name it after what it is, or write it \
-         as one of the formats that are read (.exr, .pfm, .npy, .png)"
+        "named .{extension}, but it begins like {really}: give it the right extension, or write \
+        one of the supported formats (.exr, .pfm, .npy, .png)"
     )]
     Disguised {
         /// Extension of the file.
@@ -80,11 +80,11 @@ pub enum FilmError {
     #[error("the noise of the image cannot be read: {0}")]
     Noise(&'static str),
     /// Replicates that are not independent renderings of one image.
-    #[error("no independent renderings of one picture: {0}")]
+    #[error("not independent renderings of one image: {0}")]
     Replicates(String),
     /// An unknown file extension.
     #[error(
-        "not an image by its extension: known are .exr, .pfm and .npy (linear radiance) and .png \
+        "unknown image extension: supported are .exr, .pfm and .npy (linear radiance) and .png \
          (8-bit sRGB)"
     )]
     Format,

@@ -18,7 +18,9 @@ pub(super) fn unreadable(error: exr::error::Error) -> FilmError {
     let reason = match error.to_string().as_str() {
         // The words of the crate for the end of a file before the end of the image.
         "invalid: reference to missing bytes" => "the file ends too early".to_owned(),
-        "invalid: file identifier missing" => "it does not begin like one".to_owned(),
+        "invalid: file identifier missing" => {
+            "it does not begin with the signature of the format".to_owned()
+        }
         other => other.to_owned(),
     };
     FilmError::unreadable("EXR", reason)

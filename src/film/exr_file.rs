@@ -24,9 +24,9 @@ const VARIANCE: [&str; 3] = ["variance.R", "variance.G", "variance.B"];
 /// Channel with the number of samples, the same in every pixel.
 const SAMPLES: &str = "samples.Y";
 /// Without the number of samples a variance tells nothing about rare light that was missed.
-const NO_COUNT: &str = "there are variances, but no channel samples.Y: of how many samples a \
-                        pixel? Write that number into it, the same everywhere; or give several \
-                        renderings of other seeds in place of variances";
+const NO_COUNT: &str = "there are variances, but no channel samples.Y: write the number of \
+samples per pixel into it, the same everywhere; or give several renderings with different seeds \
+in place of variances";
 
 pub(super) fn encode(film: &Film) -> Result<Vec<u8>, FilmError> {
     let channel = |name: &str, values: Vec<f32>| AnyChannel::new(name, FlatSamples::F32(values));
@@ -248,7 +248,7 @@ impl PixelWindow {
                     "the data of this EXR cover {covered} of the {width} × {height} pixels of its \
                      display window"
                 ),
-                "write both windows alike",
+                "make both windows equal",
             ));
         }
         Ok(frame)
@@ -295,11 +295,13 @@ fn count(samples: &FlatSamples) -> Result<u32, FilmError> {
     };
     let first = counts.first().copied().unwrap_or(0.0);
     if counts.iter().any(|&count| count != first) {
-        return Err(FilmError::Noise("not every pixel has as many samples"));
+        return Err(FilmError::Noise(
+            "the number of samples differs between pixels",
+        ));
     }
     if !(first >= 2.0 && first <= f64::from(u32::MAX) && first.fract() == 0.0) {
         return Err(FilmError::Noise(
-            "the number of samples is no whole number of at least 2",
+            "the number of samples must be a whole number of at least 2",
         ));
     }
     Ok(first as u32)

@@ -88,9 +88,10 @@ pub(super) fn encode(film: &Film) -> Vec<u8> {
 
 /// The text of the header, and the data.
 fn split(bytes: &[u8]) -> Result<(&str, &[u8]), FilmError> {
-    let cut_off = || unreadable("its header is cut off");
+    let cut_off = || unreadable("its header is truncated");
     let rest = bytes.strip_prefix(b"\x93NUMPY");
-    let rest = rest.ok_or_else(|| unreadable("it does not begin like one"))?;
+    let rest =
+        rest.ok_or_else(|| unreadable("it does not begin with the signature of the format"))?;
     let (&[version, minor], rest) = rest.split_first_chunk().ok_or_else(cut_off)?;
     let (length, rest) = match version {
         1 => {
@@ -111,7 +112,7 @@ fn split(bytes: &[u8]) -> Result<(&str, &[u8]), FilmError> {
         return Err(unreadable(reason));
     }
     let (text, data) = rest.split_at_checked(length).ok_or_else(cut_off)?;
-    let text = std::str::from_utf8(text).map_err(|_| unreadable("its header is no text"))?;
+    let text = std::str::from_utf8(text).map_err(|_| unreadable("its header is not text"))?;
     Ok((text, data))
 }
 
@@ -276,7 +277,7 @@ fn unsuited_type(descr: &str) -> FilmError {
             "they are never run; save np.asarray(image, dtype=np.float32)",
         ),
         _ => (
-            "numbers of a kind that is not read",
+            "numbers of an unsupported type",
             "save image.astype(np.float32)",
         ),
     };

@@ -22,9 +22,9 @@ fn word(bytes: &[u8]) -> Result<(&str, &[u8]), FilmError> {
     let bytes = &bytes[start.unwrap_or(bytes.len())..];
     let mut first = bytes.iter().take(LONGEST_WORD + 1);
     let end = first.position(|byte| byte.is_ascii_whitespace());
-    let end = end.ok_or_else(|| unreadable("its header is cut off, or none"))?;
+    let end = end.ok_or_else(|| unreadable("its header is truncated or missing"))?;
     let word = std::str::from_utf8(&bytes[..end]);
-    let word = word.map_err(|_| unreadable("its header is no text"))?;
+    let word = word.map_err(|_| unreadable("its header is not text"))?;
     Ok((word, &bytes[end..]))
 }
 
@@ -32,7 +32,7 @@ fn length<'b>(bytes: &'b [u8], what: &str) -> Result<(usize, &'b [u8]), FilmErro
     let (text, rest) = word(bytes)?;
     let length = text.parse();
     let length =
-        length.map_err(|_| unreadable(format!("{text:?} is no whole number of {what}")))?;
+        length.map_err(|_| unreadable(format!("{text:?} is not a whole number of {what}")))?;
     Ok((length, rest))
 }
 
@@ -48,7 +48,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
     let (text, rest) = word(rest)?;
     let scale: f32 = text.parse().unwrap_or(f32::NAN);
     if !scale.is_finite() || scale == 0.0 {
-        let reason = format!("its scale is {text:?}, which is no number other than 0");
+        let reason = format!("its scale is {text:?}, not a number other than 0");
         return Err(unreadable(reason));
     }
     let expected = width * height * channels * 4;

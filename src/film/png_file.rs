@@ -126,7 +126,7 @@ fn check_meaning(info: &png::Info) -> Result<(), FilmError> {
     if info.animation_control.is_some() {
         return Err(FilmError::unsuited(
             "this PNG is animated",
-            "write the one image that is meant",
+            "write a single image",
         ));
     }
     match other_codes(info) {

@@ -24,10 +24,10 @@ pub struct Camera {
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum CameraError {
     /// Eye and target coincide.
-    #[error("the camera stands at its target, so it looks nowhere")]
+    #[error("the camera is at its target, so it has no direction")]
     NoDirection,
     /// `up` is zero or parallel to the viewing direction.
-    #[error("`up` is parallel to the viewing direction, so the image has no upright")]
+    #[error("`up` is parallel to the viewing direction, so the image has no up direction")]
     NoUpright,
 }
 

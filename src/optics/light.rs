@@ -86,7 +86,7 @@ pub struct Spot {
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum SpotError {
     /// The zero vector, or one that is not finite.
-    #[error("the spotlight points nowhere: its target is where it stands")]
+    #[error("the spotlight has no direction: its target is its position")]
     NoDirection,
     /// Angles out of range or order.
     #[error(

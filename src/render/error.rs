@@ -20,8 +20,8 @@ pub enum RenderError {
     /// A density look-up exceeded its majorant.
     #[error(
         "the density of a medium exceeded its majorant {violations} times, first in pixel \
-         ({column}, {row}): the image would be biased and not look it. This is a fault of \
-         volref; please report it with the scene"
+         ({column}, {row}): the image would be biased and not look it. This is a bug in volref; \
+         please report it with the scene"
     )]
     Majorant {
         /// Number of such look-ups, in all pixels; each pixel stops at its first such path.
@@ -72,7 +72,7 @@ pub enum RenderError {
     /// A pixel that is not finite, or negative.
     #[error(
         "pixel ({column}, {row}) is {value:?}: radiance must be finite and not negative. \
-         This is a fault of volref; please report it with the scene"
+         This is a bug in volref; please report it with the scene"
     )]
     NoRadiance {
         /// Column, from the left.
@@ -83,6 +83,6 @@ pub enum RenderError {
         value: [f32; 4],
     },
     /// The rendering was cancelled.
-    #[error("the image was given up before it was finished")]
+    #[error("the rendering was cancelled")]
     Stopped,
 }

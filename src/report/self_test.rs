@@ -16,7 +16,7 @@ pub fn self_test_text(test: &SelfTest) -> String {
         .map(|row| row.mistake.len())
         .max()
         .unwrap_or(0);
-    text.push_str("\nmistakes: x caught, . missed, blank no occasion, ? not tried\n");
+    text.push_str("\nmistakes: x caught, . missed, blank not applicable, ? not tried\n");
     let digits =
         |shown: fn(usize) -> String| -> String { (1..=test.cases.len()).map(shown).collect() };
     let tens = digits(|number| match number / 10 {
@@ -35,7 +35,7 @@ pub fn self_test_text(test: &SelfTest) -> String {
         text.push_str(format!("  {:<widest$}  {marks}", row.mistake).trim_end());
         text.push('\n');
     }
-    text.push_str("\nwhat is right\n");
+    text.push_str("\ncorrect images\n");
     for row in &test.benign {
         let asked = row.accepted + row.rejected.len();
         text.push_str(&format!(
@@ -48,7 +48,7 @@ pub fn self_test_text(test: &SelfTest) -> String {
     }
     for unusable in &test.unusable {
         text.push_str(&format!(
-            "\n{} cannot be asked: {}\n",
+            "\n{} cannot be tested: {}\n",
             unusable.case, unusable.reason
         ));
     }
@@ -60,7 +60,7 @@ pub fn self_test_text(test: &SelfTest) -> String {
     }
     let rejected: usize = test.benign.iter().map(|row| row.rejected.len()).sum();
     text.push_str(&format!(
-        "\n{} mistakes caught, {} not; {rejected} honest pictures rejected\n",
+        "\n{} mistakes caught, {} not; {rejected} correct images rejected\n",
         caught(test),
         test.uncaught.len()
     ));

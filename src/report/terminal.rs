@@ -120,8 +120,8 @@ pub fn summary_text(results: &[CaseResult]) -> String {
         .any(|result| result.metrics.contains_key(ERROR_OF_TOLERANCE))
     {
         text.push_str(
-            "\nThe number is the error of what is known beforehand, as a share of what it may be: \
-             0 is exact, 1 the edge.\n",
+            "\nThe number is the error as a fraction of its tolerance: 0 is exact, 1 is the \
+            limit.\n",
         );
     }
     let summary = Summary::of(results);

@@ -8,9 +8,9 @@ use crate::math;
 use glam::DVec3;
 
 /// The declaration of `[camera]`.
-pub(super) const CAMERA: Table = Table::new("The pinhole camera. Left out: one that sees the whole of a classified volume from the front; a radiative scene needs one.").keys(&[
+pub(super) const CAMERA: Table = Table::new("The pinhole camera. By default it sees the whole of a classified volume from the front; required in a radiative scene.").keys(&[
     Key::derived("eye", Kind::Vector, "before the volume on the −z side, or the −y side where `up` is along z, as near as shows all of it")
-        .doc("Where the camera stands, world units; required in a radiative scene."),
+        .doc("Position of the camera, world units; required in a radiative scene."),
     Key::derived("target", Kind::Vector, "volume centre")
         .doc("The point in the middle of the image, world units; required in a radiative scene."),
     Key::or("up", Kind::Vector, "[0.0, 1.0, 0.0]")
@@ -52,8 +52,8 @@ impl View {
                 reader.mistake(
                     name,
                     format!("missing key `{name}` in [camera]"),
-                    "a radiative scene has no size that a camera could follow from: give `eye`, \
-                     where the camera stands, and `target`, what it looks at",
+                    "a radiative scene has no default camera: give `eye`, its position, and \
+                    `target`, the point it looks at",
                 )
             })
         };

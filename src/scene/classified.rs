@@ -18,9 +18,9 @@ pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities
     Key::or("interpolation", Kind::Choice(&["trilinear", "nearest"]), "'trilinear'")
         .doc("How densities and gradients between the nodes follow from those at the nodes."),
     Key::or("compositing", Kind::Choice(&["front-to-back", "back-to-front"]), "'front-to-back'")
-        .doc("The order in which the samples of a ray are put together; both give the same image but for rounding."),
+        .doc("Order in which the samples of a ray are composited; both give the same image up to rounding."),
     Key::optional("early_termination", Kind::Number(Range::open(0.0, 1.0)))
-        .doc("Ends a ray where less than this share of the light behind is let through: less work, and pixels that are off by less than this share of the brightest radiance. With `compositing = \"front-to-back\"` only. Left out: no ray is ended early."),
+        .doc("Ends a ray where its transmittance falls below this value: less work, and pixels that are off by less than this fraction of the brightest radiance. With `compositing = \"front-to-back\"` only. If left out, no ray is ended early."),
     Key::or("step", Kind::Length, "'0.5 voxels'")
         .doc("Distance between samples along a ray, world units or voxels."),
     Key::or("background", Kind::Colour(Range::at_least(0.0)), "[0.0, 0.0, 0.0]")
@@ -28,9 +28,9 @@ pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities
     Key::optional("light", Kind::Table(&LIGHT))
         .doc("The white point light, without fall-off; used by shading and shadow."),
     Key::optional("phong", Kind::Table(&PHONG))
-        .doc("Shades samples by their gradient. Left out: colours stay unshaded and no gradient is computed."),
+        .doc("Shades samples by their gradient. If left out, colours stay unshaded and no gradient is computed."),
     Key::optional("shadow", Kind::Table(&SHADOW))
-        .doc("Darkens each sample by the densities between it and the light. Left out: no shadow ray is traced."),
+        .doc("Darkens each sample by the densities between it and the light. If left out, no shadow ray is traced."),
 ]);
 
 const LIGHT: Table = Table::new("A white point light without fall-off.").keys(&[Key::derived(
@@ -38,12 +38,12 @@ const LIGHT: Table = Table::new("A white point light without fall-off.").keys(&[
     Kind::Vector,
     "above the eye, upwards in the image, as high as the target is far",
 )
-.doc("Where the light stands, world units.")]);
+.doc("Position of the light, world units.")]);
 
 const PHONG: Table =
     Table::new("Phong's reflection model; the normal is minus the density gradient.").keys(&[
         Key::or("ambient", Kind::Number(Range::at_least(0.0)), "0.1")
-            .doc("Share of the light that reaches every side."),
+            .doc("Weight of the ambient term, the same on every side."),
         Key::or("diffuse", Kind::Number(Range::at_least(0.0)), "1.0")
             .doc("Weight of the cosine between normal and light."),
         Key::or("specular", Kind::Number(Range::at_least(0.0)), "1.0")
@@ -134,8 +134,8 @@ impl Classified {
             (None, compositing) => compositing,
             (Some(below), Compositing::FrontToBack) => Compositing::EarlyTermination(below),
             (Some(_), _) => {
-                let message = "back to front, a ray cannot be ended early: what the eye sees \
-                               first comes last";
+                let message = "back to front, a ray cannot be ended early: the sample nearest to \
+                the eye comes last";
                 return Err(reader.error("early_termination", message));
             }
         };
@@ -146,8 +146,8 @@ impl Classified {
         let light = reader.table_or_default("light")?;
         let light = light.vector_or("position", || above(&camera, target))?;
         if !light.is_finite() {
-            let message = "the target is so far away that the light, as high above the eye, \
-                           would be beyond all numbers";
+            let message = "the target is so far away that the default light, as high above the \
+            eye, would overflow";
             let help = "move `target` nearer, along the same direction, or give \
                         `classified.light.position`";
             return Err(camera_reader.mistake("target", message, help));

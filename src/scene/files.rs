@@ -119,7 +119,8 @@ impl<'p> Files<'p> {
         });
         let text = String::from_utf8(bytes).map_err(|error| {
             let offset = error.utf8_error().valid_up_to();
-            let message = format!("{name} is not text: byte {offset} begins no UTF-8 character");
+            let message =
+                format!("{name} is not text: byte {offset} does not begin a UTF-8 character");
             reader.error("file", message)
         })?;
         Ok((path.display().to_string(), text))

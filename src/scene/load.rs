@@ -21,7 +21,7 @@ use toml::de::{DeTable, DeValue};
 /// The declaration of a scene file.
 pub const SCENE: Table = Table::new("A scene of volref: one model, the camera and the image.").keys(&[
     Key::optional("title", Kind::Text)
-        .doc("What the picture shows, in words."),
+        .doc("Description of the image."),
     Key::optional("film", Kind::Table(&FILM))
         .doc("The image."),
     Key::optional("camera", Kind::Table(&CAMERA))
@@ -29,7 +29,7 @@ pub const SCENE: Table = Table::new("A scene of volref: one model, the camera an
     Key::optional("sampling", Kind::Table(&SAMPLING))
         .doc("Random numbers; for radiative scenes only."),
     Key::optional("transfer_function", Kind::Table(&TRANSFER_FUNCTION))
-        .doc("What a density looks like; not for radiative scenes."),
+        .doc("Colour and opacity by density; not for radiative scenes."),
     Key::optional("classified", Kind::Table(&CLASSIFIED))
         .doc("Model: a classified volume."),
     Key::optional("radiative", Kind::Table(&RADIATIVE))
@@ -37,7 +37,7 @@ pub const SCENE: Table = Table::new("A scene of volref: one model, the camera an
     Key::optional("curve", Kind::Table(&CURVE))
         .doc("Model: a plot of the transfer function."),
     Key::optional("panel", Kind::Overrides)
-        .doc("Several pictures side by side: each panel is the scene with the keys of the panel put in their places."),
+        .doc("Several images side by side: each panel is the scene with the keys of the panel replaced."),
 ]).rules(&[Rule::ExactlyOne("model", &["classified", "radiative", "curve"])]);
 
 const FILM: Table = Table::new("The image; with panels, each of them.").keys(&[
@@ -152,7 +152,8 @@ impl Scene {
         let mut heights = panels.iter().map(|panel| panel.height);
         if let Some(odd) = heights.position(|height| height != panels[0].height) {
             let message = format!(
-                "panels stand side by side and must be of one height, but panel 1 has {} rows and panel {} has {}",
+                "panels are side by side and must have the same height, but panel 1 has {} rows \
+                and panel {} has {}",
                 panels[0].height,
                 odd + 1,
                 panels[odd].height
@@ -231,7 +232,7 @@ fn panel_tables<'s>(
     }
     let table = |item: &Spanned<DeValue<'s>>| match item.get_ref() {
         DeValue::Table(over) if over.contains_key("panel") => {
-            Err(document.error(Some(item.span()), "a panel holds no panels", None))
+            Err(document.error(Some(item.span()), "a panel cannot contain panels", None))
         }
         DeValue::Table(over) => Ok(Spanned::new(item.span(), overridden(&base, over))),
         _ => Err(not_tables(item.span())),
@@ -319,12 +320,12 @@ fn read_classified(
 
 fn read_radiative(root: &Reader, reader: &Reader, files: &mut Files) -> SceneResult<Radiative> {
     if root.has("transfer_function") {
-        let message = "a radiative scene has no densities that a transfer function could map";
+        let message = "a radiative scene has no densities for a transfer function";
         return Err(root.error("transfer_function", message));
     }
     let Some(camera) = root.table("camera")? else {
         let message = "a radiative scene needs a camera";
-        let help = "give [camera] with `eye`, where it stands, and `target`, what it looks at";
+        let help = "give [camera] with `eye`, its position, and `target`, the point it looks at";
         return Err(reader.mistake_here(message, help));
     };
     let sampling = SamplingTable::read(&root.table_or_default("sampling")?)?;
@@ -336,7 +337,7 @@ fn read_curve(root: &Reader, reader: &Reader) -> SceneResult<Curve> {
     let opacity = OpacityByValue::read(&transfer_function)?;
     for unused in ["reference_length", "colormap"] {
         if transfer_function.has(unused) {
-            let message = format!("`{unused}` means nothing to a plot of the curve");
+            let message = format!("`{unused}` has no effect on a plot of the curve");
             return Err(transfer_function.error(unused, message));
         }
     }

@@ -90,7 +90,7 @@ const PARAMETERS: [Key; 10] = [
     Key::optional("maxDensity", Kind::Number(Domain::at_least(0.0)))
         .doc("the largest density, at least 0"),
     Key::optional("threshold", Kind::Number(Domain::at_least(f64::MIN)))
-        .doc("densities up to this one are taken for 0"),
+        .doc("densities up to this one count as 0"),
     Key::optional("scale", Kind::Vector)
         .doc("cells of the first octave per world length along x, y and z: three numbers"),
     Key::optional("offset", Kind::Vector)
@@ -179,7 +179,7 @@ impl ParameterBlock<'_, '_> {
         let names = ["sigma_a", "sigma_s"];
         if names.iter().all(|name| self.given(name).is_none()) {
             let message =
-                "the medium has neither `sigma_a` nor `sigma_s`: it does nothing to light";
+                "the medium has neither `sigma_a` nor `sigma_s`, so it has no effect on light";
             let help = "give <color name=\"sigma_a\" value=\"…\"/>, <color name=\"sigma_s\" value=\"…\"/> or both";
             let span = opening(self.document.text, medium);
             return Err(self.document.error(Some(span), message, Some(help.into())));
@@ -239,7 +239,7 @@ impl ParameterBlock<'_, '_> {
             for word in part.split_whitespace() {
                 let number = word.parse::<f64>().ok().filter(|number| number.is_finite());
                 let Some(number) = number else {
-                    let message = format!("`{name}`: {word:?} is no finite number");
+                    let message = format!("`{name}`: {word:?} is not a finite number");
                     return Err(self.mistake(name, message));
                 };
                 numbers.push(number);
@@ -341,7 +341,7 @@ fn only_medium<'a, 'i>(
                 None => (other, "the medium has no `type`".to_owned()),
             },
         };
-        let help = "what is read is one <medium type=\"procedural\">".to_owned();
+        let help = "expected one <medium type=\"procedural\">".to_owned();
         let span = opening(document.text, node);
         return Err(document.error(Some(span), message, Some(help)));
     };
@@ -436,7 +436,7 @@ fn parameter<'a>(document: &Document, element: Node<'a, '_>) -> SceneResult<Give
     for child in element.children() {
         if child.is_element() {
             let message = format!("`{}` takes no elements", parameter.name);
-            let help = "remove what stands in it".to_owned();
+            let help = "remove its contents".to_owned();
             return fail(opening(document.text, child), message, help);
         }
         check_blank(document, child)?;
@@ -675,19 +675,19 @@ mod tests {
             ),
             (
                 "<float name='gain' value='0.5f'/>",
-                "3:27: `gain`: \"0.5f\" is no finite number",
+                "3:27: `gain`: \"0.5f\" is not a finite number",
             ),
             (
                 "<float name='gain' value='NaN'/>",
-                "3:27: `gain`: \"NaN\" is no finite number",
+                "3:27: `gain`: \"NaN\" is not a finite number",
             ),
             (
                 "<float name='gain' value='-inf'/>",
-                "3:27: `gain`: \"-inf\" is no finite number",
+                "3:27: `gain`: \"-inf\" is not a finite number",
             ),
             (
                 "<float name='gain' value='1e999'/>",
-                "3:27: `gain`: \"1e999\" is no finite number",
+                "3:27: `gain`: \"1e999\" is not a finite number",
             ),
             (
                 "<float name='gain' value='0'/>",
@@ -781,7 +781,7 @@ mod tests {
             ),
             (
                 "<medium type='procedural'/>",
-                "1:1: the medium has neither `sigma_a` nor `sigma_s`: it does nothing to light",
+                "1:1: the medium has neither `sigma_a` nor `sigma_s`, so it has no effect on light",
             ),
             (
                 "<medium type='procedural' colour='red'/>",

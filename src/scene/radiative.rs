@@ -29,7 +29,7 @@ pub(super) const RADIATIVE: Table = Table::new("Surfaces, participating media an
         .doc("Scattering order of light on its way to the eye, bounces of media and surfaces together: none, one, or any number."),
     // A stream of random numbers counts the bounces of a path in 26 bits.
     Key::optional("max_bounces", Kind::Count(2, (1 << 26) - 1))
-        .doc("Scattering order at most, with `scattering = \"multiple\"`. Left out: any number of times."),
+        .doc("Scattering order at most, with `scattering = \"multiple\"`. If left out, it is unlimited."),
     Key::or("environment", Kind::Colour(Range::at_least(0.0)), "[0.0, 0.0, 0.0]")
         .doc("Linear radiance from infinitely far away, the same from every direction."),
     Key::optional("surface", Kind::Tables(&surfaces::SURFACE))
@@ -173,7 +173,7 @@ impl Radiative {
         } = View::given(camera)?;
         if eye_and_image.eye().abs().max_element() > FARTHEST {
             let message = format!(
-                "the camera stands too far away for light to be followed: coordinates up to \
+                "the camera is too far away to trace light: coordinates up to \
                  {FARTHEST:e} are accepted"
             );
             return Err(camera.mistake("eye", message, "choose another unit of length"));
@@ -235,7 +235,7 @@ fn read_scattering(reader: &Reader) -> SceneResult<Scattering> {
         ("single", None) => Ok(Scattering::Single),
         ("multiple", limit) => Ok(Scattering::Multiple(limit)),
         _ => {
-            let message = format!("`max_bounces` means nothing to {scattering} scattering");
+            let message = format!("`max_bounces` has no effect with {scattering} scattering");
             let help = "remove it, or set `scattering = \"multiple\"`";
             Err(reader.mistake("max_bounces", message, help))
         }

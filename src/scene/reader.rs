@@ -32,7 +32,7 @@ impl Length {
             Ok(length)
         } else {
             Err(format!(
-                "{self} of {voxel:e} world units each is no positive finite length"
+                "{self} of {voxel:e} world units each is not a positive finite length"
             ))
         }
     }

@@ -20,7 +20,7 @@ pub(super) const TRANSFER_FUNCTION: Table = Table::new("Opacity over the referen
         .doc("A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself."),
 ]).rules(&[Rule::Apart([&["point"], &["floor", "colormap"]])]);
 
-const POINT: Table = Table::new("What one value of the volume looks like.").keys(&[
+const POINT: Table = Table::new("Colour and opacity of one value of the volume.").keys(&[
     Key::required(
         "value",
         Kind::Number(Range::closed(f32::MIN as f64, f32::MAX as f64)),
@@ -28,8 +28,9 @@ const POINT: Table = Table::new("What one value of the volume looks like.").keys
     .doc("Value of the volume, in the unit of its file."),
     Key::required("colour", Kind::Colour(Range::at_least(0.0)))
         .doc("Linear radiance of the material before shading."),
-    Key::required("opacity", Kind::Number(Range::closed(0.0, 1.0)))
-        .doc("Share of the light behind that is taken away over the reference length."),
+    Key::required("opacity", Kind::Number(Range::closed(0.0, 1.0))).doc(
+        "Opacity over the reference length: the fraction of the light behind that is absorbed.",
+    ),
 ]);
 
 /// What a transfer function says of opacity, by whichever of the two ways.

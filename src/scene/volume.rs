@@ -15,9 +15,9 @@ pub(super) const VOLUME: Table = Table::new("The file a grid of densities comes 
     Key::or("padding", Kind::Count(0, 1024), "2")
         .doc("Point clouds only: empty nodes kept around the cloud on each side."),
     Key::optional("centring", Kind::Choice(&["nodes", "cells"]))
-        .doc("Grids only: whether the box ends at the outermost nodes, or half a spacing beyond; a .vol keeps its box, all others their nodes. Left out: as the file says, else nodes."),
+        .doc("Grids only: whether the box ends at the outermost nodes, or half a spacing beyond; a .vol keeps its box, all others their nodes. If left out, as the file says, else nodes."),
     Key::optional("replace_non_finite", Kind::Number(Range::closed(f32::MIN as f64, f32::MAX as f64)))
-        .doc("Grids only: the value that takes the place of NaN and infinity. Left out: they are an error."),
+        .doc("Grids only: the value that takes the place of NaN and infinity. If left out, they are an error."),
     Key::optional("orientation", Kind::Choice(&["world", "as-stored"]))
         .doc("Grids only: axes of the file that run along the world's are brought into order, and others refused (world, also when left out); or taken for x, y and z as they are."),
     Key::optional("detached_anywhere", Kind::Flag)

@@ -46,16 +46,16 @@ pub enum Change {
 #[derive(Debug, Diagnostic, Error)]
 pub enum AcceptError {
     /// Nobody looks at images in CI.
-    #[error("goldens are not accepted where CI is set: nobody looks at the pictures there")]
-    #[diagnostic(help("accept on your own machine, look at the pictures, commit them"))]
+    #[error("goldens are not accepted where CI is set: nobody looks at the images there")]
+    #[diagnostic(help("accept on your own machine, look at the images, commit them"))]
     Ci,
     /// An empty reason.
-    #[error("a golden changes for a reason, and none was given")]
-    #[diagnostic(help("say what was wrong before: --reason \"…\""))]
+    #[error("a golden changes only with a reason, and none was given")]
+    #[diagnostic(help("state what was wrong before: --reason \"…\""))]
     NoReason,
     /// A case could not be rendered.
     #[error("{case}: {reason}")]
-    #[diagnostic(help("nothing was accepted, the other cases neither"))]
+    #[diagnostic(help("nothing was accepted, not even the other cases"))]
     Incomplete {
         /// `family/name`.
         case: String,
@@ -93,7 +93,7 @@ pub enum AcceptError {
         reason: String,
     },
     /// An image that differs from the known answer.
-    #[error("{case}: the picture is not the answer that is known beforehand: {reason}")]
+    #[error("{case}: the image differs from the known answer: {reason}")]
     #[diagnostic(help(
         "either `answer` or `answer_within` of the manifest is wrong, or the scene, or the \
          renderer. Nothing was accepted"

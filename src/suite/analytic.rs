@@ -18,15 +18,14 @@ impl Gate for Analytic {
     }
 
     fn rule(&self) -> &'static str {
-        "The answer is known beforehand, and how far from it a number may be follows from how many \
-         roundings or samples it takes."
+        "The answer is known beforehand; the tolerance follows from the number of roundings or \
+        samples."
     }
 
     fn metrics(&self) -> &'static [Metric] {
         &[(
             ERROR_OF_TOLERANCE,
-            "Error against the answer that is known beforehand, as a share of what it may be: 0 is \
-             exact, 1 the edge.",
+            "Error of the known answer as a fraction of its tolerance: 0 is exact, 1 is the limit.",
         )]
     }
 }

@@ -43,9 +43,9 @@ pub const MANIFEST: Table = Table::new("A case: a scene, where it comes from, an
     Key::required("source", Kind::Text)
         .doc("Document and figure that is reproduced."),
     Key::required("shows", Kind::Text)
-        .doc("What one should see in a right image."),
+        .doc("Features of a correct image."),
     Key::required("computes", Kind::Text)
-        .doc("Exactly what is computed, where the source leaves gaps or holds slips."),
+        .doc("The exact computation, where the source has gaps or mistakes."),
     Key::required("class", Kind::Choice(&[DETERMINISTIC, STOCHASTIC]))
         .doc("Deterministic: rendered without random numbers. Stochastic: each pixel is a mean of random samples."),
     Key::optional("converged_samples", Kind::Count(64, 1 << 24))
@@ -57,7 +57,7 @@ pub const MANIFEST: Table = Table::new("A case: a scene, where it comes from, an
     Key::or("mean_resolution", Kind::Number(Range::open(0.0, 1.0)), "0.02")
         .doc("Stochastic cases: bias of the mean of the whole image that the gate promises to see, relative to that mean plus 0.001. Images too noisy for that are neither passed nor failed."),
     Key::optional("answer", Kind::Colour(Range::at_least(0.0)))
-        .doc("Radiance that every pixel has, where it is known beforehand. `volref verify` holds the image to it, beside the golden; of a stochastic case the golden itself, in the mean of the whole image, to four standard errors."),
+        .doc("Radiance that every pixel has, where it is known beforehand. `volref verify` compares the image with it, beside the golden; of a stochastic case the golden itself, in the mean of the whole image, to four standard errors."),
     Key::optional("answer_within", Kind::Number(Range::open(0.0, 1.0)))
         .doc("Deterministic cases with an `answer`, and required there: how far from it a pixel may be, relative to it."),
     Key::optional("mistakes", Kind::Words)
@@ -139,7 +139,7 @@ pub struct Suite {
 #[derive(Debug, Diagnostic, Error)]
 pub enum SuiteError {
     /// No folder of manifests.
-    #[error("{} holds no suite: there is no folder {CASES}", .0.display())]
+    #[error("{} contains no suite: there is no folder {CASES}", .0.display())]
     #[diagnostic(help("go to the folder of the suite, or name it with --suite DIR"))]
     NoSuite(PathBuf),
     /// The folder cannot be read.
@@ -431,7 +431,7 @@ fn read_mistakes(reader: &Reader) -> SceneResult<Vec<String>> {
             let nearest =
                 mistakes::catalogue().min_by_key(|m| strsim::damerau_levenshtein(m.name, name));
             let nearest = nearest.map_or("", |mistake| mistake.name);
-            let message = format!("{name:?} is no mistake of the catalogue");
+            let message = format!("{name:?} is not a mistake of the catalogue");
             let help = format!("did you mean {nearest:?}? `volref selftest` shows them all");
             return Err(reader.mistake("mistakes", message, help));
         }
@@ -471,7 +471,7 @@ fn read_sampling(reader: &Reader, is_stochastic: bool) -> SceneResult<Option<Cas
             "mean_resolution",
         ] {
             if reader.has(name) {
-                let message = format!("`{name}` means nothing to a deterministic case");
+                let message = format!("`{name}` has no effect in a deterministic case");
                 return Err(reader.error(name, message));
             }
         }

@@ -224,7 +224,7 @@ fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
         return None;
     };
     Some(format!(
-        "stale: {what}; look at the new picture, then accept it"
+        "stale: {what}; look at the new image, then accept it"
     ))
 }
 
@@ -235,7 +235,7 @@ fn stale_sampling(sampling: CaseSampling, quick: &Quick, golden: &Golden) -> Opt
     } else if quick.samples != sampling.quick {
         Some("the quick_samples of the case have changed since the golden was accepted")
     } else if MARGIN * provenance.error_estimate > sampling.resolution {
-        Some("the golden is too noisy for the resolution that the case promises now")
+        Some("the golden is too noisy for the resolution that the case requires now")
     } else {
         None
     }

@@ -119,7 +119,7 @@ pub struct Golden {
 #[derive(Debug, Error)]
 pub enum GoldenError {
     /// All its files are missing.
-    #[error("there is no golden yet; look at the picture, then accept it")]
+    #[error("there is no golden yet; look at the image, then accept it")]
     Missing,
     /// Some files are missing.
     #[error("the golden is incomplete: {0} is missing; restore it from version control")]
@@ -134,7 +134,8 @@ pub enum GoldenError {
     },
     /// Contents and hash do not match.
     #[error(
-        "{file} is not what was accepted: its hash is {found}, the golden says {expected}; \
+        "{file} has changed since it was accepted: its hash is {found}, the golden records \
+        {expected}; \
          restore it from version control"
     )]
     Tampered {

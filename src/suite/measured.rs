@@ -351,7 +351,7 @@ fn eight_bits_in_words((curve, count): (CodeCurve, usize)) -> String {
     };
     format!(
         "the image holds only {count} values, all of them {codes}: it was rounded to 8 bits on its way; \
-         write radiance in 16 or 32 bits a channel, or hand in a PNG"
+         write radiance in 16 or 32 bits a channel, or submit a PNG"
     )
 }
 

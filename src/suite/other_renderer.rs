@@ -32,16 +32,16 @@ enum Part {
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum TemplateError {
     /// Unclosed quotes.
-    #[error("a quote is opened and not closed in: {0}")]
+    #[error("unclosed quote in: {0}")]
     Quotes(String),
     /// An empty command.
     #[error("there is no command to run")]
     Empty,
     /// The placeholder for the image is missing.
-    #[error("the command does not say where the image goes: it has no {{output}}")]
+    #[error("the command has no {{output}}, the file for the image")]
     NoOutput,
     /// An unknown placeholder.
-    #[error("{{{name}}} stands for nothing; known are: {known}")]
+    #[error("{{{name}}} is an unknown placeholder; known are: {known}")]
     Unknown {
         /// The name in braces.
         name: String,
@@ -170,10 +170,11 @@ mod tests {
     fn what_is_no_command() {
         let error = |text: &str| CommandTemplate::parse(text).unwrap_err().to_string();
         assert_eq!(error("  "), "there is no command to run");
-        assert!(error("render 'x").starts_with("a quote is opened"));
+        assert!(error("render 'x").starts_with("unclosed quote"));
         assert!(error("render {scene}").contains("{output}"));
         assert!(
-            error("render {otput}").starts_with("{otput} stands for nothing; known are: {scene}")
+            error("render {otput}")
+                .starts_with("{otput} is an unknown placeholder; known are: {scene}")
         );
     }
 }

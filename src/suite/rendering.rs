@@ -99,8 +99,8 @@ pub(super) fn render_case(
         .map_err(|error| error.to_string())?;
     if rendering != CaseRendering::Only && film.noise().is_none() {
         return Err(
-            "the picture states no noise: panels with and without random numbers make no \
-             stochastic case together"
+            "the image states no noise: a stochastic case cannot mix panels with and without \
+            random numbers"
                 .to_owned(),
         );
     }

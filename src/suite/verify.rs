@@ -88,7 +88,7 @@ fn hold_to(answer: &Answer, film: &Film, finding: &mut CaseFinding) {
         return;
     }
     finding.reason = format!(
-        "not the answer that is known beforehand: {}\neither `answer` or `answer_within` of the \
+        "not the known answer: {}\neither `answer` or `answer_within` of the \
          manifest is wrong, or the scene, or the renderer\n{}",
         margin.worst(),
         finding.reason

@@ -106,9 +106,9 @@ fn check_length(lattice: &Lattice, bytes: u64) -> Result<(), VolumeFault> {
     }
     let [nx, ny, nz] = lattice.nodes();
     let cause = if bytes < promised {
-        "was cut short, or is not little endian"
+        "is truncated, or is not little endian"
     } else {
-        "holds something else as well, or is not float32"
+        "contains something else as well, or is not float32"
     };
     refused(format!(
         "the header promises {nx} × {ny} × {nz} float32 densities, {promised} bytes in all, and \
@@ -215,7 +215,7 @@ mod tests {
                 message(&whole[..cut]),
                 format!(
                     "the header promises 2 × 2 × 2 float32 densities, 56 bytes in all, and the \
-                     file has {cut}: it was cut short, or is not little endian"
+                     file has {cut}: it is truncated, or is not little endian"
                 )
             );
         }
@@ -224,7 +224,7 @@ mod tests {
         assert_eq!(
             message(&longer),
             "the header promises 2 × 2 × 2 float32 densities, 56 bytes in all, and the file has \
-             57: it holds something else as well, or is not float32"
+             57: it contains something else as well, or is not float32"
         );
     }
 
@@ -286,7 +286,7 @@ mod tests {
                 message(&file([2, 3, 2], [1.0; 3], &values)),
                 format!(
                     "voxel (1, 1, 1), counted as stored, holds {shown}: values must be finite, \
-                     and not beyond 3.4e38; mend it, or give a value to replace it"
+                     and not beyond 3.4e38; correct it, or give a value to replace it"
                 )
             );
         }

@@ -65,7 +65,7 @@ pub fn load_hashed(path: &Path, options: &LoadOptions) -> Result<Loaded, VolumeE
         let known = volume_formats();
         return Err(VolumeError {
             path: path.to_owned(),
-            fault: format!("not a volume by its extension: known are {known}").into(),
+            fault: format!("unknown volume extension: supported are {known}").into(),
         });
     };
     let mut source = VolumeSource::open(path)?;

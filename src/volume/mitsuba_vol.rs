@@ -37,7 +37,7 @@ fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let mut header = [0; HEADER];
     let filled = fill(source, &mut header)?;
     if !header.starts_with(&b"VOL"[..filled.min(3)]) {
-        let message = "the file does not begin with the letters VOL: it is no Mitsuba volume";
+        let message = "the file does not begin with the letters VOL: this is not a Mitsuba volume";
         return refused(message);
     }
     if filled < HEADER {
@@ -53,7 +53,8 @@ fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
 fn layout(header: &[u8; HEADER], options: &LoadOptions) -> Result<Layout, VolumeFault> {
     if header[3] != 3 {
         let version = header[3];
-        let message = format!("this is version {version} of the format, and version 3 is read");
+        let message =
+            format!("this is version {version} of the format; only version 3 is supported");
         return refused(message);
     }
     let (words, _) = header[4..].as_chunks::<4>();
@@ -256,17 +257,17 @@ mod tests {
             ),
             (
                 b"GIF89a",
-                "the file does not begin with the letters VOL: it is no Mitsuba volume",
+                "the file does not begin with the letters VOL: this is not a Mitsuba volume",
             ),
             (
                 &whole[..50],
                 "the header promises 2 × 1 × 3 samples of uint8, 6 bytes, and 2 bytes follow it: \
-                 the file was cut short, or has another type or size",
+                 the file is truncated, or has another type or size",
             ),
             (
                 &[&whole[..], b"x"].concat(),
                 "the header promises 2 × 1 × 3 samples of uint8, 6 bytes, and 7 bytes follow it: \
-                 the file holds something else as well, or has another type or size",
+                 the file contains something else as well, or has another type or size",
             ),
             (
                 &file(1, [1 << 20; 3], 1, UNIT, &[]),
@@ -304,7 +305,7 @@ mod tests {
         other[3] = 2;
         assert_eq!(
             message(&other),
-            "this is version 2 of the format, and version 3 is read"
+            "this is version 2 of the format; only version 3 is supported"
         );
     }
 

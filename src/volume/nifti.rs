@@ -56,7 +56,7 @@ fn read(source: &mut VolumeSource, compressed: bool, options: &LoadOptions) -> V
         return Ok((grid, Stored::Samples(layout)));
     }
     let trouble = |error: io::Error| {
-        format!("this is no sound gzip stream ({error}): compress the file again, or copy it again")
+        format!("the gzip stream is damaged ({error}): compress the file again, or copy it again")
             .into()
     };
     // Header and data are one stream, so it is unpacked here and read as if it were raw; how long
@@ -120,11 +120,11 @@ impl<'h> NiftiHeader<'h> {
             (348, _) => little,
             (_, 348) => big,
             (540, _) | (_, 540) => {
-                return refused("this is NIfTI-2, and NIfTI-1 is read: convert it");
+                return refused("this is NIfTI-2, but only NIfTI-1 is supported: convert it");
             }
             _ => {
-                let message = "the header does not begin with its length, 348: this is no NIfTI-1 \
-                               file";
+                let message = "the header does not begin with its length, 348: this is not a \
+                NIfTI-1 file";
                 return refused(message);
             }
         };
@@ -133,7 +133,7 @@ impl<'h> NiftiHeader<'h> {
             b"ni1\0" => {
                 "the header belongs to a pair of files, .hdr and .img: convert them to one .nii"
             }
-            _ => "the header does not end in the letters n+1: this is no NIfTI-1 file of one part",
+            _ => "the header does not end in the letters n+1: this is not a single-file NIfTI-1",
         };
         refused(message)
     }
@@ -177,8 +177,8 @@ impl<'h> NiftiHeader<'h> {
         if !three {
             let sizes: Vec<String> = sizes.iter().map(i16::to_string).collect();
             return refused(format!(
-                "the file has {} samples: a volume has three axes of one value to a sample; cut it \
-                 up",
+                "the file has {} samples: a volume has three axes and one value per sample; split \
+                the file",
                 sizes.join(" × ")
             ));
         }
@@ -282,7 +282,7 @@ impl<'h> NiftiHeader<'h> {
             ((1.0 - squares).sqrt(), b, c, d)
         } else {
             let [b, c, d] = [256, 260, 264].map(|at| self.float(at));
-            let message = format!("the qform of the header, ({b}, {c}, {d}), is no rotation");
+            let message = format!("the qform of the header, ({b}, {c}, {d}), is not a rotation");
             return refused(message);
         };
         let dz = if handedness < 0.0 { -dz } else { dz };
@@ -420,7 +420,7 @@ mod tests {
         );
         assert_eq!(
             read(&turned(1.0, 2.0)).unwrap_err().to_string(),
-            "the qform of the header, (0, 0, 2), is no rotation"
+            "the qform of the header, (0, 0, 2), is not a rotation"
         );
     }
 
@@ -466,7 +466,7 @@ mod tests {
             ),
             (
                 |b| put(b, 0, &540_i32.to_be_bytes()),
-                "this is NIfTI-2, and NIfTI-1 is read",
+                "this is NIfTI-2, but only NIfTI-1 is supported",
             ),
             (
                 |b| put(b, 344, b"ni1\0"),
@@ -535,7 +535,7 @@ mod tests {
         let whole = file(|_| {});
         assert_eq!(read(&gzip(&whole)).unwrap().values(), [1.0, 2.0, 3.0, 4.0]);
         let message = |bytes: &[u8]| read(bytes).unwrap_err().to_string();
-        assert!(message(&whole).starts_with("this is no sound gzip stream"));
+        assert!(message(&whole).starts_with("the gzip stream is damaged"));
         let short = message(&gzip(&whole[..357]));
         assert!(
             short.starts_with("the header promises 2 × 1 × 2 samples, and the data end after 2")

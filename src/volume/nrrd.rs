@@ -97,8 +97,8 @@ impl NrrdHeader {
             if number == 1 {
                 let known = ["NRRD0001", "NRRD0002", "NRRD0003", "NRRD0004", "NRRD0005"];
                 if !known.contains(&text.as_ref()) {
-                    let message = "the file does not begin with NRRD0001 to NRRD0005: it is no \
-                                   NRRD file";
+                    let message = "the file does not begin with NRRD0001 to NRRD0005: this is not \
+                    an NRRD file";
                     return refused(message);
                 }
                 continue;
@@ -222,7 +222,7 @@ impl Fields {
         let (_, field) = known.ok_or_else(|| {
             let name = shortened(&name);
             fault(format!(
-                "{name:?} is no field of the format: correct it, or put `#` before it"
+                "{name:?} is not a field of the format: correct it, or put `#` before it"
             ))
         })?;
         if self.0.iter().any(|(other, ..)| other == field) {
@@ -344,7 +344,7 @@ impl Fields {
             "hex" => Err(unread("hex")),
             "bzip2" | "bz2" => Err(unread("bzip2")),
             _ => Err(field.fault(&format!(
-                "{:?} is no encoding of the format: known are raw, gzip, text, hex and bzip2",
+                "{:?} is not an encoding of the format: known are raw, gzip, text, hex and bzip2",
                 shortened(field.value)
             ))),
         }
@@ -506,8 +506,8 @@ fn kept_axes(
     kept.try_into().map_err(|_| {
         let sizes: Vec<String> = sizes.iter().map(u64::to_string).collect();
         format!(
-            "the file has {} axes, of {} samples: a volume has three axes of one value to a \
-             sample; cut it up",
+            "the file has {} axes, of {} samples: a volume has three axes and one value per \
+            sample; split the file",
             sizes.len(),
             sizes.join(" × ")
         )
@@ -704,8 +704,8 @@ mod tests {
                 "dimension: 3\nsizes: 2 2 1",
                 "dimension: 4\nsizes: 2 2 2 2"
             )),
-            "the file has 4 axes, of 2 × 2 × 2 × 2 samples: a volume has three axes of one value \
-             to a sample; cut it up"
+            "the file has 4 axes, of 2 × 2 × 2 × 2 samples: a volume has three axes and one value \
+            per sample; split the file"
         );
         assert!(message(&with("3\nsizes: 2 2 1", "2\nsizes: 2 2")).contains("has 2 axes"));
     }
@@ -766,7 +766,7 @@ mod tests {
             (
                 "type: uchar",
                 "typ: uchar",
-                "2: \"typ\" is no field of the format",
+                "2: \"typ\" is not a field of the format",
             ),
             (
                 "type: uchar",
@@ -817,7 +817,7 @@ mod tests {
             (
                 "encoding: raw",
                 "encoding: zip",
-                "5: \"zip\" is no encoding of the format",
+                "5: \"zip\" is not an encoding of the format",
             ),
             (
                 "NRRD0004",

@@ -49,7 +49,8 @@ pub fn read_obj_points(bytes: &[u8]) -> Result<Vec<CloudPoint>, VolumeFault> {
         } else {
             let word = keyword.text();
             return Err(keyword.fault(format!(
-                "{word:?} is no keyword of the OBJ format: points begin with `v`; remove the line \
+                "{word:?} is not a keyword of the OBJ format: points begin with `v`; remove the \
+                line \
                  or put `#` before it"
             )));
         }
@@ -94,7 +95,7 @@ fn point(keyword: &Word, numbers: &[Word]) -> Result<CloudPoint, VolumeFault> {
     let weight = if numbers.len() == 4 { density } else { 1.0 };
     if weight < 0.0 {
         return Err(numbers[3].fault(format!(
-            "the density is {weight}, and must not be negative: mend or remove this point"
+            "the density is {weight}, and must not be negative: correct or remove this point"
         )));
     }
     Ok(CloudPoint {
@@ -131,7 +132,7 @@ impl Word<'_> {
         let number = number.and_then(|text| text.parse::<f64>().ok());
         let fault = match number {
             Some(number) if number.is_finite() => return Ok(number),
-            Some(_) => "not finite: mend or remove this point",
+            Some(_) => "not finite: correct or remove this point",
             None => "not a number: write it like 0.5 or 5e-1",
         };
         Err(self.fault(format!("{name} is {:?}, which is {fault}", self.text())))
@@ -317,7 +318,7 @@ mod tests {
             assert_eq!(
                 message(text.as_bytes()),
                 format!(
-                    "{position}: \"{shown}\" is no keyword of the OBJ format: points begin with \
+                    "{position}: \"{shown}\" is not a keyword of the OBJ format: points begin with \
                      `v`; remove the line or put `#` before it"
                 )
             );
@@ -361,7 +362,7 @@ mod tests {
             ),
             (
                 "v 1 2 3 -0.5",
-                "1:9: the density is -0.5, and must not be negative: mend or remove this point",
+                "1:9: the density is -0.5, and must not be negative: correct or remove this point",
             ),
             (
                 "v 1 2 3 0 x 0",

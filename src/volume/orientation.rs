@@ -92,9 +92,9 @@ impl Axes {
                 let axis = stored + 1;
                 let degrees = atan2(length_of(off), direction[along].abs()).to_degrees();
                 return refused(format!(
-                    "axis {axis} of the file is turned by {degrees:.4} degrees against the nearest \
-                     axis of the world: resample the volume along x, y and z, or ask for its axes \
-                     as stored"
+                    "axis {axis} of the file is rotated by {degrees:.4} degrees from the nearest \
+                    axis of the world: resample the volume along x, y and z, or use its axes as \
+                    stored"
                 ));
             }
             if let Some((other, _)) = from[along] {
@@ -232,8 +232,8 @@ mod tests {
         let turned = DVec3::new(0.6, 0.8, 0.0);
         assert_eq!(
             error([turned, DVec3::new(-0.8, 0.6, 0.0), DVec3::Z]),
-            "axis 1 of the file is turned by 36.8699 degrees against the nearest axis of the \
-             world: resample the volume along x, y and z, or ask for its axes as stored"
+            "axis 1 of the file is rotated by 36.8699 degrees from the nearest axis of the world: \
+            resample the volume along x, y and z, or use its axes as stored"
         );
         assert_eq!(
             error([DVec3::X, -DVec3::X, DVec3::Z]),

@@ -31,7 +31,7 @@ const MOST_BYTES: u64 = 1 << 20;
 
 /// Bare samples by their description.
 pub(super) const BARE_SAMPLES: VolumeFormat = VolumeFormat {
-    name: "bare samples, described in TOML",
+    name: "raw samples, described in TOML",
     extensions: &[".toml"],
     is_point_cloud: false,
     read,
@@ -309,6 +309,6 @@ mod tests {
             "`header_bytes` is 3, and the file of the samples has 2 bytes"
         );
         assert!(message(&[0; 6]).starts_with("the header promises 2 × 1 × 1 samples of int16, 4"));
-        assert!(message(&[0; 8]).contains("holds something else as well"));
+        assert!(message(&[0; 8]).contains("contains something else as well"));
     }
 }

@@ -150,7 +150,7 @@ pub(super) fn read_unpacked(
 ) -> Result<Grid<f32>, VolumeFault> {
     let trouble = |error: io::Error| {
         let message = "compress the file again, or copy it again";
-        format!("the data are no sound gzip stream ({error}): {message}").into()
+        format!("the gzip stream of the data is damaged ({error}): {message}").into()
     };
     read_as(layout, options, &mut |samples| {
         samples.check_density(length, MOST_EXPANSION)?;
@@ -215,9 +215,9 @@ impl<'l> Samples<'l> {
         }
         let (count, element) = (self.sizes(), self.layout.element.name());
         let cause = if found < promised {
-            "was cut short, or has another type or size"
+            "is truncated, or has another type or size"
         } else {
-            "holds something else as well, or has another type or size"
+            "contains something else as well, or has another type or size"
         };
         refused(format!(
             "the header promises {count} samples of {element}, {promised} bytes, and {found} bytes \
@@ -344,7 +344,7 @@ impl<'l> Samples<'l> {
                 let value = scaling.map_or(stored, |(slope, intercept)| slope * stored + intercept);
                 refused(format!(
                     "voxel ({i}, {j}, {k}), counted as stored, holds {value}: values must be \
-                     finite, and not beyond 3.4e38; mend it, or give a value to replace it"
+                     finite, and not beyond 3.4e38; correct it, or give a value to replace it"
                 ))
             }
         }
@@ -404,7 +404,7 @@ impl<'l> Samples<'l> {
         let (count, found) = (self.sizes(), self.values.len());
         format!(
             "the header promises {count} samples, and the data end after {found} of them: the file \
-             was cut short, or has another type or size"
+             is truncated, or has another type or size"
         )
         .into()
     }
@@ -414,7 +414,7 @@ impl<'l> Samples<'l> {
         let count = self.sizes();
         format!(
             "the data go on after the {count} samples that the header promises: no more is \
-             unpacked; the file holds something else as well, or has another type or size"
+             unpacked; the file contains something else as well, or has another type or size"
         )
         .into()
     }
@@ -569,13 +569,19 @@ mod tests {
         assert_eq!(
             message([3, 3, 1], &sound),
             "the header promises 3 × 3 × 1 samples, and the data end after 8 of them: the file \
-             was cut short, or has another type or size"
+             is truncated, or has another type or size"
         );
-        assert!(message([2, 2, 2], &sound[..sound.len() - 5]).contains("gzip stream"));
+        assert!(
+            message([2, 2, 2], &sound[..sound.len() - 5])
+                .contains("the gzip stream of the data is damaged")
+        );
         let mut wrong_sum = sound.clone();
         wrong_sum[sound.len() - 8] ^= 1;
-        assert!(message([2, 2, 2], &wrong_sum).contains("gzip stream"));
-        assert!(message([2, 2, 2], b"not gzip at all").contains("gzip stream"));
+        assert!(message([2, 2, 2], &wrong_sum).contains("the gzip stream of the data is damaged"));
+        assert!(
+            message([2, 2, 2], b"not gzip at all")
+                .contains("the gzip stream of the data is damaged")
+        );
     }
 
     #[test]
@@ -596,7 +602,7 @@ mod tests {
         assert_eq!(
             with(NonFinite::Refused).unwrap_err().to_string(),
             "voxel (1, 0, 0), counted as stored, holds NaN: values must be finite, and not beyond \
-             3.4e38; mend it, or give a value to replace it"
+             3.4e38; correct it, or give a value to replace it"
         );
         assert_eq!(
             with(NonFinite::Replaced(-7.0)).unwrap(),

@@ -44,9 +44,7 @@ impl<'b> VolumeSource<'b> {
             path: path.to_owned(),
             fault: match error {
                 OpenError::Missing(_) => "there is no such file".into(),
-                OpenError::NotAFile(what) => {
-                    format!("this is {what}, and a volume is a file").into()
-                }
+                OpenError::NotAFile(what) => format!("this is {what}, not a volume file").into(),
                 OpenError::Refused(error) => error.into(),
             },
         })?;
@@ -85,8 +83,8 @@ impl<'b> VolumeSource<'b> {
     ) -> Result<&mut VolumeSource<'b>, VolumeFault> {
         let outside = |name: &str| {
             format!(
-                "its data are in {name:?}, outside its folder, and nobody asked to read there: \
-                 move the file beside the header, or allow detached_anywhere"
+                "its data are in {name:?}, outside its folder, which is not allowed: move the \
+                file beside the header, or allow detached_anywhere"
             )
         };
         let inside = |part| matches!(part, Component::Normal(_) | Component::CurDir);
@@ -102,7 +100,7 @@ impl<'b> VolumeSource<'b> {
             return Err(outside(&elsewhere.display().to_string()).into());
         }
         let opened = VolumeSource::open(&other)
-            .map_err(|error| format!("the file of its data cannot be had: {error}"))?;
+            .map_err(|error| format!("the file of its data cannot be opened: {error}"))?;
         Ok(self.data.insert(Box::new(opened)))
     }
 

@@ -18,7 +18,7 @@ fn new_goldens() {
     new        plots/curve: its first golden
     new        smoke/plain: its first golden
 
-    Now look at the pictures in golden.
+    Now look at the images in golden.
     ");
     let files: Vec<_> = suite
         .files()
@@ -47,7 +47,7 @@ fn unchanged_goldens_keep_their_files_and_reasons() {
     assert_shown!(run.shown(), @r"
     exit code 0
     --- stdout
-    unchanged  smoke/plain: left as it was, with its old reason
+    unchanged  smoke/plain: kept, with its old reason
     ");
     assert_eq!(suite.files(), before);
 }
@@ -76,7 +76,7 @@ fn another_scene_with_the_same_picture_is_recorded() {
     assert_shown!(run.shown(), @r"
     exit code 0
     --- stdout
-    recorded   smoke/plain: same picture; scene or plan changed
+    recorded   smoke/plain: same image; scene or plan changed
     ");
     assert_eq!(reasons("reason").unwrap(), of_the_picture);
     assert_eq!(reasons("record_reason").unwrap(), "world units read better");
@@ -107,17 +107,17 @@ fn replaced_goldens_remember_what_they_replaced() {
         {
           "change": "replaced",
           "name": "smoke/nearest",
-          "reason": "4 of 120 pixels have other colours and 4 another opacity; the largest difference of a channel is 5.625e-1"
+          "reason": "4 of 120 pixels differ in colour and 4 in opacity; the largest difference of a channel is 5.625e-1"
         },
         {
           "change": "replaced",
           "name": "smoke/plain",
-          "reason": "16 of 120 pixels have other colours and 16 another opacity; the largest difference of a channel is 1.742e-1"
+          "reason": "16 of 120 pixels differ in colour and 16 in opacity; the largest difference of a channel is 1.742e-1"
         },
         {
           "change": "replaced",
           "name": "smoke/shadow",
-          "reason": "30 of 120 pixels have other colours and 16 another opacity; the largest difference of a channel is 1.464e-1"
+          "reason": "30 of 120 pixels differ in colour and 16 in opacity; the largest difference of a channel is 1.464e-1"
         }
       ],
       "schema": "volref/accept/1"
@@ -194,7 +194,7 @@ fn a_golden_that_cannot_be_read_is_made_new() {
     new        plots/curve: the old golden was damaged
     new        smoke/plain: the old golden was damaged
 
-    Now look at the pictures in golden.
+    Now look at the images in golden.
     ");
     assert_eq!(suite.volref(&["verify"]).code, 0);
 }

@@ -125,7 +125,7 @@ fn grids() {
         ),
         (
             &[&whole[..], b"more"].concat(),
-            &["the file has 60", "holds something else"],
+            &["the file has 60", "contains something else"],
         ),
         // 2^60 voxels: refused by the header, before anything is allocated.
         (&bomb, &["1048576 × 1048576 × 1048576"]),

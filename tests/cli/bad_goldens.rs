@@ -53,9 +53,9 @@ fn missing_and_incomplete() {
     ]);
     assert_shown!(shown, @r"
     missing       smoke/plain [seconds]
-                  there is no golden yet; look at the picture, then accept it
+                  there is no golden yet; look at the image, then accept it
     missing       smoke/plain [seconds]
-                  there is no golden yet; look at the picture, then accept it
+                  there is no golden yet; look at the image, then accept it
     error         smoke/plain [seconds]
                   the golden is incomplete: golden/smoke/plain.exr is missing; restore it from version control
     error         smoke/plain [seconds]
@@ -89,7 +89,7 @@ fn images_that_cannot_be_read() {
     error         smoke/plain [seconds]
                   golden/smoke/plain.exr: not a readable EXR image: the file ends too early; restore it from version control
     error         smoke/plain [seconds]
-                  golden/smoke/plain.exr: not a readable EXR image: it does not begin like one; restore it from version control
+                  golden/smoke/plain.exr: not a readable EXR image: it does not begin with the signature of the format; restore it from version control
     ");
 }
 
@@ -132,15 +132,15 @@ fn images_that_were_changed() {
     ]);
     assert_shown!(shown, @"
     error         smoke/plain [seconds]
-                  golden/smoke/plain.exr is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
+                  golden/smoke/plain.exr has changed since it was accepted: its hash is [hash], the golden records [hash]; restore it from version control
     error         smoke/plain [seconds]
-                  golden/smoke/plain.exr is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
+                  golden/smoke/plain.exr has changed since it was accepted: its hash is [hash], the golden records [hash]; restore it from version control
     error         smoke/plain [seconds]
-                  golden/smoke/plain.png is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
+                  golden/smoke/plain.png has changed since it was accepted: its hash is [hash], the golden records [hash]; restore it from version control
     error         smoke/plain [seconds]
                   golden/smoke/plain.exr: the image has 6 × 5 pixels, but golden/smoke/plain.toml says 12 × 10; restore it from version control
     error         smoke/plain [seconds]
-                  golden/smoke/plain.toml is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
+                  golden/smoke/plain.toml has changed since it was accepted: its hash is [hash], the golden records [hash]; restore it from version control
     ");
 }
 
@@ -174,15 +174,15 @@ fn provenance_that_was_changed() {
     error         smoke/plain [seconds]
                   golden/smoke/plain.toml: unknown field `signed_off_by`, expected one of `schema`, `case`, `reason`, `record_reason`, `replaces`, `pixels`, `preview`, `exposure`, `scene`, `plan`, `omitted`, `width`, `height`, `samples`, `seed`, `error_estimate`, `volref`, `libm`, `target`, `seal`, `inputs`, `quick`; restore it from version control
     error         smoke/plain [seconds]
-                  golden/smoke/plain.toml is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
+                  golden/smoke/plain.toml has changed since it was accepted: its hash is [hash], the golden records [hash]; restore it from version control
     error         smoke/plain [seconds]
-                  golden/smoke/plain.toml is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
+                  golden/smoke/plain.toml has changed since it was accepted: its hash is [hash], the golden records [hash]; restore it from version control
     error         smoke/plain [seconds]
-                  golden/smoke/plain.toml is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
+                  golden/smoke/plain.toml has changed since it was accepted: its hash is [hash], the golden records [hash]; restore it from version control
     error         smoke/plain [seconds]
-                  golden/smoke/plain.toml is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
+                  golden/smoke/plain.toml has changed since it was accepted: its hash is [hash], the golden records [hash]; restore it from version control
     error         smoke/plain [seconds]
-                  golden/smoke/plain.toml is not what was accepted: its hash is [hash], the golden says [hash]; restore it from version control
+                  golden/smoke/plain.toml has changed since it was accepted: its hash is [hash], the golden records [hash]; restore it from version control
     "#);
 }
 
@@ -202,11 +202,11 @@ fn stale() {
     ]);
     assert_shown!(shown, @r"
     error         smoke/plain [seconds]
-                  stale: the scene has changed since the golden was accepted; look at the new picture, then accept it
+                  stale: the scene has changed since the golden was accepted; look at the new image, then accept it
     error         smoke/plain [seconds]
-                  stale: the scene has changed since the golden was accepted; look at the new picture, then accept it
+                  stale: the scene has changed since the golden was accepted; look at the new image, then accept it
     error         smoke/plain [seconds]
-                  stale: the scene has changed since the golden was accepted; look at the new picture, then accept it
+                  stale: the scene has changed since the golden was accepted; look at the new image, then accept it
     ");
 }
 
@@ -355,7 +355,7 @@ fn reports_are_not_written_over_goldens_or_cases() {
     ] {
         let option = format!("{option}={path}");
         let run = suite.volref(&["verify", &option]);
-        run.expect(2, &["lies among the goldens"]);
+        run.expect(2, &["is in the folder of the goldens"]);
     }
     assert_eq!(suite.files(), before);
 }

@@ -105,7 +105,7 @@ fn wrong_types() {
     scene.toml:1:9: `panel` takes tables in double brackets, [[panel]]
     scene.toml:1:9: `panel` takes tables in double brackets, [[panel]]
     scene.toml:1:10: `panel` takes tables in double brackets, [[panel]]
-    scene.toml:1:10: a panel holds no panels
+    scene.toml:1:10: a panel cannot contain panels
     "#);
 }
 
@@ -161,7 +161,7 @@ fn out_of_range() {
     scene.toml:9:8: a step of 2e-13 world units means up to 1.0e13 samples on a ray through a volume 2.0688 across; at most 1e8 are accepted help: `classified.step`: Distance between samples along a ray, world units or voxels.
     scene.toml:9:14: `background` must not be negative, got [0, -1, 0] help: `classified.background`: Linear radiance behind the volume.
     scene.toml:9:14: `background` must be finite, got inf help: `classified.background`: Linear radiance behind the volume.
-    scene.toml:10:11: `ambient` must be finite and at least 0, got -0.1 help: `classified.phong.ambient`: Share of the light that reaches every side.
+    scene.toml:10:11: `ambient` must be finite and at least 0, got -0.1 help: `classified.phong.ambient`: Weight of the ambient term, the same on every side.
     scene.toml:10:13: `shininess` must lie in [1, 1048576], got 0 help: `classified.phong.shininess`: Exponent of the highlight, a whole number.
     scene.toml:9:16: `vertical_fov` must lie in (0, 180), got 0 help: `camera.vertical_fov`: Full angle between the top and bottom edge of the image, degrees.
     scene.toml:9:16: `vertical_fov` must lie in (0, 180), got 180 help: `camera.vertical_fov`: Full angle between the top and bottom edge of the image, degrees.
@@ -216,10 +216,10 @@ fn missing_and_contradictory() {
     scene.toml:9:1: the file has more than one model: [classified], [curve] help: keep exactly one of [classified], [curve]
     scene.toml: the file has no model help: give one of [classified], [radiative], [curve]
     scene.toml:12:14: `resolution` applies to point clouds; "cloud.bin" brings a grid of its own help: `classified.volume.resolution`: Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.
-    scene.toml:9:7: the camera stands at its target, so it looks nowhere help: `camera.eye`: Where the camera stands, world units; required in a radiative scene.
-    scene.toml:11:6: `up` is parallel to the viewing direction, so the image has no upright help: `camera.up`: The direction that points up in the image, any length.
-    scene.toml:9:6: `up` is parallel to the viewing direction, so the image has no upright help: `camera.up`: The direction that points up in the image, any length.
-    scene.toml:9:1: panels stand side by side and must be of one height, but panel 1 has 10 rows and panel 2 has 4
+    scene.toml:9:7: the camera is at its target, so it has no direction help: `camera.eye`: Position of the camera, world units; required in a radiative scene.
+    scene.toml:11:6: `up` is parallel to the viewing direction, so the image has no up direction help: `camera.up`: The direction that points up in the image, any length.
+    scene.toml:9:6: `up` is parallel to the viewing direction, so the image has no up direction help: `camera.up`: The direction that points up in the image, any length.
+    scene.toml:9:1: panels are side by side and must have the same height, but panel 1 has 10 rows and panel 2 has 4
     "#);
 }
 
@@ -262,10 +262,10 @@ fn transfer_functions_by_points() {
     scene.toml:6:9: a table of points needs at least one help: `transfer_function.point`: A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself.
     scene.toml:6:9: `point` takes tables in double brackets, [[…]], got table help: `transfer_function.point`: A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself.
     scene.toml:6:9: `point` takes tables in double brackets, [[…]], got array help: `transfer_function.point`: A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself.
-    scene.toml:6:10: missing key `opacity` in [transfer_function.point[0]] help: `transfer_function.point[0].opacity`: Share of the light behind that is taken away over the reference length.
+    scene.toml:6:10: missing key `opacity` in [transfer_function.point[0]] help: `transfer_function.point[0].opacity`: Opacity over the reference length: the fraction of the light behind that is absorbed.
     scene.toml:6:23: unknown key `color` in [transfer_function.point[0]] help: did you mean `colour`?
-    scene.toml:6:45: `opacity` must lie in [0, 1], got 1.5 help: `transfer_function.point[0].opacity`: Share of the light behind that is taken away over the reference length.
-    scene.toml:6:45: `opacity` must lie in [0, 1], got -0.5 help: `transfer_function.point[0].opacity`: Share of the light behind that is taken away over the reference length.
+    scene.toml:6:45: `opacity` must lie in [0, 1], got 1.5 help: `transfer_function.point[0].opacity`: Opacity over the reference length: the fraction of the light behind that is absorbed.
+    scene.toml:6:45: `opacity` must lie in [0, 1], got -0.5 help: `transfer_function.point[0].opacity`: Opacity over the reference length: the fraction of the light behind that is absorbed.
     scene.toml:6:20: `value` must lie in [-340282346638528860000000000000000000000, 340282346638528860000000000000000000000], got 1000000000000000000000000000000000000000 help: `transfer_function.point[0].value`: Value of the volume, in the unit of its file.
     scene.toml:6:20: `value` must be finite, got nan help: `transfer_function.point[0].value`: Value of the volume, in the unit of its file.
     scene.toml:6:32: `colour` must not be negative, got [0, -1, 0] help: `transfer_function.point[0].colour`: Linear radiance of the material before shading.
@@ -302,7 +302,7 @@ fn values_below_zero() {
     said.push_str(&(folder.volref(&["plan", "medium.toml"]).message() + "\n"));
     assert_shown!(said, @r#"
     scene.toml:5:8: scan.nrrd: voxel (0, 0, 0) holds -1000: densities must be finite and not negative help: for other values, give [[transfer_function.point]] with `value`, `colour` and `opacity`, once for each point of a table
-    medium.toml:8:8: scan.nrrd: voxel (0, 0, 0) holds -1000: densities must be finite and not negative help: a medium holds no less than nothing: shift or scale the values
+    medium.toml:8:8: scan.nrrd: voxel (0, 0, 0) holds -1000: densities must be finite and not negative help: densities must not be negative: shift or scale the values
     "#);
     folder.write("scene.toml", scene.to_owned() + points);
     let run = folder.volref(&["plan", "scene.toml"]);
@@ -344,7 +344,7 @@ fn a_plot_of_the_curve_has_no_volume() {
     said.push_str(&run.message());
     assert_shown!(said, @r"
     broken.toml:6:1: a plot of the curve has no camera help: `camera`: The eye.
-    broken.toml:7:12: `colormap` means nothing to a plot of the curve help: `transfer_function.colormap`: Colours for densities 0 to 1.
+    broken.toml:7:12: `colormap` has no effect on a plot of the curve help: `transfer_function.colormap`: Colours for densities 0 to 1.
     --step: a plot of the curve has no steps
     ");
 }

@@ -44,7 +44,7 @@ fn a_pair_that_passes() {
     exit code 0
     --- stdout
     pass  (deterministic gate)
-    0 of 128 pixels are outside 0.001 + 1 %; the largest difference is 5.960e-8
+    0 of 128 pixels differ by more than 0.001 + 1 %; the largest difference is 5.960e-8
 
       max_abs_error          0.00000005960464477539063
       mean_difference_blue   0
@@ -65,7 +65,7 @@ fn a_pair_that_fails() {
     exit code 1
     --- stdout
     fail  (deterministic gate)
-    1 of 128 pixels (0.781 %) are off by more than 0.001 + 1 %; at most 0.02 % may be. The worst is (5, 2), 285.7 times the tolerance
+    1 of 128 pixels (0.781 %) differ by more than 0.001 + 1 %; 0.02 % are allowed. The worst is (5, 2), 285.7 times the tolerance
 
       max_abs_error          1
       mean_difference_blue   0
@@ -104,7 +104,7 @@ fn json() {
             "worst_row": 2.0
           },
           "name": "hot.exr",
-          "reason": "1 of 128 pixels (0.781 %) are off by more than 0.001 + 1 %; at most 0.02 % may be. The worst is (5, 2), 285.7 times the tolerance",
+          "reason": "1 of 128 pixels (0.781 %) differ by more than 0.001 + 1 %; 0.02 % are allowed. The worst is (5, 2), 285.7 times the tolerance",
           "seconds": "[seconds]",
           "verdict": "fail",
           "work": {}
@@ -153,11 +153,11 @@ fn every_gate() {
     right.exr right.exr: pass  (exact gate)
       all 128 pixels have the same bits
     right.exr ulp.exr: fail  (exact gate)
-      128 of 128 pixels have other colours and 0 another opacity; the largest difference of a channel is 5.960e-8
+      128 of 128 pixels differ in colour and 0 in opacity; the largest difference of a channel is 5.960e-8
     right.exr ulp.exr: pass  (deterministic gate)
-      0 of 128 pixels are outside 0.001 + 1 %; the largest difference is 5.960e-8
+      0 of 128 pixels differ by more than 0.001 + 1 %; the largest difference is 5.960e-8
     right.exr hot.exr: fail  (deterministic gate)
-      1 of 128 pixels (0.781 %) are off by more than 0.001 + 1 %; at most 0.02 % may be. The worst is (5, 2), 285.7 times the tolerance
+      1 of 128 pixels (0.781 %) differ by more than 0.001 + 1 %; 0.02 % are allowed. The worst is (5, 2), 285.7 times the tolerance
     right.exr ulp.exr: pass  (perceptual gate)
       FLIP: weighted 99th percentile 0.0000 (at most 0.065), mean 0.0000 (at most 0.06)
     right.exr hot.exr: fail  (perceptual gate)
@@ -252,7 +252,7 @@ fn no_heat_map_of_two_sizes() {
     fail  (deterministic gate)
     size differs: the reference has 16 × 8 pixels, the test image 8 × 8
 
-    no heat map: images of two sizes cannot be laid over each other
+    no heat map: the images differ in size
     ");
     assert_eq!(folder.files(), before);
 }
@@ -292,8 +292,8 @@ fn images_that_cannot_be_read() {
     assert_shown!(said, @r"
     cut.exr: not a readable EXR image: the file ends too early
     cut.png: not a readable PNG image: unexpected end of file
-    text.exr: not a readable EXR image: it does not begin like one
+    text.exr: not a readable EXR image: it does not begin with the signature of the format
     text.png: not a readable PNG image: Invalid PNG signature.
-    image.jpg: not an image by its extension: known are .exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB)
+    image.jpg: unknown image extension: supported are .exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB)
     ");
 }

@@ -126,7 +126,7 @@ fn a_budget_that_is_too_small() {
     let run = folder.volref(&["cost", "cloud.scene.toml", "--budget", "0.000001"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(
-        run.stdout.contains("the time given was over"),
+        run.stdout.contains("the budget was used up"),
         "{}",
         run.stdout
     );

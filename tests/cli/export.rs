@@ -102,7 +102,7 @@ fn what_cannot_be_said_is_named_and_nothing_is_written() {
     exit code 2
     --- stderr
       × mitsuba cannot say radiative.medium[0]: an emissive medium
-      help: nothing was written; leave these out of the scene, or say them another way
+      help: nothing was written; remove these from the scene, or express them in another way
     "##);
     assert_eq!(folder.files(), before);
     assert!(!folder.path("out").exists());

@@ -57,7 +57,7 @@ fn rows_go_with_the_family_and_are_chosen_like_cases() {
     --- stdout
     hard  4 of 4 pass   worst 0.486 of its tolerance [seconds]
 
-    The number is the error of what is known beforehand, as a share of what it may be: 0 is exact, 1 the edge.
+    The number is the error as a fraction of its tolerance: 0 is exact, 1 is the limit.
 
     4 cases: 4 passed
     ");
@@ -70,7 +70,7 @@ fn rows_go_with_the_family_and_are_chosen_like_cases() {
     pass          hard/G3 [seconds]   0.072  through a corner, and touching an edge [16 u; exact where nothing is crossed]
     pass          hard/E8 [seconds]   0.486  a homogeneous medium by any number of steps [1e-12 by the sum of depths, 1e-10 by the product]
 
-    The number is the error of what is known beforehand, as a share of what it may be: 0 is exact, 1 the edge.
+    The number is the error as a fraction of its tolerance: 0 is exact, 1 is the limit.
 
     4 cases: 4 passed
     "#);
@@ -101,7 +101,7 @@ fn a_golden_that_is_not_the_answer_is_not_accepted_and_does_not_pass() {
     let wrong = ANSWER.replace("0.1353352832366127", "0.13534");
     let suite = suite(&manifest(&format!("{wrong}\nanswer_within = 1e-6")));
     let accepted = suite.volref(&["accept", "hard", "--reason", "first"]);
-    let wrong_green = "not the answer that is known beforehand: green of pixel (0, 0)";
+    let wrong_green = "not the known answer: green of pixel (0, 0)";
     accepted.expect(2, &["hard/g4-inside", wrong_green, "Nothing was accepted"]);
     // Accepted while nothing was known, and known since.
     suite.write("fixtures/cases/hard/g4-inside.toml", manifest(""));
@@ -143,9 +143,9 @@ fn answers_that_say_too_little_or_too_much() {
     assert_eq!(run.code, 2);
     said.push_str(&format!("{}\n", run.message()));
     insta::assert_snapshot!(said, @r#"
-    fixtures/cases/hard/g4-inside.toml:5:10: a deterministic case with an `answer` needs `answer_within` help: `answer`: Radiance that every pixel has, where it is known beforehand. `volref verify` holds the image to it, beside the golden; of a stochastic case the golden itself, in the mean of the whole image, to four standard errors.
+    fixtures/cases/hard/g4-inside.toml:5:10: a deterministic case with an `answer` needs `answer_within` help: `answer`: Radiance that every pixel has, where it is known beforehand. `volref verify` compares the image with it, beside the golden; of a stochastic case the golden itself, in the mean of the whole image, to four standard errors.
     fixtures/cases/hard/g4-inside.toml:5:17: `answer_within` without an `answer` help: `answer_within`: Deterministic cases with an `answer`, and required there: how far from it a pixel may be, relative to it.
-    fixtures/cases/hard/g4-inside.toml:5:10: `answer` must not be negative, got [-1, -1, -1] help: `answer`: Radiance that every pixel has, where it is known beforehand. `volref verify` holds the image to it, beside the golden; of a stochastic case the golden itself, in the mean of the whole image, to four standard errors.
+    fixtures/cases/hard/g4-inside.toml:5:10: `answer` must not be negative, got [-1, -1, -1] help: `answer`: Radiance that every pixel has, where it is known beforehand. `volref verify` compares the image with it, beside the golden; of a stochastic case the golden itself, in the mean of the whole image, to four standard errors.
     fixtures/cases/hard/g4-inside.toml:6:17: `answer_within` must lie in (0, 1), got 1 help: `answer_within`: Deterministic cases with an `answer`, and required there: how far from it a pixel may be, relative to it.
     fixtures/cases/hard/g4-inside.toml:7:17: the answer of a stochastic case is held to four standard errors: leave `answer_within` out help: `answer_within`: Deterministic cases with an `answer`, and required there: how far from it a pixel may be, relative to it.
     "#);
@@ -166,7 +166,7 @@ fn early_termination_is_an_approximation_with_a_bound() {
     let said: Vec<_> = said.take(2).collect();
     insta::assert_snapshot!(format!("{kernel}\n{}", said.join("\n")), @r#"
     kernel     ray caster: trilinear, front to back down to 0.01, unshaded, no shadow, empty-space skipping
-    approximations asked for
+    approximations requested
       without light behind a transmittance below 0.01: pixels are off by less than 1.000e-2  (classified.early_termination, line 9)
     "#);
     let json = folder.volref(&["plan", "scene.toml", "--json"]).json();

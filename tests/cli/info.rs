@@ -32,7 +32,7 @@ fn a_grid() {
                 20 to 266, mean 143
                 value = 0.5 · stored - 10
     values      0 to 123, mean 61.5
-                1 zero, 23 not
+                1 zero, 23 nonzero
 
     histogram
           0 to 7.688  4  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
@@ -68,7 +68,7 @@ fn a_header_and_its_data() {
     box         (-1, 2, 3) to (0.5, 4, 5), centred on nodes
     stored      uint8, raw, 2 × 3 × 4 in other order
     values      0 to 123, mean 61.5
-                1 zero, 23 not
+                1 zero, 23 nonzero
     data in     detached.raw
 
     histogram
@@ -199,7 +199,7 @@ fn files_that_are_no_volumes() {
         ("nowhere.vol", "nowhere.vol: there is no such file"),
         ("scene.toml", "scene.toml:1:2: unknown field `classified`"),
         ("detached.nhdr", "detached.raw: there is no such file"),
-        ("smoke.vdb", "smoke.vdb: not a volume by its extension"),
+        ("smoke.vdb", "smoke.vdb: unknown volume extension"),
     ] {
         folder.volref(&["info", file]).expect(2, &[part]);
     }

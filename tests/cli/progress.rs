@@ -74,8 +74,8 @@ fn a_render_of_many_samples() {
         &["rendering takes about ", "rendering, "],
     );
     let takes = lines.lines().next().unwrap();
-    let end = " on 2 threads: 4,096 pixels of 1,000,000,000 samples; --spp N takes less, with more \
-               noise";
+    let end = " on 2 threads: 4,096 pixels of 1,000,000,000 samples; --spp N is faster, with more \
+    noise";
     assert!(takes.ends_with(end), "{takes}");
     // 4 × 10¹² paths: no machine takes less than hours.
     let long = ["hours", "days", "weeks", "months", "years"];

@@ -97,7 +97,7 @@ fn samples_and_seed_change_nothing_and_say_so() {
     exit code 0
     --- stdout
     image.exr: 12 × 10 pixels in [seconds]
-    note: this scene is rendered without random numbers; --spp and --seed change nothing
+    note: this scene is rendered without random numbers; --spp and --seed have no effect
     ");
     assert_eq!(folder.read("image.exr"), folder.read("plain.exr"));
 }

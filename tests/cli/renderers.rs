@@ -62,7 +62,7 @@ fn what_a_renderer_leaves_running_is_said() {
     assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
     let number = folder.text("pid").trim().to_owned();
     let note = format!(
-        "note: when the renderer had ended, what it left running was ended too: sleep (process \
+        "note: the renderer left processes running, which were ended: sleep (process \
          {number})"
     );
     assert!(run.stdout.contains(&note), "{}", run.stdout);

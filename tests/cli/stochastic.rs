@@ -115,7 +115,7 @@ fn manifests_with_mistakes() {
         (
             "class = \"stochastic\"",
             "class = \"deterministic\"",
-            ["converged_samples", "means nothing to a deterministic case"],
+            ["converged_samples", "has no effect in a deterministic case"],
         ),
         (
             "converged_samples = 128\n",

@@ -182,7 +182,7 @@ fn what_cannot_be_used_is_refused_in_words() {
     .concat();
     insta::assert_snapshot!(said, @r#"
     bad-two-layers.exr: several layers have colours, and none is the main one: albedo, direct; write one of them without a name, or call it rgba, beauty or combined
-    bad-elsewhere.exr: the data of this EXR cover 0 of the 8 × 6 pixels of its display window; write both windows alike
+    bad-elsewhere.exr: the data of this EXR cover 0 of the 8 × 6 pixels of its display window; make both windows equal
     bad-chroma.exr: the channel BY of this EXR is subsampled: it has fewer values than pixels; write R, G and B in full
     bad-full-chroma.exr: this EXR holds luminance and chroma (Y, RY, BY); write R, G and B
     bad-deep.exr: this EXR has deep data, many samples along each ray; write a flat image, one radiance a pixel
@@ -190,7 +190,7 @@ fn what_cannot_be_used_is_refused_in_words() {
     bad-dwab.exr: this EXR is compressed with DWA, which loses digits; compress it without loss, with ZIP or PIZ, or not at all
     bad-uint8.npy: an array of whole numbers (dtype "|u1"); radiance is linear float: save what was there before it was rounded and gamma encoded, with image.astype(np.float32); or 8-bit sRGB as .png
     bad-int64.npy: an array of whole numbers (dtype "<i8"); radiance is linear float: save what was there before it was rounded and gamma encoded, with image.astype(np.float32); or 8-bit sRGB as .png
-    bad-complex.npy: an array of numbers of a kind that is not read (dtype "<c8"); save image.astype(np.float32)
+    bad-complex.npy: an array of numbers of an unsupported type (dtype "<c8"); save image.astype(np.float32)
     bad-planes.npy: an array of shape (3, 6, 8); channels come last: save np.moveaxis(image, 0, -1), of shape (height, width, 3)
     bad-stack.npy: an array of shape (1, 6, 8, 3); it is a stack of one image: save image[0]
     bad-line.npy: an array of shape (12,); an image has the shape (height, width, 3), (height, width, 4) with opacity, or (height, width) if it is grey
@@ -203,7 +203,7 @@ fn what_cannot_be_used_is_refused_in_words() {
     bad-alpha.png: the pixel (3, 1) is transparent; composite the image over the background of the scene first, or write linear radiance as .exr
     bad-grey-alpha.png: the pixel (3, 1) is transparent; composite the image over the background of the scene first, or write linear radiance as .exr
     bad-palette-alpha.png: the pixel (1, 0) is transparent; composite the image over the background of the scene first, or write linear radiance as .exr
-    bad-animated.png: this PNG is animated; write the one image that is meant
+    bad-animated.png: this PNG is animated; write a single image
     bad-crc.png: not a readable PNG image: Format error decoding Png: CRC error: expected 0x9724fbc9 have 0xcf6a00d4 while decoding ChunkType { type: IDAT, critical: true, private: false, reserved: false, safecopy: false } chunk.
     bad-palette-length.png: not a readable PNG image: its palette has 44 bytes, and colours have three each
     bad-palette-index.png: not a readable PNG image: the pixel (4, 2) has the colour 14 of a palette of 14
@@ -460,10 +460,10 @@ fn a_file_that_is_not_what_its_name_says() {
     })
     .concat();
     insta::assert_snapshot!(said, @r#"
-    a.exr: named .exr, but it begins like a PNG image: name it after what it is, or write it as one of the formats that are read (.exr, .pfm, .npy, .png)
-    b.PNG: named .png, but it begins like an EXR image: name it after what it is, or write it as one of the formats that are read (.exr, .pfm, .npy, .png)
-    c.npy: named .npy, but it begins like a PFM image: name it after what it is, or write it as one of the formats that are read (.exr, .pfm, .npy, .png)
-    d.pfm: named .pfm, but it begins like a NumPy array: name it after what it is, or write it as one of the formats that are read (.exr, .pfm, .npy, .png)
+    a.exr: named .exr, but it begins like a PNG image: give it the right extension, or write one of the supported formats (.exr, .pfm, .npy, .png)
+    b.PNG: named .png, but it begins like an EXR image: give it the right extension, or write one of the supported formats (.exr, .pfm, .npy, .png)
+    c.npy: named .npy, but it begins like a PFM image: give it the right extension, or write one of the supported formats (.exr, .pfm, .npy, .png)
+    d.pfm: named .pfm, but it begins like a NumPy array: give it the right extension, or write one of the supported formats (.exr, .pfm, .npy, .png)
     "#);
     let jpeg = folder.path().join("e.exr");
     std::fs::write(&jpeg, b"\xff\xd8\xff\xe0").unwrap();

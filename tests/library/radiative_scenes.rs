@@ -386,10 +386,10 @@ fn bounces() {
         ("[radiative]", "[radiative]\nscattering = \"twice\""),
     ]), @r#"
     6:15: `max_bounces` must lie in [2, 67108863], got 1
-        `radiative.max_bounces`: Scattering order at most, with `scattering = "multiple"`. Left out: any number of times.
+        `radiative.max_bounces`: Scattering order at most, with `scattering = "multiple"`. If left out, it is unlimited.
     6:15: `max_bounces` must lie in [2, 67108863], got 67108864
-        `radiative.max_bounces`: Scattering order at most, with `scattering = "multiple"`. Left out: any number of times.
-    7:15: `max_bounces` means nothing to single scattering
+        `radiative.max_bounces`: Scattering order at most, with `scattering = "multiple"`. If left out, it is unlimited.
+    7:15: `max_bounces` has no effect with single scattering
         remove it, or set `scattering = "multiple"`
     6:14: `scattering` takes one of "none", "single", "multiple", got "twice"
         `radiative.scattering`: Scattering order of light on its way to the eye, bounces of media and surfaces together: none, one, or any number.
@@ -425,11 +425,11 @@ fn coefficients() {
     13:11: the coefficients are too large: sigma_t must be finite and not negative in every channel, got [inf, inf, inf]
         give smaller coefficients, or choose another unit of length
     14:10: `albedo` must lie in [0, 1] in every channel, got [1.2, 1.2, 1.2]
-        `radiative.medium[0].albedo`: Share of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`.
+        `radiative.medium[0].albedo`: Fraction of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`.
     14:10: `albedo` must not be negative, got [0, -0.5, 0]
-        `radiative.medium[0].albedo`: Share of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`.
+        `radiative.medium[0].albedo`: Fraction of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`.
     13:11: [radiative.medium[0]] gives `sigma_t` without `albedo`
-        give `albedo` too: Share of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`.
+        give `albedo` too: Fraction of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`.
     13:10: [radiative.medium[0]] gives `albedo` without `sigma_t`
         give `sigma_t` too: Extinction per world length, absorption and scattering together; goes with `albedo`.
     14:11: [radiative.medium[0]] mixes `sigma_s` with `sigma_t`
@@ -437,9 +437,9 @@ fn coefficients() {
     15:11: [radiative.medium[0]] mixes `sigma_a`, `sigma_s` with `albedo`
         give either `sigma_a`, `sigma_s` or `sigma_t`, `albedo`
     13:5: `g` must lie in (-1, 1), got 1
-        `radiative.medium[0].g`: Mean cosine of the scattering angle (Henyey–Greenstein), between -1 and 1: positive is forward, 0 is every direction alike.
+        `radiative.medium[0].g`: Mean cosine of the scattering angle (Henyey–Greenstein), between -1 and 1: positive is forward, 0 is isotropic.
     13:5: `g` must lie in (-1, 1), got -1.5
-        `radiative.medium[0].g`: Mean cosine of the scattering angle (Henyey–Greenstein), between -1 and 1: positive is forward, 0 is every direction alike.
+        `radiative.medium[0].g`: Mean cosine of the scattering angle (Henyey–Greenstein), between -1 and 1: positive is forward, 0 is isotropic.
     13:12: `emission` must not be negative, got [-1, -1, -1]
         `radiative.medium[0].emission`: Radiance emitted per world length.
     "#);
@@ -645,7 +645,7 @@ fn densities_that_are_none() {
         block("<medium type=\"procedural\">\n  <color name=\"sigma_a\" value=\"1 1\"/>\n</medium>"),
     ];
     insta::assert_snapshot!(all.concat(), @r#"
-    12:9: a heterogeneous medium fills no shape: it would have no end
+    12:9: a heterogeneous medium needs a shape: without one it has no end
         give the medium a `box`, `sphere` or `mesh`
     12:17: none.vol: there is no such file
         `radiative.medium[0].grid.file`: Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.
@@ -666,12 +666,12 @@ fn densities_that_are_none() {
     13:40: up must be finite and not zero, got [0, 0, 0]
         `radiative.medium[0].exponential.up`: The direction of rising height, any length but 0.
     13:15: missing key `scale_height` in [radiative.medium[0].exponential]
-        `radiative.medium[0].exponential.scale_height`: Height over which the density falls by the factor e, world units.
+        `radiative.medium[0].exponential.scale_height`: Height over which the density falls by a factor of e, world units.
     14:11: an extinction of 3.5000e0 times a density of up to 1.0000e308 over a length of up to 3.4641e0 is beyond the largest number
         give smaller coefficients, densities or lengths
-    14:11: the medium is up to 1.2124e8 optical depths thick, and its density varies: light is followed through at most 1.6777e7
+    14:11: the medium is up to 1.2124e8 optical depths thick, and its density varies: light is traced through at most 1.6777e7
         give smaller coefficients, densities or lengths
-    12:8: the medium has a density and no coefficients: it does nothing to light
+    12:8: the medium has a density but no coefficients, so it has no effect on light
         give it `sigma_a`, `sigma_s` or `emission`, those of density 1
     14:17: [radiative.medium[0]] mixes `procedural` with `interpolation`
         give either `procedural` or `interpolation`
@@ -702,11 +702,11 @@ fn matter() {
         (DIFFUSE, "emitter = { radiance = -1 }"),
     ]), @r#"
     9:27: `reflectance` must lie in [0, 1] in every channel, got [1.5, 1.5, 1.5]
-        `radiative.surface[0].diffuse.reflectance`: Share of the light that is reflected, by channel, in [0, 1].
+        `radiative.surface[0].diffuse.reflectance`: Fraction of the light that is reflected, by channel, in [0, 1].
     9:27: `reflectance` must not be negative, got [0, 0, -0.1]
-        `radiative.surface[0].diffuse.reflectance`: Share of the light that is reflected, by channel, in [0, 1].
+        `radiative.surface[0].diffuse.reflectance`: Fraction of the light that is reflected, by channel, in [0, 1].
     9:11: missing key `reflectance` in [radiative.surface[0].diffuse]
-        `radiative.surface[0].diffuse.reflectance`: Share of the light that is reflected, by channel, in [0, 1].
+        `radiative.surface[0].diffuse.reflectance`: Fraction of the light that is reflected, by channel, in [0, 1].
     7:1: [radiative.surface[0]] has no material
         give one of `diffuse`, `mirror`, `glass`, `emitter`
     10:9: [radiative.surface[0]] has more than one material: `diffuse`, `glass`
@@ -826,9 +826,9 @@ fn places() {
     }
     insta::assert_snapshot!(all, @r#"
     9:9: scaling by [1, 0, 1] flattens the object; give a factor other than 0 on every axis
-        `radiative.surface[0].scale`: Stretches the shape along x, y, z about the origin, before it is turned; not 0, negative factors mirror.
+        `radiative.surface[0].scale`: Scales the shape along x, y, z about the origin, before its rotation; not 0, negative factors mirror.
     9:9: `scale` takes three numbers, such as [0, 1, 0], got integer
-        `radiative.surface[0].scale`: Stretches the shape along x, y, z about the origin, before it is turned; not 0, negative factors mirror.
+        `radiative.surface[0].scale`: Scales the shape along x, y, z about the origin, before its rotation; not 0, negative factors mirror.
     9:19: a rotation needs an axis other than the zero vector
         `radiative.surface[0].rotate.axis`: The axis, any length but 0.
     9:10: missing key `angle` in [radiative.surface[0].rotate]
@@ -836,10 +836,10 @@ fn places() {
     9:38: `angle` must be finite, got inf
         `radiative.surface[0].rotate.angle`: Degrees; anticlockwise where the axis points at the viewer.
     9:10: `rotate` takes a table, got array
-        `radiative.surface[0].rotate`: Turns the shape about an axis through the origin, after it is scaled and before it is moved.
-    8:10: scaled, turned and moved, the sphere lies where numbers are too coarse for it, or beyond the largest
+        `radiative.surface[0].rotate`: Rotates the shape about an axis through the origin, after its scaling and before its translation.
+    8:10: after its transform, the sphere lies where numbers are too coarse for it, or beyond the largest
         scale it less, or move the scene nearer to the origin
-    8:10: scaled, turned and moved, the sphere lies where numbers are too coarse for it, or beyond the largest
+    8:10: after its transform, the sphere lies where numbers are too coarse for it, or beyond the largest
         scale it less, or move the scene nearer to the origin
     9:1: unknown key `rotat` in [radiative.surface[0]]
         did you mean `rotate`?
@@ -853,9 +853,9 @@ fn places() {
         give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
     8:64: a rectangle with edges [0, 0, 0] and [0, 1, 0] has no area; give two edges that are not parallel
         `radiative.surface[0].rectangle.edge_v`: From the corner to the other neighbour, world units.
-    8:13: scaled, turned and moved: a rectangle with edges [0.000000000000000000000000000001, 0, 0] and [0, 0.000000000000000000000000000001, 0] has no area; give two edges that are not parallel
+    8:13: after its transform: a rectangle with edges [0.000000000000000000000000000001, 0, 0] and [0, 0.000000000000000000000000000001, 0] has no area; give two edges that are not parallel
         `radiative.surface[0].rectangle`: Shape: a rectangle or parallelogram.
-    8:8: scaled, turned and moved: face 1 has no area: its corners [1, 1, 1], [1, 1, 1] and [1, 1, 1] lie on a line; remove it
+    8:8: after its transform: face 1 has no area: its corners [1, 1, 1], [1, 1, 1] and [1, 1, 1] lie on a line; remove it
         `radiative.surface[0].mesh`: Shape: a triangle mesh.
     "#);
 }
@@ -882,10 +882,10 @@ fn lights() {
     17:45: `intensity` must not be negative, got [-1, -1, -1]
         `radiative.light[0].point.intensity`: Radiant intensity, power per steradian, on the axis of a spot: the irradiance at distance r is intensity / r².
     17:22: `position` takes three numbers, got 2
-        `radiative.light[0].point.position`: Where the light stands, world units.
+        `radiative.light[0].point.position`: Position of the light, world units.
     18:15: [radiative.light[0]] has more than one kind of light: `point`, `directional`
         keep exactly one of `point`, `directional`
-    17:41: the spotlight points nowhere: its target is where it stands
+    17:41: the spotlight has no direction: its target is its position
         `radiative.light[0].spot.target`: A point on the axis of the cone, other than `position`, world units.
     17:98: a spotlight needs 0 <= inner_angle <= outer_angle <= 180 degrees and an outer_angle above 0, got 3 and 2
         `radiative.light[0].spot.outer_angle`: Half-angle of the cone outside which nothing is lit, degrees; above 0.
@@ -895,8 +895,8 @@ fn lights() {
         `radiative.light[0].spot.outer_angle`: Half-angle of the cone outside which nothing is lit, degrees; above 0.
     17:8: missing key `inner_angle` in [radiative.light[0].spot]
         `radiative.light[0].spot.inner_angle`: Half-angle of the cone that is lit fully, degrees; at most `outer_angle`.
-    17:29: the light travels nowhere: its direction is the zero vector
-        `radiative.light[0].directional.direction`: Where the light travels, any length but 0.
+    17:29: the direction of the light is the zero vector
+        `radiative.light[0].directional.direction`: Direction of travel, any length but 0.
     17:1: unknown key `sun` in [radiative.light[0]]
         [radiative.light[0]] may hold: point, spot, directional
     16:1: `light` takes tables in double brackets, [[…]], got table
@@ -974,7 +974,7 @@ fn parts_that_make_no_picture_together() {
         all.push_str(&said_about(&edited(&edits)));
     }
     insta::assert_snapshot!(all, @r#"
-    6:15: `environment` shines from infinitely far away, and a medium fills all space: none of that light arrives
+    6:15: `environment` is infinitely far away, and a medium fills all space: none of its light arrives
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
     13:12: a medium that fills all space and emits without absorbing is infinitely bright
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it absorption in every channel that it emits in
@@ -986,13 +986,13 @@ fn parts_that_make_no_picture_together() {
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
     14:10: a medium that fills all space and scatters without absorbing scatters light for ever
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
-    16:15: a directional light shines from infinitely far away, and a medium fills all space: none of that light arrives
+    16:15: a directional light is infinitely far away, and a medium fills all space: none of its light arrives
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
-    17:9: light of a point light that a glass surface scatters cannot be met by any path from the eye
+    17:9: no path from the eye can find the light of a point light that a glass surface scatters
         use a small emitting sphere in place of the light, or a diffuse surface in place of the glass
-    17:8: light of a spot light that a mirror surface scatters cannot be met by any path from the eye
+    17:8: no path from the eye can find the light of a spot light that a mirror surface scatters
         use a small emitting sphere or rectangle in place of the light, or a diffuse surface in place of the mirror
-    17:15: light of a directional light that a mirror surface scatters cannot be met by any path from the eye
+    17:15: no path from the eye can find the light of a directional light that a mirror surface scatters
         use a far emitting sphere or the environment in place of the light, or a diffuse surface in place of the mirror
     "#);
 }
@@ -1112,8 +1112,8 @@ fn what_belongs_to_other_models() {
         all.push_str(&said_about(&text));
     }
     insta::assert_snapshot!(all, @r#"
-    1:1: a radiative scene has no densities that a transfer function could map
-        `transfer_function`: What a density looks like; not for radiative scenes.
+    1:1: a radiative scene has no densities for a transfer function
+        `transfer_function`: Colour and opacity by density; not for radiative scenes.
     2:11: `samples` must lie in [1, 2147483648], got 0
         `sampling.samples`: Samples per pixel; four times as many halve the noise.
     2:11: `samples` must lie in [1, 2147483648], got 4294967296
@@ -1125,13 +1125,13 @@ fn what_belongs_to_other_models() {
     7:1: the file has more than one model: [classified], [radiative]
         keep exactly one of [classified], [radiative]
     1:1: missing key `eye` in [camera]
-        a radiative scene has no size that a camera could follow from: give `eye`, where the camera stands, and `target`, what it looks at
+        a radiative scene has no default camera: give `eye`, its position, and `target`, the point it looks at
     1:1: missing key `target` in [camera]
-        a radiative scene has no size that a camera could follow from: give `eye`, where the camera stands, and `target`, what it looks at
-    2:7: the camera stands at its target, so it looks nowhere
-        `camera.eye`: Where the camera stands, world units; required in a radiative scene.
+        a radiative scene has no default camera: give `eye`, its position, and `target`, the point it looks at
+    2:7: the camera is at its target, so it has no direction
+        `camera.eye`: Position of the camera, world units; required in a radiative scene.
     2:1: a radiative scene needs a camera
-        give [camera] with `eye`, where it stands, and `target`, what it looks at
+        give [camera] with `eye`, its position, and `target`, the point it looks at
     6:1: unknown key `scatering` in [radiative]
         did you mean `scattering`?
     16:13: unknown key `lights` in [radiative]

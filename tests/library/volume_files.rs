@@ -95,19 +95,19 @@ fn what_is_no_volume_file() {
         ("missing.obj", "missing.obj: there is no such file"),
         (
             "folder.obj",
-            "folder.obj: this is a directory, and a volume is a file",
+            "folder.obj: this is a directory, not a volume file",
         ),
         (
             "smoke.vdb",
-            "smoke.vdb: not a volume by its extension: known are .obj: point cloud (Wavefront OBJ); \
+            "smoke.vdb: unknown volume extension: supported are .obj: point cloud (Wavefront OBJ); \
              .bin: course grid; .vol: Mitsuba volume; .nrrd, .nhdr: NRRD; .nii, .nii.gz: NIfTI-1; \
-             .toml: bare samples, described in TOML",
+             .toml: raw samples, described in TOML",
         ),
         (
             "bare",
-            "bare: not a volume by its extension: known are .obj: point cloud (Wavefront OBJ); \
+            "bare: unknown volume extension: supported are .obj: point cloud (Wavefront OBJ); \
              .bin: course grid; .vol: Mitsuba volume; .nrrd, .nhdr: NRRD; .nii, .nii.gz: NIfTI-1; \
-             .toml: bare samples, described in TOML",
+             .toml: raw samples, described in TOML",
         ),
     ] {
         assert_eq!(message(&folder, &folder.join(name)), expected);
@@ -131,7 +131,7 @@ fn devices_are_not_read() {
     std::os::unix::fs::symlink("/dev/zero", &path).unwrap();
     assert_eq!(
         message(&folder, &path),
-        "endless.bin: this is a device or pipe, and a volume is a file"
+        "endless.bin: this is a device or pipe, not a volume file"
     );
 }
 
@@ -156,7 +156,7 @@ fn sizes_are_checked_before_reading() {
     assert_eq!(
         message(&folder, &grid),
         "huge.bin: the header promises 2 × 2 × 2 float32 densities, 56 bytes in all, and the \
-         file has 1099511627776: it holds something else as well, or is not float32"
+         file has 1099511627776: it contains something else as well, or is not float32"
     );
 }
 
@@ -267,8 +267,8 @@ fn data_elsewhere_are_read_only_when_asked_for() {
                 Ok(grid) => assert_eq!((grid.range(), inside), ((1.0, 4.0), true), "{name}"),
                 Err(error) => {
                     let end = format!(
-                        ": its data are in {name:?}, outside its folder, and nobody asked to read \
-                         there: move the file beside the header, or allow detached_anywhere"
+                        ": its data are in {name:?}, outside its folder, which is not allowed: \
+                        move the file beside the header, or allow detached_anywhere"
                     );
                     assert!(!inside && error.to_string().ends_with(&end), "{error}");
                 }
@@ -280,7 +280,7 @@ fn data_elsewhere_are_read_only_when_asked_for() {
             .unwrap_err()
             .to_string();
         assert!(
-            message.contains(": the file of its data cannot be had: "),
+            message.contains(": the file of its data cannot be opened: "),
             "{message}"
         );
         assert!(
@@ -365,12 +365,12 @@ fn faults_of_grids_name_their_file() {
         (
             "odd.nrrd",
             b"NRRD0004\nshape: 3\n",
-            "odd.nrrd:2: \"shape\" is no field of the format",
+            "odd.nrrd:2: \"shape\" is not a field of the format",
         ),
         (
             "cut.nii.gz",
             &[0x1f, 0x8b, 8],
-            "cut.nii.gz: this is no sound gzip stream",
+            "cut.nii.gz: the gzip stream is damaged",
         ),
         ("odd.toml", b"nodes = 3\n", "odd.toml:1:"),
         (

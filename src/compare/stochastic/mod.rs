@@ -118,9 +118,9 @@ impl Gate for Stochastic {
     }
 
     fn rule(&self) -> &'static str {
-        "The pixels are means of random samples, so differences are measured in standard errors: \
-         what noise alone explains. Noise stays below 3 standard errors nearly always; the limits \
-         are set so that an honest renderer meets a false alarm once in a million suites."
+        "The pixels are means of random samples, so differences are measured in standard errors. \
+        Noise alone nearly always stays below 3 standard errors; the limits are set so that a \
+        correct renderer raises a false alarm once in a million suites."
     }
 
     fn metrics(&self) -> &'static [Metric] {
@@ -165,7 +165,7 @@ impl ImageGate for Stochastic {
 const METRICS: [Metric; 23] = [
     (
         "blocks",
-        "Blocks of 8 × 8 pixels, times three channels, that were asked.",
+        "Number of tests: blocks of 8 × 8 pixels times three channels.",
     ),
     (
         "rejected_blocks",
@@ -221,27 +221,27 @@ const METRICS: [Metric; 23] = [
     ),
     (
         "amount_of_noise",
-        "Size of the differences against the noise that the images state, squared: 1 is honest, far \
-         below 1 is an image that was smoothed or shares random numbers, far above 1 differs beyond \
-         noise.",
+        "Squared differences relative to the variance that the images state: 1 is expected, far \
+        below 1 means smoothing or shared random numbers, far above 1 a difference beyond noise.",
     ),
     (
         "noise_over_that_stated",
-        "Size of the differences against the noise of the one image that states it, squared: 1 or \
-         more is honest.",
+        "Squared differences relative to the variance of the one image that states it: 1 or more \
+        is expected.",
     ),
     (
         "chi_square_probability",
-        "How likely honest noise is to give an amount as odd as this; near 0 it is not noise.",
+        "Probability that noise alone gives such an amount; near 0 it is not noise.",
     ),
     (
         "copied_pixels",
-        "Pixels with noise that are exactly the golden's; two honest renderings share none.",
+        "Pixels with noise that equal the golden bit for bit; independent renderings share none.",
     ),
     (
         "correlation_across",
-        "How alike the differences of neighbours in a row are: 0 is honest; above 0.05 whole regions \
-         are off, or the image was filtered or denoised, or its pixels share random numbers.",
+        "Correlation of the differences of neighbours in a row: 0 is expected; above 0.05 whole \
+        regions are off, or the image was filtered or denoised, or its pixels share random \
+        numbers.",
     ),
     ("correlation_down", "The same of neighbours in a column."),
 ];
@@ -318,7 +318,8 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
         .and_then(|promise| limits.undecided(promise));
     let noise = || {
         format!(
-            "worst block off by {:.1} standard errors, of up to {:.1} by chance among {} blocks and \
+            "worst block off by {:.1} standard errors, where chance allows {:.1} among {} blocks \
+            and \
              channels",
             finite(worst.deviation().abs()),
             limits.of_block(worst.block, worst.channel),

@@ -51,7 +51,7 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
         Effect::Absorption => matters(TRANSFER_FUNCTION, extent.clone()),
         Effect::Emission => matters(TRANSFER_FUNCTION, light.to_owned()),
         Effect::SingleScattering | Effect::MultipleScattering => {
-            Absent("the classified model scatters no light; shading stands in for it")
+            Absent("the classified model has no scattering; shading replaces it")
         }
         Effect::MediumShadow => match scene.shadow {
             None => NotAsked(SHADOW),

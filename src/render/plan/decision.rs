@@ -121,7 +121,7 @@ fn decide(finding: EffectFinding, forced: bool, key_lines: &KeyLines) -> (State,
     match finding {
         EffectFinding::Absent(reason) => (State::Elided, Reason::always(reason)),
         EffectFinding::NotAsked(field) => {
-            let reason = format!("not asked for: the scene has no [{field}]");
+            let reason = format!("not requested: the scene has no [{field}]");
             (State::Omitted, Reason::of(field, reason, key_lines))
         }
         EffectFinding::LeftOut(field, reason) => {

@@ -37,7 +37,7 @@ pub(super) fn pictures(pictures: &[ErrorPicture]) -> Option<Value> {
     let odd = all().filter(|error| !error.is_finite()).count();
     if odd > 0 {
         notes.push(format!(
-            "Black: {odd} pixels whose error is no finite number."
+            "Black: {odd} pixels whose error is not a finite number."
         ));
     }
     let pictures = shown.iter().map(|picture| {
@@ -90,7 +90,7 @@ fn largest_of(errors: impl Iterator<Item = f64>) -> f64 {
     sizes.fold(0.0, f64::max)
 }
 
-/// The colour of an error: black if it is no finite number.
+/// The colour of an error: black if it is not a finite number.
 fn colour(error: f64, largest: f64) -> [u8; 3] {
     if !error.is_finite() {
         return [0; 3];

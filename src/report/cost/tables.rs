@@ -85,7 +85,7 @@ pub(super) fn sweep(study: &Study, sweep: &Sweep) -> Table {
     let mut notes = Vec::new();
     if sweep.levels.iter().any(|level| level.error.l2 <= known) {
         notes.push(format!(
-            "° not above {}, below which the reference knows no more: no error of the setting",
+            "° not above {}, the error of the reference: not an error of the setting",
             words::error(known)
         ));
     }
@@ -426,7 +426,7 @@ fn jitter_order_rows(split: &JitterSplit) -> Vec<Row> {
 /// What each effect costs.
 pub(super) fn effects(effects: &[EffectPrice]) -> Table {
     Table {
-        title: "what each effect costs by itself".to_owned(),
+        title: "cost of each effect by itself".to_owned(),
         rows: effect_rows(effects),
         ..Table::default()
     }

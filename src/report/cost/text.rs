@@ -42,7 +42,7 @@ fn scene(cost: &Cost) -> String {
     let rule = "=".repeat(name.chars().count());
     let mut text = format!("{name}\n{rule}\n");
     if !cost.recommendations.is_empty() {
-        text.push_str("\nwhat to take\n");
+        text.push_str("\nrecommended settings\n");
     }
     for recommendation in &cost.recommendations {
         text.push_str(&wrapped(&recommendation.text, 2));

@@ -71,7 +71,7 @@ pub(super) enum Mark {
 pub(super) fn verdict(verdict: OrderVerdict) -> (Mark, &'static str) {
     match verdict {
         OrderVerdict::AsExpected => (Mark::Good, "✓ as expected"),
-        OrderVerdict::TooFewRays => (Mark::Odd, "≈ as expected, as far as so few rays tell"),
+        OrderVerdict::TooFewRays => (Mark::Odd, "≈ as expected, as far as so few rays show"),
         OrderVerdict::Otherwise => (Mark::Bad, "✗ not as expected"),
         OrderVerdict::Undecided => (Mark::Odd, "? undecided: too few settings count"),
         OrderVerdict::NotYetAPower => (Mark::Odd, "~ not a power yet: still changing"),
@@ -218,7 +218,7 @@ pub(super) fn times(times: &Times) -> String {
     format!("{median} ({min}–{max}) {unit}{noisy}")
 }
 
-/// Where times were taken, as facts.
+/// Machine of the times, as facts.
 pub(super) fn machine(machine: &Machine) -> Vec<(&'static str, String)> {
     vec![
         ("processor", machine.processor.clone()),
@@ -232,7 +232,7 @@ pub(super) fn machine(machine: &Machine) -> Vec<(&'static str, String)> {
 
 /// What makes times of this machine worthless.
 pub(super) fn machine_warning(machine: &Machine) -> Option<&'static str> {
-    (machine.profile != "release").then_some("not optimised: look-ups can be trusted, times cannot")
+    (machine.profile != "release").then_some("not optimised: look-ups are valid, times are not")
 }
 
 /// Errors at or below this may be those of the reference, in all sweeps of the study.
@@ -283,7 +283,7 @@ pub(super) fn judgement(costs: &[Cost]) -> Judgement {
         let fault = match order.verdict {
             OrderVerdict::Otherwise => format!("{fitted} ± {:.2}", order.tolerance),
             OrderVerdict::Undecided => format!(
-                "undecided, too few settings are fine enough and above what the reference knows \
+                "undecided, too few settings are fine enough and above the error of the reference \
                  ({fitted})"
             ),
             OrderVerdict::NotYetAPower => format!(
@@ -326,7 +326,7 @@ pub(super) fn judgement(costs: &[Cost]) -> Judgement {
     if judged > 0 {
         let words = [
             "as expected",
-            "as far as so few rays tell",
+            "as far as so few rays show",
             "not as expected",
             "undecided",
             "not a power yet",

@@ -61,8 +61,8 @@ pub(super) fn spread(golden: &Film, test: &Film) -> Option<String> {
     let share = half.count() as f64 / sizes.len() as f64;
     let advice = match share {
         _ if share < 0.05 => "in a few places, which the difference shows",
-        _ if share < 0.2 => "in a part of the picture, which the difference shows",
-        _ => "spread over the picture: rather a factor or an offset than a place",
+        _ if share < 0.2 => "in a part of the image, which the difference shows",
+        _ => "spread over the image: more likely a factor or an offset than a local error",
     };
     Some(format!(
         "Half of all difference lies in {:.1} % of the pixels, {advice}.",

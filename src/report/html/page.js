@@ -266,9 +266,9 @@ function drawLegend(map) {
   const full = map === "flip" ? 1 : 2 ** state.scales[map];
   const unit = map === "z" ? " standard errors" : pictures.test.codes ? " codes" : "";
   find("#legend-low").textContent = map === "flip" ? "0 looks the same" : `too dark: −${text(full, 3)}`;
-  find("#legend-high").textContent = map === "flip" ? "1 looks all different" : `+${text(full, 3)}${unit}: too bright`;
+  find("#legend-high").textContent = map === "flip" ? "1 looks completely different" : `+${text(full, 3)}${unit}: too bright`;
   find("#legend-words").textContent = map === "flip" ? "(FLIP)"
-    : `(${NAMES[map]}, ${state.channel < 0 ? "the channel that is furthest off" : CHANNELS[state.channel]})`;
+    : `(${NAMES[map]}, ${state.channel < 0 ? "the channel with the largest difference" : CHANNELS[state.channel]})`;
 }
 
 // ---- Numbers ----
@@ -385,7 +385,7 @@ function drawHistogram() {
     low = Math.min(low, value);
   }
   const left = sets.map(({ name, all, positive }) => `${name} ${all - positive.length} of ${all}`);
-  find("#histogram-words").textContent = `Values left out, as zero, negative or no number: ${left.join(", ")}.`;
+  find("#histogram-words").textContent = `Values left out as zero, negative or NaN: ${left.join(", ")}.`;
   if (!(high > 0)) return;
   const top = Math.ceil(Math.log10(high) + 1e-9);
   const bottom = Math.max(Math.floor(Math.log10(low)), top - 8);
@@ -596,7 +596,7 @@ async function openCase(which) {
   find(".slot", article).append(viewer);
   viewer.hidden = false;
   const message = find("#stage-message");
-  message.textContent = "Unpacking the pictures …";
+  message.textContent = "Unpacking the images …";
   // A case that is opened twice is unpacked twice; only the later one may show and say so.
   const mine = ++unpackings;
   try {
@@ -606,8 +606,8 @@ async function openCase(which) {
     message.textContent = "";
   } catch (error) {
     message.textContent = "DecompressionStream" in window
-      ? `The pictures cannot be unpacked: ${error.message}`
-      : "This browser is too old to unpack the pictures: it needs DecompressionStream (Chrome 80, Firefox 113, Safari 16.4).";
+      ? `The images cannot be unpacked: ${error.message}`
+      : "This browser is too old to unpack the images: it needs DecompressionStream (Chrome 80, Firefox 113, Safari 16.4).";
   }
 }
 
@@ -622,8 +622,8 @@ function showPictures(unpacked) {
   const image = pictures.test ?? pictures.golden;
   find("#broken").disabled = !Array.from({ length: image.width * image.height }, (_, i) => i).some(isBroken);
   find("#precision").textContent = pictures.test?.codes
-    ? "Precision: codes, from 0 to 255, are exact; radiance is within 0.05 % of itself. What is brighter than white is lost in an 8-bit image."
-    : "Precision: golden and test − golden are within 0.05 % of themselves, however small; test is their sum. NaN and infinity are kept.";
+    ? "Precision: codes, from 0 to 255, are exact; radiance is accurate to 0.05 %. Values brighter than white are lost in an 8-bit image."
+    : "Precision: golden and test − golden are accurate to 0.05 %, however small; test is their sum. NaN and infinity are kept.";
   const wanted = [state.view, "side", "test", "golden"].find(isPossible);
   setView(wanted);
 }

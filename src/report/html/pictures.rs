@@ -35,12 +35,12 @@ impl<'a> Views<'a> {
         let test =
             test.and_then(|image| shown(image, image.size().into(), "test image", &mut notes));
         if evidence.without_image {
-            notes.push("This is no image: numbers are compared.".to_owned());
+            notes.push("This case has no image: numbers are compared.".to_owned());
         } else if evidence.golden.is_none() {
-            notes.push("There is no golden that can be trusted to compare with.".to_owned());
+            notes.push("There is no trustworthy golden to compare with.".to_owned());
         }
         if evidence.test.is_none() && !evidence.without_image {
-            notes.push("There is no test image, or none that can be read.".to_owned());
+            notes.push("There is no readable test image.".to_owned());
         }
         let exposure = match evidence.exposure {
             stops if stops.is_finite() => stops,

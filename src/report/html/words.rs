@@ -27,7 +27,7 @@ pub(super) fn headline(results: &[CaseResult], likely: &[Likeness]) -> String {
         let verb = if summary.fail == 1 { "fails" } else { "fail" };
         let cases = if of == 1 { "case" } else { "cases" };
         let guess = match likely.first() {
-            None => ": it looks like no mistake that is known".to_owned(),
+            None => ": it looks like no known mistake".to_owned(),
             Some(Likeness {
                 mistake,
                 explains,

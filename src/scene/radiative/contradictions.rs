@@ -85,14 +85,14 @@ impl SceneParts<'_, '_, '_> {
             "{BOUND_IT}; or light the scene from within, by emitting surfaces, points or spots"
         );
         if self.environment != DVec3::ZERO {
-            let message = "`environment` shines from infinitely far away, and a medium fills all \
-                           space: none of that light arrives";
+            let message = "`environment` is infinitely far away, and a medium fills all space: \
+            none of its light arrives";
             return Err(self.reader.mistake("environment", message, help));
         }
         for (reader, light) in self.lights {
             if matches!(light, Light::Directional(light) if light.irradiance != DVec3::ZERO) {
-                let message = "a directional light shines from infinitely far away, and a medium \
-                               fills all space: none of that light arrives";
+                let message = "a directional light is infinitely far away, and a medium fills all \
+                space: none of its light arrives";
                 return Err(reader.mistake("directional", message, help));
             }
         }
@@ -131,7 +131,7 @@ impl SceneParts<'_, '_, '_> {
                     let key = keys.into_iter().find(|key| reader.has(key));
                     let message = format!(
                         "channels of this medium differ by up to {depth:.4e} optical depths \
-                         within another whose density varies: light is followed through at most \
+                         within another whose density varies: light is traced through at most \
                          {DEEPEST_TRACKED:.4e}"
                     );
                     let help = "give coefficients that differ less between the channels, or \
@@ -205,8 +205,8 @@ impl SceneParts<'_, '_, '_> {
             Light::Directional(_) => ("directional", "a far emitting sphere or the environment"),
         };
         let message = format!(
-            "light of a {key} light that a {material} surface scatters cannot be met by any path \
-             from the eye"
+            "no path from the eye can find the light of a {key} light that a {material} surface \
+            scatters"
         );
         let help = format!(
             "use {instead} in place of the light, or a diffuse surface in place of the {material}"

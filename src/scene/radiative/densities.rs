@@ -38,7 +38,7 @@ const POSITIVE: Range = Range::open(0.0, f64::INFINITY);
 pub(super) const NOISE: Key =
     Key::optional("noise", Kind::Table(&NOISE_TABLE)).doc("Density: fractal noise.");
 
-const NOISE_TABLE: Table = Table::new("Noise at many scales: octaves of Perlin's improved noise at p·scale + offset, the sum of amplitudes brought to 1, mapped from [-1, 1] to [0, max_density]; 0 up to the threshold.").keys(&[
+const NOISE_TABLE: Table = Table::new("Noise at many scales: octaves of Perlin's improved noise at p·scale + offset, the sum of amplitudes scaled to 1, mapped from [-1, 1] to [0, max_density]; 0 up to the threshold.").keys(&[
     Key::or("octaves", Kind::Count(1, MOST_OCTAVES as u64), "4")
         .doc("Layers of noise."),
     Key::or("lacunarity", Kind::Number(POSITIVE), "2.0")
@@ -48,7 +48,7 @@ const NOISE_TABLE: Table = Table::new("Noise at many scales: octaves of Perlin's
     Key::or("scale", Kind::Vector, "[1.0, 1.0, 1.0]")
         .doc("Cells of the first octave per world unit, along x, y, z."),
     Key::or("offset", Kind::Vector, "[0.0, 0.0, 0.0]")
-        .doc("Where the origin lies in the first octave, in cells."),
+        .doc("Position of the origin in the first octave, in cells."),
     Key::or("max_density", Kind::Number(Range::at_least(0.0)), "1.0")
         .doc("The largest density."),
     Key::or("threshold", Kind::Number(Range::at_least(f64::MIN)), "0.0")
@@ -69,7 +69,7 @@ const EXPONENTIAL_TABLE: Table =
             Key::or("up", Kind::Vector, "[0.0, 1.0, 0.0]")
                 .doc("The direction of rising height, any length but 0."),
             Key::required("scale_height", Kind::Number(POSITIVE))
-                .doc("Height over which the density falls by the factor e, world units."),
+                .doc("Height over which the density falls by a factor of e, world units."),
         ]);
 
 /// A linear density.
@@ -81,24 +81,22 @@ const LINEAR_TABLE: Table =
         Key::or("density", Kind::Number(Range::at_least(f64::MIN)), "1.0")
             .doc("Density at the origin given; it may be negative there."),
         Key::or("origin", Kind::Vector, "[0.0, 0.0, 0.0]")
-            .doc("Where that is the density, world units."),
+            .doc("Point that has this density, world units."),
         Key::required("gradient", Kind::Vector)
             .doc("Change of the density per world unit along x, y, z."),
     ]);
 
 /// A Gaussian ball.
 pub(super) const BLOB: Key =
-    Key::optional("blob", Kind::Table(&BLOB_TABLE)).doc("Density: a ball without an edge.");
+    Key::optional("blob", Kind::Table(&BLOB_TABLE)).doc("Density: a Gaussian ball.");
 
 const BLOB_TABLE: Table =
-    Table::new("A ball without an edge, peak·exp(-r²/(2 width²)) at distance r from its centre.")
-        .keys(&[
-            Key::required("centre", Kind::Vector).doc("Its centre, world units."),
-            Key::required("width", Kind::Number(POSITIVE))
-                .doc("Its standard deviation along any line, world units."),
-            Key::or("peak", Kind::Number(Range::at_least(0.0)), "1.0")
-                .doc("Density at the centre."),
-        ]);
+    Table::new("A Gaussian ball, peak·exp(-r²/(2 width²)) at distance r from its centre.").keys(&[
+        Key::required("centre", Kind::Vector).doc("Its centre, world units."),
+        Key::required("width", Kind::Number(POSITIVE))
+            .doc("Its standard deviation along any line, world units."),
+        Key::or("peak", Kind::Number(Range::at_least(0.0)), "1.0").doc("Density at the centre."),
+    ]);
 
 /// A block of another renderer.
 pub(super) const PROCEDURAL: Key = Key::optional("procedural", Kind::Table(&PROCEDURAL_TABLE))
@@ -141,7 +139,7 @@ pub(super) fn field(reader: &Reader, files: &mut Files) -> SceneResult<Option<Fi
         let density = GridDensity::new(
             files.densities(
                 &grid,
-                "a medium holds no less than nothing: shift or scale the values",
+                "densities must not be negative: shift or scale the values",
             )?,
             interpolation,
         );

@@ -14,10 +14,10 @@ pub(super) const LIGHT: Table =
     Table::new("A light without extent. Lights with extent are surfaces that emit.")
         .keys(&[
             Key::optional("point", Kind::Table(&POINT))
-                .doc("Shines from a point into every direction."),
-            Key::optional("spot", Kind::Table(&SPOT)).doc("Shines from a point into a cone."),
+                .doc("Emits from a point in every direction."),
+            Key::optional("spot", Kind::Table(&SPOT)).doc("Emits from a point into a cone."),
             Key::optional("directional", Kind::Table(&DIRECTIONAL))
-                .doc("Shines from infinitely far away."),
+                .doc("Emits from infinitely far away."),
         ])
         .rules(&[Rule::ExactlyOne(
             "kind of light",
@@ -25,13 +25,13 @@ pub(super) const LIGHT: Table =
         )]);
 
 const DIRECTIONAL: Table =
-    Table::new("Shines from infinitely far away, in the same direction everywhere.").keys(&[
-        Key::required("direction", Kind::Vector).doc("Where the light travels, any length but 0."),
+    Table::new("Emits from infinitely far away, in the same direction everywhere.").keys(&[
+        Key::required("direction", Kind::Vector).doc("Direction of travel, any length but 0."),
         Key::required("irradiance", Kind::Colour(Range::at_least(0.0)))
             .doc("Irradiance on a plane perpendicular to the direction."),
     ]);
 
-const SPOT: Table = Table::new("Shines from a point into a cone: fully within the inner angle from its axis, not at all from the outer angle on, and falling linearly in between.").keys(&[
+const SPOT: Table = Table::new("Emits from a point into a cone: fully within the inner angle from its axis, not at all from the outer angle on, and falling linearly in between.").keys(&[
     POSITION,
     Key::required("target", Kind::Vector)
         .doc("A point on the axis of the cone, other than `position`, world units."),
@@ -43,10 +43,10 @@ const SPOT: Table = Table::new("Shines from a point into a cone: fully within th
 ]);
 
 const POINT: Table =
-    Table::new("Shines from a point into every direction.").keys(&[POSITION, INTENSITY]);
+    Table::new("Emits from a point in every direction.").keys(&[POSITION, INTENSITY]);
 
 const POSITION: Key =
-    Key::required("position", Kind::Vector).doc("Where the light stands, world units.");
+    Key::required("position", Kind::Vector).doc("Position of the light, world units.");
 
 const INTENSITY: Key = Key::required("intensity", Kind::Colour(Range::at_least(0.0)))
     .doc("Radiant intensity, power per steradian, on the axis of a spot: the irradiance at distance r is intensity / r².");
@@ -64,7 +64,7 @@ pub(super) fn read(reader: &Reader) -> SceneResult<Light> {
     }
     let directional = reader.table("directional")?.expect("one of the lights");
     let direction = Direction::of(directional.vector("direction")?).ok_or_else(|| {
-        let message = "the light travels nowhere: its direction is the zero vector";
+        let message = "the direction of the light is the zero vector";
         directional.error("direction", message)
     })?;
     Ok(Light::Directional(Directional {
@@ -79,12 +79,11 @@ fn position(reader: &Reader) -> SceneResult<DVec3> {
         return Ok(position);
     }
     let message = format!(
-        "the light stands at {:?}, too far away for its light to be followed: coordinates up \
+        "the light is at {:?}, too far away to trace its light: coordinates up \
          to {FARTHEST:e} are accepted",
         position.to_array()
     );
-    let help = "choose another unit of length; what shines from infinitely far away is a \
-                `directional` light";
+    let help = "choose another unit of length; for a light infinitely far away use `directional`";
     Err(reader.mistake("position", message, help))
 }
 

@@ -10,7 +10,7 @@ use crate::scene::reader::Reader;
 use glam::DVec3;
 
 /// The declaration of `[[radiative.medium]]`.
-pub(super) const MEDIUM: Table = Table::new("A participating medium in a closed shape; without a shape it fills all space. It is the same everywhere, unless a density tells how much of it is where; then coefficients and emission are those of density 1, and the density is placed with the shape. Where media overlap, they add up.").keys(&[
+pub(super) const MEDIUM: Table = Table::new("A participating medium in a closed shape; without a shape it fills all space. It is homogeneous unless a density is given; then coefficients and emission are those of density 1, and the density is transformed with the shape. Overlapping media add up.").keys(&[
     shapes::SPHERE,
     shapes::BOX,
     shapes::MESH,
@@ -31,7 +31,7 @@ pub(super) const MEDIUM: Table = Table::new("A participating medium in a closed 
     Key::optional("sigma_t", Kind::Colour(Range::at_least(0.0)))
         .doc("Extinction per world length, absorption and scattering together; goes with `albedo`."),
     Key::optional("albedo", Kind::Colour(Range::closed(0.0, 1.0)))
-        .doc("Share of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`."),
+        .doc("Fraction of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`."),
     Key::or("emission", Kind::Colour(Range::at_least(0.0)), "[0.0, 0.0, 0.0]")
         .doc("Radiance emitted per world length."),
     phases::G,
@@ -79,14 +79,14 @@ pub(super) fn read(reader: &Reader, files: &mut Files) -> SceneResult<Body> {
         (None, _) => None,
         (Some(field), Some(space)) => Some(Density::new(field, space.bounds, space.to_world)),
         (Some(_), None) => {
-            let message = "a heterogeneous medium fills no shape: it would have no end";
+            let message = "a heterogeneous medium needs a shape: without one it has no end";
             let help = "give the medium a `box`, `sphere` or `mesh`";
             return Err(reader.mistake(varies.expect("its density"), message, help));
         }
     };
     let nothing = substance.coefficients.sigma_t() == DVec3::ZERO && emission == DVec3::ZERO;
     if let (Some(key), true) = (varies, nothing) {
-        let message = "the medium has a density and no coefficients: it does nothing to light";
+        let message = "the medium has a density but no coefficients, so it has no effect on light";
         let help = "give it `sigma_a`, `sigma_s` or `emission`, those of density 1";
         return Err(reader.mistake(key, message, help));
     }
@@ -175,7 +175,7 @@ fn check_depth(reader: &Reader, body: &Body) -> SceneResult<()> {
     if tracked && depth > DEEPEST_TRACKED {
         return refused(format!(
             "the medium is up to {depth:.4e} optical depths thick, and its density varies: light \
-             is followed through at most {DEEPEST_TRACKED:.4e}"
+            is traced through at most {DEEPEST_TRACKED:.4e}"
         ));
     }
     Ok(())

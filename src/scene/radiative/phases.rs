@@ -13,13 +13,13 @@ pub(super) const KEYS_AND_BLOCK: [&str; 4] = ["g", "draine", "droplets", "proced
 
 /// Henyey & Greenstein's.
 pub(super) const G: Key = Key::or("g", Kind::Number(Range::open(-1.0, 1.0)), "0.0")
-    .doc("Mean cosine of the scattering angle (Henyey–Greenstein), between -1 and 1: positive is forward, 0 is every direction alike.");
+    .doc("Mean cosine of the scattering angle (Henyey–Greenstein), between -1 and 1: positive is forward, 0 is isotropic.");
 
 /// Draine's.
 pub(super) const DRAINE: Key = Key::optional("draine", Kind::Table(&DRAINE_TABLE))
     .doc("Phase function of dust or of molecules, in place of `g`.");
 
-const DRAINE_TABLE: Table = Table::new("The phase function of Draine 2003: that of Henyey and Greenstein times 1 + alpha cos², brought to an integral of 1. As it stands, `{}` is Rayleigh's; alpha = 1 that of Cornette and Shanks.").keys(&[
+const DRAINE_TABLE: Table = Table::new("The phase function of Draine 2003: that of Henyey and Greenstein times 1 + alpha cos², normalized to an integral of 1. By default, `{}`, it is Rayleigh's; alpha = 1 that of Cornette and Shanks.").keys(&[
     Key::or("g", Kind::Number(Range::open(-1.0, 1.0)), "0.0")
         .doc("Parameter of the Henyey–Greenstein factor, between -1 and 1; not the mean cosine."),
     Key::or("alpha", Kind::Number(Range::at_least(0.0)), "1.0")

@@ -11,18 +11,19 @@ pub(super) const KEYS: [&str; 3] = ["scale", "rotate", "translate"];
 
 /// Factors along the axes.
 pub(super) const SCALE: Key = Key::optional("scale", Kind::Vector)
-    .doc("Stretches the shape along x, y, z about the origin, before it is turned; not 0, negative factors mirror.");
+    .doc("Scales the shape along x, y, z about the origin, before its rotation; not 0, negative factors mirror.");
 
 /// A turn about an axis.
 pub(super) const ROTATE: Key = Key::optional("rotate", Kind::Table(&ROTATION)).doc(
-    "Turns the shape about an axis through the origin, after it is scaled and before it is moved.",
+    "Rotates the shape about an axis through the origin, after its scaling and before its \
+    translation.",
 );
 
 /// A displacement.
-pub(super) const TRANSLATE: Key =
-    Key::optional("translate", Kind::Vector).doc("Moves the shape, last of all, world units.");
+pub(super) const TRANSLATE: Key = Key::optional("translate", Kind::Vector)
+    .doc("Translates the shape, after its scaling and rotation, world units.");
 
-const ROTATION: Table = Table::new("A turn about an axis through the origin.").keys(&[
+const ROTATION: Table = Table::new("A rotation about an axis through the origin.").keys(&[
     Key::required("axis", Kind::Vector).doc("The axis, any length but 0."),
     Key::required(
         "angle",

@@ -240,7 +240,7 @@ pub(super) fn space(
             .find(|key| reader.has(key))
         {
             let message =
-                format!("a medium without a shape fills all space: `{key}` moves nothing");
+                format!("a medium without a shape fills all space: `{key}` has no effect");
             let help = format!("give the medium a `sphere`, `box` or `mesh`, or remove `{key}`");
             return Err(reader.mistake(key, message, help));
         }
@@ -296,7 +296,7 @@ fn check_size(reader: &Reader, key: &str, bounds: &Aabb) -> SceneResult<()> {
     }
     let message = format!(
         "the {key} is {across:.3e} across and reaches to coordinates of {farthest:.3e}: light is \
-         followed between shapes at least {SMALLEST:e} across, in coordinates up to {FARTHEST:e}"
+        traced between shapes at least {SMALLEST:e} across, in coordinates up to {FARTHEST:e}"
     );
     Err(reader.mistake(key, message, "choose another unit of length"))
 }
@@ -324,7 +324,7 @@ fn placed<S: Surface>(
         return Ok(placed);
     }
     let message = format!(
-        "scaled, turned and moved, the {key} lies where numbers are too coarse for it, or beyond \
+        "after its transform, the {key} lies where numbers are too coarse for it, or beyond \
          the largest"
     );
     let help = "scale it less, or move the scene nearer to the origin";
@@ -334,11 +334,11 @@ fn placed<S: Surface>(
 fn moved(reader: &Reader, rectangle: &Rectangle, to_world: &Transform) -> SceneResult<Rectangle> {
     let moved = rectangle.transformed(to_world);
     moved.map_err(|error| {
-        let message = format!("scaled, turned and moved: {error}");
+        let message = format!("after its transform: {error}");
         reader.error("rectangle", message)
     })
 }
 
 fn in_the_world(reader: &Reader, key: &str, mesh: Result<Mesh, MeshError>) -> SceneResult<Mesh> {
-    mesh.map_err(|error| reader.error(key, format!("scaled, turned and moved: {error}")))
+    mesh.map_err(|error| reader.error(key, format!("after its transform: {error}")))
 }

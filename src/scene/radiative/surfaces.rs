@@ -8,7 +8,7 @@ use crate::scene::format::{Key, Kind, Range, Rule, Table};
 use crate::scene::reader::Reader;
 
 /// The declaration of `[[radiative.surface]]`.
-pub(super) const SURFACE: Table = Table::new("A surface: one shape, and what it does to light.")
+pub(super) const SURFACE: Table = Table::new("A surface: one shape and its material.")
     .keys(&[
         shapes::RECTANGLE,
         shapes::SPHERE,
@@ -50,7 +50,7 @@ const DIFFUSE: Table =
         .keys(&[REFLECTANCE]);
 
 const REFLECTANCE: Key = Key::required("reflectance", Kind::Colour(Range::closed(0.0, 1.0)))
-    .doc("Share of the light that is reflected, by channel, in [0, 1].");
+    .doc("Fraction of the light that is reflected, by channel, in [0, 1].");
 
 /// A surface, of either kind.
 pub(super) enum SurfaceKind {

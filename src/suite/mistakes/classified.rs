@@ -71,7 +71,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "diffuse-left-out",
-        advice: "the diffuse term is missing or has the wrong sign: the normal is minus the gradient, so that it points out of the dense",
+        advice: "the diffuse term is missing or has the wrong sign: the normal is minus the gradient, so that it points out of the dense region",
         edit: Edit::Classified(|scene| shaded(scene, |phong| set(&mut phong.diffuse, 0.0))),
     },
     Mistake {
@@ -92,7 +92,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "light-at-the-eye",
-        advice: "the light stands at the eye: its place is given by the scene",
+        advice: "the light is at the eye: its position is given by the scene",
         edit: Edit::Classified(|scene| {
             let occurs = scene.phong.is_some() || scene.shadow.is_some();
             scene.light = scene.camera.eye();
@@ -106,7 +106,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "shadow-hundredfold",
-        advice: "shadows are too dark by far: the sum of densities is divided by 100 before exp(-S)",
+        advice: "shadows are far too dark: the sum of densities is divided by 100 before exp(-S)",
         edit: Edit::Classified(|scene| {
             shadowed(scene, |shadow| {
                 let hundredth = 0.01 * shadow.reference_step;
@@ -133,7 +133,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "volume-cells-for-nodes",
-        advice: "the values of the volume are taken for the middles of cells, as textures have them: the outermost lie on the faces of the box",
+        advice: "the values of the volume are placed at the centres of cells, as in textures: the outermost lie on the faces of the box",
         edit: Edit::Classified(|scene| in_classified(scene, cells_for_nodes)),
     },
     Mistake {
@@ -143,7 +143,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "volume-upside-down",
-        advice: "the volume stands on its head: y grows upwards",
+        advice: "the volume is upside down: y grows upwards",
         edit: Edit::Classified(|scene| in_classified(scene, upside_down)),
     },
     Mistake {
@@ -165,12 +165,12 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "strength-linear",
-        advice: "the light of a sample is multiplied by its density in place of the square of it",
+        advice: "the light of a sample is multiplied by its density instead of its square",
         edit: Edit::Classified(|scene| strengthened(scene, |density| density)),
     },
     Mistake {
         name: "background-white",
-        advice: "what shines through the volume is white: the scene gives the background",
+        advice: "the background behind the volume is white: the scene gives its colour",
         edit: Edit::Classified(|scene| set(&mut scene.background, DVec3::ONE)),
     },
     Mistake {

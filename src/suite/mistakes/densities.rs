@@ -31,7 +31,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "grid-cells-for-nodes",
-        advice: "the values of the grid are taken for the middles of cells, as textures have them: the outermost lie on the faces of the box",
+        advice: "the values of the grid are placed at the centres of cells, as in textures: the outermost lie on the faces of the box",
         edit: Edit::Radiative(|scene| with_grids(scene, cells_for_nodes)),
     },
     Mistake {
@@ -41,7 +41,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "grid-upside-down",
-        advice: "the grid stands on its head: y grows upwards",
+        advice: "the grid is upside down: y grows upwards",
         edit: Edit::Radiative(|scene| with_grids(scene, upside_down)),
     },
     Mistake {

@@ -14,12 +14,12 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "upside-down",
-        advice: "the image stands on its head: the top row is written first (PFM alone begins with the bottom row)",
+        advice: "the image is upside down: the top row is written first (PFM alone begins with the bottom row)",
         edit: Edit::Image(|film| rearranged(film, |film, [x, y]| [x, film.height() - 1 - y])),
     },
     Mistake {
         name: "turned-half",
-        advice: "the image is turned by half: both axes run backwards",
+        advice: "the image is rotated by 180 degrees: both axes are reversed",
         edit: Edit::Image(|film| {
             rearranged(film, |film, [x, y]| {
                 [film.width() - 1 - x, film.height() - 1 - y]
@@ -44,12 +44,12 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "grey",
-        advice: "the image has no colour: three channels are wanted, not luminance",
+        advice: "the image has no colour: write three channels, not luminance",
         edit: Edit::Pixels(|film| mixed(film, [LUMINANCE; 3])),
     },
     Mistake {
         name: "srgb-encoded",
-        advice: "the image is encoded for a display: linear radiance is wanted, without the sRGB curve; set the output to raw or linear",
+        advice: "the image is encoded for a display: write linear radiance, without the sRGB curve; set the output to raw or linear",
         edit: Edit::Pixels(|film| {
             mapped(film, |x, _| {
                 (math::linear_to_srgb(x), slope(math::linear_to_srgb, x))
@@ -58,7 +58,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "gamma-encoded",
-        advice: "the image is encoded with a gamma of 2.2: linear radiance is wanted",
+        advice: "the image is encoded with a gamma of 2.2: write linear radiance",
         edit: Edit::Pixels(|film| {
             let encode = |x: f64| math::exp(math::ln(x.max(f64::MIN_POSITIVE)) / 2.2);
             mapped(film, |x, _| (encode(x), slope(encode, x)))
@@ -66,7 +66,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "srgb-decoded",
-        advice: "the image is decoded as though it had been for a display: linear radiance must be written as it is",
+        advice: "the image is decoded as though it had been encoded for a display: write linear radiance unchanged",
         edit: Edit::Pixels(|film| {
             mapped(film, |x, _| {
                 (math::srgb_to_linear(x), slope(math::srgb_to_linear, x))
@@ -80,39 +80,39 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "tone-mapped",
-        advice: "the image is tone mapped, x / (1 + x) or alike: radiance is wanted as it is",
+        advice: "the image is tone mapped, x / (1 + x) or similar: write radiance unchanged",
         edit: Edit::Pixels(|film| {
             mapped(film, |x, _| (x / (1.0 + x), 1.0 / ((1.0 + x) * (1.0 + x))))
         }),
     },
     Mistake {
         name: "bright-times-pi",
-        advice: "everything is too bright by pi: is irradiance written in place of radiance, or the 1/pi of Lambert's reflection missing?",
+        advice: "the whole image is too bright by a factor of pi: is irradiance written in place of radiance, or the 1/pi of Lambert's reflection missing?",
         edit: Edit::Pixels(|film| scaled(film, PI)),
     },
     Mistake {
         name: "bright-over-pi",
-        advice: "everything is too dark by pi: is something divided by pi twice?",
+        advice: "the whole image is too dark by a factor of pi: is something divided by pi twice?",
         edit: Edit::Pixels(|film| scaled(film, 1.0 / PI)),
     },
     Mistake {
         name: "bright-times-4pi",
-        advice: "everything is too bright by 4 pi: is the phase function without its 1/(4 pi)?",
+        advice: "the whole image is too bright by a factor of 4 pi: is the phase function without its 1/(4 pi)?",
         edit: Edit::Pixels(|film| scaled(film, 4.0 * PI)),
     },
     Mistake {
         name: "bright-over-4pi",
-        advice: "everything is too dark by 4 pi: is the phase function divided by 4 pi twice, or intensity taken for power?",
+        advice: "the whole image is too dark by a factor of 4 pi: is the phase function divided by 4 pi twice, or intensity taken for power?",
         edit: Edit::Pixels(|film| scaled(film, 1.0 / (4.0 * PI))),
     },
     Mistake {
         name: "bright-doubled",
-        advice: "everything is twice too bright: is something counted twice, such as light met by chance and sampled on purpose, without weights?",
+        advice: "the whole image is twice as bright as it should be: is something counted twice, such as a light that rays hit and that is sampled as well, without weights?",
         edit: Edit::Pixels(|film| scaled(film, 2.0)),
     },
     Mistake {
         name: "bright-halved",
-        advice: "everything is half as bright as it should be: is a probability of one half divided out only once, or a sum of two averaged?",
+        advice: "the whole image is half as bright as it should be: is a probability of one half divided out only once, or a sum of two averaged?",
         edit: Edit::Pixels(|film| scaled(film, 0.5)),
     },
     Mistake {
@@ -122,12 +122,12 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "premultiplied-twice",
-        advice: "colours are multiplied by opacity twice: they are so already after compositing",
+        advice: "colours are multiplied by opacity twice: compositing has done so already",
         edit: Edit::Pixels(|film| by_opacity(film, |colour, opacity| colour * opacity)),
     },
     Mistake {
         name: "unpremultiplied",
-        advice: "colours are divided by opacity: what is wanted is the radiance that arrives, multiplied by opacity, in front of the background",
+        advice: "colours are divided by opacity: write the radiance that arrives, multiplied by opacity, in front of the background",
         edit: Edit::Pixels(|film| {
             by_opacity(film, |colour, opacity| {
                 if opacity > 0.0 {
@@ -160,7 +160,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "half-a-pixel-off",
-        advice: "the image is half a pixel off: rays go through the middles of pixels, (x + 1/2, y + 1/2), not through their corners",
+        advice: "the image is half a pixel off: rays go through the centres of pixels, (x + 1/2, y + 1/2), not through their corners",
         edit: Edit::Image(|film| {
             let corners = [
                 ([0, 0], 0.25),

@@ -19,7 +19,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "point-lights-left-out",
-        advice: "point and spot lights are missing: no ray meets them by chance, so each vertex of a path needs a shadow ray to them",
+        advice: "point and spot lights are missing: rays do not hit them by chance, so each vertex of a path needs a shadow ray to them",
         edit: Edit::Light(|light| intensity(light, 0.0)),
     },
     Mistake {
@@ -29,12 +29,12 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "sun-left-out",
-        advice: "directional light is missing: no ray meets it by chance, so each vertex of a path needs a shadow ray towards it",
+        advice: "directional light is missing: rays do not hit it by chance, so each vertex of a path needs a shadow ray towards it",
         edit: Edit::Light(|light| irradiance(light, 0.0)),
     },
     Mistake {
         name: "sun-reversed",
-        advice: "directional light comes from where it should go: its direction is that in which it travels",
+        advice: "directional light comes from the wrong end: its direction is the direction of travel",
         edit: Edit::Light(|light| {
             if let Light::Directional(sun) = light {
                 sun.direction = -sun.direction;
@@ -67,7 +67,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "environment-doubled",
-        advice: "the environment is twice too bright: is it both met by rays and sampled as a light, without weights?",
+        advice: "the environment is twice too bright: is it both hit by rays and sampled as a light, without weights?",
         edit: Edit::Radiative(|scene| {
             let doubled = 2.0 * scene.environment;
             set(&mut scene.environment, doubled)
@@ -75,7 +75,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "emitter-sides-exchanged",
-        advice: "lamps shine from both sides where they should from one, or the other way round: the front of a rectangle is where edge_u x edge_v points",
+        advice: "emitters emit from both sides instead of one, or the reverse: the front of a rectangle is where edge_u x edge_v points",
         edit: Edit::Radiative(|scene| {
             for lamp in &mut scene.area_lights {
                 lamp.sides = match lamp.sides {
@@ -88,12 +88,12 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "emitter-over-pi",
-        advice: "lamps are too dark by pi: the scene gives their radiance, not the power that leaves a unit of area",
+        advice: "emitters are too dark by a factor of pi: the scene gives their radiance, not the power that leaves a unit of area",
         edit: Edit::Radiative(|scene| lamps(scene, 1.0 / PI)),
     },
     Mistake {
         name: "emitter-times-pi",
-        advice: "lamps are too bright by pi: the scene gives their radiance; is the 1/pi of Lambert's reflection missing?",
+        advice: "emitters are too bright by a factor of pi: the scene gives their radiance; is the 1/pi of Lambert's reflection missing?",
         edit: Edit::Radiative(|scene| lamps(scene, PI)),
     },
     Mistake {

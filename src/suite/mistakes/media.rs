@@ -14,7 +14,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "phase-isotropic",
-        advice: "light is scattered into all directions alike although g is not 0: check that g reaches the phase function, in its value and in the sampling",
+        advice: "scattering is isotropic although g is not 0: check that g reaches the phase function, in its value and in the sampling",
         edit: Edit::Medium(|medium| phase(medium, |_| 0.0)),
     },
     Mistake {
@@ -42,7 +42,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "in-scattering-left-out",
-        advice: "light that is scattered is lost: the extinction is right, but no light is scattered into the ray; check that the medium is lit at all, by shadow rays and by further turns",
+        advice: "light that is scattered is lost: the extinction is right, but no light is scattered into the ray; check that the medium is lit at all, by shadow rays and by further scattering",
         edit: Edit::Medium(|medium| coefficients(medium, |a, s| (a + s, DVec3::ZERO))),
     },
     Mistake {
@@ -118,7 +118,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "emission-times-absorption",
-        advice: "emission is multiplied by sigma_a: here it is radiance per world length as it stands, not the radiance of a black body",
+        advice: "emission is multiplied by sigma_a: here it is radiance per world length, not the radiance of a black body",
         edit: Edit::Medium(|medium| emission(medium, |emission, sigma_a| emission * sigma_a)),
     },
 ];

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "diffuse-over-pi",
-        advice: "matt surfaces are too dark by pi: Lambert's reflection is reflectance / pi, once; sampled by the cosine, the pi of the pdf cancels it",
+        advice: "diffuse surfaces are too dark by a factor of pi: Lambert's reflection is reflectance / pi, once; sampled by the cosine, the pi of the pdf cancels it",
         edit: Edit::Material(|material| {
             if let Material::Diffuse(reflectance) = material {
                 *reflectance /= PI;
@@ -17,7 +17,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "diffuse-black",
-        advice: "matt surfaces reflect nothing: rays that meet them must go on, or ask the lights",
+        advice: "diffuse surfaces reflect nothing: rays that hit them must continue, or sample the lights",
         edit: Edit::Material(|material| {
             if let Material::Diffuse(reflectance) = material {
                 *reflectance = DVec3::ZERO;

@@ -139,13 +139,13 @@ fn run_kept(words: &[String], log: PipeWriter, timeout: Duration, keeper: &Keepe
     if !kept.ended.is_empty() && by_itself {
         let ended = kept.ended.join(", ");
         notes.push(format!(
-            "when the renderer had ended, what it left running was ended too: {ended}"
+            "the renderer left processes running, which were ended: {ended}"
         ));
     }
     if !kept.left.is_empty() {
         let left = kept.left.join(", ");
         notes.push(format!(
-            "the renderer left running what could not be ended: {left}"
+            "the renderer left processes running that could not be ended: {left}"
         ));
     }
     Ok((failure, notes))

@@ -51,8 +51,8 @@ fn a_light_beyond_all_squares() {
                [[radiative.light]]\n\
                point = { position = [0, -1.7976931348623157e308, 0], intensity = 1 }\n";
     insta::assert_snapshot!(refusal(&seen(far)), @"
-    scene.toml:8:22: the light stands at [0.0, -1.7976931348623157e308, 0.0], too far away for its light to be followed: coordinates up to 1e100 are accepted
-    choose another unit of length; what shines from infinitely far away is a `directional` light
+    scene.toml:8:22: the light is at [0.0, -1.7976931348623157e308, 0.0], too far away to trace its light: coordinates up to 1e100 are accepted
+    choose another unit of length; for a light infinitely far away use `directional`
     ");
     scene(&seen(&far.replace("-1.7976931348623157e308", "1e100")));
 }
@@ -66,7 +66,7 @@ fn a_layer_thinner_than_its_inverse() {
                 sigma_a = 1\n";
     insta::assert_snapshot!(refusal(&seen(thin)), @"
     scene.toml:6:51: scale height must be positive and finite, and not below 2.3e-308, got 5e-324
-    `radiative.medium[0].exponential.scale_height`: Height over which the density falls by the factor e, world units.
+    `radiative.medium[0].exponential.scale_height`: Height over which the density falls by a factor of e, world units.
     ");
     scene(&seen(&thin.replace("5e-324", "2.3e-308")));
 }
@@ -83,7 +83,7 @@ fn colours_too_far_apart_to_be_tracked() {
                sigma_a = [1e308, 0, 0]\n\
                sigma_s = 1\n";
     insta::assert_snapshot!(refusal(&seen(red)), @"
-    scene.toml:10:11: channels of this medium differ by up to 1.7321e308 optical depths within another whose density varies: light is followed through at most 1.6777e7
+    scene.toml:10:11: channels of this medium differ by up to 1.7321e308 optical depths within another whose density varies: light is traced through at most 1.6777e7
     give coefficients that differ less between the channels, or move the media apart
     ");
     // The same in all channels, or elsewhere, there is nothing to wait for.
@@ -148,7 +148,7 @@ fn a_scene_too_small_for_its_squares() {
                  sphere = { centre = [0, 0, 0], radius = 1e-160 }\n\
                  diffuse = { reflectance = 0.5 }\n";
     insta::assert_snapshot!(refusal(&seen(small)), @"
-    scene.toml:5:10: the sphere is 3.464e-160 across and reaches to coordinates of 1.000e-160: light is followed between shapes at least 1e-100 across, in coordinates up to 1e100
+    scene.toml:5:10: the sphere is 3.464e-160 across and reaches to coordinates of 1.000e-160: light is traced between shapes at least 1e-100 across, in coordinates up to 1e100
     choose another unit of length
     ");
     scene(&seen(&small.replace("1e-160", "1e-100")));
@@ -179,7 +179,7 @@ fn what_lies_beyond_all_cubes() {
             ),
             "7:38: the ball's width",
         ),
-        (eye.to_owned(), "1:18: the camera stands too far away"),
+        (eye.to_owned(), "1:18: the camera is too far away"),
         (seen(medium), "5:7: the box is 1.000e101 across"),
         (seen(lamp), "5:10: the sphere is"),
     ] {

@@ -155,7 +155,7 @@ proptest! {
         ]));
     }
 
-    /// However light is followed, nothing is looked up in what is the same everywhere.
+    /// However light is traced, nothing is looked up in what is the same everywhere.
     #[test]
     fn a_constant_grid_takes_none(
         lattice in lattice(),

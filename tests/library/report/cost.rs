@@ -1,4 +1,4 @@
-//! What accuracy costs, as text, CSV, JSON and page.
+//! Cost of accuracy, as text, CSV, JSON and page.
 
 use crate::report::cost_samples::{costs, extremes, machine, small};
 use crate::report::samples::HOSTILE;
@@ -301,7 +301,7 @@ fn no_label_is_cut_off() {
 fn what_cannot_be_drawn_is_told() {
     let html = page(&[extremes()]);
     for words in [
-        "whose error is no finite number",
+        "whose error is not a finite number",
         "Not drawn by work: closed form",
         "its work is the random numbers it draws: blind guess",
         "? nowhere, image, path tracer: undecided",

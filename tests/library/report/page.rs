@@ -127,7 +127,7 @@ fn odd_evidence_is_shown_too() {
         evidence: &[],
         ..sample.page()
     };
-    assert!(results_html(&lone).contains("There is no test image"));
+    assert!(results_html(&lone).contains("There is no readable test image"));
     let empty = Sample::default();
     assert!(results_html(&empty.page()).contains("Nothing was compared."));
 }

@@ -192,7 +192,7 @@ impl Contents<'_> {
             return self.no_scattering();
         }
         if self.scene.scattering == Scattering::None {
-            let reason = "not asked for: no scattering";
+            let reason = "not requested: no scattering";
             return EffectFinding::LeftOut(SCATTERING.to_owned(), reason.to_owned());
         }
         let reason = match (self.scattering.is_some(), self.reflection) {
@@ -210,10 +210,10 @@ impl Contents<'_> {
         let left_out =
             |field: &str, reason: String| EffectFinding::LeftOut(field.to_owned(), reason);
         match self.scene.scattering {
-            Scattering::None => left_out(SCATTERING, "not asked for: no scattering".to_owned()),
+            Scattering::None => left_out(SCATTERING, "not requested: no scattering".to_owned()),
             Scattering::Single => left_out(
                 SCATTERING,
-                "not asked for: single scattering only".to_owned(),
+                "not requested: single scattering only".to_owned(),
             ),
             Scattering::Multiple(Some(limit)) => left_out(
                 MAX_BOUNCES,

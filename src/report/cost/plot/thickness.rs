@@ -55,7 +55,7 @@ pub(in super::super) fn thickness(sweep: &ThicknessSweep) -> Plot {
         }
         if let Some(first) = curve.points.iter().find(|point| point.measured.is_none()) {
             notes.push(format!(
-                "Not measured: {name} from depth {} on, where almost no sample gets through.",
+                "Not measured: {name} from depth {} on, where almost no sample is transmitted.",
                 words::value(first.depth)
             ));
         }

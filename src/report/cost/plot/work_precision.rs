@@ -27,7 +27,7 @@ pub(in super::super) fn work_precision(study: &Study, theme: Theme) -> Plot {
     let not_finite = levels().filter(|level| !level.error.l2.is_finite()).count();
     if not_finite > 0 {
         notes.push(format!(
-            "Not drawn: {not_finite} settings whose error is no finite number."
+            "Not drawn: {not_finite} settings whose error is not a finite number."
         ));
     }
     if levels().any(|level| level.error.l2 == 0.0) {
