@@ -83,9 +83,9 @@ impl Draine {
     /// straight on at 1.
     ///
     /// It is the deflection of the Henyey–Greenstein function at another quantile `v`, the root of
-    /// `v + α W(v) = N u`, where `W(v) = ∫₀^v cos² dv` has a closed form. The left side rises by `1
-    /// + α cos²`, so the root lies between `N u/(1 + α)` and `N u`, and is as well conditioned as
-    /// the function itself.
+    /// `v + α W(v) = N u`, where `W(v) = ∫₀^v cos² dv` has a closed form. The left side rises by
+    /// `1 + α cos²`, so the root lies between `N u/(1 + α)` and `N u`, and is as well conditioned
+    /// as the function itself.
     pub fn deflection(&self, u: f64) -> Deflection {
         if self.alpha == 0.0 {
             return self.henyey_greenstein.deflection(u);

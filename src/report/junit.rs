@@ -43,7 +43,7 @@ fn counts<'r>(results: impl Iterator<Item = &'r CaseResult> + Clone) -> String {
         results.clone().filter(such).count()
     };
     let (tests, errors, failures) = (results.clone().count(), of("error"), of("failure"));
-    format!(r#"tests="{tests}" skipped="0" errors="{errors}" failures="{failures}""#)
+    format!(r#"tests="{tests}" skipped="0" failures="{failures}" errors="{errors}""#)
 }
 
 fn test_case(result: &CaseResult) -> String {
