@@ -159,7 +159,8 @@ fn digest(values: impl Iterator<Item = f64>) -> String {
 }
 
 fn a5_builds_and_platforms(margin: &mut Margin) {
-    let functions: [(&str, fn(f64) -> f64, &str); 10] = [
+    type Function = fn(f64) -> f64;
+    let functions: [(&str, Function, &str); 10] = [
         ("exp", |x| math::exp(40.0 * x - 20.0), "e284202e3008e380"),
         ("expm1", |x| math::exp_m1(2.0 * x - 1.0), "136f3e41c4e8ed19"),
         ("ln", |x| math::ln(x + 1e-9), "a88d85b6125f8cb2"),
