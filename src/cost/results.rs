@@ -20,7 +20,7 @@ pub struct Cost {
     pub thickness: Option<ThicknessSweep>,
     /// Jittered marching along one ray: bias and variance.
     pub jitter: Option<JitterSplit>,
-    /// What each effect costs by itself.
+    /// The cost of each effect by itself.
     pub effects: Vec<EffectPrice>,
     /// Recommended settings.
     pub recommendations: Vec<Recommendation>,

@@ -80,7 +80,7 @@ impl<'a> Setting<'a> {
 pub struct PlannedSweep<'a> {
     /// Name of the approximation.
     pub estimator: String,
-    /// Whether it is what the reference renderer does.
+    /// Whether it is volref's own method.
     pub is_ours: bool,
     /// The parameter that is varied.
     pub parameter: Parameter,

@@ -26,9 +26,9 @@ const CACHE: &str = ".volref";
 /// Longest manifest read: 1 MiB, far more than any needs.
 const MOST_MANIFEST_BYTES: u64 = 1 << 20;
 
-/// Bias of the mean of an image that is promised to be seen where nothing else is said, relative to
-/// that mean plus [`DARK`](crate::compare::stochastic::DARK): a slip in a factor is larger.
-/// The default of `mean_resolution` in [`MANIFEST`].
+/// The default of `mean_resolution` in [`MANIFEST`]: bias of the mean of an image that a case must
+/// detect, relative to that mean plus [`DARK`](crate::compare::stochastic::DARK). Wrong factors are
+/// larger.
 pub const MEAN_RESOLUTION: f64 = 0.02;
 
 /// The class of cases that are rendered without random numbers.

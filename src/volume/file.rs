@@ -23,7 +23,7 @@ const VOLUME_FORMATS: [&VolumeFormat; 6] = [
     &BARE_SAMPLES,
 ];
 
-/// A volume, and where it came from.
+/// A volume and its origin.
 #[derive(Clone, Debug)]
 pub struct Loaded {
     /// The grid. Values are finite unless [`NonFinite::Kept`](super::NonFinite::Kept) was

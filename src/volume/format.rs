@@ -12,9 +12,9 @@ use crate::geometry::Aabb;
 pub struct VolumeFormat {
     /// Name of the format.
     pub name: &'static str,
-    /// Endings of the names of its files: a dot and small letters. Capitals are recognised, too.
+    /// Extensions of its files: a dot and lower-case letters. Upper case is recognised, too.
     pub extensions: &'static [&'static str],
-    /// Whether its files hold points that are splatted, and not a grid.
+    /// Whether its files contain points to be splatted instead of a grid.
     pub is_point_cloud: bool,
     /// Reads a file of the format. Values of the grid are finite, unless asked for otherwise, and
     /// may be negative.
@@ -24,7 +24,7 @@ pub struct VolumeFormat {
 /// What a file holds, and in which form.
 pub(super) type VolumeRead = Result<(Grid<f32>, Stored), VolumeFault>;
 
-/// The form in which a file holds a volume.
+/// The storage of a volume in a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Stored {
     /// As points.

@@ -22,7 +22,7 @@ use crate::scene::{Classified, Curve, Model, Radiative, Scene};
 pub struct Mistake {
     /// Words joined by `-`; the name never changes.
     pub name: &'static str,
-    /// What is wrong and where to look, for whoever made the image.
+    /// Description and advice for the author of the image.
     pub advice: &'static str,
     edit: Edit,
 }
