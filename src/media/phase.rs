@@ -21,7 +21,7 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// Scatters into every direction alike.
+    /// Isotropic scattering.
     pub const ISOTROPIC: Phase = Phase::HenyeyGreenstein(HenyeyGreenstein(Asymmetry::ISOTROPIC));
 
     /// The Henyey–Greenstein function of mean cosine `g`.

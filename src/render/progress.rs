@@ -38,7 +38,7 @@ pub struct Forecast {
     pub threads: usize,
     /// Pixels of the panel.
     pub pixels: u64,
-    /// Samples of each; 1 where it is not sampled.
+    /// Samples per pixel; 1 if the image is not sampled.
     pub samples: u32,
 }
 

@@ -90,7 +90,7 @@ fn clouds() {
         ),
         (
             "v 0 0 0\nvertex 1 1 1\n",
-            &["cloud.obj:2:1: \"vertex\" is no keyword"],
+            &["cloud.obj:2:1: \"vertex\" is not a keyword"],
         ),
         ("v 0 0 0\n\0\0\0\0", &["cloud.obj: this is not plain text"]),
         (
@@ -117,11 +117,11 @@ fn grids() {
         ),
         (
             &whole[..24],
-            &["56 bytes in all", "the file has 24", "cut short"],
+            &["56 bytes in all", "the file has 24", "truncated"],
         ),
         (
             &whole[..whole.len() - 1],
-            &["56 bytes in all", "the file has 55", "cut short"],
+            &["56 bytes in all", "the file has 55", "truncated"],
         ),
         (
             &[&whole[..], b"more"].concat(),
@@ -191,6 +191,10 @@ fn an_unknown_kind_of_volume() {
     let run = folder.volref(&["plan", "scene.toml"]);
     run.expect(
         2,
-        &["scene.toml:11:8: cloud.vdb: not a volume", ".obj", ".bin"],
+        &[
+            "scene.toml:11:8: cloud.vdb: unknown volume extension",
+            ".obj",
+            ".bin",
+        ],
     );
 }

@@ -108,7 +108,7 @@ fn a_cloud() {
     first node  (-1, -1, -1)
     box         (-1, -1, -1) to (2, 1, 1), centred on nodes
     values      0 to 1, mean 0.04166667
-                34 zero, 2 not
+                34 zero, 2 nonzero
 
     histogram, bars logarithmic
            0 to 0.0625  34  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
@@ -144,7 +144,7 @@ fn negative_values_and_values_that_are_not_finite() {
     // The 24 values add up to 1476; 0 has become −5, and 11 and 12 do not count: 1448/22.
     for part in [
         "values      -5 to 123, mean 65.81818",
-        "0 zero, 22 not, 1 of them negative",
+        "0 zero, 22 nonzero, 1 of them negative",
         "not finite  2, first at voxel (1, 1, 0): NaN",
     ] {
         assert!(run.stdout.contains(part), "{part}: {}", run.stdout);

@@ -111,9 +111,9 @@ fn a_folder_that_is_no_suite() {
     folder.write("fixtures/cases", "a file where a folder should be");
     folder
         .volref(&["list"])
-        .expect(2, &["holds no suite", "fixtures/cases", "--suite DIR"]);
+        .expect(2, &["contains no suite", "fixtures/cases", "--suite DIR"]);
     let run = folder.volref(&["verify", "--suite", "nowhere"]);
-    run.expect(2, &["nowhere holds no suite"]);
+    run.expect(2, &["nowhere contains no suite"]);
 }
 
 #[test]

@@ -167,7 +167,7 @@ fn causes_that_meet() {
     for command in ["validate", "verify"] {
         let help = folder.volref(&[command, "--help"]).stdout;
         let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(help.contains("in this order: 2, 3, 6, 1, 4, 5."), "{help}");
+        assert!(help.contains("in the order 2, 3, 6, 1, 4, 5."), "{help}");
     }
 }
 
@@ -570,7 +570,7 @@ fn usage() {
         (&["validate", "--run", "render {scene}"], "{output}"),
         (
             &["validate", "--run", "r {output} {sceen}"],
-            "{sceen} stands for nothing",
+            "{sceen} is an unknown placeholder",
         ),
         (&["validate", "--run", "r '{output}"], "unclosed quote"),
         (
