@@ -133,7 +133,7 @@ mod tests {
     /// Every pair of causes, and each by itself.
     #[test]
     fn of_two_exit_codes_the_one_wins_that_the_help_names_first() {
-        let (_, order) = EXIT_CODES.rsplit_once(": ").unwrap();
+        let (_, order) = EXIT_CODES.rsplit_once("order ").unwrap();
         let order: Vec<u8> = order
             .trim_end_matches('.')
             .split(", ")

@@ -416,7 +416,7 @@ mod tests {
             read(&turned(1.0, 0.1))
                 .unwrap_err()
                 .to_string()
-                .contains("turned by 11.4")
+                .contains("rotated by 11.4")
         );
         assert_eq!(
             read(&turned(1.0, 2.0)).unwrap_err().to_string(),

@@ -906,7 +906,7 @@ mod tests {
             ),
             (
                 "space directions: (1,0.01,0) (0,1,0) (0,0,1)\n",
-                "axis 1 of the file is turned by 0.5729 degrees",
+                "axis 1 of the file is rotated by 0.5729 degrees",
             ),
         ] {
             let message = message(&file(lines));

@@ -41,7 +41,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "grid-upside-down",
-        advice: "the grid is upside down: y grows upwards",
+        advice: "the grid is upside down: y must grow upwards",
         edit: Edit::Radiative(|scene| with_grids(scene, upside_down)),
     },
     Mistake {
