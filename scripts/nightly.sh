@@ -38,6 +38,8 @@ campaign "the same bits on i686, words of 32 bits" scripts/same-bits.sh --archit
 campaign "the gate: false alarms of 1000 suites, power" cargo test --release --test library gate:: -- --ignored --nocapture
 campaign "200,000 scenes, others every day" env VOLREF_SCENES=200000 "VOLREF_SCENES_SEED=$(date +%Y%m%d)" \
     cargo test --release --test library any_scene::
+campaign "laws over hard cases: 100,000 each, others every day" env PROPTEST_CASES=100000 \
+    "PROPTEST_RNG_SEED=$(date +%Y%m%d)" cargo test --release --test library hard_laws::
 campaign "every mistake of the catalogue in every case" cargo run --release --quiet -- selftest
 
 if [ ${#summary[@]} = 0 ]; then
