@@ -785,7 +785,7 @@ fn shapes() {
         keep at most one of `sphere`, `box`
     12:1: unknown key `rectangle` in [radiative.medium[0]]
         [radiative.medium[0]] may hold: sphere, box, mesh, scale, rotate, translate, grid, interpolation, noise, exponential, linear, blob, procedural, sigma_a, sigma_s, sigma_t, albedo, emission, g, draine, droplets
-    12:13: a medium without a shape fills all space: `translate` moves nothing
+    12:13: a medium without a shape fills all space: `translate` has no effect
         give the medium a `sphere`, `box` or `mesh`, or remove `translate`
     "#);
 }

@@ -540,7 +540,7 @@ fn the_worst_block_has_a_limit_beside_it() {
             .parse()
             .unwrap()
     };
-    let (worst, limit) = (number("worst block off by"), number("up to"));
+    let (worst, limit) = (number("worst block off by"), number("where chance allows"));
     // Holm's first level for 108 blocks and channels, a millionth by eight, is 6.5 standard errors
     // of a normal number, and Student's t of 960 degrees not much more.
     assert!(worst < limit && (6.0..7.5).contains(&limit), "{reason}");

@@ -478,7 +478,7 @@ fn keys_of_volume_files() {
         ),
         (
             "file = \"oblique.nrrd\"",
-            "axis 1 of the file is turned by 36.8699 degrees",
+            "axis 1 of the file is rotated by 36.8699 degrees",
         ),
         (
             "file = \"nan.vol\"\npadding = 1",

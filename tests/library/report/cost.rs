@@ -54,7 +54,7 @@ fn text_says_what_to_take_then_what_it_costs_then_how_errors_fall() {
     fog: left half
     ==============
 
-    what to take
+    recommended settings
       for an error of 1e-2 use steps of 0.25 voxels
         volref render fog.toml --step 0.005 -o fog.exr
 
