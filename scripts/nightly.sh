@@ -38,6 +38,7 @@ campaign "the same bits on i686, words of 32 bits" scripts/same-bits.sh --archit
 campaign "the gate: false alarms of 1000 suites, power" cargo test --release --test library gate:: -- --ignored --nocapture
 campaign "200,000 scenes, others every day" env VOLREF_SCENES=200000 "VOLREF_SCENES_SEED=$(date +%Y%m%d)" \
     cargo test --release --test library any_scene::
+campaign "light transport at four times the samples" env VOLREF_NIGHTLY=1 cargo test --release --test library transport::
 campaign "laws over hard cases: 100,000 each, others every day" env PROPTEST_CASES=100000 \
     "PROPTEST_RNG_SEED=$(date +%Y%m%d)" cargo test --release --test library hard_laws::
 campaign "every mistake of the catalogue in every case" cargo run --release --quiet -- selftest

@@ -23,7 +23,7 @@ const PATHS: u32 = 2_000;
 
 /// Standard errors of 0.0025 and less, where emission by `σ_t B` instead of `σ_a B` would be off
 /// by 0.3 and more.
-const SAMPLES: u32 = 40_000;
+const SAMPLES: u32 = samples(40_000);
 
 fn entries() -> Vec<Entry> {
     let text = include_str!("../../../fixtures/known-answers/furnace.json");

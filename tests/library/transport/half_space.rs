@@ -25,7 +25,7 @@ use volref::scene::Radiative;
 
 /// Errors of an albedo below 0.004: with ω applied twice it would be that of ω², 0.081 instead of
 /// 0.115 at ω = 0.5 and normal incidence, and more than 0.1 away for the others up to 0.99.
-const SAMPLES: u32 = 20_000;
+const SAMPLES: u32 = samples(20_000);
 
 /// Depth of the slab that absorbs.
 const DEEP: f64 = 400.0;

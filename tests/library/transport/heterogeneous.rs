@@ -25,7 +25,7 @@ use volref::volume::{
 };
 
 /// Standard errors near 0.5 %.
-const SAMPLES: u32 = 40_000;
+const SAMPLES: u32 = samples(40_000);
 
 fn cube_bounds() -> Aabb {
     Aabb::new(DVec3::NEG_ONE, DVec3::ONE).unwrap()

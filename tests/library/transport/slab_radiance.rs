@@ -10,10 +10,10 @@ use volref::scene::Radiative;
 
 /// Standard errors of 1 % or less but behind thick slabs, where few paths find the light: there
 /// up to 4 %. To turn g around changes every anisotropic entry by a factor.
-const SAMPLES: u32 = 20_000;
+const SAMPLES: u32 = samples(20_000);
 
 /// Where a slab is so thin that few paths are turned.
-const SAMPLES_IF_THIN: u32 = 200_000;
+const SAMPLES_IF_THIN: u32 = samples(200_000);
 
 /// Darker than this nothing is sampled well: a path that gets there is as improbable as that.
 const DARK: f64 = 1e-12;

@@ -24,7 +24,7 @@ use volref::scene::{AreaLight, Radiative};
 const SAMPLES: u32 = 40_000;
 
 /// Where a slab is so thin that one path in a thousand is turned.
-const SAMPLES_IF_THIN: u32 = 1_000_000;
+const SAMPLES_IF_THIN: u32 = samples(1_000_000);
 
 /// The scene under a sky of radiance 1 that shines on one face of the slab.
 pub fn under_sky(scene: &Radiative, lit: Face) -> Radiative {

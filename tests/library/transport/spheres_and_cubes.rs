@@ -10,7 +10,7 @@ use volref::scene::Radiative;
 
 /// Standard errors of the sums between 0.2 and 0.5 %, of an order seldom above 3 %: the orders
 /// fall by less than half from one to the next, so one turn too many or too few shows in all.
-const SAMPLES: u32 = 40_000;
+const SAMPLES: u32 = samples(40_000);
 
 fn question(entry: &Entry) -> (Radiative, Ray) {
     let body = match entry.text("shape") {
