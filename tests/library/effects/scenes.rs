@@ -176,9 +176,11 @@ diffuse = { reflectance = 0.6 }
             Density::None => "box = { min = [-0.5, -0.5, -0.5], max = [0.75, 0.75, 0.75] }",
             Density::ConstantGrid => "grid = { file = '../../volumes/hard/constant.nrrd' }",
             Density::Grid => "grid = { file = '../../volumes/hard/hill.nrrd' }",
+            // Thin, and as dense as the others are deep: bounds on noise are found block by block,
+            // of which a cube would have ten times as many, a thousand times over.
             Density::Noise => {
-                "box = { min = [-0.5, -0.5, -0.5], max = [0.75, 0.75, 0.75] }\n\
-                 noise = { octaves = 2, scale = [5, 5, 5], max_density = 2, threshold = 0.8 }"
+                "box = { min = [-0.5, -0.5, -0.05], max = [0.75, 0.75, 0.05] }\n\
+                 noise = { octaves = 2, scale = [5, 5, 5], max_density = 25, threshold = 0.8 }"
             }
         };
         let point = |intensity: &str| {
