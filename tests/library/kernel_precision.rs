@@ -21,7 +21,16 @@ use volref::media::*;
 use volref::render::classified::compositing::{BackToFront, CompositingOrder, FrontToBack, Layers};
 use volref::volume::{Centring, Grid, GridDensity, Interpolation, Lattice};
 
-const INPUTS: u32 = 100_000;
+/// A mistake that shows in one of 4000 inputs is missed by 20,000 of them once in 150 times; the
+/// inputs are the same in every run, and the nightly ones begin with these.
+const INPUTS: u32 = if option_env!("VOLREF_NIGHTLY").is_some() {
+    100_000
+} else {
+    20_000
+};
+
+/// Grids among which they are shared out.
+const GRIDS: u32 = 100;
 
 /// The worst error of a formula: in last places of the result, and against its bound.
 #[derive(Default)]
@@ -386,13 +395,14 @@ fn a1_a_million_layers() {
 }
 
 /// By the bound of [`grids::integral_error`]: in proportion to the range of the values, and to the
-/// largest node coordinate on the way. A thousand rays each through a hundred grids.
+/// largest node coordinate on the way.
 #[test]
 fn d2_integrals_of_grids() {
     let (mut trilinear, mut nearest) = (WorstRay::default(), WorstRay::default());
     let mut density: Option<GridDensity> = None;
-    for (number, [a, b, c, d, e, f, g, h, i]) in inputs(9).enumerate() {
-        if number % 1000 == 0 {
+    for (number, [a, b, c, d, e, f, g, h, i]) in (0..).zip(inputs(9)) {
+        let rays = INPUTS / GRIDS;
+        if number % rays == 0 {
             let nodes = [a, b, c].map(|share| 1 + (5.0 * share) as usize);
             let spacing = DVec3::new(d, e, f) * 3.0 + 0.01;
             let lattice = Lattice::new(nodes, spacing, vector([g, h, i]) * 10.0).unwrap();
@@ -402,11 +412,11 @@ fn d2_integrals_of_grids() {
                 Centring::Cells
             };
             let lattice = lattice.with_centring(centring).unwrap();
-            let stream = Stream::new(10, number as u32, 0);
+            let stream = Stream::new(10, number, 0);
             let values = (0..lattice.node_count() as u32)
                 .map(|node| stream.uniform(0, Purpose::PhaseDirection, node) as f32);
             let grid = Arc::new(Grid::new(lattice, values.collect()).unwrap());
-            let smooth = number % 2000 == 0;
+            let smooth = number % (2 * rays) == 0;
             let interpolation = if smooth {
                 Interpolation::Trilinear
             } else {
