@@ -18,10 +18,13 @@ use volref::math::sampling::cosine_hemisphere;
 use volref::optics::Sides;
 use volref::scene::{AreaLight, Radiative};
 
-/// A share near ½ gets a standard error of 0.0025, one of 0.1 of 0.0015. With albedo 0.9, depth 2
+/// A share near ½ gets a standard error of 0.0035, one of 0.1 of 0.002. With albedo 0.9, depth 2
 /// and g = 0.75 the slab reflects 0.0974; with the opposite g it would be 0.50, with g = 0 0.36,
-/// with the albedo applied twice 0.0645: 20 standard errors away.
-const SAMPLES: u32 = 40_000;
+/// with the albedo applied twice 0.0645: 14 standard errors away.
+const SAMPLES: u32 = samples(80_000);
+
+/// Paths of which all that is known of a path is asked.
+const ASKED: u32 = 1000;
 
 /// Where a slab is so thin that one path in a thousand is turned.
 const SAMPLES_IF_THIN: u32 = samples(1_000_000);
@@ -68,15 +71,21 @@ fn totals(slab: &Radiative, (seed, samples): (u64, u32), beam: impl Fn(&Stream) 
     };
     for sample in 0..samples {
         let reflected = above.radiance(sample, &beam).x;
-        let transmitted = below.radiance(sample, &beam).x;
+        // The three are the same path, which leaves by one face only; a plane outside takes
+        // nothing but what has left. Of an absorbing slab some samples will do, and what is known
+        // to have left by one face need not be followed to the other.
+        let transmitted = if sample < ASKED || reflected == 0.0 {
+            below.radiance(sample, &beam).x
+        } else {
+            0.0
+        };
         totals.reflected.add(reflected);
         totals.transmitted.add(transmitted);
         totals.absorbed.add(1.0 - (reflected + transmitted));
-        // The three are the same path, which leaves by one face only; a plane outside takes
-        // nothing but what has left. Of an absorbing slab some samples will do.
         if conservative {
             assert_eq!(reflected + transmitted, 1.0, "sample {sample}");
-        } else if sample < 1000 {
+        } else if sample < ASKED {
+            assert!(reflected == 0.0 || transmitted == 0.0);
             assert_eq!(reflected + transmitted, open.radiance(sample, &beam).x);
         }
     }
@@ -228,6 +237,7 @@ fn mistakes_are_seen() {
             (found.mean() - entry.expected(name)).abs() / variance.sqrt()
         };
         let worst = off("R", &found.reflected).max(off("T_total", &found.transmitted));
+        println!("{mistake}: {worst:.1} standard errors");
         assert!(worst > 10.0, "{mistake}: {worst}");
     }
 }
