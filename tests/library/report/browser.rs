@@ -14,6 +14,8 @@ use volref::film::Film;
 use volref::report::results_html;
 use volref::suite::Verdict;
 
+const PAGE: &str = "index.html";
+
 const ENTER: &str = "\u{e007}";
 const ESCAPE: &str = "\u{e00c}";
 const RIGHT: &str = "\u{e014}";
@@ -23,7 +25,7 @@ const DOWN: &str = "\u{e015}";
 struct Opened {
     browser: Browser,
     /// Where the page is.
-    _folder: tempfile::TempDir,
+    folder: tempfile::TempDir,
     /// One browser at a time is work enough for a small machine.
     _turn: MutexGuard<'static, ()>,
 }
@@ -47,14 +49,27 @@ fn open(html: &str, width: u32, height: u32) -> Option<Opened> {
         }
     };
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("index.html");
-    std::fs::write(&path, html).unwrap();
-    browser.open(&format!("file://{}", path.display()));
-    Some(Opened {
+    std::fs::write(folder.path().join(PAGE), html).unwrap();
+    let opened = Opened {
         browser,
-        _folder: folder,
+        folder,
         _turn: turn,
-    })
+    };
+    opened.load();
+    Some(opened)
+}
+
+impl Opened {
+    fn load(&self) {
+        let path = self.folder.path().join(PAGE);
+        self.browser.open(&format!("file://{}", path.display()));
+    }
+
+    /// Loads the page again in a window of another size, which takes less than another browser.
+    fn load_again(&self, width: u32, height: u32) {
+        self.browser.resize(width, height);
+        self.load();
+    }
 }
 
 /// Returns when the pictures of the open case are shown.
@@ -374,10 +389,12 @@ fn a_narrow_window_shows_the_list_or_the_case() {
 /// the window.
 #[test]
 fn the_read_out_keeps_clear_of_the_histogram() {
+    let Some(opened) = &open(samples::suite_html(), 1000, 1100) else {
+        return;
+    };
+    let browser = &opened.browser;
     for width in [1000, 1400, 1900] {
-        let Some(Opened { browser, .. }) = &open(samples::suite_html(), width, 1100) else {
-            return;
-        };
+        opened.load_again(width, 1100);
         wait_for_pictures(browser);
         let boxes = browser.run(
             "const bounds = ['#read-out', '.histogram'].map(name =>
@@ -462,11 +479,12 @@ fn take_screenshots() {
 #[test]
 fn the_cost_page_fits() {
     let html = crate::report::cost::page(&[costs(), vec![extremes()]].concat());
+    let Some(opened) = open(&html, 1280, 900) else {
+        return;
+    };
+    let browser = &opened.browser;
     for width in [1280, 500] {
-        let Some(opened) = open(&html, width, 900) else {
-            return;
-        };
-        let browser = &opened.browser;
+        opened.load_again(width, 900);
         browser.wait_for("document.querySelector('main')");
         let is_too_wide = "return document.documentElement.scrollWidth > innerWidth";
         assert_eq!(browser.run(is_too_wide), false);
