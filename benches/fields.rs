@@ -1,4 +1,4 @@
-//! What a look-up in a density field costs, and what bounds over a box cost.
+//! What a lookup in a density field costs, and what bounds over a box cost.
 //!
 //! `cargo bench --bench fields`. Read ratios between rows of one run: machines differ.
 

@@ -1,4 +1,4 @@
-//! Heterogeneous media: what a look-up costs, what a picture of 256 × 256 pixels costs, and
+//! Heterogeneous media: what a lookup costs, what a picture of 256 × 256 pixels costs, and
 //! how that grows with the grid.
 //!
 //! `cargo bench --bench heterogeneous_media`. One thread throughout. Read ratios between rows of one
@@ -23,7 +23,7 @@ const SIZE: usize = 256;
 const SAMPLES: u32 = 2;
 const SIZES: [usize; 4] = [64, 128, 256, 512];
 
-/// Look-ups a second and thread that we want of a grid in the cache.
+/// Lookups a second and thread that we want of a grid in the cache.
 const WANTED: f64 = 40e6;
 
 fn main() {
@@ -116,7 +116,7 @@ fn least_seconds<R>(rounds: usize, work: impl Fn() -> R) -> f64 {
     (0..rounds).map(time).fold(f64::INFINITY, f64::min)
 }
 
-/// Points of the cube where look-ups are made: few, so that the least time is an undisturbed one.
+/// Points of the cube where lookups are made: few, so that the least time is an undisturbed one.
 const PLACES: usize = 1 << 12;
 
 /// Points on lines through the cube, half a voxel of a 32³ grid apart, as on rays.
@@ -145,9 +145,9 @@ fn sum_of(field: &GridDensity, places: &[DVec3]) -> f64 {
     places.iter().map(|&place| field.density(place)).sum()
 }
 
-/// Look-ups a second in a grid that fits the cache.
+/// Lookups a second in a grid that fits the cache.
 fn print_lookups() {
-    println!("nodes   look-ups a second in millions: on rays   at random");
+    println!("nodes   lookups a second in millions: on rays   at random");
     let field = trilinear(sampled(32));
     let rates = [on_rays(), at_random()].map(|places| {
         let seconds = least_seconds(2000, || sum_of(&field, &places));

@@ -1,4 +1,4 @@
-//! Surfaces and smoke: the Cornell room with and without its smoke, and a spotlight in fog, at
+//! Surfaces and smoke: the Cornell box with and without its smoke, and a spotlight in fog, at
 //! 256 × 256 pixels.
 //!
 //! `cargo bench --bench path_tracer`. Items are paths; all rows use one thread unless they say

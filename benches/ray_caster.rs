@@ -124,7 +124,7 @@ fn frames(bencher: Bencher, thread_count: usize, plans: &[Plan<'_>]) {
         .bench_local(|| pool.install(|| render(plans, Sampling::default(), &|| {})));
 }
 
-/// Trilinear look-ups alone, in a grid that fits the cache, along a line.
+/// Trilinear lookups alone, in a grid that fits the cache, along a line.
 #[divan::bench(sample_count = 20)]
 fn trilinear_lookups(bencher: Bencher) {
     let lattice = Lattice::new([32; 3], DVec3::ONE, DVec3::ZERO).expect("32³");

@@ -554,7 +554,7 @@ fn run() -> Result<(), Failure> {
         &[
             "scene",
             "effects",
-            "look-ups",
+            "lookups",
             "random numbers",
             "instructions",
             "times the first",

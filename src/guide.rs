@@ -6,8 +6,8 @@
 //! | [`volume_files`] | formats, spacing, centring |
 //! | [`fog_and_smoke`] | media, surfaces, lights, and the estimators behind them |
 //! | [`suite`] | the cases, their goldens, a new golden, a new case |
-//! | [`comparing`] | judging a renderer, failures, comparing two images, gates, samples and noise |
-//! | [`accuracy_and_cost`] | error against look-ups and time |
+//! | [`comparing`] | checking a renderer, failures, comparing two images, gates, samples and noise |
+//! | [`accuracy_and_cost`] | error against lookups and time |
 //! | [`effects`] | the effects that a scene needs, and the instructions saved |
 //! | [`hard_cases`] | inputs that make renderers wrong; the same bits on every architecture |
 //! | [`peers`] | exports to Mitsuba, pbrt and bundles |

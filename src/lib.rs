@@ -4,7 +4,7 @@
 //! differs from it.
 //!
 //! **Read [`reference::ray_caster`] first, then [`reference::path_tracer`]:** the two reference
-//! renderers, deliberately straightforward, a file each. [`render`] holds the fast renderers, which
+//! renderers, deliberately straightforward, one file each. [`render`] holds the fast renderers, which
 //! are tested against them. [`guide`] is the manual of the commands.
 //!
 //! # Equations
@@ -14,7 +14,7 @@
 //! density `d_i` is interpolated from a grid and classified:
 //!
 //! ```text
-//! a_i = 1 − T(d_i)^(h/h0)               opacity of the step, T stated over the length h0
+//! a_i = 1 − T(d_i)^(h/h0)               opacity of the step, T the transparency over h0
 //! L_i = d_i² · shade(colormap(d_i)) · v_i      radiance, v_i the light that arrives
 //! C   = Σ_i a_i · L_i · Π_{j<i} (1 − a_j)       what the eye sees
 //! ```
@@ -24,7 +24,7 @@
 //! The sum is evaluated front to back or back to front ([`render::classified::compositing`]); `T` is in
 //! [`media::TransferOpacity`], shading in [`media::Phong`], `v` in [`render::classified::volume_shadow`].
 //!
-//! **Participating media** (radiative transfer, Chandrasekhar 1950). Along a ray from `x` into
+//! **Participating media** (radiative transfer, Chandrasekhar 1950). Along a ray from `x` in
 //! direction `−ω`, up to a surface at distance `s`:
 //!
 //! ```text
@@ -35,37 +35,37 @@
 //! with `j` the emission and `p` the phase function; the surface emits, reflects and refracts
 //! light. The equation is solved by the cheapest method that is exact for the scene: closed forms
 //! and integrals along the line of sight ([`render::radiative::line_of_sight`]), else path tracing
-//! ([`render::radiative::path_tracer`]). The coefficients of heterogeneous media are a density
-//! ([`volume::DensityField`]) times constants, and paths are sampled by tracking
+//! ([`render::radiative::path_tracer`]). The coefficients of a heterogeneous medium are constants
+//! multiplied by a density field ([`volume::DensityField`]), and paths are sampled by tracking
 //! ([`render::radiative::tracking`]).
 //!
 //! # Conventions
 //!
-//! - Right-handed, y up; looking along +z, +x is to the left of the image.
+//! - Right-handed, y up; looking along +z, +x points left in the image.
 //! - Lengths in world units, angles in degrees in files and radians in code.
 //! - Radiance is linear RGB. EXR stores it unchanged; PNG is a preview, sRGB encoded at a stated
 //!   exposure. Images are stored top row first.
 //! - Phase functions: `θ` is the angle between the directions of travel before and after; `g > 0`
 //!   is forward. Coefficients are per world unit.
 //! - Pixels: the radiance through the centre where no random numbers are needed, else the mean over
-//!   the pixel's square.
+//!   the pixel's area (box filter).
 //! - Grids are node-centred, x fastest; interpolation is `a + (b − a)·t`. *One voxel* as a length
 //!   is the smallest distance between neighbouring nodes.
 //! - Sample positions follow from an index, `t0 + (i + ½)·h`; the last step ends at the end of the
 //!   span.
 //! - Nothing is skipped unless it is exactly zero, and there is no absolute epsilon anywhere:
-//!   scaling every length by a power of two changes no bit.
+//!   scaling all lengths by a power of two gives a bit-identical image.
 //! - **Same bits everywhere**: for any number of threads, debug or release, any platform.
 //!   Transcendental functions come from [`math`] alone, which forwards to a pinned `libm`.
 //!
 //! # Modules
 //!
 //! [`mod@reference`] holds the plain renderers, [`scene`] their input. [`render`] computes the same
-//! images fast, and [`render::plan`] chooses the code for a scene, with reasons. [`compare`] judges
+//! images fast, and [`render::plan`] chooses the code for a scene, with reasons. [`compare`] compares
 //! two images, [`suite`] holds the goldens and the catalogue of common [mistakes](suite::mistakes),
 //! [`hard_cases`] is the catalogue of inputs for which renderers silently give wrong results,
 //! [`exchange`] exports scenes to other renderers. Tests of other renderers start at
-//! [`suite::check`]. Modules import only from later modules of this list: `cli`, [`report`],
+//! [`suite::check`]. Each module imports only from modules later in this list: `cli`, [`report`],
 //! [`suite`], [`hard_cases`], [`cost`], [`compare`], [`exchange`], [`mod@reference`], [`render`],
 //! [`scene`], [`media`], [`optics`], [`volume`], [`geometry`], [`film`], [`math`].
 //!

@@ -7,16 +7,16 @@ use super::{Outcome, progress};
 use crate::suite::{self, AcceptError, Cache, Change, StoreError};
 use serde_json::json;
 
-/// Render cases and accept the images as their goldens; look at them before and after
+/// Render cases and accept the images as new goldens; inspect them before and after
 ///
-/// All cases are accepted, or none. Finished renderings of stochastic cases are kept below .volref
-/// until their goldens are written, so that an interrupted run resumes after the last of them.
+/// All cases are accepted, or none. Finished renderings of stochastic cases are kept in .volref until
+/// all goldens are written, so an interrupted run continues where it stopped.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Cases, families, or patterns over them such as 'figures/*'
     #[arg(value_name = "CASE", required = true)]
     cases: Vec<String>,
-    /// The fault of the old goldens, or the purpose of new ones; stored with each golden
+    /// What was wrong with the old goldens, or what new ones are for; stored with each golden
     #[arg(long, value_name = "TEXT")]
     reason: String,
     #[command(flatten)]

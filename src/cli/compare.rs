@@ -18,13 +18,13 @@ use std::time::Instant;
 pub struct Arguments {
     /// The correct image: .exr, .pfm or .npy (linear radiance) or .png (8-bit sRGB)
     reference: PathBuf,
-    /// The image to judge
+    /// The image to check
     test: PathBuf,
     // `help` lists the gates.
     #[arg(long, value_name = "GATE", value_parser = gate_named, help = gates_help())]
     gate: Option<&'static dyn ImageGate>,
-    /// Detectable bias of the mean of the image that the stochastic gate requires for a pass, in
-    /// percent of that mean plus 0.001; noisier images are inconclusive (exit code 5)
+    /// The stochastic gate passes an image only if a bias this large would have been detected, in
+    /// percent of (image mean + 0.001); noisier images are inconclusive (exit code 5)
     #[arg(
         long,
         value_name = "PERCENT",
@@ -33,7 +33,7 @@ pub struct Arguments {
         value_parser = percent
     )]
     resolution: f64,
-    /// Exposure of radiance, in stops, for the perceptual gate and the heat map
+    /// Exposure applied to linear images, in stops, for the perceptual gate and the heat map
     #[arg(
         long,
         value_name = "STOPS",

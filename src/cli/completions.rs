@@ -4,7 +4,7 @@ use super::Outcome;
 use clap::CommandFactory;
 use clap_complete::Shell;
 
-/// Print the completion script of a shell, for commands and options
+/// Print a shell completion script
 ///
 /// bash: volref completions bash > ~/.local/share/bash-completion/completions/volref
 /// zsh:  volref completions zsh > _volref, in a folder of $fpath

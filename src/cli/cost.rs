@@ -11,18 +11,18 @@ use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Measure the cost of accuracy: error against look-ups and time, by parameter
+/// Measure what accuracy costs: error versus lookups and time, for each parameter
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Errors and counts of work are the same on every run; only times differ. \
-    Times are taken on one thread, setting by setting in turn."
+    after_help = "Errors and work counts are the same on every run; only times differ. \
+    Times are measured on one thread, with the settings interleaved."
 )]
 pub struct Arguments {
     /// Scene files (TOML)
     #[arg(value_name = "SCENE", required = true)]
     scenes: Vec<PathBuf>,
-    /// Time limit for all scenes together: no further level starts after it, and the report states
-    /// which were left out; levels that have begun are finished [default: finish all sweeps]
+    /// Time limit for all scenes together: no new setting is started after it, and the report states
+    /// which were left out; a setting in progress is completed [default: no limit]
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     budget: Option<f64>,
     /// Timed runs of each setting, 2 or more; 0 for no timings
@@ -31,8 +31,8 @@ pub struct Arguments {
     /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Write a page that works offline, DIR/index.html; beside it the tables as CSV and the plots
-    /// of error against work as SVG
+    /// Write an offline HTML page, DIR/index.html, with its tables as CSV and its plots of error
+    /// against work as SVG
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     #[command(flatten)]

@@ -15,7 +15,8 @@ use std::path::{Path, PathBuf};
 pub struct Arguments {
     /// Scene file (TOML)
     scene: PathBuf,
-    /// Format: mitsuba (3, XML), pbrt (v4), or bundle (a classified volume as plain numbers)
+    /// Format: mitsuba (3, XML), pbrt (v4), or bundle (a classified volume as
+    /// numbers and formulas)
     #[arg(long, value_name = "FORMAT")]
     to: Format,
     /// Folder to write into; created if it does not exist
@@ -73,8 +74,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 
 impl From<Refusal> for Failure {
     fn from(refusal: Refusal) -> Failure {
-        let help =
-            "nothing was written; remove these from the scene, or express them in another way";
+        let help = "nothing was written; remove these features from the scene or replace them";
         Failure::new(Exit::BadInput, refusal.to_string(), Some(help))
     }
 }

@@ -25,14 +25,14 @@ pub struct Arguments {
     #[arg(long, value_name = "NODES", default_value_t = 2,
           value_parser = clap::value_parser!(u64).range(0..=1024))]
     padding: u64,
-    /// Faces of the box: at the outermost nodes or half a spacing beyond [default: as in the file,
-    /// else nodes]
+    /// Whether the box ends at the outermost nodes or half a voxel beyond them [default: as in the
+    /// file, or else nodes]
     #[arg(long, value_parser = [NODES, CELLS])]
     centring: Option<String>,
     /// Use the stored axes as x, y and z, whatever their direction
     #[arg(long)]
     as_stored: bool,
-    /// Read data outside the folder of the header, if the header or a link leads there
+    /// Allow the header (or a symbolic link) to refer to data outside its own folder
     #[arg(long)]
     detached_anywhere: bool,
     #[command(flatten)]
@@ -295,7 +295,7 @@ fn describe(info: &Info) -> String {
     }
     let [nx, ny, nz] = info.nodes;
     let count = nx * ny * nz;
-    row("nodes", format!("{nx} × {ny} × {nz}, {count} in all"));
+    row("nodes", format!("{nx} × {ny} × {nz}, {count} in total"));
     let [x, y, z] = info.spacing;
     let spacing = if x == y && y == z {
         digits(x)

@@ -15,23 +15,23 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Show the plan for a scene: its effects with reasons, the kernel, the defaults
+/// Show how a scene will be rendered: effects and why, kernel, defaults
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Scene file (TOML)
     scene: PathBuf,
-    /// Render, and show the measured work of each kind
+    /// Render the scene and show the measured work
     #[arg(long)]
     counters: bool,
-    /// Simulate an effect although it is provably null here: same bits, more work. May be given
-    /// several times; `all` for all that are null
+    /// Simulate an elided effect: same bits, more work. May be given several times; `all` for all
+    /// elided effects
     #[arg(long, value_name = "EFFECT", value_parser = forced)]
     force: Vec<Forced>,
     #[command(flatten)]
     json: Json,
 }
 
-/// What is simulated although it is null: one effect, or all.
+/// The elided effects to simulate nevertheless: one, or all.
 type Forced = Option<Effect>;
 
 fn forced(name: &str) -> Result<Forced, String> {
@@ -39,7 +39,7 @@ fn forced(name: &str) -> Result<Forced, String> {
         return Ok(None);
     }
     let effect = name.parse().map(Some);
-    effect.map_err(|error: String| format!("{error}; or all, for all that are null"))
+    effect.map_err(|error: String| format!("{error}; or all, for all elided effects"))
 }
 
 /// The plan for `panel` with what is `forced`.
@@ -240,7 +240,7 @@ fn describe(plan: &Plan<'_>, expected: &PredictedWork, work: Option<&Counters>) 
     if let Some(volume) = volume(panel) {
         let ([nx, ny, nz], [x, y, z], [u, v, w]) = (volume.nodes, volume.min, volume.max);
         text.push_str(&format!(
-            "volume     {nx} × {ny} × {nz} nodes, voxel {}, from ({x}, {y}, {z}) to ({u}, {v}, {w})\n",
+            "volume     {nx} × {ny} × {nz} nodes, voxel size {}, from ({x}, {y}, {z}) to ({u}, {v}, {w})\n",
             volume.voxel
         ));
     }
@@ -281,7 +281,7 @@ fn describe(plan: &Plan<'_>, expected: &PredictedWork, work: Option<&Counters>) 
     }
     text.push('\n');
     text.push_str(&describe_work(expected, work));
-    text.push_str("\nmemory beside the scene and the image\n");
+    text.push_str("\nmemory besides the scene and the image\n");
     if expected.memory.is_empty() {
         text.push_str("  none\n");
     }
@@ -310,7 +310,7 @@ fn describe_work(expected: &PredictedWork, work: Option<&Counters>) -> String {
     };
     let name = |event: Event| event.key().replace('_', " ");
     let Some(work) = work else {
-        let mut text = format!("work expected, each of {rays} rays\n");
+        let mut text = format!("expected work per ray ({rays} rays)\n");
         // Events that do not occur, and events without a prediction, take a line each.
         let (mut unknown, mut none) = (Vec::new(), Vec::new());
         for event in Event::ALL {
@@ -328,11 +328,11 @@ fn describe_work(expected: &PredictedWork, work: Option<&Counters>) -> String {
         return text;
     };
     let mut text = format!(
-        "work, each of {:<14}  {:<16}  {:>12}  {:>14}\n",
-        format!("{rays} rays"),
+        "work per ray {:<15}  {:<16}  {:>12}  {:>14}\n",
+        format!("({rays} rays)"),
         "expected",
         "measured",
-        "in all"
+        "total"
     );
     for event in Event::ALL {
         let count = work[event];

@@ -140,7 +140,7 @@ pub fn mistakes(failed: usize, seconds: f64) -> Bar {
         let _ = writeln!(
             std::io::stderr(),
             "volref: looking for the mistake in {failed} failing {cases}, at most {seconds} s for \
-             each (--explain SECONDS; 0 names none)"
+             each (change with --explain SECONDS; 0 skips the search)"
         );
     }
     Bar::begin(0, ProgressText::of("looking for the mistake"))

@@ -21,10 +21,11 @@ pub struct Arguments {
     /// Image to write: .exr (linear radiance, 32-bit float) or .png (8-bit sRGB preview)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Samples per pixel, for sampled scenes; with 2 or more, an .exr also stores their variance
+    /// Samples per pixel, for Monte Carlo scenes; with 2 or more, an .exr also stores the variance of
+    /// each pixel
     #[arg(long, value_name = "N", value_parser = samples)]
     spp: Option<u32>,
-    /// Seed of the random numbers, for sampled scenes
+    /// Seed of the random numbers, for Monte Carlo scenes
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// Distance between samples along a ray, instead of the scene's: world units, or "0.5 voxels"
@@ -42,8 +43,8 @@ pub struct Arguments {
         value_parser = output::stops
     )]
     exposure: f64,
-    /// Use the plain reference renderers (src/reference): usually slower, and sampled for all
-    /// scenes of media, surfaces and lights
+    /// Use the plain reference renderers (src/reference): usually slower; every [radiative]
+    /// scene is path traced
     #[arg(long)]
     reference: bool,
     #[command(flatten)]
@@ -179,7 +180,10 @@ fn set_step(scene: &mut Scene, step: Length) -> Result<(), Failure> {
             Model::Classified(classified) => classified.set_step(step).map_err(fail)?,
             Model::Curve(_) => return Err(fail("a plot of the curve has no steps".into())),
             Model::Radiative(_) => {
-                return Err(fail("participating media are not rendered in steps".into()));
+                return Err(fail(
+                    "applies only to classified volumes: participating media are not ray marched"
+                        .into(),
+                ));
             }
         }
     }

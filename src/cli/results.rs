@@ -14,7 +14,7 @@ pub struct ResultFiles {
     /// Write the results as JUnit XML, for build servers
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
-    /// Write a report as one page that works offline, DIR/index.html
+    /// Write the report as one offline HTML page, DIR/index.html
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
 }

@@ -5,7 +5,7 @@ use super::output::pretty;
 use crate::scene::{SCENE, format::json_schema};
 use crate::suite::MANIFEST;
 
-/// Print the JSON Schema of scenes or cases, for completion and checks in editors
+/// Print the JSON Schema of scenes or cases, for completion and validation in editors
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Kind of file

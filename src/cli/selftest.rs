@@ -11,7 +11,7 @@ use crate::suite::{
 };
 use serde_json::json;
 
-/// Check that the suite catches every known mistake, and rejects no correct image
+/// Check that the suite catches every known mistake and rejects no correct image
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Families, cases, or patterns over them such as 'figures/*' [default: all cases]
@@ -22,10 +22,12 @@ pub struct Arguments {
     /// Try each mistake only until a case catches it
     #[arg(long)]
     quick: bool,
-    /// Instead: make each mistake RUNS times and count how often it is named first
+    /// Instead of the self-test: simulate each mistake RUNS times and report how often it is
+    /// identified first
     #[arg(long, value_name = "RUNS", value_parser = clap::value_parser!(u64).range(1..=1000))]
     naming: Option<u64>,
-    /// Instead: make COUNT pairs of mistakes and count how often they are among the first three
+    /// Instead of the self-test: simulate COUNT pairs of mistakes and report how often both are among
+    /// the first three named
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pairs: Option<u64>,
     #[command(flatten)]

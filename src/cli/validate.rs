@@ -29,16 +29,16 @@ const FORMAT: &str = "exr";
 
 /// Images and placeholders, for `--help`.
 const IMAGES: &str = "Images are named after the cases, family/name or just name, and end in .exr, \
-    .pfm, .npy (linear radiance) or .png (8-bit sRGB). The noise of a sampled image is given by \
-    several independent renderings, name.0.exr, name.1.exr, ..., or by a file name.variance.exr with \
-    the variances of the means; otherwise it is estimated.\n\n\
+    .pfm, .npy (linear radiance) or .png (8-bit sRGB). The noise of a Monte Carlo image is taken from \
+    several independent renderings, name.0.exr, name.1.exr, ..., or from a file name.variance.exr \
+    with the variances of the means; otherwise it is estimated.\n\n\
     In CMD, {scene} stands for the scene file, {output} for the image to write, {width}, {height}, \
-    {spp}, {seed} for numbers, {case} for the name of the case, and {export:mitsuba}, \
+    {spp}, {seed} for the image size, samples per pixel and seed, {case} for the name of the case, and {export:mitsuba}, \
     {export:pbrt}, {export:bundle} for a copy of the scene in that format (see volref export).\n\n\
-    Each verdict is printed as soon as it is known; then failed images are compared with a catalogue \
-    of mistakes. Ctrl-C ends that search and keeps the verdicts. Renderings of the search are cached \
-    in the folder that VOLREF_CACHE names (empty: no cache), else in the user's cache folder, such \
-    as ~/.cache/volref; the cache holds 256 MB at most and can be removed at any time.";
+    Each verdict is printed as soon as it is known; then failing images are tested against a \
+    catalogue of known mistakes. Ctrl-C ends that search and keeps the verdicts. Images rendered during the search are \
+    cached in the folder that VOLREF_CACHE names (empty: no cache), or else in the user's cache \
+    folder, such as ~/.cache/volref; the cache holds at most 256 MB and can be deleted at any time.";
 
 /// Compare the images of another renderer with the goldens, and name its mistakes
 #[derive(Debug, clap::Args)]
@@ -67,7 +67,8 @@ pub struct Arguments {
     /// Time limit for finding the mistake behind each failing image; 0 for no search
     #[arg(long, value_name = "SECONDS", default_value_t = Search::BUDGET.into(), allow_negative_numbers = true, value_parser = budget)]
     explain: f64,
-    /// With --run: time limit, after which the renderer and all its processes are ended
+    /// With --run: time limit, after which the renderer and all its child processes are
+    /// killed
     #[arg(long, value_name = "SECONDS", default_value = TIMEOUT, allow_negative_numbers = true, value_parser = seconds)]
     timeout: f64,
     /// With --run: number of cases rendered at the same time

@@ -7,11 +7,11 @@ use super::{Outcome, progress, render};
 use crate::report;
 use crate::suite::{self, Case, CaseResult, Evidence, Suite, Verdict};
 
-/// Render the suite and compare it with the goldens, bit by bit
+/// Render the suite and compare it with the goldens, bit for bit
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXIT_CODES)]
 pub struct Arguments {
-    /// Families, cases, rows of hard cases such as G6, or patterns over them such as 'figures/*'
+    /// Families, cases, hard cases such as G6, or patterns over them such as 'figures/*'
     /// [default: all]
     #[arg(value_name = "FILTER")]
     filters: Vec<String>,
@@ -102,9 +102,9 @@ fn what_moved(results: &[CaseResult], cases: &[&Case], suite: &Suite) -> String 
         render.extend(["--spp", samples]);
         compare.extend(["--gate", "stochastic"]);
     }
-    compare.extend(["--heatmap", "moved.png"]);
+    compare.extend(["--heatmap", "difference.png"]);
     format!(
-        "\nTo see what moved:\n  {}\n  {}\n",
+        "\nTo see what changed:\n  {}\n  {}\n",
         shell_words::join(render),
         shell_words::join(compare)
     )

@@ -94,7 +94,7 @@ impl ImageGate for Deterministic {
     }
 
     fn default_for(&self) -> Option<&'static str> {
-        Some("two images of radiance without stated noise")
+        Some("two linear images without variance")
     }
 
     fn default_reason(&self, reference: &Picture, test: &Picture) -> Option<&'static str> {
@@ -141,8 +141,8 @@ fn judge(reference: &Film, test: &Film) -> Judgement {
 
     let (passed, reason) = if share > OUTLIERS {
         let reason = format!(
-            "{outside} of {count} pixels ({:.3} %) differ by more than 0.001 + 1 %; 0.02 % are \
-            allowed. The worst is ({column}, {row}), {:.1} times the tolerance",
+            "{outside} of {count} pixels ({:.3} %) differ by more than 0.001 + 1 %; at most 0.02 % \
+             may. The worst is ({column}, {row}), {:.1} times the tolerance",
             100.0 * share,
             worst.1
         );

@@ -1,7 +1,7 @@
 //! Comparison of two images.
 //!
-//! First the checks for incomparable images: different sizes, pixels that are not finite. Then a
-//! gate: [exact](Exact), [deterministic](Deterministic), [perceptual](Perceptual) or
+//! First, images that cannot be compared are rejected: different sizes, pixels that are not finite.
+//! Then a gate: [exact](Exact), [deterministic](Deterministic), [perceptual](Perceptual) or
 //! [stochastic](Stochastic), each in its own file with its limits and their reasons.
 
 mod advice;
@@ -63,8 +63,8 @@ pub fn metric_meaning(name: &str) -> Option<&'static str> {
     found.or(common).map(|&(_, meaning)| meaning)
 }
 
-/// Judges `test` by `reference`: first their sizes and whether all pixels are finite, then by the
-/// gate.
+/// Compares `test` with `reference`: first checks sizes and that all pixels are finite, then applies
+/// the gate.
 ///
 /// # Errors
 ///

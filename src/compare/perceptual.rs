@@ -27,17 +27,16 @@ impl Gate for Perceptual {
     }
 
     fn rule(&self) -> &'static str {
-        "The image has 8 bits, so only what an eye would see is judged: FLIP is 0 where nothing \
-         differs and 1 where everything does."
+        "The image is 8-bit, so only visible differences count: FLIP ranges from 0 (identical) to 1 \
+         (maximally different)."
     }
 
     fn metrics(&self) -> &'static [Metric] {
         &[
-            ("flip_mean", "Mean of FLIP; at most 0.06 passes."),
+            ("flip_mean", "Mean of FLIP; passes up to 0.06."),
             (
                 "flip_weighted_p99",
-                "FLIP that all but the worst hundredth of the error stays below; at most 0.065 \
-                 passes.",
+                "Weighted 99th percentile of FLIP; passes up to 0.065.",
             ),
             ("flip_max", "FLIP of the worst pixel."),
         ]

@@ -59,15 +59,15 @@ pub enum PictureError {
     Empty(usize, usize),
     /// An 8-bit image under a gate for radiance, by the name of the gate.
     #[error(
-        "the {0} gate judges linear radiance (.exr, .pfm, .npy); 8-bit images can only be judged by the \
-         perceptual gate"
+        "the {0} gate compares linear images (.exr, .pfm, .npy); 8-bit images can only be compared by \
+         the perceptual gate"
     )]
     NeedsRadiance(&'static str),
     /// Two images without noise under the gate for noise.
     #[error(
         "the stochastic gate needs the noise of at least one image: an .exr with the layers \
-         variance (of the mean; R, G, B) and samples (per pixel), as volref writes them from 2 \
-         samples on"
+         `variance` and `samples`, which volref writes when rendering with 2 or more samples per \
+         pixel"
     )]
     NeedsNoise,
 }

@@ -242,7 +242,7 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
          interpolation"
     );
     let truth =
-        rays.truth("the data as they are; integrals by collocation, for coarse data as well");
+        rays.truth("the full-resolution data; all integrals, coarse ones included, by collocation");
     // What is measured is an error of the data; the time of its measurement is nobody's.
     Some(Study::of(
         "data",

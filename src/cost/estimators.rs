@@ -35,7 +35,7 @@ pub enum TransmittanceEstimator {
 pub struct EstimatorSample {
     /// The estimate.
     pub value: f64,
-    /// Look-ups.
+    /// Lookups.
     pub lookups: u64,
     /// Random numbers drawn.
     pub draws: u64,
@@ -96,7 +96,7 @@ impl TransmittanceEstimator {
         }
     }
 
-    /// Variance and mean look-ups of one estimate by theory, where there is one.
+    /// Variance and mean lookups of one estimate by theory, where there is one.
     fn predicted(self, known: &Known) -> (Option<f64>, Option<f64>) {
         let depth = known.depth;
         let (variance, lookups) = match self {
@@ -136,7 +136,7 @@ struct Known {
     marching_lookups: f64,
     /// Whether one extinction is everywhere.
     is_constant: bool,
-    /// Whether every place takes as many look-ups.
+    /// Whether every place takes as many lookups.
     lookups_are_known: bool,
 }
 
@@ -359,7 +359,7 @@ fn march_steps(profile: &Profile<'_>) -> u32 {
     unbiased_ray_marching::march_steps(profile.majorant_depth())
 }
 
-/// Look-ups of an estimate in the mean: none where a bound says that there is nothing.
+/// Lookups of an estimate in the mean: none where a bound says that there is nothing.
 fn marching_lookups(profile: &Profile<'_>) -> f64 {
     let filled = profile.segments.iter().filter(|segment| segment.high > 0.0);
     let filled: f64 = filled.map(|segment| segment.span.length()).sum();

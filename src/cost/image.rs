@@ -275,7 +275,7 @@ pub fn unlit_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Optio
     let study = by_steps(&Rays::new(&unlit, size), &clock.untimed());
     Some(Study {
         name: "unlit",
-        quantity: format!("{}, neither shaded nor shadowed", study.quantity),
+        quantity: format!("{}, without shading or shadow", study.quantity),
         ..study
     })
 }

@@ -32,7 +32,7 @@ impl Jitter {
     /// Name.
     pub fn name(self) -> &'static str {
         match self {
-            Jitter::Comb => "one offset a ray (comb)",
+            Jitter::Comb => "one offset per ray (comb)",
             Jitter::Stratified => "one offset a step (stratified)",
         }
     }

@@ -48,7 +48,7 @@ const SCHEMES: [(Scheme, &str, f64); 8] = [
     ),
     (Scheme::Trapezoid, "trapezoid", 2.0),
     (Scheme::Stratified, "jittered, stratified", 1.5),
-    (Scheme::Comb, "jittered, one offset a ray", 1.0),
+    (Scheme::Comb, "jittered, one offset per ray", 1.0),
 ];
 
 impl Scheme {

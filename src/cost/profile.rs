@@ -12,11 +12,11 @@ pub struct Profile<'p> {
     pub extinction: Extinction<'p>,
     /// KeyLines between which the extinction is smooth, or nearly so, beside the ends of segments.
     pub kinks: Vec<f64>,
-    /// Densities that a look-up of the extinction looks up; 0 if that differs along the ray.
+    /// Densities that a lookup of the extinction looks up; 0 if that differs along the ray.
     pub densities: usize,
 }
 
-/// Extinction by distance; the number counts look-ups.
+/// Extinction by distance; the number counts lookups.
 pub type Extinction<'p> = Box<dyn Fn(f64, &mut u64) -> f64 + Send + Sync + 'p>;
 
 /// A segment of a ray, and bounds on the extinction over it.
@@ -108,7 +108,7 @@ impl Profile<'_> {
 pub struct ProfileWalk<'p> {
     profile: &'p Profile<'p>,
     next: usize,
-    /// Look-ups so far.
+    /// Lookups so far.
     pub lookups: u64,
 }
 

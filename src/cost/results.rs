@@ -134,7 +134,7 @@ impl MeanWork {
         counters.map(|count| count as f64 / rays as f64)
     }
 
-    /// The number by which settings are compared: look-ups of densities and gradients, or random
+    /// The number by which settings are compared: lookups of densities and gradients, or random
     /// numbers where nothing is looked up.
     pub fn price(&self) -> f64 {
         match self.counted() {
@@ -143,7 +143,7 @@ impl MeanWork {
         }
     }
 
-    /// Look-ups of densities and gradients.
+    /// Lookups of densities and gradients.
     pub fn lookups(&self) -> f64 {
         self[Event::DensityLookup] + self[Event::GradientLookup]
     }
@@ -171,7 +171,7 @@ impl Serialize for MeanWork {
 /// The kind of work that a price counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Counted {
-    /// Look-ups of densities and gradients.
+    /// Lookups of densities and gradients.
     Lookups,
     /// Random numbers, where nothing is looked up.
     RandomNumbers,
@@ -271,11 +271,11 @@ pub struct Offer {
     pub parameter: Parameter,
     /// The setting; none if no setting of the sweep reaches the error.
     pub setting: Option<String>,
-    /// Look-ups for each ray.
+    /// Lookups for each ray.
     pub lookups: Option<f64>,
     /// Median wall time for each ray, seconds.
     pub seconds: Option<f64>,
-    /// How many times the look-ups of the cheapest.
+    /// How many times the lookups of the cheapest.
     pub times_cheapest: Option<f64>,
 }
 
@@ -311,20 +311,20 @@ pub struct EstimatorRow {
     pub variance_error: f64,
     /// Variance by theory, where there is one.
     pub predicted_variance: Option<f64>,
-    /// Look-ups of one sample.
+    /// Lookups of one sample.
     pub lookups: f64,
     /// The same by theory.
     pub predicted_lookups: Option<f64>,
-    /// Variance times look-ups: the smaller, the better.
+    /// Variance times lookups: the smaller, the better.
     pub variance_times_lookups: f64,
     /// Variance times seconds.
     pub variance_times_seconds: Option<f64>,
-    /// Mean within four standard errors, look-ups within 5 % and variance within four standard
+    /// Mean within four standard errors, lookups within 5 % and variance within four standard
     /// errors of what was predicted.
     pub agrees: bool,
 }
 
-/// Variance times look-ups by optical thickness.
+/// Variance times lookups by optical thickness.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ThicknessSweep {
     /// Which ray, whose extinction is scaled.
@@ -347,7 +347,7 @@ pub struct ThicknessCurve {
 pub struct ThicknessPoint {
     /// Optical thickness of the ray.
     pub depth: f64,
-    /// Relative variance, variance/T², times look-ups; as measured, if it could be: where almost
+    /// Relative variance, variance/T², times lookups; as measured, if it could be: where almost
     /// no sample gets through, the spread of a few says nothing.
     pub measured: Option<f64>,
     /// The same as predicted, where theory says.
@@ -400,7 +400,7 @@ pub struct EffectPrice {
     pub work: MeanWork,
     /// Time for each pixel.
     pub time: Option<Times>,
-    /// Look-ups relative to the first of the list.
+    /// Lookups relative to the first of the list.
     pub times_lookups: Option<f64>,
 }
 

@@ -52,7 +52,7 @@ impl StepRule {
         self.order().min(if jumps { 1.0 } else { 2.0 })
     }
 
-    /// Optical depth of `profile` by steps of `length`, and the number of look-ups.
+    /// Optical depth of `profile` by steps of `length`, and the number of lookups.
     pub fn depth(self, profile: &Profile<'_>, length: f64) -> (f64, u64) {
         let steps = Steps::over(profile.span(), length);
         let mut lookups = 0;

@@ -99,12 +99,12 @@ fn panel_cost(
             "nothing in it is marched, tracked or sampled, every pixel is a closed form",
         ));
     }
-    if inquiry.has_time("effects", "the prices of effects were not measured") {
+    if inquiry.has_time("effects", "the cost of each effect was not measured") {
         match effects::prices(panel, &options.clock) {
             Ok(effects) => inquiry.cost.effects = effects,
             Err(error) => {
                 inquiry.note(&format!(
-                    "the prices of effects could not be measured: {error}"
+                    "the cost of each effect could not be measured: {error}"
                 ));
             }
         }
@@ -117,7 +117,7 @@ fn panel_cost(
     {
         let known = study.sweeps.iter().map(|sweep| sweep.order.known);
         cost.notes.push(format!(
-            "{}: the reference itself may be off by {:.1e}; no order and no price is claimed below \
+            "{}: the reference itself may be off by {:.1e}; no order and no cost is claimed below \
              {:.1e}",
             study.name,
             study.reference.bound,
@@ -189,7 +189,7 @@ impl Inquiry<'_> {
         self.cost.studies.push(image::steps(scene, size, clock));
         self.note(
             "the reference renderer's own ray caster leaps over empty space, the other schemes \
-             look everywhere: compare their look-ups with that in mind",
+             look everywhere: compare their lookups with that in mind",
         );
         type StudyOf = fn(&Classified, [usize; 2], &Clock) -> Option<Study>;
         let later: [(&str, bool, StudyOf); 4] = [

@@ -299,7 +299,7 @@ fn crossing<'s>(
             span,
         });
     }
-    // As many look-ups at every place, or a number that is not known.
+    // As many lookups at every place, or a number that is not known.
     let densities = if pieces.iter().all(|(_, set)| *set == first) {
         members(first).count()
     } else {
@@ -372,7 +372,7 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
         planned.push(asked.cell_by_cell());
     }
     let method = match exact {
-        true => "Gauss's rule cell by cell, which leaves no error but rounding",
+        true => "Gaussian quadrature per cell, exact up to rounding",
         false => "closed forms, or collocation at Gauss points, halved until its parts agree",
     };
     let truth = Truth {
@@ -383,17 +383,17 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
     };
     let [width, height] = crossings.size;
     let quantity = format!(
-        "transmittance of what varies, along the {} rays of {width} × {height} pixels that meet it",
+        "transmittance of the heterogeneous media along the {} rays of {width} × {height} pixels that \
+         cross them",
         crossings.rays.len()
     );
     let judged_on = match (crossings.rough, is_dense) {
-        (true, _) => Some(
-            "none is expected of a step: the noise has detail that no step here is small against"
-                .to_owned(),
-        ),
+        (true, _) => {
+            Some("no order is expected: the noise has detail finer than any step tested".to_owned())
+        }
         (_, true) => Some(format!(
             "tracking was left out: bounds of more than {MOST_DEPTHS} optical depths take as many \
-             look-ups"
+             lookups"
         )),
         _ => None,
     };

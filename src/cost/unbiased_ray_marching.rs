@@ -33,7 +33,7 @@
 //! on each of them, and the products would no longer have the means above.
 //!
 //! **The cost.** `E[N] = Σ_{k ≥ 1} P(N ≥ k) = 0.05 (e² − 1)`: `M (1 + (e² − 1)/20) = 1.31945 M`
-//! look-ups in the mean. Where the extinction is constant all `X` are the same number, all
+//! lookups in the mean. Where the extinction is constant all `X` are the same number, all
 //! deviations are 0, and the result is `e^(−τ)` without noise.
 //!
 //! An estimate may be negative, or above 1. No bound on the extinction is needed, and so none can
@@ -49,7 +49,7 @@ use crate::math::rng::{Purpose, Stream};
 use crate::math::{Moments, Sum, cbrt, exp};
 use crate::render::radiative::tracking::Effort;
 
-/// Mean look-ups of an estimate for each look-up of one march: `1 + (e² − 1)/20`.
+/// Mean lookups of an estimate for each lookup of one march: `1 + (e² − 1)/20`.
 pub const MEAN_MARCHES: f64 = 1.319_452_804_946_532_5;
 
 /// With which probability there is a term beyond the first.
@@ -59,7 +59,7 @@ const BEYOND_FIRST: f64 = 0.1;
 /// most `depth_bound ≥ 0`, finite: the extinction's bound times the length of the ray.
 ///
 /// `∛((0.015 + τ̄)(0.65 + τ̄)(60.3 + τ̄))`, rounded up, is a fit to what a tracking estimator with
-/// that bound looks up. The march is as long as makes the mean look-ups the same:
+/// that bound looks up. The march is as long as makes the mean lookups the same:
 /// that, divided by [`MEAN_MARCHES`]. About `0.76 τ̄ + 15` where the bound is large; 1 up to a
 /// bound of 0.01. The rule steers noise and cost; there is no bias with any number of steps.
 pub fn march_steps(depth_bound: f64) -> u32 {
@@ -84,12 +84,12 @@ pub fn uniform_numbers(stream: &Stream, bounce: u32, purpose: Purpose) -> impl F
     }
 }
 
-/// An estimate of the transmittance of `span` (finite) by marches of `steps ≥ 1` look-ups each;
+/// An estimate of the transmittance of `span` (finite) by marches of `steps ≥ 1` lookups each;
 /// its mean is the transmittance.
 ///
 /// `extinction` is that at a distance along the ray within `span`, per length, finite. `uniform`
 /// returns random numbers, uniform in [0, 1): the first decides how many marches there are, then
-/// one shifts each march. Look-ups are counted in `effort`.
+/// one shifts each march. Lookups are counted in `effort`.
 pub fn unbiased_ray_marching(
     mut extinction: impl FnMut(f64) -> f64,
     span: Span,
@@ -235,7 +235,7 @@ mod tests {
     #[test]
     fn steps_by_the_rule() {
         assert_eq!(march_steps(0.0), 1);
-        // (0.015)(0.65)(60.3) = 0.588: one look-up. At 9.597 the cube root is 19.02: 20/1.319.
+        // (0.015)(0.65)(60.3) = 0.588: one lookup. At 9.597 the cube root is 19.02: 20/1.319.
         assert_eq!(march_steps(9.597), 15);
         assert_eq!((march_steps(0.01), march_steps(0.011)), (1, 2));
         assert_eq!(march_steps(1e300), u32::MAX);

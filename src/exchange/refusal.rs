@@ -21,7 +21,7 @@ impl fmt::Display for ExportFault {
 
 /// A scene that a format cannot express without changing it.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{format} cannot say {}", listed(faults))]
+#[error("{format} cannot represent {}", listed(faults))]
 pub struct Refusal {
     /// The format.
     pub format: Format,

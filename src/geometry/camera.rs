@@ -27,7 +27,7 @@ pub enum CameraError {
     #[error("the camera is at its target, so it has no direction")]
     NoDirection,
     /// `up` is zero or parallel to the viewing direction.
-    #[error("`up` is parallel to the viewing direction, so the image has no up direction")]
+    #[error("`up` must not be zero or parallel to the viewing direction")]
     NoUpright,
 }
 

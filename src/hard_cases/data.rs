@@ -147,7 +147,7 @@ fn d5_anisotropic_spacing(margin: &mut Margin) {
 }
 
 fn d6_empty_space(margin: &mut Margin) {
-    // Whether only the sky is seen, and after how many look-ups.
+    // Whether only the sky is seen, and after how many lookups.
     let seen = |model: Model| {
         rendered(&scene_of(model, [8, 8])).map(|rendering| {
             let mut pixels = rendering.film.radiance().iter();

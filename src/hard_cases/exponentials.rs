@@ -87,7 +87,7 @@ fn e9_early_termination(margin: &mut Margin) {
             margin.within(what, ended.into(), whole.into(), stated);
         }
         let saved = ended.work[0][Event::DensityLookup] < whole.work[0][Event::DensityLookup];
-        margin.holds(format_args!("look-ups are saved behind {fog}"), saved);
+        margin.holds(format_args!("lookups are saved behind {fog}"), saved);
     }
     // Not asked for, nothing is left out.
     let all = volume(Compositing::FrontToBack, 8);

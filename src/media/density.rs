@@ -240,7 +240,7 @@ impl Density {
     }
 
     /// `∫ density dt` along `line` over `span`, in the box of the field, without discretisation
-    /// error: in closed form, or cell by cell. Adds the number of look-ups to `lookups`.
+    /// error: in closed form, or cell by cell. Adds the number of lookups to `lookups`.
     ///
     /// # Panics
     ///

@@ -51,13 +51,11 @@ impl TransferPoints {
                 && point.colour.min_element() >= 0.0;
             let earlier = |back: usize| Some(points[index.checked_sub(back)?].value);
             let message = if !in_range {
-                "a point takes a value within ±3.4e38, an opacity in [0, 1] and finite colours \
+                "a point needs a value within ±3.4e38, an opacity in [0, 1] and finite colours \
                  that are not negative"
                     .to_owned()
             } else if let Some(before) = earlier(1).filter(|&before| value < before) {
-                format!(
-                    "the points must stand in order of their values, but {value} follows {before}"
-                )
+                format!("the points must be sorted by value, but {value} follows {before}")
             } else if earlier(2) == Some(value) {
                 // Between the sides of a step it would mean nothing.
                 format!(
@@ -253,7 +251,7 @@ mod tests {
         for bad in [(f64::NAN, 0.5), (1e39, 0.5), (0.0, f64::NAN), (0.0, 1.1)] {
             let refused = new(&[bad]);
             assert_eq!(refused.index, Some(0));
-            assert!(refused.message.starts_with("a point takes a value within"));
+            assert!(refused.message.starts_with("a point needs a value within"));
         }
     }
 }

@@ -89,8 +89,8 @@ fn is_vacuum(body: &Body) -> bool {
 
 /// A rate of collisions, per length, that no extinction exceeds, at any point in any channel.
 ///
-/// Not below one over the size of a medium, however thin it is, since paths collect light at
-/// collisions; not 0 in one that only emits.
+/// At least 1 / (size of the medium), however thin it is, because light is gathered at collisions;
+/// nonzero even in a medium that only emits.
 pub fn global_majorant(media: &[Body]) -> f64 {
     let mut majorant = 0.0;
     for body in media.iter().filter(|body| !is_vacuum(body)) {

@@ -1,7 +1,7 @@
-//! The two reference renderers, to be read first: from top to bottom, a file each.
+//! The two reference renderers, to be read first: from top to bottom, one file each.
 //!
 //! [`ray_caster`] renders classified volumes, [`path_tracer`] surfaces, media and lights. They are
-//! the obvious programs, one line of the method after the other, without anything clever:
+//! the most direct implementation, following the method line by line with no optimisations:
 //! [`render`](crate::render) is the fast program, and is tested against them. Classified volumes
 //! agree to the bit, sampled images within their noise (`tests/library/reference.rs`).
 
@@ -27,7 +27,7 @@ pub enum ReferenceError {
     Plot,
     /// A path that does not end.
     #[error(
-        "a path of pixel ({column}, {row}) drew 2^26 random numbers and had no end: the plain path \
+        "a path of pixel ({column}, {row}) drew 2^26 random numbers without ending: the plain path \
          tracer cannot render this scene; render it without --reference"
     )]
     Endless {
@@ -48,8 +48,8 @@ pub enum ReferenceError {
     },
 }
 
-/// The image of `scene`, its panels side by side. A pixel is what the fast renderers make of it: the
-/// radiance through its centre where they need no random numbers, else the mean over its square.
+/// The image of `scene`, its panels side by side. Pixels are sampled as in the fast renderers: the
+/// radiance through the centre where they need no random numbers, else the mean over the pixel.
 pub fn render(scene: &Scene, sampling: Sampling) -> Result<Film, ReferenceError> {
     let mut films = Vec::new();
     for (panel, plan) in scene.panels.iter().zip(plans(scene)) {

@@ -25,8 +25,9 @@
 //! cosine; `L_hit` is the radiance of an area light or of the environment.
 //!
 //! - Delta tracking finds collisions at the rate of the majorant `σ̄ > 0`, at least `σ_t` everywhere.
-//!   A collision scatters in a medium or is null; absorption lowers the throughput. (Kutz et al.
-//!   2017, "Spectral and decomposition tracking for rendering heterogeneous volumes".)
+//!   A collision is either a real scattering event or a null collision; absorption
+//!   reduces the throughput. (Kutz et al. 2017, "Spectral and decomposition tracking for rendering
+//!   heterogeneous volumes".)
 //! - Next-event estimation samples the lights for `L_direct`, at surfaces and at every collision, null
 //!   ones too; ratio tracking estimates the transmittance (Novák et al. 2014, "Residual ratio
 //!   tracking for estimating attenuation in participating media").
@@ -38,8 +39,8 @@
 //! - Russian roulette ends paths of low throughput.
 //!
 //! A scene limits the bounces of a path, including those at mirrors and glass. Point, spot and
-//! directional lights reach a point on straight lines only, never by a mirror or through glass. The
-//! random numbers of a path are limited, too: one that uses them up fails with `Exhausted`.
+//! directional lights reach a point along straight lines only, never via a mirror or through glass.
+//! The random numbers of a path are limited, too: one that uses them up fails with `Exhausted`.
 
 use super::media::{Segment, extinction, global_majorant, hull};
 use super::random::{Exhausted, Random};

@@ -2,7 +2,7 @@
 
 use crate::math::rng::{Purpose, Stream};
 
-/// Numbers for one path, at most.
+/// Maximum number of random numbers per path.
 const MOST: u32 = 1 << 26;
 
 /// A path that drew all its random numbers and did not end.
@@ -20,7 +20,7 @@ pub struct Random {
 }
 
 impl Random {
-    /// The numbers of sample `sample` of the pixel with index `pixel`, under `seed`.
+    /// The random numbers for sample `sample` of pixel index `pixel`, given `seed`.
     pub fn new(seed: u64, pixel: u32, sample: u32) -> Random {
         let stream = Stream::new(seed, pixel, sample);
         Random {

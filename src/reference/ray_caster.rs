@@ -27,9 +27,9 @@
 //! a formula             min(1, (1 − exp(−d²)) / (1 − f))      d²            min(1, exp(−S/100))
 //! ```
 //!
-//! The formula is that of a ray-casting assignment: the scene gives `f`, the value of `exp(−d²)` that
-//! counts as opaque, and `S = Σ d h/h₀` is no optical depth of `σ`. The step and the reference length
-//! of the shadow are its own.
+//! The formula is that of a ray-casting assignment: the scene gives `f`, the value of `exp(−d²)` at
+//! which the volume becomes fully opaque, and `S = Σ d h/h₀` is not the optical depth of `σ`. The
+//! shadow has its own step and reference length.
 //!
 //! Sources: Levoy 1988, "Display of surfaces from volume data"; Max 1995, "Optical models for
 //! direct volume rendering"; Porter & Duff 1984, "Compositing digital images".

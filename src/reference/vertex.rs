@@ -9,7 +9,7 @@ use glam::DVec3;
 
 /// A collision in a medium, or a point of a diffuse surface.
 pub struct Vertex {
-    /// The point; in a medium without clearance, so that its normal moves no ray.
+    /// The point; in a medium the ray-origin offset (clearance) is 0, so the normal is unused.
     pub point: SurfacePoint,
     /// Axis of the directions: in a medium the direction of the ray that arrives, at a surface
     /// the normal on the side of that ray.
@@ -30,7 +30,7 @@ pub enum Scatterer {
 pub struct Scattered {
     /// The ray into the new direction.
     pub ray: Ray,
-    /// By channel, phase function or BRDF times cosine, over the density.
+    /// Per channel: phase function, or BRDF times cosine, divided by the pdf.
     pub weight: DVec3,
     /// Probability density, per steradian, of the direction; `None` for a mirror and glass.
     pub pdf: Option<f64>,
@@ -75,7 +75,7 @@ impl Vertex {
         }
     }
 
-    /// A direction with a density in proportion to the phase function or to the cosine; `None` where
+    /// A direction sampled with pdf proportional to the phase function or the cosine; `None` where
     /// rounding leaves no ray.
     pub fn sample(&self, random: &mut Random) -> Result<Option<Scattered>, Exhausted> {
         let numbers = random.pair()?;

@@ -17,14 +17,14 @@ pub enum RenderError {
         /// Row, from the top.
         row: usize,
     },
-    /// A density look-up exceeded its majorant.
+    /// A density lookup exceeded its majorant.
     #[error(
         "the density of a medium exceeded its majorant {violations} times, first in pixel \
          ({column}, {row}): the image would be biased and not look it. This is a bug in volref; \
          please report it with the scene"
     )]
     Majorant {
-        /// Number of such look-ups, in all pixels; each pixel stops at its first such path.
+        /// Number of such lookups, in all pixels; each pixel stops at its first such path.
         violations: u64,
         /// Column, from the left.
         column: usize,

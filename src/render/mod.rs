@@ -2,15 +2,15 @@
 //!
 //! [`classified`] casts rays through a grid with a transfer function, [`radiative`] follows light
 //! among surfaces, media and lights: a folder for each model. [`plan`] decides which effects a
-//! scene calls for. `image` renders the panels of a scene by their plans, `pixels` is the loop over
+//! scene calls for. `image` renders the panels of a scene according to their plans, `pixels` is the loop over
 //! the pixels of one; [`counters`] counts the work and [`predicted_work`] predicts it.
 //!
 //! # The kernels
 //!
 //! A kernel is the code of a renderer compiled for certain effects. They come in families; the
-//! [`Plan`] picks one member for an image, once, in the `kernels.rs` of each model. Each is
-//! compiled once more to count its work. The code between a kernel and the threads is compiled
-//! once for all: a copy for each kernel would be a third of all code.
+//! [`Plan`] picks one member for an image, once, in the `kernels.rs` of each model. Each is also
+//! compiled in a second variant that counts its work. The code between a kernel and the threads is
+//! compiled only once: duplicated for each kernel, it would be a third of all code.
 //!
 //! | family | kernels | compiled for | uncounted, KiB | counted | either | of all code |
 //! |---|---|---|---|---|---|---|
@@ -20,10 +20,10 @@
 //! | shared by the latter two | – | the same | 459 | 479 | 132 | 10.3 % |
 //!
 //! For heterogeneous media there are no kernels without surfaces, and on the line of sight, where
-//! they do not scatter, no anisotropic ones; without media there are none by the effects of media.
+//! they do not scatter, no anisotropic ones; without media, kernels are not specialised for the effects of media.
 //! A constant field has no empty space to skip.
-//! The member for everything is the general kernel. Made by `scripts/kernel-sizes.sh` for x86-64; a
-//! test holds the numbers of kernels.
+//! The kernel with all effects is the general one. Made by `scripts/kernel-sizes.sh` for x86-64; a
+//! test checks the kernel counts.
 
 pub mod classified;
 pub mod counters;
@@ -48,7 +48,7 @@ pub use predicted_work::{Amount, Bound, Memory, PredictedWork};
 pub use progress::{Forecast, Progress, Watch};
 pub use sampling::{Sampling, Seed};
 
-/// The number of kernels of a family by the table above.
+/// Number of kernels in a family, as listed in the table above.
 #[cfg(test)]
 fn documented_kernels(family: &str) -> usize {
     let row = format!("//! | {family} | ");

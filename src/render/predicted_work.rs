@@ -1,5 +1,5 @@
 //! Work predicted before it is done: from the geometry of rays, steps and cells, without any
-//! density look-up.
+//! density lookup.
 
 use super::classified::steps::Steps;
 use super::classified::volume_shadow::shadow_ray;
@@ -312,8 +312,8 @@ fn shadow_steps(scene: &Classified, ray: &Ray) -> u64 {
     (0..steps.count()).map(of_sample).sum()
 }
 
-/// Look-ups for the optical depth along `ray` up to the nearest surface and, with `emission`, for
-/// the emission of its media; and the number of segments whose look-ups are not known.
+/// Lookups for the optical depth along `ray` up to the nearest surface and, with `emission`, for
+/// the emission of its media; and the number of segments whose lookups are not known.
 fn line_lookups(context: &SceneContext<'_, Everything>, ray: &Ray, emission: bool) -> [u64; 2] {
     let nearest = context.intersect(ray, &mut Uncounted);
     let end = nearest.map_or(f64::INFINITY, |nearest| nearest.hit.t);
@@ -356,7 +356,7 @@ fn line_lookups(context: &SceneContext<'_, Everything>, ray: &Ray, emission: boo
     [lookups, unknown]
 }
 
-/// Look-ups for the integral of `density` along `ray` over `span`: two in each cell crossed of a
+/// Lookups for the integral of `density` along `ray` over `span`: two in each cell crossed of a
 /// trilinear grid, one of a grid of nearest nodes, none of what has a closed form.
 fn cell_lookups(density: &Density, ray: &Ray, span: Span) -> u64 {
     let Field::Grid(grid) = density.field() else {

@@ -56,7 +56,9 @@ pub fn self_test_text(test: &SelfTest) -> String {
         text.push_str(&format!("\n{name} is caught by no case\n"));
     }
     for promise in &test.broken_promises {
-        text.push_str(&format!("\nnot caught, though promised: {promise}\n"));
+        text.push_str(&format!(
+            "\nnot caught, although its manifest requires it: {promise}\n"
+        ));
     }
     let rejected: usize = test.benign.iter().map(|row| row.rejected.len()).sum();
     text.push_str(&format!(
@@ -150,12 +152,12 @@ pub fn naming_text(namings: &[Naming]) -> String {
         }
         let right = seen.iter().filter(is_named).count();
         text.push_str(&format!(
-            "{what}: {right} of {} named {} ({:.1} %); {unseen} failed no case\n",
+            "{what}: {right} of {} {} ({:.1} %); {unseen} caused no case to fail\n",
             seen.len(),
             if within == 1 {
-                "first"
+                "identified first"
             } else {
-                "among the first three"
+                "with both among the first three named"
             },
             100.0 * right as f64 / seen.len() as f64
         ));

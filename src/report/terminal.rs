@@ -130,7 +130,14 @@ pub fn summary_text(results: &[CaseResult]) -> String {
         (summary.fail, "failed"),
         (summary.inconclusive, "inconclusive"),
         (summary.missing, "missing"),
-        (summary.error, "in error"),
+        (
+            summary.error,
+            if summary.error == 1 {
+                "error"
+            } else {
+                "errors"
+            },
+        ),
     ];
     let said: Vec<_> = counts
         .into_iter()
@@ -175,7 +182,7 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
     }
     let unfinished = &found.unfinished;
     if found.likely.is_empty() && found.searched > 0 && unfinished.is_empty() {
-        text.push_str("\nlooks like no mistake of the catalogue\n");
+        text.push_str("\nmatches no mistake in the catalogue\n");
     }
     if !unfinished.is_empty() {
         let named = if found.likely.is_empty() {
@@ -198,7 +205,7 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
             names.push(format!("{more} more"));
         }
         text.push_str(&format!(
-            "\n{named}the search {why} in {}; --explain {} goes on\n",
+            "\n{named}the search {why} in {}; run again with --explain {} to continue\n",
             names.join(", "),
             MORE_TIME * seconds
         ));

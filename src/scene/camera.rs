@@ -9,7 +9,7 @@ use glam::DVec3;
 
 /// The declaration of `[camera]`.
 pub(super) const CAMERA: Table = Table::new("The pinhole camera. By default it sees the whole of a classified volume from the front; required in a radiative scene.").keys(&[
-    Key::derived("eye", Kind::Vector, "before the volume on the −z side, or the −y side where `up` is along z, as near as shows all of it")
+    Key::derived("eye", Kind::Vector, "in front of the volume, on the −z side (−y if `up` is along z), as close as possible with the whole volume in view")
         .doc("Position of the camera, world units; required in a radiative scene."),
     Key::derived("target", Kind::Vector, "volume centre")
         .doc("The point in the middle of the image, world units; required in a radiative scene."),

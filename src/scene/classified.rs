@@ -16,7 +16,7 @@ pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities
     Key::required("volume", Kind::Table(&VOLUME))
         .doc("The densities."),
     Key::or("interpolation", Kind::Choice(&["trilinear", "nearest"]), "'trilinear'")
-        .doc("How densities and gradients between the nodes follow from those at the nodes."),
+        .doc("Interpolation of densities and gradients between nodes."),
     Key::or("compositing", Kind::Choice(&["front-to-back", "back-to-front"]), "'front-to-back'")
         .doc("Order in which the samples of a ray are composited; both give the same image up to rounding."),
     Key::optional("early_termination", Kind::Number(Range::open(0.0, 1.0)))
@@ -36,7 +36,7 @@ pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities
 const LIGHT: Table = Table::new("A white point light without fall-off.").keys(&[Key::derived(
     "position",
     Kind::Vector,
-    "above the eye, upwards in the image, as high as the target is far",
+    "above the eye (image-up), at a height equal to the distance from eye to target",
 )
 .doc("Position of the light, world units.")]);
 
@@ -56,7 +56,7 @@ const SHADOW: Table = Table::new("Volume shadow: radiance times exp(−S/100), S
     Key::or("step", Kind::Length, "'1 voxel'")
         .doc("Distance between samples along a shadow ray, world units or voxels."),
     Key::derived("reference_step", Kind::Length, "with a table of points its reference length; else required")
-        .doc("Length that counts as one unit of S, or over which the opacities of points hold, world units or voxels; smaller means darker."),
+        .doc("Path length over which a density of 1 adds 1 to the shadow sum S (with a table of points: over which its opacities apply), world units or voxels; smaller is darker."),
 ]);
 
 /// The order in which the samples of a ray are composited.

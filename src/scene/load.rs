@@ -221,7 +221,7 @@ fn panel_tables<'s>(
         return Ok(vec![root.clone()]);
     };
     let not_tables = |span| {
-        let message = "`panel` takes tables in double brackets, [[panel]]";
+        let message = "`panel` must be tables in double brackets, [[panel]]";
         document.error(Some(span), message, None)
     };
     let DeValue::Array(items) = panels.get_ref() else {

@@ -199,7 +199,8 @@ impl ParameterBlock<'_, '_> {
         if octaves.fract() == 0.0 && (1.0..=most).contains(&octaves) {
             return Ok(octaves as u32);
         }
-        let message = format!("`nrOctaves` takes a whole number from 1 to {most}, got {octaves:?}");
+        let message =
+            format!("`nrOctaves` must be a whole number from 1 to {most}, but is {octaves:?}");
         Err(self.mistake("nrOctaves", message))
     }
 
@@ -251,7 +252,7 @@ impl ParameterBlock<'_, '_> {
                 [3] => "three numbers",
                 _ => "three numbers, or one for all three",
             };
-            let message = format!("`{name}` takes {expected}, got {}", numbers.len());
+            let message = format!("`{name}` must be {expected}, not {}", numbers.len());
             return Err(self.mistake(name, message));
         }
         Ok(Some(numbers))
@@ -286,7 +287,7 @@ fn malformed(document: &Document, error: &Error) -> Box<SceneError> {
     let (offset, message, help) = match error {
         Error::DtdDetected => (
             text.find("<!DOCTYPE").unwrap_or(0),
-            "document types are refused".to_owned(),
+            "document types are not allowed".to_owned(),
             "remove the <!DOCTYPE …>: document types and their entities are not read",
         ),
         // The parser places these at the beginning.
@@ -655,19 +656,19 @@ mod tests {
             ),
             (
                 "<float name='gain' value=''/>",
-                "3:27: `gain` takes one number, got 0",
+                "3:27: `gain` must be one number, not 0",
             ),
             (
                 "<float name='gain' value='1 2'/>",
-                "3:27: `gain` takes one number, got 2",
+                "3:27: `gain` must be one number, not 2",
             ),
             (
                 "<vector name='scale' value='1'/>",
-                "3:29: `scale` takes three numbers, got 1",
+                "3:29: `scale` must be three numbers, not 1",
             ),
             (
                 "<color name='sigma_a' value='1,2'/>",
-                "3:30: `sigma_a` takes three numbers, or one for all three, got 2",
+                "3:30: `sigma_a` must be three numbers, or one for all three, not 2",
             ),
             (
                 "<vector name='scale' value='1,,2 3'/>",
@@ -707,15 +708,15 @@ mod tests {
             ),
             (
                 "<integer name='nrOctaves' value='2.5'/>",
-                "3:34: `nrOctaves` takes a whole number from 1 to 32, got 2.5",
+                "3:34: `nrOctaves` must be a whole number from 1 to 32, but is 2.5",
             ),
             (
                 "<integer name='nrOctaves' value='0'/>",
-                "3:34: `nrOctaves` takes a whole number from 1 to 32, got 0",
+                "3:34: `nrOctaves` must be a whole number from 1 to 32, but is 0",
             ),
             (
                 "<integer name='nrOctaves' value='1e300'/>",
-                "3:34: `nrOctaves` takes a whole number from 1 to 32, got 1e300",
+                "3:34: `nrOctaves` must be a whole number from 1 to 32, but is 1e300",
             ),
             (
                 "<color name='sigma_a' value='0 -1 0'/>",
@@ -819,7 +820,10 @@ mod tests {
             with_dtd("[<!ENTITY a SYSTEM 'file:///etc/hostname'>]", "&a;"),
             with_dtd("SYSTEM 'http://example.org/medium.dtd'", "1"),
         ] {
-            assert_eq!(fault(&text), "medium.xml:2:3: document types are refused");
+            assert_eq!(
+                fault(&text),
+                "medium.xml:2:3: document types are not allowed"
+            );
         }
         let text = block("<float name='gain' value='&amp;&a;'/>");
         assert!(

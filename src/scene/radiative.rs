@@ -29,7 +29,7 @@ pub(super) const RADIATIVE: Table = Table::new("Surfaces, participating media an
         .doc("Scattering order of light on its way to the eye, bounces of media and surfaces together: none, one, or any number."),
     // A stream of random numbers counts the bounces of a path in 26 bits.
     Key::optional("max_bounces", Kind::Count(2, (1 << 26) - 1))
-        .doc("Scattering order at most, with `scattering = \"multiple\"`. If left out, it is unlimited."),
+        .doc("Maximum scattering order, with `scattering = \"multiple\"`. If left out, it is unlimited."),
     Key::or("environment", Kind::Colour(Range::at_least(0.0)), "[0.0, 0.0, 0.0]")
         .doc("Linear radiance from infinitely far away, the same from every direction."),
     Key::optional("surface", Kind::Tables(&surfaces::SURFACE))
@@ -37,7 +37,7 @@ pub(super) const RADIATIVE: Table = Table::new("Surfaces, participating media an
     Key::optional("medium", Kind::Tables(&media::MEDIUM))
         .doc("Participating media, at most 64."),
     Key::optional("light", Kind::Tables(&lights::LIGHT))
-        .doc("Lights without extent."),
+        .doc("Point, spot and directional lights. Area lights are surfaces with an emitter."),
 ]);
 
 /// Scattering order of light on its way from a light to the eye: bounces of media and surfaces

@@ -52,9 +52,11 @@ impl std::str::FromStr for Length {
             format!("expected a length such as 0.01 (world units) or \"0.5 voxels\", got {text:?}")
         })?;
         if !(value.is_finite() && value > 0.0) {
-            return Err(format!(
-                "a length must be positive and finite, got {text:?}"
-            ));
+            let got = match in_voxels {
+                Some(_) => format!("{trimmed:?}"),
+                None => trimmed.to_owned(),
+            };
+            return Err(format!("a length must be positive and finite, got {got}"));
         }
         Ok(if in_voxels.is_some() {
             Length::Voxels(value)
@@ -223,11 +225,8 @@ impl<'d, 's> Reader<'d, 's> {
                     self.named(&left),
                     self.named(&right)
                 );
-                let help = format!(
-                    "give either {} or {}",
-                    self.named(lefts),
-                    self.named(rights)
-                );
+                let [lefts, rights] = [lefts, rights].map(|keys| self.joined(keys));
+                let help = format!("give either {lefts}, or {rights}");
                 Err(self.mistake(last.expect("two are given"), message, help))
             }
             Rule::Together(keys) => {
@@ -255,11 +254,25 @@ impl<'d, 's> Reader<'d, 's> {
 
     /// Keys as a list in words; those that are headings of the file as such.
     fn named(&self, keys: &[&str]) -> String {
-        let named = keys.iter().map(|key| match self.declared(key).kind {
+        let named = keys.iter().map(|key| self.named_key(key));
+        named.collect::<Vec<_>>().join(", ")
+    }
+
+    /// `keys` that belong together: `a`, `b` and `c`.
+    fn joined(&self, keys: &[&str]) -> String {
+        match keys {
+            [first @ .., last] if !first.is_empty() => {
+                format!("{} and {}", self.named(first), self.named_key(last))
+            }
+            _ => self.named(keys),
+        }
+    }
+
+    fn named_key(&self, key: &str) -> String {
+        match self.declared(key).kind {
             Kind::Table(_) if self.path.is_empty() => format!("[{key}]"),
             _ => format!("`{key}`"),
-        });
-        named.collect::<Vec<_>>().join(", ")
+        }
     }
 
     /// The table as messages call it.
@@ -282,7 +295,7 @@ impl<'d, 's> Reader<'d, 's> {
         let table = self.table_name();
         let help = match nearest {
             Some((_, name)) => format!("did you mean `{name}`?"),
-            None => format!("{table} may hold: {}", known.join(", ")),
+            None => format!("allowed keys in {table}: {}", known.join(", ")),
         };
         let message = format!("unknown key `{}` in {table}", key.get_ref());
         self.document.error(Some(key.span()), message, Some(help))
@@ -385,7 +398,15 @@ impl<'d, 's> Reader<'d, 's> {
     fn wrong_type(&self, name: &str, value: &Spanned<DeValue>) -> Box<SceneError> {
         let expected = self.declared(name).kind.expected();
         let got = value.get_ref().type_str();
-        self.error(name, format!("`{name}` takes {expected}, got {got}"))
+        let article = if matches!(got, "integer" | "array") {
+            "an"
+        } else {
+            "a"
+        };
+        self.error(
+            name,
+            format!("`{name}` must be {expected}, not {article} {got}"),
+        )
     }
 
     /// The value in the file or the declared default; `None` if the declaration has neither
@@ -437,7 +458,7 @@ impl<'d, 's> Reader<'d, 's> {
             return Err(self.wrong_type(name, value));
         };
         if items.len() != 3 {
-            let message = format!("`{name}` takes three numbers, got {}", items.len());
+            let message = format!("`{name}` must be three numbers, not {}", items.len());
             return Err(self.error(name, message));
         }
         let mut numbers = [0.0; 3];
@@ -573,7 +594,7 @@ impl<'d, 's> Reader<'d, 's> {
                 && !words.contains(&text.as_ref())
             {
                 let expected = self.declared(name).kind.expected();
-                let message = format!("`{name}` takes {expected}, got {text:?}");
+                let message = format!("`{name}` must be {expected}, but is {text:?}");
                 return Err(self.error(name, message));
             }
             Ok(text.to_string())

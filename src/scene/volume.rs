@@ -10,18 +10,18 @@ use std::path::Path;
 pub(super) const VOLUME: Table = Table::new("The file a grid of densities comes from.").keys(&[
     Key::required("file", Kind::Text)
         .doc("Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene."),
-    Key::derived("resolution", Kind::Count(2, 4096), "one point to a voxel, on average")
+    Key::derived("resolution", Kind::Count(2, 4096), "one point per voxel, on average")
         .doc("Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included."),
     Key::or("padding", Kind::Count(0, 1024), "2")
         .doc("Point clouds only: empty nodes kept around the cloud on each side."),
     Key::optional("centring", Kind::Choice(&["nodes", "cells"]))
-        .doc("Grids only: whether the box ends at the outermost nodes, or half a spacing beyond; a .vol keeps its box, all others their nodes. If left out, as the file says, else nodes."),
+        .doc("Grids only: whether the box ends at the outermost nodes, or half a voxel beyond them; a .vol keeps its box, all others their nodes. If left out, as the file says, or else nodes."),
     Key::optional("replace_non_finite", Kind::Number(Range::closed(f32::MIN as f64, f32::MAX as f64)))
         .doc("Grids only: the value that takes the place of NaN and infinity. If left out, they are an error."),
     Key::optional("orientation", Kind::Choice(&["world", "as-stored"]))
-        .doc("Grids only: axes of the file that run along the world's are brought into order, and others refused (world, also when left out); or taken for x, y and z as they are."),
+        .doc("Grids only: \"world\" (default) permutes and flips the axes of the file to match the world axes and rejects oblique ones; \"as-stored\" uses them as x, y and z unchanged."),
     Key::optional("detached_anywhere", Kind::Flag)
-        .doc("Grids only: whether a header may name a file of data outside its own folder, or a link that leads there. Left out: it may not."),
+        .doc("Grids only: whether a header may name a data file outside its own folder, directly or through a symbolic link. Default: false."),
 ]);
 
 /// The request of a table that names a volume file.

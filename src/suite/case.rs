@@ -33,11 +33,11 @@ pub const MEAN_RESOLUTION: f64 = 0.02;
 
 /// The class of cases that are rendered without random numbers.
 const DETERMINISTIC: &str = "deterministic";
-/// The class of cases of which each pixel is a mean of random samples.
+/// The class of cases whose pixels are Monte Carlo estimates.
 const STOCHASTIC: &str = "stochastic";
 
 /// The declaration of a manifest, `fixtures/cases/<family>/<name>.toml`.
-pub const MANIFEST: Table = Table::new("A case: a scene, where it comes from, and how images of it are judged.").keys(&[
+pub const MANIFEST: Table = Table::new("A case: a scene, its source, and how images of it are compared.").keys(&[
     Key::derived("scene", Kind::Text, "../../scenes/<family>/<name>.toml")
         .doc("Scene file, relative to the folder of the manifest."),
     Key::required("source", Kind::Text)
@@ -47,7 +47,7 @@ pub const MANIFEST: Table = Table::new("A case: a scene, where it comes from, an
     Key::required("computes", Kind::Text)
         .doc("The exact computation, where the source has gaps or mistakes."),
     Key::required("class", Kind::Choice(&[DETERMINISTIC, STOCHASTIC]))
-        .doc("Deterministic: rendered without random numbers. Stochastic: each pixel is a mean of random samples."),
+        .doc("Deterministic: rendered without random numbers. Stochastic: each pixel is a Monte Carlo estimate."),
     Key::optional("converged_samples", Kind::Count(64, 1 << 24))
         .doc("Stochastic cases, and required there: samples per pixel of the golden image."),
     Key::or("quick_samples", Kind::Count(2, 1 << 16), "4")
@@ -55,7 +55,7 @@ pub const MANIFEST: Table = Table::new("A case: a scene, where it comes from, an
     Key::or("resolution", Kind::Number(Range::open(0.0, 1.0)), "0.02")
         .doc("Stochastic cases: how well the golden is known in blocks of 8 by 8 pixels. Four standard errors of nine tenths of the blocks are below this, relative to their mean radiance plus 0.001."),
     Key::or("mean_resolution", Kind::Number(Range::open(0.0, 1.0)), "0.02")
-        .doc("Stochastic cases: bias of the mean of the whole image that the gate promises to see, relative to that mean plus 0.001. Images too noisy for that are neither passed nor failed."),
+        .doc("Stochastic cases: bias of the mean of the whole image that the gate must be able to detect, relative to that mean plus 0.001. Images too noisy for that are neither passed nor failed."),
     Key::optional("answer", Kind::Colour(Range::at_least(0.0)))
         .doc("Radiance that every pixel has, where it is known beforehand. `volref verify` compares the image with it, beside the golden; of a stochastic case the golden itself, in the mean of the whole image, to four standard errors."),
     Key::optional("answer_within", Kind::Number(Range::open(0.0, 1.0)))
@@ -63,7 +63,7 @@ pub const MANIFEST: Table = Table::new("A case: a scene, where it comes from, an
     Key::optional("mistakes", Kind::Words)
         .doc("Mistakes that the case must catch, by their names in the catalogue (volref selftest)."),
     Key::or("exposure", Kind::Number(Range::closed(-64.0, 64.0)), "0.0")
-        .doc("Stops at which 8-bit images are made and judged: radiance times 2^exposure."),
+        .doc("Exposure, in stops, at which 8-bit images are made and compared: radiance times 2^exposure."),
 ]);
 
 /// A case of the suite.
@@ -140,7 +140,7 @@ pub struct Suite {
 pub enum SuiteError {
     /// No folder of manifests.
     #[error("{} contains no suite: there is no folder {CASES}", .0.display())]
-    #[diagnostic(help("go to the folder of the suite, or name it with --suite DIR"))]
+    #[diagnostic(help("run volref in the suite's folder, or give the folder with --suite DIR"))]
     NoSuite(PathBuf),
     /// The folder cannot be read.
     #[error("cannot read {}: {error}", path.display())]

@@ -38,10 +38,10 @@ pub enum TemplateError {
     #[error("there is no command to run")]
     Empty,
     /// The placeholder for the image is missing.
-    #[error("the command has no {{output}}, the file for the image")]
+    #[error("the command must contain {{output}}, the image file to write")]
     NoOutput,
     /// An unknown placeholder.
-    #[error("{{{name}}} is an unknown placeholder; known are: {known}")]
+    #[error("unknown placeholder {{{name}}}; the placeholders are: {known}")]
     Unknown {
         /// The name in braces.
         name: String,
@@ -174,7 +174,7 @@ mod tests {
         assert!(error("render {scene}").contains("{output}"));
         assert!(
             error("render {otput}")
-                .starts_with("{otput} is an unknown placeholder; known are: {scene}")
+                .starts_with("unknown placeholder {otput}; the placeholders are: {scene}")
         );
     }
 }

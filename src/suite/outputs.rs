@@ -282,8 +282,8 @@ fn belonging<'c>(stem: &str, cases: &[&'c str]) -> Result<(&'c str, Role), Strin
     // Farther away it is no slip of the fingers.
     let near = nearest.filter(|case| distance(case) <= (stem.len() / 3).max(2));
     Err(match near {
-        Some(case) => format!("belongs to no case: did you mean {case}?"),
-        None => "belongs to no case".to_owned(),
+        Some(case) => format!("does not match any case: did you mean {case}?"),
+        None => "does not match any case".to_owned(),
     })
 }
 

@@ -1,4 +1,4 @@
-//! The course's binary grid.
+//! The binary grid of the ray-casting assignment.
 //!
 //! Little endian: `int32` nx, ny, nz; `float32` size x, y, z in world units; then nx·ny·nz
 //! `float32` densities, x fastest. One spacing serves all axes, `size.x / (nx − 1)`; the first
@@ -16,17 +16,17 @@ use glam::DVec3;
 const HEADER: usize = 24;
 
 const ONE_NODE: &str =
-    "a course grid of 1 × 1 × 1 nodes has no spacing: at least one axis needs 2 nodes";
+    "a binary grid of 1 × 1 × 1 nodes has no spacing: at least one axis needs 2 nodes";
 
-/// The course's binary grid.
+/// The binary grid of the ray-casting assignment.
 pub(super) const COURSE_GRID: VolumeFormat = VolumeFormat {
-    name: "course grid",
+    name: "binary grid",
     extensions: &[".bin"],
     is_point_cloud: false,
     read,
 };
 
-/// Reads the course's binary grid.
+/// Reads the binary grid of the ray-casting assignment.
 ///
 /// The spacing is `size / (n − 1)` of the first axis with more than one node, in `f64`; that
 /// size must be positive. The other sizes have no effect, but must be finite and not negative: a
@@ -111,12 +111,12 @@ fn check_length(lattice: &Lattice, bytes: u64) -> Result<(), VolumeFault> {
         "contains something else as well, or is not float32"
     };
     refused(format!(
-        "the header promises {nx} × {ny} × {nz} float32 densities, {promised} bytes in all, and \
-         the file has {bytes}: it {cause}"
+        "the header declares {nx} × {ny} × {nz} float32 densities, {promised} bytes in total, but \
+         the file has {bytes} bytes: it {cause}"
     ))
 }
 
-/// The bytes of a course grid: for grids of one spacing whose first node lies at the origin.
+/// The bytes of a binary grid: for grids of one spacing whose first node lies at the origin.
 ///
 /// The header stores lengths as `float32`, so the spacing is kept to a relative error of 2⁻²⁴.
 /// A grid that came from this format survives unchanged: from size to spacing and
@@ -126,13 +126,13 @@ pub fn write_course_grid(grid: &Grid<f32>) -> Result<Vec<u8>, VolumeFault> {
     let spacing = lattice.spacing();
     if spacing != DVec3::splat(spacing.x) {
         return refused(format!(
-            "a course grid has one spacing, this grid has {spacing}: resample it first"
+            "a binary grid has one spacing, this grid has {spacing}: resample it first"
         ));
     }
     if lattice.first() != DVec3::ZERO {
         let first = lattice.first();
         return refused(format!(
-            "a course grid begins at the world origin, this grid at {first}: move it first"
+            "a binary grid begins at the world origin, this grid at {first}: move it first"
         ));
     }
     if lattice.node_count() == 1 {
@@ -148,7 +148,7 @@ pub fn write_course_grid(grid: &Grid<f32>) -> Result<Vec<u8>, VolumeFault> {
             Ok(count) if sayable => bytes.extend(count.to_le_bytes()),
             _ => {
                 return refused(format!(
-                    "the header of a course grid cannot hold {nodes} nodes over a length of {size}"
+                    "the header of a binary grid cannot hold {nodes} nodes over a length of {size}"
                 ));
             }
         }
@@ -194,7 +194,7 @@ mod tests {
         assert_eq!(grid.lattice().spacing(), DVec3::splat(2.0));
         assert_eq!(
             message(&file([1, 1, 1], [1.0; 3], &[1.0])),
-            "a course grid of 1 × 1 × 1 nodes has no spacing: at least one axis needs 2 nodes"
+            "a binary grid of 1 × 1 × 1 nodes has no spacing: at least one axis needs 2 nodes"
         );
     }
 
@@ -214,7 +214,7 @@ mod tests {
             assert_eq!(
                 message(&whole[..cut]),
                 format!(
-                    "the header promises 2 × 2 × 2 float32 densities, 56 bytes in all, and the \
+                    "the header declares 2 × 2 × 2 float32 densities, 56 bytes in total, but the \
                      file has {cut}: it is truncated, or is not little endian"
                 )
             );
@@ -223,7 +223,7 @@ mod tests {
         longer.push(0);
         assert_eq!(
             message(&longer),
-            "the header promises 2 × 2 × 2 float32 densities, 56 bytes in all, and the file has \
+            "the header declares 2 × 2 × 2 float32 densities, 56 bytes in total, but the file has \
              57: it contains something else as well, or is not float32"
         );
     }
@@ -330,18 +330,18 @@ mod tests {
         let (zero, one) = (DVec3::ZERO, DVec3::ONE);
         assert_eq!(
             message([2, 2, 2], DVec3::new(1.0, 2.0, 1.0), zero, 1.0),
-            "a course grid has one spacing, this grid has [1, 2, 1]: resample it first"
+            "a binary grid has one spacing, this grid has [1, 2, 1]: resample it first"
         );
         assert_eq!(
             message([2, 2, 2], one, DVec3::X, 1.0),
-            "a course grid begins at the world origin, this grid at [1, 0, 0]: move it first"
+            "a binary grid begins at the world origin, this grid at [1, 0, 0]: move it first"
         );
         assert!(message([1, 1, 1], one, zero, 1.0).contains("has no spacing"));
         assert!(message([2, 1, 1], one, zero, f32::NAN).contains("voxel (0, 0, 0) holds NaN"));
         for spacing in [1e39, 1e-46] {
             assert!(
                 message([2, 1, 1], DVec3::splat(spacing), zero, 1.0)
-                    .starts_with("the header of a course grid cannot hold 2 nodes over a length")
+                    .starts_with("the header of a binary grid cannot hold 2 nodes over a length")
             );
         }
     }

@@ -6,7 +6,7 @@ use glam::DVec3;
 /// A density at every point of space, finite and not negative.
 ///
 /// A tracking method needs the value at a point and bounds over a box: too wide a range costs time,
-/// too narrow a range is an unnoticed bias. So bounds are proved, and every look-up of a tracker is
+/// too narrow a range is an unnoticed bias. So bounds are proved, and every lookup of a tracker is
 /// checked against them.
 pub trait DensityField: Sync {
     /// Density at `point`, in the coordinates of the field.

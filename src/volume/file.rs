@@ -48,8 +48,8 @@ pub fn volume_format(path: &Path) -> Option<&'static VolumeFormat> {
 /// The supported formats with their extensions, as a list for people.
 pub fn volume_formats() -> String {
     VOLUME_FORMATS
-        .map(|format| format!("{}: {}", format.extensions.join(", "), format.name))
-        .join("; ")
+        .map(|format| format!("{} ({})", format.extensions.join(" or "), format.name))
+        .join(", ")
 }
 
 /// The grid of [`load_hashed`].
@@ -65,7 +65,7 @@ pub fn load_hashed(path: &Path, options: &LoadOptions) -> Result<Loaded, VolumeE
         let known = volume_formats();
         return Err(VolumeError {
             path: path.to_owned(),
-            fault: format!("unknown volume extension: supported are {known}").into(),
+            fault: format!("unsupported file extension; supported are {known}").into(),
         });
     };
     let mut source = VolumeSource::open(path)?;

@@ -73,7 +73,7 @@ impl GridDensity {
     }
 
     /// `∫ density dt` over the segment `span` of the line `origin + t·direction`, exactly, up to
-    /// rounding. Adds the number of look-ups to `lookups`.
+    /// rounding. Adds the number of lookups to `lookups`.
     ///
     /// Between the faces of a cell the trilinear interpolant is a cubic in `t`, and Gauss's rule
     /// of two points integrates cubics. The nearest node's value is a constant there.
@@ -147,7 +147,7 @@ impl DensityField for GridDensity {
         self.read(&Cell::around(lattice, lattice.to_nodes(point)))
     }
 
-    /// The extremes of all nodes that a look-up in the box may read. `to_nodes` is monotone in
+    /// The extremes of all nodes that a lookup in the box may read. `to_nodes` is monotone in
     /// its roundings, so a point of the box is found between the nodes below its smallest and
     /// above its largest corner.
     fn range_over(&self, bounds: &Aabb) -> DensityRange {

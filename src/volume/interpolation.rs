@@ -1,6 +1,6 @@
 //! Interpolation between the nodes: nearest and trilinear.
 //!
-//! A look-up has two halves: finding the [`Cell`] around a point, and reading a grid there.
+//! A lookup has two halves: finding the [`Cell`] around a point, and reading a grid there.
 //! Density and gradient at one point share the first half.
 
 use super::{Grid, Lattice, NodePoint};

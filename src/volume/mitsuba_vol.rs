@@ -261,12 +261,12 @@ mod tests {
             ),
             (
                 &whole[..50],
-                "the header promises 2 × 1 × 3 samples of uint8, 6 bytes, and 2 bytes follow it: \
+                "the header declares 2 × 1 × 3 samples of uint8, 6 bytes, but 2 bytes follow it: \
                  the file is truncated, or has another type or size",
             ),
             (
                 &[&whole[..], b"x"].concat(),
-                "the header promises 2 × 1 × 3 samples of uint8, 6 bytes, and 7 bytes follow it: \
+                "the header declares 2 × 1 × 3 samples of uint8, 6 bytes, but 7 bytes follow it: \
                  the file contains something else as well, or has another type or size",
             ),
             (

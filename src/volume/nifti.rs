@@ -450,15 +450,15 @@ mod tests {
             ),
             (
                 |b| b.truncate(350),
-                "the header promises 2 × 1 × 2 samples of int16, 8 bytes, and 0",
+                "the header declares 2 × 1 × 2 samples of int16, 8 bytes, but 0",
             ),
             (
                 |b| b.truncate(359),
-                "the header promises 2 × 1 × 2 samples of int16, 8 bytes, and 7",
+                "the header declares 2 × 1 × 2 samples of int16, 8 bytes, but 7",
             ),
             (
                 |b| b.push(0),
-                "the header promises 2 × 1 × 2 samples of int16, 8 bytes, and 9",
+                "the header declares 2 × 1 × 2 samples of int16, 8 bytes, but 9",
             ),
             (
                 |b| b[0] = 7,
@@ -538,10 +538,10 @@ mod tests {
         assert!(message(&whole).starts_with("the gzip stream is damaged"));
         let short = message(&gzip(&whole[..357]));
         assert!(
-            short.starts_with("the header promises 2 × 1 × 2 samples, and the data end after 2")
+            short.starts_with("the header declares 2 × 1 × 2 samples, but the data ends after 2")
         );
         let mut long = whole.clone();
         long.extend([0; 100_000]);
-        assert!(message(&gzip(&long)).starts_with("the data go on after the 2 × 1 × 2 samples"));
+        assert!(message(&gzip(&long)).starts_with("there is data after the 2 × 1 × 2 samples"));
     }
 }

@@ -541,7 +541,7 @@ impl HeaderField<'_> {
 
     fn wrong(&self, expected: &str) -> VolumeFault {
         let (name, value) = (self.name, shortened(self.value));
-        self.fault(&format!("`{name}` takes {expected}, not {value:?}"))
+        self.fault(&format!("`{name}` must be {expected}, not {value:?}"))
     }
 
     fn number<T: std::str::FromStr>(
@@ -742,7 +742,7 @@ mod tests {
             ),
             (
                 "byte skip: 1",
-                "the header promises 2 × 1 × 1 samples of int16, 4 bytes, and 3",
+                "the header declares 2 × 1 × 1 samples of int16, 4 bytes, but 3",
             ),
         ] {
             let message = values(lines, &samples).unwrap_err();
@@ -756,7 +756,7 @@ mod tests {
             (
                 "type: uchar",
                 "type: uchat",
-                "2: `type` takes a type of the format",
+                "2: `type` must be a type of the format",
             ),
             (
                 "type: uchar",
@@ -787,7 +787,7 @@ mod tests {
             (
                 "dimension: 3",
                 "dimension: 0",
-                "3: `dimension` takes the number of axes",
+                "3: `dimension` must be the number of axes",
             ),
             (
                 "dimension: 3",
@@ -797,12 +797,12 @@ mod tests {
             (
                 "sizes: 2 2 1",
                 "sizes: 2 0 1",
-                "4: `sizes` takes positive whole numbers",
+                "4: `sizes` must be positive whole numbers",
             ),
             (
                 "sizes: 2 2 1",
                 "sizes: 2 -2 1",
-                "4: `sizes` takes positive whole numbers",
+                "4: `sizes` must be positive whole numbers",
             ),
             (
                 "encoding: raw",
@@ -837,12 +837,12 @@ mod tests {
             (
                 "sizes: 2 2 1",
                 "sizes: 2 2 2",
-                "the header promises 2 × 2 × 2 samples of uint8, 8",
+                "the header declares 2 × 2 × 2 samples of uint8, 8",
             ),
             (
                 "sizes: 2 2 1",
                 "sizes: 1 1 1",
-                "the header promises 1 × 1 × 1 samples of uint8, 1",
+                "the header declares 1 × 1 × 1 samples of uint8, 1",
             ),
         ] {
             let message = message(&with(old, new));
@@ -863,10 +863,10 @@ mod tests {
             ),
             (
                 "spacings: 1 x 1\n",
-                "6: `spacings` takes a number for each axis",
+                "6: `spacings` must be a number for each axis",
             ),
             ("spacings: 1 1\n", "6: `spacings` has 2 values"),
-            ("endian: middle\n", "6: `endian` takes little or big"),
+            ("endian: middle\n", "6: `endian` must be little or big"),
             (
                 "centers: cell node cell\n",
                 "some axes are centred on nodes, others on cells",
@@ -889,7 +889,7 @@ mod tests {
             ),
             (
                 "space directions: (1,0) (0,1) (1,1)\n",
-                "6: `space directions` takes vectors",
+                "6: `space directions` must be vectors",
             ),
             (
                 "space directions: (1,0,0) (0,1,0) none\n",
@@ -945,13 +945,13 @@ mod tests {
         for (data, expected) in [
             (
                 "1 2 3",
-                "the header promises 2 × 2 × 1 samples, 4 bytes when unpacked",
+                "the header declares 2 × 2 × 1 samples, 4 bytes when unpacked",
             ),
             (
                 "100 200 3",
-                "the header promises 2 × 2 × 1 samples, and the data end after 3",
+                "the header declares 2 × 2 × 1 samples, but the data ends after 3",
             ),
-            ("1 2 3 4 5", "the data go on after the 2 × 2 × 1 samples"),
+            ("1 2 3 4 5", "there is data after the 2 × 2 × 1 samples"),
             (
                 "1 2 three 4",
                 "sample 2 of the text is \"three\", which is not a number",

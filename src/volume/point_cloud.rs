@@ -15,7 +15,7 @@ const MOST_BYTES: u64 = 1 << 32;
 
 /// Point clouds in Wavefront OBJ. The splatted grid has the maximum 1.
 pub(super) const POINT_CLOUD: VolumeFormat = VolumeFormat {
-    name: "point cloud (Wavefront OBJ)",
+    name: "Wavefront point cloud",
     extensions: &[".obj"],
     is_point_cloud: true,
     read,

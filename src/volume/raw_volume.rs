@@ -184,7 +184,7 @@ impl Choices<'_> {
         found.map(|(_, value)| *value).ok_or_else(|| {
             let known: Vec<_> = words.iter().map(|(name, _)| format!("{name:?}")).collect();
             let (known, got) = (known.join(", "), word.get_ref());
-            let message = format!("`{key}` takes one of {known}, got {got:?}");
+            let message = format!("`{key}` must be one of {known}, but is {got:?}");
             in_line(self.text, Some(word.span()), &message)
         })
     }
@@ -245,7 +245,7 @@ mod tests {
             (
                 "int16",
                 "short",
-                "2:8: `type` takes one of \"int8\", \"uint8\"",
+                "2:8: `type` must be one of \"int8\", \"uint8\"",
             ),
             (
                 "endian = \"big\"\n",
@@ -255,7 +255,7 @@ mod tests {
             (
                 "\"big\"",
                 "\"middle\"",
-                "3:10: `endian` takes one of \"little\", \"big\"",
+                "3:10: `endian` must be one of \"little\", \"big\"",
             ),
             (
                 "[2, 1, 1]",
@@ -287,7 +287,7 @@ mod tests {
             (
                 "nodes",
                 "encoding = \"hex\"\nnodes",
-                "4:12: `encoding` takes one of \"raw\"",
+                "4:12: `encoding` must be one of \"raw\"",
             ),
             ("nodes = [2, 1, 1]\n", "", "1:1: missing field `nodes`"),
         ] {
@@ -308,7 +308,7 @@ mod tests {
             message(&[0; 2]),
             "`header_bytes` is 3, and the file of the samples has 2 bytes"
         );
-        assert!(message(&[0; 6]).starts_with("the header promises 2 × 1 × 1 samples of int16, 4"));
+        assert!(message(&[0; 6]).starts_with("the header declares 2 × 1 × 1 samples of int16, 4"));
         assert!(message(&[0; 8]).contains("contains something else as well"));
     }
 }

@@ -220,7 +220,7 @@ impl<'l> Samples<'l> {
             "contains something else as well, or has another type or size"
         };
         refused(format!(
-            "the header promises {count} samples of {element}, {promised} bytes, and {found} bytes \
+            "the header declares {count} samples of {element}, {promised} bytes, but {found} bytes \
              follow it: the file {cause}"
         ))
     }
@@ -232,7 +232,7 @@ impl<'l> Samples<'l> {
         }
         let count = self.sizes();
         refused(format!(
-            "the header promises {count} samples, {promised} bytes when unpacked, and the {found} \
+            "the header declares {count} samples, {promised} bytes when unpacked, but the {found} \
              bytes that follow it cannot hold them: the header is wrong, or the file was cut short"
         ))
     }
@@ -403,7 +403,7 @@ impl<'l> Samples<'l> {
     fn ends(&self) -> VolumeFault {
         let (count, found) = (self.sizes(), self.values.len());
         format!(
-            "the header promises {count} samples, and the data end after {found} of them: the file \
+            "the header declares {count} samples, but the data ends after {found} of them: the file \
              is truncated, or has another type or size"
         )
         .into()
@@ -413,7 +413,7 @@ impl<'l> Samples<'l> {
     fn goes_on(&self) -> VolumeFault {
         let count = self.sizes();
         format!(
-            "the data go on after the {count} samples that the header promises: no more is \
+            "there is data after the {count} samples that the header declares: no more is \
              unpacked; the file contains something else as well, or has another type or size"
         )
         .into()
@@ -551,7 +551,7 @@ mod tests {
         assert_eq!(read, [(0.1 * 3.0 - 1024.0) as f32, (-0.1 - 1024.0) as f32]);
     }
 
-    /// Nothing beyond what the header promises is unpacked, and nothing is set aside for a
+    /// Nothing beyond what the header declares is unpacked, and nothing is set aside for a
     /// promise that the file cannot keep.
     #[test]
     fn gzip_that_lies() {
@@ -559,16 +559,14 @@ mod tests {
         let message = |sizes, bytes: &[u8]| read(&packed(sizes), bytes).unwrap_err().to_string();
         let bomb = gzip(&vec![0; 50_000_000]);
         assert!(bomb.len() < 50_000);
-        assert!(
-            message([2, 2, 2], &bomb).starts_with("the data go on after the 2 × 2 × 2 samples")
-        );
+        assert!(message([2, 2, 2], &bomb).starts_with("there is data after the 2 × 2 × 2 samples"));
         assert!(
             message([1290, 1290, 1290], &bomb).contains("cannot hold them: the header is wrong")
         );
         let sound = gzip(&[1; 8]);
         assert_eq!(
             message([3, 3, 1], &sound),
-            "the header promises 3 × 3 × 1 samples, and the data end after 8 of them: the file \
+            "the header declares 3 × 3 × 1 samples, but the data ends after 8 of them: the file \
              is truncated, or has another type or size"
         );
         assert!(

@@ -100,7 +100,7 @@ impl<'b> VolumeSource<'b> {
             return Err(outside(&elsewhere.display().to_string()).into());
         }
         let opened = VolumeSource::open(&other)
-            .map_err(|error| format!("the file of its data cannot be opened: {error}"))?;
+            .map_err(|error| format!("cannot open its data file {error}"))?;
         Ok(self.data.insert(Box::new(opened)))
     }
 

@@ -134,8 +134,13 @@ impl SplatFrame {
         if extent == 0.0 {
             let count = points.len();
             return refused(format!(
-                "the cloud has no size, its points ({count}) all lie in the same place: it needs \
-                 two points apart"
+                "the point cloud has zero extent ({}, all at one position): it needs \
+                 at least two distinct points",
+                if count == 1 {
+                    "1 point".to_owned()
+                } else {
+                    format!("{count} points")
+                }
             ));
         }
         if !extent.is_finite() {
@@ -353,9 +358,13 @@ mod tests {
             assert_eq!(
                 error(points, 8, 1),
                 format!(
-                    "the cloud has no size, its points ({}) all lie in the same place: it needs \
-                     two points apart",
-                    points.len()
+                    "the point cloud has zero extent ({}, all at one position): it needs at least two \
+                     distinct points",
+                    if points.len() == 1 {
+                        "1 point".to_owned()
+                    } else {
+                        format!("{} points", points.len())
+                    }
                 )
             );
         }

@@ -75,17 +75,17 @@ fn clouds() {
         (
             "v 1 2 3\nv 1 2 3\n",
             &[
-                "cloud.obj: the cloud has no size",
-                "(2)",
-                "two points apart",
+                "cloud.obj: the point cloud has zero extent",
+                "(2 points",
+                "two distinct points",
             ],
         ),
         (
             "v 1 2 3\n",
             &[
-                "cloud.obj: the cloud has no size",
-                "(1)",
-                "two points apart",
+                "cloud.obj: the point cloud has zero extent",
+                "(1 point",
+                "two distinct points",
             ],
         ),
         (

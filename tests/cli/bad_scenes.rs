@@ -54,7 +54,7 @@ fn unknown_keys() {
     scene.toml:5:2: unknown key `transferfunction` in the file help: did you mean `transfer_function`?
     scene.toml:9:1: unknown key `interpolaton` in [classified] help: did you mean `interpolation`?
     scene.toml:8:13: unknown key `shading` in [classified] help: did you mean `shadow`?
-    scene.toml:9:1: unknown key `fov` in [camera] help: [camera] may hold: eye, target, up, vertical_fov
+    scene.toml:9:1: unknown key `fov` in [camera] help: allowed keys in [camera]: eye, target, up, vertical_fov
     scene.toml:10:1: unknown key `widht` in [film] help: did you mean `width`?
     ");
 }
@@ -88,23 +88,23 @@ fn wrong_types() {
         said.push_str(&after(old, new));
     }
     assert_shown!(said, @r#"
-    scene.toml:2:9: `width` takes a whole number from 1 to 16384, got string help: `film.width`: Columns of pixels.
-    scene.toml:2:9: `width` takes a whole number from 1 to 16384, got float help: `film.width`: Columns of pixels.
-    scene.toml:2:9: `width` takes a whole number from 1 to 16384, got array help: `film.width`: Columns of pixels.
-    scene.toml:1:8: `film` takes a table, got integer help: `film`: The image.
-    scene.toml:1:1: `film` takes a table, got array help: `film`: The image.
-    scene.toml:6:20: `reference_length` takes a length: a number in world units, or text such as "0.5 voxels", got boolean help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
+    scene.toml:2:9: `width` must be a whole number from 1 to 16384, not a string help: `film.width`: Columns of pixels.
+    scene.toml:2:9: `width` must be a whole number from 1 to 16384, not a float help: `film.width`: Columns of pixels.
+    scene.toml:2:9: `width` must be a whole number from 1 to 16384, not an array help: `film.width`: Columns of pixels.
+    scene.toml:1:8: `film` must be a table, not an integer help: `film`: The image.
+    scene.toml:1:1: `film` must be a table, not an array help: `film`: The image.
+    scene.toml:6:20: `reference_length` must be a length: a number in world units, or text such as "0.5 voxels", not a boolean help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
     scene.toml:6:20: `reference_length`: expected a length such as 0.01 (world units) or "0.5 voxels", got "0.2 pixels" help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
-    scene.toml:9:17: `interpolation` takes one of "trilinear", "nearest", got integer help: `classified.interpolation`: How densities and gradients between the nodes follow from those at the nodes.
-    scene.toml:9:17: `interpolation` takes one of "trilinear", "nearest", got "cubic" help: `classified.interpolation`: How densities and gradients between the nodes follow from those at the nodes.
-    scene.toml:9:14: `background` takes a colour: three numbers red, green, blue, such as [1, 0.5, 0], or one for all three, got boolean help: `classified.background`: Linear radiance behind the volume.
-    scene.toml:9:14: `background` takes three numbers, got 2 help: `classified.background`: Linear radiance behind the volume.
-    scene.toml:9:14: `background` takes a colour: three numbers red, green, blue, such as [1, 0.5, 0], or one for all three, got string help: `classified.background`: Linear radiance behind the volume.
-    scene.toml:9:16: `vertical_fov` takes a number, got string help: `camera.vertical_fov`: Full angle between the top and bottom edge of the image, degrees.
-    scene.toml:11:8: `file` takes text in quotes, got integer help: `classified.volume.file`: Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.
-    scene.toml:1:9: `panel` takes tables in double brackets, [[panel]]
-    scene.toml:1:9: `panel` takes tables in double brackets, [[panel]]
-    scene.toml:1:10: `panel` takes tables in double brackets, [[panel]]
+    scene.toml:9:17: `interpolation` must be one of "trilinear", "nearest", not an integer help: `classified.interpolation`: Interpolation of densities and gradients between nodes.
+    scene.toml:9:17: `interpolation` must be one of "trilinear", "nearest", but is "cubic" help: `classified.interpolation`: Interpolation of densities and gradients between nodes.
+    scene.toml:9:14: `background` must be a colour: three numbers red, green, blue, such as [1, 0.5, 0], or one for all three, not a boolean help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:9:14: `background` must be three numbers, not 2 help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:9:14: `background` must be a colour: three numbers red, green, blue, such as [1, 0.5, 0], or one for all three, not a string help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:9:16: `vertical_fov` must be a number, not a string help: `camera.vertical_fov`: Full angle between the top and bottom edge of the image, degrees.
+    scene.toml:11:8: `file` must be text in quotes, not an integer help: `classified.volume.file`: Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.
+    scene.toml:1:9: `panel` must be tables in double brackets, [[panel]]
+    scene.toml:1:9: `panel` must be tables in double brackets, [[panel]]
+    scene.toml:1:10: `panel` must be tables in double brackets, [[panel]]
     scene.toml:1:10: a panel cannot contain panels
     "#);
 }
@@ -151,11 +151,11 @@ fn out_of_range() {
     scene.toml:2:9: `width` must lie in [1, 16384], got -1 help: `film.width`: Columns of pixels.
     scene.toml:2:9: `width` must lie in [1, 16384], got 16385 help: `film.width`: Columns of pixels.
     scene.toml:2:9: `width` must lie in [1, 16384], got 99999999999999999999 help: `film.width`: Columns of pixels.
-    scene.toml:6:20: `reference_length`: a length must be positive and finite, got "0" help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
+    scene.toml:6:20: `reference_length`: a length must be positive and finite, got 0 help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
     scene.toml:6:20: `reference_length`: a length must be positive and finite, got "-1 voxels" help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
     scene.toml:6:20: `reference_length` must be finite, got inf help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
-    scene.toml:9:8: `step`: a length must be positive and finite, got "0" help: `classified.step`: Distance between samples along a ray, world units or voxels.
-    scene.toml:9:8: `step`: a length must be positive and finite, got "-0.5" help: `classified.step`: Distance between samples along a ray, world units or voxels.
+    scene.toml:9:8: `step`: a length must be positive and finite, got 0 help: `classified.step`: Distance between samples along a ray, world units or voxels.
+    scene.toml:9:8: `step`: a length must be positive and finite, got -0.5 help: `classified.step`: Distance between samples along a ray, world units or voxels.
     scene.toml:9:8: `step` must be finite, got nan help: `classified.step`: Distance between samples along a ray, world units or voxels.
     scene.toml:9:8: a step of 1e-300 world units means up to 2.1e300 samples on a ray through a volume 2.0688 across; at most 1e8 are accepted help: `classified.step`: Distance between samples along a ray, world units or voxels.
     scene.toml:9:8: a step of 2e-13 world units means up to 1.0e13 samples on a ray through a volume 2.0688 across; at most 1e8 are accepted help: `classified.step`: Distance between samples along a ray, world units or voxels.
@@ -212,13 +212,13 @@ fn missing_and_contradictory() {
     assert_shown!(said, @r#"
     scene.toml:10:1: missing key `file` in [classified.volume] help: `classified.volume.file`: Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.
     scene.toml:8:1: missing table [classified.volume] help: `classified.volume`: The densities.
-    scene.toml:9:1: missing key `reference_step` in [classified.shadow] help: `classified.shadow.reference_step`: Length that counts as one unit of S, or over which the opacities of points hold, world units or voxels; smaller means darker.
+    scene.toml:9:1: missing key `reference_step` in [classified.shadow] help: `classified.shadow.reference_step`: Path length over which a density of 1 adds 1 to the shadow sum S (with a table of points: over which its opacities apply), world units or voxels; smaller is darker.
     scene.toml:9:1: the file has more than one model: [classified], [curve] help: keep exactly one of [classified], [curve]
     scene.toml: the file has no model help: give one of [classified], [radiative], [curve]
     scene.toml:12:14: `resolution` applies to point clouds; "cloud.bin" brings a grid of its own help: `classified.volume.resolution`: Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.
     scene.toml:9:7: the camera is at its target, so it has no direction help: `camera.eye`: Position of the camera, world units; required in a radiative scene.
-    scene.toml:11:6: `up` is parallel to the viewing direction, so the image has no up direction help: `camera.up`: The direction that points up in the image, any length.
-    scene.toml:9:6: `up` is parallel to the viewing direction, so the image has no up direction help: `camera.up`: The direction that points up in the image, any length.
+    scene.toml:11:6: `up` must not be zero or parallel to the viewing direction help: `camera.up`: The direction that points up in the image, any length.
+    scene.toml:9:6: `up` must not be zero or parallel to the viewing direction help: `camera.up`: The direction that points up in the image, any length.
     scene.toml:9:1: panels are side by side and must have the same height, but panel 1 has 10 rows and panel 2 has 4
     "#);
 }
@@ -260,8 +260,8 @@ fn transfer_functions_by_points() {
     said.push_str(&(folder.volref(&["plan", "broken.toml"]).message() + "\n"));
     assert_shown!(said, @r#"
     scene.toml:6:9: a table of points needs at least one help: `transfer_function.point`: A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself.
-    scene.toml:6:9: `point` takes tables in double brackets, [[…]], got table help: `transfer_function.point`: A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself.
-    scene.toml:6:9: `point` takes tables in double brackets, [[…]], got array help: `transfer_function.point`: A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself.
+    scene.toml:6:9: `point` must be tables in double brackets, [[…]], not a table help: `transfer_function.point`: A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself.
+    scene.toml:6:9: `point` must be tables in double brackets, [[…]], not an array help: `transfer_function.point`: A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself.
     scene.toml:6:10: missing key `opacity` in [transfer_function.point[0]] help: `transfer_function.point[0].opacity`: Opacity over the reference length: the fraction of the light behind that is absorbed.
     scene.toml:6:23: unknown key `color` in [transfer_function.point[0]] help: did you mean `colour`?
     scene.toml:6:45: `opacity` must lie in [0, 1], got 1.5 help: `transfer_function.point[0].opacity`: Opacity over the reference length: the fraction of the light behind that is absorbed.
@@ -269,12 +269,12 @@ fn transfer_functions_by_points() {
     scene.toml:6:20: `value` must lie in [-340282346638528860000000000000000000000, 340282346638528860000000000000000000000], got 1000000000000000000000000000000000000000 help: `transfer_function.point[0].value`: Value of the volume, in the unit of its file.
     scene.toml:6:20: `value` must be finite, got nan help: `transfer_function.point[0].value`: Value of the volume, in the unit of its file.
     scene.toml:6:32: `colour` must not be negative, got [0, -1, 0] help: `transfer_function.point[0].colour`: Linear radiance of the material before shading.
-    scene.toml:8:11: the points must stand in order of their values, but -1 follows 0 help: `transfer_function.point[1].value`: Value of the volume, in the unit of its file.
+    scene.toml:8:11: the points must be sorted by value, but -1 follows 0 help: `transfer_function.point[1].value`: Value of the volume, in the unit of its file.
     scene.toml:10:11: three points have the value 1; two make a step, and a third means nothing help: `transfer_function.point[3].value`: Value of the volume, in the unit of its file.
     scene.toml:13:1: colours up to 1e39 make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities.
     scene.toml:10:9: [transfer_function] mixes `point` with `floor` help: give either `point` or `floor`, `colormap`
     scene.toml:7:9: [transfer_function] mixes `point` with `colormap` help: give either `point` or `floor`, `colormap`
-    scene.toml:11:18: `reference_step`: a length must be positive and finite, got "0" help: `classified.shadow.reference_step`: Length that counts as one unit of S, or over which the opacities of points hold, world units or voxels; smaller means darker.
+    scene.toml:11:18: `reference_step`: a length must be positive and finite, got 0 help: `classified.shadow.reference_step`: Path length over which a density of 1 adds 1 to the shadow sum S (with a table of points: over which its opacities apply), world units or voxels; smaller is darker.
     broken.toml:6:13: the axis of a table of points goes from its first to its last help: remove `densities`
     "#);
 }
@@ -466,10 +466,10 @@ fn steps_on_the_command_line() {
     }
     assert!(!folder.path("image.exr").exists());
     assert_shown!(said, @r#"
-    error: invalid value '0' for '--step <LENGTH>': a length must be positive and finite, got "0" For more information, try '--help'.
-    error: invalid value '0' for '--step <LENGTH>': a length must be positive and finite, got "0" For more information, try '--help'.
-    error: invalid value '-1' for '--step <LENGTH>': a length must be positive and finite, got "-1" For more information, try '--help'.
-    error: invalid value '-1' for '--step <LENGTH>': a length must be positive and finite, got "-1" For more information, try '--help'.
+    error: invalid value '0' for '--step <LENGTH>': a length must be positive and finite, got 0 For more information, try '--help'.
+    error: invalid value '0' for '--step <LENGTH>': a length must be positive and finite, got 0 For more information, try '--help'.
+    error: invalid value '-1' for '--step <LENGTH>': a length must be positive and finite, got -1 For more information, try '--help'.
+    error: invalid value '-1' for '--step <LENGTH>': a length must be positive and finite, got -1 For more information, try '--help'.
     error: invalid value '-0.5 voxels' for '--step <LENGTH>': a length must be positive and finite, got "-0.5 voxels" For more information, try '--help'.
     error: invalid value 'nan' for '--step <LENGTH>': a length must be positive and finite, got "nan" For more information, try '--help'.
     error: invalid value 'inf' for '--step <LENGTH>': a length must be positive and finite, got "inf" For more information, try '--help'.

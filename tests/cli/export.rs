@@ -101,8 +101,8 @@ fn what_cannot_be_said_is_named_and_nothing_is_written() {
     assert_shown!(run.shown(), @r##"
     exit code 2
     --- stderr
-      × mitsuba cannot say radiative.medium[0]: an emissive medium
-      help: nothing was written; remove these from the scene, or express them in another way
+      × mitsuba cannot represent radiative.medium[0]: an emissive medium
+      help: nothing was written; remove these features from the scene or replace them
     "##);
     assert_eq!(folder.files(), before);
     assert!(!folder.path("out").exists());

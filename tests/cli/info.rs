@@ -99,7 +99,7 @@ fn a_cloud() {
     assert_shown!(run.shown(), @r"
     exit code 0
     --- stdout
-    two.obj: point cloud (Wavefront OBJ)
+    two.obj: Wavefront point cloud
 
     points      2
     extent      (0, 0, 0) to (1, 0, 0)

@@ -161,20 +161,20 @@ fn help() {
     Usage: volref <COMMAND>
 
     Commands:
-      verify       Render the suite and compare it with the goldens, bit by bit
+      verify       Render the suite and compare it with the goldens, bit for bit
       validate     Compare the images of another renderer with the goldens, and name its mistakes
       compare      Compare two images
       render       Render a scene to an image
-      plan         Show the plan for a scene: its effects with reasons, the kernel, the defaults
-      cost         Measure the cost of accuracy: error against look-ups and time, by parameter
+      plan         Show how a scene will be rendered: effects and why, kernel, defaults
+      cost         Measure what accuracy costs: error versus lookups and time, for each parameter
       export       Write a scene for another renderer
-      accept       Render cases and accept the images as their goldens; look at them before and after
-      selftest     Check that the suite catches every known mistake, and rejects no correct image
+      accept       Render cases and accept the images as new goldens; inspect them before and after
+      selftest     Check that the suite catches every known mistake and rejects no correct image
       info         Show the contents of a volume file: position, storage, values
       list         List the cases of the suite
-      schema       Print the JSON Schema of scenes or cases, for completion and checks in editors
-      completions  Print the completion script of a shell, for commands and options
-      man          Print the manual page of volref or of a command, for man -l
+      schema       Print the JSON Schema of scenes or cases, for completion and validation in editors
+      completions  Print a shell completion script
+      man          Print the manual page of volref or one of its commands (view with `man -l -`)
       help         Print this message or the help of the given subcommand(s)
 
     Options:
@@ -184,7 +184,7 @@ fn help() {
     Exit codes: 0 all images compared and passed; 1 mismatch; 2 wrong usage or bad input; 3 golden
     missing, stale or tampered with; 4 image of the other renderer missing or unreadable, or the
     renderer crashed or timed out; 5 nothing compared, or inconclusive; 6 self-test failed. If several
-    apply, the first in the order 2, 3, 6, 1, 4, 5.
+    apply, the first in the order 2, 3, 6, 1, 4, 5 is returned.
     ");
 }
 

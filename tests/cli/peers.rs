@@ -117,7 +117,7 @@ fn a_volume_in_words_and_numbers() {
           "forward": [0.0, 0.0, 1.0],
           "half_right": [-0.41421356237309503, 0.0, 0.0],
           "half_up": [0.0, 0.41421356237309503, -0.0],
-          "formula": "one ray through the centre of each pixel: with x the column and y the row within this panel, both from 0, and row 0 at the top, it leaves eye along direction = normalise(forward + half_right*(2*x + 1 - width)/height - half_up*(2*y + 1 - height)/height), and p(t) = eye + t*direction. forward has length 1, half_right and half_up the tangent of half the vertical field of view. Coordinates are right-handed: half_right points along forward x half_up, so that with +y up and looking along +z, +x is to the left of the image"
+          "formula": "one ray through the centre of each pixel: with x the column and y the row within this panel, both from 0, and row 0 at the top, it leaves eye along direction = normalise(forward + half_right*(2*x + 1 - width)/height - half_up*(2*y + 1 - height)/height), and p(t) = eye + t*direction. forward has length 1, half_right and half_up the tangent of half the vertical field of view. Coordinates are right-handed: half_right points along forward x half_up, so that with +y up and looking along +z, +x points left in the image"
         },
         "grid": {
           "file": "lit.grid-1.raw",
@@ -325,7 +325,7 @@ fn a_bundle_says_only_what_applies() {
 fn light_in_media_is_refused_by_name() {
     let scene = Scene::load(&root().join("fixtures/scenes/fog/forward.toml")).unwrap();
     let refusal = bundle(&scene, "fog").unwrap_err();
-    insta::assert_snapshot!(refusal, @"bundle cannot say radiative: surfaces, media and lights, and a bundle states classified volumes; export it to `mitsuba` or `pbrt`");
+    insta::assert_snapshot!(refusal, @"bundle cannot represent radiative: surfaces, media and lights, and a bundle states classified volumes; export it to `mitsuba` or `pbrt`");
 }
 
 /// The bundle restates the gate in numbers; here the gate is held to them.

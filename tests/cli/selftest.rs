@@ -60,8 +60,9 @@ fn promises_are_kept() {
     let run = folder.volref(&["selftest", "plots"]);
     assert_eq!(run.code, 6);
     assert!(
-        run.stdout
-            .contains("not caught, though promised: plots/curve: shadow-left-out"),
+        run.stdout.contains(
+            "not caught, although its manifest requires it: plots/curve: shadow-left-out"
+        ),
         "{}",
         run.stdout
     );

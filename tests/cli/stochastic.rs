@@ -310,7 +310,7 @@ fn compare_promises_what_the_suite_does() {
     let first = run.stdout.lines().next().unwrap();
     assert_eq!(
         first,
-        "inconclusive  (stochastic gate, since both images state their noise)"
+        "inconclusive  (stochastic gate, since both images include their variance)"
     );
     for part in [
         "detectable bias of the mean",

@@ -247,7 +247,7 @@ fn the_search_for_a_mistake_has_a_budget() {
     assert_eq!(
         words.join(" "),
         "no mistake was found: the search reached its limit of 0.000001 s in smoke/shadow (0 of 110 single \
-         mistakes tried); --explain 0.000006 goes on"
+         mistakes tried); run again with --explain 0.000006 to continue"
     );
     // A sign of life, which other tests do not see.
     let mut command = folder.command(&[
@@ -415,8 +415,7 @@ fn factors_and_levels_are_said() {
         run.stdout
     );
     assert!(
-        run.stdout
-            .contains("looks like no mistake of the catalogue"),
+        run.stdout.contains("matches no mistake in the catalogue"),
         "{}",
         run.stdout
     );
@@ -570,7 +569,7 @@ fn usage() {
         (&["validate", "--run", "render {scene}"], "{output}"),
         (
             &["validate", "--run", "r {output} {sceen}"],
-            "{sceen} is an unknown placeholder",
+            "unknown placeholder {sceen}",
         ),
         (&["validate", "--run", "r '{output}"], "unclosed quote"),
         (
@@ -646,7 +645,7 @@ fn renderers_that_fail() {
     }
 }
 
-/// A scene that a format cannot say is no image of the case, and nothing is run.
+/// A scene that a format cannot represent is no image of the case, and nothing is run.
 #[test]
 fn scenes_that_cannot_be_exported() {
     let folder = Folder::with_goldens();

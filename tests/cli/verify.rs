@@ -90,7 +90,7 @@ fn json_in_place_of_the_text() {
             "worst_row": 4.0
           },
           "name": "smoke/plain",
-          "reason": "16 of 120 pixels differ in colour and 16 in opacity; the largest difference of a channel is 8.120e-2 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj; the scene leaves out medium shadow, gradient shading (declared)",
+          "reason": "16 of 120 pixels differ in colour and 16 in opacity; the largest difference of a channel is 8.120e-2 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj; the scene leaves out volume shadow, gradient shading (declared)",
           "seconds": "[seconds]",
           "verdict": "fail",
           "work": {}
@@ -191,7 +191,7 @@ fn json_and_junit_in_files() {
         </testsuite>
         <testsuite name="volref/smoke" tests="1" skipped="0" failures="1" errors="0">
             <testcase name="smoke/plain" classname="smoke" time="[seconds]">
-                <failure message="12 of 120 pixels differ in colour and 12 in opacity; the largest difference of a channel is 1.953e-1 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj; the scene leaves out medium shadow, gradient shading (declared)" type="fail"/>
+                <failure message="12 of 120 pixels differ in colour and 12 in opacity; the largest difference of a channel is 1.953e-1 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj; the scene leaves out volume shadow, gradient shading (declared)" type="fail"/>
             </testcase>
         </testsuite>
     </testsuites>
@@ -222,17 +222,17 @@ fn a_changed_voxel_names_the_figures_it_moved() {
     plots  1 of 1 pass [seconds]
 
     fail          smoke/nearest [seconds]
-                  4 of 120 pixels differ in colour and 4 in opacity; the largest difference of a channel is 5.822e-3 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj; the scene leaves out medium shadow, gradient shading (declared)
+                  4 of 120 pixels differ in colour and 4 in opacity; the largest difference of a channel is 5.822e-3 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj; the scene leaves out volume shadow, gradient shading (declared)
     fail          smoke/plain [seconds]
-                  12 of 120 pixels differ in colour and 12 in opacity; the largest difference of a channel is 1.902e-3 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj; the scene leaves out medium shadow, gradient shading (declared)
+                  12 of 120 pixels differ in colour and 12 in opacity; the largest difference of a channel is 1.902e-3 (beyond the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj; the scene leaves out volume shadow, gradient shading (declared)
     fail          smoke/shadow [seconds]
                   14 of 120 pixels differ in colour and 12 in opacity; the largest difference of a channel is 1.311e-3 (within the tolerance for other renderers); input changed since the golden was made: ../../volumes/cloud.obj
 
     4 cases: 1 passed, 3 failed
 
-    To see what moved:
+    To see what changed:
       volref render fixtures/scenes/smoke/nearest.toml -o now.exr
-      volref compare golden/smoke/nearest.exr now.exr --heatmap moved.png
+      volref compare golden/smoke/nearest.exr now.exr --heatmap difference.png
     ");
 }
 
@@ -251,7 +251,7 @@ fn the_hint_of_a_failure_can_be_followed() {
     };
     assert_eq!(follow().code, 0);
     assert_eq!(follow().code, 1);
-    assert!(suite.path("moved.png").is_file());
+    assert!(suite.path("difference.png").is_file());
 }
 
 #[test]
@@ -273,7 +273,7 @@ fn a_scene_that_no_longer_loads_is_bad_input() {
     error         smoke/plain [seconds]
                   fixtures/scenes/smoke/plain.toml:2:9: `width` must lie in [1, 16384], got 0
 
-    4 cases: 3 passed, 1 in error
+    4 cases: 3 passed, 1 error
     ");
 }
 

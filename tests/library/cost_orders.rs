@@ -93,8 +93,8 @@ fn rules_for_the_depth_of_a_smooth_ray() {
     }
 }
 
-/// Variances and look-ups of the estimators are those of theory, to the digits that are published,
-/// and what they do agrees: means and variances within four standard errors, look-ups within 5 %.
+/// Variances and lookups of the estimators are those of theory, to the digits that are published,
+/// and what they do agrees: means and variances within four standard errors, lookups within 5 %.
 #[test]
 fn estimators_keep_what_is_predicted_of_them() {
     let ray = smooth_ray();

@@ -372,17 +372,17 @@ fn the_suite() {
     fog/absorption mitsuba: absorption.xml, absorption.mesh0.ply
     fog/absorption pbrt: absorption.red.pbrt, absorption.green.pbrt, absorption.blue.pbrt, absorption.mesh0.ply
     fog/backward mitsuba: backward.xml
-    fog/backward pbrt: pbrt cannot say radiative.light[0]: a spotlight whose edge falls off linearly in the angle; pbrt's falls off in another way: make inner_angle the outer_angle
+    fog/backward pbrt: pbrt cannot represent radiative.light[0]: a spotlight whose edge falls off linearly in the angle; pbrt's falls off in another way: make inner_angle the outer_angle
     fog/balance mitsuba: balance.xml, balance.mesh0.ply
     fog/balance pbrt: balance.red.pbrt, balance.green.pbrt, balance.blue.pbrt, balance.mesh0.ply
     fog/dense-body mitsuba: dense-body.xml, dense-body.red.xml, dense-body.green.xml, dense-body.blue.xml, dense-body.mesh0.ply
-    fog/dense-body pbrt: pbrt cannot say radiative.light[0]: a spotlight whose edge falls off linearly in the angle; pbrt's falls off in another way: make inner_angle the outer_angle; radiative.medium[0]: a medium within another of a different g: one phase function is at a place
+    fog/dense-body pbrt: pbrt cannot represent radiative.light[0]: a spotlight whose edge falls off linearly in the angle; pbrt's falls off in another way: make inner_angle the outer_angle; radiative.medium[0]: a medium within another of a different g: one phase function is at a place
     fog/forward mitsuba: forward.xml
-    fog/forward pbrt: pbrt cannot say radiative.light[0]: a spotlight whose edge falls off linearly in the angle; pbrt's falls off in another way: make inner_angle the outer_angle
-    fog/heterogeneous mitsuba: mitsuba cannot say radiative.medium[0]: fractal noise
-    fog/heterogeneous pbrt: pbrt cannot say radiative.medium[0]: fractal noise; radiative.light[0]: a spotlight whose edge falls off linearly in the angle; pbrt's falls off in another way: make inner_angle the outer_angle
+    fog/forward pbrt: pbrt cannot represent radiative.light[0]: a spotlight whose edge falls off linearly in the angle; pbrt's falls off in another way: make inner_angle the outer_angle
+    fog/heterogeneous mitsuba: mitsuba cannot represent radiative.medium[0]: fractal noise
+    fog/heterogeneous pbrt: pbrt cannot represent radiative.medium[0]: fractal noise; radiative.light[0]: a spotlight whose edge falls off linearly in the angle; pbrt's falls off in another way: make inner_angle the outer_angle
     fog/isotropic mitsuba: isotropic.xml
-    fog/isotropic pbrt: pbrt cannot say radiative.light[0]: a spotlight whose edge falls off linearly in the angle; pbrt's falls off in another way: make inner_angle the outer_angle
+    fog/isotropic pbrt: pbrt cannot represent radiative.light[0]: a spotlight whose edge falls off linearly in the angle; pbrt's falls off in another way: make inner_angle the outer_angle
     fog/rate-0.05 mitsuba: rate-0.05.xml, rate-0.05.mesh0.ply
     fog/rate-0.05 pbrt: rate-0.05.red.pbrt, rate-0.05.green.pbrt, rate-0.05.blue.pbrt, rate-0.05.mesh0.ply
     fog/rate-0.1 mitsuba: rate-0.1.xml, rate-0.1.mesh0.ply
@@ -392,33 +392,33 @@ fn the_suite() {
     fog/scattering mitsuba: scattering.xml, scattering.mesh0.ply
     fog/scattering pbrt: scattering.red.pbrt, scattering.green.pbrt, scattering.blue.pbrt, scattering.mesh0.ply
     fog/spotlight mitsuba: spotlight.xml, spotlight.mesh0.ply
-    fog/spotlight pbrt: pbrt cannot say radiative.light[0]: a spotlight whose edge falls off linearly in the angle; pbrt's falls off in another way: make inner_angle the outer_angle
+    fog/spotlight pbrt: pbrt cannot represent radiative.light[0]: a spotlight whose edge falls off linearly in the angle; pbrt's falls off in another way: make inner_angle the outer_angle
     smoke/cornell mitsuba: cornell.xml
     smoke/cornell pbrt: cornell.red.pbrt, cornell.green.pbrt, cornell.blue.pbrt
     procedural/absorbing-grid mitsuba: absorbing-grid.xml, absorbing-grid.medium0.vol, absorbing-grid.red.xml, absorbing-grid.green.xml, absorbing-grid.blue.xml
     procedural/absorbing-grid pbrt: absorbing-grid.red.pbrt, absorbing-grid.green.pbrt, absorbing-grid.blue.pbrt
     procedural/coloured mitsuba: coloured.xml, coloured.medium0.vol, coloured.red.xml, coloured.green.xml, coloured.blue.xml
     procedural/coloured pbrt: coloured.red.pbrt, coloured.green.pbrt, coloured.blue.pbrt
-    procedural/emissive-grid mitsuba: mitsuba cannot say radiative.medium[0]: an emissive medium
+    procedural/emissive-grid mitsuba: mitsuba cannot represent radiative.medium[0]: an emissive medium
     procedural/emissive-grid pbrt: emissive-grid.red.pbrt, emissive-grid.green.pbrt, emissive-grid.blue.pbrt
-    procedural/gain-0.1 mitsuba: mitsuba cannot say radiative.medium[0]: fractal noise
-    procedural/gain-0.1 pbrt: pbrt cannot say radiative.medium[0]: fractal noise
-    procedural/gain-0.5 mitsuba: mitsuba cannot say radiative.medium[0]: fractal noise
-    procedural/gain-0.5 pbrt: pbrt cannot say radiative.medium[0]: fractal noise
-    procedural/gain-0.6 mitsuba: mitsuba cannot say radiative.medium[0]: fractal noise
-    procedural/gain-0.6 pbrt: pbrt cannot say radiative.medium[0]: fractal noise
-    procedural/scale-0.5-1-1 mitsuba: mitsuba cannot say radiative.medium[0]: fractal noise
-    procedural/scale-0.5-1-1 pbrt: pbrt cannot say radiative.medium[0]: fractal noise
-    procedural/scale-1-0.5-1 mitsuba: mitsuba cannot say radiative.medium[0]: fractal noise
-    procedural/scale-1-0.5-1 pbrt: pbrt cannot say radiative.medium[0]: fractal noise
-    procedural/scale-2-0.5-2 mitsuba: mitsuba cannot say radiative.medium[0]: fractal noise
-    procedural/scale-2-0.5-2 pbrt: pbrt cannot say radiative.medium[0]: fractal noise
-    procedural/threshold-1.25 mitsuba: mitsuba cannot say radiative.medium[0]: fractal noise
-    procedural/threshold-1.25 pbrt: pbrt cannot say radiative.medium[0]: fractal noise
-    procedural/threshold-1.5 mitsuba: mitsuba cannot say radiative.medium[0]: fractal noise
-    procedural/threshold-1.5 pbrt: pbrt cannot say radiative.medium[0]: fractal noise
-    procedural/threshold-1 mitsuba: mitsuba cannot say radiative.medium[0]: fractal noise
-    procedural/threshold-1 pbrt: pbrt cannot say radiative.medium[0]: fractal noise
+    procedural/gain-0.1 mitsuba: mitsuba cannot represent radiative.medium[0]: fractal noise
+    procedural/gain-0.1 pbrt: pbrt cannot represent radiative.medium[0]: fractal noise
+    procedural/gain-0.5 mitsuba: mitsuba cannot represent radiative.medium[0]: fractal noise
+    procedural/gain-0.5 pbrt: pbrt cannot represent radiative.medium[0]: fractal noise
+    procedural/gain-0.6 mitsuba: mitsuba cannot represent radiative.medium[0]: fractal noise
+    procedural/gain-0.6 pbrt: pbrt cannot represent radiative.medium[0]: fractal noise
+    procedural/scale-0.5-1-1 mitsuba: mitsuba cannot represent radiative.medium[0]: fractal noise
+    procedural/scale-0.5-1-1 pbrt: pbrt cannot represent radiative.medium[0]: fractal noise
+    procedural/scale-1-0.5-1 mitsuba: mitsuba cannot represent radiative.medium[0]: fractal noise
+    procedural/scale-1-0.5-1 pbrt: pbrt cannot represent radiative.medium[0]: fractal noise
+    procedural/scale-2-0.5-2 mitsuba: mitsuba cannot represent radiative.medium[0]: fractal noise
+    procedural/scale-2-0.5-2 pbrt: pbrt cannot represent radiative.medium[0]: fractal noise
+    procedural/threshold-1.25 mitsuba: mitsuba cannot represent radiative.medium[0]: fractal noise
+    procedural/threshold-1.25 pbrt: pbrt cannot represent radiative.medium[0]: fractal noise
+    procedural/threshold-1.5 mitsuba: mitsuba cannot represent radiative.medium[0]: fractal noise
+    procedural/threshold-1.5 pbrt: pbrt cannot represent radiative.medium[0]: fractal noise
+    procedural/threshold-1 mitsuba: mitsuba cannot represent radiative.medium[0]: fractal noise
+    procedural/threshold-1 pbrt: pbrt cannot represent radiative.medium[0]: fractal noise
     "##);
 }
 
@@ -1319,6 +1319,6 @@ fn other_models_are_refused() {
     let refusal = export(&curve, Format::Mitsuba, "curve").unwrap_err();
     assert_eq!(
         refusal.to_string(),
-        "mitsuba cannot say curve: a plot of a curve; export it to `bundle`"
+        "mitsuba cannot represent curve: a plot of a curve; export it to `bundle`"
     );
 }

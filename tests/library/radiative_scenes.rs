@@ -386,12 +386,12 @@ fn bounces() {
         ("[radiative]", "[radiative]\nscattering = \"twice\""),
     ]), @r#"
     6:15: `max_bounces` must lie in [2, 67108863], got 1
-        `radiative.max_bounces`: Scattering order at most, with `scattering = "multiple"`. If left out, it is unlimited.
+        `radiative.max_bounces`: Maximum scattering order, with `scattering = "multiple"`. If left out, it is unlimited.
     6:15: `max_bounces` must lie in [2, 67108863], got 67108864
-        `radiative.max_bounces`: Scattering order at most, with `scattering = "multiple"`. If left out, it is unlimited.
+        `radiative.max_bounces`: Maximum scattering order, with `scattering = "multiple"`. If left out, it is unlimited.
     7:15: `max_bounces` has no effect with single scattering
         remove it, or set `scattering = "multiple"`
-    6:14: `scattering` takes one of "none", "single", "multiple", got "twice"
+    6:14: `scattering` must be one of "none", "single", "multiple", but is "twice"
         `radiative.scattering`: Scattering order of light on its way to the eye, bounces of media and surfaces together: none, one, or any number.
     "#);
 }
@@ -420,7 +420,7 @@ fn coefficients() {
         `radiative.medium[0].sigma_a`: Absorption per world length.
     14:11: `sigma_s` must be finite, got nan
         `radiative.medium[0].sigma_s`: Scattering per world length.
-    14:11: `sigma_s` takes three numbers, got 2
+    14:11: `sigma_s` must be three numbers, not 2
         `radiative.medium[0].sigma_s`: Scattering per world length.
     13:11: the coefficients are too large: sigma_t must be finite and not negative in every channel, got [inf, inf, inf]
         give smaller coefficients, or choose another unit of length
@@ -598,7 +598,7 @@ fn the_plan_names_the_phase_function() {
     let reason = &decision.unwrap().why;
     assert_eq!(
         reason.reason,
-        "a medium that scatters has the phase function Rayleigh"
+        "a scattering medium has the phase function Rayleigh"
     );
     assert_eq!(reason.field.as_deref(), Some("radiative.medium[0].draine"));
 }
@@ -645,7 +645,7 @@ fn densities_that_are_none() {
         block("<medium type=\"procedural\">\n  <color name=\"sigma_a\" value=\"1 1\"/>\n</medium>"),
     ];
     insta::assert_snapshot!(all.concat(), @r#"
-    12:9: a heterogeneous medium needs a shape: without one it has no end
+    12:9: a heterogeneous medium needs a shape: without one it is unbounded
         give the medium a `box`, `sphere` or `mesh`
     12:17: none.vol: there is no such file
         `radiative.medium[0].grid.file`: Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.
@@ -681,7 +681,7 @@ fn densities_that_are_none() {
         give one of `file`, `text`
     16:3: unknown element <flaot>
         did you mean <float>?
-    16:32: `sigma_a` takes three numbers, or one for all three, got 2
+    16:32: `sigma_a` must be three numbers, or one for all three, not 2
         `sigma_a`: absorption of density 1, per world length: three numbers, or one for all three, at least 0
     "#);
 }
@@ -719,7 +719,7 @@ fn matter() {
         did you mean `diffuse`?
     9:13: unknown key `reflectence` in [radiative.surface[0].diffuse]
         did you mean `reflectance`?
-    9:35: `sides` takes one of "front", "both", got "back"
+    9:35: `sides` must be one of "front", "both", but is "back"
         `radiative.surface[0].emitter.sides`: Sides that emit; the front of a closed shape is its outside.
     9:24: `radiance` must not be negative, got [-1, -1, -1]
         `radiative.surface[0].emitter.radiance`: Linear radiance, the same in every direction.
@@ -784,7 +784,7 @@ fn shapes() {
     13:10: [radiative.medium[0]] has more than one shape: `sphere`, `box`
         keep at most one of `sphere`, `box`
     12:1: unknown key `rectangle` in [radiative.medium[0]]
-        [radiative.medium[0]] may hold: sphere, box, mesh, scale, rotate, translate, grid, interpolation, noise, exponential, linear, blob, procedural, sigma_a, sigma_s, sigma_t, albedo, emission, g, draine, droplets
+        allowed keys in [radiative.medium[0]]: sphere, box, mesh, scale, rotate, translate, grid, interpolation, noise, exponential, linear, blob, procedural, sigma_a, sigma_s, sigma_t, albedo, emission, g, draine, droplets
     12:13: a medium without a shape fills all space: `translate` has no effect
         give the medium a `sphere`, `box` or `mesh`, or remove `translate`
     "#);
@@ -827,7 +827,7 @@ fn places() {
     insta::assert_snapshot!(all, @r#"
     9:9: scaling by [1, 0, 1] flattens the object; give a factor other than 0 on every axis
         `radiative.surface[0].scale`: Scales the shape along x, y, z about the origin, before its rotation; not 0, negative factors mirror.
-    9:9: `scale` takes three numbers, such as [0, 1, 0], got integer
+    9:9: `scale` must be three numbers, such as [0, 1, 0], not an integer
         `radiative.surface[0].scale`: Scales the shape along x, y, z about the origin, before its rotation; not 0, negative factors mirror.
     9:19: a rotation needs an axis other than the zero vector
         `radiative.surface[0].rotate.axis`: The axis, any length but 0.
@@ -835,7 +835,7 @@ fn places() {
         `radiative.surface[0].rotate.angle`: Degrees; anticlockwise where the axis points at the viewer.
     9:38: `angle` must be finite, got inf
         `radiative.surface[0].rotate.angle`: Degrees; anticlockwise where the axis points at the viewer.
-    9:10: `rotate` takes a table, got array
+    9:10: `rotate` must be a table, not an array
         `radiative.surface[0].rotate`: Rotates the shape about an axis through the origin, after its scaling and before its translation.
     8:10: after its transform, the sphere lies where numbers are too coarse for it, or beyond the largest
         scale it less, or move the scene nearer to the origin
@@ -881,7 +881,7 @@ fn lights() {
         give one of `point`, `spot`, `directional`
     17:45: `intensity` must not be negative, got [-1, -1, -1]
         `radiative.light[0].point.intensity`: Radiant intensity, power per steradian, on the axis of a spot: the irradiance at distance r is intensity / r².
-    17:22: `position` takes three numbers, got 2
+    17:22: `position` must be three numbers, not 2
         `radiative.light[0].point.position`: Position of the light, world units.
     18:15: [radiative.light[0]] has more than one kind of light: `point`, `directional`
         keep exactly one of `point`, `directional`
@@ -898,11 +898,11 @@ fn lights() {
     17:29: the direction of the light is the zero vector
         `radiative.light[0].directional.direction`: Direction of travel, any length but 0.
     17:1: unknown key `sun` in [radiative.light[0]]
-        [radiative.light[0]] may hold: point, spot, directional
-    16:1: `light` takes tables in double brackets, [[…]], got table
-        `radiative.light`: Lights without extent.
-    17:19: `light` takes tables in double brackets, [[…]], got integer
-        `radiative.light`: Lights without extent.
+        allowed keys in [radiative.light[0]]: point, spot, directional
+    16:1: `light` must be tables in double brackets, [[…]], not a table
+        `radiative.light`: Point, spot and directional lights. Area lights are surfaces with an emitter.
+    17:19: `light` must be tables in double brackets, [[…]], not an integer
+        `radiative.light`: Point, spot and directional lights. Area lights are surfaces with an emitter.
     "#);
 }
 
@@ -988,11 +988,11 @@ fn parts_that_make_no_picture_together() {
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
     16:15: a directional light is infinitely far away, and a medium fills all space: none of its light arrives
         give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
-    17:9: no path from the eye can find the light of a point light that a glass surface scatters
+    17:9: camera paths cannot sample light from a point light that arrives by way of a glass surface
         use a small emitting sphere in place of the light, or a diffuse surface in place of the glass
-    17:8: no path from the eye can find the light of a spot light that a mirror surface scatters
+    17:8: camera paths cannot sample light from a spot light that arrives by way of a mirror surface
         use a small emitting sphere or rectangle in place of the light, or a diffuse surface in place of the mirror
-    17:15: no path from the eye can find the light of a directional light that a mirror surface scatters
+    17:15: camera paths cannot sample light from a directional light that arrives by way of a mirror surface
         use a far emitting sphere or the environment in place of the light, or a diffuse surface in place of the mirror
     "#);
 }
@@ -1121,7 +1121,7 @@ fn what_belongs_to_other_models() {
     2:8: `seed` must lie in [0, 9223372036854775807], got -1
         `sampling.seed`: Chooses the random numbers: the same seed gives the same image.
     2:1: unknown key `spp` in [sampling]
-        [sampling] may hold: samples, seed
+        allowed keys in [sampling]: samples, seed
     7:1: the file has more than one model: [classified], [radiative]
         keep exactly one of [classified], [radiative]
     1:1: missing key `eye` in [camera]

@@ -135,7 +135,7 @@ fn classified_scenes_of_the_suite_agree_to_the_bit() {
 /// Generated scenes that are compared.
 const GENERATED: usize = 600;
 
-/// Density look-ups of the largest scene that is compared; a shadow ray at every sample.
+/// Density lookups of the largest scene that is compared; a shadow ray at every sample.
 const MOST_LOOKUPS: f64 = 1e5;
 
 fn lookups(scene: &Classified, pixels: usize) -> f64 {

@@ -168,10 +168,10 @@ fn what_it_must_reject() {
     assert!(judged(&reference, &test).passed);
     let scaled = |factor: f32| edited(&test, |_, pixel| pixel.map(|value| value * factor));
 
-    assert_rejected("half as bright", &reference, &scaled(0.5), "on the whole");
+    assert_rejected("half as bright", &reference, &scaled(0.5), "overall");
     // The mean of 2304 × 128 exponential samples is known to two parts in a thousand, and all
     // channels share their noise.
-    assert_rejected("a faint bias", &reference, &scaled(1.03), "on the whole");
+    assert_rejected("a faint bias", &reference, &scaled(1.03), "overall");
     assert_rejected(
         "a faint bias of one channel",
         &reference,
@@ -515,7 +515,7 @@ fn a_bias_is_not_called_a_filter() {
         for test in [&test, &silent(&test)] {
             let reason = judged(&reference, test).reason;
             assert!(
-                reason.starts_with("the image is too dark on the whole: the mean of "),
+                reason.starts_with("the image is too dark overall: the mean of "),
                 "{samples}: {reason}"
             );
             assert!(reason.contains("where the reference has"), "{reason}");
@@ -540,7 +540,7 @@ fn the_worst_block_has_a_limit_beside_it() {
             .parse()
             .unwrap()
     };
-    let (worst, limit) = (number("worst block off by"), number("where chance allows"));
+    let (worst, limit) = (number("largest block deviation"), number("up to"));
     // Holm's first level for 108 blocks and channels, a millionth by eight, is 6.5 standard errors
     // of a normal number, and Student's t of 960 degrees not much more.
     assert!(worst < limit && (6.0..7.5).contains(&limit), "{reason}");

@@ -2,7 +2,7 @@
 //! against what is known of them beforehand. Hard cases D7, D8, D11 and D12.
 //!
 //! Seeds are fixed, so nothing fails by chance. Means and variances must agree within four
-//! standard errors, look-ups within 5 %, which is many standard errors more.
+//! standard errors, lookups within 5 %, which is many standard errors more.
 
 use crate::common::entries::Entry;
 use crate::common::quadrature;
@@ -150,7 +150,7 @@ fn agrees(what: &str, found: &TrackedResult, mean: f64, variance: f64) {
 
 #[track_caller]
 fn costs(what: &str, found: &TrackedResult, lookups: f64) {
-    println!("{what}: {} look-ups of {lookups}", found.lookups);
+    println!("{what}: {} lookups of {lookups}", found.lookups);
     assert!((found.lookups - lookups).abs() <= 0.05 * lookups, "{what}");
 }
 
@@ -231,7 +231,7 @@ fn ratio_tracking_on_the_smooth_ray() {
 }
 
 /// Bounds of each of eight pieces of its own, one of which is exact: the same formulas, with
-/// bounds that differ from place to place, and no look-up where there is nothing to ask.
+/// bounds that differ from place to place, and no lookup where there is nothing to ask.
 #[test]
 fn bounds_piece_by_piece() {
     let sigma = |t: f64| if t < 0.25 { 0.75 } else { smooth(t) };

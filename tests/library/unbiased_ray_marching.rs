@@ -19,7 +19,7 @@ use volref::render::radiative::tracking::{
 
 const SAMPLES: u32 = 400_000;
 
-/// What many estimates came to, and their look-ups in the mean.
+/// What many estimates came to, and their lookups in the mean.
 fn run(sigma: impl Fn(f64) -> f64, length: f64, steps: u32) -> (Moments, f64) {
     let span = Span::new(0.0, length);
     let mut effort = Effort::default();
@@ -42,7 +42,7 @@ fn has_mean(what: &str, estimates: &Moments, mean: f64) {
     assert!(off.abs() <= 4.0 * error, "{what}");
 }
 
-/// Look-ups are `M (1 + N)`. `E[N] = 0.05 (e² − 1)`, and `E[N²] = Σ (2k − 1) P(N ≥ k) =
+/// Lookups are `M (1 + N)`. `E[N] = 0.05 (e² − 1)`, and `E[N²] = Σ (2k − 1) P(N ≥ k) =
 /// 0.05 (3e² + 1)`, so the variance of `N` is 1.0563.
 #[track_caller]
 fn costs(what: &str, lookups: f64, steps: u32) {
@@ -51,7 +51,7 @@ fn costs(what: &str, lookups: f64, steps: u32) {
     let variance = 0.05 * (3.0 * e_squared + 1.0) - order * order;
     let error = f64::from(steps) * (variance / f64::from(SAMPLES)).sqrt();
     let expected = f64::from(steps) * MEAN_MARCHES;
-    println!("{what}: {lookups} look-ups of {expected}, standard error {error:.4}");
+    println!("{what}: {lookups} lookups of {expected}, standard error {error:.4}");
     assert!((lookups - expected).abs() <= 4.0 * error, "{what}");
 }
 
@@ -102,7 +102,7 @@ fn edges() {
     has_mean("a thin layer", &found, exp(-1.0));
 }
 
-/// Nothing in the way: exactly 1, and the price is that of the fewest steps, 1.32 look-ups.
+/// Nothing in the way: exactly 1, and the price is that of the fewest steps, 1.32 lookups.
 #[test]
 fn nothing() {
     let steps = march_steps(0.0);
@@ -179,8 +179,8 @@ fn less_noise_than_ratio_tracking_at_the_same_cost() {
     let (march, lookups) = run(smooth, LENGTH, 7);
     let [ratio, march] = [ratio, march].map(|found| found.variance().unwrap());
     println!(
-        "ratio tracking: {ratio_lookups} look-ups, variance {ratio:e} of {predicted:e}\n\
-         marching:       {lookups} look-ups, variance {march:e}"
+        "ratio tracking: {ratio_lookups} lookups, variance {ratio:e} of {predicted:e}\n\
+         marching:       {lookups} lookups, variance {march:e}"
     );
     assert!(lookups < ratio_lookups);
     assert!(march < predicted / 100.0);

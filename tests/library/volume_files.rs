@@ -65,7 +65,7 @@ fn faults_inside_a_file_name_file_line_and_column() {
         (
             "single.obj",
             b"v 1 2 3",
-            "single.obj: the cloud has no size, its points (1) all lie in the same place",
+            "single.obj: the point cloud has zero extent (1 point, all at one position)",
         ),
         (
             "empty.bin",
@@ -75,7 +75,7 @@ fn faults_inside_a_file_name_file_line_and_column() {
         (
             "cut.bin",
             &course_grid([2, 2, 2], 1.0)[..40],
-            "cut.bin: the header promises 2 × 2 × 2 float32 densities, 56 bytes in all, and the \
+            "cut.bin: the header declares 2 × 2 × 2 float32 densities, 56 bytes in all, and the \
              file has 40",
         ),
     ] {
@@ -99,15 +99,15 @@ fn what_is_no_volume_file() {
         ),
         (
             "smoke.vdb",
-            "smoke.vdb: unknown volume extension: supported are .obj: point cloud (Wavefront OBJ); \
-             .bin: course grid; .vol: Mitsuba volume; .nrrd, .nhdr: NRRD; .nii, .nii.gz: NIfTI-1; \
-             .toml: raw samples, described in TOML",
+            "smoke.vdb: unsupported file extension; supported are .obj (Wavefront point cloud), \
+             .bin (binary grid), .vol (Mitsuba volume), .nrrd or .nhdr (NRRD), .nii or .nii.gz (NIfTI-1), \
+             .toml (raw samples, described in TOML)",
         ),
         (
             "bare",
-            "bare: unknown volume extension: supported are .obj: point cloud (Wavefront OBJ); \
-             .bin: course grid; .vol: Mitsuba volume; .nrrd, .nhdr: NRRD; .nii, .nii.gz: NIfTI-1; \
-             .toml: raw samples, described in TOML",
+            "bare: unsupported file extension; supported are .obj (Wavefront point cloud), \
+             .bin (binary grid), .vol (Mitsuba volume), .nrrd or .nhdr (NRRD), .nii or .nii.gz (NIfTI-1), \
+             .toml (raw samples, described in TOML)",
         ),
     ] {
         assert_eq!(message(&folder, &folder.join(name)), expected);
@@ -155,7 +155,7 @@ fn sizes_are_checked_before_reading() {
     file.set_len(SIZE).unwrap();
     assert_eq!(
         message(&folder, &grid),
-        "huge.bin: the header promises 2 × 2 × 2 float32 densities, 56 bytes in all, and the \
+        "huge.bin: the header declares 2 × 2 × 2 float32 densities, 56 bytes in all, and the \
          file has 1099511627776: it contains something else as well, or is not float32"
     );
 }
@@ -280,7 +280,7 @@ fn data_elsewhere_are_read_only_when_asked_for() {
             .unwrap_err()
             .to_string();
         assert!(
-            message.contains(": the file of its data cannot be opened: "),
+            message.contains(": cannot open its data file "),
             "{message}"
         );
         assert!(
@@ -350,17 +350,17 @@ fn faults_of_grids_name_their_file() {
         (
             "cut.vol",
             &vol[..100],
-            "cut.vol: the header promises 4 × 3 × 2 samples of float32, 96",
+            "cut.vol: the header declares 4 × 3 × 2 samples of float32, 96",
         ),
         (
             "cut.nii",
             &nifti[..390],
-            "cut.nii: the header promises 4 × 3 × 2 samples of int16, 48",
+            "cut.nii: the header declares 4 × 3 × 2 samples of int16, 48",
         ),
         (
             "cut.nrrd",
             &nrrd[..nrrd.len() - 1],
-            "cut.nrrd: the header promises 4 × 3 × 2 samples",
+            "cut.nrrd: the header declares 4 × 3 × 2 samples",
         ),
         (
             "odd.nrrd",
@@ -490,7 +490,7 @@ fn keys_of_volume_files() {
         ),
         (
             "file = \"nan.vol\"\ndetached_anywhere = 1",
-            ":5:21: `detached_anywhere` takes true or false, got integer",
+            ":5:21: `detached_anywhere` must be true or false, not an integer",
         ),
         (
             "file = \"nan.vol\"\nreplace_non_finite = 1e39",

@@ -75,7 +75,7 @@ fn cloud() -> impl Strategy<Value = Vec<CloudPoint>> {
         let first = points[0].position;
         points.iter().any(|point| point.position != first)
     };
-    prop::collection::vec(point, 2..60).prop_filter("two points apart", two_apart)
+    prop::collection::vec(point, 2..60).prop_filter("two distinct points", two_apart)
 }
 
 fn splatting() -> impl Strategy<Value = Splatting> {

@@ -75,7 +75,7 @@ pub(super) fn judge_amount(
     let (amount, count) = mean_ratio(blocks, guarded)?;
     (a.min(b) >= ENOUGH && amount > AMOUNT && probability(amount, count) <= level).then(|| {
         format!(
-            "too much noise: differences of {amount:.2} times the variance that the images state"
+            "too much noise: squared differences are {amount:.2} times the variance given in the images"
         )
     })
 }

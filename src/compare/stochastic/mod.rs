@@ -148,15 +148,15 @@ impl ImageGate for Stochastic {
     }
 
     fn default_for(&self) -> Option<&'static str> {
-        Some("two images of radiance of which one states its noise")
+        Some("two linear images if at least one includes its variance")
     }
 
     fn default_reason(&self, reference: &Picture, test: &Picture) -> Option<&'static str> {
         let has_noise = |picture: &Picture| Some(picture.radiance()?.noise().is_some());
         match (has_noise(reference)?, has_noise(test)?) {
-            (true, true) => Some(", since both images state their noise"),
-            (true, false) => Some(", since the reference states its noise"),
-            (false, true) => Some(", since the test image states its noise"),
+            (true, true) => Some(", since both images include their variance"),
+            (true, false) => Some(", since the reference includes its variance"),
+            (false, true) => Some(", since the test image includes its variance"),
             (false, false) => None,
         }
     }
@@ -199,16 +199,16 @@ const METRICS: [Metric; 23] = [
     ),
     (
         "smallest_visible_block_bias",
-        "Detectable bias of nine blocks in ten, as a share of the brightness of the block: a larger \
+        "Detectable bias within single blocks (90th percentile), as a share of the brightness of the block: a larger \
          one is rejected.",
     ),
     (
         "times_the_samples_that_would_decide",
-        "Factor on the samples per pixel at which the required bias becomes detectable.",
+        "How many times more samples per pixel would make the required bias detectable.",
     ),
     (
         "samples_that_would_decide",
-        "Samples per pixel, of all renderings together, at which it becomes detectable.",
+        "Samples per pixel, summed over all renderings, at which it becomes detectable.",
     ),
     (
         "far_pixels",
@@ -221,29 +221,33 @@ const METRICS: [Metric; 23] = [
     ),
     (
         "amount_of_noise",
-        "Squared differences relative to the variance that the images state: 1 is expected, far \
+        "Squared differences relative to the variance given in the images: 1 is expected, far \
         below 1 means smoothing or shared random numbers, far above 1 a difference beyond noise.",
     ),
     (
         "noise_over_that_stated",
-        "Squared differences relative to the variance of the one image that states it: 1 or more \
+        "Squared differences relative to the variance of the one image that includes it: 1 or more \
         is expected.",
     ),
     (
         "chi_square_probability",
-        "Probability that noise alone gives such an amount; near 0 it is not noise.",
+        "Probability of at least this much deviation from noise alone; near 0 means a real \
+         difference.",
     ),
     (
         "copied_pixels",
-        "Pixels with noise that equal the golden bit for bit; independent renderings share none.",
+        "Noisy pixels that are bit-identical to the golden; independent renderings share none.",
     ),
     (
         "correlation_across",
-        "Correlation of the differences of neighbours in a row: 0 is expected; above 0.05 whole \
+        "Correlation of the differences of horizontally adjacent pixels: 0 is expected; above 0.05 whole \
         regions are off, or the image was filtered or denoised, or its pixels share random \
         numbers.",
     ),
-    ("correlation_down", "The same of neighbours in a column."),
+    (
+        "correlation_down",
+        "The same for vertically adjacent pixels.",
+    ),
 ];
 
 /// Judges `test` by `reference`, one of `cases` comparisons that raise a false alarm with
@@ -318,9 +322,8 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
         .and_then(|promise| limits.undecided(promise));
     let noise = || {
         format!(
-            "worst block off by {:.1} standard errors, where chance allows {:.1} among {} blocks \
-            and \
-             channels",
+            "largest block deviation {:.1} standard errors; up to {:.1} is expected by chance \
+             among {} blocks × channels",
             finite(worst.deviation().abs()),
             limits.of_block(worst.block, worst.channel),
             comparison.asked(),
@@ -335,8 +338,8 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
             noise()
         ),
         _ if passed => format!(
-            "no difference beyond noise; detectable bias {} of the mean, {} in nine blocks of ten; \
-             {}",
+            "no difference beyond noise; detectable bias {} for the image mean, {} within single blocks \
+             (90th percentile); {}",
             percent(mean_resolution),
             percent(resolution),
             noise()
@@ -419,7 +422,7 @@ fn judge_whole(comparison: &Comparison<'_>, level: f64, metrics: &mut Metrics) -
     let reference: f64 = blocks.map(|block| block.channels[c].radiance).sum();
     (rejected > 0).then(|| {
         format!(
-            "{what} is too {} on the whole: the mean of {} is {}",
+            "{what} is too {} overall: the mean of {} is {}",
             side(mean(c)),
             colour(c),
             means(reference / pixels as f64, mean(c), deviations[c]),

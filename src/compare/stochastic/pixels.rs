@@ -61,7 +61,7 @@ impl PixelDifferences {
         (holm(&probabilities, level) > 0).then(|| {
             format!(
                 "{most} of {} pixels are off by more than {FAR} standard errors; noise of any \
-                 distribution puts at most one in {} there",
+                 distribution would put at most 1 pixel in {} that far off",
                 self.values,
                 FAR * FAR
             )
@@ -97,7 +97,7 @@ impl PixelDifferences {
                 "part of it is copied"
             };
             format!(
-                "{} of {} pixels with noise are those of the reference bit for bit: {what}",
+                "{} of {} noisy pixels are bit-identical to the reference: {what}",
                 self.copied, self.noisy
             )
         })

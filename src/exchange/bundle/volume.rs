@@ -56,8 +56,8 @@ fn ray(camera: &Camera) -> Entries {
                    - half_up*(2*y + 1 - height)/height), and p(t) = eye + t*direction. \
                    forward has length 1, half_right and half_up the tangent of half the \
                    vertical field of view. Coordinates are right-handed: half_right points \
-                   along forward x half_up, so that with +y up and looking along +z, +x is to \
-                   the left of the image";
+                   along forward x half_up, so that with +y up and looking along +z, +x \
+                   points left in the image";
     vec![
         ("eye", camera.eye().to_array().into()),
         ("forward", camera.forward().to_array().into()),

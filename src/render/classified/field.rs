@@ -79,7 +79,7 @@ impl<R: Reconstruction> ScalarField for GridField<'_, R> {
     }
 }
 
-/// A grid with the same density at every node, without look-ups. Interpolation of equal numbers is
+/// A grid with the same density at every node, without lookups. Interpolation of equal numbers is
 /// exact, so this is the same field to the last bit.
 #[derive(Clone, Copy, Debug)]
 pub struct ConstantField<'g>(pub &'g Lattice, pub f64);

@@ -23,7 +23,7 @@ pub trait Shading: Sync {
     ) -> DVec3;
 }
 
-/// No shading: the colour as it is, without a gradient look-up.
+/// No shading: the colour as it is, without a gradient lookup.
 #[derive(Clone, Copy, Debug)]
 pub struct Unshaded;
 

@@ -111,7 +111,7 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
                 && transfer_function.may_be_transparent_between(least, most),
         };
         let kernel = Kernel::RayCaster { scene, features };
-        let reason = "a classified volume is the composite of its samples, a step apart";
+        let reason = "a classified volume is rendered by compositing samples one step apart";
         let why = Reason::of("classified.step", reason, key_lines);
         (kernel, Method::RayCasting, why)
     };

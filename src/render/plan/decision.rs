@@ -129,7 +129,7 @@ fn decide(finding: EffectFinding, forced: bool, key_lines: &KeyLines) -> (State,
         }
         EffectFinding::Matters(field, reason) => (State::On, Reason::of(field, reason, key_lines)),
         EffectFinding::Null(field, reason) if forced => {
-            let reason = format!("forced, although null: {reason}");
+            let reason = format!("forced, although it makes no difference: {reason}");
             (State::On, Reason::of(field, reason, key_lines))
         }
         EffectFinding::Null(field, reason) => (State::Elided, Reason::of(field, reason, key_lines)),

@@ -18,7 +18,7 @@ use glam::DVec3;
 /// Tentative collisions on an emissive segment in the mean, however thin the medium.
 ///
 /// With `n` of them the estimate of a thin even emission has the relative variance `1/n`, at `n`
-/// look-ups: their product is the same for any `n`. At 4 a ray in 55 (`e^4`) has none, so the
+/// lookups: their product is the same for any `n`. At 4 a ray in 55 (`e^4`) has none, so the
 /// moments of a few dozen samples are not those of a rare event, and an emissive medium costs no
 /// more than one of four optical depths.
 const EMISSION_SAMPLES: f64 = 4.0;

@@ -326,7 +326,7 @@ fn scattering_at(depth: u32) -> Event {
 /// Probability that a path continues, by its throughput relative to that at its first bounce: 1
 /// down to a half, so that a conservative path never ends (except in glass, where radiance is
 /// measured in other solid angles) and a pixel behind a dark object has no more noise. One half is
-/// the cheapest: in the Cornell room, error squared times time is 10 to 25 % larger if paths end in
+/// the cheapest: in the Cornell box, error squared times time is 10 to 25 % larger if paths end in
 /// proportion to their throughput from the start, from the second or from the fifth bounce on.
 fn survival(throughput: DVec3, first_throughput: DVec3) -> f64 {
     (2.0 * throughput.max_element() / first_throughput.max_element()).min(1.0)

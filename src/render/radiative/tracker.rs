@@ -16,14 +16,14 @@ pub struct Tracker<'c, W> {
     pub work: &'c mut W,
 }
 
-/// Memory kept from ray to ray, and look-ups above their majorants.
+/// Memory kept from ray to ray, and lookups above their majorants.
 #[derive(Debug, Default)]
 pub struct TrackerScratch {
     /// Spans of a shape along a ray.
     pub spans: Vec<Span>,
     /// Heterogeneous media along a ray.
     pub heterogeneous: Vec<HeterogeneousSegment>,
-    /// Look-ups, and those above their majorants.
+    /// Lookups, and those above their majorants.
     pub effort: Effort,
 }
 

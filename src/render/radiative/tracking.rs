@@ -5,7 +5,7 @@
 //! each of them decides its outcome. The walk from one to the next is written once; estimators
 //! differ in their response. None has a bias or a step size.
 //!
-//! | estimator | variance | mean look-ups |
+//! | estimator | variance | mean lookups |
 //! |---|---|---|
 //! | delta tracking | `T (1 − T)` | `∫ σ̄ e^(−τ) dt` |
 //! | ratio tracking | `T² (exp ∫ σ²/σ̄ dt − 1)` | `∫ σ̄ dt` |
@@ -35,7 +35,7 @@ pub struct MajorantSegment {
     pub emission: DVec3,
 }
 
-/// Extinction along a ray, known by look-ups and majorants. Segments follow one another without
+/// Extinction along a ray, known by lookups and majorants. Segments follow one another without
 /// gaps.
 pub trait Majorants: Iterator<Item = MajorantSegment> {
     /// Extinction at distance `t`, which lies on the segment last returned, by channel.
@@ -60,14 +60,14 @@ pub trait TentativeNumbers {
 /// Work of a tracker.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
-    /// Look-ups of the extinction.
+    /// Lookups of the extinction.
     pub lookups: u64,
-    /// Look-ups above the majorant.
+    /// Lookups above the majorant.
     pub violations: u64,
 }
 
 impl Effort {
-    /// Notes a look-up on `segment`.
+    /// Notes a lookup on `segment`.
     pub fn note(&mut self, segment: &MajorantSegment, extinction: DVec3) {
         self.lookups += 1;
         self.violations += u64::from(!extinction.cmple(segment.majorant).all());

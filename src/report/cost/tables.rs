@@ -92,7 +92,7 @@ pub(super) fn sweep(study: &Study, sweep: &Sweep) -> Table {
     notes.extend(sweep.cut.iter().map(|why| format!("ended early: {why}")));
     let name = words::sweep(study, &sweep.estimator, sweep.parameter);
     let ours = match sweep.is_ours {
-        true => " (the reference renderer's way)",
+        true => " (as in the reference renderer)",
         false => "",
     };
     Table {
@@ -127,7 +127,7 @@ fn sweep_rows(study: &Study, sweep: &Sweep) -> Vec<Row> {
         };
         let (counted, count) = match by_random {
             true => ("random numbers", draws(at)),
-            false => ("look-ups", level.work.lookups()),
+            false => ("lookups", level.work.lookups()),
         };
         let l2_of = |norms: Norms| words::error(norms.l2);
         let mut row = vec![
@@ -164,7 +164,7 @@ fn sweep_rows(study: &Study, sweep: &Sweep) -> Vec<Row> {
                 .on_page()
                 .optional(),
         ]);
-        row.extend(time_cells("time a ray", level.time.as_ref()));
+        row.extend(time_cells("time per ray", level.time.as_ref()));
         row
     };
     levels.iter().enumerate().map(row).collect()
@@ -231,17 +231,19 @@ pub(super) fn prices(study: &Study) -> Table {
             by_none.push(error);
         } else if !not.is_empty() {
             let not = not.join("; ");
-            notes.push(format!("{error} is not reached, as far as tried, by {not}"));
+            notes.push(format!(
+                "{error} was not reached in the range tested by: {not}"
+            ));
         }
     }
     if !by_none.is_empty() {
         let by_none = by_none.join(", ");
         notes.push(format!(
-            "reached by no setting that was measured: {by_none}"
+            "not reached by any setting that was measured: {by_none}"
         ));
     }
     Table {
-        title: format!("{}: price list", study.name),
+        title: format!("{}: cheapest settings for a given error", study.name),
         rows: price_rows(study, |offer| offer.setting.is_some()),
         is_grouped: true,
         notes,
@@ -263,7 +265,7 @@ fn price_rows(study: &Study, wanted: fn(&Offer) -> bool) -> Vec<Row> {
                 .key("lookups", offer.lookups),
             number("× cheapest", offer.times_cheapest.map(words::factor))
                 .key("times_cheapest", offer.times_cheapest),
-            number("time a ray", offer.seconds.map(words::seconds))
+            number("time per ray", offer.seconds.map(words::seconds))
                 .key("seconds", offer.seconds)
                 .optional(),
         ]
@@ -312,7 +314,7 @@ fn estimator_rows(table: &EstimatorTable) -> Vec<Row> {
                 .on_page(),
             theory(row.predicted_variance, words::error)
                 .key("predicted_variance", row.predicted_variance),
-            number("look-ups", words::count(row.lookups)).key("lookups", row.lookups),
+            number("lookups", words::count(row.lookups)).key("lookups", row.lookups),
             theory(row.predicted_lookups, words::count)
                 .key("predicted_lookups", row.predicted_lookups),
             number("var × work", words::error(row.variance_times_lookups))
@@ -330,7 +332,7 @@ fn estimator_rows(table: &EstimatorTable) -> Vec<Row> {
     rows.collect()
 }
 
-/// Variance times look-ups by optical thickness: a row for each thickness.
+/// Variance times lookups by optical thickness: a row for each thickness.
 pub(super) fn thickness(sweep: &ThicknessSweep) -> Table {
     Table {
         title: "thin and dense media".to_owned(),
@@ -438,7 +440,7 @@ fn effect_rows(effects: &[EffectPrice]) -> Vec<Row> {
         let count = |head, event| number(head, words::count(effect.work[event]));
         let mut row = vec![
             named("effect", &effect.effect).key("effect", &*effect.effect),
-            number("look-ups", words::count(effect.work.lookups())),
+            number("lookups", words::count(effect.work.lookups())),
         ];
         row.extend(work_cells(&effect.work));
         row.extend([
@@ -450,7 +452,7 @@ fn effect_rows(effects: &[EffectPrice]) -> Vec<Row> {
             count("surface tests", Event::SurfaceTest).on_page(),
             count("random", Event::RandomDraw),
         ]);
-        row.extend(time_cells("time a pixel", effect.time.as_ref()));
+        row.extend(time_cells("time per pixel", effect.time.as_ref()));
         row
     };
     effects.iter().map(row).collect()

@@ -36,14 +36,14 @@ pub(super) fn sweep(study: &Study, estimator: &str, varied: Parameter) -> String
     }
 }
 
-/// What the prices of a study count. Of a mixture it is what most have: look-ups.
+/// What the prices of a study count. Of a mixture it is what most have: lookups.
 pub(super) fn counted(study: &Study) -> &'static str {
     let levels = || study.sweeps.iter().flat_map(|sweep| &sweep.levels);
     let any = |what: Counted| levels().any(|level| level.work.counted() == what);
     match (any(Counted::Lookups), any(Counted::RandomNumbers)) {
         (false, true) => "random numbers",
-        (true, true) => "look-ups or random numbers",
-        (_, false) => "look-ups",
+        (true, true) => "lookups or random numbers",
+        (_, false) => "lookups",
     }
 }
 
@@ -51,7 +51,7 @@ pub(super) fn counted(study: &Study) -> &'static str {
 pub(super) fn price(level: &Level) -> String {
     let noun = match level.work.counted() {
         Counted::RandomNumbers => "random numbers",
-        Counted::Lookups | Counted::Nothing => "look-ups",
+        Counted::Lookups | Counted::Nothing => "lookups",
     };
     format!("{} {noun}", count(level.work.price()))
 }
@@ -71,11 +71,14 @@ pub(super) enum Mark {
 pub(super) fn verdict(verdict: OrderVerdict) -> (Mark, &'static str) {
     match verdict {
         OrderVerdict::AsExpected => (Mark::Good, "✓ as expected"),
-        OrderVerdict::TooFewRays => (Mark::Odd, "≈ as expected, as far as so few rays show"),
+        OrderVerdict::TooFewRays => (Mark::Odd, "≈ consistent with expectation (few rays)"),
         OrderVerdict::Otherwise => (Mark::Bad, "✗ not as expected"),
-        OrderVerdict::Undecided => (Mark::Odd, "? undecided: too few settings count"),
-        OrderVerdict::NotYetAPower => (Mark::Odd, "~ not a power yet: still changing"),
-        OrderVerdict::NothingExpected => (Mark::Plain, "– nothing expected"),
+        OrderVerdict::Undecided => (Mark::Odd, "? undecided: too few usable settings"),
+        OrderVerdict::NotYetAPower => (
+            Mark::Odd,
+            "~ not yet asymptotic: the order is still changing",
+        ),
+        OrderVerdict::NothingExpected => (Mark::Plain, "– no prediction"),
     }
 }
 
@@ -232,7 +235,7 @@ pub(super) fn machine(machine: &Machine) -> Vec<(&'static str, String)> {
 
 /// What makes times of this machine worthless.
 pub(super) fn machine_warning(machine: &Machine) -> Option<&'static str> {
-    (machine.profile != "release").then_some("not optimised: look-ups are valid, times are not")
+    (machine.profile != "release").then_some("debug build: lookup counts are valid, times are not")
 }
 
 /// Errors at or below this may be those of the reference, in all sweeps of the study.
@@ -308,7 +311,7 @@ pub(super) fn judgement(costs: &[Cost]) -> Judgement {
             continue;
         }
         let fault = format!(
-            "✗ {}, {}: not what theory says; mean off by {} s.e., variance {} (theory {}), look-ups {} (theory {})",
+            "✗ {}, {}: disagrees with theory: mean off by {} s.e., variance {} (theory {}), lookups {} (theory {})",
             scene(cost),
             row.estimator,
             standard_errors(row),
@@ -326,10 +329,10 @@ pub(super) fn judgement(costs: &[Cost]) -> Judgement {
     if judged > 0 {
         let words = [
             "as expected",
-            "as far as so few rays show",
+            "consistent with expectation (few rays)",
             "not as expected",
             "undecided",
-            "not a power yet",
+            "not yet asymptotic",
         ];
         let said = words.iter().zip(counts).enumerate();
         let said = said.filter(|(at, (_, count))| *at == 0 || *count > 0);
@@ -337,7 +340,7 @@ pub(super) fn judgement(costs: &[Cost]) -> Judgement {
             .map(|(_, (words, count))| format!("{count} {words}"))
             .collect();
         let noun = if judged == 1 { "order" } else { "orders" };
-        parts.push(format!("{judged} {noun} of error: {}", said.join(", ")));
+        parts.push(format!("{judged} convergence {noun}: {}", said.join(", ")));
     }
     if estimators > 0 {
         parts.push(format!(
@@ -350,7 +353,7 @@ pub(super) fn judgement(costs: &[Cost]) -> Judgement {
         Some((mark, _)) => *mark,
     };
     let headline = match parts.is_empty() {
-        true => "Nothing was expected, so nothing was judged.".to_owned(),
+        true => "There were no predicted orders to check.".to_owned(),
         false => format!("{}.", parts.join("; ")),
     };
     Judgement {

@@ -60,12 +60,12 @@ pub(super) fn spread(golden: &Film, test: &Film) -> Option<String> {
     });
     let share = half.count() as f64 / sizes.len() as f64;
     let advice = match share {
-        _ if share < 0.05 => "in a few places, which the difference shows",
-        _ if share < 0.2 => "in a part of the image, which the difference shows",
+        _ if share < 0.05 => "concentrated in a few places; see the difference view",
+        _ if share < 0.2 => "in one part of the image; see the difference view",
         _ => "spread over the image: more likely a factor or an offset than a local error",
     };
     Some(format!(
-        "Half of all difference lies in {:.1} % of the pixels, {advice}.",
+        "Half of the total difference is in {:.1} % of the pixels, {advice}.",
         (100.0 * share).max(0.1)
     ))
 }
@@ -76,8 +76,8 @@ pub(super) fn odd_blocks(map: &BlockMap) -> String {
     let odd = map.deviations.iter().filter(is_odd).count();
     let side = BLOCK;
     format!(
-        "{odd} of {} blocks of {side} × {side} pixels are off by more than 5 standard errors; the z \
-         map shows them.",
+        "{odd} of {} blocks of {side} × {side} pixels deviate by more than 5 standard errors; see \
+         the z map.",
         map.deviations.len()
     )
 }

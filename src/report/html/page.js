@@ -75,7 +75,7 @@ async function unpack(stored) {
 
 // ---- What is shown, and how ----
 
-const NAMES = { golden: "golden", test: "test", difference: "difference", flip: "FLIP", z: "z of blocks" };
+const NAMES = { golden: "golden", test: "test", difference: "difference", flip: "FLIP", z: "z-score of block" };
 const CHANNELS = ["red", "green", "blue"];
 const palettes = JSON.parse(find("#palettes").textContent);
 const viewer = find("#viewer");
@@ -97,7 +97,7 @@ const isPossible = view => !!pictures && ({
   side: !!(pictures.golden && pictures.test), blink: !!pictures.paired, swipe: !!pictures.paired,
 })[view];
 
-// The map that says most: of sampled images single differences are noise.
+// The map that says most: of Monte Carlo images single differences are noise.
 const bestMap = () => ["z", pictures.test?.codes ? "flip" : "difference", "difference"].find(isPossible);
 const panes = () => {
   if (state.view === "side") return ["golden", "test", bestMap()].filter(name => name);
@@ -265,8 +265,8 @@ function drawLegend(map) {
   });
   const full = map === "flip" ? 1 : 2 ** state.scales[map];
   const unit = map === "z" ? " standard errors" : pictures.test.codes ? " codes" : "";
-  find("#legend-low").textContent = map === "flip" ? "0 looks the same" : `too dark: −${text(full, 3)}`;
-  find("#legend-high").textContent = map === "flip" ? "1 looks completely different" : `+${text(full, 3)}${unit}: too bright`;
+  find("#legend-low").textContent = map === "flip" ? "0: identical" : `too dark: −${text(full, 3)}`;
+  find("#legend-high").textContent = map === "flip" ? "1: maximally different" : `+${text(full, 3)}${unit}: too bright`;
   find("#legend-words").textContent = map === "flip" ? "(FLIP)"
     : `(${NAMES[map]}, ${state.channel < 0 ? "the channel with the largest difference" : CHANNELS[state.channel]})`;
 }
@@ -307,7 +307,7 @@ function numbersAt(x, y, channel) {
 function readOut() {
   if (!pictures) return;
   const rows = findAll("#read-out tbody tr");
-  find("#read-last").textContent = pictures.tolerance ? "in tolerances" : pictures.z ? "z of block"
+  find("#read-last").textContent = pictures.tolerance ? "× tolerance" : pictures.z ? "z-score of block"
     : pictures.test?.codes && pictures.paired ? "golden radiance" : "";
   find("#read-place").textContent = state.pixel ? `pixel (${state.pixel.join(", ")})` : "pixel –";
   rows.forEach((row, channel) => {

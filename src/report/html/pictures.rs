@@ -37,7 +37,7 @@ impl<'a> Views<'a> {
         if evidence.without_image {
             notes.push("This case has no image: numbers are compared.".to_owned());
         } else if evidence.golden.is_none() {
-            notes.push("There is no trustworthy golden to compare with.".to_owned());
+            notes.push("There is no valid golden to compare with.".to_owned());
         }
         if evidence.test.is_none() && !evidence.without_image {
             notes.push("There is no readable test image.".to_owned());
@@ -53,15 +53,15 @@ impl<'a> Views<'a> {
             let (width, height) = test.size();
             notes.push(format!(
                 "The images differ in size: the golden has {} × {} pixels, the test image \
-                 {width} × {height}. They can be looked at, but not subtracted.",
+                 {width} × {height}. They can be viewed but not compared pixel by pixel.",
                 golden.width(),
                 golden.height()
             ));
         }
         if let Some(Picture::Codes(_)) = test {
             notes.push(format!(
-                "The test image has 8 bits: it is compared with the golden as a display shows it \
-                 at exposure {exposure:+}, and differences are in codes from 0 to 255."
+                "The test image is 8-bit: the golden is converted to sRGB for comparison, at exposure \
+                 {exposure:+}, and differences are in code values, 0 to 255."
             ));
         }
         for (name, film) in [

@@ -12,7 +12,14 @@ pub(super) fn headline(results: &[CaseResult], likely: &[Likeness]) -> String {
     let undecided: Vec<_> = [
         (summary.inconclusive, "inconclusive"),
         (summary.missing, "missing"),
-        (summary.error, "in error"),
+        (
+            summary.error,
+            if summary.error == 1 {
+                "error"
+            } else {
+                "errors"
+            },
+        ),
     ]
     .into_iter()
     .filter(|(count, _)| *count > 0)
@@ -21,13 +28,14 @@ pub(super) fn headline(results: &[CaseResult], likely: &[Likeness]) -> String {
     let rest = if undecided.is_empty() {
         String::new()
     } else {
-        format!(" Not judged: {}.", undecided.join(", "))
+        format!(" Undecided: {}.", undecided.join(", "))
     };
     if summary.fail > 0 {
         let verb = if summary.fail == 1 { "fails" } else { "fail" };
         let cases = if of == 1 { "case" } else { "cases" };
         let guess = match likely.first() {
-            None => ": it looks like no known mistake".to_owned(),
+            None if summary.fail == 1 => "; it matches no known mistake".to_owned(),
+            None => "; they match no known mistake".to_owned(),
             Some(Likeness {
                 mistake,
                 explains,
@@ -52,7 +60,7 @@ pub(super) fn headline(results: &[CaseResult], likely: &[Likeness]) -> String {
         return format!("{} of {of} {cases} {verb}{guess}.{rest}", summary.fail);
     }
     match (summary.pass, of) {
-        (0, _) => format!("No case could be judged.{rest}"),
+        (0, _) => format!("No case could be compared.{rest}"),
         (1, 1) => "The case passes.".to_owned(),
         (pass, of) if pass == of => format!("All {of} cases pass."),
         (pass, of) => format!("No case fails, but only {pass} of {of} pass.{rest}"),

@@ -205,8 +205,8 @@ impl SceneParts<'_, '_, '_> {
             Light::Directional(_) => ("directional", "a far emitting sphere or the environment"),
         };
         let message = format!(
-            "no path from the eye can find the light of a {key} light that a {material} surface \
-            scatters"
+            "camera paths cannot sample light from a {key} light that arrives by way of a \
+             {material} surface"
         );
         let help = format!(
             "use {instead} in place of the light, or a diffuse surface in place of the {material}"

@@ -79,7 +79,7 @@ pub(super) fn read(reader: &Reader, files: &mut Files) -> SceneResult<Body> {
         (None, _) => None,
         (Some(field), Some(space)) => Some(Density::new(field, space.bounds, space.to_world)),
         (Some(_), None) => {
-            let message = "a heterogeneous medium needs a shape: without one it has no end";
+            let message = "a heterogeneous medium needs a shape: without one it is unbounded";
             let help = "give the medium a `box`, `sphere` or `mesh`";
             return Err(reader.mistake(varies.expect("its density"), message, help));
         }

@@ -18,7 +18,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "opacity-exponent-inverted",
-        advice: "the exponent of the opacity correction is upside down: it is step / reference length",
+        advice: "the exponent of the opacity correction is inverted: it is step / reference length",
         edit: Edit::Classified(|scene| referred(scene, |reference, step| step * step / reference)),
     },
     Mistake {
@@ -138,7 +138,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "volume-axes-exchanged",
-        advice: "x and z of the volume are exchanged: x runs fastest in memory, at index x + nx (y + ny z)",
+        advice: "x and z of the volume are swapped: x runs fastest in memory, at index x + nx (y + ny z)",
         edit: Edit::Classified(|scene| in_classified(scene, x_and_z_exchanged)),
     },
     Mistake {
@@ -175,7 +175,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "viewed-too-wide",
-        advice: "the field of view is about twice too wide: vertical_fov is the full angle from the top to the bottom edge, so the image plane ends at tan(fov / 2)",
+        advice: "the field of view is about twice as wide as it should be: vertical_fov is the full angle from the top to the bottom edge, so the image plane ends at tan(fov / 2)",
         edit: Edit::Classified(|scene| {
             // Wider than that there is no image.
             let angle = (2.0 * scene.camera.vertical_fov()).min(3.0);

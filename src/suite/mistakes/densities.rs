@@ -36,7 +36,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "grid-axes-exchanged",
-        advice: "x and z of the grid are exchanged: x runs fastest in memory, at index x + nx (y + ny z)",
+        advice: "x and z of the grid are swapped: x runs fastest in memory, at index x + nx (y + ny z)",
         edit: Edit::Radiative(|scene| with_grids(scene, x_and_z_exchanged)),
     },
     Mistake {

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "mirrored",
-        advice: "left and right are exchanged: looking along +z with y up, +x is to the left of the image",
+        advice: "left and right are swapped: looking along +z with y up, +x points left in the image",
         edit: Edit::Image(|film| rearranged(film, |film, [x, y]| [film.width() - 1 - x, y])),
     },
     Mistake {
@@ -28,7 +28,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "transposed",
-        advice: "rows and columns are exchanged: pixel (x, y) is number x + width y of the file",
+        advice: "rows and columns are swapped: pixel (x, y) is number x + width y of the file",
         edit: Edit::Image(|film| {
             if film.width() == film.height() {
                 rearranged(film, |_, [x, y]| [y, x])
@@ -39,7 +39,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "red-and-blue-exchanged",
-        advice: "red and blue are exchanged: channels are red, green, blue, in this order",
+        advice: "red and blue are swapped: channels are red, green, blue, in this order",
         edit: Edit::Pixels(|film| mixed(film, [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])),
     },
     Mistake {

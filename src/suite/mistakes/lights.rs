@@ -9,12 +9,12 @@ use std::f64::consts::PI;
 pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "point-lights-over-4pi",
-        advice: "point and spot lights are too dark by 4 pi: their intensity is power per steradian, not power; do not divide it by 4 pi",
+        advice: "point and spot lights are too dark by a factor of 4 pi: their intensity is power per steradian, not power; do not divide it by 4 pi",
         edit: Edit::Light(|light| intensity(light, 1.0 / (4.0 * PI))),
     },
     Mistake {
         name: "point-lights-times-4pi",
-        advice: "point and spot lights are too bright by 4 pi: is the phase function without its 1/(4 pi), or intensity turned into power?",
+        advice: "point and spot lights are too bright by a factor of 4 pi: is the phase function missing its 1/(4 pi), or was intensity converted to power?",
         edit: Edit::Light(|light| intensity(light, 4.0 * PI)),
     },
     Mistake {
@@ -24,7 +24,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "sun-over-pi",
-        advice: "directional light is too dark by pi: its irradiance is that on a plane across it, to be divided by nothing",
+        advice: "directional light is too dark by a factor of pi: irradiance is measured on a plane perpendicular to it; do not divide it by anything",
         edit: Edit::Light(|light| irradiance(light, 1.0 / PI)),
     },
     Mistake {
@@ -34,7 +34,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "sun-reversed",
-        advice: "directional light comes from the wrong end: its direction is the direction of travel",
+        advice: "directional light comes from the opposite side: `direction` is the direction the light travels",
         edit: Edit::Light(|light| {
             if let Light::Directional(sun) = light {
                 sun.direction = -sun.direction;
@@ -43,12 +43,12 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "spot-angles-halved",
-        advice: "the cone of spotlights is too narrow by half: their angles are between axis and edge, not from edge to edge",
+        advice: "spotlight cones are half as wide as they should be: angles are measured from the axis to the edge, not from edge to edge",
         edit: Edit::Light(|light| cone(light, |[inner, outer]| [inner / 2.0, outer / 2.0])),
     },
     Mistake {
         name: "spot-angles-doubled",
-        advice: "the cone of spotlights is twice too wide: their angles are between axis and edge",
+        advice: "spotlight cones are twice as wide as they should be: angles are measured from the axis to the edge",
         edit: Edit::Light(|light| {
             cone(light, |[inner, outer]| {
                 [inner * 2.0, (outer * 2.0).min(180.0)]
@@ -67,7 +67,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "environment-doubled",
-        advice: "the environment is twice too bright: is it both hit by rays and sampled as a light, without weights?",
+        advice: "the environment is twice as bright as it should be: is it both hit by rays and sampled as a light, without weights?",
         edit: Edit::Radiative(|scene| {
             let doubled = 2.0 * scene.environment;
             set(&mut scene.environment, doubled)
@@ -98,7 +98,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "field-of-view-doubled",
-        advice: "the field of view is about twice too wide: vertical_fov is the full angle from the top to the bottom edge, so the image plane ends at tan(fov / 2)",
+        advice: "the field of view is about twice as wide as it should be: vertical_fov is the full angle from the top to the bottom edge, so the image plane ends at tan(fov / 2)",
         edit: Edit::Radiative(|scene| {
             // The angle whose half is the full one; wider than that there is no image.
             let angle = (2.0 * scene.camera.vertical_fov()).min(0.9 * PI);

@@ -47,17 +47,17 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "absorption-and-scattering-exchanged",
-        advice: "sigma_a and sigma_s are exchanged, or the albedo is 1 minus what it should be",
+        advice: "sigma_a and sigma_s are swapped, or the albedo is 1 minus what it should be",
         edit: Edit::Medium(|medium| coefficients(medium, |a, s| (s, a))),
     },
     Mistake {
         name: "single-scattering",
-        advice: "light is scattered only once: paths must go on after the first collision or reflection, until they leave or are absorbed",
+        advice: "light is scattered only once: paths must continue after the first collision or reflection until they escape or are absorbed",
         edit: Edit::Radiative(|scene| limited(scene, Scattering::Single)),
     },
     Mistake {
         name: "paths-cut",
-        advice: "paths end after a few bounces (four look like this): raise the limit of the depth, and end paths by Russian roulette, which leaves nothing out",
+        advice: "paths end after a few bounces (four look like this): raise the depth limit and terminate paths with Russian roulette, which is unbiased",
         edit: Edit::Radiative(|scene| limited(scene, Scattering::Multiple(Some(4)))),
     },
     Mistake {
@@ -72,7 +72,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "extinction-base-ten",
-        advice: "transmittance is 10^-depth in place of e^-depth: the coefficients are natural ones, not decadic",
+        advice: "transmittance is 10^-depth in place of e^-depth: the coefficients are base e, not base 10",
         edit: Edit::Medium(|medium| coefficients(medium, |a, s| (a * LN_10, s * LN_10))),
     },
     Mistake {
@@ -82,7 +82,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "media-left-out",
-        advice: "there is no medium in the picture: check that rays know which medium they are in, and that the shapes of media are no surfaces",
+        advice: "there is no medium in the picture: check that rays know which medium they are in, and that media boundaries are not treated as surfaces",
         edit: Edit::Radiative(|scene| {
             let occurs = !scene.media.is_empty();
             scene.media.clear();

@@ -26,7 +26,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "mirror-black",
-        advice: "mirrors are black: a reflection that only one direction brings cannot be found by sampling lights, so the mirrored ray must be followed and see the lights itself",
+        advice: "mirrors are black: a specular reflection cannot be found by sampling lights, so the mirrored ray must be followed and see the lights itself",
         edit: Edit::Material(|material| {
             if let Material::Mirror(reflectance) = material {
                 *reflectance = DVec3::ZERO;

@@ -23,7 +23,7 @@ impl TryFrom<String> for StoreName {
 
     fn try_from(path: String) -> Result<StoreName, String> {
         let name = StoreName::new(Path::new(&path));
-        name.map_err(|problem| format!("the path {path:?} is refused: {problem}"))
+        name.map_err(|problem| format!("the path {path:?} is not allowed: {problem}"))
     }
 }
 

@@ -244,7 +244,7 @@ fn sampled_rays(scene: &Scene, bounds: Aabb) -> [u64; 2] {
 
 /// Tracking of what is so thin that no estimate is cut by roulette takes, on every ray that meets
 /// the medium, a pair of numbers for the first tentative collision of the emission, of the flight
-/// and of the transmittance, and another after each look-up.
+/// and of the transmittance, and another after each lookup.
 #[test]
 fn tracking_takes_a_pair_of_numbers_for_every_look_up_and_one_for_every_end() {
     for (emission, rows) in [(0.0, 2), (0.1, 3)] {

@@ -29,7 +29,7 @@ proptest! {
         }
     }
 
-    /// Places that stay exact when moved, and no light: rays and look-ups are relative to eye
+    /// Places that stay exact when moved, and no light: rays and lookups are relative to eye
     /// and grid, so nothing is lost however far away the scene is.
     #[test]
     fn far_from_the_origin_no_bit_moves(setup in setup()) {

@@ -62,27 +62,27 @@ fn text_says_what_to_take_then_what_it_costs_then_how_errors_fall() {
       Transmittance of one ray.
       reference: closed form; its own error at most 1.00e-12
 
-    transmittance: price list
-      error  estimator  setting       look-ups  × cheapest  time a ray
+    transmittance: cheapest settings for a given error
+      error  estimator  setting       lookups  × cheapest  time a ray
       1e-2   midpoint   0.25 voxels       33.0         1.0      516 ns
       1e-3   midpoint   0.125 voxels      65.0         1.0     1.02 µs
-      1e-2 is not reached, as far as tried, by left
-      1e-3 is not reached, as far as tried, by left
+      1e-2 was not reached in the range tested by: left
+      1e-3 was not reached in the range tested by: left
 
-    transmittance: orders of error
+    transmittance: convergence orders
       estimator  varied  expected     ±  fitted  of max  verdict
       midpoint   step           2  0.10    2.00    1.97  ✓ as expected
       left       step           1  0.10    0.41    0.97  ✗ not as expected
 
-    transmittance: midpoint (the reference renderer's way)
-      setting       look-ups       L1       L2      max  order  f32 off              time a ray
+    transmittance: midpoint (as in the reference renderer)
+      setting       lookups       L1       L2      max  order  f32 off              time a ray
       1 voxels          9.00  4.37e-2  6.25e-2  2.63e-1      –        –  141 (112–180) ns noisy
       0.5 voxels        17.0  1.09e-2  1.56e-2  6.56e-2   2.00        –        266 (212–340) ns
       0.25 voxels       33.0  2.73e-3  3.91e-3  1.64e-2   2.00        –        516 (412–660) ns
       0.125 voxels      65.0  6.84e-4  9.77e-4  4.10e-3   2.00  2.00e-3     1.02 (0.81–1.30) µs
 
     transmittance: left
-      setting       look-ups       L1       L2      max  order              time a ray
+      setting       lookups       L1       L2      max  order              time a ray
       1 voxels          9.00  4.37e-2  6.25e-2  2.63e-1      –  141 (112–180) ns noisy
       0.5 voxels        17.0  2.19e-2  3.12e-2  1.31e-1   1.00        266 (212–340) ns
       0.25 voxels       33.0  1.09e-2  1.56e-2  6.56e-2   1.00        516 (412–660) ns
@@ -92,7 +92,7 @@ fn text_says_what_to_take_then_what_it_costs_then_how_errors_fall() {
       no lights, so nothing is scattered
 
     ✗ fog: left half, transmittance, left: order 0.41, expected 1 ± 0.10
-    2 orders of error: 1 as expected, 1 not as expected.
+    2 convergence orders: 1 as expected, 1 not as expected.
     times: AMD EPYC 9R14, 1 thread, linux x86_64, rustc 1.89.0, release, target features fxsr, sse, sse2
     ");
 }
@@ -214,7 +214,7 @@ fn every_study_has_its_plots() {
             assert!(texts.iter().filter(told).count() > 2 * sweep.levels.len());
         }
         for axis in [
-            "look-ups a ray",
+            "lookups per ray",
             "error: relative RMSE",
             "slope −½",
             "slope −1",
@@ -228,11 +228,11 @@ fn every_study_has_its_plots() {
 fn failures_are_shown() {
     let html = page(&costs());
     for words in [
-        "2 not as expected, 1 not a power yet; 4 of 5 estimators agree",
+        "2 not as expected, 1 not yet asymptotic; 4 of 5 estimators agree",
         "plume, image, centre sample: order 0.46, expected 2",
-        "plume, transmittance, midpoint, linear opacity: not a power yet",
+        "plume, transmittance, midpoint, linear opacity: not yet asymptotic",
         "✗ disagrees",
-        "reached by no setting that was measured: 1e-6",
+        "not reached by any setting that was measured: 1e-6",
         "ratio tracking ended early: 65536 samples would take 3 minutes",
     ] {
         assert!(html.contains(words), "{words}");
@@ -248,17 +248,17 @@ fn what_is_counted_is_named() {
         level.work[Event::RandomDraw] = std::mem::take(&mut level.work[Event::DensityLookup]);
     }
     let svg = work_precision_svg(study);
-    assert!(svg.contains("random numbers a ray") && !svg.contains("look-ups"));
+    assert!(svg.contains("random numbers per ray") && !svg.contains("lookups"));
     let text = cost_text(&[cost.clone()], None);
     assert!(text.contains("setting       random numbers"), "{text}");
     assert!(
         text.contains("setting       random numbers  × cheapest"),
         "{text}"
     );
-    assert!(!text.contains("look-ups"), "{text}");
+    assert!(!text.contains("lookups"), "{text}");
     cost.studies[0].sweeps[0].levels[0].work[Event::DensityLookup] = 1.0;
     let svg = work_precision_svg(&cost.studies[0]);
-    assert!(svg.contains("look-ups or random numbers a ray"));
+    assert!(svg.contains("lookups or random numbers per ray"));
 }
 
 /// No text of a drawing begins or ends beyond its edges, whatever its letters: none is narrower than

@@ -65,7 +65,7 @@ pub fn order(expected: Option<f64>, points: &[(f64, f64)], bound: f64) -> Conver
     }
 }
 
-/// A sweep of halved steps from `first` on: errors `scale` h^`power`, plus rounding; look-ups
+/// A sweep of halved steps from `first` on: errors `scale` h^`power`, plus rounding; lookups
 /// `per_length` / h.
 pub struct Marching {
     pub estimator: &'static str,
@@ -511,12 +511,12 @@ pub fn costs() -> Vec<Cost> {
         recommendations: vec![
             Recommendation {
                 error: 1e-2,
-                text: "midpoint at 0.5 voxels: 121 look-ups a ray, 0.9 µs".to_owned(),
+                text: "midpoint at 0.5 voxels: 121 lookups a ray, 0.9 µs".to_owned(),
                 command: Some("volref render fixtures/scenes/plume.toml --step 0.01 -o plume.exr".to_owned()),
             },
             Recommendation {
                 error: 1e-4,
-                text: "midpoint at 0.0625 voxels: 961 look-ups a ray, 6.8 µs".to_owned(),
+                text: "midpoint at 0.0625 voxels: 961 lookups a ray, 6.8 µs".to_owned(),
                 command: Some("volref render fixtures/scenes/plume.toml --step 0.00125 -o plume.exr".to_owned()),
             },
         ],
@@ -527,7 +527,7 @@ pub fn costs() -> Vec<Cost> {
     vec![full, small()]
 }
 
-/// One study of two sweeps, and nothing else: errors h², look-ups 1/h.
+/// One study of two sweeps, and nothing else: errors h², lookups 1/h.
 pub fn small() -> Cost {
     let marching = |estimator, power, levels| Marching {
         estimator,

@@ -96,9 +96,9 @@ impl Contents<'_> {
             .map(|index| self.scene.media[index].medium.phase);
         match phase {
             None | Some(Phase::HenyeyGreenstein(_)) => {
-                "a medium that scatters has g other than 0".to_owned()
+                "a scattering medium has nonzero g".to_owned()
             }
-            Some(phase) => format!("a medium that scatters has the phase function {phase}"),
+            Some(phase) => format!("a scattering medium has the phase function {phase}"),
         }
     }
 
@@ -155,7 +155,7 @@ impl Contents<'_> {
             [] => null(MEDIUM, "there is no medium, and no surface reflects"),
             _ if media.iter().any(scatters) => null(
                 &self.none_has(DENSITY),
-                "the density is 0 everywhere in every medium that scatters, and no surface reflects",
+                "the density is 0 everywhere in every scattering medium, and no surface reflects",
             ),
             [ref body]
                 if self.key_lines.has(&albedo)
@@ -236,7 +236,7 @@ impl Contents<'_> {
         let keys = self.absorption.map_or(SCATTERS, |_| ABSORPTION);
         EffectFinding::Matters(
             self.key_of(index.unwrap_or(0), keys),
-            "media attenuate light on its way from a light".to_owned(),
+            "media attenuate the light from light sources".to_owned(),
         )
     }
 
@@ -347,7 +347,7 @@ impl Contents<'_> {
         for (index, light) in self.scene.lights.iter().enumerate() {
             let at = format!("radiative.light[{index}]");
             if light.strength() == DVec3::ZERO {
-                warn(at, "this light has no effect: it is dark".to_owned());
+                warn(at, "this light has no effect: it emits nothing".to_owned());
             } else if !self.is_scattered() {
                 warn(
                     at,

@@ -8,11 +8,11 @@ use crate::cost::results::{ThicknessCurve, ThicknessSweep};
 use crate::math::log10;
 use crate::report::cost::words;
 
-/// So many look-ups for one sample of relative error 1 nobody takes. Variances of dense media grow
+/// So many lookups for one sample of relative error 1 nobody takes. Variances of dense media grow
 /// like `e^τ`: drawn to their end they would press everything else to the ground.
 const HOPELESS: f64 = 1e8;
 
-/// Relative variance times look-ups against optical depth: marks are measured, lines predicted.
+/// Relative variance times lookups against optical depth: marks are measured, lines predicted.
 pub(in super::super) fn thickness(sweep: &ThicknessSweep) -> Plot {
     let mut curves = Vec::new();
     let mut legend = Vec::new();
@@ -48,7 +48,7 @@ pub(in super::super) fn thickness(sweep: &ThicknessSweep) -> Plot {
         }
         if let (Some((first, _)), Some((_, most))) = (hopeless.first(), hopeless.last()) {
             notes.push(format!(
-                "Above the picture: {name} from depth {} on, up to {}.",
+                "Off the top of the plot: {name} from depth {}, up to {}.",
                 words::value(*first),
                 words::error(*most)
             ));
@@ -73,11 +73,11 @@ pub(in super::super) fn thickness(sweep: &ThicknessSweep) -> Plot {
     }
     let [x, y] = [0, 1].map(|axis| Panel::coordinates(&curves, axis));
     let figure = Figure {
-        title: "Relative variance times look-ups against optical depth".to_owned(),
+        title: "Relative variance times lookups against optical depth".to_owned(),
         panels: vec![Panel {
             title: "marks: measured; lines: theory; lower is better".to_owned(),
             x: Axis::log("optical depth of the ray", Measure::Number, &x),
-            y: Axis::log("variance / T² × look-ups", Measure::Number, &y),
+            y: Axis::log("variance / T² × lookups", Measure::Number, &y),
             curves,
             ..Panel::default()
         }],

@@ -18,7 +18,7 @@ const NEAR: f64 = 1.5;
 /// Height of a decade, where neither few of them make a picture too low nor many too high.
 const PER_DECADE: f64 = 26.0;
 
-/// The diagram: a curve for each sweep, its error against look-ups on the left and against time,
+/// The diagram: a curve for each sweep, its error against lookups on the left and against time,
 /// where that was taken, on the right.
 pub(in super::super) fn work_precision(study: &Study, theme: Theme) -> Plot {
     let levels = || study.sweeps.iter().flat_map(|sweep| &sweep.levels);
@@ -45,7 +45,7 @@ pub(in super::super) fn work_precision(study: &Study, theme: Theme) -> Plot {
             text.push_str(&format!(" [{unit}]"));
         }
         if sweep.is_ours {
-            text.push_str(" (ours)");
+            text.push_str(" (volref)");
         }
         legend.push((Key::Curve(style, line_width(sweep), true), text));
         let of_sweep = by_work.curves.iter().find(|curve| curve.style == style);
@@ -63,12 +63,12 @@ pub(in super::super) fn work_precision(study: &Study, theme: Theme) -> Plot {
     let by_random: Vec<&str> = by_random.map(|sweep| sweep.estimator.as_str()).collect();
     if !by_random.is_empty() {
         notes.push(format!(
-            "Looks nothing up, so its work is the random numbers it draws: {}.",
+            "No lookups; work is the number of random numbers drawn: {}.",
             by_random.join(", ")
         ));
     }
-    let counted = format!("{} a ray", words::counted(study));
-    let wall_time = "wall time a ray: median, least to most";
+    let counted = format!("{} per ray", words::counted(study));
+    let wall_time = "wall time per ray: median, min to max";
     let panels: Vec<Panel> = [
         (by_work, "error against work", &*counted, Measure::Number),
         (by_time, "error against time", wall_time, Measure::Seconds),
@@ -101,12 +101,12 @@ pub(in super::super) fn work_precision(study: &Study, theme: Theme) -> Plot {
         (Key::Front, "Pareto front: nothing is better in both", true),
         (
             Key::Hollow,
-            "below what is known",
+            "below the reference error",
             points().any(|point| point.is_hollow),
         ),
         (
             Key::Cross,
-            "how far f32 is off, where it matters",
+            "f32 rounding error, where significant",
             points().any(|point| point.cross.is_some()),
         ),
         (Key::Guide, "guide slopes", true),
@@ -149,12 +149,12 @@ impl Heights {
         let low = logarithms.iter().copied().fold(0.0, f64::min);
         let known = words::least_known(study);
         let has_single = levels().any(|level| level.single_precision.is_some());
-        let below_known = format!("{}: the reference knows no more", words::round(known));
+        let below_known = format!("{}: error of the reference", words::round(known));
         let mut lines = Vec::new();
         for (error, label, is_wanted, is_shaded) in [
             (known, below_known, true, true),
-            (SINGLE, "one rounding of f32".to_owned(), has_single, false),
-            (DOUBLE, "one rounding of f64".to_owned(), true, false),
+            (SINGLE, "f32 unit roundoff".to_owned(), has_single, false),
+            (DOUBLE, "f64 unit roundoff".to_owned(), true, false),
         ] {
             let at = log10(error);
             if is_wanted && error > 0.0 && at > low - NEAR {
