@@ -65,7 +65,7 @@ pub const EXIT_CODES: &str = "\
 Exit codes: 0 all images compared and passed; 1 mismatch; 2 wrong usage or bad input; 3 golden \
 missing, stale or tampered with; 4 image of the other renderer missing or unreadable, or the \
 renderer crashed or timed out; 5 nothing compared, or inconclusive; 6 self-test failed. If \
-several apply, the first in the order 2, 3, 6, 1, 4, 5 is returned.";
+several apply, volref returns the first in the order 2, 3, 6, 1, 4, 5.";
 
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> ExitCode {

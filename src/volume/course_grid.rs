@@ -215,7 +215,7 @@ mod tests {
                 message(&whole[..cut]),
                 format!(
                     "the header declares 2 × 2 × 2 float32 densities, 56 bytes in total, but the \
-                     file has {cut}: it is truncated, or is not little endian"
+                     file has {cut} bytes: it is truncated, or is not little endian"
                 )
             );
         }
@@ -224,7 +224,7 @@ mod tests {
         assert_eq!(
             message(&longer),
             "the header declares 2 × 2 × 2 float32 densities, 56 bytes in total, but the file has \
-             57: it contains something else as well, or is not float32"
+             57 bytes: it contains something else as well, or is not float32"
         );
     }
 

@@ -117,11 +117,11 @@ fn grids() {
         ),
         (
             &whole[..24],
-            &["56 bytes in all", "the file has 24", "truncated"],
+            &["56 bytes in total", "the file has 24", "truncated"],
         ),
         (
             &whole[..whole.len() - 1],
-            &["56 bytes in all", "the file has 55", "truncated"],
+            &["56 bytes in total", "the file has 55", "truncated"],
         ),
         (
             &[&whole[..], b"more"].concat(),
@@ -192,7 +192,7 @@ fn an_unknown_kind_of_volume() {
     run.expect(
         2,
         &[
-            "scene.toml:11:8: cloud.vdb: unknown volume extension",
+            "scene.toml:11:8: cloud.vdb: unsupported file extension",
             ".obj",
             ".bin",
         ],

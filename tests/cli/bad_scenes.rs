@@ -272,8 +272,8 @@ fn transfer_functions_by_points() {
     scene.toml:8:11: the points must be sorted by value, but -1 follows 0 help: `transfer_function.point[1].value`: Value of the volume, in the unit of its file.
     scene.toml:10:11: three points have the value 1; two make a step, and a third means nothing help: `transfer_function.point[3].value`: Value of the volume, in the unit of its file.
     scene.toml:13:1: colours up to 1e39 make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities.
-    scene.toml:10:9: [transfer_function] mixes `point` with `floor` help: give either `point` or `floor`, `colormap`
-    scene.toml:7:9: [transfer_function] mixes `point` with `colormap` help: give either `point` or `floor`, `colormap`
+    scene.toml:10:9: [transfer_function] mixes `point` with `floor` help: give either `point`, or `floor` and `colormap`
+    scene.toml:7:9: [transfer_function] mixes `point` with `colormap` help: give either `point`, or `floor` and `colormap`
     scene.toml:11:18: `reference_step`: a length must be positive and finite, got 0 help: `classified.shadow.reference_step`: Path length over which a density of 1 adds 1 to the shadow sum S (with a table of points: over which its opacities apply), world units or voxels; smaller is darker.
     broken.toml:6:13: the axis of a table of points goes from its first to its last help: remove `densities`
     "#);
@@ -416,7 +416,7 @@ fn places_after_letters_of_several_bytes() {
     );
     folder
         .volref(&["plan", "scene.toml"])
-        .expect(2, &["scene.toml:3:13: `densities` takes"]);
+        .expect(2, &["scene.toml:3:13: `densities` must be"]);
 }
 
 #[test]
@@ -471,8 +471,8 @@ fn steps_on_the_command_line() {
     error: invalid value '-1' for '--step <LENGTH>': a length must be positive and finite, got -1 For more information, try '--help'.
     error: invalid value '-1' for '--step <LENGTH>': a length must be positive and finite, got -1 For more information, try '--help'.
     error: invalid value '-0.5 voxels' for '--step <LENGTH>': a length must be positive and finite, got "-0.5 voxels" For more information, try '--help'.
-    error: invalid value 'nan' for '--step <LENGTH>': a length must be positive and finite, got "nan" For more information, try '--help'.
-    error: invalid value 'inf' for '--step <LENGTH>': a length must be positive and finite, got "inf" For more information, try '--help'.
+    error: invalid value 'nan' for '--step <LENGTH>': a length must be positive and finite, got nan For more information, try '--help'.
+    error: invalid value 'inf' for '--step <LENGTH>': a length must be positive and finite, got inf For more information, try '--help'.
     error: invalid value 'half' for '--step <LENGTH>': expected a length such as 0.01 (world units) or "0.5 voxels", got "half" For more information, try '--help'.
     error: invalid value '' for '--step <LENGTH>': expected a length such as 0.01 (world units) or "0.5 voxels", got "" For more information, try '--help'.
     --step: a step of 1e-300 world units means up to 2.1e300 samples on a ray through a volume 2.0688 across; at most 1e8 are accepted
@@ -489,7 +489,7 @@ fn messages_are_short() {
         (
             format!("[curve]\n[film]\nwidth = \"{long}\"\n"),
             "3:9",
-            ["`width` takes", "got string"],
+            ["`width` must be", "not a string"],
         ),
         (
             format!("[classified]\nvolume = {{ file = \"cloud.obj\" }}\nstep = \"{long}\"\n"),
@@ -499,7 +499,7 @@ fn messages_are_short() {
         (
             format!("title = \"{long}\"\nfilm = 1\n[curve]\n"),
             "2:8",
-            ["`film` takes", "got integer"],
+            ["`film` must be", "not an integer"],
         ),
         (
             format!(

@@ -199,7 +199,7 @@ fn the_gate_follows_from_the_images() {
         run.expect(
             2,
             &[
-                &format!("the {gate} gate judges linear radiance"),
+                &format!("the {gate} gate compares linear images"),
                 "perceptual",
             ],
         );

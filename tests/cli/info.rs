@@ -24,7 +24,7 @@ fn a_grid() {
     --- stdout
     grid.nii: NIfTI-1
 
-    nodes       4 × 3 × 2, 24 in all
+    nodes       4 × 3 × 2, 24 in total
     spacing     (0.5, 1, 2)
     first node  (-1, 2, 3)
     box         (-1, 2, 3) to (0.5, 4, 5), centred on nodes
@@ -62,7 +62,7 @@ fn a_header_and_its_data() {
     --- stdout
     detached.nhdr: NRRD
 
-    nodes       4 × 3 × 2, 24 in all
+    nodes       4 × 3 × 2, 24 in total
     spacing     (0.5, 1, 2)
     first node  (-1, 2, 3)
     box         (-1, 2, 3) to (0.5, 4, 5), centred on nodes
@@ -103,7 +103,7 @@ fn a_cloud() {
 
     points      2
     extent      (0, 0, 0) to (1, 0, 0)
-    nodes       4 × 3 × 3, 36 in all
+    nodes       4 × 3 × 3, 36 in total
     spacing     1
     first node  (-1, -1, -1)
     box         (-1, -1, -1) to (2, 1, 1), centred on nodes
@@ -199,7 +199,7 @@ fn files_that_are_no_volumes() {
         ("nowhere.vol", "nowhere.vol: there is no such file"),
         ("scene.toml", "scene.toml:1:2: unknown field `classified`"),
         ("detached.nhdr", "detached.raw: there is no such file"),
-        ("smoke.vdb", "smoke.vdb: unknown volume extension"),
+        ("smoke.vdb", "smoke.vdb: unsupported file extension"),
     ] {
         folder.volref(&["info", file]).expect(2, &[part]);
     }

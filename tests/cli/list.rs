@@ -184,7 +184,7 @@ fn help() {
     Exit codes: 0 all images compared and passed; 1 mismatch; 2 wrong usage or bad input; 3 golden
     missing, stale or tampered with; 4 image of the other renderer missing or unreadable, or the
     renderer crashed or timed out; 5 nothing compared, or inconclusive; 6 self-test failed. If several
-    apply, the first in the order 2, 3, 6, 1, 4, 5 is returned.
+    apply, volref returns the first in the order 2, 3, 6, 1, 4, 5.
     ");
 }
 
@@ -203,16 +203,16 @@ fn help_of_a_command() {
     Options:
       -o, --output <FILE>     Image to write: .exr (linear radiance, 32-bit float) or .png (8-bit sRGB
                               preview)
-          --spp <N>           Samples per pixel, for sampled scenes; with 2 or more, an .exr also stores
-                              their variance
-          --seed <N>          Seed of the random numbers, for sampled scenes
+          --spp <N>           Samples per pixel, for Monte Carlo scenes; with 2 or more, an .exr also
+                              stores the variance of each pixel
+          --seed <N>          Seed of the random numbers, for Monte Carlo scenes
           --step <LENGTH>     Distance between samples along a ray, instead of the scene's: world units,
                               or "0.5 voxels"
           --threads <N>       Threads to use; the image is the same for any number [default: all cores]
           --exposure <STOPS>  Exposure of a .png, in stops: radiance is multiplied by 2^STOPS [default:
                               0]
-          --reference         Use the plain reference renderers (src/reference): usually slower, and
-                              sampled for all scenes of media, surfaces and lights
+          --reference         Use the plain reference renderers (src/reference): usually slower; every
+                              [radiative] scene is path traced
           --json[=<FILE>]     Print the result as JSON instead of text; with =FILE, write it there as
                               well as the text
       -h, --help              Print help

@@ -108,7 +108,7 @@ fn json_of_a_volume() {
 fn counters() {
     let folder = Folder::with_scenes();
     let run = folder.volref(&["plan", "scene.toml", "--counters"]);
-    let work = &run.stdout[run.stdout.find("\nwork, each").unwrap()..];
+    let work = &run.stdout[run.stdout.find("\nwork per ray").unwrap()..];
     insta::assert_snapshot!(work);
 }
 

@@ -339,11 +339,11 @@ fn compare_promises_what_the_suite_does() {
     for (pair, why) in [
         (
             ["golden/fog/room.exr", "silent.pfm"],
-            "since the reference states its noise",
+            "since the reference includes its variance",
         ),
         (
             ["silent.pfm", "golden/fog/room.exr"],
-            "since the test image states its noise",
+            "since the test image includes its variance",
         ),
     ] {
         let run = folder.volref(&["compare", pair[0], pair[1]]);

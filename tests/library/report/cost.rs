@@ -63,9 +63,9 @@ fn text_says_what_to_take_then_what_it_costs_then_how_errors_fall() {
       reference: closed form; its own error at most 1.00e-12
 
     transmittance: cheapest settings for a given error
-      error  estimator  setting       lookups  × cheapest  time a ray
-      1e-2   midpoint   0.25 voxels       33.0         1.0      516 ns
-      1e-3   midpoint   0.125 voxels      65.0         1.0     1.02 µs
+      error  estimator  setting       lookups  × cheapest  time per ray
+      1e-2   midpoint   0.25 voxels      33.0         1.0        516 ns
+      1e-3   midpoint   0.125 voxels     65.0         1.0       1.02 µs
       1e-2 was not reached in the range tested by: left
       1e-3 was not reached in the range tested by: left
 
@@ -75,18 +75,18 @@ fn text_says_what_to_take_then_what_it_costs_then_how_errors_fall() {
       left       step           1  0.10    0.41    0.97  ✗ not as expected
 
     transmittance: midpoint (as in the reference renderer)
-      setting       lookups       L1       L2      max  order  f32 off              time a ray
-      1 voxels          9.00  4.37e-2  6.25e-2  2.63e-1      –        –  141 (112–180) ns noisy
-      0.5 voxels        17.0  1.09e-2  1.56e-2  6.56e-2   2.00        –        266 (212–340) ns
-      0.25 voxels       33.0  2.73e-3  3.91e-3  1.64e-2   2.00        –        516 (412–660) ns
-      0.125 voxels      65.0  6.84e-4  9.77e-4  4.10e-3   2.00  2.00e-3     1.02 (0.81–1.30) µs
+      setting       lookups       L1       L2      max  order  f32 off            time per ray
+      1 voxels         9.00  4.37e-2  6.25e-2  2.63e-1      –        –  141 (112–180) ns noisy
+      0.5 voxels       17.0  1.09e-2  1.56e-2  6.56e-2   2.00        –        266 (212–340) ns
+      0.25 voxels      33.0  2.73e-3  3.91e-3  1.64e-2   2.00        –        516 (412–660) ns
+      0.125 voxels     65.0  6.84e-4  9.77e-4  4.10e-3   2.00  2.00e-3     1.02 (0.81–1.30) µs
 
     transmittance: left
-      setting       lookups       L1       L2      max  order              time a ray
-      1 voxels          9.00  4.37e-2  6.25e-2  2.63e-1      –  141 (112–180) ns noisy
-      0.5 voxels        17.0  2.19e-2  3.12e-2  1.31e-1   1.00        266 (212–340) ns
-      0.25 voxels       33.0  1.09e-2  1.56e-2  6.56e-2   1.00        516 (412–660) ns
-      0.125 voxels      65.0  5.47e-3  3.00e-2  3.28e-2  -0.94     1.02 (0.81–1.30) µs
+      setting       lookups       L1       L2      max  order            time per ray
+      1 voxels         9.00  4.37e-2  6.25e-2  2.63e-1      –  141 (112–180) ns noisy
+      0.5 voxels       17.0  2.19e-2  3.12e-2  1.31e-1   1.00        266 (212–340) ns
+      0.25 voxels      33.0  1.09e-2  1.56e-2  6.56e-2   1.00        516 (412–660) ns
+      0.125 voxels     65.0  5.47e-3  3.00e-2  3.28e-2  -0.94     1.02 (0.81–1.30) µs
 
     not measured
       no lights, so nothing is scattered
