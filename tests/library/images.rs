@@ -710,12 +710,12 @@ fn files_of_no_case_are_named() {
         format!("{} {}\n", file.display(), unknown.reason)
     });
     insta::assert_snapshot!(lines.collect::<String>(), @r#"
-    figure-1.1.2.exr belongs to no case: did you mean figures/figure-1?
-    fog/<script>alert('1')<script>.png belongs to no case
+    figure-1.1.2.exr does not match any case: did you mean figures/figure-1?
+    fog/<script>alert('1')<script>.png does not match any case
     fog/forward.jpg is not read: .jpg is none of .exr, .pfm, .npy (linear radiance) and .png (8-bit sRGB)
     fog/forward.variance.npy is not read: variances are an .exr, with R, G, B and samples.Y
-    fog/forwrad.exr belongs to no case: did you mean fog/forward?
-    frowad.npy belongs to no case: did you mean fog/forward?
+    fog/forwrad.exr does not match any case: did you mean fog/forward?
+    frowad.npy does not match any case: did you mean fog/forward?
     twice.exr may be of fog/twice or smoke/twice: put it into the folder of its family
     "#);
 }
