@@ -40,7 +40,7 @@ pub trait ImageGate: Gate {
 /// Parameters of a comparison beside the images.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditions {
-    /// Exposure of radiance, in stops.
+    /// Exposure applied to linear images, in stops.
     pub exposure: f64,
     /// Number of comparisons, including this one, that share one rate of false alarms.
     pub cases: usize,

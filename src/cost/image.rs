@@ -259,7 +259,7 @@ fn preintegrated(
     (radiance, depth)
 }
 
-/// The image of `scene`, of `size` pixels in full, neither shaded nor shadowed; none if it is
+/// The image of `scene`, of `size` pixels in full, without shading or shadow; none if it is
 /// neither. A highlight may be narrower than any step; emission and absorption are not, and show
 /// what order a rule has.
 pub fn unlit_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Study> {

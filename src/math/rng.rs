@@ -92,7 +92,7 @@ impl Stream {
     /// Upper limit of bounces, exclusive.
     pub const BOUNCES: u32 = 1 << BOUNCE_BITS;
 
-    /// The numbers of sample `sample` of the pixel with index `pixel`, under `seed`.
+    /// The random numbers for sample `sample` of pixel index `pixel`, given `seed`.
     pub fn new(seed: u64, pixel: u32, sample: u32) -> Stream {
         Stream {
             key: [seed as u32, (seed >> 32) as u32],

@@ -1,4 +1,4 @@
-//! Lights without extent. Those with extent are shapes that emit, and the environment.
+//! Point, spot and directional lights. Others are shapes that emit, and the environment.
 
 use crate::geometry::Direction;
 use crate::math::{atan2, cos};

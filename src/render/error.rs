@@ -31,10 +31,10 @@ pub enum RenderError {
         /// Row, from the top.
         row: usize,
     },
-    /// Unbounded radiance: a ray hits a light without extent.
+    /// Unbounded radiance: a ray hits a point or spot light.
     #[error(
-        "pixel ({column}, {row}) is infinitely bright: a light without extent lies on its line \
-         of sight, in a scattering medium, or nearer to what it lights than numbers can tell. \
+        "pixel ({column}, {row}) is infinitely bright: a point, spot or directional light lies on its \
+         line of sight, in a scattering medium, or nearer to what it lights than numbers can tell. \
          Move the light or the camera a little, or make it a small emitting sphere"
     )]
     Divergent {

@@ -95,7 +95,7 @@ pub struct Radiative {
     pub area_lights: Vec<AreaLight>,
     /// Media; at most [`Radiative::MOST_MEDIA`].
     pub media: Vec<Body>,
-    /// Lights without extent.
+    /// Point, spot and directional lights.
     pub lights: Vec<Light>,
     /// Radiance by channel from infinitely far away, the same from every direction.
     pub environment: DVec3,

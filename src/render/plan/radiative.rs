@@ -126,8 +126,8 @@ impl<'s> Contents<'s> {
                 line_of_sight,
                 asked(
                     SCATTERING.to_owned(),
-                    "single scattering from lights without extent is one integral along the line \
-                     of sight",
+                    "single scattering from point, spot and directional lights is one integral \
+                     along the line of sight",
                 ),
             ),
             _ => (
@@ -144,7 +144,7 @@ impl<'s> Contents<'s> {
     /// The reason why single scattering is more than one integral along the line of sight.
     fn why_no_integral(&self) -> &'static str {
         if !self.scene.area_lights.is_empty() || self.environment {
-            "single scattering from lights with extent is an integral over directions too"
+            "single scattering from area lights or the environment is an integral over directions too"
         } else if self.emission.is_some() {
             "single scattering from emissive media is an integral over space too"
         } else if !self.heterogeneous.is_empty() {

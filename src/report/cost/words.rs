@@ -221,7 +221,7 @@ pub(super) fn times(times: &Times) -> String {
     format!("{median} ({min}–{max}) {unit}{noisy}")
 }
 
-/// Machine of the times, as facts.
+/// The timing environment, as facts.
 pub(super) fn machine(machine: &Machine) -> Vec<(&'static str, String)> {
     vec![
         ("processor", machine.processor.clone()),

@@ -1,4 +1,4 @@
-//! Lights without extent.
+//! Point, spot and directional lights.
 
 use super::radiance;
 use super::shapes::FARTHEST;
@@ -11,7 +11,7 @@ use glam::DVec3;
 
 /// The declaration of `[[radiative.light]]`.
 pub(super) const LIGHT: Table =
-    Table::new("A light without extent. Lights with extent are surfaces that emit.")
+    Table::new("A point, spot or directional light. Area lights are surfaces with an emitter.")
         .keys(&[
             Key::optional("point", Kind::Table(&POINT))
                 .doc("Emits from a point in every direction."),

@@ -38,7 +38,7 @@ enum Edit {
     Radiative(fn(&mut Radiative) -> bool),
     /// Of every medium.
     Medium(fn(&mut Homogeneous)),
-    /// Of every light without extent.
+    /// Of every point, spot and directional light.
     Light(fn(&mut Light)),
     /// Of the material of every surface.
     Material(fn(&mut Material)),

@@ -352,7 +352,7 @@ impl Contents<'_> {
                 warn(
                     at,
                     "this light has no effect: nothing scatters its light towards the eye, and a \
-                     light without extent is not seen itself"
+                     point, spot or directional light is itself invisible"
                         .to_owned(),
                 );
             }
