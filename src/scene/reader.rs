@@ -225,8 +225,13 @@ impl<'d, 's> Reader<'d, 's> {
                     self.named(&left),
                     self.named(&right)
                 );
+                let comma = if lefts.len() + rights.len() > 2 {
+                    ","
+                } else {
+                    ""
+                };
                 let [lefts, rights] = [lefts, rights].map(|keys| self.joined(keys));
-                let help = format!("give either {lefts}, or {rights}");
+                let help = format!("give either {lefts}{comma} or {rights}");
                 Err(self.mistake(last.expect("two are given"), message, help))
             }
             Rule::Together(keys) => {
@@ -258,12 +263,10 @@ impl<'d, 's> Reader<'d, 's> {
         named.collect::<Vec<_>>().join(", ")
     }
 
-    /// `keys` that belong together: `a`, `b` and `c`.
+    /// `keys` of one alternative: two belong together, of more each may be given.
     fn joined(&self, keys: &[&str]) -> String {
         match keys {
-            [first @ .., last] if !first.is_empty() => {
-                format!("{} and {}", self.named(first), self.named_key(last))
-            }
+            [first, second] => format!("{} and {}", self.named_key(first), self.named_key(second)),
             _ => self.named(keys),
         }
     }

@@ -433,9 +433,9 @@ fn coefficients() {
     13:10: [radiative.medium[0]] gives `albedo` without `sigma_t`
         give `sigma_t` too: Extinction per world length, absorption and scattering together; goes with `albedo`.
     14:11: [radiative.medium[0]] mixes `sigma_s` with `sigma_t`
-        give either `sigma_a`, `sigma_s` or `sigma_t`, `albedo`
+        give either `sigma_a` and `sigma_s`, or `sigma_t` and `albedo`
     15:11: [radiative.medium[0]] mixes `sigma_a`, `sigma_s` with `albedo`
-        give either `sigma_a`, `sigma_s` or `sigma_t`, `albedo`
+        give either `sigma_a` and `sigma_s`, or `sigma_t` and `albedo`
     13:5: `g` must lie in (-1, 1), got 1
         `radiative.medium[0].g`: Mean cosine of the scattering angle (Henyey–Greenstein), between -1 and 1: positive is forward, 0 is isotropic.
     13:5: `g` must lie in (-1, 1), got -1.5
@@ -652,7 +652,7 @@ fn densities_that_are_none() {
     14:8: [radiative.medium[0]] has more than one density: `noise`, `blob`
         keep at most one of `noise`, `blob`
     15:11: [radiative.medium[0]] mixes `procedural` with `sigma_a`, `sigma_s`
-        give either `procedural` or `sigma_a`, `sigma_s`, `sigma_t`, `albedo`
+        give either `procedural`, or `sigma_a`, `sigma_s`, `sigma_t`, `albedo`
     13:17: `interpolation` belongs to a grid, and the medium has none
         remove it, or give the medium a `grid`
     13:21: `octaves` must lie in [1, 32], got 99
