@@ -75,8 +75,8 @@ fn faults_inside_a_file_name_file_line_and_column() {
         (
             "cut.bin",
             &course_grid([2, 2, 2], 1.0)[..40],
-            "cut.bin: the header declares 2 × 2 × 2 float32 densities, 56 bytes in all, and the \
-             file has 40",
+            "cut.bin: the header declares 2 × 2 × 2 float32 densities, 56 bytes in total, but \
+             the file has 40 bytes",
         ),
     ] {
         let path = folder.join(name);
@@ -155,8 +155,8 @@ fn sizes_are_checked_before_reading() {
     file.set_len(SIZE).unwrap();
     assert_eq!(
         message(&folder, &grid),
-        "huge.bin: the header declares 2 × 2 × 2 float32 densities, 56 bytes in all, and the \
-         file has 1099511627776: it contains something else as well, or is not float32"
+        "huge.bin: the header declares 2 × 2 × 2 float32 densities, 56 bytes in total, but \
+         the file has 1099511627776 bytes: it contains something else as well, or is not float32"
     );
 }
 

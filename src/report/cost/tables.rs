@@ -180,7 +180,7 @@ pub(super) fn orders(study: &Study) -> Table {
         Some(format!("{name} ended early: {why}"))
     }));
     Table {
-        title: format!("{}: orders of error", study.name),
+        title: format!("{}: convergence orders", study.name),
         rows: order_rows(study),
         notes,
         ..Table::default()

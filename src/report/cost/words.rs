@@ -290,7 +290,7 @@ pub(super) fn judgement(costs: &[Cost]) -> Judgement {
                  ({fitted})"
             ),
             OrderVerdict::NotYetAPower => format!(
-                "not a power yet, from setting to setting the order still changes ({fitted})"
+                "not yet asymptotic, the order still changes from setting to setting ({fitted})"
             ),
             _ => continue,
         };

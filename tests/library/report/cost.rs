@@ -303,7 +303,7 @@ fn what_cannot_be_drawn_is_told() {
     for words in [
         "whose error is not a finite number",
         "Not drawn by work: closed form",
-        "its work is the random numbers it draws: blind guess",
+        "work is the number of random numbers drawn: blind guess",
         "? nowhere, image, path tracer: undecided",
     ] {
         assert!(html.contains(words), "{words}");
