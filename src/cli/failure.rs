@@ -53,7 +53,7 @@ impl From<Cause> for Exit {
             Cause::None => Exit::Passed,
             Cause::Undecided => Exit::Undecided,
             Cause::OtherRenderer => Exit::OtherRenderer,
-            Cause::Mismatch => Exit::Mismatch,
+            Cause::Mismatch | Cause::Convention => Exit::Mismatch,
             Cause::Golden => Exit::Golden,
             Cause::BadInput => Exit::BadInput,
         }

@@ -80,7 +80,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         };
         let bar = progress::image("rendering", advice, &warnings_of_all(&plans));
         let film = if arguments.reference {
-            reference::render(&scene, sampling).map_err(|error| error.to_string())
+            let centres: Vec<bool> = plans.iter().map(|plan| !plan.is_sampled()).collect();
+            reference::render(&scene, sampling, &centres).map_err(|error| error.to_string())
         } else {
             let rendering = render::render(&plans, sampling, &bar);
             let film = rendering.map(|rendering| rendering.film);

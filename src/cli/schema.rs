@@ -3,9 +3,9 @@
 use super::Outcome;
 use super::output::pretty;
 use crate::scene::{SCENE, format::json_schema};
-use crate::suite::MANIFEST;
+use crate::suite::{MANIFEST, PROFILE};
 
-/// Print the JSON Schema of scenes or cases, for completion and validation in editors
+/// Print the JSON Schema of scenes, cases or profiles, for completion and validation in editors
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Kind of file
@@ -19,6 +19,8 @@ enum SchemaKind {
     Scene,
     /// fixtures/cases/<family>/<name>.toml
     Case,
+    /// File of validate --as
+    Profile,
 }
 
 /// Runs the command.
@@ -26,6 +28,7 @@ pub fn run(arguments: Arguments) -> Outcome {
     let schema = match arguments.kind {
         SchemaKind::Scene => json_schema("volref scene", &SCENE),
         SchemaKind::Case => json_schema("volref case", &MANIFEST),
+        SchemaKind::Profile => json_schema("volref profile", &PROFILE),
     };
     Outcome::from(pretty(&schema))
 }

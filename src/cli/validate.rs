@@ -11,8 +11,9 @@ use crate::regular_file::note_input;
 use crate::report;
 use crate::scene::Scene;
 use crate::suite::{
-    Case, CaseResult, Cause, CommandTemplate, Evidence, Judged, Likenesses, Output, Outputs,
-    Predictions, Search, Store, Suite, Verdict, likeness, run as run_process, stop_all, validate,
+    Case, CaseResult, Cause, CommandTemplate, ConventionSearch, Evidence, Judged, Likenesses,
+    Output, Outputs, Predictions, Profile, Search, Store, Suite, Verdict, likeness,
+    run as run_process, stop_all, validate,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf, absolute};
@@ -64,6 +65,13 @@ pub struct Arguments {
     /// List every case without an image
     #[arg(long)]
     verbose: bool,
+    /// Conventions of the renderer: classified volumes are judged by the right image under them. One
+    /// of the profiles that volref brings, or a file (volref schema profile)
+    #[arg(long = "as", value_name = "PROFILE")]
+    profile: Option<String>,
+    /// Accept images that are right under other conventions than the golden's, and say which
+    #[arg(long)]
+    accept_conventions: bool,
     /// Time limit for finding the mistake behind each failing image; 0 for no search
     #[arg(long, value_name = "SECONDS", default_value_t = Search::BUDGET.into(), allow_negative_numbers = true, value_parser = budget)]
     explain: f64,
@@ -123,6 +131,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             output::check_no_input(&path)?;
         }
     }
+    let profile = arguments.profile.as_deref().map(Profile::named);
+    let profile = profile.transpose()?;
     let source = Source::of(&arguments, &names)?;
     // Now that the images to be judged are known as inputs.
     arguments.files.check(&suite)?;
@@ -134,7 +144,14 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         widest: cases.iter().map(|case| case.name.len()).max().unwrap_or(0),
         folds_missing: !arguments.verbose && matches!(source, Source::Finished(..)),
     };
-    let mut judged = judge_all(&cases, &store, &source, &arguments, &said);
+    let judge = Judge {
+        store: &store,
+        source: &source,
+        arguments: &arguments,
+        profile: profile.as_ref(),
+        conventions: ConventionSearch::default(),
+    };
+    let mut judged = judge.all(&cases, &said);
     if judged.is_empty() {
         let message = "no image of these cases was found: nothing was compared";
         let help = "images are named family/name.exr or name.exr; `volref list` shows the cases";
@@ -144,7 +161,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     said.print(&(said.without_image(&results) + &report::summary_text(&results)));
     said.print(&source.unknown_files());
 
-    let found = named(&arguments, &suite, &cases, &mut judged);
+    let found = named(&arguments, &suite, &cases, profile.as_ref(), &mut judged);
     if !arguments.files.wants_evidence() {
         for judged in &mut judged {
             judged.evidence = Evidence::default();
@@ -207,6 +224,7 @@ fn named(
     arguments: &Arguments,
     suite: &Suite,
     cases: &[&Case],
+    profile: Option<&Profile>,
     judged: &mut [Judged],
 ) -> Option<(Likenesses, bool)> {
     let failed = judged
@@ -225,7 +243,7 @@ fn named(
             interrupted: &interrupt::is_cut_short,
             progress: &|step| progress::mistake(&bar, step),
         };
-        let found = likeness(cases, suite.cases(), judged, &search);
+        let found = likeness(cases, suite.cases(), profile, judged, &search);
         bar.finish_and_clear();
         found
     }))
@@ -512,73 +530,96 @@ impl RendererRun<'_> {
     }
 }
 
-/// Judges all cases, several at a time if a renderer is run. Results are in the order of the cases,
-/// and printed as soon as those before them are. With `--only-present`, cases without an image are
-/// skipped.
-fn judge_all(
-    cases: &[&Case],
-    store: &Store,
-    source: &Source<'_>,
-    arguments: &Arguments,
-    said: &PrintedVerdicts,
-) -> Vec<Judged> {
-    let bar = progress::cases(cases.len());
-    let next = AtomicUsize::new(0);
-    let (sender, judgements) = mpsc::channel();
-    let work = |sender: mpsc::Sender<(usize, Option<Judged>)>| {
-        loop {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            let Some(case) = cases.get(index) else {
-                return;
-            };
-            bar.set_message(case.name.clone());
-            let judged = judge_case(case, store, source, arguments);
-            bar.inc(1);
-            sender.send((index, judged)).expect("all are received");
-        }
-    };
-    let mut in_order = Vec::new();
-    std::thread::scope(|scope| {
-        for _ in 0..usize::from(arguments.jobs).min(cases.len()) {
-            let sender = sender.clone();
-            scope.spawn(|| work(sender));
-        }
-        drop(sender);
-        let mut waiting = BTreeMap::new();
-        let mut first_open = 0;
-        for (index, judged) in judgements {
-            waiting.insert(index, judged);
-            while let Some(judged) = waiting.remove(&first_open) {
-                first_open += 1;
-                if let Some(judged) = judged {
-                    bar.suspend(|| said.verdict(&judged.result));
-                    in_order.push(judged);
-                }
-            }
-        }
-    });
-    bar.finish_and_clear();
-    in_order
+/// What images are judged by.
+struct Judge<'a> {
+    store: &'a Store,
+    source: &'a Source<'a>,
+    arguments: &'a Arguments,
+    profile: Option<&'a Profile>,
+    conventions: ConventionSearch,
 }
 
-/// Judges the image of one case; `None` if it has none and is to be skipped.
-fn judge_case(
-    case: &Case,
-    store: &Store,
-    source: &Source<'_>,
-    arguments: &Arguments,
-) -> Option<Judged> {
-    let start = Instant::now();
-    let made = source.output(case);
-    if arguments.only_present && matches!(made.output, Output::Missing(_)) {
-        return None;
+impl Judge<'_> {
+    /// Judges all cases, several at a time if a renderer is run. Results are in the order of the cases,
+    /// and printed as soon as those before them are. With `--only-present`, cases without an image are
+    /// skipped.
+    fn all(&self, cases: &[&Case], said: &PrintedVerdicts) -> Vec<Judged> {
+        let bar = progress::cases(cases.len());
+        let next = AtomicUsize::new(0);
+        let (sender, judgements) = mpsc::channel();
+        let work = |sender: mpsc::Sender<(usize, Option<Judged>)>| {
+            loop {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                let Some(case) = cases.get(index) else {
+                    return;
+                };
+                bar.set_message(case.name.clone());
+                let judged = self.case(case);
+                bar.inc(1);
+                sender.send((index, judged)).expect("all are received");
+            }
+        };
+        let mut in_order = Vec::new();
+        std::thread::scope(|scope| {
+            for _ in 0..usize::from(self.arguments.jobs).min(cases.len()) {
+                let sender = sender.clone();
+                scope.spawn(|| work(sender));
+            }
+            drop(sender);
+            let mut waiting = BTreeMap::new();
+            let mut first_open = 0;
+            for (index, judged) in judgements {
+                waiting.insert(index, judged);
+                while let Some(judged) = waiting.remove(&first_open) {
+                    first_open += 1;
+                    if let Some(judged) = judged {
+                        bar.suspend(|| said.verdict(&judged.result));
+                        in_order.push(judged);
+                    }
+                }
+            }
+        });
+        bar.finish_and_clear();
+        in_order
     }
-    let mut judged = validate(case, store, made.output);
-    judged.result.seconds = start.elapsed().as_secs_f64();
-    judged.result.notes = made.notes;
-    judged.evidence.output = made.printed;
-    judged.evidence.call = made.call;
-    let words = source.arguments();
-    judged.evidence.reproduce = vec![arguments.selection.again("validate", &case.name, &words)];
-    Some(judged)
+
+    /// Judges the image of one case; `None` if it has none and is to be skipped.
+    fn case(&self, case: &Case) -> Option<Judged> {
+        let start = Instant::now();
+        let made = self.source.output(case);
+        if self.arguments.only_present && matches!(made.output, Output::Missing(_)) {
+            return None;
+        }
+        let mut judged = validate(case, self.store, made.output, self.profile);
+        if judged.result.cause == Cause::Mismatch && self.profile.is_none() {
+            self.explain_by_conventions(case, &mut judged);
+        }
+        judged.result.seconds = start.elapsed().as_secs_f64();
+        judged.result.notes = made.notes;
+        judged.evidence.output = made.printed;
+        judged.evidence.call = made.call;
+        let words = self.source.arguments();
+        judged.evidence.reproduce = vec![
+            self.arguments
+                .selection
+                .again("validate", &case.name, &words),
+        ];
+        Some(judged)
+    }
+
+    /// Turns a mismatch that other conventions explain into that verdict.
+    fn explain_by_conventions(&self, case: &Case, judged: &mut Judged) {
+        let (Some(test), Ok(scene)) = (&judged.evidence.test, case.load_scene()) else {
+            return;
+        };
+        // The other half is for mistakes.
+        let seconds = Duration::from_secs_f64(0.5 * self.arguments.explain);
+        let end = Instant::now().checked_add(seconds);
+        let found = self.conventions.explain(case, &scene, test, end);
+        if let Some(explained) = found {
+            judged
+                .result
+                .explain_by(&explained, self.arguments.accept_conventions);
+        }
+    }
 }

@@ -103,7 +103,8 @@ impl ImageGate for Deterministic {
     }
 }
 
-fn tolerance(golden: f64) -> f64 {
+/// Tolerance of a channel that is `golden` in the right image.
+pub fn tolerance(golden: f64) -> f64 {
     ABSOLUTE + RELATIVE * golden.abs()
 }
 

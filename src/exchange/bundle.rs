@@ -11,7 +11,7 @@ mod volume;
 use super::{Export, Format, Refusal};
 use crate::media::{TransferPoint, TransferPoints};
 use crate::render::classified::curve::PlotLayout;
-use crate::scene::{Model, Panel, Scene};
+use crate::scene::{Conventions, Model, Panel, Scene};
 use crate::volume::Grid;
 use inline_arrays::{Entries, Json, to_json};
 use std::sync::Arc;
@@ -51,6 +51,10 @@ pub fn bundle(scene: &Scene, name: &str) -> Result<Export, Refusal> {
 
 fn content(panel: &Panel, raw: &mut RawFiles) -> Result<Entries, Refusal> {
     match &panel.model {
+        Model::Classified(scene) if scene.conventions != Conventions::default() => {
+            let what = "a bundle describes volref's conventions only; leave the table out";
+            Err(Refusal::of(Format::Bundle, "classified.conventions", what))
+        }
         Model::Classified(scene) => {
             let file = raw.grid(&scene.grid);
             Ok(volume::described(scene, file))

@@ -5,15 +5,18 @@
 //! [`render`](crate::render) is the fast program, and is tested against them. Classified volumes
 //! agree to the bit, sampled images within their noise (`tests/library/reference.rs`).
 
+mod classifier;
 mod media;
+mod normals;
 pub mod path_tracer;
 mod random;
 pub mod ray_caster;
+mod shading;
+mod steps;
 mod vertex;
 
 use crate::film::Film;
-use crate::render::{Sampling, plans};
-use crate::scene::{Model, Scene};
+use crate::scene::{Model, Sampling, Scene};
 use random::Exhausted;
 use thiserror::Error;
 
@@ -48,16 +51,21 @@ pub enum ReferenceError {
     },
 }
 
-/// The image of `scene`, its panels side by side. Pixels are sampled as in the fast renderers: the
-/// radiance through the centre where they need no random numbers, else the mean over the pixel.
-pub fn render(scene: &Scene, sampling: Sampling) -> Result<Film, ReferenceError> {
+/// The image of `scene`, its panels side by side. Classified volumes are seen through the centres of
+/// pixels; of surfaces, media and lights a pixel is the mean over its area, or, where
+/// `through_centres` says so of a panel, what is seen through its centre.
+pub fn render(
+    scene: &Scene,
+    sampling: Sampling,
+    through_centres: &[bool],
+) -> Result<Film, ReferenceError> {
     let mut films = Vec::new();
-    for (panel, plan) in scene.panels.iter().zip(plans(scene)) {
+    for (panel, &through_centres) in scene.panels.iter().zip(through_centres) {
         let size = [panel.width, panel.height];
         films.push(match &panel.model {
             Model::Classified(scene) => ray_caster::render(scene, size),
             Model::Radiative(scene) => {
-                let film = path_tracer::render(scene, size, sampling, !plan.is_sampled());
+                let film = path_tracer::render(scene, size, sampling, through_centres);
                 film.map_err(|Exhausted { pixel }| ReferenceError::Endless {
                     column: pixel as usize % panel.width,
                     row: pixel as usize / panel.width,

@@ -50,8 +50,7 @@ use crate::geometry::{Emitter, Hit, Ray, Side, Surface};
 use crate::math::Moments;
 use crate::math::sampling::{Equiangular, free_flight, power_heuristic};
 use crate::optics::{Light, Material, Sides, reflected, split};
-use crate::render::Sampling;
-use crate::scene::{AreaLight, Object, Radiative};
+use crate::scene::{AreaLight, Object, Radiative, Sampling};
 use glam::DVec3;
 use rayon::prelude::*;
 

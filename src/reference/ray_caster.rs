@@ -31,40 +31,43 @@
 //! which the volume becomes fully opaque, and `S = Σ d h/h₀` is not the optical depth of `σ`. The
 //! shadow has its own step and reference length.
 //!
+//! A scene may ask for other [conventions](Conventions): where a step is sampled ([`Steps`]), how a
+//! value is classified ([`Classifier`]), which gradient is taken ([`Gradients`]), and how it is shaded
+//! ([`ShadedSample`]).
+//!
 //! Sources: Levoy 1988, "Display of surfaces from volume data"; Max 1995, "Optical models for
 //! direct volume rendering"; Porter & Duff 1984, "Compositing digital images".
 
+use super::classifier::Classifier;
+use super::normals::Gradients;
+use super::shading::ShadedSample;
+use super::steps::Steps;
 use crate::film::Film;
 use crate::geometry::{Direction, Ray, Span, length_of};
 use crate::math::exp;
+use crate::math::rng::philox4x32_10;
 use crate::media::{Appearance, over_length};
-use crate::scene::{Classified, Compositing};
-use crate::volume::{Cell, Grid, NodeLine, NodePoint, Reconstruction as _, relative_gradients};
+use crate::scene::{Classified, Compositing, Precision};
+use crate::volume::{Cell, NodeLine, NodePoint, Reconstruction as _};
 use glam::DVec3;
+use half::f16;
 use rayon::prelude::*;
 
 /// The image of `scene`: radiance, background included, and the opacity of the volume in front of
 /// it; one ray through the centre of each pixel.
-pub fn render(scene: &Classified, [width, height]: [usize; 2]) -> Film {
-    let gradients = relative_gradients(&*scene.grid);
-    let caster = RayCaster { scene, gradients };
-    let pixels: Vec<[f32; 4]> = (0..width * height)
-        .into_par_iter()
-        .map(|index| {
-            let pixel = [index % width, index / width];
-            let volume = caster.cast(&scene.camera.ray(pixel, [width, height]));
-            let radiance = volume.colour + scene.background * volume.transparency;
-            [radiance.x, radiance.y, radiance.z, volume.opacity].map(|value| value as f32)
-        })
-        .collect();
-    Film::with_opacity(width, height, pixels)
+pub fn render(scene: &Classified, size: [usize; 2]) -> Film {
+    let [width, height] = size;
+    let caster = RayCaster::new(scene);
+    let pixels = (0..width * height).into_par_iter();
+    let pixels = pixels.map(|index| caster.pixel([index % width, index / width], size));
+    Film::with_opacity(width, height, pixels.collect())
 }
 
-struct RayCaster<'s> {
+/// A ray caster for a scene.
+pub struct RayCaster<'s> {
     scene: &'s Classified,
-    /// Density gradients at the nodes of the grid, all scaled by one factor: shading uses their
-    /// directions alone.
-    gradients: Grid<[f32; 3]>,
+    classifier: Classifier<'s>,
+    gradients: Gradients,
 }
 
 /// Samples of a ray, composited.
@@ -95,34 +98,104 @@ impl Layer {
             transparency: passed,
         }
     }
+
+    /// This layer in numbers of `precision`.
+    fn rounded(self, precision: Precision) -> Layer {
+        let round = |value: f64| match precision {
+            Precision::F64 => value,
+            Precision::F32 => f64::from(value as f32),
+            Precision::F16 => f64::from(f16::from_f64(value)),
+            Precision::U8 => (value.clamp(0.0, 1.0) * 255.0).round() / 255.0,
+        };
+        Layer {
+            colour: DVec3::from_array(self.colour.to_array().map(round)),
+            opacity: round(self.opacity),
+            transparency: round(self.transparency),
+        }
+    }
 }
 
-impl RayCaster<'_> {
+impl<'s> RayCaster<'s> {
+    /// The ray caster of `scene`.
+    pub fn new(scene: &'s Classified) -> RayCaster<'s> {
+        RayCaster {
+            scene,
+            classifier: Classifier::of(scene),
+            gradients: Gradients::of(scene),
+        }
+    }
+
+    /// Radiance of pixel (`column`, `row`) of an image of `width` × `height` pixels, background
+    /// included, and the opacity of the volume.
+    pub fn pixel(&self, [column, row]: [usize; 2], [width, height]: [usize; 2]) -> [f32; 4] {
+        let (scene, size) = (self.scene, [width, height]);
+        let ray = if scene.conventions.pixel_corner {
+            scene.camera.ray_through([column as f64, row as f64], size)
+        } else {
+            scene.camera.ray([column, row], size)
+        };
+        let first_sample = if scene.conventions.jitter {
+            let pixel = (row * width + column) as u32;
+            f64::from(philox4x32_10([pixel, 0, 0, 0], [0; 2])[0]) / 2.0_f64.powi(32)
+        } else {
+            scene.conventions.first_sample
+        };
+        let volume = self.cast(&ray, first_sample);
+        let radiance = volume.colour + scene.background * volume.transparency;
+        [radiance.x, radiance.y, radiance.z, volume.opacity].map(|value| value as f32)
+    }
+
     /// The samples along `ray`, composited.
-    fn cast(&self, ray: &Ray) -> Layer {
+    fn cast(&self, ray: &Ray, first_sample: f64) -> Layer {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let mut seen = Layer::EMPTY;
         let Some(span) = lattice.bounds().span(ray) else {
             return seen;
         };
         let line = NodeLine::new(ray, lattice);
-        let count = step_count(span, scene.step);
+        let steps = Steps::new(span, scene.step, first_sample, scene.conventions.last_step);
         let reversed = scene.compositing == Compositing::BackToFront;
-        for done in 0..count {
-            let index = if reversed { count - 1 - done } else { done };
-            let (t, length) = midpoint(span, scene.step, count, index);
-            let node_point = line.at(t);
+        for done in 0..steps.count {
+            let index = if reversed {
+                steps.count - 1 - done
+            } else {
+                done
+            };
+            let (t, length) = steps.sample(index);
+            let (point, node_point) = (ray.at(t), line.at(t));
             let cell = Cell::around(lattice, node_point);
             let density = scene.interpolation.read(&*scene.grid, &cell);
-            let opacity = scene.transfer_function.opacity(density, length);
+            let look = self.classifier.look(scene, &cell, density);
+            let opacity = self.over_length(look.opacity, length);
             if opacity == 0.0 {
                 continue; // nothing to add, whatever its colour
             }
-            let point = ray.at(t);
-            let light =
-                scene.transfer_function.emission(density) * self.visibility(point, node_point);
+            let visibility = self.visibility(point, node_point);
+            let light = look.emission * visibility;
+            let colour = match &scene.phong {
+                None => look.colour * light,
+                Some(phong) => {
+                    let sample = ShadedSample {
+                        colour: look.colour,
+                        gradient: self.gradient(node_point, &cell),
+                        to_light: Direction::of(self.shading_light() - point),
+                        to_eye: -ray.direction,
+                    };
+                    let shaded = sample.lit_by(phong, &scene.conventions);
+                    if scene.conventions.highlight_emission {
+                        (shaded.base + shaded.highlight) * light
+                    } else {
+                        shaded.base * light + shaded.highlight * visibility
+                    }
+                }
+            };
+            let colour = if scene.conventions.clamped_samples {
+                colour.min(DVec3::ONE)
+            } else {
+                colour
+            };
             let sample = Layer {
-                colour: self.shade(ray, point, &cell, density) * light * opacity,
+                colour: colour * opacity,
                 opacity,
                 transparency: 1.0 - opacity,
             };
@@ -131,6 +204,7 @@ impl RayCaster<'_> {
             } else {
                 seen.over(sample)
             };
+            seen = seen.rounded(scene.conventions.precision);
             if let Compositing::EarlyTermination(threshold) = scene.compositing
                 && seen.transparency < threshold
             {
@@ -140,15 +214,33 @@ impl RayCaster<'_> {
         seen
     }
 
-    /// Colour of a sample of `density` at `point`, lit by Phong's model where the scene has one.
-    fn shade(&self, ray: &Ray, point: DVec3, cell: &Cell, density: f64) -> DVec3 {
-        let colour = self.scene.transfer_function.colour(density);
-        let Some(phong) = &self.scene.phong else {
-            return colour;
-        };
-        let gradient = self.scene.interpolation.read(&self.gradients, cell);
-        let to_light = Direction::of(self.scene.light - point);
-        phong.shade(colour, gradient, to_light, -ray.direction)
+    /// Opacity over a step of this length, where it is `opacity` over the reference length.
+    fn over_length(&self, opacity: f64, length: f64) -> f64 {
+        let lengths = length / self.scene.transfer_function.reference_length;
+        if self.scene.conventions.linear_opacity {
+            (opacity * lengths).min(1.0)
+        } else {
+            over_length(opacity, lengths)
+        }
+    }
+
+    /// Density gradient for shading, in any unit.
+    fn gradient(&self, point: NodePoint, cell: &Cell) -> DVec3 {
+        let gradient = self.gradients.at(self.scene, point, cell);
+        if self.scene.conventions.box_space_normals {
+            gradient * self.scene.grid.lattice().bounds().size()
+        } else {
+            gradient
+        }
+    }
+
+    /// Position of the light for shading.
+    fn shading_light(&self) -> DVec3 {
+        if self.scene.conventions.head_light {
+            self.scene.camera.eye()
+        } else {
+            self.scene.light
+        }
     }
 
     /// Visibility of the light from `point`; 1 where the scene has no shadow.
@@ -164,9 +256,9 @@ impl RayCaster<'_> {
         let span = Span::new(0.0, inside.far.min(length_of(to_light)));
         // Not from `point`: far from the world's origin its node coordinates have lost digits.
         let line = NodeLine::from(node_point, *ray.direction, lattice);
-        let count = step_count(span, shadow.step);
-        let samples = (0..count).map(|index| {
-            let (t, length) = midpoint(span, shadow.step, count, index);
+        let steps = Steps::midpoints(span, shadow.step);
+        let samples = (0..steps.count).map(|index| {
+            let (t, length) = steps.sample(index);
             let cell = Cell::around(lattice, line.at(t));
             (scene.interpolation.read(&*scene.grid, &cell), length)
         });
@@ -182,26 +274,4 @@ impl RayCaster<'_> {
                 .product(),
         }
     }
-}
-
-/// Number of steps of length `step` over `span`; the last one ends with the span. At least one where
-/// the span has a length, even if the quotient underflows.
-fn step_count(span: Span, step: f64) -> usize {
-    let count = (span.length() / step).ceil() as usize;
-    if span.length() > 0.0 {
-        count.max(1)
-    } else {
-        count
-    }
-}
-
-/// Distance of the midpoint of step `index` of `count`, and the length of the step. Computed from the
-/// index, because adding up lengths would accumulate rounding errors.
-fn midpoint(span: Span, step: f64, count: usize, index: usize) -> (f64, f64) {
-    if index + 1 < count {
-        return (span.near + (index as f64 + 0.5) * step, step);
-    }
-    let begin = index as f64 * step;
-    let rest = (span.length() - begin).max(0.0);
-    (span.near + (begin + 0.5 * rest), rest)
 }

@@ -2,8 +2,8 @@
 
 use super::plan::{Kernel, Plan};
 use super::radiative::path_tracer::PathFault;
-use super::sampling::Sampling;
 use crate::math::Moments;
+use crate::scene::Sampling;
 
 /// Memory of an image, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,10 +9,9 @@ use super::plan::{Kernel, Plan};
 use super::progress::{Progress, steps_of};
 use super::radiative::kernels::{ByLineOfSight, ByPathTracing, with_features};
 use super::radiative::path_tracer::PathFault;
-use super::sampling::Sampling;
 use crate::film::Film;
 use crate::math::Moments;
-use crate::scene::{Classified, Radiative};
+use crate::scene::{Classified, Radiative, Sampling};
 use std::marker::PhantomData;
 
 /// A finished image.

@@ -36,8 +36,8 @@ pub mod plan;
 pub mod predicted_work;
 mod progress;
 pub mod radiative;
-mod sampling;
 
+pub use crate::scene::{Sampling, Seed};
 pub use counters::{Counters, Event};
 pub use error::RenderError;
 pub use footprint::{Footprint, footprint};
@@ -46,7 +46,6 @@ pub use pixels::Detail;
 pub use plan::{Effect, Plan, State, plans};
 pub use predicted_work::{Amount, Bound, Memory, PredictedWork};
 pub use progress::{Forecast, Progress, Watch};
-pub use sampling::{Sampling, Seed};
 
 /// Number of kernels in a family, as listed in the table above.
 #[cfg(test)]

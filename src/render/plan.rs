@@ -40,8 +40,7 @@ pub use effect::{Effect, State};
 pub use kernel::{FieldKind, Kernel, RadiativeFeatures, RayCasterFeatures};
 pub use method::{Estimator, Method};
 
-use super::sampling::Sampling;
-use crate::scene::{Curve, Model, Panel, Scene};
+use crate::scene::{Curve, Model, Panel, Sampling, Scene};
 use decision::{Decisions, EffectFinding};
 use serde::Serialize;
 

@@ -8,11 +8,10 @@ use super::plan::{FieldKind, Kernel, Plan, RadiativeFeatures, RayCasterFeatures}
 use super::radiative::media::tracked;
 use super::radiative::scene_context::SceneContext;
 use super::radiative::{effects::Everything, segments::MediumSegments};
-use super::sampling::Sampling;
 use crate::geometry::{Camera, Ray, Solid, Span, length_of};
 use crate::math::Moments;
 use crate::media::{Density, Field};
-use crate::scene::{Classified, Compositing, Panel, Radiative};
+use crate::scene::{Classified, Compositing, Panel, Radiative, Sampling};
 use crate::volume::Interpolation;
 use rayon::prelude::*;
 use serde::Serialize;

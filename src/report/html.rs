@@ -65,8 +65,9 @@ pub fn results_html(page: &Page<'_>) -> String {
 }
 
 /// Which cases come first: what is wrong before what is not known, and both before what is right.
-const ORDER: [Verdict; 5] = [
+const ORDER: [Verdict; 6] = [
     Verdict::Fail,
+    Verdict::Convention,
     Verdict::Inconclusive,
     Verdict::Missing,
     Verdict::Error,

@@ -31,7 +31,7 @@ pub fn results_junit(results: &[CaseResult]) -> String {
 fn element(verdict: Verdict) -> Option<&'static str> {
     match verdict {
         Verdict::Pass => None,
-        Verdict::Fail => Some("failure"),
+        Verdict::Fail | Verdict::Convention => Some("failure"),
         Verdict::Inconclusive | Verdict::Missing | Verdict::Error => Some("error"),
     }
 }
@@ -94,6 +94,7 @@ mod tests {
             gate: &Deterministic,
             reason: text.to_owned(),
             notes: vec![text.to_owned()],
+            conventions: vec![],
             looks_like: vec![text.to_owned()],
             seconds: 0.0,
             work: BTreeMap::new(),

@@ -128,6 +128,7 @@ pub fn summary_text(results: &[CaseResult]) -> String {
     let counts = [
         (summary.pass, "passed"),
         (summary.fail, "failed"),
+        (summary.convention, "by convention"),
         (summary.inconclusive, "inconclusive"),
         (summary.missing, "missing"),
         (

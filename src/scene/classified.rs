@@ -2,6 +2,7 @@
 
 use super::SceneResult;
 use super::camera::View;
+use super::conventions::{CONVENTIONS, Conventions};
 use super::format::{Key, Kind, Range, Table};
 use super::reader::{Length, Reader};
 use super::volume::VOLUME;
@@ -31,6 +32,8 @@ pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities
         .doc("Shades samples by their gradient. If left out, colours stay unshaded and no gradient is computed."),
     Key::optional("shadow", Kind::Table(&SHADOW))
         .doc("Darkens each sample by the densities between it and the light. If left out, no shadow ray is traced."),
+    Key::optional("conventions", Kind::Table(&CONVENTIONS))
+        .doc("Conventions of another renderer, in place of volref's."),
 ]);
 
 const LIGHT: Table = Table::new("A white point light without fall-off.").keys(&[Key::derived(
@@ -104,6 +107,8 @@ pub struct Classified {
     pub background: DVec3,
     /// The eye.
     pub camera: Camera,
+    /// Choices in which ray casters differ without being wrong.
+    pub conventions: Conventions,
 }
 
 /// More samples on one ray than this are a mistake in the scene, not a wish.
@@ -160,6 +165,11 @@ impl Classified {
         let shadow = reader
             .table("shadow")?
             .map(|reader| read_shadow(&reader, &lattice, &transfer_function));
+        let conventions = reader.table("conventions")?;
+        let conventions = conventions
+            .map(|reader| Conventions::read(&reader))
+            .transpose()?;
+        let conventions = conventions.unwrap_or_default();
         let scene = Classified {
             grid,
             interpolation,
@@ -171,6 +181,7 @@ impl Classified {
             light,
             background,
             camera,
+            conventions,
         };
         scene.check_eye().map_err(|message| {
             let help = "move the eye nearer, with a wider `vertical_fov`, or make `step` longer";

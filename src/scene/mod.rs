@@ -2,6 +2,7 @@
 
 mod camera;
 mod classified;
+mod conventions;
 mod curve;
 mod error;
 mod excerpt;
@@ -17,6 +18,7 @@ mod transfer_function;
 mod volume;
 
 pub use classified::{Classified, Compositing, Shadow};
+pub use conventions::{CONVENTIONS, Conventions, Gradient, LastStep, LightColour, Precision};
 pub use curve::Curve;
 pub use error::{SceneError, SceneResult};
 pub use excerpt::shortened;
@@ -26,4 +28,4 @@ pub use load::{Model, Panel, SCENE, Scene};
 pub use procedural_xml::{ProceduralMedium, read_procedural};
 pub use radiative::{AreaLight, Body, Object, Radiative, Scattering};
 pub use reader::{Length, Origin, Reading};
-pub use sampling::samples;
+pub use sampling::{Sampling, Seed, samples};

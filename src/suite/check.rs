@@ -58,6 +58,7 @@ pub fn check(case: &str, image: &Film) -> Result<CaseResult, SuiteError> {
         cases[0],
         &store,
         Output::Picture(Box::new(picture)),
+        None,
     )];
     let search = Search {
         budget: Some(Duration::from_secs(Search::BUDGET.into())),
@@ -66,7 +67,7 @@ pub fn check(case: &str, image: &Film) -> Result<CaseResult, SuiteError> {
         interrupted: &|| false,
         progress: &|_| (),
     };
-    likeness(&cases, &[], &mut judged, &search);
+    likeness(&cases, &[], None, &mut judged, &search);
     let [judged] = judged;
     Ok(judged.result)
 }

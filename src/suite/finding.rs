@@ -3,11 +3,12 @@
 use super::golden::{plan_hash, scene_hash, short};
 use super::rendering::{ReferenceRenderer, Renderer, check_class};
 use super::{
-    Case, CaseResult, CaseSampling, Cause, Evidence, Golden, GoldenError, Quick, Store, Verdict,
+    Case, CaseResult, CaseSampling, Cause, Evidence, Golden, GoldenError, Profile, Quick, Store,
+    Verdict,
 };
 use crate::compare::{Gate, Judgement};
-use crate::render::{Plan, plans};
-use crate::scene::Scene;
+use crate::render::{Plan, plans, render};
+use crate::scene::{Sampling, Scene};
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -61,6 +62,7 @@ impl CaseFinding {
             gate,
             reason: self.reason,
             notes: Vec::new(),
+            conventions: Vec::new(),
             looks_like: Vec::new(),
             seconds: start.elapsed().as_secs_f64(),
             work: BTreeMap::new(),
@@ -88,6 +90,8 @@ impl From<Judgement> for CaseFinding {
 pub(super) struct CheckedGolden {
     pub scene: Scene,
     pub golden: Golden,
+    /// Name of the profile under which the image was rendered, in place of the golden.
+    pub profile: Option<String>,
 }
 
 impl CheckedGolden {
@@ -116,8 +120,27 @@ impl CheckedGolden {
         })?;
         match stale(case, &scene, &golden) {
             Some(reason) => Err(bad_golden(reason)),
-            None => Ok(CheckedGolden { scene, golden }),
+            None => Ok(CheckedGolden {
+                scene,
+                golden,
+                profile: None,
+            }),
         }
+    }
+
+    /// The scene under the conventions of `profile`, with its image in place of the golden; unchanged
+    /// where there is no classified volume.
+    pub fn under(mut self, profile: &Profile) -> Result<CheckedGolden, CaseFinding> {
+        let failed = |reason| CaseFinding::new(Verdict::Error, Cause::BadInput, reason);
+        let Some(scene) = profile.applied_to(&self.scene).map_err(failed)? else {
+            return Ok(self);
+        };
+        let rendering = render(&plans(&scene), Sampling::default(), &|| ());
+        let rendering = rendering.map_err(|error| failed(error.to_string()))?;
+        self.golden.film = rendering.film;
+        self.scene = scene;
+        self.profile = Some(profile.name.clone());
+        Ok(self)
     }
 
     /// The plans of the scene.
@@ -141,6 +164,9 @@ impl CheckedGolden {
         ];
         if !of.record_reason.is_empty() {
             facts.push(("recorded anew because", of.record_reason.clone()));
+        }
+        if let Some(profile) = &self.profile {
+            facts.push(("rendered under the conventions of", profile.clone()));
         }
         let omitted = self.without();
         if !omitted.is_empty() {

@@ -24,8 +24,9 @@ pub(in crate::suite) use cells::Cells;
 use cells::Misfit;
 pub use clock::{Search, SearchStep, Stage};
 pub use kept::{CACHE_VARIABLE, Predictions};
+pub(in crate::suite) use prediction::pixels_of;
 
-use super::{Case, Cause, Judged, Likeness};
+use super::{Case, Cause, Judged, Likeness, Profile};
 use crate::scene::Scene;
 use clock::SearchClock;
 use compared_case::ComparedCase;
@@ -63,20 +64,20 @@ pub struct Likenesses {
 
 /// Names the likely mistakes behind the failed images in `judged`: in `looks_like` of each result,
 /// and for all together, most likely first. `others` are cases that may distinguish mistakes where
-/// these cannot.
+/// these cannot. Mistakes are made in scenes under the `profile` by which the images were judged.
 pub fn likeness(
     cases: &[&Case],
     others: &[Case],
+    profile: Option<&Profile>,
     judged: &mut [Judged],
     search: &Search<'_>,
 ) -> Likenesses {
-    likeness_with(
-        cases,
-        others,
-        judged,
-        &|case| case.load_scene().ok(),
-        search,
-    )
+    let scene_of = |case: &Case| {
+        let scene = case.load_scene().ok()?;
+        let under = profile.and_then(|profile| profile.applied_to(&scene).ok().flatten());
+        Some(under.unwrap_or(scene))
+    };
+    likeness_with(cases, others, judged, &scene_of, search)
 }
 
 /// [`likeness`], where scenes come from elsewhere.

@@ -6,6 +6,7 @@ mod answer;
 mod cache;
 mod case;
 mod check;
+mod conventions;
 mod edited_film;
 mod evidence;
 mod finding;
@@ -16,6 +17,7 @@ pub mod mistakes;
 mod naming;
 mod other_renderer;
 mod outputs;
+mod profile;
 mod rendering;
 mod results;
 mod row_name;
@@ -31,6 +33,9 @@ pub use answer::Answer;
 pub use cache::Cache;
 pub use case::{Case, CaseSampling, MANIFEST, MEAN_RESOLUTION, Suite, SuiteError};
 pub use check::{SUITE_VARIABLE, check};
+pub use conventions::{
+    Agreement, CATALOGUE, Convention, ConventionSearch, ConventionSet, Explained, in_words, under,
+};
 pub use evidence::{Evidence, Likeness};
 pub use finding::{CaseFinding, Judged};
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
@@ -38,6 +43,7 @@ pub use likeness::{CACHE_VARIABLE, Likenesses, Predictions, Search, SearchStep, 
 pub use naming::{Naming, naming};
 pub use other_renderer::{CommandTemplate, Keeper, Kept, Ran, TemplateError, keep, run, stop_all};
 pub use outputs::{Found, OutputError, Outputs, UnknownFile};
+pub use profile::{PROFILE, Profile};
 pub use results::{CaseResult, Cause, Summary, Verdict, metric_meaning};
 pub use row_name::{HARD, row_name};
 pub use rows::verify_row;

@@ -1,6 +1,7 @@
 //! Results of cases.
 
 use super::analytic::Analytic;
+use super::conventions::{self, Agreement, Explained};
 use crate::compare::{self, Gate, Metric};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -19,6 +20,8 @@ pub enum Verdict {
     Pass,
     /// Compared, and wrong.
     Fail,
+    /// Compared, and right under other conventions.
+    Convention,
     /// Compared, and not decided.
     Inconclusive,
     /// There is nothing to compare with.
@@ -33,6 +36,7 @@ impl Verdict {
         match self {
             Verdict::Pass => "pass",
             Verdict::Fail => "fail",
+            Verdict::Convention => "convention",
             Verdict::Inconclusive => "inconclusive",
             Verdict::Missing => "missing",
             Verdict::Error => "error",
@@ -49,6 +53,8 @@ pub enum Cause {
     Undecided,
     /// The other renderer: its image is missing or unreadable, or it failed.
     OtherRenderer,
+    /// The images differ by conventions.
+    Convention,
     /// The images differ.
     Mismatch,
     /// The golden.
@@ -77,6 +83,9 @@ pub struct CaseResult {
     /// Notes beside the verdict.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
+    /// Conventions of the other renderer under which the image is right, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub conventions: Vec<&'static str>,
     /// Likely mistakes, most likely first.
     pub looks_like: Vec<String>,
     /// Wall time, for information.
@@ -88,6 +97,33 @@ pub struct CaseResult {
     pub cause: Cause,
 }
 
+impl CaseResult {
+    /// Makes a mismatch that conventions explain a verdict of its own; it passes where they are
+    /// `accepted`.
+    pub fn explain_by(&mut self, explained: &Explained, accepted: bool) {
+        self.conventions = conventions::in_words(&explained.set);
+        self.verdict = Verdict::Convention;
+        self.cause = if accepted {
+            Cause::None
+        } else {
+            Cause::Convention
+        };
+        let rest = match explained.agreement {
+            Agreement::Full => String::new(),
+            Agreement::ButFor(share) => format!(" but for {:.3} % of the pixels", 100.0 * share),
+        };
+        self.reason = format!(
+            "differs by convention: it {}. Under {} it agrees{rest}",
+            self.conventions.join("; "),
+            if self.conventions.len() == 1 {
+                "this one"
+            } else {
+                "these"
+            }
+        );
+    }
+}
+
 /// Number of cases by verdict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Summary {
@@ -95,6 +131,8 @@ pub struct Summary {
     pub pass: usize,
     /// Compared, and wrong.
     pub fail: usize,
+    /// Compared, and right under other conventions.
+    pub convention: usize,
     /// Compared, and not decided.
     pub inconclusive: usize,
     /// Nothing to compare with.
@@ -115,6 +153,7 @@ impl Summary {
         Summary {
             pass: count(Verdict::Pass),
             fail: count(Verdict::Fail),
+            convention: count(Verdict::Convention),
             inconclusive: count(Verdict::Inconclusive),
             missing: count(Verdict::Missing),
             error: count(Verdict::Error),

@@ -3,7 +3,7 @@
 use super::finding::{CaseFinding, CheckedGolden};
 use super::measured::measured;
 use super::verify::MOST_CASES;
-use super::{Case, Cause, Evidence, Judged, Store, Verdict};
+use super::{Case, Cause, Evidence, Judged, Profile, Store, Verdict};
 use crate::compare::{Conditions, ImageGate, Picture, default_gate, judge};
 use std::time::Instant;
 
@@ -20,9 +20,16 @@ pub enum Output {
 
 /// Judges the output of another renderer for `case`, by the gate of the case: radiance by the
 /// deterministic or the stochastic one, 8-bit codes by the perceptual one.
-pub fn validate(case: &Case, store: &Store, output: Output) -> Judged {
+///
+/// With a `profile`, a classified volume is judged by its image under the conventions of that profile,
+/// rendered now, in place of the golden.
+pub fn validate(case: &Case, store: &Store, output: Output, profile: Option<&Profile>) -> Judged {
     let start = Instant::now();
-    let (finding, checked) = match (output, CheckedGolden::load(case, store)) {
+    let checked = CheckedGolden::load(case, store).and_then(|checked| match profile {
+        Some(profile) => checked.under(profile),
+        None => Ok(checked),
+    });
+    let (finding, checked) = match (output, checked) {
         (Output::Picture(picture), Ok(checked)) => {
             let mut judged = validate_with(case, &checked, *picture);
             judged.result.seconds = start.elapsed().as_secs_f64();

@@ -80,14 +80,21 @@ const ROOMS: &[(&str, &[&str])] = &[
         ],
     ),
     (
-        // Of `render` only what a rendering is asked for (tests/library/reference.rs).
-        "reference",
+        "render",
+        // Of `reference` the ray caster, for scenes with conventions of other renderers.
         &[
-            "render", "scene", "media", "optics", "volume", "geometry", "film", "math",
+            "reference",
+            "scene",
+            "media",
+            "optics",
+            "volume",
+            "geometry",
+            "film",
+            "math",
         ],
     ),
     (
-        "render",
+        "reference",
         &[
             "scene", "media", "optics", "volume", "geometry", "film", "math",
         ],

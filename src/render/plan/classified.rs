@@ -5,7 +5,7 @@ use super::{
     RayCasterFeatures, Reason, State,
 };
 use crate::media::{Appearance, Phong};
-use crate::scene::{Classified, Compositing, KeyLines, Panel};
+use crate::scene::{Classified, Compositing, Conventions, KeyLines, Panel};
 use crate::volume::Interpolation;
 
 const TRANSFER_FUNCTION: &str = "transfer_function";
@@ -99,6 +99,7 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
             Interpolation::Nearest => FieldKind::Nearest,
             Interpolation::Trilinear => FieldKind::Trilinear,
         };
+        let plain = scene.conventions != Conventions::default();
         let features = RayCasterFeatures {
             field,
             compositing: scene.compositing,
@@ -108,7 +109,9 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
             // wanted, so nothing is skipped.
             skip_empty: !transparent
                 && !constant
+                && !plain
                 && transfer_function.may_be_transparent_between(least, most),
+            plain,
         };
         let kernel = Kernel::RayCaster { scene, features };
         let reason = "a classified volume is rendered by compositing samples one step apart";

@@ -50,6 +50,9 @@ pub struct RayCasterFeatures {
     pub shadow: bool,
     /// Empty-space skipping: samples in transparent blocks are not taken.
     pub skip_empty: bool,
+    /// Other conventions than volref's: the plain ray caster of [`crate::reference`], which knows
+    /// them all, compiled for none of the features above.
+    pub plain: bool,
 }
 
 /// Features that the kernels for surfaces and participating media are compiled for.
@@ -160,6 +163,11 @@ impl fmt::Display for RayCasterFeatures {
                 "every sample"
             },
         ];
-        write!(f, ", {}", words.join(", "))
+        write!(f, ", {}", words.join(", "))?;
+        f.write_str(if self.plain {
+            ", other conventions"
+        } else {
+            ""
+        })
     }
 }

@@ -10,6 +10,7 @@ pub(super) fn headline(results: &[CaseResult], likely: &[Likeness]) -> String {
         return "Nothing was compared.".to_owned();
     }
     let undecided: Vec<_> = [
+        (summary.convention, "right under other conventions"),
         (summary.inconclusive, "inconclusive"),
         (summary.missing, "missing"),
         (
@@ -72,6 +73,7 @@ pub(super) fn symbol(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Pass => "✓",
         Verdict::Fail => "✗",
+        Verdict::Convention => "≈",
         Verdict::Inconclusive => "?",
         Verdict::Missing => "○",
         Verdict::Error => "!",

@@ -79,7 +79,7 @@ pub(super) fn predicted(
 
 /// The pixels of `film`, an image of panels of these widths, that are rendered with `detail`: the
 /// means over blocks are not among them.
-pub(super) fn pixels_of(film: &Film, panels: &[usize], detail: Detail) -> Film {
+pub(in crate::suite) fn pixels_of(film: &Film, panels: &[usize], detail: Detail) -> Film {
     let mut columns = Vec::new();
     let mut left = 0;
     for &width in panels {

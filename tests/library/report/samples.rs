@@ -71,6 +71,7 @@ pub fn result(name: &str, verdict: Verdict) -> CaseResult {
         gate: &Deterministic,
         reason: "no reason".to_owned(),
         notes: Vec::new(),
+        conventions: vec![],
         looks_like: Vec::new(),
         seconds: 0.0,
         work: Default::default(),

@@ -1,0 +1,76 @@
+//! Phong's model for a sample of a volume.
+
+use crate::geometry::Direction;
+use crate::math::powu;
+use crate::media::Phong;
+use crate::scene::{Conventions, LightColour};
+use glam::DVec3;
+
+/// A sample with its surroundings, for shading.
+pub struct ShadedSample {
+    /// Colour of the material.
+    pub colour: DVec3,
+    /// Gradient of the field, in any unit.
+    pub gradient: DVec3,
+    /// Direction to the light; `None` at the light itself.
+    pub to_light: Option<Direction>,
+    /// Direction to the eye.
+    pub to_eye: Direction,
+}
+
+/// Light that a sample sends to the eye.
+pub struct Shaded {
+    /// Ambient and diffuse part.
+    pub base: DVec3,
+    /// Highlight.
+    pub highlight: DVec3,
+}
+
+impl ShadedSample {
+    /// The sample lit by one white light. Its normal points against the gradient.
+    pub fn lit_by(&self, phong: &Phong, conventions: &Conventions) -> Shaded {
+        let without_highlight = |base| Shaded {
+            base,
+            highlight: DVec3::ZERO,
+        };
+        let ambient = self.tint(conventions.ambient_colour) * phong.ambient;
+        let Some(mut normal) = Direction::of(-self.gradient) else {
+            let is_ambient = conventions.flat_samples_ambient;
+            return without_highlight(if is_ambient { ambient } else { self.colour });
+        };
+        let Some(to_light) = self.to_light else {
+            return without_highlight(ambient);
+        };
+        if conventions.two_sided && normal.cosine_to(to_light) < 0.0 {
+            normal = -normal;
+        }
+        let cosine = normal.cosine_to(to_light);
+        if cosine <= 0.0 {
+            return without_highlight(ambient);
+        }
+        let base = match conventions.ambient_colour {
+            LightColour::Material => self.colour * (phong.ambient + phong.diffuse * cosine),
+            _ => ambient + self.colour * (phong.diffuse * cosine),
+        };
+        let highlight_cosine = if conventions.half_vector {
+            let half = Direction::of(*to_light + *self.to_eye);
+            half.map_or(0.0, |half| normal.cosine_to(half))
+        } else {
+            let reflected = normal * (2.0 * cosine) - *to_light;
+            reflected.dot(*self.to_eye)
+        };
+        let highlight = phong.specular * powu(highlight_cosine.max(0.0), phong.shininess);
+        Shaded {
+            base,
+            highlight: self.tint(conventions.highlight_colour) * highlight,
+        }
+    }
+
+    fn tint(&self, colour: LightColour) -> DVec3 {
+        match colour {
+            LightColour::Material => self.colour,
+            LightColour::White => DVec3::ONE,
+            LightColour::Black => DVec3::ZERO,
+        }
+    }
+}

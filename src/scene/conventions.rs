@@ -1,0 +1,279 @@
+//! Conventions of ray casters: choices in which renderers of classified volumes differ without
+//! being wrong.
+//!
+//! The defaults are those of volref. Other conventions are rendered by the plain ray caster
+//! ([`crate::reference::ray_caster`]), so that another renderer can be compared with the right
+//! image *under its own conventions*.
+
+use super::SceneResult;
+use super::format::{Key, Kind, Range, Table};
+use super::reader::Reader;
+
+/// The declaration of `[classified.conventions]`.
+pub const CONVENTIONS: Table = Table::new("Choices in which ray casters differ without being wrong. Whatever is left out is as volref has it.").keys(&[
+    Key::or("first_sample", Kind::Number(Range::closed(0.0, 1.0)), "0.5")
+        .doc("Position of a sample within its step, in steps: 0 at its beginning, 0.5 in the middle, 1 at its end. So the first sample of a ray lies that far behind the front face."),
+    Key::or("jitter", Kind::Flag, "false")
+        .doc("Places the samples of each ray at a random `first_sample`, the same for all samples of the ray."),
+    Key::or("last_step", Kind::Choice(&LAST_STEPS), "'exact'")
+        .doc("Step cut off by the back face: counted over its true length, counted as a whole step, or dropped."),
+    Key::or("opacity", Kind::Choice(&OPACITIES), "'exact'")
+        .doc("Opacity over a step h, stated as a over h0: 1 - (1 - a)^(h/h0), or the linear min(1, a h/h0)."),
+    Key::or("classification", Kind::Choice(&CLASSIFICATIONS), "'post'")
+        .doc("Values are interpolated, then classified (post); or nodes are classified, and opacity and associated colour interpolated (pre)."),
+    Key::optional("table_size", Kind::Count(2, 1 << 16))
+        .doc("Entries of the table in which opacities and colours are looked up, from the first to the last point of the transfer function; from 0 to the largest density for the formula. If left out, they are evaluated at each value."),
+    Key::or("table_lookup", Kind::Choice(&TABLE_LOOKUPS), "'linear'")
+        .doc("Between the entries of the table: linear, or the nearest entry."),
+    Key::or("gradient", Kind::Choice(&GRADIENTS), "'central'")
+        .doc("Gradient for shading: central differences, forward differences or the 3 x 3 x 3 Sobel filter at the nodes, interpolated; the derivative of the trilinear interpolant; or central differences at the sample over 2 n/(n - 1) spacings, n the nodes of the axis, divided as if over two (texture): what steps of 1/(n - 1) in texture coordinates give."),
+    Key::or("normals", Kind::Choice(&NORMALS), "'interpolated'")
+        .doc("Gradients at the nodes are interpolated as they are, or normalised before that."),
+    Key::optional("normal_bits", Kind::Count(2, 16))
+        .doc("Bits of each component of a normal stored at the nodes, for [-1, 1]; normals are normalised at the nodes then. If left out, they are not rounded."),
+    Key::or("normal_space", Kind::Choice(&NORMAL_SPACES), "'world'")
+        .doc("Space in which the gradient is normalised: the world, or that with its components multiplied by the size of the volume along each axis (box)."),
+    Key::or("flat_samples", Kind::Choice(&FLAT_SAMPLES), "'unshaded'")
+        .doc("Samples without a gradient: their unshaded colour, or the ambient term alone."),
+    Key::or("ambient_colour", Kind::Choice(&COLOURS), "'material'")
+        .doc("Colour that the weight of the ambient term applies to: that of the material, white, or black."),
+    Key::or("highlight_colour", Kind::Choice(&COLOURS), "'white'")
+        .doc("Colour that the weight of the highlight applies to."),
+    Key::or("highlight_emission", Kind::Flag, "true")
+        .doc("Multiplies the highlight by the emission of the sample, d^2 by the formula, like the rest of its colour."),
+    Key::or("highlight", Kind::Choice(&HIGHLIGHTS), "'reflected'")
+        .doc("Cosine of the highlight: between the reflected light and the eye (Phong), or between the normal and the half vector (Blinn)."),
+    Key::or("head_light", Kind::Flag, "false")
+        .doc("Puts the light for shading at the eye."),
+    Key::or("two_sided", Kind::Flag, "false")
+        .doc("Turns normals towards the light."),
+    Key::or("clamped_samples", Kind::Flag, "false")
+        .doc("Clamps the radiance of each sample, shaded, to 1 before it is composited."),
+    Key::or("precision", Kind::Choice(&PRECISIONS), "'f64'")
+        .doc("Numbers that hold the composited colour and opacity of a ray: floating point of 64, 32 or 16 bits, or 8 bits for [0, 1]."),
+    Key::or("pixel", Kind::Choice(&PIXELS), "'centre'")
+        .doc("Point of a pixel that its ray passes: its centre, or its upper left corner."),
+]);
+
+const LAST_STEPS: [&str; 3] = ["exact", "whole", "dropped"];
+const OPACITIES: [&str; 2] = ["exact", "linear"];
+const CLASSIFICATIONS: [&str; 2] = ["post", "pre"];
+const TABLE_LOOKUPS: [&str; 2] = ["linear", "nearest"];
+const GRADIENTS: [&str; 5] = ["central", "forward", "sobel", "interpolant", "texture"];
+const NORMALS: [&str; 2] = ["interpolated", "normalised"];
+const NORMAL_SPACES: [&str; 2] = ["world", "box"];
+const FLAT_SAMPLES: [&str; 2] = ["unshaded", "ambient"];
+const COLOURS: [&str; 3] = ["material", "white", "black"];
+const HIGHLIGHTS: [&str; 2] = ["reflected", "half-vector"];
+const PRECISIONS: [&str; 4] = ["f64", "f32", "f16", "u8"];
+const PIXELS: [&str; 2] = ["centre", "corner"];
+
+/// Conventions of a ray caster; by default those of volref.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conventions {
+    /// Position of a sample within its step, in steps, in [0, 1].
+    pub first_sample: f64,
+    /// A random `first_sample` for each ray.
+    pub jitter: bool,
+    /// Step cut off by the back face.
+    pub last_step: LastStep,
+    /// Linear instead of exact opacity over a step.
+    pub linear_opacity: bool,
+    /// Nodes are classified before interpolation.
+    pub preclassified: bool,
+    /// Entries of the table of the transfer function, if there is one.
+    pub table_size: Option<u32>,
+    /// The nearest entry of the table, instead of linear interpolation.
+    pub nearest_entry: bool,
+    /// Gradient for shading.
+    pub gradient: Gradient,
+    /// Gradients are normalised at the nodes, before interpolation.
+    pub normalised_at_nodes: bool,
+    /// Bits of a component of a stored normal.
+    pub normal_bits: Option<u32>,
+    /// Gradients are normalised after their components are multiplied by the size of the volume.
+    pub box_space_normals: bool,
+    /// Samples without a gradient get the ambient term alone.
+    pub flat_samples_ambient: bool,
+    /// Colour of the ambient term.
+    pub ambient_colour: LightColour,
+    /// Colour of the highlight.
+    pub highlight_colour: LightColour,
+    /// Whether the highlight is multiplied by the emission of the sample.
+    pub highlight_emission: bool,
+    /// Half vector instead of the reflected light.
+    pub half_vector: bool,
+    /// The light for shading is at the eye.
+    pub head_light: bool,
+    /// Normals point towards the light.
+    pub two_sided: bool,
+    /// Radiances of samples are clamped to 1.
+    pub clamped_samples: bool,
+    /// Numbers that hold the composited colour and opacity.
+    pub precision: Precision,
+    /// Rays pass the upper left corner of their pixel.
+    pub pixel_corner: bool,
+}
+
+/// Treatment of the step that is cut off by the back face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LastStep {
+    /// Counted over its true length.
+    Exact,
+    /// Every sample inside the volume counts as a whole step.
+    Whole,
+    /// Dropped.
+    Dropped,
+}
+
+/// Gradient for shading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gradient {
+    /// Central differences at the nodes.
+    Central,
+    /// Forward differences at the nodes.
+    Forward,
+    /// The 3 × 3 × 3 Sobel filter at the nodes.
+    Sobel,
+    /// Derivative of the trilinear interpolant at the sample.
+    Interpolant,
+    /// Central differences at the sample over `2n/(n − 1)` spacings, `n` the nodes of an axis, divided
+    /// as if over two.
+    Texture,
+}
+
+/// Colour that the weight of a term of the shading applies to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightColour {
+    /// That of the sample.
+    Material,
+    /// White.
+    White,
+    /// Black: the term is absent.
+    Black,
+}
+
+/// Numbers that hold the composited colour and opacity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// 64 bits.
+    F64,
+    /// 32 bits.
+    F32,
+    /// 16 bits, IEEE half precision.
+    F16,
+    /// 8 bits for [0, 1]; values outside are clamped.
+    U8,
+}
+
+impl Default for Conventions {
+    fn default() -> Conventions {
+        Conventions {
+            first_sample: 0.5,
+            jitter: false,
+            last_step: LastStep::Exact,
+            linear_opacity: false,
+            preclassified: false,
+            table_size: None,
+            nearest_entry: false,
+            gradient: Gradient::Central,
+            normalised_at_nodes: false,
+            normal_bits: None,
+            box_space_normals: false,
+            flat_samples_ambient: false,
+            ambient_colour: LightColour::Material,
+            highlight_colour: LightColour::White,
+            highlight_emission: true,
+            half_vector: false,
+            head_light: false,
+            two_sided: false,
+            clamped_samples: false,
+            precision: Precision::F64,
+            pixel_corner: false,
+        }
+    }
+}
+
+impl Conventions {
+    /// Reads the table, in the order of its declaration.
+    pub fn read(reader: &Reader) -> SceneResult<Conventions> {
+        use {Gradient::*, LastStep::*, LightColour::*, Precision::*};
+        let word = |name: &str, words: &[&str]| -> SceneResult<usize> {
+            let text = reader.text(name)?;
+            let index = words.iter().position(|word| *word == text);
+            Ok(index.expect("one of the declared words"))
+        };
+        let is_second = |name: &str, words: &[&str; 2]| word(name, words).map(|index| index == 1);
+        let read = Conventions {
+            first_sample: reader.number("first_sample")?,
+            jitter: reader.flag("jitter")?,
+            last_step: [Exact, Whole, Dropped][word("last_step", &LAST_STEPS)?],
+            linear_opacity: is_second("opacity", &OPACITIES)?,
+            preclassified: is_second("classification", &CLASSIFICATIONS)?,
+            table_size: reader.optional_count("table_size")?.map(|size| size as u32),
+            nearest_entry: is_second("table_lookup", &TABLE_LOOKUPS)?,
+            gradient: [Central, Forward, Sobel, Interpolant, Texture]
+                [word("gradient", &GRADIENTS)?],
+            normalised_at_nodes: is_second("normals", &NORMALS)?,
+            normal_bits: reader
+                .optional_count("normal_bits")?
+                .map(|bits| bits as u32),
+            box_space_normals: is_second("normal_space", &NORMAL_SPACES)?,
+            flat_samples_ambient: is_second("flat_samples", &FLAT_SAMPLES)?,
+            ambient_colour: [Material, White, Black][word("ambient_colour", &COLOURS)?],
+            highlight_colour: [Material, White, Black][word("highlight_colour", &COLOURS)?],
+            highlight_emission: reader.flag("highlight_emission")?,
+            half_vector: is_second("highlight", &HIGHLIGHTS)?,
+            head_light: reader.flag("head_light")?,
+            two_sided: reader.flag("two_sided")?,
+            clamped_samples: reader.flag("clamped_samples")?,
+            precision: [F64, F32, F16, U8][word("precision", &PRECISIONS)?],
+            pixel_corner: is_second("pixel", &PIXELS)?,
+        };
+        read.check(reader)?;
+        Ok(read)
+    }
+
+    /// Refuses keys without effect beside others.
+    fn check(&self, reader: &Reader) -> SceneResult<()> {
+        let stored = matches!(
+            self.gradient,
+            Gradient::Central | Gradient::Forward | Gradient::Sobel
+        );
+        let contradictions = [
+            (
+                "first_sample",
+                self.jitter,
+                "with `jitter` the place of the first sample is random: leave one of them out",
+            ),
+            (
+                "table_lookup",
+                self.table_size.is_none(),
+                "there is no table to look up: give `table_size`, its number of entries",
+            ),
+            (
+                "normals",
+                !stored,
+                "this gradient is not stored at the nodes: leave `normals` out",
+            ),
+            (
+                "normal_bits",
+                !stored,
+                "this gradient is not stored at the nodes: leave `normal_bits` out",
+            ),
+            (
+                "table_size",
+                self.preclassified,
+                "with `classification = \"pre\"` nodes are classified without a table: leave \
+                 `table_size` out",
+            ),
+        ];
+        match contradictions
+            .into_iter()
+            .find(|(key, is_wrong, _)| *is_wrong && reader.has(key))
+        {
+            Some((key, _, message)) => Err(reader.error(key, message)),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,586 @@
+//! The conventions behind an image that differs from the golden of a classified volume.
+//!
+//! An image that agrees with the golden under other [conventions](crate::scene::Conventions) is not
+//! wrong. They are found one after the other, on few pixels: each time the one of the
+//! [catalogue](CATALOGUE) that brings the right image nearest to the test image. Once the whole image,
+//! rendered under all that were found, agrees, those that it agrees without are left out again.
+//! Nothing is claimed without that.
+
+use super::Case;
+use super::likeness::pixels_of;
+use crate::compare::deterministic::tolerance;
+use crate::compare::{Conditions, Picture, default_gate, judge};
+use crate::film::Film;
+use crate::math::Sum;
+use crate::render::{Detail, Sampling, plans, render_coarse};
+use crate::scene::{
+    Classified, Compositing, Gradient, LastStep, LightColour, Model, Precision, Scene,
+};
+use std::sync::Mutex;
+use std::time::Instant;
+
+/// A convention other than volref's.
+#[derive(Clone, Copy, Debug)]
+pub struct Convention {
+    /// In a sentence about the renderer: "it …".
+    pub words: &'static str,
+    /// The choice it answers: no two of one choice apply together.
+    choice: Choice,
+    /// Whether it is claimed by itself. What is also a mistake of the catalogue is not.
+    stands_alone: bool,
+    edit: fn(&mut Classified),
+}
+
+/// A choice that a renderer has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Choice {
+    FirstSample,
+    LastStep,
+    EarlyEnd,
+    Step,
+    Opacity,
+    Classification,
+    Gradient,
+    Normals,
+    NormalSpace,
+    FlatSamples,
+    Ambient,
+    HighlightColour,
+    HighlightEmission,
+    Highlight,
+    Light,
+    Sides,
+    Range,
+    Precision,
+    Pixel,
+}
+
+/// The number of samples of a ray stays below a billion.
+fn finer(scene: &mut Classified, factor: f64) {
+    scene.step *= factor;
+}
+
+fn ended(scene: &mut Classified, threshold: f64) {
+    // Back to front is the same image, and a renderer that ends rays goes front to back.
+    scene.compositing = Compositing::EarlyTermination(threshold);
+}
+
+const fn convention(choice: Choice, words: &'static str, edit: fn(&mut Classified)) -> Convention {
+    Convention {
+        words,
+        choice,
+        stands_alone: true,
+        edit,
+    }
+}
+
+const fn beside_others(convention: Convention) -> Convention {
+    Convention {
+        stands_alone: false,
+        ..convention
+    }
+}
+
+/// The conventions that are looked for.
+pub const CATALOGUE: &[Convention] = &[
+    // Where the border is empty, both of these give the same image.
+    convention(
+        Choice::FirstSample,
+        "takes the first sample of a ray a whole step in",
+        |scene| {
+            scene.conventions.first_sample = 1.0;
+        },
+    ),
+    convention(
+        Choice::FirstSample,
+        "takes the first sample of a ray on the front face",
+        |scene| {
+            scene.conventions.first_sample = 0.0;
+        },
+    ),
+    convention(
+        Choice::LastStep,
+        "counts the last step of a ray as a whole one",
+        |scene| {
+            scene.conventions.last_step = LastStep::Whole;
+        },
+    ),
+    convention(
+        Choice::LastStep,
+        "drops the last step of a ray where it is not a whole one",
+        |scene| {
+            scene.conventions.last_step = LastStep::Dropped;
+        },
+    ),
+    convention(
+        Choice::EarlyEnd,
+        "ends rays at a transmittance of 0.001",
+        |scene| ended(scene, 0.001),
+    ),
+    convention(
+        Choice::EarlyEnd,
+        "ends rays at a transmittance of 1/255",
+        |scene| ended(scene, 1.0 / 255.0),
+    ),
+    convention(
+        Choice::EarlyEnd,
+        "ends rays at a transmittance of 0.01",
+        |scene| ended(scene, 0.01),
+    ),
+    convention(
+        Choice::EarlyEnd,
+        "ends rays at a transmittance of 0.05",
+        |scene| ended(scene, 0.05),
+    ),
+    convention(Choice::Step, "takes steps of half the length", |scene| {
+        finer(scene, 0.5)
+    }),
+    convention(
+        Choice::Step,
+        "takes steps of a quarter of the length",
+        |scene| finer(scene, 0.25),
+    ),
+    convention(
+        Choice::Step,
+        "takes steps of an eighth of the length",
+        |scene| finer(scene, 0.125),
+    ),
+    beside_others(convention(
+        Choice::Step,
+        "takes steps of twice the length",
+        |scene| finer(scene, 2.0),
+    )),
+    convention(
+        Choice::Opacity,
+        "takes opacity in proportion to the step",
+        |scene| {
+            scene.conventions.linear_opacity = true;
+        },
+    ),
+    convention(
+        Choice::Classification,
+        "classifies nodes before it interpolates",
+        |scene| {
+            scene.conventions.preclassified = true;
+        },
+    ),
+    convention(
+        Choice::Classification,
+        "looks colours and opacities up in a table of 256 entries, the nearest one",
+        |scene| {
+            table(scene, 256, true);
+        },
+    ),
+    convention(
+        Choice::Classification,
+        "looks colours and opacities up in a table of 256 entries, interpolated",
+        |scene| {
+            table(scene, 256, false);
+        },
+    ),
+    convention(
+        Choice::Classification,
+        "looks colours and opacities up in a table of 1024 entries, the nearest one",
+        |scene| {
+            table(scene, 1024, true);
+        },
+    ),
+    convention(
+        Choice::Classification,
+        "looks colours and opacities up in a table of 64 entries, interpolated",
+        |scene| {
+            table(scene, 64, false);
+        },
+    ),
+    convention(
+        Choice::Gradient,
+        "takes forward differences for gradients",
+        |scene| {
+            scene.conventions.gradient = Gradient::Forward;
+        },
+    ),
+    convention(
+        Choice::Gradient,
+        "takes gradients by Sobel's filter",
+        |scene| {
+            scene.conventions.gradient = Gradient::Sobel;
+        },
+    ),
+    convention(
+        Choice::Gradient,
+        "takes the derivative of the trilinear interpolant for the gradient",
+        |scene| {
+            scene.conventions.gradient = Gradient::Interpolant;
+        },
+    ),
+    convention(
+        Choice::Gradient,
+        "takes differences over n/(n - 1) spacings at the sample for the gradient",
+        |scene| {
+            scene.conventions.gradient = Gradient::Texture;
+        },
+    ),
+    convention(
+        Choice::Normals,
+        "normalises gradients at the nodes, before it interpolates them",
+        |scene| {
+            scene.conventions.normalised_at_nodes = true;
+        },
+    ),
+    convention(
+        Choice::Normals,
+        "stores normals with 8 bits to a component",
+        |scene| {
+            scene.conventions.normal_bits = Some(8);
+        },
+    ),
+    convention(
+        Choice::NormalSpace,
+        "stretches normals by the proportions of the volume",
+        |scene| {
+            scene.conventions.box_space_normals = true;
+        },
+    ),
+    convention(
+        Choice::FlatSamples,
+        "gives samples without a gradient ambient light only",
+        |scene| {
+            scene.conventions.flat_samples_ambient = true;
+        },
+    ),
+    convention(
+        Choice::Ambient,
+        "gives ambient light a colour of its own, white",
+        |scene| {
+            scene.conventions.ambient_colour = LightColour::White;
+        },
+    ),
+    beside_others(convention(
+        Choice::Ambient,
+        "gives ambient light a colour of its own, black",
+        |scene| {
+            scene.conventions.ambient_colour = LightColour::Black;
+        },
+    )),
+    convention(
+        Choice::HighlightColour,
+        "gives highlights the colour of the material",
+        |scene| {
+            scene.conventions.highlight_colour = LightColour::Material;
+        },
+    ),
+    beside_others(convention(
+        Choice::HighlightColour,
+        "has no highlights",
+        |scene| {
+            scene.conventions.highlight_colour = LightColour::Black;
+        },
+    )),
+    convention(
+        Choice::HighlightEmission,
+        "leaves the emission of a sample out of its highlight",
+        |scene| {
+            scene.conventions.highlight_emission = false;
+        },
+    ),
+    convention(
+        Choice::Highlight,
+        "takes highlights by the half vector (Blinn)",
+        |scene| {
+            scene.conventions.half_vector = true;
+        },
+    ),
+    beside_others(convention(
+        Choice::Light,
+        "has its light at the eye",
+        |scene| {
+            scene.conventions.head_light = true;
+        },
+    )),
+    convention(Choice::Sides, "lights both sides of a surface", |scene| {
+        scene.conventions.two_sided = true;
+    }),
+    convention(
+        Choice::Range,
+        "clamps the radiance of each sample to 1",
+        |scene| {
+            scene.conventions.clamped_samples = true;
+        },
+    ),
+    convention(Choice::Precision, "composites in half precision", |scene| {
+        scene.conventions.precision = Precision::F16;
+    }),
+    convention(Choice::Precision, "composites in 8 bits", |scene| {
+        scene.conventions.precision = Precision::U8;
+    }),
+    convention(
+        Choice::Pixel,
+        "casts rays through the corners of pixels",
+        |scene| {
+            scene.conventions.pixel_corner = true;
+        },
+    ),
+];
+
+fn table(scene: &mut Classified, size: u32, nearest: bool) {
+    scene.conventions.table_size = Some(size);
+    scene.conventions.nearest_entry = nearest;
+}
+
+/// How an image agrees with the right one under other conventions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Agreement {
+    /// It passes the gate.
+    Full,
+    /// All but this share of the pixels are within the tolerance, and none is far off.
+    ButFor(f64),
+}
+
+impl Agreement {
+    /// Share of the pixels that are left.
+    fn rest(self) -> f64 {
+        match self {
+            Agreement::Full => 0.0,
+            Agreement::ButFor(share) => share,
+        }
+    }
+}
+
+/// The conventions behind an image.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Explained {
+    /// The conventions.
+    pub set: ConventionSet,
+    /// What is left under them.
+    pub agreement: Agreement,
+}
+
+/// Indices in the [`CATALOGUE`], rising.
+pub type ConventionSet = Vec<usize>;
+
+/// A set as words, in the order of the catalogue.
+pub fn in_words(set: &[usize]) -> Vec<&'static str> {
+    set.iter().map(|&index| CATALOGUE[index].words).collect()
+}
+
+/// `scene` under the conventions of `set`.
+pub fn under(scene: &Scene, set: &[usize]) -> Scene {
+    let mut scene = scene.clone();
+    for panel in &mut scene.panels {
+        if let Model::Classified(classified) = &mut panel.model {
+            for &index in set {
+                (CATALOGUE[index].edit)(classified);
+            }
+        }
+    }
+    scene
+}
+
+/// Conventions taken together, at most. VTK, as it comes, has eight of the catalogue.
+const MOST_TOGETHER: usize = 9;
+
+/// A further convention has to remove this share of what is left; a convention of the renderer that
+/// removes less leaves an image that passes without it, or another one comes first.
+const LEAST_GAIN: f64 = 0.03;
+
+/// A difference counts by at most this many tolerances: a few pixels at an edge, far off, do not
+/// decide for the whole image.
+const CAP: f64 = 20.0;
+
+/// Share of the pixels of the lattice outside of the tolerance, at most, where the whole image is
+/// rendered to see whether it passes. The gate allows 0.02 %; a lattice of few pixels may have met more
+/// of them.
+const MOST_OUTSIDE: f64 = 0.005;
+
+/// Share of the pixels that may be outside of the tolerance under the conventions of a renderer, and
+/// still be called rounding: five times what the gate allows. Renderers for graphics cards
+/// compute in single precision, and highlights of an exponent of 32 magnify a normal that is off by a
+/// thousandth to more than the tolerance of 1 %: VTK, as it comes, has 18 to 38 such pixels of 65,536.
+const MOST_ROUNDED: f64 = 1e-3;
+
+/// Pixels of the lattice on which sets are compared, about.
+const LATTICE: usize = 1024;
+
+/// The search for the conventions behind images, with the sets that were found so far: what
+/// explains one image is tried first in the next.
+#[derive(Debug, Default)]
+pub struct ConventionSearch {
+    known: Mutex<Vec<ConventionSet>>,
+}
+
+impl ConventionSearch {
+    /// The fewest conventions, of those tried, under which `test` passes as an image of `case`; `None` if there are none, or if the time is over.
+    pub fn explain(
+        &self,
+        case: &Case,
+        scene: &Scene,
+        test: &Picture,
+        end: Option<Instant>,
+    ) -> Option<Explained> {
+        let is_classified = |model: &Model| matches!(model, Model::Classified(_));
+        if !scene.panels.iter().all(|panel| is_classified(&panel.model)) {
+            return None;
+        }
+        let attempt = Attempt {
+            case,
+            scene,
+            test,
+            end,
+        };
+        let known = self.known.lock().expect("no panic holds it").clone();
+        let explained = known.into_iter().find_map(|set| {
+            let agreement = attempt.agreement(&set)?;
+            Some(Explained { set, agreement })
+        });
+        if explained.is_some() {
+            return explained;
+        }
+        let found = attempt.search()?;
+        self.known
+            .lock()
+            .expect("no panic holds it")
+            .push(found.set.clone());
+        Some(found)
+    }
+}
+
+/// The search in one image.
+struct Attempt<'a> {
+    case: &'a Case,
+    scene: &'a Scene,
+    test: &'a Picture,
+    end: Option<Instant>,
+}
+
+impl Attempt<'_> {
+    fn is_over(&self) -> bool {
+        self.end.is_some_and(|end| Instant::now() >= end)
+    }
+
+    /// The image under the conventions of `set`.
+    fn image(&self, set: &[usize], detail: Detail) -> Option<Film> {
+        let scene = under(self.scene, set);
+        let sampling = Sampling::default();
+        render_coarse(&plans(&scene), sampling, detail, &|| self.is_over()).ok()
+    }
+
+    /// How the test image agrees with the image under the conventions of `set`, if it does.
+    fn agreement(&self, set: &[usize]) -> Option<Agreement> {
+        let image = self.image(set, Detail::Whole)?;
+        let misfit = self.test.radiance().map(|test| Misfit::of(&image, test));
+        let conditions = Conditions {
+            exposure: self.case.exposure,
+            cases: 1,
+            visible_bias: None,
+        };
+        let right = Picture::Radiance(image);
+        let (gate, _) = default_gate(&right, self.test);
+        let judgement = judge(gate, &right, self.test, &conditions).ok()?;
+        if judgement.passed {
+            return Some(Agreement::Full);
+        }
+        let misfit = misfit.filter(|misfit| misfit.outside <= MOST_ROUNDED && misfit.worst <= CAP);
+        misfit.map(|misfit| Agreement::ButFor(misfit.outside))
+    }
+
+    fn search(&self) -> Option<Explained> {
+        let test = self.test.radiance()?;
+        let widths: Vec<usize> = self.scene.panels.iter().map(|panel| panel.width).collect();
+        let pixels = test.width() * test.height();
+        let detail = match (pixels / LATTICE).isqrt() {
+            0 | 1 => Detail::Whole,
+            every => Detail::Lattice(every),
+        };
+        let seen = pixels_of(test, &widths, detail);
+        let misfit = |set: &[usize]| Some(Misfit::of(&self.image(set, detail)?, &seen));
+        let (mut set, mut left) = (ConventionSet::new(), misfit(&[])?);
+        let mut found: Option<Explained> = None;
+        while set.len() < MOST_TOGETHER {
+            let mut best: Option<(Misfit, ConventionSet)> = None;
+            for (index, convention) in CATALOGUE.iter().enumerate() {
+                if set
+                    .iter()
+                    .any(|&chosen| CATALOGUE[chosen].choice == convention.choice)
+                {
+                    continue;
+                }
+                let mut longer = set.clone();
+                longer.push(index);
+                longer.sort_unstable();
+                let misfit = misfit(&longer)?;
+                let limit = best
+                    .as_ref()
+                    .map_or((1.0 - LEAST_GAIN) * left.mean_square, |(best, _)| {
+                        best.mean_square
+                    });
+                if misfit.mean_square < limit {
+                    best = Some((misfit, longer));
+                }
+            }
+            let Some(best) = best else { break };
+            (left, set) = best;
+            if left.outside <= MOST_OUTSIDE
+                && let Some(agreement) = self.agreement(&set)
+            {
+                let set = set.clone();
+                found = Some(Explained { set, agreement });
+                if agreement == Agreement::Full {
+                    break;
+                }
+            }
+        }
+        self.needed(found?)
+    }
+
+    /// Without the conventions that the image agrees as well without; `None` if no more than one is
+    /// left that does not stand alone.
+    fn needed(&self, mut found: Explained) -> Option<Explained> {
+        let mut index = 0;
+        while index < found.set.len() {
+            let mut set = found.set.clone();
+            set.remove(index);
+            match self.agreement(&set) {
+                Some(agreement) if agreement.rest() <= found.agreement.rest() => {
+                    found = Explained { set, agreement };
+                }
+                _ => index += 1,
+            }
+        }
+        let stands = |index: &usize| CATALOGUE[*index].stands_alone;
+        let is_claimed = found.set.len() > 1 || found.set.iter().all(stands);
+        (is_claimed && !found.set.is_empty()).then_some(found)
+    }
+}
+
+/// Difference of two images in tolerances of the deterministic gate; of a pixel, that of its worst
+/// channel counts.
+struct Misfit {
+    /// Mean over the pixels of its square.
+    mean_square: f64,
+    /// Share of the pixels that are off by more than one tolerance.
+    outside: f64,
+    /// Of the worst pixel.
+    worst: f64,
+}
+
+impl Misfit {
+    fn of(right: &Film, test: &Film) -> Misfit {
+        let (mut sum, mut outside, mut largest) = (Sum::default(), 0, 0.0_f64);
+        for (right, test) in right.radiance().iter().zip(test.radiance()) {
+            let channels = right.iter().zip(test);
+            let worst = channels.fold(0.0_f64, |worst, (&right, &test)| {
+                let (right, test) = (f64::from(right), f64::from(test));
+                worst.max((test - right).abs() / tolerance(right))
+            });
+            sum.add(worst.min(CAP) * worst.min(CAP));
+            outside += usize::from(worst > 1.0);
+            largest = largest.max(worst);
+        }
+        let pixels = right.radiance().len() as f64;
+        Misfit {
+            mean_square: sum.value() / pixels,
+            outside: outside as f64 / pixels,
+            worst: largest,
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Profiles: the conventions of another renderer, under which its images are judged.
+
+use crate::regular_file;
+use crate::scene::format::{Key, Kind, Range, Table};
+use crate::scene::reader::{Document, Reader};
+use crate::scene::{CONVENTIONS, Classified, Compositing, Conventions, Model, Scene, SceneResult};
+use std::cell::RefCell;
+use std::path::Path;
+
+/// The declaration of a profile.
+pub const PROFILE: Table = Table::new("Conventions of another renderer of classified volumes.")
+    .keys(&[
+    Key::required("name", Kind::Text).doc("Renderer, with its version."),
+    Key::optional("source", Kind::Text).doc("Document or code that states the conventions."),
+    Key::optional("early_termination", Kind::Number(Range::open(0.0, 1.0))).doc(
+        "Ends a ray where its transmittance falls below this value. If left out, as in the scene.",
+    ),
+    Key::optional("conventions", Kind::Table(&CONVENTIONS)).doc("Conventions, as in a scene."),
+]);
+
+/// The profiles that volref brings, by name.
+const SHIPPED: [(&str, &str); 2] = [
+    ("anari", include_str!("profiles/anari.toml")),
+    ("vtk", include_str!("profiles/vtk.toml")),
+];
+
+/// Longest profile read: 64 KiB, a hundred times what one needs.
+const MOST_BYTES: u64 = 1 << 16;
+
+/// Conventions of a renderer of classified volumes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// Renderer, with its version.
+    pub name: String,
+    early_termination: Option<f64>,
+    conventions: Conventions,
+}
+
+impl Profile {
+    /// Names of the profiles that volref brings.
+    pub fn shipped() -> impl Iterator<Item = &'static str> {
+        SHIPPED.into_iter().map(|(name, _)| name)
+    }
+
+    /// The profile that volref brings under this name, else the one in the file of this name.
+    pub fn named(name: &str) -> SceneResult<Profile> {
+        if let Some((_, text)) = SHIPPED.iter().find(|(shipped, _)| *shipped == name) {
+            return Profile::parse(text, name);
+        }
+        let nowhere = Document {
+            path: name,
+            text: "",
+        };
+        let bytes = regular_file::read(Path::new(name), MOST_BYTES).map_err(|error| {
+            let shipped: Vec<&str> = Profile::shipped().collect();
+            let help = format!(
+                "give a file, or one of the profiles that volref brings: {}",
+                shipped.join(", ")
+            );
+            let message = format!("cannot read the profile: {error}");
+            nowhere.error(None, message, Some(help))
+        })?;
+        let text = String::from_utf8(bytes).map_err(|_| {
+            let message = "the profile is not UTF-8 text".to_owned();
+            nowhere.error(None, message, None)
+        })?;
+        Profile::parse(&text, name)
+    }
+
+    fn parse(text: &str, path: &str) -> SceneResult<Profile> {
+        let document = Document { path, text };
+        let root = document.parse()?;
+        let log = RefCell::default();
+        let reader = Reader::new(&document, &PROFILE, &root, &log)?;
+        let name = reader.text("name")?;
+        let early_termination = reader.optional_number("early_termination")?;
+        let conventions = reader.table("conventions")?;
+        let conventions = conventions
+            .map(|reader| Conventions::read(&reader))
+            .transpose()?;
+        Ok(Profile {
+            name,
+            early_termination,
+            conventions: conventions.unwrap_or_default(),
+        })
+    }
+
+    /// `scene` under the conventions of the profile; `None` if it has no classified volume. Fails if
+    /// the scene states conventions of its own.
+    pub fn applied_to(&self, scene: &Scene) -> Result<Option<Scene>, String> {
+        let mut scene = scene.clone();
+        let mut is_classified = false;
+        for panel in &mut scene.panels {
+            if let Model::Classified(classified) = &mut panel.model {
+                self.apply(classified)?;
+                is_classified = true;
+            }
+        }
+        Ok(is_classified.then_some(scene))
+    }
+
+    fn apply(&self, scene: &mut Classified) -> Result<(), String> {
+        let own = scene.conventions;
+        if own != Conventions::default() && own != self.conventions {
+            return Err(format!(
+                "the profile {:?} contradicts the scene, which states its own \
+                 [classified.conventions]; judge this case without --as",
+                self.name
+            ));
+        }
+        scene.conventions = self.conventions;
+        if let Some(threshold) = self.early_termination {
+            // Back to front is the same image, and a renderer that ends rays goes front to back.
+            scene.compositing = Compositing::EarlyTermination(threshold);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,332 @@
+//! Conventions of other ray casters.
+
+use crate::ray_caster::scenes::{PHONG, plain};
+use glam::DVec3;
+use std::sync::Arc;
+use volref::media::{Appearance, Phong, TransferPoint, TransferPoints};
+use volref::reference::ray_caster::RayCaster;
+use volref::scene::{Classified, Conventions, Gradient, LastStep, LightColour, Precision, Scene};
+use volref::volume::{Grid, Lattice};
+
+/// The scene of `values` at the nodes of a lattice of 3 × 3 × 3, over the unit cube, with opacity
+/// 1 − 2^−value over a length of 1, clamped to [0, 1], and white.
+fn scene(value: impl Fn([usize; 3]) -> f64) -> Classified {
+    let lattice = Lattice::new([3; 3], DVec3::splat(0.5), DVec3::ZERO).unwrap();
+    let values = (0..27).map(|index| value(lattice.node(index)) as f32);
+    let grid = Arc::new(Grid::new(lattice, values.collect()).unwrap());
+    let mut scene = plain(grid);
+    let point = |value: f64| TransferPoint {
+        value,
+        opacity: value,
+        colour: DVec3::new(1.0, 0.5, 0.25),
+    };
+    let points = TransferPoints::new(vec![point(0.0), point(1.0)]).unwrap();
+    scene.transfer_function.appearance = Appearance::Points(points);
+    scene.transfer_function.reference_length = 1.0;
+    scene
+}
+
+/// Red and opacity of the ray through the middle of the front face, under `conventions`.
+fn seen(scene: &Classified, conventions: Conventions) -> [f64; 2] {
+    let mut scene = scene.clone();
+    scene.conventions = conventions;
+    let [red, _, _, opacity] = RayCaster::new(&scene).pixel([0, 0], [1, 1]);
+    [red.into(), opacity.into()]
+}
+
+/// A pixel is stored in 32 bits.
+const ROUNDING: f64 = f32::EPSILON as f64;
+
+/// Transmittance of a uniform volume along a span of length 1, counted by hand.
+#[test]
+fn steps_and_opacities_of_a_uniform_volume() {
+    let mut scene = scene(|_| 0.5);
+    scene.step = 0.3;
+    let standard = Conventions::default();
+    let with = |first_sample, last_step| Conventions {
+        first_sample,
+        last_step,
+        ..standard
+    };
+    let linear = Conventions {
+        linear_opacity: true,
+        ..standard
+    };
+    let half: f64 = 0.5;
+    for (conventions, transmittance) in [
+        (standard, half),
+        (with(0.0, LastStep::Whole), half.powf(1.2)),
+        (with(0.5, LastStep::Whole), half.powf(0.9)),
+        (with(1.0, LastStep::Whole), half.powf(0.9)),
+        (with(0.5, LastStep::Dropped), half.powf(0.9)),
+        (linear, 0.85_f64.powi(3) * 0.95),
+    ] {
+        let [red, opacity] = seen(&scene, conventions);
+        assert!(
+            (opacity - (1.0 - transmittance)).abs() < ROUNDING,
+            "{conventions:?}"
+        );
+        assert!((red - opacity).abs() < ROUNDING);
+    }
+}
+
+/// Samples of a ramp at the beginning or the end of their steps.
+#[test]
+fn samples_at_the_beginning_and_the_end_of_steps() {
+    let mut scene = scene(|[_, _, k]| 0.5 * k as f64);
+    scene.step = 0.25;
+    for (first_sample, places) in [
+        (0.0, [0.0, 0.25, 0.5, 0.75]),
+        (0.5, [0.125, 0.375, 0.625, 0.875]),
+        (1.0, [0.25, 0.5, 0.75, 1.0]),
+    ] {
+        let passed = places.map(|z: f64| (1.0 - z).powf(0.25));
+        let conventions = Conventions {
+            first_sample,
+            ..Conventions::default()
+        };
+        let [_, opacity] = seen(&scene, conventions);
+        let expected = 1.0 - passed.iter().product::<f64>();
+        assert!((opacity - expected).abs() < ROUNDING, "{first_sample}");
+    }
+}
+
+/// A table of two entries is the straight line of two points; by nearest entry it is a step.
+#[test]
+fn tables() {
+    let scene = scene(|_| 0.25);
+    let table = |table_size, nearest_entry| Conventions {
+        table_size: Some(table_size),
+        nearest_entry,
+        ..Conventions::default()
+    };
+    let exact = seen(&scene, Conventions::default());
+    assert_eq!(seen(&scene, table(2, false)), exact);
+    assert_eq!(seen(&scene, table(2, true)), [0.0, 0.0]);
+    // The nearest of 0, 1/3, 2/3 and 1.
+    let [_, opacity] = seen(&scene, table(4, true));
+    assert!((opacity - 1.0 / 3.0).abs() < ROUNDING);
+}
+
+/// Where the transfer function is a straight line, nodes may be classified first; where it is not,
+/// the pictures differ.
+#[test]
+fn preclassification() {
+    let scene = scene(|[i, j, k]| ((i + j + k) % 2) as f64);
+    let pre = Conventions {
+        preclassified: true,
+        ..Conventions::default()
+    };
+    let ([_, post], [_, before]) = (seen(&scene, Conventions::default()), seen(&scene, pre));
+    assert!((post - before).abs() < ROUNDING);
+    let mut bent = scene.clone();
+    let point = |value: f64, opacity: f64| TransferPoint {
+        value,
+        opacity,
+        colour: DVec3::ONE,
+    };
+    let points = vec![point(0.0, 0.0), point(0.5, 0.9), point(1.0, 0.0)];
+    bent.transfer_function.appearance = Appearance::Points(TransferPoints::new(points).unwrap());
+    assert_eq!(seen(&bent, pre), [0.0, 0.0]);
+    assert!(seen(&bent, Conventions::default())[1] > 0.3);
+}
+
+/// Every convention changes the picture of a shaded volume without symmetries.
+#[test]
+fn every_convention_is_heard() {
+    let standard = Conventions::default();
+    let mut scene = scene(|[i, j, k]| [0.1, 0.4, 0.9][i] * [0.9, 0.5, 0.1][j] * [0.3, 1.0, 0.6][k]);
+    scene.step = 0.13;
+    // A wide highlight, which every pixel has a part of.
+    let phong = Phong {
+        shininess: 2,
+        ..PHONG
+    };
+    scene.phong = Some(phong);
+    scene.light = DVec3::new(-2.0, 1.5, -1.0);
+    scene.transfer_function.appearance = crate::ray_caster::scenes::formula(0.36, "heat");
+    let others = [
+        Conventions {
+            first_sample: 1.0,
+            ..standard
+        },
+        Conventions {
+            jitter: true,
+            ..standard
+        },
+        Conventions {
+            last_step: LastStep::Whole,
+            ..standard
+        },
+        Conventions {
+            last_step: LastStep::Dropped,
+            ..standard
+        },
+        Conventions {
+            linear_opacity: true,
+            ..standard
+        },
+        Conventions {
+            preclassified: true,
+            ..standard
+        },
+        Conventions {
+            table_size: Some(16),
+            ..standard
+        },
+        Conventions {
+            table_size: Some(16),
+            nearest_entry: true,
+            ..standard
+        },
+        Conventions {
+            gradient: Gradient::Forward,
+            ..standard
+        },
+        Conventions {
+            gradient: Gradient::Sobel,
+            ..standard
+        },
+        Conventions {
+            gradient: Gradient::Interpolant,
+            ..standard
+        },
+        Conventions {
+            gradient: Gradient::Texture,
+            ..standard
+        },
+        Conventions {
+            normalised_at_nodes: true,
+            ..standard
+        },
+        Conventions {
+            normal_bits: Some(4),
+            ..standard
+        },
+        Conventions {
+            ambient_colour: LightColour::White,
+            ..standard
+        },
+        Conventions {
+            ambient_colour: LightColour::Black,
+            ..standard
+        },
+        Conventions {
+            highlight_colour: LightColour::Material,
+            ..standard
+        },
+        Conventions {
+            highlight_colour: LightColour::Black,
+            ..standard
+        },
+        Conventions {
+            highlight_emission: false,
+            ..standard
+        },
+        Conventions {
+            half_vector: true,
+            ..standard
+        },
+        Conventions {
+            head_light: true,
+            ..standard
+        },
+        Conventions {
+            two_sided: true,
+            ..standard
+        },
+        Conventions {
+            clamped_samples: true,
+            ..standard
+        },
+        Conventions {
+            precision: Precision::F32,
+            ..standard
+        },
+        Conventions {
+            precision: Precision::F16,
+            ..standard
+        },
+        Conventions {
+            precision: Precision::U8,
+            ..standard
+        },
+        Conventions {
+            pixel_corner: true,
+            ..standard
+        },
+    ];
+    let picture = |conventions| {
+        let mut scene = scene.clone();
+        scene.conventions = conventions;
+        let caster = RayCaster::new(&scene);
+        let pixels = (0..64).map(|index| caster.pixel([index % 8, index / 8], [8, 8]));
+        pixels.collect::<Vec<_>>()
+    };
+    let mut pictures = vec![(standard, picture(standard))];
+    for conventions in others {
+        let new = picture(conventions);
+        for (known, old) in &pictures {
+            assert_ne!(&new, old, "{conventions:?} looks like {known:?}");
+        }
+        pictures.push((conventions, new));
+    }
+    // Along unequal sides, and where nothing has a gradient.
+    let mut long = scene.clone();
+    let lattice = Lattice::new([3; 3], DVec3::new(0.5, 0.5, 2.0), DVec3::ZERO).unwrap();
+    long.grid = Arc::new(Grid::new(lattice, scene.grid.values().to_vec()).unwrap());
+    let box_space = Conventions {
+        box_space_normals: true,
+        ..standard
+    };
+    assert_ne!(seen(&long, box_space), seen(&long, standard));
+    let mut flat = self::scene(|_| 0.5);
+    flat.phong = Some(PHONG);
+    let ambient = Conventions {
+        flat_samples_ambient: true,
+        ..standard
+    };
+    let ([full, _], [part, _]) = (seen(&flat, standard), seen(&flat, ambient));
+    assert!((part - PHONG.ambient * full).abs() < ROUNDING);
+}
+
+/// A table of conventions in a scene: read, with its contradictions refused where they stand.
+#[test]
+fn conventions_in_a_scene() {
+    let read = |conventions: &str| {
+        let text = format!(
+            "[classified]\n[classified.volume]\nfile = 'fixtures/volumes/smoke.obj'\n\
+             [classified.conventions]\n{conventions}\n"
+        );
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+        Scene::parse(&text, &root.join("scene.toml")).map_err(|error| error.to_string())
+    };
+    let scene = read("first_sample = 1.0\nlast_step = 'whole'\nprecision = 'f32'").unwrap();
+    let volref::scene::Model::Classified(scene) = &scene.panels[0].model else {
+        panic!("a classified scene");
+    };
+    let expected = Conventions {
+        first_sample: 1.0,
+        last_step: LastStep::Whole,
+        precision: Precision::F32,
+        ..Conventions::default()
+    };
+    assert_eq!(scene.conventions, expected);
+    for (wrong, message) in [
+        ("jitter = true\nfirst_sample = 0.0", "is random"),
+        ("table_lookup = 'nearest'", "no table to look up"),
+        (
+            "gradient = 'interpolant'\nnormal_bits = 8",
+            "not stored at the nodes",
+        ),
+        (
+            "classification = 'pre'\ntable_size = 256",
+            "without a table",
+        ),
+        ("last_step = 'half'", "last_step"),
+        ("first_sample = 1.5", "[0, 1]"),
+    ] {
+        let error = read(wrong).unwrap_err();
+        assert!(error.contains(message), "{wrong}: {error}");
+    }
+}
