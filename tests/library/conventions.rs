@@ -3,9 +3,14 @@
 use crate::ray_caster::scenes::{PHONG, plain};
 use glam::DVec3;
 use std::sync::Arc;
+use volref::compare::{Conditions, Picture, judge};
 use volref::media::{Appearance, Phong, TransferPoint, TransferPoints};
 use volref::reference::ray_caster::RayCaster;
+use volref::render::{Sampling, plans, render};
 use volref::scene::{Classified, Conventions, Gradient, LastStep, LightColour, Precision, Scene};
+use volref::suite::{
+    Agreement, CATALOGUE, Case, ConventionSearch, Suite, in_words, mistakes, under,
+};
 use volref::volume::{Grid, Lattice};
 
 /// The scene of `values` at the nodes of a lattice of 3 × 3 × 3, over the unit cube, with opacity
@@ -232,10 +237,6 @@ fn every_convention_is_heard() {
             ..standard
         },
         Conventions {
-            two_sided: true,
-            ..standard
-        },
-        Conventions {
             clamped_samples: true,
             ..standard
         },
@@ -256,16 +257,16 @@ fn every_convention_is_heard() {
             ..standard
         },
     ];
-    let picture = |conventions| {
+    let seen_by = |conventions| {
         let mut scene = scene.clone();
         scene.conventions = conventions;
         let caster = RayCaster::new(&scene);
         let pixels = (0..64).map(|index| caster.pixel([index % 8, index / 8], [8, 8]));
         pixels.collect::<Vec<_>>()
     };
-    let mut pictures = vec![(standard, picture(standard))];
+    let mut pictures = vec![(standard, seen_by(standard))];
     for conventions in others {
-        let new = picture(conventions);
+        let new = seen_by(conventions);
         for (known, old) in &pictures {
             assert_ne!(&new, old, "{conventions:?} looks like {known:?}");
         }
@@ -280,6 +281,14 @@ fn every_convention_is_heard() {
         ..standard
     };
     assert_ne!(seen(&long, box_space), seen(&long, standard));
+    // Behind, where all normals point away.
+    let mut behind = scene.clone();
+    behind.light = DVec3::new(3.0, -3.0, 3.0);
+    let two_sided = Conventions {
+        two_sided: true,
+        ..standard
+    };
+    assert_ne!(seen(&behind, two_sided), seen(&behind, standard));
     let mut flat = self::scene(|_| 0.5);
     flat.phong = Some(PHONG);
     let ambient = Conventions {
@@ -329,4 +338,120 @@ fn conventions_in_a_scene() {
         let error = read(wrong).unwrap_err();
         assert!(error.contains(message), "{wrong}: {error}");
     }
+}
+
+/// A case of the suite and its scene, with few pixels.
+fn small(name: &str) -> (Case, Scene) {
+    let suite = Suite::bundled().unwrap();
+    let case = suite.select(&[name.to_owned()]).unwrap()[0].clone();
+    let mut scene = case.load_scene().unwrap();
+    for panel in &mut scene.panels {
+        (panel.width, panel.height) = (96, 96);
+    }
+    (case, scene)
+}
+
+fn picture(scene: &Scene) -> Picture {
+    let rendering = render(&plans(scene), Sampling::default(), &|| ()).unwrap();
+    Picture::Radiance(rendering.film)
+}
+
+/// Whether an image of `right` is one of `test`, by the deterministic gate.
+fn passes(right: &Scene, test: &Picture) -> bool {
+    let (right, gate) = (picture(right), &volref::compare::Deterministic);
+    let conditions = Conditions {
+        exposure: 0.0,
+        cases: 1,
+        visible_bias: None,
+    };
+    judge(gate, &right, test, &conditions).unwrap().passed
+}
+
+/// Two conventions behind a picture are found, and a mistake is not taken for one.
+#[test]
+fn conventions_are_told_from_mistakes() {
+    let (case, scene) = small("figures/figure-3");
+    let index = |words: &str| {
+        let found = CATALOGUE
+            .iter()
+            .position(|other| other.words.contains(words));
+        found.unwrap_or_else(|| panic!("{words}"))
+    };
+    let set = vec![index("Sobel"), index("half vector")];
+    let test = picture(&under(&scene, &set));
+    let search = ConventionSearch::default();
+    let found = search.explain(&case, &scene, &test, None).unwrap();
+    assert_eq!(found.set, set);
+    assert_eq!(found.agreement, Agreement::Full);
+    for mistake in ["opacity-halved", "ambient-left-out", "step-doubled"] {
+        let wrong = mistakes::named(mistake).unwrap().in_scene(&scene).unwrap();
+        let found = search.explain(&case, &scene, &picture(&wrong), None);
+        assert_eq!(found, None, "{mistake}");
+    }
+}
+
+/// How often the right set of conventions is named, and how often a mistake is taken for one: the
+/// table in the guide.
+#[test]
+#[ignore = "minutes"]
+fn how_often_conventions_are_named() {
+    let (case, scene) = small("figures/figure-3");
+    let mut sets: Vec<Vec<usize>> = Vec::new();
+    for first in 0..CATALOGUE.len() {
+        sets.push(vec![first]);
+        // A pair with another one further on, each in turn.
+        let second = (first + 7) % CATALOGUE.len();
+        sets.push(vec![first.min(second), first.max(second)]);
+    }
+    let (mut named, mut same, mut silent, mut seen) = (0, 0, 0, 0);
+    for set in &sets {
+        let test = picture(&under(&scene, set));
+        if passes(&scene, &test) {
+            continue; // it changes too little to be judged
+        }
+        seen += 1;
+        match ConventionSearch::default().explain(&case, &scene, &test, None) {
+            Some(found) if found.set == *set => named += 1,
+            Some(found) if passes(&under(&scene, &found.set), &test) => same += 1,
+            Some(found) => println!("{:?} for {:?}", in_words(&found.set), in_words(set)),
+            None => {
+                println!("nothing for {:?}", in_words(set));
+                silent += 1;
+            }
+        }
+    }
+    println!(
+        "{seen} sets: {named} named, {same} by another set of the same image, {silent} not named"
+    );
+    let (mut wrong, mut made) = (0, 0);
+    for name in ["figures/figure-1", "figures/figure-3", "figures/figure-5"] {
+        let (case, scene) = small(name);
+        let right = render(&plans(&scene), Sampling::default(), &|| ())
+            .unwrap()
+            .film;
+        for mistake in mistakes::catalogue() {
+            let test = match mistake.in_scene(&scene) {
+                Some(scene) => picture(&scene),
+                None => match mistake.in_image(&right) {
+                    Some(film) => Picture::Radiance(film),
+                    None => continue,
+                },
+            };
+            if test.size() != (right.width(), right.height()) || passes(&scene, &test) {
+                continue;
+            }
+            made += 1;
+            if let Some(found) = ConventionSearch::default().explain(&case, &scene, &test, None) {
+                println!(
+                    "{name}: {:?} for the mistake {}",
+                    in_words(&found.set),
+                    mistake.name
+                );
+                wrong += 1;
+            }
+        }
+    }
+    println!("{made} pictures with a mistake: {wrong} called a convention");
+    assert!(100 * (named + same) >= 95 * seen);
+    assert!(100 * wrong <= 2 * made);
 }
