@@ -428,12 +428,27 @@ impl RendererRun<'_> {
             Some(failure) => Output::Unusable(failure + &last_words(&ran.printed)),
             None => self.written(case),
         };
+        let mut notes = ran.notes;
+        notes.extend(self.fewer_samples(&output));
         Made {
             output,
             printed: Some(ran.printed),
-            notes: ran.notes,
+            notes,
             call: Some(shell_words::join(&words)),
         }
+    }
+
+    /// A note on an image that states half the samples it was asked for or fewer: the gate takes them
+    /// as they are, and allows for the more noise. More are no surprise: renderings add up.
+    fn fewer_samples(&self, output: &Output) -> Option<String> {
+        let Output::Picture(picture) = output else {
+            return None;
+        };
+        let film = picture.radiance().filter(|_| self.asks_for_samples())?;
+        let (stated, asked) = (film.samples()?, u64::from(self.arguments.spp));
+        (2 * stated <= asked).then(|| {
+            format!("the image states {stated} samples per pixel, where {{spp}} asked for {asked}")
+        })
     }
 
     /// The image that the renderer wrote.

@@ -41,7 +41,7 @@ impl Gate for Deterministic {
         "Neither image has noise. A pixel agrees if each channel is within 0.001 plus 1 % of the \
          golden: that is one tolerance. At most 0.02 % of the pixels may disagree (rays that graze \
          an edge), none by more than 20 tolerances, and the mean of a channel may be off by a tenth \
-         of a tolerance."
+         of a tolerance. No single pixel may be black among neighbours that are not."
     }
 
     fn metrics(&self) -> &'static [Metric] {
@@ -68,6 +68,11 @@ impl Gate for Deterministic {
                 "Column of the worst pixel, from the left, from 0.",
             ),
             ("worst_row", "Row of the worst pixel, from the top, from 0."),
+            (
+                "lost_pixels",
+                "Pixels that are exactly 0 in all channels, among neighbours that agree and are \
+                not; none are allowed.",
+            ),
             MEAN_DIFFERENCES[0],
             MEAN_DIFFERENCES[1],
             MEAN_DIFFERENCES[2],
@@ -108,6 +113,39 @@ pub fn tolerance(golden: f64) -> f64 {
     ABSOLUTE + RELATIVE * golden.abs()
 }
 
+/// Pixels that are exactly 0 in all channels of `test`, where `reference` is not, and whose eight
+/// neighbours are within tolerance and lie in no darkness: single pixels that were lost. What a
+/// pixel sees at the edge of a volume may be nothing, but there the next one sees nothing, too; so
+/// no picture that is right has any, and there is no chance to be allowed for.
+fn lone_black_pixels(reference: &Film, test: &Film) -> Vec<usize> {
+    let (width, height) = (reference.width(), reference.height());
+    let is_lit = |index: usize| {
+        let most = reference.radiance()[index].into_iter().fold(0.0, f32::max);
+        f64::from(most) > tolerance(0.0) * 2.0
+    };
+    let agrees = |index: usize| {
+        let pair = reference.radiance()[index]
+            .iter()
+            .zip(test.radiance()[index]);
+        pair.into_iter().all(|(&golden, test)| {
+            let [golden, test] = [golden, test].map(f64::from);
+            (test - golden).abs() <= tolerance(golden)
+        })
+    };
+    let is_alone = |index: usize| {
+        let [x, y] = [index % width, index / width];
+        if x == 0 || y == 0 || x + 1 == width || y + 1 == height {
+            return false;
+        }
+        let mut neighbours =
+            (y - 1..=y + 1).flat_map(|y| (x - 1..=x + 1).map(move |x| x + width * y));
+        neighbours.all(|other| is_lit(other) && (other == index || agrees(other)))
+    };
+    (0..width * height)
+        .filter(|&index| test.radiance()[index] == [0.0; 3] && is_alone(index))
+        .collect()
+}
+
 /// Judges `test` by `reference`; both of one size and finite.
 fn judge(reference: &Film, test: &Film) -> Judgement {
     let count = reference.radiance().len();
@@ -138,6 +176,7 @@ fn judge(reference: &Film, test: &Film) -> Judgement {
         .max_by(|&a, &b| bias[a].abs().total_cmp(&bias[b].abs()))
         .unwrap_or(0);
     let share = outside as f64 / count as f64;
+    let black = lone_black_pixels(reference, test);
     let [column, row] = [worst.0 % reference.width(), worst.0 / reference.width()];
 
     let (passed, reason) = if share > OUTLIERS {
@@ -153,6 +192,18 @@ fn judge(reference: &Film, test: &Film) -> Judgement {
             "pixel ({column}, {row}) is off by {:.1} times the tolerance of 0.001 + 1 %; no \
              pixel may be off by more than {HARD_CAP}",
             worst.1
+        );
+        (false, reason)
+    } else if let Some(&first) = black.first() {
+        let [column, row] = [first % reference.width(), first / reference.width()];
+        let reason = format!(
+            "{}: exactly 0 among neighbours that agree and are not, such as ({column}, {row}); rays \
+             that graze an edge see little of it, never nothing: possible causes are a NaN replaced \
+             by 0, or a pixel that was never written",
+            match black.len() {
+                1 => "a pixel is black".to_owned(),
+                many => format!("{many} pixels are black"),
+            }
         );
         (false, reason)
     } else if bias[worst_bias].abs() > 1.0 {
@@ -184,6 +235,7 @@ fn judge(reference: &Film, test: &Film) -> Judgement {
         ("worst_in_tolerances", worst.1),
         ("worst_column", column as f64),
         ("worst_row", row as f64),
+        ("lost_pixels", black.len() as f64),
         ("mean_difference_red", mean(differences[0])),
         ("mean_difference_green", mean(differences[1])),
         ("mean_difference_blue", mean(differences[2])),

@@ -74,6 +74,21 @@ impl Camera {
         }
     }
 
+    /// This camera with its image plane shifted, so that all that is seen lies further right and down
+    /// in the image by these fractions of its height. The rays are those of other points of the same
+    /// plane; [`Camera::forward`] then is the direction through the new centre, no longer
+    /// perpendicular to the plane, and [`Camera::vertical_fov`] only nearly the angle.
+    pub fn with_image_moved(&self, [right, down]: [f64; 2]) -> Camera {
+        let centre = *self.forward - self.half_right * (2.0 * right) + self.half_up * (2.0 * down);
+        let length = centre.length();
+        Camera {
+            forward: Direction::unit(centre / length),
+            half_right: self.half_right / length,
+            half_up: self.half_up / length,
+            ..*self
+        }
+    }
+
     /// Up direction of the image, perpendicular to [`Camera::forward`].
     pub fn upright(&self) -> Direction {
         self.upright
@@ -127,6 +142,17 @@ mod tests {
 
     fn camera() -> Camera {
         Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, FRAC_PI_2).unwrap()
+    }
+
+    /// A pixel of the moved image is the pixel of the other that lies that far from it.
+    #[test]
+    fn a_moved_image_has_the_same_rays() {
+        let moved = camera().with_image_moved([2.0 / 8.0, -1.0 / 8.0]);
+        for [x, y] in [[2, 1], [5, 6], [7, 0]] {
+            let same = moved.ray([x, y], [10, 8]).direction;
+            let there = camera().ray([x - 2, y + 1], [10, 8]).direction;
+            assert!((*same - *there).length() <= 4.0 * f64::EPSILON);
+        }
     }
 
     #[test]

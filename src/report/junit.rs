@@ -96,6 +96,7 @@ mod tests {
             notes: vec![text.to_owned()],
             conventions: vec![],
             looks_like: vec![text.to_owned()],
+            difference: Vec::new(),
             seconds: 0.0,
             work: BTreeMap::new(),
             cause: Cause::None,

@@ -185,6 +185,28 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
     if found.likely.is_empty() && found.searched > 0 && unfinished.is_empty() {
         text.push_str("\nmatches no mistake in the catalogue\n");
     }
+    let measured = found
+        .unexplained
+        .iter()
+        .filter(|(_, said)| !said.is_empty());
+    for (case, said) in measured.clone().take(MOST_MEASURED) {
+        let is_open = unfinished.iter().any(|search| search.case == *case);
+        let head = if is_open {
+            "not explained yet"
+        } else {
+            "no known mistake explains this"
+        };
+        text.push_str(&format!("\n{case}: {head}; measured:\n"));
+        for sentence in said {
+            text.push_str(&format!("            {sentence}\n"));
+        }
+    }
+    let more = measured.count().saturating_sub(MOST_MEASURED);
+    if more > 0 {
+        text.push_str(&format!(
+            "\n{more} more cases that no known mistake explains: --json and --report say what was measured\n"
+        ));
+    }
     if !unfinished.is_empty() {
         let named = if found.likely.is_empty() {
             "no mistake was found: "
@@ -213,6 +235,10 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
     }
     text
 }
+
+/// Cases whose differences are described rather than counted, at most: three lines each, as for
+/// mistakes.
+const MOST_MEASURED: usize = 5;
 
 /// Searches that were not finished that are named rather than counted, at most.
 const MOST_UNFINISHED: usize = 3;

@@ -64,6 +64,7 @@ impl CaseFinding {
             notes: Vec::new(),
             conventions: Vec::new(),
             looks_like: Vec::new(),
+            difference: Vec::new(),
             seconds: start.elapsed().as_secs_f64(),
             work: BTreeMap::new(),
             cause: self.cause,

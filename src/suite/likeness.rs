@@ -3,9 +3,10 @@
 //! A failing image is compared with the image that every mistake of the
 //! [catalogue](super::mistakes) would give: mistakes of the image are applied to the golden, those
 //! of the scene are rendered, first with few pixels or samples, the remaining ones with more. A
-//! mistake explains an image if the two differ by no more than noise, and the golden does not;
-//! among several, the one that is significantly nearest comes first. If none does, pairs of
-//! mistakes are tried. Cases that passed contradict mistakes that would have shown in them.
+//! mistake explains an image if it leaves no more than a [small share](unexplained) of what the
+//! image differs from the golden by; among several, the one that is significantly nearest comes
+//! first. If none does, pairs of mistakes are tried. Cases that passed contradict mistakes that would
+//! have shown in them.
 //!
 //! A case explained by a mistake found before is not searched again, so a mistake that affects a
 //! whole suite is searched once. The search of a case has a [budget](Search), and its renderings
@@ -19,12 +20,15 @@ mod hunt;
 mod hypothesis;
 mod kept;
 mod prediction;
+mod sizes;
+mod unexplained;
 
 pub(in crate::suite) use cells::Cells;
 use cells::Misfit;
 pub use clock::{Search, SearchStep, Stage};
 pub use kept::{CACHE_VARIABLE, Predictions};
 pub(in crate::suite) use prediction::pixels_of;
+pub(in crate::suite) use unexplained::UNEXPLAINED;
 
 use super::{Case, Cause, Judged, Likeness, Profile};
 use crate::scene::Scene;
@@ -60,6 +64,8 @@ pub struct Likenesses {
     pub searched: usize,
     /// Searches that were ended before they were done.
     pub unfinished: Vec<SearchStep>,
+    /// Cases that no mistake explains, with what was measured of their difference: sentences.
+    pub unexplained: Vec<(String, Vec<String>)>,
 }
 
 /// Names the likely mistakes behind the failed images in `judged`: in `looks_like` of each result,
@@ -104,9 +110,11 @@ pub(super) fn likeness_with(
     let mut known: Vec<Hypothesis> = Vec::new();
     let mut fits: BTreeMap<Hypothesis, BTreeMap<usize, Misfit>> = BTreeMap::new();
     let mut unfinished = Vec::new();
-    let mut pair_searches = 0;
-    for at in 0..failing.len() {
-        let failed = &failing[at];
+    let mut open = Vec::new();
+    for (at, failed) in failing.iter().enumerate() {
+        if !failed.is_decidable() {
+            continue;
+        }
         let mut clock = SearchClock::start(search, &failed.name, singles());
         clock.report();
         let mut found: hunt::Explaining = known
@@ -117,34 +125,43 @@ pub(super) fn likeness_with(
         if found.is_empty() {
             let (singles, looks) = failed.search(&clock);
             found = singles;
-            let is_open = found.is_empty() && !failed.is_measured && !clock.is_late();
-            if is_open && pair_searches < MOST_PAIR_SEARCHES {
-                pair_searches += 1;
-                found = failed.search_pairs(&looks, &mut clock);
-            }
-            unfinished.extend(clock.unfinished());
-            // What explains this one may explain those before it as well, which were not asked.
-            for (hypothesis, _) in &found {
-                if known.contains(hypothesis) {
-                    continue;
-                }
-                known.push(*hypothesis);
-                for earlier in &failing[..at] {
-                    if let Some(misfit) = earlier.test(hypothesis, &clock)
-                        && earlier.explained_by(&misfit)
-                    {
-                        fits.entry(*hypothesis)
-                            .or_default()
-                            .insert(earlier.index, misfit);
-                    }
-                }
+            explain(&failing[..at], &found, &clock, &mut known, &mut fits);
+            if found.is_empty() && !failed.is_measured && !clock.is_late() {
+                clock.pause();
+                open.push((at, looks, clock));
+            } else {
+                unfinished.extend(clock.unfinished());
             }
         }
         for (hypothesis, misfit) in found {
-            fits.entry(hypothesis)
-                .or_default()
-                .insert(failed.index, misfit);
+            let of = fits.entry(hypothesis).or_default();
+            of.insert(failed.index, misfit);
         }
+    }
+    // What no single mistake explains, also none that another case was explained by since.
+    let mut sizes: BTreeMap<usize, Vec<String>> = BTreeMap::new();
+    let mut pair_searches = 0;
+    for (at, looks, mut clock) in open {
+        let failed = &failing[at];
+        let is_explained = fits.values().any(|cases| cases.contains_key(&failed.index));
+        if is_explained {
+            continue;
+        }
+        clock.resume();
+        // One number that is off is likelier than two mistakes.
+        let (sentences, is_explained) = failed.fitted_sizes(&clock);
+        sizes.insert(failed.index, sentences);
+        if !is_explained && pair_searches < MOST_PAIR_SEARCHES {
+            pair_searches += 1;
+            let found = failed.search_pairs(&looks, &mut clock);
+            let others = failing[..at].iter().chain(&failing[at + 1..]);
+            explain(others, &found, &clock, &mut known, &mut fits);
+            for (hypothesis, misfit) in found {
+                let of = fits.entry(hypothesis).or_default();
+                of.insert(failed.index, misfit);
+            }
+        }
+        unfinished.extend(clock.unfinished());
     }
     let mut ranked: Vec<Explanation> = fits.into_iter().map(Explanation::new).collect();
     ranked.sort_by_cached_key(Explanation::rank);
@@ -178,6 +195,19 @@ pub(super) fn likeness_with(
             .take(MOST_NAMED)
             .collect();
     }
+    let mut unexplained = Vec::new();
+    for failed in &failing {
+        let result = &mut judged[failed.index].result;
+        if result.looks_like.is_empty() {
+            result.difference = sizes.remove(&failed.index).unwrap_or_default();
+            if !failed.is_decidable() {
+                let sentence = "the image is too noisy for a mistake to be told from another";
+                result.difference.push(sentence.to_owned());
+            }
+            result.difference.extend(failed.measured_difference());
+            unexplained.push((result.name.clone(), result.difference.clone()));
+        }
+    }
     let mut likely: Vec<Likeness> = ranked
         .iter()
         .take(MOST_NAMED)
@@ -207,6 +237,33 @@ pub(super) fn likeness_with(
         likely,
         searched: failing.len(),
         unfinished,
+        unexplained,
+    }
+}
+
+/// What explains one case may explain the `others`, which were not asked: each hypothesis that was
+/// `found` and not known is tried there.
+fn explain<'c>(
+    others: impl IntoIterator<Item = &'c ComparedCase> + Clone,
+    found: &hunt::Explaining,
+    clock: &SearchClock<'_>,
+    known: &mut Vec<Hypothesis>,
+    fits: &mut BTreeMap<Hypothesis, BTreeMap<usize, Misfit>>,
+) {
+    for (hypothesis, _) in found {
+        if known.contains(hypothesis) {
+            continue;
+        }
+        known.push(*hypothesis);
+        for other in others.clone() {
+            if other.is_decidable()
+                && let Some(misfit) = other.test(hypothesis, clock)
+                && other.explained_by(&misfit)
+            {
+                let of = fits.entry(*hypothesis).or_default();
+                of.insert(other.index, misfit);
+            }
+        }
     }
 }
 
@@ -241,7 +298,7 @@ impl Explanation {
             Reverse(self.fits.len()),
             self.hypothesis.mistakes().len(),
             // Positive numbers are ordered as their bits are.
-            self.mean(Misfit::at_most).to_bits(),
+            self.mean(|misfit| misfit.distance().at_most()).to_bits(),
             self.hypothesis,
         )
     }

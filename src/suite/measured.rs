@@ -6,7 +6,7 @@
 
 use super::Case;
 use super::edited_film::mapped;
-use super::likeness::Cells;
+use super::likeness::{Cells, UNEXPLAINED};
 use crate::compare::flip::SrgbImage;
 use crate::compare::{Conditions, Deterministic, Perceptual, Picture, judge};
 use crate::film::Film;
@@ -198,10 +198,10 @@ fn simple_map(case: &Case, golden: &Film, test: &Film) -> Option<Map> {
     if test.noise().is_none() {
         test_cells.spread_noise_like(&cells);
     }
-    let from_golden = cells.misfit(&test_cells, &cells).at_least();
+    let from_golden = cells.misfit(&test_cells, &cells);
     maps.find(|map| {
         let misfit = Cells::of_blocks(&map.of(golden)).misfit(&test_cells, &cells);
-        misfit.is_noise() && misfit.at_most() < from_golden
+        misfit.is_noise() && misfit.explains(&from_golden, UNEXPLAINED)
     })
 }
 

@@ -88,6 +88,9 @@ pub struct CaseResult {
     pub conventions: Vec<&'static str>,
     /// Likely mistakes, most likely first.
     pub looks_like: Vec<String>,
+    /// Measurements of a difference that no known mistake explains, in sentences.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub difference: Vec<String>,
     /// Wall time, for information.
     pub seconds: f64,
     /// Units of work by name, where they were counted.

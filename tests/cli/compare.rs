@@ -46,6 +46,7 @@ fn a_pair_that_passes() {
     pass  (deterministic gate)
     0 of 128 pixels differ by more than 0.001 + 1 %; the largest difference is 5.960e-8
 
+      lost_pixels            0
       max_abs_error          0.00000005960464477539063
       mean_difference_blue   0
       mean_difference_green  0
@@ -67,6 +68,7 @@ fn a_pair_that_fails() {
     fail  (deterministic gate)
     1 of 128 pixels (0.781 %) differ by more than 0.001 + 1 %; at most 0.02 % may. The worst is (5, 2), 285.7 times the tolerance
 
+      lost_pixels            0
       max_abs_error          1
       mean_difference_blue   0
       mean_difference_green  0.0078125
@@ -93,6 +95,7 @@ fn json() {
           "gate": "deterministic",
           "looks_like": [],
           "metrics": {
+            "lost_pixels": 0.0,
             "max_abs_error": 1.0,
             "mean_difference_blue": 0.0,
             "mean_difference_green": 0.0078125,

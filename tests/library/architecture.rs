@@ -36,7 +36,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("report", &["suite", "cost", "compare", "film", "math"]),
     (
         "suite",
-        // Mistakes are edits of a scene, down to the nodes of its grids.
+        // Mistakes are edits of a scene, down to the nodes of its grids and its camera.
         &[
             "hard_cases",
             "compare",
@@ -45,6 +45,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "media",
             "optics",
             "volume",
+            "geometry",
             "film",
             "math",
             "atomic_file",

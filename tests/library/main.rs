@@ -28,6 +28,7 @@ mod known_answers_statistics;
 mod medium_known_answers;
 mod medium_laws;
 mod meshes;
+mod outside_faults;
 mod pinned_crates;
 mod preintegration;
 mod radiative_scenes;

@@ -101,6 +101,13 @@ fn block_resolution(judgement: &Judgement) -> f64 {
     judgement.metrics["smallest_visible_block_bias"]
 }
 
+/// Of faults in what the test image states, which are not looked for in the reference.
+fn assert_test_rejected(fault: &str, reference: &Film, test: &Film, word: &str) {
+    let judgement = judged(reference, test);
+    let is_said = !judgement.passed && judgement.reason.contains(word);
+    assert!(is_said, "{fault}: {}", judgement.reason);
+}
+
 fn assert_rejected(fault: &str, reference: &Film, test: &Film, word: &str) {
     for (reference, test) in [(reference, test), (test, reference)] {
         let judgement = judged(reference, test);
@@ -229,6 +236,74 @@ fn what_it_must_reject() {
         }),
         "blocks",
     );
+}
+
+/// A pixel of which a sample was NaN and became 0; where light arrives in one sample of twenty,
+/// pixels are black by chance.
+#[test]
+fn a_black_pixel_is_no_noise() {
+    let reference = sampled(1, 512, exponential, truth);
+    let lost = |film: &Film, pixels: &[usize]| {
+        edited(
+            film,
+            |i, pixel| if pixels.contains(&i) { [0.0; 3] } else { pixel },
+        )
+    };
+    // Of an exponential number a sample is below its mean, never 0; by its variance half may be.
+    let test = sampled(2, 64, exponential, truth);
+    let bright = 40 * SIDE + 40;
+    assert_test_rejected(
+        "a NaN replaced",
+        &reference,
+        &lost(&test, &[bright]),
+        "is black",
+    );
+    // In four samples one black pixel is nothing, and six are where none is likely.
+    let few = sampled(3, 8, exponential, truth);
+    let judgement = judged(&reference, &lost(&few, &[bright]));
+    assert!(!judgement.reason.contains("black"), "{}", judgement.reason);
+    // Samples without light at all: (19/20)⁶⁴ is one pixel in 27.
+    let reference = sampled(1, 8192, rare, truth);
+    let test = sampled(2, 64, rare, truth);
+    let black = test.radiance().iter().filter(|pixel| **pixel == [0.0; 3]);
+    assert!(black.count() > 20);
+    let judgement = judged(&reference, &test);
+    assert!(!judgement.reason.contains("black"), "{}", judgement.reason);
+}
+
+/// The variance of the luminance in the place of each channel's.
+#[test]
+fn one_variance_for_three_channels_is_none() {
+    let reference = sampled(1, 512, exponential, truth);
+    let test = sampled(2, 64, exponential, truth);
+    let stated = |map: fn([f32; 3]) -> [f32; 3]| {
+        let noise = test.noise().unwrap();
+        let variance = noise.variance().iter().map(|pixel| map(*pixel)).collect();
+        Film::with_noise(
+            SIDE,
+            SIDE,
+            test.radiance().to_vec(),
+            variance,
+            noise.samples(),
+        )
+    };
+    let word = "one number";
+    assert_test_rejected("of green", &reference, &stated(|[_, g, _]| [g; 3]), word);
+    assert_test_rejected(
+        "of the sum",
+        &reference,
+        &stated(|v| [v.iter().sum::<f32>() / 3.0; 3]),
+        word,
+    );
+    let judgement = judged(&reference, &stated(|pixel| pixel));
+    assert!(judgement.passed, "{}", judgement.reason);
+    // In a grey scene they are one number.
+    let grey = |i: usize| [truth(i)[0]; 3];
+    let [reference, test] = [
+        sampled(1, 512, exponential, grey),
+        sampled(2, 64, exponential, grey),
+    ];
+    assert!(judged(&reference, &test).passed);
 }
 
 #[test]

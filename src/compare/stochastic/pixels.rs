@@ -1,9 +1,10 @@
-//! Single pixels: too many far off, different without noise, or copied.
+//! Single pixels: too many far off, different without noise, black without cause, or copied.
 
 use super::super::significance::{at_least, deviation, holm};
 use super::Metrics;
-use super::blocks::Difference;
+use super::blocks::{DARK, Difference};
 use super::comparison::Comparison;
+use super::variance::Stated;
 use crate::math;
 
 /// A pixel beyond this many standard errors is counted.
@@ -22,6 +23,8 @@ pub(super) struct PixelDifferences {
     noisy: u64,
     /// Of those, the same bits in both images.
     copied: u64,
+    /// Black ones, and how many there are to be by chance.
+    black: BlackPixels,
 }
 
 impl PixelDifferences {
@@ -48,6 +51,7 @@ impl PixelDifferences {
             pixels.noisy += u64::from(is_noisy);
             pixels.copied += u64::from(is_noisy && a == b);
         }
+        pixels.black = BlackPixels::of(comparison).unwrap_or_default();
         pixels
     }
 
@@ -78,10 +82,39 @@ impl PixelDifferences {
         let [a, b] = samples.map(f64::from);
         metrics.push(("contrary_pixels", self.contrary as f64));
         let each = math::exp(a * math::ln(a / (a + b)) + b * math::ln(b / (a + b)));
-        (self.contrary > 0 && each * (3 * self.values) as f64 <= level).then(|| {
+        // One share for what noise cannot make of single pixels: half for these, half for black ones.
+        (self.contrary > 0 && each * (3 * self.values) as f64 <= 0.5 * level).then(|| {
             format!(
                 "{} pixels and channels differ where neither image has any noise",
                 self.contrary
+            )
+        })
+    }
+
+    /// Asked where the test image states its noise and the number of its samples.
+    pub fn judge_black(&self, level: f64, metrics: &mut Metrics) -> Option<String> {
+        let BlackPixels {
+            count,
+            expected,
+            least,
+            considered,
+            first,
+        } = self.black;
+        metrics.push(("black_pixels", count as f64));
+        // Half of that for the one that is least likely, half for their number.
+        let is_unlikely = least * considered as f64 <= 0.25 * level;
+        let are_many = many_by_chance(count, expected) <= 0.25 * level;
+        (count > 0 && (is_unlikely || are_many)).then(|| {
+            format!(
+                "{}, such as ({}, {}), though no sample that is 0 is likely there: chance makes \
+                 {expected:.1e}; possible causes are a NaN replaced by 0, or a pixel that was never \
+                 written",
+                match count {
+                    1 => "a pixel is black".to_owned(),
+                    many => format!("{many} pixels are black"),
+                },
+                first[0],
+                first[1]
             )
         })
     }
@@ -101,5 +134,139 @@ impl PixelDifferences {
                 self.copied, self.noisy
             )
         })
+    }
+}
+
+/// Pixels of the test image that are exactly 0 in all channels, and how many noise makes.
+///
+/// A mean of n samples that are not negative is 0 only if all of them are. By Cantelli's inequality a
+/// sample of mean μ and variance σ² is 0 with a probability of σ²/(σ² + μ²) at most, all n with the
+/// n-th power of that, whatever their distribution; for light that either arrives or does not it is
+/// exact. The mean is the golden's. The variance of a sample is the larger of the golden's and of
+/// the largest that the test image states for any pixel up to two away: a renderer that finds light
+/// by chance has much of it, and a black pixel knows nothing of its own.
+///
+/// Source: Cantelli 1928, Atti del Congresso Internazionale dei Matematici 6, 47–59.
+#[derive(Clone, Copy, Debug, Default)]
+struct BlackPixels {
+    count: u64,
+    /// The mean number of them, at most, where nothing is wrong.
+    expected: f64,
+    /// The probability, at most, of the least likely of them, of all pixels that were considered.
+    least: f64,
+    considered: u64,
+    first: [usize; 2],
+}
+
+/// Pixels in each direction whose variance a black one may have.
+const REACH: usize = 2;
+
+impl BlackPixels {
+    /// Nothing where the samples of an image are unknown.
+    fn of(comparison: &Comparison<'_>) -> Option<BlackPixels> {
+        let [Stated::Samples(of_golden), Stated::Samples(of_test)] = comparison.stated else {
+            return None;
+        };
+        let [golden, test] = comparison.films;
+        let (width, height) = (golden.width(), golden.height());
+        let [golden_noise, test_noise] = [golden.noise()?, test.noise()?];
+        let mut black = BlackPixels::default();
+        for index in 0..width * height {
+            let [x, y] = [index % width, index / width];
+            let near =
+                |at: usize, length: usize| at.saturating_sub(REACH)..(at + REACH + 1).min(length);
+            let mut likeliest = 1.0_f64;
+            for c in 0..3 {
+                let mean = f64::from(golden.radiance()[index][c]);
+                // What is next to black may be rounded to it.
+                if mean <= DARK {
+                    continue;
+                }
+                let mut variance = 0.0_f64;
+                for row in near(y, height) {
+                    for column in near(x, width) {
+                        let other = column + width * row;
+                        let stated = f64::from(test_noise.variance()[other][c]);
+                        variance = variance.max(stated * of_test);
+                        let stated = f64::from(golden_noise.variance()[other][c]);
+                        variance = variance.max(stated * of_golden);
+                    }
+                }
+                // All channels have to be 0, which is no likelier than that one is.
+                let of_sample = variance / (variance + mean * mean);
+                likeliest = likeliest.min(math::exp(of_test * math::ln(of_sample)));
+            }
+            if likeliest == 1.0 {
+                continue;
+            }
+            black.expected += likeliest;
+            black.considered += 1;
+            if test.radiance()[index] == [0.0; 3] {
+                if black.count == 0 {
+                    black.least = 1.0;
+                }
+                if likeliest < black.least {
+                    (black.least, black.first) = (likeliest, [x, y]);
+                }
+                black.count += 1;
+            }
+        }
+        Some(black)
+    }
+}
+
+/// Probability, at most, that as many of any number of independent events happen of which `expected`
+/// are.
+///
+/// Source: Chernoff 1952, Annals of Mathematical Statistics 23, 493–507.
+fn many_by_chance(count: u64, expected: f64) -> f64 {
+    let count = count as f64;
+    if count <= expected {
+        return 1.0;
+    }
+    if expected == 0.0 {
+        return 0.0;
+    }
+    math::exp(count - expected + count * math::ln(expected / count))
+}
+
+/// Pixels, at least, by which one number for three variances is recognised.
+const RECOGNISED: u64 = 64;
+
+/// A reason if the test image states the same variance for its three channels, to the bit, wherever
+/// those of the reference differ twofold: it is of the luminance, or of one channel. No estimates of
+/// different numbers agree in so many pixels, so there is no chance to be allowed for.
+pub(super) fn judge_one_variance(comparison: &Comparison<'_>) -> Option<String> {
+    let [golden, test] = comparison.films.map(|film| film.noise());
+    let pairs = golden?.variance().iter().zip(test?.variance());
+    let (mut different, mut same) = (0, 0);
+    for (golden, test) in pairs {
+        let least = golden.iter().copied().fold(f32::INFINITY, f32::min);
+        let most = golden.iter().copied().fold(0.0, f32::max);
+        if most > 2.0 * least && test.iter().any(|variance| *variance > 0.0) {
+            different += 1;
+            same += u64::from(test[0] == test[1] && test[1] == test[2]);
+        }
+    }
+    (same >= RECOGNISED && same == different).then(|| {
+        format!(
+            "the variances of red, green and blue are one number in each of {same} pixels where they \
+             should differ: state that of each channel, not of the luminance"
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_events_of_many_are_no_chance() {
+        // One of a mean of 1e-9: e·1e-9 at most.
+        assert!((many_by_chance(1, 1e-9) / 1e-9 - 1_f64.exp()).abs() < 1e-6);
+        assert_eq!(many_by_chance(3, 4.0), 1.0);
+        assert_eq!(many_by_chance(1, 0.0), 0.0);
+        // Six where one is expected: e⁵/6⁶.
+        assert!((many_by_chance(6, 1.0) - 5_f64.exp() / 46656.0).abs() < 1e-9);
     }
 }

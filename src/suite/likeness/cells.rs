@@ -5,6 +5,7 @@
 //! an eighth of the size shows the means of blocks as they are. Without random numbers a cell is a
 //! pixel.
 
+use super::unexplained::{SquaredDistance, UNEXPLAINED};
 use crate::compare::stochastic::{BLOCK, DARK};
 use crate::film::Film;
 use crate::math::Sum;
@@ -16,6 +17,8 @@ pub(in crate::suite) struct Cells {
     pub rows: usize,
     means: Vec<[f64; 3]>,
     variances: Vec<[f64; 3]>,
+    /// Cells most pixels of which have no noise, of an image that states it.
+    silent: Vec<bool>,
     /// Random samples in a cell; none if nothing is known of them.
     samples: Option<f64>,
 }
@@ -26,10 +29,12 @@ pub(in crate::suite) struct Misfit {
     /// Mean of the squared differences over their variance, each cut at [`FAR`]: about 1 if the
     /// mistake is the one.
     pub in_noise: f64,
-    /// Mean squared relative difference, noise taken out: about 0 if the mistake is the one.
-    pub distance: f64,
-    /// Standard error of the distance.
-    pub error: f64,
+    /// Mean squared relative difference of the cells with noise, and of those without: a lamp that
+    /// is seen, or the sky. Of these the slightest difference is many standard errors, which says
+    /// nothing of the rest; and the mean over the rest says nothing of them.
+    pub parts: [SquaredDistance; 2],
+    /// Standard error of the distance, were the images the same but for their noise.
+    pub least_error: f64,
 }
 
 /// One cell counts for no more than this many variances, so that a few cells of rare bright paths
@@ -40,20 +45,34 @@ const FAR: f64 = 25.0;
 /// stochastic gate lets as much pass.
 const NOISE: f64 = 2.0;
 
+/// Relative rounding error of half precision, in which most renderers write: a difference of cells
+/// without noise that is no larger is none.
+const HALF_ROUNDING: f64 = 1.0 / 2048.0;
+
 impl Misfit {
     /// Whether the difference is no more than noise.
     pub fn is_noise(&self) -> bool {
         self.in_noise <= NOISE
     }
 
-    /// The distance that is left in doubt: at most this, but for one chance in forty.
-    pub fn at_most(&self) -> f64 {
-        self.distance.max(0.0) + 2.0 * self.error
+    /// Mean squared relative difference, noise taken out: about 0 if the mistake is the one.
+    pub fn distance(&self) -> SquaredDistance {
+        self.parts[0].plus(&self.parts[1])
     }
 
-    /// The distance that is beyond doubt.
-    pub fn at_least(&self) -> f64 {
-        self.distance - 2.0 * self.error
+    /// Whether a hypothesis with this misfit explains, beyond doubt, all but a `share` of `whole`, the
+    /// misfit of the golden: in the cells with noise and in those without.
+    pub fn explains(&self, whole: &Misfit, share: f64) -> bool {
+        let mut parts = self.parts.iter().zip(&whole.parts);
+        whole.distance().at_least() > 0.0
+            && parts.all(|(left, whole)| left.is_explained(whole, share))
+            && self.distance().is_explained(&whole.distance(), share)
+    }
+
+    /// Whether a closer look may show that it does.
+    pub fn may_explain(&self, whole: &Misfit) -> bool {
+        let mut parts = self.parts.iter().zip(&whole.parts);
+        parts.all(|(left, whole)| left.may_be_explained(whole, UNEXPLAINED))
     }
 }
 
@@ -77,11 +96,15 @@ impl Cells {
         let count = (edge * edge) as f64;
         let mut means = Vec::with_capacity(columns * rows);
         let mut variances = Vec::with_capacity(columns * rows);
+        let mut silent = Vec::with_capacity(columns * rows);
         for cell in 0..columns * rows {
             let corner = [cell % columns * edge, cell / columns * edge];
             let (mut mean, mut variance) = ([0.0; 3], [0.0; 3]);
+            let mut without_noise = 0;
             for y in corner[1]..corner[1] + edge {
                 for index in (corner[0]..corner[0] + edge).map(|x| x + film.width() * y) {
+                    let noise = film.noise().map(|noise| noise.variance()[index]);
+                    without_noise += usize::from(noise == Some([0.0; 3]));
                     for c in 0..3 {
                         mean[c] += f64::from(film.radiance()[index][c]) / count;
                         if let Some(noise) = film.noise() {
@@ -95,6 +118,7 @@ impl Cells {
             }
             means.push(mean);
             variances.push(variance);
+            silent.push(2 * without_noise > edge * edge);
         }
         let samples = film.noise().map(|noise| f64::from(noise.samples()) * count);
         Cells {
@@ -102,6 +126,7 @@ impl Cells {
             rows,
             means,
             variances,
+            silent,
             samples,
         }
     }
@@ -155,39 +180,93 @@ impl Cells {
         Some(both)
     }
 
-    /// How far `test` is from `self`, relative to the brightness of `scale`; all of one size.
-    pub fn misfit(&self, test: &Cells, scale: &Cells) -> Misfit {
+    /// How far `test` is from `self`, relative to the brightness of `golden`; all of one size. The
+    /// weights of cells are the same for every `self`, so that distances may be compared.
+    pub fn misfit(&self, test: &Cells, golden: &Cells) -> Misfit {
+        let noise_over_golden = test.noise_over(golden);
         let mut in_noise = Sum::default();
-        let mut distance = Sum::default();
-        let mut error = Sum::default();
-        let mut count = 0.0;
+        let mut sums = [PartSums::default(); 2];
+        let mut least_squares = Sum::default();
         for cell in 0..self.means.len() {
+            let part = &mut sums[usize::from(golden.silent[cell])];
+            let (mut square, mut noise_of_square, mut least) = (0.0, 0.0, 0.0);
             for c in 0..3 {
                 let (a, b) = (self.means[cell][c], test.means[cell][c]);
+                let size = a.abs().max(b.abs());
                 // Each pixel was rounded to 32 bits.
-                let rounding = f64::from(f32::EPSILON) * a.abs().max(b.abs());
-                let variance = self.variance_with(test, cell, c) + rounding * rounding;
-                let square = (a - b) * (a - b);
-                let ratio = if square == 0.0 {
+                let rounding = f64::from(f32::EPSILON) * size;
+                let guarded = self.variance_with(test, cell, c) + rounding * rounding;
+                let difference = (a - b) * (a - b);
+                let ratio = if difference == 0.0 {
                     0.0
                 } else {
-                    square / variance
+                    difference / guarded
                 };
                 in_noise.add(ratio.min(FAR));
-                let bright = scale.means[cell][c].abs() + DARK;
-                // A cell of much noise says little of distances.
-                let weight = 1.0 / (bright * bright + 16.0 * variance);
-                distance.add((square - variance) * weight);
-                // The square of a normal number has twice the square of its variance for variance.
-                error.add(2.0 * (variance * weight) * (variance * weight));
-                count += 1.0;
+                let weight = golden.weight(cell, c, noise_over_golden);
+                let stated = self.variances[cell][c] + test.variances[cell][c];
+                let stated = stated + rounding * rounding;
+                let coarse = if golden.silent[cell] && self.samples.is_some() {
+                    HALF_ROUNDING * size
+                } else {
+                    0.0
+                };
+                let beyond = difference - stated;
+                let counts = beyond > coarse * coarse;
+                square += weight * if counts { beyond } else { beyond.min(0.0) };
+                // The square of a normal number of mean m has the variance 2 v² + 4 v m².
+                let spread = guarded * (2.0 * guarded + 4.0 * beyond.max(0.0));
+                // The channels of a cell may share their noise: their errors add up.
+                noise_of_square += weight * spread.sqrt();
+                least += weight * std::f64::consts::SQRT_2 * guarded;
+            }
+            least_squares.add(least * least);
+            part.add(square, noise_of_square);
+        }
+        let cells = self.means.len() as f64;
+        let has_noise = golden.samples.is_some() || test.samples.is_some();
+        Misfit {
+            in_noise: in_noise.value() / (3.0 * cells),
+            parts: [
+                sums[0].distance(cells, has_noise),
+                sums[1].distance(cells, false),
+            ],
+            least_error: least_squares.value().sqrt() / (3.0 * cells),
+        }
+    }
+
+    /// Weighted sums over the cells: the way from `before` to `self` times that from `self` to `test`,
+    /// and the square of the former.
+    pub fn along(&self, before: &Cells, test: &Cells, golden: &Cells) -> [f64; 2] {
+        let noise_over_golden = test.noise_over(golden);
+        let (mut product, mut square) = (Sum::default(), Sum::default());
+        for cell in 0..self.means.len() {
+            for c in 0..3 {
+                let weight = golden.weight(cell, c, noise_over_golden);
+                let here = self.means[cell][c];
+                let way = here - before.means[cell][c];
+                product.add(weight * way * (test.means[cell][c] - here));
+                square.add(weight * way * way);
             }
         }
-        Misfit {
-            in_noise: in_noise.value() / count,
-            distance: distance.value() / count,
-            error: error.value().sqrt() / count,
-        }
+        [product.value(), square.value()]
+    }
+
+    /// The weight of a squared difference in a cell of this golden, from which the noise of a test
+    /// image is this much times that of the golden. By the noise of the golden alone: that of the
+    /// test image is smaller where it happens to be dark.
+    fn weight(&self, cell: usize, c: usize, noise_over_golden: f64) -> f64 {
+        let bright = self.means[cell][c].abs() + DARK;
+        let due = self.variances[cell][c] * (1.0 + noise_over_golden);
+        // A cell of much noise says little of distances.
+        1.0 / (bright * bright + 16.0 * due)
+    }
+
+    /// Variance of all of `self` over that of `golden`; 0 where neither has any.
+    fn noise_over(&self, golden: &Cells) -> f64 {
+        let sum = |cells: &Cells| -> f64 { cells.variances.as_flattened().iter().sum() };
+        let ratio = sum(self) / sum(golden);
+        if ratio.is_finite() { ratio } else { 0.0 }
     }
 
     /// Variance of the difference of two cells. Whoever has more samples lends its variance, as in
@@ -203,6 +282,39 @@ impl Cells {
             own.max(lent) + other
         } else {
             own + other.max(borrowed)
+        }
+    }
+}
+
+/// Sums over the cells of a part of an image.
+#[derive(Clone, Copy, Debug, Default)]
+struct PartSums {
+    squares: Sum,
+    /// Of their squares.
+    spread: Sum,
+    /// Of the variances that noise gives them.
+    noise: Sum,
+}
+
+impl PartSums {
+    fn add(&mut self, square: f64, noise: f64) {
+        self.squares.add(square);
+        self.spread.add(square * square);
+        self.noise.add(noise * noise);
+    }
+
+    /// As a mean over that many `cells`, those of the other part included.
+    fn distance(&self, cells: f64, has_noise: bool) -> SquaredDistance {
+        // Noise that comes from rare bright paths is no normal number, and what one cell carries
+        // alone may be such a path: the error is at least that by which the cells differ.
+        let variance = if has_noise {
+            self.noise.value().max(self.spread.value())
+        } else {
+            self.noise.value()
+        };
+        SquaredDistance {
+            value: self.squares.value() / (3.0 * cells),
+            error: variance.sqrt() / (3.0 * cells),
         }
     }
 }
@@ -269,15 +381,24 @@ mod tests {
             let same = a.misfit(&b, &scale);
             // 192 squares: their mean is 1 within four times √(2/192).
             assert!((same.in_noise - 1.0).abs() < 0.41, "{same:?}");
-            assert!(same.at_least() < 0.0 && same.at_most() > 0.0, "{same:?}");
+            let near = same.distance();
+            assert!(near.at_least() == 0.0 && near.at_most() > 0.0, "{same:?}");
             let c = Cells::of_blocks(&noisy(1.1, 0.2, 3, states));
             let other = a.misfit(&c, &scale);
             // A tenth is four standard errors of a difference of blocks.
             assert!(!other.is_noise(), "{other:?}");
+            let far = other.distance();
             assert!(
-                (other.distance - 0.01).abs() < 4.0 * other.error + 2e-3,
+                (far.value - 0.01).abs() < 4.0 * far.error + 2e-3,
                 "{other:?}"
             );
+            // Whether the one or the other: what makes 1.1 of it explains it, what makes 1 does not.
+            let right = Cells::of_blocks(&noisy(1.1, 0.02, 4, true));
+            let golden = Cells::of_blocks(&noisy(1.0, 0.02, 5, true));
+            let whole = golden.misfit(&c, &golden);
+            let left = right.misfit(&c, &golden);
+            assert!(left.may_explain(&whole), "{left:?} of {whole:?}");
+            assert!(!a.misfit(&c, &golden).may_explain(&whole));
         }
     }
 

@@ -71,6 +71,8 @@ pub(super) struct SearchClock<'s> {
     stage: Stage,
     done: AtomicUsize,
     of: usize,
+    /// While it stands still: the time until `end` and `late`.
+    left: [Option<Duration>; 2],
 }
 
 impl<'s> SearchClock<'s> {
@@ -88,7 +90,21 @@ impl<'s> SearchClock<'s> {
             stage: Stage::Singles,
             done: AtomicUsize::new(0),
             of,
+            left: [None; 2],
         }
+    }
+
+    /// Stands still, while another case is searched.
+    pub fn pause(&mut self) {
+        let now = Instant::now();
+        let until = |end: Option<Instant>| Some(end?.saturating_duration_since(now));
+        self.left = [until(self.end), until(self.late)];
+    }
+
+    /// Goes on.
+    pub fn resume(&mut self) {
+        let now = Instant::now();
+        [self.end, self.late] = self.left.map(|left| now.checked_add(left?));
     }
 
     /// Goes on with `of` pairs.

@@ -3,9 +3,12 @@
 use super::cells::{Cells, Misfit};
 use super::clock::SearchClock;
 use super::hypothesis::Hypothesis;
-use super::prediction::{FIRST_LOOK, SECOND_LOOK, blocks, first_lattice, pixels_of, predicted};
+use super::prediction::{
+    FIRST_LOOK, SECOND_LOOK, THIRD_LOOK, blocks, first_lattice, pixels_of, predicted,
+};
+use super::unexplained::{SquaredDistance, UNEXPLAINED};
 use crate::compare::stochastic::BLOCK;
-use crate::compare::{Conditions, Deterministic, ImageGate, Perceptual, Picture, judge};
+use crate::compare::{Conditions, Deterministic, Perceptual, Picture, judge, measured_difference};
 use crate::film::Film;
 use crate::math;
 use crate::render::Detail;
@@ -14,13 +17,10 @@ use crate::suite::edited_film::mapped;
 use crate::suite::measured::{decoded, is_another_exposure, is_simple};
 use crate::suite::{Case, Judged};
 
-/// The share that a mistake may leave unexplained, where there is no noise: of the squared
-/// difference.
-const REMAINDER: f64 = 0.02;
-
-/// A mistake that leaves more than this share of the squared difference is not looked at closely,
-/// where there is no noise.
-const FAR_OFF: f64 = 0.5;
+/// An 8-bit image is rounded, which leaves a share of a small difference unexplained: there the
+/// perceptual gate may say that prediction and image are the same, if no more than this share is
+/// left.
+const OF_CODES: f64 = 0.5;
 
 /// Likewise on a lattice. Its share is an estimate from 2000 pixels or more: one that is half the
 /// pixels' has a standard error of a tenth even where one pixel in fifty differs.
@@ -137,10 +137,13 @@ impl ComparedCase {
         })
     }
 
-    /// Whether a mistake with this misfit explains the image: better than the golden does, beyond
-    /// doubt, and within noise.
+    /// Whether a mistake with this misfit explains the image: all but a small share of its
+    /// difference from the golden, beyond doubt.
     pub fn explained_by(&self, misfit: &Misfit) -> bool {
-        misfit.is_noise() && misfit.at_most() < self.from_golden.at_least().max(0.0)
+        match self.picture {
+            Picture::Radiance(_) => misfit.explains(&self.from_golden, UNEXPLAINED),
+            Picture::Codes(_) => misfit.is_noise(),
+        }
     }
 
     /// Misfit of `film` to the image: a prediction of the whole image or in blocks.
@@ -150,42 +153,132 @@ impl ComparedCase {
         if self.is_sampled {
             return Some(in_cells(&film, golden)?.misfit(cells, golden));
         }
-        // Without noise the gate itself says whether the images are the same.
         let predicted = Cells::of_pixels(&film).without_noise();
         if !predicted.has_size_of(golden) {
             return None;
         }
-        let gate: &dyn ImageGate = match self.picture {
-            Picture::Radiance(_) => &Deterministic,
-            Picture::Codes(_) => &Perceptual,
+        let misfit = predicted.misfit(cells, golden);
+        let Picture::Codes(_) = self.picture else {
+            return Some(misfit);
         };
+        let is_within = |share: f64| misfit.distance().value <= share * self.whole_distance();
         let conditions = Conditions {
             exposure: self.exposure,
             ..Conditions::default()
         };
-        let misfit = predicted.misfit(cells, golden);
-        // Whoever makes a mistake makes it in a way of their own: it need not be ours to the digit.
-        let is_within = |share: f64| misfit.distance <= share * self.from_golden.distance;
-        // The gate takes its time, FLIP above all, and need not be asked about what is far off.
-        let is_noise = is_within(REMAINDER)
-            || is_within(FAR_OFF)
-                && judge(gate, &Picture::Radiance(film), &self.picture, &conditions)
-                    .is_ok_and(|judgement| judgement.passed);
+        // FLIP takes its time, and need not be asked about what is far off.
+        let is_noise = is_within(UNEXPLAINED)
+            || is_within(OF_CODES)
+                && judge(
+                    &Perceptual,
+                    &Picture::Radiance(film),
+                    &self.picture,
+                    &conditions,
+                )
+                .is_ok_and(|judgement| judgement.passed);
         Some(Misfit {
             in_noise: if is_noise { 1.0 } else { f64::INFINITY },
             ..misfit
         })
     }
 
+    /// Whether noise lets it be known of any hypothesis, the right one even, that it explains the
+    /// image.
+    pub fn is_decidable(&self) -> bool {
+        let whole = self.from_golden.distance();
+        let of_the_right_one = SquaredDistance {
+            value: 0.0,
+            error: self.from_golden.least_error,
+        };
+        let is_known = whole.at_least() > 0.0;
+        is_known && of_the_right_one.is_explained(&whole, UNEXPLAINED)
+            || matches!(self.picture, Picture::Codes(_))
+    }
+
+    /// What is measured of the difference, in sentences; nothing that the verdict says already.
+    pub fn measured_difference(&self) -> Vec<String> {
+        match &self.picture {
+            Picture::Radiance(test) if !self.is_measured => measured_difference(&self.golden, test),
+            _ => Vec::new(),
+        }
+    }
+
+    /// The scene of the case.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// What a look sees of the scene that is `edited`, a change known as `label`: a lattice where
+    /// there is no noise, else blocks.
+    pub fn predicted_with(
+        &self,
+        edited: &Scene,
+        label: &str,
+        clock: &SearchClock<'_>,
+    ) -> Option<Cells> {
+        let look = if self.is_sampled {
+            self.second
+        } else {
+            self.first
+        };
+        let film = predicted(&self.scene, edited, label, look, clock)?;
+        let film = clamped(&film, self.ceiling);
+        if self.is_sampled {
+            return in_cells(&film, &self.golden_cells);
+        }
+        Some(Cells::of_pixels(&film).without_noise())
+    }
+
+    /// Golden, image and the misfit of the golden, as [`predicted_with`](Self::predicted_with) sees
+    /// them.
+    fn as_predicted(&self) -> (&Cells, &Cells, &Misfit) {
+        match &self.glimpse {
+            Some(glimpse) => (&glimpse.golden, &glimpse.test, &glimpse.from_golden),
+            None => (&self.golden_cells, &self.test_cells, &self.from_golden),
+        }
+    }
+
+    /// Of the way from `before` to `now`: how far along it the image lies from `now`, and its
+    /// squared length, both as weighted sums.
+    pub fn along(&self, now: &Cells, before: &Cells) -> Option<[f64; 2]> {
+        let (golden, test, _) = self.as_predicted();
+        let fit = now.has_size_of(golden) && before.has_size_of(golden);
+        fit.then(|| now.along(before, test, golden))
+    }
+
+    /// The share of the squared difference that `prediction` leaves.
+    pub fn share_left(&self, prediction: &Cells) -> Option<f64> {
+        let (golden, test, whole) = self.as_predicted();
+        let fits = prediction.has_size_of(golden);
+        let left = fits.then(|| prediction.misfit(test, golden).distance().value)?;
+        Some(left / whole.distance().value).filter(|share| share.is_finite())
+    }
+
+    /// Whether `prediction` leaves no more than `share`, beyond doubt.
+    pub fn is_explained_but_for(&self, prediction: &Cells, share: f64) -> Option<bool> {
+        let (golden, test, whole) = self.as_predicted();
+        let fits = prediction.has_size_of(golden);
+        fits.then(|| prediction.misfit(test, golden).explains(whole, share))
+    }
+
+    /// The squared distance between golden and image.
+    fn whole_distance(&self) -> f64 {
+        self.from_golden.distance().value
+    }
+
     /// Misfit of `look`, as [`ComparedCase::look`] returns it, to the image, if it may be the image:
     /// whether it is, a closer look says.
     pub fn promise(&self, look: &Film) -> Option<Misfit> {
-        if self.sees_all_at_once() || self.is_sampled {
+        if self.is_sampled {
+            let misfit = self.misfit(look)?;
+            return misfit.may_explain(&self.from_golden).then_some(misfit);
+        }
+        if self.sees_all_at_once() {
             return self.misfit(look).filter(|misfit| self.explained_by(misfit));
         }
         let misfit = self.distance(look)?;
-        let from_golden = self.glimpse.as_ref()?.from_golden.distance;
-        (misfit.distance <= FAR_OFF_ON_LATTICE * from_golden).then_some(misfit)
+        let whole = self.glimpse.as_ref()?.from_golden.distance().value;
+        (misfit.distance().value <= FAR_OFF_ON_LATTICE * whole).then_some(misfit)
     }
 
     /// Misfit of `look` to the image; [`Misfit::in_noise`] means nothing where there is none.
@@ -219,7 +312,7 @@ impl ComparedCase {
             None => (&self.golden_cells, &self.test_cells),
         };
         let both = cells(first)?.combined(&cells(second)?, golden)?;
-        Some(both.misfit(test, golden).distance)
+        Some(both.misfit(test, golden).distance().value)
     }
 
     /// Whether the first look sees all of the image, so that there is no closer one.
@@ -247,10 +340,22 @@ impl ComparedCase {
         }
     }
 
-    /// Misfit of `hypothesis` to the image, closely looked at.
+    /// Misfit of `hypothesis` to the image, closely looked at: once more where noise leaves open
+    /// whether it explains the image.
     pub fn test(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Misfit> {
         let film = self.predict(hypothesis, self.second, clock)?;
-        self.misfit(&film)
+        let misfit = self.misfit(&film)?;
+        let is_of_the_scene = hypothesis.mistakes().iter().any(|m| !m.is_of_the_image());
+        let is_open = misfit.may_explain(&self.from_golden) && !self.explained_by(&misfit);
+        if !(self.is_sampled && is_of_the_scene && is_open) {
+            return Some(misfit);
+        }
+        let third = match self.second.0 {
+            Detail::Whole => whole(THIRD_LOOK),
+            blocks => (blocks, THIRD_LOOK),
+        };
+        let closer = self.predict(hypothesis, third, clock);
+        closer.map_or(Some(misfit), |film| self.misfit(&film))
     }
 
     /// Whether this image, which passed, could not have done so with `hypothesis` made.
@@ -275,7 +380,12 @@ impl ComparedCase {
             self.second
         };
         let film = self.predict(hypothesis, look, clock)?;
-        Some(!self.misfit(&film)?.is_noise())
+        if self.is_sampled || matches!(self.picture, Picture::Codes(_)) {
+            return Some(!self.misfit(&film)?.is_noise());
+        }
+        let film = Picture::Radiance(clamped(&film, self.ceiling));
+        let judgement = judge(&Deterministic, &film, &self.picture, &Conditions::default());
+        Some(judgement.is_ok_and(|judgement| !judgement.passed))
     }
 
     /// The image that `hypothesis` would make, or nothing where it has no occasion, or where the
@@ -297,7 +407,11 @@ impl ComparedCase {
             look = whole(look.1);
         }
         let mut film = match scene {
-            Some(scene) => predicted(&self.scene, &scene, hypothesis, look, clock)?,
+            Some(scene) => {
+                let of_the_scene = mistakes.iter().filter(|m| !m.is_of_the_image());
+                let names: Vec<&str> = of_the_scene.map(|mistake| mistake.name).collect();
+                predicted(&self.scene, &scene, &names.join(" + "), look, clock)?
+            }
             None => self.golden.clone(),
         };
         for mistake in of_the_image {

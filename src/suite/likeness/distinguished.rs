@@ -1,7 +1,7 @@
 //! Which of two mistakes is the likelier, and why.
 
+use super::Explanation;
 use super::hypothesis::Hypothesis;
-use super::{Explanation, Misfit};
 use crate::suite::Case;
 
 /// Scenes loaded for a hint, at most. Loading one takes up to a quarter of a second (figure 5): two
@@ -40,9 +40,10 @@ pub(super) fn in_words(
             "likelier than {other}: one mistake rather than two"
         ));
     }
-    if first.mean(Misfit::at_most) < second.mean(Misfit::at_least) {
+    let at_most = first.mean(|misfit| misfit.distance().at_most());
+    if at_most < second.mean(|misfit| misfit.distance().at_least()) {
         let [near, far] = [first, second].map(|explanation| {
-            let square = explanation.mean(|misfit| misfit.distance);
+            let square = explanation.mean(|misfit| misfit.distance().value);
             square.max(ROUNDING * ROUNDING).sqrt()
         });
         return Some(if near <= ROUNDING {
@@ -110,6 +111,8 @@ fn percent(share: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Misfit;
+    use super::super::unexplained::SquaredDistance;
     use super::*;
     use crate::suite::Suite;
     use crate::suite::mistakes;
@@ -125,8 +128,14 @@ mod tests {
     fn explanation(hypothesis: Hypothesis, distance: f64, error: f64) -> Explanation {
         let misfit = Misfit {
             in_noise: 1.0,
-            distance,
-            error,
+            parts: [
+                SquaredDistance {
+                    value: distance,
+                    error,
+                },
+                SquaredDistance::default(),
+            ],
+            least_error: error,
         };
         Explanation {
             hypothesis,

@@ -1,7 +1,6 @@
 //! What an image would look like, were a mistake made.
 
 use super::clock::SearchClock;
-use super::hypothesis::Hypothesis;
 use crate::compare::stochastic::BLOCK;
 use crate::film::Film;
 use crate::render::{Detail, Plan, Sampling, Seed, plans, render_coarse};
@@ -17,6 +16,10 @@ pub(super) const FIRST_LOOK: u32 = 16;
 
 /// Samples in a block of a second look, at what is left: four per pixel.
 pub(super) const SECOND_LOOK: u32 = 256;
+
+/// Samples in a block of a third look, at what noise leaves open: 32 per pixel, as many as a test
+/// image of the suite has or more, so that the noise of the prediction is no longer the larger one.
+pub(super) const THIRD_LOOK: u32 = 2048;
 
 /// Pixels of a lattice, about, where the image has them: of a mistake that shows in one pixel in a
 /// hundred, twenty are seen.
@@ -41,26 +44,21 @@ pub(super) fn blocks(scene: &Scene) -> Option<Detail> {
     can.then_some(Detail::Blocks(BLOCK))
 }
 
-/// The image of `edited`, which is `scene` with the mistakes of `hypothesis` that are of the scene;
+/// The image of `edited`, which is `scene` with a change known as `label`: the names of mistakes, or
+/// of a size;
 /// with `samples` in each pixel that is rendered, if it is sampled. Nothing where it cannot be
 /// rendered, or where the time is over.
 pub(super) fn predicted(
     scene: &Scene,
     edited: &Scene,
-    hypothesis: &Hypothesis,
+    label: &str,
     (detail, samples): (Detail, u32),
     clock: &SearchClock<'_>,
 ) -> Option<Film> {
-    let mistakes = hypothesis.mistakes();
-    let names: Vec<&str> = mistakes
-        .iter()
-        .filter(|mistake| !mistake.is_of_the_image())
-        .map(|mistake| mistake.name)
-        .collect();
     let key = clock.predictions().key(&[
         &scene.canonical_text(),
         &format!("{:?}", input_hashes(scene)),
-        &names.join(" + "),
+        label,
         &format!("{detail:?} {samples}"),
     ]);
     if let Some(film) = key.as_ref().and_then(|key| clock.predictions().get(key)) {

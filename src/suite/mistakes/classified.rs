@@ -1,8 +1,9 @@
 //! Mistakes in ray casters of classified volumes.
 
 use super::densities::{
-    cells_for_nodes, half_a_voxel_back, half_a_voxel_on, in_classified, upside_down,
-    x_and_z_exchanged,
+    cells_for_nodes, half_a_voxel_back, half_a_voxel_back_along_x, half_a_voxel_back_along_y,
+    half_a_voxel_back_along_z, half_a_voxel_on, half_a_voxel_on_along_x, half_a_voxel_on_along_y,
+    half_a_voxel_on_along_z, in_classified, upside_down, x_and_z_exchanged,
 };
 use super::{Edit, Mistake, set};
 use crate::media::{Appearance, Colormap, Phong, TransferPoint, TransferPoints};
@@ -130,6 +131,36 @@ pub(super) const MISTAKES: &[Mistake] = &[
         name: "volume-half-voxel-back",
         advice: "the volume is half a voxel off, towards smaller coordinates: values belong to nodes, the first of which lies at the corner of the box",
         edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_back)),
+    },
+    Mistake {
+        name: "volume-half-voxel-along-x",
+        advice: "the volume is half a voxel off along x alone, towards larger coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
+        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_on_along_x)),
+    },
+    Mistake {
+        name: "volume-half-voxel-back-along-x",
+        advice: "the volume is half a voxel off along x alone, towards smaller coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
+        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_back_along_x)),
+    },
+    Mistake {
+        name: "volume-half-voxel-along-y",
+        advice: "the volume is half a voxel off along y alone, towards larger coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
+        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_on_along_y)),
+    },
+    Mistake {
+        name: "volume-half-voxel-back-along-y",
+        advice: "the volume is half a voxel off along y alone, towards smaller coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
+        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_back_along_y)),
+    },
+    Mistake {
+        name: "volume-half-voxel-along-z",
+        advice: "the volume is half a voxel off along z alone, towards larger coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
+        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_on_along_z)),
+    },
+    Mistake {
+        name: "volume-half-voxel-back-along-z",
+        advice: "the volume is half a voxel off along z alone, towards smaller coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
+        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_back_along_z)),
     },
     Mistake {
         name: "volume-cells-for-nodes",

@@ -30,6 +30,36 @@ pub(super) const MISTAKES: &[Mistake] = &[
         edit: Edit::Radiative(|scene| with_grids(scene, half_a_voxel_back)),
     },
     Mistake {
+        name: "grid-half-voxel-along-x",
+        advice: "the grid is half a voxel off along x alone, towards larger coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
+        edit: Edit::Radiative(|scene| with_grids(scene, half_a_voxel_on_along_x)),
+    },
+    Mistake {
+        name: "grid-half-voxel-back-along-x",
+        advice: "the grid is half a voxel off along x alone, towards smaller coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
+        edit: Edit::Radiative(|scene| with_grids(scene, half_a_voxel_back_along_x)),
+    },
+    Mistake {
+        name: "grid-half-voxel-along-y",
+        advice: "the grid is half a voxel off along y alone, towards larger coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
+        edit: Edit::Radiative(|scene| with_grids(scene, half_a_voxel_on_along_y)),
+    },
+    Mistake {
+        name: "grid-half-voxel-back-along-y",
+        advice: "the grid is half a voxel off along y alone, towards smaller coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
+        edit: Edit::Radiative(|scene| with_grids(scene, half_a_voxel_back_along_y)),
+    },
+    Mistake {
+        name: "grid-half-voxel-along-z",
+        advice: "the grid is half a voxel off along z alone, towards larger coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
+        edit: Edit::Radiative(|scene| with_grids(scene, half_a_voxel_on_along_z)),
+    },
+    Mistake {
+        name: "grid-half-voxel-back-along-z",
+        advice: "the grid is half a voxel off along z alone, towards smaller coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
+        edit: Edit::Radiative(|scene| with_grids(scene, half_a_voxel_back_along_z)),
+    },
+    Mistake {
         name: "grid-cells-for-nodes",
         advice: "the values of the grid are placed at the centres of cells, as in textures: the outermost lie on the faces of the box",
         edit: Edit::Radiative(|scene| with_grids(scene, cells_for_nodes)),
@@ -110,15 +140,30 @@ pub(super) fn in_classified(
 
 /// Half a voxel off along every axis, towards larger coordinates.
 pub(super) fn half_a_voxel_on(grid: &GridValues) -> Option<GridValues> {
-    moved_by_voxels(grid, 0.5)
+    moved_by_voxels(grid, DVec3::splat(0.5))
 }
 
 /// Half a voxel off along every axis, towards smaller coordinates.
 pub(super) fn half_a_voxel_back(grid: &GridValues) -> Option<GridValues> {
-    moved_by_voxels(grid, -0.5)
+    moved_by_voxels(grid, DVec3::splat(-0.5))
 }
 
-fn moved_by_voxels(grid: &GridValues, voxels: f64) -> Option<GridValues> {
+/// Half a voxel off along one axis.
+macro_rules! half_a_voxel_along {
+    ($name:ident, $voxels:expr) => {
+        pub(super) fn $name(grid: &GridValues) -> Option<GridValues> {
+            moved_by_voxels(grid, $voxels)
+        }
+    };
+}
+half_a_voxel_along!(half_a_voxel_on_along_x, DVec3::X * 0.5);
+half_a_voxel_along!(half_a_voxel_on_along_y, DVec3::Y * 0.5);
+half_a_voxel_along!(half_a_voxel_on_along_z, DVec3::Z * 0.5);
+half_a_voxel_along!(half_a_voxel_back_along_x, DVec3::X * -0.5);
+half_a_voxel_along!(half_a_voxel_back_along_y, DVec3::Y * -0.5);
+half_a_voxel_along!(half_a_voxel_back_along_z, DVec3::Z * -0.5);
+
+fn moved_by_voxels(grid: &GridValues, voxels: DVec3) -> Option<GridValues> {
     let old = grid.lattice();
     let first = old.first() + old.spacing() * voxels;
     let lattice = Lattice::new(old.nodes(), old.spacing(), first).ok()?;

@@ -1,6 +1,7 @@
 //! Mistakes about lights, and about who looks at them.
 
 use super::{Edit, Mistake, set};
+use crate::geometry::Camera;
 use crate::optics::{Light, Sides, Spot};
 use crate::scene::Radiative;
 use glam::DVec3;
@@ -115,7 +116,32 @@ pub(super) const MISTAKES: &[Mistake] = &[
             true
         }),
     },
+    Mistake {
+        name: "half-a-pixel-right",
+        advice: "the image is half a pixel too far to the right, along x alone: rays go through the centres of pixels, (x + 1/2), on both axes; is a centre left out on this one, or the aspect ratio taken of one pixel fewer?",
+        edit: Edit::View(|camera, pixel| moved(camera, pixel, [0.5, 0.0])),
+    },
+    Mistake {
+        name: "half-a-pixel-left",
+        advice: "the image is half a pixel too far to the left, along x alone: rays go through the centres of pixels, (x + 1/2), on both axes; is a centre left out on this one, or the aspect ratio taken of one pixel fewer?",
+        edit: Edit::View(|camera, pixel| moved(camera, pixel, [-0.5, 0.0])),
+    },
+    Mistake {
+        name: "half-a-pixel-down",
+        advice: "the image is half a pixel too far down, along y alone: rays go through the centres of pixels, (y + 1/2), on both axes; is a centre left out on this one, or the aspect ratio taken of one pixel fewer?",
+        edit: Edit::View(|camera, pixel| moved(camera, pixel, [0.0, 0.5])),
+    },
+    Mistake {
+        name: "half-a-pixel-up",
+        advice: "the image is half a pixel too far up, along y alone: rays go through the centres of pixels, (y + 1/2), on both axes; is a centre left out on this one, or the aspect ratio taken of one pixel fewer?",
+        edit: Edit::View(|camera, pixel| moved(camera, pixel, [0.0, -0.5])),
+    },
 ];
+
+/// All that is seen moved by parts of a pixel, to the right and down.
+fn moved(camera: &Camera, pixel: f64, [right, down]: [f64; 2]) -> Camera {
+    camera.with_image_moved([right * pixel, down * pixel])
+}
 
 fn intensity(light: &mut Light, factor: f64) {
     match light {

@@ -13,6 +13,7 @@ mod media;
 mod surfaces;
 
 use crate::film::Film;
+use crate::geometry::Camera;
 use crate::media::{Appearance, Homogeneous, TransferOpacity};
 use crate::optics::{Light, Material};
 use crate::scene::{Classified, Curve, Model, Radiative, Scene};
@@ -32,6 +33,8 @@ pub struct Mistake {
 enum Edit {
     /// Of a classified volume.
     Classified(fn(&mut Classified) -> bool),
+    /// Of the camera of either; with the height of a pixel over that of the image.
+    View(fn(&Camera, f64) -> Camera),
     /// Of the formula for opacity, of a classified volume or of its plot.
     Opacity(fn(&mut TransferOpacity) -> bool),
     /// Of media among surfaces and lights.
@@ -67,6 +70,14 @@ impl Mistake {
         for panel in &mut scene.panels {
             occurs |= match (&self.edit, &mut panel.model) {
                 (Edit::Classified(edit), Model::Classified(classified)) => edit(classified),
+                (Edit::View(edit), Model::Classified(scene)) => {
+                    scene.camera = edit(&scene.camera, 1.0 / panel.height as f64);
+                    true
+                }
+                (Edit::View(edit), Model::Radiative(scene)) => {
+                    scene.camera = edit(&scene.camera, 1.0 / panel.height as f64);
+                    true
+                }
                 (Edit::Opacity(edit), model) => opacity_of(model).is_some_and(edit),
                 (edit, Model::Radiative(radiative)) => in_radiative(edit, radiative),
                 _ => false,

@@ -73,6 +73,7 @@ pub fn result(name: &str, verdict: Verdict) -> CaseResult {
         notes: Vec::new(),
         conventions: vec![],
         looks_like: Vec::new(),
+        difference: Vec::new(),
         seconds: 0.0,
         work: Default::default(),
         cause: Cause::None,

@@ -1,0 +1,636 @@
+//! What is measured of the difference between two images: how large it is as a gain or a shift, and
+//! where it lies.
+//!
+//! These are measurements, not names: they hold whether or not anybody knows what went wrong. Each
+//! is said only where it is beyond its own uncertainty, which comes from leaving out a twentieth of
+//! the image at a time (the jackknife), and where it accounts for a good part of the squared
+//! difference, noise taken out.
+//!
+//! Sources: Efron & Stein 1981, Annals of Statistics 9, 586–596 (jackknife); Lucas & Kanade 1981,
+//! "An iterative image registration technique" (shift below a pixel).
+
+use super::stochastic::BLOCK;
+use crate::film::Film;
+use crate::math::Sum;
+
+/// Parts of the image, each of blocks from all over it, of which one at a time is left out.
+const PARTS: usize = 20;
+
+/// Standard errors from which a measurement is said: by chance one in 370 is.
+const SIGNIFICANT: f64 = 3.0;
+
+/// Share of the squared difference that a gain or a shift accounts for, if it is worth saying. One
+/// that is fitted to a difference of another kind accounts for a few per cent.
+const WORTH_SAYING: f64 = 0.2;
+
+/// Share of the squared difference that lies in a part of the image, or in one channel, if it is
+/// said to lie there.
+const MOST: f64 = 0.8;
+
+/// Share of the lit pixels that count as edges, and as the brightest part.
+const STEEPEST: f64 = 0.2;
+const BRIGHTEST: f64 = 0.1;
+
+/// A box that holds the difference is worth saying if it holds no more than this share of the lit
+/// pixels.
+const PART_OF_IMAGE: f64 = 0.5;
+
+/// Share of the squared difference that is left out of such a box, at each of its four sides.
+const OUTSIDE: f64 = 0.01;
+
+/// Values that end at the same number, if they are said to be cut off there.
+const CUT_OFF: usize = 8;
+
+const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+
+/// Sentences, without a full stop, on how `test` differs from `golden`; none where nothing can be
+/// measured: other sizes, values that are no numbers, or no difference beyond noise.
+pub fn measured_difference(golden: &Film, test: &Film) -> Vec<String> {
+    let size = |film: &Film| (film.width(), film.height());
+    let finite = |film: &Film| film.radiance().as_flattened().iter().all(|x| x.is_finite());
+    if size(golden) != size(test) || !finite(golden) || !finite(test) {
+        return Vec::new();
+    }
+    let Some(pixels) = Pixels::new(golden, test) else {
+        return Vec::new();
+    };
+    let sums = PartSums::of(&pixels);
+    let whole = Jackknife::of(&sums, |sums| sums.squares());
+    let has_noise = [golden, test]
+        .into_iter()
+        .any(|film| film.noise().is_some());
+    if whole.value <= 0.0 || has_noise && !whole.is_beyond(0.0) {
+        return Vec::new();
+    }
+    let sentences = [
+        cut_off(golden, test),
+        in_one_channel(&sums),
+        gain(&sums),
+        shift(&sums),
+        at_edges(&sums),
+        in_the_brightest_part(&sums),
+        without_noise(&sums),
+        in_a_box(&pixels, &sums),
+    ];
+    sentences.into_iter().flatten().collect()
+}
+
+/// Differences of the pixels, weighed by the brightness of the golden.
+struct Pixels<'f> {
+    golden: &'f Film,
+    test: &'f Film,
+    /// Mean brightness of the golden.
+    mean: f64,
+    /// Variance of the differences over that of the golden, by channel; none without noise.
+    noise_over_golden: Option<[f64; 3]>,
+    /// Beyond it the slope, or the brightness, of a pixel is among the largest.
+    steep: f64,
+    bright: f64,
+}
+
+impl<'f> Pixels<'f> {
+    fn new(golden: &'f Film, test: &'f Film) -> Option<Pixels<'f>> {
+        let values = golden.radiance().as_flattened();
+        let mean = values.iter().map(|x| f64::from(x.abs())).sum::<f64>() / values.len() as f64;
+        if !(mean > 0.0 && mean.is_finite()) {
+            return None;
+        }
+        let mut pixels = Pixels {
+            golden,
+            test,
+            mean,
+            noise_over_golden: None,
+            steep: 0.0,
+            bright: 0.0,
+        };
+        pixels.noise_over_golden = pixels.unstated_noise();
+        // Of what is not dark: a background has neither edges nor brightness.
+        let lit: Vec<usize> = (0..golden.radiance().len())
+            .filter(|&i| pixels.is_lit(i))
+            .collect();
+        pixels.steep = quantile(lit.iter().map(|&i| pixels.steepness(i)), 1.0 - STEEPEST);
+        pixels.bright = quantile(lit.iter().map(|&i| pixels.brightness(i)), 1.0 - BRIGHTEST);
+        Some(pixels)
+    }
+
+    /// Where the test image does not state its noise and the golden does: by the second differences
+    /// of the difference, in which all that is linear is gone.
+    fn unstated_noise(&self) -> Option<[f64; 3]> {
+        let noise = self.golden.noise()?;
+        if self.test.noise().is_some() {
+            return None;
+        }
+        let width = self.golden.width();
+        let mut ratios = [0.0; 3];
+        for (c, ratio) in ratios.iter_mut().enumerate() {
+            let (mut squares, mut variances) = (Sum::default(), Sum::default());
+            for row in 0..self.golden.height() {
+                for column in 1..width.saturating_sub(1) {
+                    let i = column + width * row;
+                    let d = |i: usize| self.difference(i, c);
+                    let second = d(i - 1) - 2.0 * d(i) + d(i + 1);
+                    let weight = self.weight(i, c);
+                    // The squares of 1, −2 and 1 sum to 6.
+                    squares.add(weight * second * second / 6.0);
+                    variances.add(weight * f64::from(noise.variance()[i][c]));
+                }
+            }
+            *ratio = squares.value() / variances.value();
+        }
+        ratios
+            .iter()
+            .all(|ratio| ratio.is_finite())
+            .then_some(ratios)
+    }
+
+    fn value(&self, i: usize, c: usize) -> f64 {
+        f64::from(self.golden.radiance()[i][c])
+    }
+
+    fn difference(&self, i: usize, c: usize) -> f64 {
+        f64::from(self.test.radiance()[i][c]) - self.value(i, c)
+    }
+
+    /// Variance of the difference.
+    fn variance(&self, i: usize, c: usize) -> f64 {
+        let of = |film: &Film| {
+            let noise = film.noise();
+            noise.map_or(0.0, |noise| f64::from(noise.variance()[i][c]))
+        };
+        match self.noise_over_golden {
+            Some(ratios) => ratios[c] * of(self.golden),
+            None => of(self.golden) + of(self.test),
+        }
+    }
+
+    /// By relative differences, but not those of what is next to black.
+    fn weight(&self, i: usize, c: usize) -> f64 {
+        let size = self.value(i, c).abs() + self.mean;
+        1.0 / (size * size)
+    }
+
+    fn brightness(&self, i: usize) -> f64 {
+        (0..3).map(|c| self.value(i, c)).sum()
+    }
+
+    /// Change of the golden per pixel, to the right and down.
+    fn slope(&self, i: usize, c: usize) -> [f64; 2] {
+        let width = self.golden.width();
+        let [x, y] = [i % width, i / width];
+        let along = |at: usize, count: usize, step: usize| {
+            let before = if at > 0 { i - step } else { i };
+            let after = if at + 1 < count { i + step } else { i };
+            let length = (after - before) / step;
+            if length == 0 {
+                0.0
+            } else {
+                (self.value(after, c) - self.value(before, c)) / length as f64
+            }
+        };
+        [along(x, width, 1), along(y, self.golden.height(), width)]
+    }
+
+    /// Whether a pixel is no darker than a tenth of the mean.
+    fn is_lit(&self, i: usize) -> bool {
+        self.brightness(i) > 0.3 * self.mean
+    }
+
+    fn steepness(&self, i: usize) -> f64 {
+        let of = |c: usize| {
+            let [x, y] = self.slope(i, c);
+            self.weight(i, c) * (x * x + y * y)
+        };
+        (0..3).map(of).sum()
+    }
+
+    fn block(&self, i: usize) -> [usize; 2] {
+        let width = self.golden.width();
+        [i % width / BLOCK, i / width / BLOCK]
+    }
+}
+
+/// The value below which a share of the `values` lies.
+fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    let last = values.len().saturating_sub(1) as f64;
+    values.get((last * share) as usize).copied().unwrap_or(0.0)
+}
+
+/// Weighted sums over a part of the image.
+#[derive(Clone, Copy, Default)]
+struct PartSums {
+    /// Squared differences by channel, noise taken out.
+    squares: [f64; 3],
+    /// Golden squared, and golden times difference, by channel.
+    golden_squared: [f64; 3],
+    golden_difference: [f64; 3],
+    /// Products of the slopes, xx, xy and yy, and slopes times difference.
+    slopes: [f64; 3],
+    slope_difference: [f64; 2],
+    /// Squared differences of the steepest and of the brightest pixels.
+    steep: f64,
+    bright: f64,
+    /// Of the pixels without noise, where others have some.
+    silent: f64,
+}
+
+impl PartSums {
+    /// Of each of the parts.
+    fn of(pixels: &Pixels<'_>) -> [PartSums; PARTS] {
+        let mut parts = [PartSums::default(); PARTS];
+        for i in 0..pixels.golden.radiance().len() {
+            let [x, y] = pixels.block(i);
+            // Neighbours in a row and in a column are of different parts.
+            let part = &mut parts[(x + 7 * y) % PARTS];
+            let (is_steep, is_bright) = (
+                pixels.steepness(i) > pixels.steep,
+                pixels.brightness(i) > pixels.bright,
+            );
+            let noise = pixels.golden.noise().map(|noise| noise.variance()[i]);
+            let is_silent = noise == Some([0.0; 3]);
+            for c in 0..3 {
+                let (weight, difference) = (pixels.weight(i, c), pixels.difference(i, c));
+                let square = weight * (difference * difference - pixels.variance(i, c));
+                let golden = pixels.value(i, c);
+                part.squares[c] += square;
+                part.golden_squared[c] += weight * golden * golden;
+                part.golden_difference[c] += weight * golden * difference;
+                let [right, down] = pixels.slope(i, c);
+                for (sum, product) in
+                    part.slopes
+                        .iter_mut()
+                        .zip([right * right, right * down, down * down])
+                {
+                    *sum += weight * product;
+                }
+                part.slope_difference[0] += weight * right * difference;
+                part.slope_difference[1] += weight * down * difference;
+                part.steep += if is_steep { square } else { 0.0 };
+                part.bright += if is_bright { square } else { 0.0 };
+                part.silent += if is_silent { square } else { 0.0 };
+            }
+        }
+        parts
+    }
+
+    fn add(&mut self, other: &PartSums, sign: f64) {
+        for c in 0..3 {
+            self.squares[c] += sign * other.squares[c];
+            self.golden_squared[c] += sign * other.golden_squared[c];
+            self.golden_difference[c] += sign * other.golden_difference[c];
+            self.slopes[c] += sign * other.slopes[c];
+        }
+        for axis in 0..2 {
+            self.slope_difference[axis] += sign * other.slope_difference[axis];
+        }
+        self.steep += sign * other.steep;
+        self.bright += sign * other.bright;
+        self.silent += sign * other.silent;
+    }
+
+    fn squares(&self) -> f64 {
+        self.squares.iter().sum()
+    }
+
+    /// The factor on the golden that is nearest to the test image.
+    fn gain(&self, c: usize) -> f64 {
+        if self.golden_squared[c] > 0.0 {
+            1.0 + self.golden_difference[c] / self.golden_squared[c]
+        } else {
+            1.0
+        }
+    }
+
+    /// Share of the squared difference that the gains account for.
+    fn share_of_gains(&self) -> f64 {
+        let of = |c: usize| (self.gain(c) - 1.0) * self.golden_difference[c];
+        (0..3).map(of).sum::<f64>() / self.squares()
+    }
+
+    /// How far the golden is to be moved to the right and down: where it rises by the slope g per
+    /// pixel, a shift by s makes it darker by g s.
+    fn shift(&self) -> [f64; 2] {
+        let [xx, xy, yy] = self.slopes;
+        let [x, y] = self.slope_difference;
+        let determinant = xx * yy - xy * xy;
+        if determinant > 1e-12 * xx * yy {
+            [
+                -(yy * x - xy * y) / determinant,
+                -(xx * y - xy * x) / determinant,
+            ]
+        } else {
+            [0.0; 2]
+        }
+    }
+
+    fn share_of_shift(&self) -> f64 {
+        let [right, down] = self.shift();
+        let [x, y] = self.slope_difference;
+        -(right * x + down * y) / self.squares()
+    }
+}
+
+/// An estimate and its standard error.
+#[derive(Clone, Copy)]
+struct Jackknife {
+    value: f64,
+    error: f64,
+}
+
+impl Jackknife {
+    fn of(parts: &[PartSums; PARTS], estimate: impl Fn(&PartSums) -> f64) -> Jackknife {
+        let mut all = PartSums::default();
+        for part in parts {
+            all.add(part, 1.0);
+        }
+        let value = estimate(&all);
+        let without = parts.map(|part| {
+            let mut rest = all;
+            rest.add(&part, -1.0);
+            estimate(&rest)
+        });
+        let count = PARTS as f64;
+        let mean = without.iter().sum::<f64>() / count;
+        let squares: f64 = without.iter().map(|x| (x - mean) * (x - mean)).sum();
+        Jackknife {
+            value,
+            error: ((count - 1.0) / count * squares).sqrt(),
+        }
+    }
+
+    /// Whether it differs from `other` by more than its uncertainty.
+    fn is_beyond(&self, other: f64) -> bool {
+        (self.value - other).abs() > SIGNIFICANT * self.error
+    }
+
+    /// Whether it is at least `least`, beyond doubt.
+    fn is_at_least(&self, least: f64) -> bool {
+        self.value - SIGNIFICANT * self.error >= least
+    }
+}
+
+/// As many decimals as are known: the standard error has one digit, or four decimals.
+fn decimals(value: f64, error: f64) -> String {
+    let places = (1..4).find(|&places| error * crate::math::powu(10.0, places) >= 1.0);
+    format!("{value:.*}", places.unwrap_or(4) as usize)
+}
+
+/// Whole per cent; but a part is never said to be the whole.
+fn percent(share: f64) -> String {
+    match 100.0 * share {
+        all if all >= 99.95 => "all".to_owned(),
+        most if most >= 99.0 => format!("{most:.1} %"),
+        part => format!("{part:.0} %"),
+    }
+}
+
+fn cut_off(golden: &Film, test: &Film) -> Option<String> {
+    let [golden, test] = [golden, test].map(|film| film.radiance().as_flattened());
+    let most = test.iter().copied().fold(0.0, f32::max);
+    let ends_there = |(a, b): (&f32, &f32)| *b == most && *a > 1.001 * most;
+    let cut = golden
+        .iter()
+        .zip(test)
+        .filter(|pair| ends_there(*pair))
+        .count();
+    (most > 0.0 && cut >= CUT_OFF)
+        .then(|| format!("no value is above {most}, where {cut} should be: they are cut off"))
+}
+
+fn in_one_channel(sums: &[PartSums; PARTS]) -> Option<String> {
+    let share = |c: usize| Jackknife::of(sums, |sums| sums.squares[c] / sums.squares());
+    (0..3).map(|c| (c, share(c))).find_map(|(c, share)| {
+        // A third would be its due.
+        let is_most = share.value >= MOST && share.is_at_least(0.5);
+        is_most.then(|| {
+            let part = percent(share.value);
+            format!("{part} of the squared difference is in {}", CHANNELS[c])
+        })
+    })
+}
+
+fn gain(sums: &[PartSums; PARTS]) -> Option<String> {
+    let share = Jackknife::of(sums, PartSums::share_of_gains);
+    let gains = [0, 1, 2].map(|c| Jackknife::of(sums, |sums| sums.gain(c)));
+    let is_known = gains.iter().any(|gain| gain.is_beyond(1.0));
+    if !(is_known && share.value >= WORTH_SAYING && share.is_beyond(0.0)) {
+        return None;
+    }
+    let [r, g, b] = gains.map(|gain| decimals(gain.value, gain.error));
+    Some(format!(
+        "the best gains of red, green and blue are {r}, {g} and {b}, which account for {} of the \
+         squared difference",
+        percent(share.value)
+    ))
+}
+
+fn shift(sums: &[PartSums; PARTS]) -> Option<String> {
+    let share = Jackknife::of(sums, PartSums::share_of_shift);
+    let axes = [0, 1].map(|axis| Jackknife::of(sums, |sums| sums.shift()[axis]));
+    let is_known = axes.iter().any(|axis| axis.is_beyond(0.0));
+    // By slopes nothing is known of a shift beyond the next pixel.
+    let is_small = axes.iter().all(|axis| axis.value.abs() <= 1.0);
+    if !(is_known && is_small && share.value >= WORTH_SAYING && share.is_beyond(0.0)) {
+        return None;
+    }
+    let words = [["right", "left"], ["down", "up"]];
+    let along = |axis: usize| {
+        let Jackknife { value, error } = axes[axis];
+        let side = words[axis][usize::from(value < 0.0)];
+        format!("{} pixels {side}", decimals(value.abs(), error))
+    };
+    let known: Vec<String> = (0..2)
+        .filter(|&axis| axes[axis].is_beyond(0.0))
+        .map(along)
+        .collect();
+    Some(format!(
+        "by its slopes the image is moved by {}, which accounts for {} of the squared difference",
+        known.join(" and "),
+        percent(share.value)
+    ))
+}
+
+fn at_edges(sums: &[PartSums; PARTS]) -> Option<String> {
+    let share = Jackknife::of(sums, |sums| sums.steep / sums.squares());
+    if share.value >= MOST && share.is_at_least(2.0 * STEEPEST) {
+        let part = percent(share.value);
+        return Some(format!(
+            "{part} of it lies at edges, the steepest fifth of what is lit"
+        ));
+    }
+    let inside = share.value + SIGNIFICANT * share.error <= STEEPEST;
+    inside.then(|| "it lies inside areas rather than at their edges".to_owned())
+}
+
+fn in_the_brightest_part(sums: &[PartSums; PARTS]) -> Option<String> {
+    let share = Jackknife::of(sums, |sums| sums.bright / sums.squares());
+    let is_most = share.value >= MOST && share.is_at_least(3.0 * BRIGHTEST);
+    is_most.then(|| {
+        let part = percent(share.value);
+        format!("{part} of it lies in the brightest tenth of what is lit")
+    })
+}
+
+fn without_noise(sums: &[PartSums; PARTS]) -> Option<String> {
+    let share = Jackknife::of(sums, |sums| sums.silent / sums.squares());
+    (share.value >= MOST).then(|| {
+        let part = percent(share.value);
+        format!("{part} of it lies in pixels without noise, such as a lamp or a sky that is seen")
+    })
+}
+
+/// The box of blocks that holds all but a few per cent of the squared difference.
+fn in_a_box(pixels: &Pixels<'_>, sums: &[PartSums; PARTS]) -> Option<String> {
+    let [width, height] = [pixels.golden.width(), pixels.golden.height()];
+    let whole: f64 = sums.iter().map(PartSums::squares).sum();
+    let counts = [width, height].map(|length| length.div_ceil(BLOCK));
+    let mut along = counts.map(|count| vec![0.0; count]);
+    for i in 0..width * height {
+        let block = pixels.block(i);
+        for c in 0..3 {
+            let difference = pixels.difference(i, c);
+            let square = pixels.weight(i, c) * (difference * difference - pixels.variance(i, c));
+            along[0][block[0]] += square;
+            along[1][block[1]] += square;
+        }
+    }
+    let [columns, rows] = [(0, width), (1, height)].map(|(axis, length)| {
+        let within = |sums: &mut dyn Iterator<Item = &f64>| {
+            let mut left_out = 0.0;
+            let is_outside = |square: &&f64| {
+                left_out += **square;
+                left_out <= OUTSIDE * whole
+            };
+            sums.take_while(is_outside).count()
+        };
+        let first = within(&mut along[axis].iter());
+        let last = counts[axis] - within(&mut along[axis].iter().rev());
+        first * BLOCK..(last * BLOCK).clamp(first * BLOCK, length)
+    });
+    let is_inside = |i: &usize| columns.contains(&(i % width)) && rows.contains(&(i / width));
+    let lit: Vec<usize> = (0..width * height).filter(|&i| pixels.is_lit(i)).collect();
+    let inside = lit.iter().filter(|i| is_inside(i)).count() as f64 / lit.len() as f64;
+    let area = (columns.len() * rows.len()) as f64 / (width * height) as f64;
+    (area > 0.0 && area <= PART_OF_IMAGE && inside <= PART_OF_IMAGE).then(|| {
+        format!(
+            "it lies in columns {} to {} and rows {} to {}, {} of the image",
+            columns.start,
+            columns.end - 1,
+            rows.start,
+            rows.end - 1,
+            percent(area)
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math;
+    use crate::math::rng::{Purpose, Stream};
+
+    /// Hills of three colours, as far as `at` in pixels.
+    fn hills(at: impl Fn(f64, f64) -> [f64; 2]) -> Film {
+        let pixel = |i: usize| {
+            let [x, y] = at((i % 96) as f64, (i / 96) as f64);
+            let hill = |p: f64, q: f64| 0.6 + 0.4 * math::sin(p * x) * math::cos(q * y);
+            [hill(0.21, 0.17), hill(0.13, 0.25), hill(0.3, 0.1)].map(|x| x as f32)
+        };
+        Film::new(96, 80, (0..96 * 80).map(pixel).collect())
+    }
+
+    fn golden() -> Film {
+        hills(|x, y| [x, y])
+    }
+
+    fn edited(map: impl Fn(f64, usize, [usize; 2]) -> f64) -> Film {
+        let golden = golden();
+        let pixels = golden.radiance().iter().enumerate().map(|(i, pixel)| {
+            std::array::from_fn(|c| map(f64::from(pixel[c]), c, [i % 96, i / 96]) as f32)
+        });
+        Film::new(96, 80, pixels.collect())
+    }
+
+    /// Both with noise of this standard deviation, stated or not.
+    fn noisy(film: &Film, sigma: f64, seed: u64, states: bool) -> Film {
+        let pixels = film.radiance().iter().enumerate().map(|(i, pixel)| {
+            let stream = Stream::new(seed, i as u32, 0);
+            std::array::from_fn(|c| {
+                let u = stream.uniform(0, Purpose::Camera, c as u32) - 0.5;
+                (f64::from(pixel[c]) + u * sigma * 12_f64.sqrt()) as f32
+            })
+        });
+        let pixels: Vec<[f32; 3]> = pixels.collect();
+        if states {
+            let variance = vec![[(sigma * sigma) as f32; 3]; pixels.len()];
+            Film::with_noise(96, 80, pixels, variance, 16)
+        } else {
+            Film::new(96, 80, pixels)
+        }
+    }
+
+    fn said(test: &Film) -> String {
+        measured_difference(&golden(), test).join("; ")
+    }
+
+    #[test]
+    fn gains_and_shifts_have_their_size() {
+        let text = said(&edited(|x, c, _| [1.05, 1.0, 0.9][c] * x));
+        assert!(
+            text.contains("gains of red, green and blue are 1.05"),
+            "{text}"
+        );
+        assert!(text.contains("account for all of"), "{text}");
+        let text = said(&hills(|x, y| [x - 0.3, y]));
+        assert!(
+            text.contains("moved by 0.3") && text.contains("pixels right"),
+            "{text}"
+        );
+        let text = said(&hills(|x, y| [x, y + 0.5]));
+        assert!(
+            text.contains("moved by 0.5") && text.contains("pixels up"),
+            "{text}"
+        );
+        assert_eq!(said(&golden()), "");
+    }
+
+    #[test]
+    fn where_it_lies_is_said() {
+        let text = said(&edited(|x, c, _| if c == 1 { 1.1 * x } else { x }));
+        assert!(
+            text.contains("all of the squared difference is in green"),
+            "{text}"
+        );
+        let text = said(&edited(
+            |x, _, [i, j]| if i < 32 && j >= 40 { 0.5 * x } else { x },
+        ));
+        assert!(
+            text.contains("columns 0 to 31 and rows 40 to 79, 17 % of"),
+            "{text}"
+        );
+        let text = said(&edited(|x, _, _| x.min(0.75)));
+        assert!(text.contains("no value is above 0.75"), "{text}");
+    }
+
+    /// In noise, stated or not, the size is found within its error; of noise alone nothing is said.
+    #[test]
+    fn noise_is_no_difference() {
+        let right = noisy(&golden(), 0.01, 1, true);
+        for states in [true, false] {
+            let same = noisy(&golden(), 0.1, 2, states);
+            assert_eq!(measured_difference(&right, &same), Vec::<String>::new());
+            let brighter = edited(|x, _, _| 1.1 * x);
+            let text = measured_difference(&right, &noisy(&brighter, 0.1, 3, states)).join("; ");
+            // 0.1/0.6 a pixel, of 7680: 0.2 %.
+            assert!(
+                text.contains("are 1.1") || text.contains("are 1.09"),
+                "{text}"
+            );
+            assert!(
+                !text.contains("moved") && !text.contains("columns"),
+                "{text}"
+            );
+        }
+    }
+}

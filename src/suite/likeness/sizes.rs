@@ -1,0 +1,222 @@
+//! Sizes that may be off: numbers of the scene, fitted to an image that no mistake explains.
+//!
+//! A mistake of the catalogue is one edit; a volume that is a tenth too dense is none. Of the few
+//! numbers that are easily off by a factor, that factor is found which brings the prediction nearest
+//! to the image, by Gauss and Newton's method with secants in place of derivatives. It is said if it
+//! leaves little of the difference: a measurement, not a name.
+
+use super::clock::SearchClock;
+use super::compared_case::ComparedCase;
+use crate::geometry::Camera;
+use crate::math;
+use crate::media::Coefficients;
+use crate::scene::{Model, Panel, Scene};
+
+/// The share of the squared difference that a factor may leave unexplained, if it is said: a third
+/// of the difference, root mean square. The sentence states what it leaves.
+const LEFT: f64 = 0.1;
+
+/// Renderings for each size beside that without a change.
+const STEPS: usize = 4;
+
+/// A step that is smaller than this part of the first one ends the search: what is said has no more
+/// digits.
+const CLOSE: f64 = 0.01;
+
+/// A number of the scene.
+struct Size {
+    /// In keys of predictions.
+    name: &'static str,
+    /// Edits a panel; whether it has such a number. Nothing changes at 0.
+    edit: fn(&mut Panel, f64) -> bool,
+    /// The first change that is tried: small beside what changes the image altogether, large beside
+    /// the noise of a prediction.
+    first: f64,
+    /// The largest change that is looked for.
+    most: f64,
+    words: fn(&Scene, f64) -> String,
+}
+
+/// Factors are natural logarithms: up to 4, and its inverse.
+const FARTHEST: f64 = 2.0 * std::f64::consts::LN_2;
+
+const SIZES: [Size; 5] = [
+    Size {
+        name: "density",
+        edit: |panel, logarithm| denser(&mut panel.model, math::exp(logarithm)),
+        first: 0.2,
+        most: FARTHEST,
+        words: |_, logarithm| format!("a density {:.3} times as large", math::exp(logarithm)),
+    },
+    Size {
+        name: "step",
+        edit: |panel, logarithm| match &mut panel.model {
+            Model::Classified(scene) => {
+                scene.step *= math::exp(logarithm);
+                true
+            }
+            _ => false,
+        },
+        first: 0.2,
+        most: FARTHEST,
+        words: |_, logarithm| format!("steps {:.2} times as long", math::exp(logarithm)),
+    },
+    Size {
+        name: "field of view",
+        edit: |panel, logarithm| {
+            in_view(panel, |camera, _| {
+                camera.with_vertical_fov(angle(camera.vertical_fov(), logarithm))
+            })
+        },
+        first: 0.01,
+        most: 0.5,
+        words: |scene, logarithm| {
+            let of = |model: &Model| match model {
+                Model::Classified(scene) => Some(scene.camera.vertical_fov()),
+                Model::Radiative(scene) => Some(scene.camera.vertical_fov()),
+                Model::Curve(_) => None,
+            };
+            let angles = scene.panels.iter().find_map(|panel| of(&panel.model));
+            let angle = angle(angles.unwrap_or(0.0), logarithm).to_degrees();
+            format!("a field of view of {angle:.2} degrees")
+        },
+    },
+    Size {
+        name: "shift to the right",
+        edit: |panel, pixels| {
+            in_view(panel, |camera, pixel| {
+                camera.with_image_moved([pixels * pixel, 0.0])
+            })
+        },
+        first: 0.25,
+        most: 4.0,
+        words: |_, pixels| moved(pixels, ["right", "left"]),
+    },
+    Size {
+        name: "shift down",
+        edit: |panel, pixels| {
+            in_view(panel, |camera, pixel| {
+                camera.with_image_moved([0.0, pixels * pixel])
+            })
+        },
+        first: 0.25,
+        most: 4.0,
+        words: |_, pixels| moved(pixels, ["down", "up"]),
+    },
+];
+
+fn moved(pixels: f64, sides: [&str; 2]) -> String {
+    let side = sides[usize::from(pixels < 0.0)];
+    format!(
+        "an image that lies {:.2} pixels further {side}",
+        pixels.abs()
+    )
+}
+
+/// The angle whose image plane is larger by a factor of this logarithm.
+fn angle(angle: f64, logarithm: f64) -> f64 {
+    2.0 * math::atan2(math::exp(logarithm) * math::tan(0.5 * angle), 1.0)
+}
+
+/// Edits the camera, with the height of a pixel over that of the image.
+fn in_view(panel: &mut Panel, edit: impl Fn(&Camera, f64) -> Camera) -> bool {
+    let pixel = 1.0 / panel.height as f64;
+    let camera = match &mut panel.model {
+        Model::Classified(scene) => &mut scene.camera,
+        Model::Radiative(scene) => &mut scene.camera,
+        Model::Curve(_) => return false,
+    };
+    *camera = edit(camera, pixel);
+    true
+}
+
+fn denser(model: &mut Model, factor: f64) -> bool {
+    match model {
+        Model::Classified(scene) => {
+            scene.transfer_function.reference_length /= factor;
+            true
+        }
+        Model::Radiative(scene) => {
+            for body in &mut scene.media {
+                let old = body.medium.coefficients;
+                let new = Coefficients::new(old.sigma_a() * factor, old.sigma_s() * factor);
+                body.medium.coefficients = new.unwrap_or(old);
+                body.medium.emission *= factor;
+            }
+            !scene.media.is_empty()
+        }
+        Model::Curve(_) => false,
+    }
+}
+
+impl ComparedCase {
+    /// Sentences on the sizes that would explain the image, and whether one explains it as well as a
+    /// mistake would have to.
+    pub fn fitted_sizes(&self, clock: &SearchClock<'_>) -> (Vec<String>, bool) {
+        let (mut sentences, mut is_explained) = (Vec::new(), false);
+        for size in &SIZES {
+            let Some((change, left, is_all)) = self.fitted(size, clock) else {
+                continue;
+            };
+            let would = (size.words)(self.scene(), change);
+            let left = match 100.0 * left {
+                percent if percent < 0.1 => "less than 0.1 %".to_owned(),
+                percent => format!("{percent:.1} %"),
+            };
+            sentences.push(format!(
+                "{would} would explain all but {left} of the squared difference"
+            ));
+            is_explained |= is_all;
+        }
+        (sentences, is_explained)
+    }
+
+    /// The change of `size` that is nearest to the image, the share that it leaves, and whether that
+    /// is as little as a mistake may leave; nothing if it leaves more than is worth saying.
+    fn fitted(&self, size: &Size, clock: &SearchClock<'_>) -> Option<(f64, f64, bool)> {
+        let predicted = |change: f64| {
+            if clock.is_late() {
+                return None;
+            }
+            let mut edited = self.scene().clone();
+            let mut occurs = false;
+            for panel in &mut edited.panels {
+                occurs |= (size.edit)(panel, change);
+            }
+            let label = format!("{} {change}", size.name);
+            occurs
+                .then(|| self.predicted_with(&edited, &label, clock))
+                .flatten()
+        };
+        let (mut from, mut at) = (0.0, size.first);
+        let (mut before, mut now) = (predicted(from)?, predicted(at)?);
+        let mut best = None::<(f64, f64)>;
+        for _ in 0..STEPS {
+            let [along, length] = self.along(&now, &before)?;
+            // One step from `now`, in units of the last.
+            let step = along / length * (at - from);
+            if !step.is_finite() {
+                return None;
+            }
+            let next = (at + step).clamp(-size.most, size.most);
+            if (next - at).abs() < CLOSE * size.first {
+                break;
+            }
+            (from, before) = (at, now);
+            at = next;
+            now = predicted(at)?;
+            let left = self.share_left(&now)?;
+            if best.is_none_or(|(_, least)| left < least) {
+                best = Some((at, left));
+            } else {
+                break;
+            }
+        }
+        let (at, _) = best?;
+        let nearest = predicted(at)?;
+        let left = self.share_left(&nearest)?;
+        let worth_saying = self.is_explained_but_for(&nearest, LEFT)?;
+        let is_all = self.is_explained_but_for(&nearest, super::unexplained::UNEXPLAINED)?;
+        worth_saying.then(|| (at, left.max(0.0), is_all))
+    }
+}

@@ -1,0 +1,268 @@
+//! Faults outside the catalogue of mistakes: a name is right, or there is none.
+//!
+//! Whoever is told the name of a mistake goes looking for it, so that a wrong name is worse than
+//! none. These [faults](faults::FAULTS) are none of the catalogue, or a size of one that the
+//! catalogue does not have; of each, what is said is counted.
+
+mod faults;
+
+use faults::{Edit, FAULTS, Fault};
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+use volref::compare::Picture;
+use volref::film::Film;
+use volref::geometry::Camera;
+use volref::math;
+use volref::render::{Sampling, Seed, plans, render};
+use volref::scene::{Model, Scene};
+use volref::suite::{
+    Case, Judged, Output, Predictions, Search, Stage, Suite, Verdict, likeness, mistakes, validate,
+};
+
+/// What is said of an image with a fault.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Said {
+    /// It passed, or was too noisy.
+    NotRejected,
+    /// Rejected, without a name.
+    NoName,
+    /// The first name describes the fault.
+    RightName,
+    /// It does not.
+    WrongName,
+}
+
+struct Outcome {
+    said: Said,
+    /// The first name.
+    name: String,
+    /// The reason of the verdict, and what was measured.
+    reason: String,
+}
+
+/// The image of `scene` with the image plane moved, in pixels to the right and down, by an exact
+/// half, whole or one and a half in one axis: the image with more rows or columns of the same size,
+/// without those at one end.
+fn with_more_pixels(scene: &Scene, [right, down]: [f64; 2], samples: u32) -> Film {
+    let mut scene = scene.clone();
+    let more = [right, down].map(|shift| (2.0 * shift.abs()) as usize);
+    let panel = &mut scene.panels[0];
+    let [width, height] = [panel.width, panel.height];
+    [panel.width, panel.height] = [width + more[0], height + more[1]];
+    let taller = (height + more[1]) as f64 / height as f64;
+    edit_camera(&mut panel.model, |camera| {
+        let half = taller * math::tan(0.5 * camera.vertical_fov());
+        camera.with_vertical_fov(2.0 * math::atan2(half, 1.0))
+    });
+    let film = rendered(&scene, samples);
+    let first = [
+        if right < 0.0 { more[0] } else { 0 },
+        if down < 0.0 { more[1] } else { 0 },
+    ];
+    let of = |i: usize| first[0] + i % width + film.width() * (first[1] + i / width);
+    let pixels = (0..width * height)
+        .map(|i| film.radiance()[of(i)])
+        .collect();
+    match film.noise() {
+        None => Film::new(width, height, pixels),
+        Some(noise) => {
+            let variance = (0..width * height)
+                .map(|i| noise.variance()[of(i)])
+                .collect();
+            Film::with_noise(width, height, pixels, variance, noise.samples())
+        }
+    }
+}
+
+/// A shift by any part of a pixel, by a camera that is turned: to 0.1 pixels in the corners.
+fn with_camera_turned(scene: &Scene, [right, down]: [f64; 2], samples: u32) -> Film {
+    let mut scene = scene.clone();
+    let panel = &mut scene.panels[0];
+    let pixel = 2.0 / panel.height as f64;
+    edit_camera(&mut panel.model, |camera| {
+        let centre = *camera.forward() - camera.half_right() * (right * pixel)
+            + camera.half_up() * (down * pixel);
+        let [eye, up] = [camera.eye(), *camera.upright()];
+        Camera::new(eye, eye + centre, up, camera.vertical_fov()).unwrap()
+    });
+    rendered(&scene, samples)
+}
+
+fn edit_camera(model: &mut Model, edit: impl Fn(&Camera) -> Camera) {
+    match model {
+        Model::Classified(scene) => scene.camera = edit(&scene.camera),
+        Model::Radiative(scene) => scene.camera = edit(&scene.camera),
+        Model::Curve(_) => panic!("a plot has no camera"),
+    }
+}
+
+/// With random numbers of its own.
+fn rendered(scene: &Scene, samples: u32) -> Film {
+    let sampling = Sampling {
+        samples: Some(samples),
+        seed: Seed::Given(0x6f75_7473_6964_6500),
+    };
+    render(&plans(scene), sampling, &|| ()).unwrap().film
+}
+
+fn faulty(fault: &Fault, scene: &Scene, samples: u32) -> Film {
+    let mut scene = scene.clone();
+    match fault.edit {
+        Edit::Classified(edit) => {
+            for panel in &mut scene.panels {
+                if let Model::Classified(classified) = &mut panel.model {
+                    edit(classified);
+                }
+            }
+        }
+        Edit::Radiative(edit) => {
+            for panel in &mut scene.panels {
+                if let Model::Radiative(radiative) = &mut panel.model {
+                    edit(radiative);
+                }
+            }
+        }
+        Edit::Film(edit) => return edit(&rendered(&scene, samples)),
+        Edit::ImagePlane(shift) if shift.iter().all(|x| (2.0 * x).fract() == 0.0) => {
+            return with_more_pixels(&scene, shift, samples);
+        }
+        Edit::ImagePlane(shift) => return with_camera_turned(&scene, shift, samples),
+    }
+    rendered(&scene, samples)
+}
+
+/// Judges the image with `fault`, and names it.
+fn outcome(
+    fault: &Fault,
+    case: &Case,
+    suite: &Suite,
+    samples: u32,
+    search: &Search<'_>,
+) -> Outcome {
+    let scene = case.load_scene().unwrap();
+    let film = faulty(fault, &scene, samples);
+    if let Some(folder) = std::env::var_os("VOLREF_FAULTS_KEEP") {
+        // For another version of the program.
+        let folder = Path::new(&folder).join(fault.name.replace([' ', '/'], "_"));
+        let path = folder.join(format!("{}.exr", case.name));
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, film.to_exr().unwrap()).unwrap();
+    }
+    let output = Output::Picture(Box::new(Picture::Radiance(film)));
+    let mut judged: Vec<Judged> = vec![validate(case, &suite.store(), output)];
+    likeness(&[case], &[], &mut judged, search);
+    let result = &judged[0].result;
+    let said = match (result.verdict, result.looks_like.first()) {
+        (Verdict::Fail, None) => Said::NoName,
+        (Verdict::Fail, Some(name)) if fault.described_by.contains(&name.as_str()) => {
+            Said::RightName
+        }
+        (Verdict::Fail, Some(_)) => Said::WrongName,
+        _ => Said::NotRejected,
+    };
+    Outcome {
+        said,
+        name: result.looks_like.first().cloned().unwrap_or_default(),
+        reason: [&[result.reason.clone()], &result.difference[..]]
+            .concat()
+            .join("\n        "),
+    }
+}
+
+/// Some of them, with what is said of each: part of a reason, or of what was measured. Pairs of
+/// mistakes, which take the most time, are not looked for.
+const IN_EVERY_RUN: [(&str, Said, &str); 5] = [
+    (
+        "samples clamped at 3",
+        Said::NoName,
+        "no value is above 3, where",
+    ),
+    ("field of view 39.8°", Said::NoName, "pixels up"),
+    (
+        "opacity + 10 %",
+        Said::NoName,
+        "a density 1.100 times as large would explain all but",
+    ),
+    ("clamped at 0.5", Said::NoName, "no value is above 0.5"),
+    ("half a voxel along x", Said::RightName, ""),
+];
+
+#[test]
+fn a_name_is_right_or_there_is_none() {
+    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let predictions = Predictions::in_folder(folder.path());
+    for (name, said, words) in IN_EVERY_RUN {
+        let is_at_pairs = AtomicBool::new(false);
+        let search = Search {
+            budget: None,
+            predictions: &predictions,
+            interrupted: &|| is_at_pairs.load(Ordering::Relaxed),
+            progress: &|step| {
+                is_at_pairs.fetch_or(step.stage == Stage::Pairs, Ordering::Relaxed);
+            },
+        };
+        let fault = FAULTS.iter().find(|fault| fault.name == name).unwrap();
+        let cases = suite.select(&[fault.case.to_owned()]).unwrap();
+        let outcome = outcome(fault, cases[0], &suite, 16, &search);
+        assert_eq!(outcome.said, said, "{name}: {}", outcome.reason);
+        assert!(outcome.reason.contains(words), "{name}: {}", outcome.reason);
+    }
+}
+
+#[test]
+fn there_are_faults_enough_and_each_is_its_own() {
+    let names: BTreeSet<(&str, &str)> = FAULTS.iter().map(|f| (f.case, f.name)).collect();
+    assert_eq!(names.len(), FAULTS.len());
+    assert!(FAULTS.len() >= 40);
+    for name in FAULTS.iter().flat_map(|fault| fault.described_by) {
+        assert!(mistakes::named(name).is_some(), "{name} is no mistake");
+    }
+}
+
+#[test]
+#[ignore = "minutes: scripts/nightly.sh runs it"]
+fn names_of_faults_outside_the_catalogue() {
+    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let predictions = Predictions::in_folder(folder.path());
+    let search = Search {
+        budget: Some(Duration::from_secs_f64(f64::from(
+            number("VOLREF_EXPLAIN").unwrap_or(10),
+        ))),
+        predictions: &predictions,
+        interrupted: &|| false,
+        progress: &|_| (),
+    };
+    let samples = number("VOLREF_FAULT_SAMPLES").unwrap_or(16);
+    let wanted = std::env::var("VOLREF_FAULTS").unwrap_or_default();
+    let mut wrong = 0;
+    let mut failed = 0;
+    for fault in FAULTS.iter().filter(|fault| {
+        wanted.is_empty()
+            || wanted
+                .split(',')
+                .any(|word| fault.name.contains(word) || fault.case.contains(word))
+    }) {
+        let cases = suite.select(&[fault.case.to_owned()]).unwrap();
+        let outcome = outcome(fault, cases[0], &suite, samples, &search);
+        failed += usize::from(outcome.said != Said::NotRejected);
+        wrong += usize::from(outcome.said == Said::WrongName);
+        println!(
+            "{:<26} {:<40} {:?} {}",
+            fault.case, fault.name, outcome.said, outcome.name
+        );
+        println!("        {}", outcome.reason);
+    }
+    println!("{wrong} wrong names in {failed} rejected images");
+    assert!(
+        50 * wrong <= failed,
+        "{wrong} wrong names in {failed} rejected images"
+    );
+}
+
+fn number(variable: &str) -> Option<u32> {
+    std::env::var(variable).ok()?.parse().ok()
+}
