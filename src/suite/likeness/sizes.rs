@@ -16,12 +16,16 @@ use crate::scene::{Model, Panel, Scene};
 /// of the difference, root mean square. The sentence states what it leaves.
 const LEFT: f64 = 0.1;
 
+/// The shares beyond which the first steps are given up: a size that is the one leaves less after
+/// one, one that is not about as much as there was.
+const HOPEFUL: [f64; 2] = [0.8, 0.5];
+
 /// Renderings for each size beside that without a change.
-const STEPS: usize = 4;
+const STEPS: usize = 8;
 
 /// A step that is smaller than this part of the first one ends the search: what is said has no more
 /// digits.
-const CLOSE: f64 = 0.01;
+const CLOSE: f64 = 0.002;
 
 /// A number of the scene.
 struct Size {
@@ -191,7 +195,7 @@ impl ComparedCase {
         let (mut from, mut at) = (0.0, size.first);
         let (mut before, mut now) = (predicted(from)?, predicted(at)?);
         let mut best = None::<(f64, f64)>;
-        for _ in 0..STEPS {
+        for step_index in 0..STEPS {
             let [along, length] = self.along(&now, &before)?;
             // One step from `now`, in units of the last.
             let step = along / length * (at - from);
@@ -206,6 +210,10 @@ impl ComparedCase {
             at = next;
             now = predicted(at)?;
             let left = self.share_left(&now)?;
+            let hopeful = HOPEFUL.get(step_index).copied().unwrap_or(HOPEFUL[1]);
+            if left > hopeful {
+                return None;
+            }
             if best.is_none_or(|(_, least)| left < least) {
                 best = Some((at, left));
             } else {

@@ -183,7 +183,7 @@ const IN_EVERY_RUN: [(&str, Said, &str); 5] = [
     (
         "opacity + 10 %",
         Said::NoName,
-        "a density 1.100 times as large would explain all but",
+        "a density 1.100 times as large would explain all but less than 0.1 %",
     ),
     ("clamped at 0.5", Said::NoName, "no value is above 0.5"),
     ("half a voxel along x", Said::RightName, ""),
