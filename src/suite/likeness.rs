@@ -28,7 +28,7 @@ use cells::Misfit;
 pub use clock::{Search, SearchStep, Stage};
 pub use kept::{CACHE_VARIABLE, Predictions};
 pub(in crate::suite) use prediction::pixels_of;
-pub(in crate::suite) use unexplained::UNEXPLAINED;
+pub(in crate::suite) use unexplained::UNEXPLAINED_IN_NOISE;
 
 use super::{Case, Cause, Judged, Likeness, Profile};
 use crate::scene::Scene;

@@ -6,7 +6,7 @@
 
 use super::Case;
 use super::edited_film::mapped;
-use super::likeness::{Cells, UNEXPLAINED};
+use super::likeness::{Cells, UNEXPLAINED_IN_NOISE};
 use crate::compare::flip::SrgbImage;
 use crate::compare::{Conditions, Deterministic, Perceptual, Picture, judge};
 use crate::film::Film;
@@ -201,7 +201,7 @@ fn simple_map(case: &Case, golden: &Film, test: &Film) -> Option<Map> {
     let from_golden = cells.misfit(&test_cells, &cells);
     maps.find(|map| {
         let misfit = Cells::of_blocks(&map.of(golden)).misfit(&test_cells, &cells);
-        misfit.is_noise() && misfit.explains(&from_golden, UNEXPLAINED)
+        misfit.is_noise() && misfit.explains(&from_golden, UNEXPLAINED_IN_NOISE)
     })
 }
 

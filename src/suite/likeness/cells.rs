@@ -5,7 +5,7 @@
 //! an eighth of the size shows the means of blocks as they are. Without random numbers a cell is a
 //! pixel.
 
-use super::unexplained::{SquaredDistance, UNEXPLAINED};
+use super::unexplained::SquaredDistance;
 use crate::compare::stochastic::{BLOCK, DARK};
 use crate::film::Film;
 use crate::math::Sum;
@@ -70,9 +70,9 @@ impl Misfit {
     }
 
     /// Whether a closer look may show that it does.
-    pub fn may_explain(&self, whole: &Misfit) -> bool {
+    pub fn may_explain(&self, whole: &Misfit, share: f64) -> bool {
         let mut parts = self.parts.iter().zip(&whole.parts);
-        parts.all(|(left, whole)| left.may_be_explained(whole, UNEXPLAINED))
+        parts.all(|(left, whole)| left.may_be_explained(whole, share))
     }
 }
 
@@ -397,8 +397,8 @@ mod tests {
             let golden = Cells::of_blocks(&noisy(1.0, 0.02, 5, true));
             let whole = golden.misfit(&c, &golden);
             let left = right.misfit(&c, &golden);
-            assert!(left.may_explain(&whole), "{left:?} of {whole:?}");
-            assert!(!a.misfit(&c, &golden).may_explain(&whole));
+            assert!(left.may_explain(&whole, 0.02), "{left:?} of {whole:?}");
+            assert!(!a.misfit(&c, &golden).may_explain(&whole, 0.02));
         }
     }
 

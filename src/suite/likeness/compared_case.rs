@@ -6,7 +6,7 @@ use super::hypothesis::Hypothesis;
 use super::prediction::{
     FIRST_LOOK, SECOND_LOOK, THIRD_LOOK, blocks, first_lattice, pixels_of, predicted,
 };
-use super::unexplained::{SquaredDistance, UNEXPLAINED};
+use super::unexplained::{SquaredDistance, UNEXPLAINED, UNEXPLAINED_IN_NOISE};
 use crate::compare::stochastic::BLOCK;
 use crate::compare::{Conditions, Deterministic, Perceptual, Picture, judge, measured_difference};
 use crate::film::Film;
@@ -141,7 +141,7 @@ impl ComparedCase {
     /// difference from the golden, beyond doubt.
     pub fn explained_by(&self, misfit: &Misfit) -> bool {
         match self.picture {
-            Picture::Radiance(_) => misfit.explains(&self.from_golden, UNEXPLAINED),
+            Picture::Radiance(_) => misfit.explains(&self.from_golden, self.may_leave()),
             Picture::Codes(_) => misfit.is_noise(),
         }
     }
@@ -182,6 +182,15 @@ impl ComparedCase {
         })
     }
 
+    /// The share of the squared difference that a hypothesis may leave unexplained.
+    pub fn may_leave(&self) -> f64 {
+        if self.is_sampled {
+            UNEXPLAINED_IN_NOISE
+        } else {
+            UNEXPLAINED
+        }
+    }
+
     /// Whether noise lets it be known of any hypothesis, the right one even, that it explains the
     /// image.
     pub fn is_decidable(&self) -> bool {
@@ -191,7 +200,7 @@ impl ComparedCase {
             error: self.from_golden.least_error,
         };
         let is_known = whole.at_least() > 0.0;
-        is_known && of_the_right_one.is_explained(&whole, UNEXPLAINED)
+        is_known && of_the_right_one.is_explained(&whole, self.may_leave())
             || matches!(self.picture, Picture::Codes(_))
     }
 
@@ -271,7 +280,9 @@ impl ComparedCase {
     pub fn promise(&self, look: &Film) -> Option<Misfit> {
         if self.is_sampled {
             let misfit = self.misfit(look)?;
-            return misfit.may_explain(&self.from_golden).then_some(misfit);
+            return misfit
+                .may_explain(&self.from_golden, self.may_leave())
+                .then_some(misfit);
         }
         if self.sees_all_at_once() {
             return self.misfit(look).filter(|misfit| self.explained_by(misfit));
@@ -346,7 +357,8 @@ impl ComparedCase {
         let film = self.predict(hypothesis, self.second, clock)?;
         let misfit = self.misfit(&film)?;
         let is_of_the_scene = hypothesis.mistakes().iter().any(|m| !m.is_of_the_image());
-        let is_open = misfit.may_explain(&self.from_golden) && !self.explained_by(&misfit);
+        let is_open =
+            misfit.may_explain(&self.from_golden, self.may_leave()) && !self.explained_by(&misfit);
         if !(self.is_sampled && is_of_the_scene && is_open) {
             return Some(misfit);
         }

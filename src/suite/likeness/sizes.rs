@@ -224,7 +224,7 @@ impl ComparedCase {
         let nearest = predicted(at)?;
         let left = self.share_left(&nearest)?;
         let worth_saying = self.is_explained_but_for(&nearest, LEFT)?;
-        let is_all = self.is_explained_but_for(&nearest, super::unexplained::UNEXPLAINED)?;
+        let is_all = self.is_explained_but_for(&nearest, self.may_leave())?;
         worth_saying.then(|| (at, left.max(0.0), is_all))
     }
 }
