@@ -221,10 +221,11 @@ pub const FAULTS: &[Fault] = &[
         Image(|f| by_value(f, eight_bits)),
         &["clamped"],
     ),
-    fault(
+    near(
         "8-bit values, saturated at the exposure",
         ROOM,
         Image(|f| by_value(f, |x, c| eight_bits(x * 0.7, c) / 0.7)),
+        &["clamped"],
     ),
     fault(
         "field of view 39.8°",

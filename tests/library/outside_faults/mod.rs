@@ -165,7 +165,7 @@ fn outcome(
     Outcome {
         said,
         name: result.looks_like.first().cloned().unwrap_or_default(),
-        reason: [&[result.reason.clone()], &result.difference[..]]
+        reason: [std::slice::from_ref(&result.reason), &result.difference[..]]
             .concat()
             .join("\n        "),
     }
