@@ -136,7 +136,7 @@ impl<'s> RayCaster<'s> {
         };
         let first_sample = if scene.conventions.jitter {
             let pixel = (row * width + column) as u32;
-            f64::from(philox4x32_10([pixel, 0, 0, 0], [0; 2])[0]) / 2.0_f64.powi(32)
+            f64::from(philox4x32_10([pixel, 0, 0, 0], [0; 2])[0]) / (1_u64 << 32) as f64
         } else {
             scene.conventions.first_sample
         };

@@ -14,7 +14,7 @@ fn schema(kind: &str) -> Value {
 
 #[test]
 fn the_committed_schemas_are_those_of_the_command() {
-    for kind in ["scene", "case"] {
+    for kind in ["scene", "case", "profile"] {
         let name = format!("{kind}.schema.json");
         let committed = std::fs::read_to_string(fixtures().join(&name)).unwrap_or_default();
         let run = Folder::new().volref(&["schema", kind]);

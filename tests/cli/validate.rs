@@ -734,3 +734,51 @@ fn reports_for_people_and_build_servers() {
     let json: Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
     assert_eq!(json["summary"]["pass"], 4);
 }
+
+/// An image under other conventions is no mistake: it is said which, and it passes under a profile.
+#[test]
+fn conventions_are_told_apart_and_accepted() {
+    let folder = with_images();
+    let scene = folder.text("fixtures/scenes/smoke/plain.toml");
+    let conventions = "\n[classified.conventions]\nopacity = 'linear'\n";
+    folder.write(
+        "linear.toml",
+        scene.replace("../../", "fixtures/") + conventions,
+    );
+    folder
+        .volref(&["render", "linear.toml", "-o", "out/smoke/plain.exr"])
+        .expect(0, &[]);
+    let run = folder.volref(&["validate", "--outputs", "out", "smoke/plain"]);
+    assert_shown!(run.shown(), @"");
+    let arguments = ["validate", "--outputs", "out", "smoke/plain", "--json"];
+    let found = case(&folder.volref(&arguments), "smoke/plain");
+    assert_eq!(found["verdict"], "convention");
+    assert_eq!(found["conventions"].as_array().unwrap().len(), 1);
+    let with = |more: &[&str]| folder.volref(&[&arguments[..4], more].concat());
+    let accepted = with(&["--accept-conventions"]);
+    accepted.expect(0, &[]);
+    assert!(accepted.stdout.contains("in proportion to the step"));
+    folder.write(
+        "mine.toml",
+        "name = 'mine'\n[conventions]\nopacity = 'linear'\n",
+    );
+    with(&["--as", "mine.toml"]).expect(0, &[]);
+    with(&["--as", "vtk"]).expect(1, &[]);
+    with(&["--as", "anari"]).expect(1, &[]);
+
+    with(&["--as", "absent.toml"]).expect(2, &["cannot read the profile", "anari, vtk"]);
+    folder.write(
+        "wrong.toml",
+        "name = 'wrong'\n[conventions]\nopacity = 'cubic'\n",
+    );
+    with(&["--as", "wrong.toml"]).expect(2, &["wrong.toml:3", "opacity", "linear"]);
+    // A scene with conventions of its own.
+    folder.write(
+        "fixtures/scenes/smoke/plain.toml",
+        scene + "\n[classified.conventions]\nopacity = 'linear'\n",
+    );
+    folder.accept_all();
+    let contradicted = with(&["--as", "vtk"]);
+    contradicted.expect(2, &[]);
+    assert!(contradicted.stdout.contains("contradicts the scene"));
+}

@@ -4,6 +4,7 @@ use crate::ray_caster::scenes::{PHONG, plain};
 use glam::DVec3;
 use std::sync::Arc;
 use volref::compare::{Conditions, Picture, judge};
+use volref::math::pow;
 use volref::media::{Appearance, Phong, TransferPoint, TransferPoints};
 use volref::reference::ray_caster::RayCaster;
 use volref::render::{Sampling, plans, render};
@@ -60,11 +61,11 @@ fn steps_and_opacities_of_a_uniform_volume() {
     let half: f64 = 0.5;
     for (conventions, transmittance) in [
         (standard, half),
-        (with(0.0, LastStep::Whole), half.powf(1.2)),
-        (with(0.5, LastStep::Whole), half.powf(0.9)),
-        (with(1.0, LastStep::Whole), half.powf(0.9)),
-        (with(0.5, LastStep::Dropped), half.powf(0.9)),
-        (linear, 0.85_f64.powi(3) * 0.95),
+        (with(0.0, LastStep::Whole), pow(half, 1.2)),
+        (with(0.5, LastStep::Whole), pow(half, 0.9)),
+        (with(1.0, LastStep::Whole), pow(half, 0.9)),
+        (with(0.5, LastStep::Dropped), pow(half, 0.9)),
+        (linear, 0.85 * 0.85 * 0.85 * 0.95),
     ] {
         let [red, opacity] = seen(&scene, conventions);
         assert!(
@@ -85,7 +86,7 @@ fn samples_at_the_beginning_and_the_end_of_steps() {
         (0.5, [0.125, 0.375, 0.625, 0.875]),
         (1.0, [0.25, 0.5, 0.75, 1.0]),
     ] {
-        let passed = places.map(|z: f64| (1.0 - z).powf(0.25));
+        let passed = places.map(|z: f64| pow(1.0 - z, 0.25));
         let conventions = Conventions {
             first_sample,
             ..Conventions::default()

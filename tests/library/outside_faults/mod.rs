@@ -151,8 +151,8 @@ fn outcome(
         std::fs::write(path, film.to_exr().unwrap()).unwrap();
     }
     let output = Output::Picture(Box::new(Picture::Radiance(film)));
-    let mut judged: Vec<Judged> = vec![validate(case, &suite.store(), output)];
-    likeness(&[case], &[], &mut judged, search);
+    let mut judged: Vec<Judged> = vec![validate(case, &suite.store(), output, None)];
+    likeness(&[case], &[], None, &mut judged, search);
     let result = &judged[0].result;
     let said = match (result.verdict, result.looks_like.first()) {
         (Verdict::Fail, None) => Said::NoName,
