@@ -5,7 +5,7 @@ use super::output::pretty;
 use crate::scene::{SCENE, format::json_schema};
 use crate::suite::{MANIFEST, PROFILE};
 
-/// Print the JSON Schema of scenes, cases or profiles, for completion and validation in editors
+/// Print the JSON Schema of scenes, cases or profiles, for completion in editors
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Kind of file

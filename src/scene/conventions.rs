@@ -248,12 +248,12 @@ impl Conventions {
             ),
             (
                 "table_lookup",
-                self.table_size.is_none(),
+                self.nearest_entry && self.table_size.is_none(),
                 "there is no table to look up: give `table_size`, its number of entries",
             ),
             (
                 "normals",
-                !stored,
+                self.normalised_at_nodes && !stored,
                 "this gradient is not stored at the nodes: leave `normals` out",
             ),
             (

@@ -302,7 +302,7 @@ fn one_bad_golden_does_not_hide_the_other_cases() {
     suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 3");
     let json = suite.volref(&["verify", "--json"]).json();
     let summary = serde_json::json!({
-        "pass": 1, "fail": 2, "inconclusive": 0, "missing": 0, "error": 1
+        "pass": 1, "fail": 2, "convention": 0, "inconclusive": 0, "missing": 0, "error": 1
     });
     assert_eq!(json["summary"], summary);
 }

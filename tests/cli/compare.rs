@@ -115,6 +115,7 @@ fn json() {
       ],
       "schema": "volref/compare/1",
       "summary": {
+        "convention": 0,
         "error": 0,
         "fail": 1,
         "inconclusive": 0,

@@ -172,7 +172,7 @@ fn help() {
       selftest     Check that the suite catches every known mistake and rejects no correct image
       info         Show the contents of a volume file: position, storage, values
       list         List the cases of the suite
-      schema       Print the JSON Schema of scenes or cases, for completion and validation in editors
+      schema       Print the JSON Schema of scenes, cases or profiles, for completion in editors
       completions  Print a shell completion script
       man          Print the manual page of volref or one of its commands (view with `man -l -`)
       help         Print this message or the help of the given subcommand(s)

@@ -749,7 +749,14 @@ fn conventions_are_told_apart_and_accepted() {
         .volref(&["render", "linear.toml", "-o", "out/smoke/plain.exr"])
         .expect(0, &[]);
     let run = folder.volref(&["validate", "--outputs", "out", "smoke/plain"]);
-    assert_shown!(run.shown(), @"");
+    assert_shown!(run.shown(), @r"
+    exit code 1
+    --- stdout
+    convention    smoke/plain [seconds]
+                  differs by convention: it takes opacity in proportion to the step. Under this one it agrees
+
+    1 case: 0 passed, 1 by convention
+    ");
     let arguments = ["validate", "--outputs", "out", "smoke/plain", "--json"];
     let found = case(&folder.volref(&arguments), "smoke/plain");
     assert_eq!(found["verdict"], "convention");

@@ -99,6 +99,7 @@ fn json_in_place_of_the_text() {
       ],
       "schema": "volref/verify/1",
       "summary": {
+        "convention": 0,
         "error": 0,
         "fail": 1,
         "inconclusive": 0,
@@ -124,7 +125,14 @@ fn json_has_the_promised_keys() {
     assert_eq!(keys(&json), ["cases", "schema", "summary"]);
     assert_eq!(
         keys(&json["summary"]),
-        ["error", "fail", "inconclusive", "missing", "pass"]
+        [
+            "convention",
+            "error",
+            "fail",
+            "inconclusive",
+            "missing",
+            "pass"
+        ]
     );
     let cases = json["cases"].as_array().unwrap();
     assert_eq!(cases.len(), 4);
