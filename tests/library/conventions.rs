@@ -238,10 +238,6 @@ fn every_convention_is_heard() {
             ..standard
         },
         Conventions {
-            clamped_samples: true,
-            ..standard
-        },
-        Conventions {
             precision: Precision::F32,
             ..standard
         },
@@ -290,6 +286,16 @@ fn every_convention_is_heard() {
         ..standard
     };
     assert_ne!(seen(&behind, two_sided), seen(&behind, standard));
+    let mut bright = scene.clone();
+    bright.phong = Some(Phong {
+        ambient: 20.0,
+        ..PHONG
+    });
+    let clamped = Conventions {
+        clamped_samples: true,
+        ..standard
+    };
+    assert_ne!(seen(&bright, clamped), seen(&bright, standard));
     let mut flat = self::scene(|_| 0.5);
     flat.phong = Some(PHONG);
     let ambient = Conventions {
