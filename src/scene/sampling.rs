@@ -1,8 +1,8 @@
-//! Sampling: samples per pixel and seed, of a scene and of a rendering.
+//! Sampling: samples per pixel and seed.
 
 use super::format::{Key, Kind, Table, whole_number};
 use super::reader::Reader;
-use super::{Radiative, SceneResult};
+use super::SceneResult;
 
 /// Samples per pixel, at most.
 const MOST_SAMPLES: u32 = 1 << 31;
