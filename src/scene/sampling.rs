@@ -1,8 +1,8 @@
 //! Sampling: samples per pixel and seed.
 
+use super::SceneResult;
 use super::format::{Key, Kind, Table, whole_number};
 use super::reader::Reader;
-use super::SceneResult;
 
 /// Samples per pixel, at most.
 const MOST_SAMPLES: u32 = 1 << 31;
