@@ -31,9 +31,9 @@
 //! which the volume becomes fully opaque, and `S = Σ d h/h₀` is not the optical depth of `σ`. The
 //! shadow has its own step and reference length.
 //!
-//! A scene may ask for other [conventions](Conventions): where a step is sampled ([`Steps`]), how a
-//! value is classified ([`Classifier`]), which gradient is taken ([`Gradients`]), and how it is shaded
-//! ([`ShadedSample`]).
+//! A scene may ask for other [conventions](crate::scene::Conventions): where a step is sampled (`Steps`), how a
+//! value is classified (`Classifier`), which gradient is taken (`Gradients`), and how it is shaded
+//! (`ShadedSample`).
 //!
 //! Sources: Levoy 1988, "Display of surfaces from volume data"; Max 1995, "Optical models for
 //! direct volume rendering"; Porter & Duff 1984, "Compositing digital images".
