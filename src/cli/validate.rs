@@ -606,8 +606,10 @@ impl Judge<'_> {
             return None;
         }
         let mut judged = validate(case, self.store, made.output, self.profile);
-        if judged.result.cause == Cause::Mismatch && self.profile.is_none() {
-            self.explain_by_conventions(case, &mut judged);
+        if self.profile.is_none() {
+            let (seconds, accepted) = (self.arguments.explain, self.arguments.accept_conventions);
+            self.conventions
+                .explain_mismatch(case, &mut judged, seconds, accepted);
         }
         judged.result.seconds = start.elapsed().as_secs_f64();
         judged.result.notes = made.notes;
@@ -620,21 +622,5 @@ impl Judge<'_> {
                 .again("validate", &case.name, &words),
         ];
         Some(judged)
-    }
-
-    /// Turns a mismatch that other conventions explain into that verdict.
-    fn explain_by_conventions(&self, case: &Case, judged: &mut Judged) {
-        let (Some(test), Ok(scene)) = (&judged.evidence.test, case.load_scene()) else {
-            return;
-        };
-        // The other half is for mistakes.
-        let seconds = Duration::from_secs_f64(0.5 * self.arguments.explain);
-        let end = Instant::now().checked_add(seconds);
-        let found = self.conventions.explain(case, &scene, test, end);
-        if let Some(explained) = found {
-            judged
-                .result
-                .explain_by(&explained, self.arguments.accept_conventions);
-        }
     }
 }

@@ -113,6 +113,15 @@ pub fn tolerance(golden: f64) -> f64 {
     ABSOLUTE + RELATIVE * golden.abs()
 }
 
+/// Difference of a pixel in tolerances: that of its worst channel.
+pub fn in_tolerances(golden: [f32; 3], test: [f32; 3]) -> f64 {
+    let channels = golden.into_iter().zip(test);
+    channels.fold(0.0, |worst: f64, (golden, test)| {
+        let [golden, test] = [golden, test].map(f64::from);
+        worst.max((test - golden).abs() / tolerance(golden))
+    })
+}
+
 /// Pixels that are exactly 0 in all channels of `test`, where `reference` is not, and whose eight
 /// neighbours are within tolerance and lie in no darkness: single pixels that were lost. What a
 /// pixel sees at the edge of a volume may be nothing, but there the next one sees nothing, too; so
@@ -123,15 +132,8 @@ fn lone_black_pixels(reference: &Film, test: &Film) -> Vec<usize> {
         let most = reference.radiance()[index].into_iter().fold(0.0, f32::max);
         f64::from(most) > tolerance(0.0) * 2.0
     };
-    let agrees = |index: usize| {
-        let pair = reference.radiance()[index]
-            .iter()
-            .zip(test.radiance()[index]);
-        pair.into_iter().all(|(&golden, test)| {
-            let [golden, test] = [golden, test].map(f64::from);
-            (test - golden).abs() <= tolerance(golden)
-        })
-    };
+    let agrees =
+        |index: usize| in_tolerances(reference.radiance()[index], test.radiance()[index]) <= 1.0;
     let is_alone = |index: usize| {
         let [x, y] = [index % width, index / width];
         if x == 0 || y == 0 || x + 1 == width || y + 1 == height {
@@ -155,11 +157,10 @@ fn judge(reference: &Film, test: &Film) -> Judgement {
     let mut sums = [Sum::default(); 3];
     let mut differences = [Sum::default(); 3];
     for (index, (golden, test)) in reference.radiance().iter().zip(test.radiance()).enumerate() {
-        let mut excess = 0.0_f64;
+        let excess = in_tolerances(*golden, *test);
         for c in 0..3 {
             let (golden, test) = (f64::from(golden[c]), f64::from(test[c]));
             let difference = test - golden;
-            excess = excess.max(difference.abs() / tolerance(golden));
             largest = largest.max(difference.abs());
             sums[c].add(golden);
             differences[c].add(difference);

@@ -46,9 +46,7 @@ const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 /// Sentences, without a full stop, on how `test` differs from `golden`; none where nothing can be
 /// measured: other sizes, values that are no numbers, or no difference beyond noise.
 pub fn measured_difference(golden: &Film, test: &Film) -> Vec<String> {
-    let size = |film: &Film| (film.width(), film.height());
-    let finite = |film: &Film| film.radiance().as_flattened().iter().all(|x| x.is_finite());
-    if size(golden) != size(test) || !finite(golden) || !finite(test) {
+    if !golden.is_comparable(test) {
         return Vec::new();
     }
     let Some(pixels) = Pixels::new(golden, test) else {
@@ -90,11 +88,7 @@ struct Pixels<'f> {
 
 impl<'f> Pixels<'f> {
     fn new(golden: &'f Film, test: &'f Film) -> Option<Pixels<'f>> {
-        let values = golden.radiance().as_flattened();
-        let mean = values.iter().map(|x| f64::from(x.abs())).sum::<f64>() / values.len() as f64;
-        if !(mean > 0.0 && mean.is_finite()) {
-            return None;
-        }
+        let mean = golden.mean_magnitude().filter(|&mean| mean > 0.0)?;
         let mut pixels = Pixels {
             golden,
             test,

@@ -200,6 +200,21 @@ impl Film {
         &self.radiance
     }
 
+    /// Mean magnitude of all values; `None` if a value is no number.
+    pub fn mean_magnitude(&self) -> Option<f64> {
+        let values = self.radiance.as_flattened();
+        let sum: f64 = values.iter().map(|x| f64::from(x.abs())).sum();
+        let mean = sum / values.len() as f64;
+        mean.is_finite().then_some(mean)
+    }
+
+    /// Films of one size, in which every value is a number.
+    pub fn is_comparable(&self, other: &Film) -> bool {
+        let size = |film: &Film| (film.width(), film.height());
+        let is_number = |film: &Film| film.radiance.as_flattened().iter().all(|x| x.is_finite());
+        size(self) == size(other) && is_number(self) && is_number(other)
+    }
+
     /// Red, green, blue and opacity of pixel `index`, counted row by row; opacity 1 where the
     /// image has none.
     pub fn pixel(&self, index: usize) -> [f32; 4] {

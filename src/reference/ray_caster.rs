@@ -46,7 +46,7 @@ use crate::film::Film;
 use crate::geometry::{Direction, Ray, Span, length_of};
 use crate::math::exp;
 use crate::math::rng::philox4x32_10;
-use crate::media::{Appearance, over_length};
+use crate::media::{Appearance, Phong, over_length};
 use crate::scene::{Classified, Compositing, Precision};
 use crate::volume::{Cell, NodeLine, NodePoint, Reconstruction as _};
 use glam::DVec3;
@@ -67,7 +67,7 @@ pub fn render(scene: &Classified, size: [usize; 2]) -> Film {
 pub struct RayCaster<'s> {
     scene: &'s Classified,
     classifier: Classifier<'s>,
-    gradients: Gradients,
+    shading: Option<(Phong, Gradients)>,
 }
 
 /// Samples of a ray, composited.
@@ -121,7 +121,7 @@ impl<'s> RayCaster<'s> {
         RayCaster {
             scene,
             classifier: Classifier::of(scene),
-            gradients: Gradients::of(scene),
+            shading: scene.phong.map(|phong| (phong, Gradients::of(scene))),
         }
     }
 
@@ -172,12 +172,12 @@ impl<'s> RayCaster<'s> {
             }
             let visibility = self.visibility(point, node_point);
             let light = look.emission * visibility;
-            let colour = match &scene.phong {
+            let colour = match &self.shading {
                 None => look.colour * light,
-                Some(phong) => {
+                Some((phong, gradients)) => {
                     let sample = ShadedSample {
                         colour: look.colour,
-                        gradient: self.gradient(node_point, &cell),
+                        gradient: self.gradient(gradients, node_point, &cell),
                         to_light: Direction::of(self.shading_light() - point),
                         to_eye: -ray.direction,
                     };
@@ -225,8 +225,8 @@ impl<'s> RayCaster<'s> {
     }
 
     /// Density gradient for shading, in any unit.
-    fn gradient(&self, point: NodePoint, cell: &Cell) -> DVec3 {
-        let gradient = self.gradients.at(self.scene, point, cell);
+    fn gradient(&self, gradients: &Gradients, point: NodePoint, cell: &Cell) -> DVec3 {
+        let gradient = gradients.at(self.scene, point, cell);
         if self.scene.conventions.box_space_normals {
             gradient * self.scene.grid.lattice().bounds().size()
         } else {

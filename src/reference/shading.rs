@@ -6,7 +6,7 @@ use crate::media::Phong;
 use crate::scene::{Conventions, LightColour};
 use glam::DVec3;
 
-/// A sample with its surroundings, for shading.
+/// A sample, with the directions to the light and to the eye.
 pub struct ShadedSample {
     /// Colour of the material.
     pub colour: DVec3,

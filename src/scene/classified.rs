@@ -197,6 +197,12 @@ impl Classified {
         Ok(scene)
     }
 
+    /// Ends rays where the transmittance falls below `threshold`, in (0, 1), and so goes front to
+    /// back; back to front is the same image.
+    pub fn end_rays_at(&mut self, threshold: f64) {
+        self.compositing = Compositing::EarlyTermination(threshold);
+    }
+
     /// Refuses a scene whose radiance may exceed the range of `f32`.
     ///
     /// A pixel is an average of what its samples emit and of the background. A sample sends

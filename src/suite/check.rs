@@ -1,7 +1,7 @@
 //! The suite inside the tests of another renderer.
 
 use super::validate::{Output, validate};
-use super::{CaseResult, Predictions, Search, Suite, SuiteError, likeness};
+use super::{CaseResult, ConventionSearch, Predictions, Search, Suite, SuiteError, likeness};
 use crate::compare::Picture;
 use crate::film::Film;
 use std::path::{Path, PathBuf};
@@ -25,8 +25,8 @@ impl Suite {
 
 /// Judges `image`, linear radiance with the top row first, as an image of `case` of the
 /// [bundled](Suite::bundled) suite, as `volref validate` would: verdict, numbers, the reason in
-/// words, and the likely mistakes behind a failing image. The search for these takes up to [ten
-/// seconds](Search::BUDGET).
+/// words, and the conventions or the likely mistakes behind a failing image. The search for these
+/// takes up to [ten seconds](Search::BUDGET), and half as long again for conventions.
 ///
 /// ```
 /// use volref::film::Film;
@@ -60,8 +60,10 @@ pub fn check(case: &str, image: &Film) -> Result<CaseResult, SuiteError> {
         Output::Picture(Box::new(picture)),
         None,
     )];
+    let budget = Search::BUDGET;
+    ConventionSearch::default().explain_mismatch(cases[0], &mut judged[0], budget.into(), false);
     let search = Search {
-        budget: Some(Duration::from_secs(Search::BUDGET.into())),
+        budget: Some(Duration::from_secs(budget.into())),
         // What calls this is mostly built anew for every run, and finds nothing of the last.
         predictions: &Predictions::nowhere(),
         interrupted: &|| false,

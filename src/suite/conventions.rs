@@ -6,18 +6,16 @@
 //! rendered under all that were found, agrees, those that it agrees without are left out again.
 //! Nothing is claimed without that.
 
-use super::Case;
-use super::likeness::pixels_of;
-use crate::compare::deterministic::tolerance;
+use super::likeness::{lattice_of, pixels_of};
+use super::{Case, Cause, Judged};
+use crate::compare::deterministic::in_tolerances;
 use crate::compare::{Conditions, Picture, default_gate, judge};
 use crate::film::Film;
 use crate::math::Sum;
 use crate::render::{Detail, Sampling, plans, render_coarse};
-use crate::scene::{
-    Classified, Compositing, Gradient, LastStep, LightColour, Model, Precision, Scene,
-};
+use crate::scene::{Classified, Gradient, LastStep, LightColour, Model, Precision, Scene};
 use std::sync::Mutex;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// A convention other than volref's.
 #[derive(Clone, Copy, Debug)]
@@ -53,16 +51,6 @@ enum Choice {
     Range,
     Precision,
     Pixel,
-}
-
-/// The number of samples of a ray stays below a billion.
-fn finer(scene: &mut Classified, factor: f64) {
-    scene.step *= factor;
-}
-
-fn ended(scene: &mut Classified, threshold: f64) {
-    // Back to front is the same image, and a renderer that ends rays goes front to back.
-    scene.compositing = Compositing::EarlyTermination(threshold);
 }
 
 const fn convention(choice: Choice, words: &'static str, edit: fn(&mut Classified)) -> Convention {
@@ -115,40 +103,40 @@ pub const CATALOGUE: &[Convention] = &[
     convention(
         Choice::EarlyEnd,
         "ends rays at a transmittance of 0.001",
-        |scene| ended(scene, 0.001),
+        |scene| scene.end_rays_at(0.001),
     ),
     convention(
         Choice::EarlyEnd,
         "ends rays at a transmittance of 1/255",
-        |scene| ended(scene, 1.0 / 255.0),
+        |scene| scene.end_rays_at(1.0 / 255.0),
     ),
     convention(
         Choice::EarlyEnd,
         "ends rays at a transmittance of 0.01",
-        |scene| ended(scene, 0.01),
+        |scene| scene.end_rays_at(0.01),
     ),
     convention(
         Choice::EarlyEnd,
         "ends rays at a transmittance of 0.05",
-        |scene| ended(scene, 0.05),
+        |scene| scene.end_rays_at(0.05),
     ),
     convention(Choice::Step, "takes steps of half the length", |scene| {
-        finer(scene, 0.5)
+        scene.step *= 0.5
     }),
     convention(
         Choice::Step,
         "takes steps of a quarter of the length",
-        |scene| finer(scene, 0.25),
+        |scene| scene.step *= 0.25,
     ),
     convention(
         Choice::Step,
         "takes steps of an eighth of the length",
-        |scene| finer(scene, 0.125),
+        |scene| scene.step *= 0.125,
     ),
     beside_others(convention(
         Choice::Step,
         "takes steps of twice the length",
-        |scene| finer(scene, 2.0),
+        |scene| scene.step *= 2.0,
     )),
     convention(
         Choice::Opacity,
@@ -409,7 +397,23 @@ pub struct ConventionSearch {
 }
 
 impl ConventionSearch {
-    /// The fewest conventions, of those tried, under which `test` passes as an image of `case`; `None` if there are none, or if the time is over.
+    /// Turns a mismatch that other conventions explain into that verdict: a pass if they are
+    /// `accepted`. Takes half of `seconds` at most.
+    pub fn explain_mismatch(&self, case: &Case, judged: &mut Judged, seconds: f64, accepted: bool) {
+        if judged.result.cause != Cause::Mismatch {
+            return;
+        }
+        let (Some(test), Ok(scene)) = (&judged.evidence.test, case.load_scene()) else {
+            return;
+        };
+        let end = Instant::now().checked_add(Duration::from_secs_f64(0.5 * seconds));
+        if let Some(explained) = self.explain(case, &scene, test, end) {
+            judged.result.explain_by(&explained, accepted);
+        }
+    }
+
+    /// The fewest conventions, of those tried, under which `test` passes as an image of `case`;
+    /// `None` if there are none, or if the time is over.
     pub fn explain(
         &self,
         case: &Case,
@@ -467,7 +471,6 @@ impl Attempt<'_> {
     /// How the test image agrees with the image under the conventions of `set`, if it does.
     fn agreement(&self, set: &[usize]) -> Option<Agreement> {
         let image = self.image(set, Detail::Whole)?;
-        let misfit = self.test.radiance().map(|test| Misfit::of(&image, test));
         let conditions = Conditions {
             exposure: self.case.exposure,
             cases: 1,
@@ -479,46 +482,23 @@ impl Attempt<'_> {
         if judgement.passed {
             return Some(Agreement::Full);
         }
-        let misfit = misfit.filter(|misfit| misfit.outside <= MOST_ROUNDED && misfit.worst <= CAP);
-        misfit.map(|misfit| Agreement::ButFor(misfit.outside))
+        let misfit = Misfit::of(right.radiance()?, self.test.radiance()?);
+        let is_rounding = misfit.outside <= MOST_ROUNDED && misfit.worst <= CAP;
+        is_rounding.then_some(Agreement::ButFor(misfit.outside))
     }
 
     fn search(&self) -> Option<Explained> {
         let test = self.test.radiance()?;
         let widths: Vec<usize> = self.scene.panels.iter().map(|panel| panel.width).collect();
-        let pixels = test.width() * test.height();
-        let detail = match (pixels / LATTICE).isqrt() {
-            0 | 1 => Detail::Whole,
-            every => Detail::Lattice(every),
-        };
+        let detail = lattice_of(test.width() * test.height(), LATTICE);
         let seen = pixels_of(test, &widths, detail);
         let misfit = |set: &[usize]| Some(Misfit::of(&self.image(set, detail)?, &seen));
         let (mut set, mut left) = (ConventionSet::new(), misfit(&[])?);
         let mut found: Option<Explained> = None;
-        while set.len() < MOST_TOGETHER {
-            let mut best: Option<(Misfit, ConventionSet)> = None;
-            for (index, convention) in CATALOGUE.iter().enumerate() {
-                if set
-                    .iter()
-                    .any(|&chosen| CATALOGUE[chosen].choice == convention.choice)
-                {
-                    continue;
-                }
-                let mut longer = set.clone();
-                longer.push(index);
-                longer.sort_unstable();
-                let misfit = misfit(&longer)?;
-                let limit = best
-                    .as_ref()
-                    .map_or((1.0 - LEAST_GAIN) * left.mean_square, |(best, _)| {
-                        best.mean_square
-                    });
-                if misfit.mean_square < limit {
-                    best = Some((misfit, longer));
-                }
-            }
-            let Some(best) = best else { break };
-            (left, set) = best;
+        while set.len() < MOST_TOGETHER
+            && let Some((longer, misfit)) = one_more(&set, &left, &misfit)?
+        {
+            (set, left) = (longer, misfit);
             if left.outside <= MOST_OUTSIDE
                 && let Some(agreement) = self.agreement(&set)
             {
@@ -552,6 +532,32 @@ impl Attempt<'_> {
     }
 }
 
+/// `set` with the further convention that leaves least, and what it leaves, if that is much less than
+/// what is `left` without. The outer `None` is for a `misfit` out of time.
+fn one_more(
+    set: &[usize],
+    left: &Misfit,
+    misfit: impl Fn(&[usize]) -> Option<Misfit>,
+) -> Option<Option<(ConventionSet, Misfit)>> {
+    let mut best: Option<(ConventionSet, Misfit)> = None;
+    let mut limit = (1.0 - LEAST_GAIN) * left.mean_square;
+    for (index, convention) in CATALOGUE.iter().enumerate() {
+        let is_made = |&chosen: &usize| CATALOGUE[chosen].choice == convention.choice;
+        if set.iter().any(is_made) {
+            continue;
+        }
+        let mut longer = set.to_vec();
+        longer.push(index);
+        longer.sort_unstable();
+        let misfit = misfit(&longer)?;
+        if misfit.mean_square < limit {
+            limit = misfit.mean_square;
+            best = Some((longer, misfit));
+        }
+    }
+    Some(best)
+}
+
 /// Difference of two images in tolerances of the deterministic gate; of a pixel, that of its worst
 /// channel counts.
 struct Misfit {
@@ -567,11 +573,7 @@ impl Misfit {
     fn of(right: &Film, test: &Film) -> Misfit {
         let (mut sum, mut outside, mut largest) = (Sum::default(), 0, 0.0_f64);
         for (right, test) in right.radiance().iter().zip(test.radiance()) {
-            let channels = right.iter().zip(test);
-            let worst = channels.fold(0.0_f64, |worst, (&right, &test)| {
-                let (right, test) = (f64::from(right), f64::from(test));
-                worst.max((test - right).abs() / tolerance(right))
-            });
+            let worst = in_tolerances(*right, *test);
             sum.add(worst.min(CAP) * worst.min(CAP));
             outside += usize::from(worst > 1.0);
             largest = largest.max(worst);

@@ -27,7 +27,7 @@ pub(in crate::suite) use cells::Cells;
 use cells::Misfit;
 pub use clock::{Search, SearchStep, Stage};
 pub use kept::{CACHE_VARIABLE, Predictions};
-pub(in crate::suite) use prediction::pixels_of;
+pub(in crate::suite) use prediction::{lattice_of, pixels_of};
 pub(in crate::suite) use unexplained::UNEXPLAINED_IN_NOISE;
 
 use super::{Case, Cause, Judged, Likeness, Profile};

@@ -55,7 +55,7 @@ pub(super) fn decoded(codes: &SrgbImage, exposure: f64) -> Film {
 /// The factor that makes of the golden what the perceptual gate cannot tell from `codes`.
 fn exposure_factor(case: &Case, golden: &Film, codes: &SrgbImage) -> Option<f64> {
     let test = decoded(codes, case.exposure);
-    if !is_comparable(golden, &test) {
+    if !golden.is_comparable(&test) {
         return None;
     }
     let saturated = |index: usize, channel: usize| codes.pixels()[index][channel] == u8::MAX;
@@ -90,14 +90,7 @@ fn comparable<'p>(golden: &Film, picture: &'p Picture) -> Option<&'p Film> {
     let Picture::Radiance(test) = picture else {
         return None;
     };
-    is_comparable(golden, test).then_some(test)
-}
-
-/// Whether the films have one size and every value is a number.
-fn is_comparable(golden: &Film, test: &Film) -> bool {
-    let same_size = (golden.width(), golden.height()) == (test.width(), test.height());
-    let is_number = |film: &Film| film.radiance().as_flattened().iter().all(|x| x.is_finite());
-    same_size && is_number(golden) && is_number(test)
+    golden.is_comparable(test).then_some(test)
 }
 
 /// A map of every value of an image.
@@ -220,11 +213,7 @@ impl Fits {
         test: &Film,
         wanted: impl Fn(usize, usize) -> bool,
     ) -> Option<Fits> {
-        let values = golden.radiance().as_flattened();
-        let mean = values.iter().map(|x| f64::from(x.abs())).sum::<f64>() / values.len() as f64;
-        if !(mean > 0.0 && mean.is_finite()) {
-            return None;
-        }
+        let mean = golden.mean_magnitude().filter(|&mean| mean > 0.0)?;
         let mut sums = [[0.0; 5]; 3];
         let pixels = golden.radiance().iter().zip(test.radiance());
         for (index, (golden, test)) in pixels.enumerate() {

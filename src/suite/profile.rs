@@ -3,7 +3,7 @@
 use crate::regular_file;
 use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::{Document, Reader};
-use crate::scene::{CONVENTIONS, Classified, Compositing, Conventions, Model, Scene, SceneResult};
+use crate::scene::{CONVENTIONS, Classified, Conventions, Model, Scene, SceneResult};
 use std::cell::RefCell;
 use std::path::Path;
 
@@ -110,8 +110,7 @@ impl Profile {
         }
         scene.conventions = self.conventions;
         if let Some(threshold) = self.early_termination {
-            // Back to front is the same image, and a renderer that ends rays goes front to back.
-            scene.compositing = Compositing::EarlyTermination(threshold);
+            scene.end_rays_at(threshold);
         }
         Ok(())
     }

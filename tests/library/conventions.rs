@@ -10,7 +10,7 @@ use volref::reference::ray_caster::RayCaster;
 use volref::render::{Sampling, plans, render};
 use volref::scene::{Classified, Conventions, Gradient, LastStep, LightColour, Precision, Scene};
 use volref::suite::{
-    Agreement, CATALOGUE, Case, ConventionSearch, Suite, in_words, mistakes, under,
+    Agreement, CATALOGUE, Case, ConventionSearch, Suite, Verdict, check, in_words, mistakes, under,
 };
 use volref::volume::{Grid, Lattice};
 
@@ -407,6 +407,25 @@ fn conventions_are_told_from_mistakes() {
         let found = search.explain(&case, &scene, &picture(&wrong), None);
         assert_eq!(found, None, "{mistake}");
     }
+}
+
+/// What tests of another renderer call gives the verdict of `volref validate`.
+#[test]
+fn a_check_explains_by_conventions() {
+    let mut scene = small("figures/figure-1").1;
+    for panel in &mut scene.panels {
+        (panel.width, panel.height) = (256, 256);
+    }
+    let convention = CATALOGUE.iter().position(|c| c.words.contains("Sobel"));
+    let film = render(
+        &plans(&under(&scene, &[convention.unwrap()])),
+        Sampling::default(),
+        &|| (),
+    );
+    let result = check("figures/figure-1", &film.unwrap().film).unwrap();
+    assert_eq!(result.verdict, Verdict::Convention, "{}", result.reason);
+    assert_eq!(result.conventions, ["takes gradients by Sobel's filter"]);
+    assert!(result.looks_like.is_empty());
 }
 
 /// How often the right set of conventions is named, and how often a mistake is taken for one: the

@@ -10,7 +10,6 @@ pub(super) fn headline(results: &[CaseResult], likely: &[Likeness]) -> String {
         return "Nothing was compared.".to_owned();
     }
     let undecided: Vec<_> = [
-        (summary.convention, "right under other conventions"),
         (summary.inconclusive, "inconclusive"),
         (summary.missing, "missing"),
         (
@@ -26,11 +25,14 @@ pub(super) fn headline(results: &[CaseResult], likely: &[Likeness]) -> String {
     .filter(|(count, _)| *count > 0)
     .map(|(count, word)| format!("{count} {word}"))
     .collect();
-    let rest = if undecided.is_empty() {
-        String::new()
-    } else {
-        format!(" Undecided: {}.", undecided.join(", "))
+    let mut rest = match summary.convention {
+        0 => String::new(),
+        1 => " 1 differs by convention.".to_owned(),
+        count => format!(" {count} differ by convention."),
     };
+    if !undecided.is_empty() {
+        rest.push_str(&format!(" Undecided: {}.", undecided.join(", ")));
+    }
     if summary.fail > 0 {
         let verb = if summary.fail == 1 { "fails" } else { "fail" };
         let cases = if of == 1 { "case" } else { "cases" };

@@ -86,8 +86,7 @@ impl ComparedCase {
                 (decoded(codes, case.exposure), Some(ceiling))
             }
         };
-        let is_number = |film: &Film| film.radiance().as_flattened().iter().all(|x| x.is_finite());
-        if picture.size() != size || !is_number(&test) {
+        if !golden.is_comparable(&test) {
             return None;
         }
         let is_sampled = case.sampling.is_some();

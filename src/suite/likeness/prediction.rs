@@ -28,7 +28,12 @@ const LATTICE: usize = 2048;
 /// The lattice by which mistakes in an image of this size are ruled out first, where there is no
 /// noise; the whole image where it is small.
 pub(super) fn first_lattice(pixels: usize) -> Detail {
-    match (pixels / LATTICE).isqrt() {
+    lattice_of(pixels, LATTICE)
+}
+
+/// A lattice of about `wanted` pixels of an image of `pixels`; the whole image where it is small.
+pub(in crate::suite) fn lattice_of(pixels: usize, wanted: usize) -> Detail {
+    match (pixels / wanted).isqrt() {
         0 | 1 => Detail::Whole,
         every => Detail::Lattice(every),
     }
@@ -44,10 +49,9 @@ pub(super) fn blocks(scene: &Scene) -> Option<Detail> {
     can.then_some(Detail::Blocks(BLOCK))
 }
 
-/// The image of `edited`, which is `scene` with a change known as `label`: the names of mistakes, or
-/// of a size;
-/// with `samples` in each pixel that is rendered, if it is sampled. Nothing where it cannot be
-/// rendered, or where the time is over.
+/// The image of `edited`, which is `scene` with a change known as `label` (the names of mistakes, or
+/// of a size), with `samples` in each pixel that is rendered, if it is sampled. Nothing where it
+/// cannot be rendered, or where the time is over.
 pub(super) fn predicted(
     scene: &Scene,
     edited: &Scene,
