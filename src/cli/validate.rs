@@ -7,13 +7,14 @@ use super::results::{Findings, ResultFiles, check_not_golden};
 use super::suite::{Selection, exit};
 use super::{Outcome, interrupt, output, progress};
 use crate::exchange::{self, Format};
+use crate::math::exp2;
 use crate::regular_file::note_input;
 use crate::report;
-use crate::scene::Scene;
+use crate::scene::{Panel, Scene};
 use crate::suite::{
     Case, CaseResult, Cause, CommandTemplate, ConventionSearch, Evidence, Judged, Likenesses,
     Output, Outputs, Predictions, Profile, Search, Store, Suite, Verdict, likeness,
-    run as run_process, stop_all, validate,
+    run as run_process, step_name, stop_all, validate,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf, absolute};
@@ -33,9 +34,12 @@ const IMAGES: &str = "Images are named after the cases, family/name or just name
     .pfm, .npy (linear radiance) or .png (8-bit sRGB). The noise of a Monte Carlo image is taken from \
     several independent renderings, name.0.exr, name.1.exr, ..., or from a file name.variance.exr \
     with the variances of the means; otherwise it is estimated.\n\n\
+    The images of a case of the family limit are name.exr, with the step of its scene, \
+    name@0.5.exr, with half of it, and name@0.25.exr; of one image less can be said.\n\n\
     In CMD, {scene} stands for the scene file, {output} for the image to write, {width}, {height}, \
-    {spp}, {seed} for the image size, samples per pixel and seed, {case} for the name of the case, and {export:mitsuba}, \
-    {export:pbrt}, {export:bundle} for a copy of the scene in that format (see volref export).\n\n\
+    {spp}, {seed} for the image size, samples per pixel and seed, {case} for the name of the case, {step} for the distance between samples in world units, {rate} \
+    for samples per voxel, and {export:mitsuba}, \
+    {export:pbrt}, {export:bundle} for a copy of the scene in that format (see volref export). With {step} or {rate}, CMD is run three times for a case of the family limit.\n\n\
     Each verdict is printed as soon as it is known; then failing images are tested against a \
     catalogue of known mistakes. Ctrl-C ends that search and keeps the verdicts. Images rendered during the search are \
     cached in the folder that VOLREF_CACHE names (empty: no cache), or else in the user's cache \
@@ -386,10 +390,16 @@ fn read(outputs: &Outputs, folder: &Path, case: &Case) -> Output {
             folder.display(),
             case.name
         )),
-        Ok(Some(found)) => match found.read() {
-            Ok(picture) => Output::Picture(Box::new(picture)),
-            Err(error) => Output::Unusable(error.to_string()),
-        },
+        Ok(Some(found)) => {
+            let output = if found.is_refined {
+                found.read_refined().map(Output::Refined)
+            } else {
+                found
+                    .read()
+                    .map(|picture| Output::Picture(Box::new(picture)))
+            };
+            output.unwrap_or_else(|error| Output::Unusable(error.to_string()))
+        }
         Err(error) => Output::Unusable(error.to_string()),
     }
 }
@@ -417,24 +427,38 @@ fn last_words(printed: &str) -> String {
 }
 
 impl RendererRun<'_> {
+    /// The output for `case`: of a case without a step, images with three steps, if the command takes
+    /// its step from here.
     fn output(&self, case: &Case) -> Made {
-        let words = match self.words(case) {
-            Ok(words) => words,
-            Err(output) => return Made::of(output),
+        let has_steps = case.is_limit() && self.takes_step();
+        let halvings = if has_steps { 0..=2 } else { 0..=0 };
+        let (mut printed, mut notes, mut calls) = (String::new(), Vec::new(), Vec::new());
+        let mut failure = None;
+        for halvings in halvings {
+            let words = match self.words(case, halvings) {
+                Ok(words) => words,
+                Err(output) => return Made::of(output),
+            };
+            let timeout = Duration::from_secs_f64(self.arguments.timeout);
+            let ran = run_process(&words, timeout, keeper().as_ref());
+            printed.push_str(&ran.printed);
+            notes.extend(ran.notes);
+            calls.push(shell_words::join(&words));
+            if let Some(reason) = ran.failure {
+                failure = Some(reason + &last_words(&ran.printed));
+                break;
+            }
+        }
+        let output = match failure {
+            Some(failure) => Output::Unusable(failure),
+            None => self.written(case, has_steps),
         };
-        let timeout = Duration::from_secs_f64(self.arguments.timeout);
-        let ran = run_process(&words, timeout, keeper().as_ref());
-        let output = match ran.failure {
-            Some(failure) => Output::Unusable(failure + &last_words(&ran.printed)),
-            None => self.written(case),
-        };
-        let mut notes = ran.notes;
         notes.extend(self.fewer_samples(&output));
         Made {
             output,
-            printed: Some(ran.printed),
+            printed: Some(printed),
             notes,
-            call: Some(shell_words::join(&words)),
+            call: Some(calls.join("\n")),
         }
     }
 
@@ -451,8 +475,8 @@ impl RendererRun<'_> {
         })
     }
 
-    /// The image that the renderer wrote.
-    fn written(&self, case: &Case) -> Output {
+    /// The image that the renderer wrote, or those with several steps.
+    fn written(&self, case: &Case, has_steps: bool) -> Output {
         let outputs = match Outputs::list(&self.folder, &[&case.name]) {
             Ok(outputs) => outputs,
             Err(error) => return Output::Unusable(error.to_string()),
@@ -460,6 +484,13 @@ impl RendererRun<'_> {
         match read(&outputs, &self.folder, case) {
             Output::Missing(_) => {
                 Output::Missing("the renderer succeeded, but wrote no image to {output}".to_owned())
+            }
+            Output::Picture(picture) if has_steps && picture.radiance().is_some() => {
+                Output::Missing(format!(
+                    "the renderer succeeded, but wrote no image to {{output}} with a smaller step: {}.{}",
+                    step_name(&case.name, 1),
+                    self.arguments.format
+                ))
             }
             // As far as is known, it did what it was asked for.
             Output::Picture(picture) if self.asks_for_samples() => {
@@ -490,8 +521,14 @@ impl RendererRun<'_> {
         self.template.uses("spp")
     }
 
-    /// The command for `case`, after creating its folder and exports.
-    fn words(&self, case: &Case) -> Result<Vec<String>, Output> {
+    /// Whether the command passes the step.
+    fn takes_step(&self) -> bool {
+        self.template.uses("step") || self.template.uses("rate")
+    }
+
+    /// The command for `case` with the step of its scene halved `halvings` times, after creating its
+    /// folder and exports.
+    fn words(&self, case: &Case, halvings: u32) -> Result<Vec<String>, Output> {
         let failed = |error: std::io::Error| {
             Output::Unusable(format!("the renderer could not be run: {error}"))
         };
@@ -499,7 +536,10 @@ impl RendererRun<'_> {
         let scene = case
             .load_scene()
             .map_err(|error| Output::Unusable(error.to_string()))?;
-        let output = image_of(&self.folder, case, &self.arguments.format);
+        let name = step_name(&case.name, halvings);
+        let output = self
+            .folder
+            .join(format!("{name}.{}", self.arguments.format));
         if let Some(folder) = output.parent() {
             std::fs::create_dir_all(folder).map_err(failed)?;
         }
@@ -520,6 +560,18 @@ impl RendererRun<'_> {
             ("seed", self.arguments.seed.to_string()),
             ("case", case.name.clone()),
         ]);
+        if self.takes_step() {
+            let Some(sampled) = scene.panels.iter().find_map(Panel::classified) else {
+                return Err(Output::Missing(
+                    "not rendered: the command takes a step, and the scene has no classified volume"
+                        .to_owned(),
+                ));
+            };
+            let step = sampled.step * exp2(-f64::from(halvings));
+            values.insert("step", step.to_string());
+            let rate = sampled.grid.lattice().voxel() / step;
+            values.insert("rate", rate.to_string());
+        }
         for name in CommandTemplate::PLACEHOLDERS {
             let format = name.strip_prefix("export:");
             if let Some(format) = format.filter(|_| self.template.uses(name)) {

@@ -12,6 +12,8 @@ pub enum Undecided {
     /// No test image: even one without noise would not show a bias below this, relative to the mean
     /// of the image.
     Reference(f64),
+    /// Images with smaller steps: this share of the mean is allowed for the step.
+    Step(f64),
 }
 
 /// Samples of a test image that would decide.
@@ -52,6 +54,12 @@ impl fmt::Display for Undecided {
                 "no number of samples of this image would decide: the noise of the reference image alone \
                  hides a bias below {:.2} %",
                 100.0 * bias
+            ),
+            Undecided::Step(width) => write!(
+                f,
+                "that decides nothing: the step is so long that errors of {:.1} % have to be allowed for it; \
+                 begin with a smaller one",
+                100.0 * width
             ),
         }
     }

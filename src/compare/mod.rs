@@ -16,6 +16,7 @@ mod judgement;
 mod measured_difference;
 pub mod perceptual;
 mod picture;
+mod refinement;
 pub mod significance;
 pub mod stochastic;
 
@@ -29,6 +30,7 @@ pub use judgement::Judgement;
 pub use measured_difference::measured_difference;
 pub use perceptual::Perceptual;
 pub use picture::{Picture, PictureError};
+pub use refinement::{Refinement, judge_one_step, judge_refinement};
 pub use stochastic::Stochastic;
 
 use incomparable::NON_FINITE;
@@ -59,7 +61,8 @@ pub fn default_gate(reference: &Picture, test: &Picture) -> (&'static dyn ImageG
 
 /// Meaning of a metric of any gate.
 pub fn metric_meaning(name: &str) -> Option<&'static str> {
-    let mut metrics = GATES.into_iter().flat_map(Gate::metrics);
+    let images = GATES.into_iter().flat_map(Gate::metrics);
+    let mut metrics = images.chain(Refinement.metrics());
     let found = metrics.find(|(known, _)| *known == name);
     let common = (name == NON_FINITE.0).then_some(&NON_FINITE);
     found.or(common).map(|&(_, meaning)| meaning)

@@ -102,6 +102,16 @@ impl From<Radiative> for Model {
     }
 }
 
+impl Panel {
+    /// Its classified volume, if it has one.
+    pub fn classified(&self) -> Option<&Classified> {
+        match &self.model {
+            Model::Classified(classified) => Some(classified),
+            Model::Radiative(_) | Model::Curve(_) => None,
+        }
+    }
+}
+
 impl Scene {
     /// A scene of one image without a file.
     pub fn of(panel: Panel) -> Scene {

@@ -36,6 +36,9 @@ const DETERMINISTIC: &str = "deterministic";
 /// The class of cases whose pixels are Monte Carlo estimates.
 const STOCHASTIC: &str = "stochastic";
 
+/// The class of cases without a step: their pictures are limits.
+pub(super) const LIMIT: &str = "limit";
+
 /// The declaration of a manifest, `fixtures/cases/<family>/<name>.toml`.
 pub const MANIFEST: Table = Table::new("A case: a scene, its source, and how images of it are compared.").keys(&[
     Key::derived("scene", Kind::Text, "../../scenes/<family>/<name>.toml")
@@ -120,6 +123,11 @@ impl Case {
             Some(_) => &Stochastic,
             None => &Deterministic,
         }
+    }
+
+    /// The picture is a limit, to which images converge with their step.
+    pub fn is_limit(&self) -> bool {
+        self.class() == LIMIT
     }
 
     /// The scene of the case.

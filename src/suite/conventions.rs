@@ -24,9 +24,16 @@ pub struct Convention {
     pub words: &'static str,
     /// The choice it answers: no two of one choice apply together.
     choice: Choice,
-    /// Whether it is claimed by itself. What is also a mistake of the catalogue is not.
+    /// It is claimed by itself; one that is also a mistake of the catalogue is not.
     stands_alone: bool,
     edit: fn(&mut Classified),
+}
+
+impl Convention {
+    /// It is claimed by itself, not only beside others.
+    pub fn stands_alone(&self) -> bool {
+        self.stands_alone
+    }
 }
 
 /// A choice that a renderer has.
@@ -371,6 +378,10 @@ const MOST_TOGETHER: usize = 9;
 /// removes less leaves an image that passes without it, or another one comes first.
 const LEAST_GAIN: f64 = 0.03;
 
+/// First conventions to begin with, from that which leaves least on: two together may look more like a
+/// third than like either, as a first sample on the front face with half the step does.
+const STARTS: usize = 4;
+
 /// A difference counts by at most this many tolerances: a few pixels at an edge, far off, do not
 /// decide for the whole image.
 const CAP: f64 = 20.0;
@@ -493,23 +504,37 @@ impl Attempt<'_> {
         let detail = lattice_of(test.width() * test.height(), LATTICE);
         let seen = pixels_of(test, &widths, detail);
         let misfit = |set: &[usize]| Some(Misfit::of(&self.image(set, detail)?, &seen));
-        let (mut set, mut left) = (ConventionSet::new(), misfit(&[])?);
-        let mut found: Option<Explained> = None;
-        while set.len() < MOST_TOGETHER
-            && let Some((longer, misfit)) = one_more(&set, &left, &misfit)?
-        {
-            (set, left) = (longer, misfit);
+        let starts = further(&[], &misfit(&[])?, &misfit)?;
+        let mut starts = starts.into_iter().take(STARTS);
+        let found = starts.find_map(|start| self.grown(start, &misfit))?;
+        self.needed(found)
+    }
+
+    /// The set that begins with `start` and grows by what leaves least, until the whole image agrees.
+    fn grown(
+        &self,
+        (mut set, mut left): (ConventionSet, Misfit),
+        misfit: impl Fn(&[usize]) -> Option<Misfit>,
+    ) -> Option<Explained> {
+        let mut found = None;
+        loop {
             if left.outside <= MOST_OUTSIDE
                 && let Some(agreement) = self.agreement(&set)
             {
                 let set = set.clone();
                 found = Some(Explained { set, agreement });
                 if agreement == Agreement::Full {
-                    break;
+                    return found;
                 }
             }
+            if set.len() == MOST_TOGETHER {
+                return found;
+            }
+            match further(&set, &left, &misfit)?.into_iter().next() {
+                Some(longer) => (set, left) = longer,
+                None => return found,
+            }
         }
-        self.needed(found?)
     }
 
     /// Without the conventions that the image agrees as well without; `None` if no more than one is
@@ -532,15 +557,15 @@ impl Attempt<'_> {
     }
 }
 
-/// `set` with the further convention that leaves least, and what it leaves, if that is much less than
-/// what is `left` without. The outer `None` is for a `misfit` out of time.
-fn one_more(
+/// `set` with a further convention, and what it leaves, for each that leaves much less than what is
+/// `left` without; those that leave least first. `None` if a `misfit` is out of time.
+fn further(
     set: &[usize],
     left: &Misfit,
     misfit: impl Fn(&[usize]) -> Option<Misfit>,
-) -> Option<Option<(ConventionSet, Misfit)>> {
-    let mut best: Option<(ConventionSet, Misfit)> = None;
-    let mut limit = (1.0 - LEAST_GAIN) * left.mean_square;
+) -> Option<Vec<(ConventionSet, Misfit)>> {
+    let limit = (1.0 - LEAST_GAIN) * left.mean_square;
+    let mut longer_sets = Vec::new();
     for (index, convention) in CATALOGUE.iter().enumerate() {
         let is_made = |&chosen: &usize| CATALOGUE[chosen].choice == convention.choice;
         if set.iter().any(is_made) {
@@ -551,11 +576,11 @@ fn one_more(
         longer.sort_unstable();
         let misfit = misfit(&longer)?;
         if misfit.mean_square < limit {
-            limit = misfit.mean_square;
-            best = Some((longer, misfit));
+            longer_sets.push((longer, misfit));
         }
     }
-    Some(best)
+    longer_sets.sort_by(|(_, a), (_, b)| a.mean_square.total_cmp(&b.mean_square));
+    Some(longer_sets)
 }
 
 /// Difference of two images in tolerances of the deterministic gate; of a pixel, that of its worst

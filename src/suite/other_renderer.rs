@@ -52,7 +52,7 @@ pub enum TemplateError {
 
 impl CommandTemplate {
     /// Every placeholder, without its braces.
-    pub const PLACEHOLDERS: [&str; 10] = [
+    pub const PLACEHOLDERS: [&str; 12] = [
         "scene",
         "output",
         "width",
@@ -60,6 +60,8 @@ impl CommandTemplate {
         "spp",
         "seed",
         "case",
+        "step",
+        "rate",
         "export:mitsuba",
         "export:pbrt",
         "export:bundle",

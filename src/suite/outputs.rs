@@ -4,7 +4,9 @@
 //!
 //! - `fog/forward.exr`, `.pfm`, `.npy` or `.png`, or
 //! - `fog/forward.0.exr`, `fog/forward.1.exr`, …: replicates, renderings with seeds of their own,
-//!   numbered without a gap from 0 or 1,
+//!   numbered without a gap from 0 or 1, or
+//! - of a case without a step, `limit/blob.exr` with the step of its scene, `limit/blob@0.5.exr` with
+//!   half of it, `limit/blob@0.25.exr` with a quarter, and so on without a gap,
 //!
 //! or the same without `fog/`, if no other family has a case `forward`. A single image may have a
 //! second file, `fog/forward.variance.exr`: the variance of the mean as its colours, and the number
@@ -12,6 +14,7 @@
 
 use crate::compare::{Picture, PictureError};
 use crate::film::{Film, FilmError, FilmFormat};
+use crate::math;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -31,6 +34,9 @@ pub struct Found {
     pub files: Vec<PathBuf>,
     /// The variance of the mean of a single image.
     pub variance: Option<PathBuf>,
+    /// Of images with smaller and smaller steps: the files have the step of the scene, half of it, a
+    /// quarter and so on.
+    pub is_refined: bool,
 }
 
 /// A file that looks like an image and belongs to no case.
@@ -79,6 +85,22 @@ pub enum OutputError {
         /// The first number of the gap.
         missing: u32,
     },
+    /// A step is missing among the smaller ones.
+    #[error(
+        "{case}: {} has a smaller step than the scene, but there is no {}: name the images \
+         {case}.exr, {case}@0.5.exr, {case}@0.25.exr, at least these three, with the step of the \
+         scene, half of it and a quarter",
+        .file.display(),
+        step_name(.case, *.missing)
+    )]
+    Step {
+        /// The case.
+        case: String,
+        /// One of the images there are.
+        file: PathBuf,
+        /// How often the missing step is halved.
+        missing: u32,
+    },
     /// A variance without an image, or with several renderings.
     #[error("{case}: {} is the variance of one image, and there {there}", .file.display())]
     Variance {
@@ -94,10 +116,25 @@ pub enum OutputError {
 /// Role of a file in its case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Role {
+    /// The only image, or the one with the step of the scene.
     Single,
     Variance,
     Replicate(u32),
+    /// The step of the scene, halved this often.
+    Step(u32),
 }
+
+/// The name of the image of `case` with the step of the scene halved `halvings` times, without its
+/// extension.
+pub fn step_name(case: &str, halvings: u32) -> String {
+    match halvings {
+        0 => case.to_owned(),
+        _ => format!("{case}@{}", math::exp2(-f64::from(halvings))),
+    }
+}
+
+/// Halvings that a name may ask for: a step that is a thousandth of the scene's shows nothing new.
+const MOST_HALVINGS: u32 = 10;
 
 /// Extensions of unsupported images, which cause a warning.
 const OTHER_IMAGES: [&str; 10] = [
@@ -132,12 +169,20 @@ impl Outputs {
         let files: Vec<_> = files.iter().collect();
         let replicates = files.iter().filter_map(|(role, file)| match role {
             Role::Replicate(number) => Some((*number, file)),
-            Role::Single | Role::Variance => None,
+            Role::Single | Role::Variance | Role::Step(_) => None,
         });
         let same = files.windows(2).find(|pair| pair[0].0 == pair[1].0);
         let same = same.map(|pair| (&pair[0].1, &pair[1].1));
         let single = files.first().filter(|(role, _)| *role == Role::Single);
-        let both = single.zip(replicates.clone().next());
+        let steps = files.iter().filter_map(|(role, file)| match role {
+            Role::Step(halvings) => Some((*halvings, file)),
+            Role::Single | Role::Variance | Role::Replicate(_) => None,
+        });
+        let other = replicates.clone().next();
+        let both = single.zip(other).or(files
+            .first()
+            .filter(|(role, _)| matches!(role, Role::Replicate(_)))
+            .zip(steps.clone().next()));
         if let Some((one, other)) = same.or(both.map(|((_, one), (_, other))| (one, other))) {
             return Err(OutputError::Several {
                 case: case.to_owned(),
@@ -158,6 +203,22 @@ impl Outputs {
                 missing,
             });
         }
+        let last_step = steps.clone().last();
+        if let Some((last, file)) = last_step {
+            let there: Vec<u32> = single
+                .map(|_| 0)
+                .into_iter()
+                .chain(steps.map(|(n, _)| n))
+                .collect();
+            if let Some(missing) = (0..=last.max(2)).find(|step| !there.contains(step)) {
+                return Err(OutputError::Step {
+                    case: case.to_owned(),
+                    file: file.to_owned(),
+                    missing,
+                });
+            }
+        }
+        let is_refined = last_step.is_some();
         let (variance, images): (Vec<_>, Vec<_>) = files
             .into_iter()
             .partition(|(role, _)| *role == Role::Variance);
@@ -170,6 +231,8 @@ impl Outputs {
                 file: file.clone(),
                 there: if images.is_empty() {
                     "is none"
+                } else if is_refined {
+                    "are several, with smaller and smaller steps"
                 } else {
                     "are several, whose spread says it already"
                 },
@@ -181,6 +244,7 @@ impl Outputs {
                 .map(|(_, file)| file.to_owned())
                 .collect(),
             variance,
+            is_refined,
         }))
     }
 
@@ -263,6 +327,11 @@ fn belonging<'c>(stem: &str, cases: &[&'c str]) -> Result<(&'c str, Role), Strin
     if let Some(case) = case_called(stem, cases)? {
         return Ok((case, Role::Single));
     }
+    if let Some((name, factor)) = stem.rsplit_once('@')
+        && let Some(case) = case_called(name, cases)?
+    {
+        return Ok((case, role_of_step(case, factor)?));
+    }
     if let Some((name, last)) = stem.rsplit_once('.') {
         let is_number = !last.is_empty() && last.bytes().all(|byte| byte.is_ascii_digit());
         let role = match last {
@@ -285,6 +354,28 @@ fn belonging<'c>(stem: &str, cases: &[&'c str]) -> Result<(&'c str, Role), Strin
         Some(case) => format!("does not match any case: did you mean {case}?"),
         None => "does not match any case".to_owned(),
     })
+}
+
+/// The image of `case` with the step of the scene times `factor`.
+fn role_of_step(case: &str, factor: &str) -> Result<Role, String> {
+    let value: f64 = factor.parse().unwrap_or(f64::NAN);
+    let halvings = (0..=MOST_HALVINGS).find(|&halvings| value == math::exp2(-f64::from(halvings)));
+    match halvings {
+        Some(0) => Ok(Role::Single),
+        Some(halvings) => Ok(Role::Step(halvings)),
+        None => {
+            let fault = if value >= 1.0 {
+                "steps shrink from that of the scene on".to_owned()
+            } else {
+                format!("{factor:?} is none of the factors of the step")
+            };
+            Err(format!(
+                "is not read: {fault}; name the images {case}.exr, {}.exr, {}.exr",
+                step_name(case, 1),
+                step_name(case, 2)
+            ))
+        }
+    }
 }
 
 /// The case `name`, or the only one that is called so in any family.
@@ -320,6 +411,20 @@ impl Found {
             ([file], Some(variance)) => with_variance(file, variance),
             (files, _) => pooled(files),
         }
+    }
+
+    /// Reads the images with smaller and smaller steps.
+    pub fn read_refined(&self) -> Result<Vec<Film>, PictureError> {
+        let files = self.files.iter();
+        files
+            .map(|file| match Picture::read(file)? {
+                Picture::Radiance(film) => Ok(film),
+                Picture::Codes(_) => Err(in_film(file)(FilmError::Unsuited {
+                    what: "8-bit codes are too coarse for differences between steps".to_owned(),
+                    remedy: "write linear radiance, as .exr, .pfm or .npy; or one .png alone",
+                })),
+            })
+            .collect()
     }
 }
 

@@ -3,8 +3,11 @@
 use super::finding::{CaseFinding, CheckedGolden};
 use super::measured::measured;
 use super::verify::MOST_CASES;
-use super::{Case, Cause, Evidence, Judged, Profile, Store, Verdict};
-use crate::compare::{Conditions, ImageGate, Picture, default_gate, judge};
+use super::{Case, Cause, Evidence, Judged, Profile, Store, Verdict, refinement};
+use crate::compare::{
+    Conditions, Deterministic, Gate, ImageGate, Judgement, Picture, Refinement, default_gate, judge,
+};
+use crate::film::Film;
 use std::time::Instant;
 
 /// The output of another renderer for a case.
@@ -12,6 +15,8 @@ use std::time::Instant;
 pub enum Output {
     /// An image.
     Picture(Box<Picture>),
+    /// Images with the step of the scene, half of it, a quarter and so on: at least three.
+    Refined(Vec<Film>),
     /// None; with the reason, in words.
     Missing(String),
     /// An unusable image, or a renderer that failed; with the reason, in words.
@@ -35,7 +40,23 @@ pub fn validate(case: &Case, store: &Store, output: Output, profile: Option<&Pro
             judged.result.seconds = start.elapsed().as_secs_f64();
             return judged;
         }
-        (Output::Picture(_), Err(finding)) => (finding, None),
+        (Output::Refined(images), Ok(checked)) if case.is_limit() => {
+            let (judgement, limit) = refinement::judge(&checked, &images);
+            let finding = with_words(case, &checked, judgement, &limit);
+            return Judged {
+                result: finding.result(&case.name, case.class(), &Refinement, start),
+                evidence: Evidence {
+                    test: Some(limit),
+                    ..evidence(case, &checked)
+                },
+            };
+        }
+        (Output::Refined(_), Ok(checked)) => {
+            let reason = "there are images with several steps, and the scene of this case states its \
+                          step: only cases of class limit are judged by several; keep one image";
+            weighed(Verdict::Error, reason.to_owned(), Ok(checked))
+        }
+        (Output::Picture(_) | Output::Refined(_), Err(finding)) => (finding, None),
         (Output::Missing(reason), checked) => weighed(Verdict::Missing, reason, checked),
         (Output::Unusable(reason), checked) => weighed(Verdict::Error, reason, checked),
     };
@@ -73,7 +94,13 @@ pub(super) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     let golden = Picture::Radiance(checked.golden.film.clone());
     // An image that states its noise is judged by the stochastic gate, even in a deterministic case.
     let (gate, _) = default_gate(&golden, &picture);
-    let finding = judged(case, gate, checked, &golden, &picture);
+    let has_step = case.is_limit() && gate.name() == Deterministic.name();
+    let (finding, gate): (_, &'static dyn Gate) = if has_step {
+        let judgement = refinement::judge_one(checked, &picture);
+        (with_words(case, checked, judgement, &picture), &Refinement)
+    } else {
+        (judged(case, gate, checked, &golden, &picture), gate)
+    };
     Judged {
         result: finding.result(&case.name, case.class(), gate, start),
         evidence: Evidence {
@@ -114,17 +141,28 @@ fn judged(
             return CaseFinding::new(Verdict::Error, Cause::OtherRenderer, error.to_string());
         }
     };
+    let mut finding = with_words(case, checked, judgement, picture);
+    if gate.depends_on_exposure() {
+        finding
+            .reason
+            .push_str(&format!("; exposure of the case: {} stops", case.exposure));
+    }
+    finding
+}
+
+/// The finding of `judgement` on `picture`, with what is measured of a whole image that fails.
+fn with_words(
+    case: &Case,
+    checked: &CheckedGolden,
+    judgement: Judgement,
+    picture: &Picture,
+) -> CaseFinding {
     let mut finding = CaseFinding::from(judgement);
     if finding.verdict == Verdict::Fail {
         // What holds for the whole image comes first: it explains what the gate saw.
         let mut said = measured(case, &checked.golden.film, picture);
         said.push(finding.reason);
         finding.reason = said.join("; ");
-    }
-    if gate.depends_on_exposure() {
-        finding
-            .reason
-            .push_str(&format!("; exposure of the case: {} stops", case.exposure));
     }
     finding.reason.push_str(&checked.omissions());
     finding

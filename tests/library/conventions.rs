@@ -441,11 +441,19 @@ fn how_often_conventions_are_named() {
         let second = (first + 7) % CATALOGUE.len();
         sets.push(vec![first.min(second), first.max(second)]);
     }
-    let (mut named, mut same, mut silent, mut seen) = (0, 0, 0, 0);
+    let (mut named, mut same, mut silent, mut seen, mut unclaimed) = (0, 0, 0, 0, 0);
     for set in &sets {
         let test = picture(&under(&scene, set));
         if passes(&scene, &test) {
             continue; // it changes too little to be judged
+        }
+        // One that is a mistake of the catalogue, too, is not claimed by itself.
+        let alone = |&index: &usize| {
+            !CATALOGUE[index].stands_alone() && passes(&under(&scene, &[index]), &test)
+        };
+        if set.iter().any(alone) {
+            unclaimed += 1;
+            continue;
         }
         seen += 1;
         match ConventionSearch::default().explain(&case, &scene, &test, None) {
@@ -459,7 +467,8 @@ fn how_often_conventions_are_named() {
         }
     }
     println!(
-        "{seen} sets: {named} named, {same} by another set of the same image, {silent} not named"
+        "{seen} sets: {named} named, {same} by another set of the same image, {silent} not named; \
+         {unclaimed} more are a mistake by themselves"
     );
     let (mut wrong, mut made) = (0, 0);
     for name in ["figures/figure-1", "figures/figure-3", "figures/figure-5"] {

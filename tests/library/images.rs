@@ -606,6 +606,7 @@ fn found(names: &[&'static str], case: &str) -> Result<Option<Found>, String> {
         Ok(found) => Ok(found.map(|found| Found {
             files: found.files.iter().map(relative).collect(),
             variance: found.variance.as_ref().map(relative),
+            is_refined: found.is_refined,
         })),
         Err(error) => Err(error
             .to_string()
@@ -619,6 +620,7 @@ fn images_are_found_by_case() {
         Ok(Some(Found {
             files: files.iter().map(PathBuf::from).collect(),
             variance: variance.map(PathBuf::from),
+            is_refined: false,
         }))
     };
     let f = "fog/forward";

@@ -1,0 +1,553 @@
+//! The gate for images that have a limit: those of a ray caster with smaller and smaller steps.
+//!
+//! The continuous integral along a ray has no step, and a renderer that samples the ray is right if
+//! its images converge to it. A renderer makes images with steps `h`, `h/2`, `h/4`, …; of three
+//! images in a row, with differences `D₁` and `D₂`, the order of the rule is `p = log₂(‖D₁‖/‖D₂‖)`,
+//! and the limit `L = I₃ + (I₃ − I₂)/(2^p − 1)` (Richardson's extrapolation).
+//!
+//! A pixel agrees if the truth lies in the interval about `I₃` that the grid convergence index gives,
+//! `1.25 |I₃ − I₂|/(2^p − 1)`, widened by one tolerance of the deterministic gate. Errors of pixels are
+//! irregular in the step, where a ray leaves the volume in the middle of one; means over an image are
+//! not: they are extrapolated, and must agree much better.
+//!
+//! One image has no order. It is judged by what rules of first order may be off by at its step: the
+//! caller renders them.
+//!
+//! Sources: Richardson 1911, *Phil. Trans. A* 210, 307–357; Roache 1994, "Perspective: a method for
+//! uniform reporting of grid refinement studies", *J. Fluids Eng.* 116, 405–413.
+
+use super::advice::Undecided;
+use super::deterministic::tolerance;
+use super::difference_scale::DifferenceScale;
+use super::gate::{Gate, MEAN_DIFFERENCES, Metric};
+use super::judgement::Judgement;
+use super::{Deterministic, incomparable};
+use crate::film::Film;
+use crate::math::{Sum, exp2, log2};
+
+/// Images with steps `h`, `h/2`, `h/4` against their limit, or one against a bound of first order.
+#[derive(Clone, Copy, Debug)]
+pub struct Refinement;
+
+/// Share of pixels that may lie outside: as in the deterministic gate.
+const OUTLIERS: f64 = 2e-4;
+
+/// Safety factor of the grid convergence index, where the order is observed (Roache 1994).
+const SAFETY: f64 = 1.25;
+
+/// Root mean square difference of two images, in tolerances, below which the step no longer
+/// matters: a tenth of what a pixel may be off by.
+const STILL: f64 = 0.1;
+
+/// Orders between which an observed one is used for extrapolation. Below a half, images do not
+/// converge: even steps at random places, with errors as the root of the step, do better. No rule
+/// that ray casters use has more than two, and where a higher one is observed by chance, it would
+/// make the interval too small.
+const ORDERS: [f64; 2] = [0.5, 2.0];
+
+/// The extrapolated mean of a channel may be off by this share of the tolerance of a pixel of that
+/// value, as in the deterministic gate.
+const BIAS: f64 = 0.1;
+
+/// And by this share of its own correction: if the order of the means is off by a half, the factor
+/// 1/(2^p − 1) is off by up to 1 − (2^1 − 1)/(2^1.5 − 1) = 45 % at p = 1, and by less at p = 2.
+const OF_THE_CORRECTION: f64 = 0.5;
+
+/// Transmittance at which a renderer for displays of 8 bits may end a ray: what is behind, at most
+/// this share of the brightest radiance, is no level of the display.
+const LAST_LEVEL: f64 = 1.0 / 255.0;
+
+/// An image whose interval is wider than this, relative to the mean of the truth, decides nothing: a
+/// renderer with another integrand would pass, too.
+const WIDEST: f64 = 0.02;
+
+impl Gate for Refinement {
+    fn name(&self) -> &'static str {
+        "refinement"
+    }
+
+    fn rule(&self) -> &'static str {
+        "The golden is the continuous integral, without steps. Images with steps h, h/2 and h/4 must \
+         converge to it: the order follows from their differences, the limit from the order. A pixel \
+         agrees if the golden is within 1.25 times the estimated error of the finest image, plus 0.001, \
+         plus 1 % of the golden; at most 0.02 % of the pixels may disagree. The extrapolated mean of a \
+         channel may be off by a tenth of 0.001 + 1 % and by half of its correction. A single image must \
+         be within what samples at the beginning or at the end of each step would be off by."
+    }
+
+    fn metrics(&self) -> &'static [Metric] {
+        &[
+            (
+                "observed_order",
+                "Order of convergence: 1 where half the step halves the error, 2 where it quarters it.",
+            ),
+            (
+                "error_at_step",
+                "Root mean square error of the image at the step asked for, relative to that of the \
+                 golden's radiance.",
+            ),
+            (
+                "error_at_finest_step",
+                "The same of the image with the smallest step.",
+            ),
+            (
+                "error_of_limit",
+                "The same of the limit to which the images are extrapolated.",
+            ),
+            (
+                "error_allowed",
+                "Mean of what a pixel may be off by because of the step, relative to the mean of the \
+                 golden; above 0.02 nothing is decided.",
+            ),
+            (
+                "pixels_off_limit",
+                "Pixels whose interval does not hold the golden.",
+            ),
+            (
+                "share_off_limit",
+                "The same as a fraction of all pixels; at most 0.0002 are allowed.",
+            ),
+            (
+                "worst_off_limit",
+                "The distance of the worst pixel from the golden, in what it may be off by.",
+            ),
+            (
+                "worst_column",
+                "Column of the worst pixel, from the left, from 0.",
+            ),
+            ("worst_row", "Row of the worst pixel, from the top, from 0."),
+            MEAN_DIFFERENCES[0],
+            MEAN_DIFFERENCES[1],
+            MEAN_DIFFERENCES[2],
+        ]
+    }
+
+    fn difference_scale(&self, golden: &Film, test: &Film) -> DifferenceScale {
+        Deterministic.difference_scale(golden, test)
+    }
+}
+
+/// Judges `images`, with steps h, h/2, h/4 and so on, and gives the limit of the last three.
+///
+/// # Panics
+///
+/// With fewer than three images.
+pub fn judge_refinement(golden: &Film, images: &[Film]) -> (Judgement, Film) {
+    let [.., coarse, middle, fine] = images else {
+        panic!("a sequence has three images");
+    };
+    for image in images {
+        if let Some(difference) = incomparable::films(&Refinement, golden, image) {
+            return (difference, image.clone());
+        }
+    }
+    let changes = [[coarse, middle], [middle, fine]].map(|[a, b]| in_rms_tolerances(golden, a, b));
+    let is_still = changes[1] <= STILL;
+    let observed = log2(changes[0] / changes[1]);
+    // Of images that no longer change, the little that they do is left as it is.
+    let order = if is_still { 1.0 } else { observed };
+    let [least, most] = ORDERS;
+    let factor = 1.0 / (exp2(order.clamp(least, most)) - 1.0);
+    let limit = extrapolated(middle, fine, factor);
+
+    let mut outcome = Outcome::default();
+    if !is_still {
+        outcome.metric("observed_order", observed);
+    }
+    outcome.metric("error_at_step", relative_error(golden, &images[0]));
+    outcome.metric("error_at_finest_step", relative_error(golden, fine));
+    let left = relative_error(golden, &limit);
+    outcome.metric("error_of_limit", left);
+
+    let sizes = |a: &Film, b: &Film, factor: f64| -> Vec<[f64; 3]> {
+        let pairs = a.radiance().iter().zip(b.radiance());
+        let size = |a: f32, b: f32| factor * (f64::from(a) - f64::from(b)).abs();
+        pairs
+            .map(|(a, b)| std::array::from_fn(|c| size(a[c], b[c])))
+            .collect()
+    };
+    let step_errors = largest_around(golden, &sizes(middle, fine, SAFETY * factor));
+    let corrections = {
+        let [finest, before] = [fine, middle].map(means);
+        let correction = |c: usize| factor * (finest[c] - before[c]).abs();
+        std::array::from_fn(|c| OF_THE_CORRECTION * correction(c))
+    };
+    let steps = format!(
+        "{:.2} % off at the step asked for; {}; extrapolated, {:.3} % off",
+        100.0 * relative_error(golden, &images[0]),
+        match order_in_words(observed) {
+            _ if is_still => "smaller steps change nothing".to_owned(),
+            words => words,
+        },
+        100.0 * left
+    );
+    if !is_still && observed < least {
+        let reason = format!(
+            "the images do not converge: they change by {:.2} tolerances from the last but one step to \
+             the one before it, and by {:.2} to the last; {steps}",
+            changes[0], changes[1]
+        );
+        return (outcome.judgement(false, reason), limit);
+    }
+    let judged = Judged {
+        golden,
+        image: fine,
+        mean_of: &limit,
+        step_errors,
+        mean_errors: corrections,
+    };
+    (judged.judgement(outcome, &steps), limit)
+}
+
+/// Judges one image by `first_order`: images that rules of first order give at the same step.
+pub fn judge_one_step(golden: &Film, first_order: &[Film], image: &Film) -> Judgement {
+    let others = first_order.iter().chain([image]);
+    for other in others {
+        if let Some(difference) = incomparable::films(&Refinement, golden, other) {
+            return difference;
+        }
+    }
+    let mut errors = vec![[0.0_f64; 3]; golden.radiance().len()];
+    let mut mean_errors = [0.0_f64; 3];
+    for rule in first_order {
+        let pairs = golden.radiance().iter().zip(rule.radiance());
+        for (errors, (golden, rule)) in errors.iter_mut().zip(pairs) {
+            for c in 0..3 {
+                errors[c] = errors[c].max((f64::from(rule[c]) - f64::from(golden[c])).abs());
+            }
+        }
+        let [right, off] = [golden, rule].map(means);
+        for c in 0..3 {
+            mean_errors[c] = mean_errors[c].max((off[c] - right[c]).abs());
+        }
+    }
+    let mut outcome = Outcome::default();
+    let error = relative_error(golden, image);
+    outcome.metric("error_at_step", error);
+    let steps = format!(
+        "one image: {:.2} % off at its step, judged by what a rule of first order may be off by there; \
+         images with half and a quarter of the step would say more",
+        100.0 * error
+    );
+    let judged = Judged {
+        golden,
+        image,
+        mean_of: image,
+        step_errors: largest_around(golden, &errors),
+        mean_errors,
+    };
+    judged.judgement(outcome, &steps)
+}
+
+/// An image, and what it may be off by because of its step.
+struct Judged<'f> {
+    golden: &'f Film,
+    image: &'f Film,
+    /// The image whose means are judged.
+    mean_of: &'f Film,
+    /// By pixel and channel, in radiance.
+    step_errors: Vec<[f64; 3]>,
+    /// Of the means of the channels, in radiance.
+    mean_errors: [f64; 3],
+}
+
+impl Judged<'_> {
+    fn judgement(&self, mut outcome: Outcome, steps: &str) -> Judgement {
+        let golden = self.golden;
+        let (mut outside, mut worst) = (0_usize, (0, 0.0_f64));
+        let pixels = golden.radiance().iter().zip(self.image.radiance());
+        for (index, (right, test)) in pixels.enumerate() {
+            let excess = (0..3).fold(0.0_f64, |most, c| {
+                let (right, test) = (f64::from(right[c]), f64::from(test[c]));
+                let allowed = tolerance(right) + self.step_errors[index][c];
+                most.max((test - right).abs() / allowed)
+            });
+            outside += usize::from(excess > 1.0);
+            if excess > worst.1 {
+                worst = (index, excess);
+            }
+        }
+        let count = golden.radiance().len();
+        let share = outside as f64 / count as f64;
+        let [column, row] = [worst.0 % golden.width(), worst.0 / golden.width()];
+        let [right, test, behind] = [
+            means(golden),
+            means(self.mean_of),
+            behind_last_level(golden),
+        ];
+        let off: [f64; 3] = std::array::from_fn(|c| test[c] - right[c]);
+        let bias: [f64; 3] = std::array::from_fn(|c| {
+            off[c].abs() / (BIAS * tolerance(right[c]) + self.mean_errors[c] + behind[c])
+        });
+        let widest = self.relative_width();
+        for (name, value) in [
+            ("error_allowed", widest),
+            ("pixels_off_limit", outside as f64),
+            ("share_off_limit", share),
+            ("worst_off_limit", worst.1),
+            ("worst_column", column as f64),
+            ("worst_row", row as f64),
+            (MEAN_DIFFERENCES[0].0, off[0]),
+            (MEAN_DIFFERENCES[1].0, off[1]),
+            (MEAN_DIFFERENCES[2].0, off[2]),
+        ] {
+            outcome.metric(name, value);
+        }
+        let most = (0..3)
+            .max_by(|&a, &b| bias[a].total_cmp(&bias[b]))
+            .unwrap_or(0);
+        if share > OUTLIERS {
+            let reason = format!(
+                "{outside} of {count} pixels ({:.3} %) are off by more than their step explains, the worst, \
+                 ({column}, {row}), by {:.1} times that; {steps}",
+                100.0 * share,
+                worst.1
+            );
+            return outcome.judgement(false, reason);
+        }
+        if bias[most] > 1.0 {
+            let reason = format!(
+                "the mean of {} is off by {:+.2} % where the step is taken out, {:.1} times what it may be; \
+                 {steps}",
+                ["red", "green", "blue"][most],
+                100.0 * off[most] / right[most].max(f64::MIN_POSITIVE),
+                bias[most]
+            );
+            return outcome.judgement(false, reason);
+        }
+        outcome.judgement(true, steps.to_owned())
+    }
+
+    /// Mean of the allowed errors over that of the golden.
+    fn relative_width(&self) -> f64 {
+        let mut sums = [Sum::default(); 2];
+        for (right, errors) in self.golden.radiance().iter().zip(&self.step_errors) {
+            for c in 0..3 {
+                sums[0].add(errors[c]);
+                sums[1].add(f64::from(right[c]).abs());
+            }
+        }
+        let [errors, right] = sums.map(|sum| sum.value());
+        if errors == 0.0 { 0.0 } else { errors / right }
+    }
+}
+
+/// Metrics on their way to a judgement.
+#[derive(Default)]
+struct Outcome {
+    metrics: Vec<(&'static str, f64)>,
+}
+
+impl Outcome {
+    fn metric(&mut self, name: &'static str, value: f64) {
+        if value.is_finite() {
+            self.metrics.push((name, value));
+        }
+    }
+
+    fn judgement(self, passed: bool, reason: String) -> Judgement {
+        let width = self
+            .metrics
+            .iter()
+            .find(|(name, _)| *name == "error_allowed");
+        let width = width.map_or(0.0, |&(_, width)| width);
+        let mut judgement = Judgement::new(&Refinement, passed, reason, &self.metrics);
+        if passed && width > WIDEST {
+            let undecided = Undecided::Step(width);
+            judgement.reason.push_str(&format!("; {undecided}"));
+            judgement.undecided = Some(undecided);
+        }
+        judgement
+    }
+}
+
+/// Root mean square of the difference of two images, in tolerances of the golden.
+fn in_rms_tolerances(golden: &Film, a: &Film, b: &Film) -> f64 {
+    let mut squares = Sum::default();
+    let pixels = golden.radiance().iter().zip(a.radiance()).zip(b.radiance());
+    for ((golden, a), b) in pixels {
+        for c in 0..3 {
+            let difference = f64::from(a[c]) - f64::from(b[c]);
+            let ratio = difference / tolerance(f64::from(golden[c]));
+            squares.add(ratio * ratio);
+        }
+    }
+    (squares.value() / (3 * golden.radiance().len()) as f64).sqrt()
+}
+
+/// Root of the sum of the squared differences, over that of the squares of the golden; in units of
+/// 1 if the golden is black.
+fn relative_error(golden: &Film, image: &Film) -> f64 {
+    let mut sums = [Sum::default(); 2];
+    let golden = golden.radiance().as_flattened();
+    for (&right, &test) in golden.iter().zip(image.radiance().as_flattened()) {
+        let (right, test) = (f64::from(right), f64::from(test));
+        sums[0].add((test - right) * (test - right));
+        sums[1].add(right * right);
+    }
+    let [off, right] = sums.map(|sum| sum.value());
+    if right > 0.0 {
+        (off / right).sqrt()
+    } else {
+        off.sqrt()
+    }
+}
+
+/// `fine + factor (fine − before)`, not below 0.
+fn extrapolated(before: &Film, fine: &Film, factor: f64) -> Film {
+    let pixels = before.radiance().iter().zip(fine.radiance());
+    let pixels = pixels.map(|(before, fine)| {
+        std::array::from_fn(|c| {
+            let (before, fine) = (f64::from(before[c]), f64::from(fine[c]));
+            (fine + factor * (fine - before)).max(0.0) as f32
+        })
+    });
+    Film::new(fine.width(), fine.height(), pixels.collect())
+}
+
+/// The largest of each channel in a pixel and its eight neighbours: where a ray leaves the volume just
+/// at the end of a step, its error is small by chance.
+fn largest_around(image: &Film, errors: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let (width, height) = (image.width(), image.height());
+    let around = |index: usize| {
+        let [x, y] = [index % width, index / width];
+        let rows = y.saturating_sub(1)..(y + 2).min(height);
+        let columns = x.saturating_sub(1)..(x + 2).min(width);
+        let mut largest = [0.0_f64; 3];
+        for row in rows {
+            for near in &errors[row * width..][columns.clone()] {
+                largest = std::array::from_fn(|c| largest[c].max(near[c]));
+            }
+        }
+        largest
+    };
+    (0..width * height).map(around).collect()
+}
+
+/// Means of the channels.
+fn means(image: &Film) -> [f64; 3] {
+    let mut sums = [Sum::default(); 3];
+    for pixel in image.radiance() {
+        for c in 0..3 {
+            sums[c].add(pixel[c].into());
+        }
+    }
+    sums.map(|sum| sum.value() / image.radiance().len() as f64)
+}
+
+/// Means of what lies behind the last level of a display, at most, in pixels that are so opaque: light
+/// that a renderer which ends rays there may lack.
+fn behind_last_level(golden: &Film) -> [f64; 3] {
+    let mut sums = [Sum::default(); 3];
+    let brightest = golden.radiance().as_flattened().iter();
+    let brightest = brightest.fold(0.0_f64, |most, &value| most.max(value.into()));
+    for index in 0..golden.radiance().len() {
+        let [.., opacity] = golden.pixel(index);
+        if golden.opacity().is_some() && f64::from(opacity) > 1.0 - LAST_LEVEL {
+            sums.iter_mut()
+                .for_each(|sum| sum.add(LAST_LEVEL * brightest));
+        }
+    }
+    sums.map(|sum| sum.value() / golden.radiance().len() as f64)
+}
+
+fn order_in_words(order: f64) -> String {
+    match order {
+        0.75..1.5 => "first order".to_owned(),
+        1.5..2.5 => "second order".to_owned(),
+        _ => format!("order {order:.1}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{exp, powu};
+
+    const SIZE: usize = 24;
+
+    fn film(value: impl Fn(f64, usize) -> f64) -> Film {
+        let pixel = |index: usize| {
+            let x = index as f64 / (SIZE * SIZE) as f64;
+            std::array::from_fn(|c| value(x, c) as f32)
+        };
+        Film::new(SIZE, SIZE, (0..SIZE * SIZE).map(pixel).collect())
+    }
+
+    fn truth(x: f64, c: usize) -> f64 {
+        0.2 + 0.5 * exp(-x) / (c + 1) as f64
+    }
+
+    /// Images of a rule whose error at step h is `error(x, h)`, relative; and the limit.
+    fn sequence(error: impl Fn(f64, f64) -> f64) -> (Judgement, Film) {
+        let images: Vec<Film> = [1.0, 0.5, 0.25]
+            .iter()
+            .map(|&h| film(|x, c| truth(x, c) * (1.0 + error(x, h))))
+            .collect();
+        judge_refinement(&film(truth), &images)
+    }
+
+    #[test]
+    fn rules_that_converge_pass_with_their_order() {
+        for (order, words) in [(1_u32, "first order"), (2, "second order")] {
+            let (judgement, limit) = sequence(|x, h| 0.05 * (1.0 + x) * powu(h, order));
+            assert!(judgement.passed, "{}", judgement.reason);
+            assert!(judgement.reason.contains(words), "{}", judgement.reason);
+            let observed = judgement.metrics["observed_order"];
+            assert!((observed - f64::from(order)).abs() < 1e-4);
+            // The limit of a plain power is exact, but for the rounding of pixels to 32 bits.
+            assert!(judgement.metrics["error_of_limit"] < 1e-5);
+            assert!(relative_error(&film(truth), &limit) < 1e-5);
+        }
+        let (exact, _) = sequence(|_, _| 0.0);
+        assert!(exact.passed && exact.reason.contains("change nothing"));
+    }
+
+    /// An error that jumps from pixel to pixel, as that of a last step does.
+    #[test]
+    fn irregular_errors_pass() {
+        let (judgement, _) = sequence(|x, h| 0.04 * h * (x * 577.0 / h).fract());
+        assert!(judgement.passed, "{}", judgement.reason);
+        assert_eq!(judgement.undecided, None);
+    }
+
+    #[test]
+    fn another_limit_fails() {
+        for bias in [0.02, -0.02, 0.01] {
+            let (judgement, _) = sequence(|_, h| 0.01 * h * h + bias);
+            assert!(!judgement.passed, "{bias}: {}", judgement.reason);
+        }
+        // In one pixel of a hundred.
+        let (judgement, _) = sequence(|x, h| 0.01 * h + 0.1 * f64::from(x < 0.01));
+        assert!(!judgement.passed, "{}", judgement.reason);
+    }
+
+    #[test]
+    fn images_that_do_not_converge_fail() {
+        let (judgement, _) = sequence(|x, h| 0.02 * (x * 577.0 / h).fract());
+        assert!(!judgement.passed);
+        assert!(judgement.reason.contains("do not converge"));
+    }
+
+    #[test]
+    fn a_step_that_is_much_too_long_decides_nothing() {
+        let (judgement, _) = sequence(|_, h| 0.3 * h);
+        assert!(judgement.passed);
+        assert!(matches!(judgement.undecided, Some(Undecided::Step(_))));
+    }
+
+    #[test]
+    fn one_image_is_judged_by_first_order() {
+        let golden = film(truth);
+        let rules = [0.98, 1.02].map(|factor| film(|x, c| factor * truth(x, c)));
+        let with =
+            |factor: f64| judge_one_step(&golden, &rules, &film(|x, c| factor * truth(x, c)));
+        for factor in [0.985, 1.0, 1.018] {
+            let judgement = with(factor);
+            assert!(judgement.passed, "{factor}: {}", judgement.reason);
+            assert!(judgement.reason.contains("one image"));
+        }
+        assert!(!with(1.04).passed);
+        assert!(!with(0.96).passed);
+    }
+}
