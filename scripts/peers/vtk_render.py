@@ -3,12 +3,13 @@
 
     volref export SCENE --to bundle -o DIR
     vtk_render.py DIR/SCENE.json OUTPUT            # OUTPUT: .npy, .pfm or .exr
+    vtk_render.py DIR/SCENE.json OUTPUT --step H   # another distance between samples
 
 Needs `pip install vtk numpy`; without a screen VTK uses EGL or OSMesa, in software where there is
 no card. What VTK cannot say is refused by name.
 
-VTK's tables take the opacity of a reference length, which VTK corrects for the step, and d^2 times
-the colour. Where its model differs by design, lines of its shader are replaced (`SHADER` below);
+VTK's tables take the opacity of a reference length, which VTK corrects for the step, and the colour,
+of a formula times d^2. Where its model differs by design, lines of its shader are replaced (`SHADER` below);
 --stock leaves them as they are. VTK.md beside this file tells what that changes, and by how much.
 """
 
@@ -46,15 +47,24 @@ def obstacles(panel):
     if panel["shows"] != "volume":
         return ["a plot, which is no volume"]
     found = []
-    if panel["transfer_function"]["kind"] != "formula":
-        found.append("a transfer function that is a table (this script knows the formula only)")
+    values = [point["value"] for point in panel["transfer_function"].get("points", [])]
+    if len(set(values)) < len(values):
+        found.append("a table with a jump (VTK's runs in straight lines)")
+    if panel["compositing"]["method"] == "continuous" and panel["sampling"] is None:
+        found.append("a continuous integral without a step")
     if panel["shadow"]:
         found.append("the volume shadow (VTK scatters light by a model of its own)")
     return found
 
 
 def tables(vtk, transfer, colours):
-    """Opacity over the reference length, and d^2 times the colour, over density."""
+    """Opacity over the reference length, and the radiance of an opaque sample, over density."""
+    if transfer["kind"] == "table":
+        opacity, colour = vtk.vtkPiecewiseFunction(), vtk.vtkColorTransferFunction()
+        for point in transfer["points"]:
+            opacity.AddPoint(point["value"], point["opacity"])
+            colour.AddRGBPoint(point["value"], *(colours or [point["colour"]])[0])
+        return opacity, colour
     density = np.linspace(0, 1, TABLE)
     clear = (np.exp(-(density**2)) - transfer["floor"]) / (1 - transfer["floor"])
     position = np.linspace(0, 1, len(colours))
@@ -87,7 +97,7 @@ def look_of(vtk, panel, colours, ambient=1, diffuse=0, specular=0):
 
 def looks_of(vtk, panel, stock):
     """Looks whose pictures add up to that of the panel: the highlight is white."""
-    colours, phong = panel["transfer_function"]["colours"], panel["phong"]
+    colours, phong = panel["transfer_function"].get("colours"), panel["phong"]
     if not phong:
         return [look_of(vtk, panel, colours)]
     ambient, diffuse, specular = phong["ambient"], phong["diffuse"], phong["specular"]
@@ -99,7 +109,7 @@ def looks_of(vtk, panel, stock):
     return looks
 
 
-def mapper_of(vtk, panel, folder):
+def mapper_of(vtk, panel, folder, step):
     from vtk.util.numpy_support import numpy_to_vtk
 
     grid = panel["grid"]
@@ -114,7 +124,7 @@ def mapper_of(vtk, panel, folder):
     mapper.AutoAdjustSampleDistancesOff()
     mapper.LockSampleDistanceToInputSpacingOff()
     mapper.UseJitteringOff()
-    mapper.SetSampleDistance(panel["sampling"]["step"])
+    mapper.SetSampleDistance(step or panel["sampling"]["step"])
     return mapper
 
 
@@ -125,7 +135,11 @@ def camera_of(vtk, panel):
     camera.SetPosition(eye)
     camera.SetFocalPoint(eye + forward)
     camera.SetViewUp(up)
-    camera.SetViewAngle(2 * np.degrees(np.arctan(np.linalg.norm(up))))
+    if "orthographic_height" in ray:
+        camera.SetParallelProjection(True)
+        camera.SetParallelScale(ray["orthographic_height"] / 2)
+    else:
+        camera.SetViewAngle(2 * np.degrees(np.arctan(np.linalg.norm(up))))
     reach = np.abs(np.array([grid["box_min"], grid["box_max"]]) - eye).max(0)
     camera.SetClippingRange(1e-3 * np.linalg.norm(reach), 2 * np.linalg.norm(reach))
     return camera
@@ -171,8 +185,8 @@ def picture(vtk, panel, mapper, look, stock):
     return pixels[::-1]
 
 
-def render(vtk, panel, folder, stock):
-    mapper = mapper_of(vtk, panel, folder)
+def render(vtk, panel, folder, step, stock):
+    mapper = mapper_of(vtk, panel, folder, step)
     looks = looks_of(vtk, panel, stock)
     pictures = [picture(vtk, panel, mapper, look, stock) for look in looks]
     behind = 1 - pictures[0][:, :, 3:]
@@ -184,6 +198,7 @@ def main():
     parser.add_argument("bundle", type=Path)
     parser.add_argument("output", type=image_path)
     parser.add_argument("--stock", action="store_true", help="VTK as it is, shader and all")
+    parser.add_argument("--step", type=float, help="distance between samples, world units")
     options = parser.parse_args()
     bundle = json.loads(options.bundle.read_text("utf-8"))
     if bundle["schema"] != "volref/bundle/1":
@@ -199,7 +214,9 @@ def main():
     image = np.zeros((bundle["image"]["height"], bundle["image"]["width"], 3))
     for panel in bundle["panels"]:
         columns = slice(panel["first_column"], panel["first_column"] + panel["width"])
-        image[:, columns] = render(vtk, panel, options.bundle.parent, options.stock)
+        image[:, columns] = render(
+            vtk, panel, options.bundle.parent, options.step, options.stock
+        )
     write_image(options.output, image)
 
 

@@ -21,6 +21,11 @@ pub const RELATIVE: f64 = 0.01;
 /// Share of pixels that may lie outside: rays that graze a voxel face and fall, by a rounding,
 /// on its other side.
 const OUTLIERS: f64 = 2e-4;
+/// The same where the nearest node is taken at places in single precision. Over a hundred steps a node
+/// coordinate of a hundred gathers roundings of some 4·10⁻⁵; of thirty visible samples of a ray, each
+/// with three coordinates, one is on the other side of a face in six rays of a thousand, and shows in
+/// a sixth of them.
+const OUTLIERS_OF_NEAREST: f64 = 1e-3;
 /// No pixel may be further off than this many tolerances. One sample moved to the neighbouring
 /// voxel changes a pixel by at most its own opacity, about a fifth in the scenes of the suite.
 const HARD_CAP: f64 = 20.0;
@@ -92,10 +97,15 @@ impl ImageGate for Deterministic {
         &self,
         reference: &Picture,
         test: &Picture,
-        _: &Conditions,
+        conditions: &Conditions,
     ) -> Result<Judgement, PictureError> {
         let [reference, test] = [reference, test].map(|picture| picture.radiance_for(self));
-        Ok(judge(reference?, test?))
+        let outliers = if conditions.nearest_in_single_precision {
+            OUTLIERS_OF_NEAREST
+        } else {
+            OUTLIERS
+        };
+        Ok(judge(reference?, test?, outliers))
     }
 
     fn default_for(&self) -> Option<&'static str> {
@@ -148,8 +158,8 @@ fn lone_black_pixels(reference: &Film, test: &Film) -> Vec<usize> {
         .collect()
 }
 
-/// Judges `test` by `reference`; both of one size and finite.
-fn judge(reference: &Film, test: &Film) -> Judgement {
+/// Judges `test` by `reference`, both of one size and finite; this share of `outliers` is allowed.
+fn judge(reference: &Film, test: &Film, outliers: f64) -> Judgement {
     let count = reference.radiance().len();
     let mut outside = 0_usize;
     let mut largest = 0.0_f64;
@@ -180,11 +190,12 @@ fn judge(reference: &Film, test: &Film) -> Judgement {
     let black = lone_black_pixels(reference, test);
     let [column, row] = [worst.0 % reference.width(), worst.0 / reference.width()];
 
-    let (passed, reason) = if share > OUTLIERS {
+    let (passed, reason) = if share > outliers {
         let reason = format!(
-            "{outside} of {count} pixels ({:.3} %) differ by more than 0.001 + 1 %; at most 0.02 % \
+            "{outside} of {count} pixels ({:.3} %) differ by more than 0.001 + 1 %; at most {:.2} % \
              may. The worst is ({column}, {row}), {:.1} times the tolerance",
             100.0 * share,
+            100.0 * outliers,
             worst.1
         );
         (false, reason)

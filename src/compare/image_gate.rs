@@ -47,6 +47,8 @@ pub struct Conditions {
     /// Bias of the mean of the image that must be detectable for a pass, relative to that mean plus
     /// [`DARK`](super::stochastic::DARK); `None` for no such requirement.
     pub visible_bias: Option<f64>,
+    /// The nearest node is taken at places in single precision, by the test image's renderer.
+    pub nearest_in_single_precision: bool,
 }
 
 impl Default for Conditions {
@@ -56,6 +58,7 @@ impl Default for Conditions {
             exposure: 0.0,
             cases: 1,
             visible_bias: None,
+            nearest_in_single_precision: false,
         }
     }
 }

@@ -175,11 +175,12 @@ impl<'s> RayCaster<'s> {
             let colour = match &self.shading {
                 None => look.colour * light,
                 Some((phong, gradients)) => {
+                    let (to_light, to_eye) = self.directions(point, node_point, ray);
                     let sample = ShadedSample {
                         colour: look.colour,
                         gradient: self.gradient(gradients, node_point, &cell),
-                        to_light: Direction::of(self.shading_light() - point),
-                        to_eye: -ray.direction,
+                        to_light,
+                        to_eye,
                     };
                     let shaded = sample.lit_by(phong, &scene.conventions);
                     if scene.conventions.highlight_emission {
@@ -232,6 +233,28 @@ impl<'s> RayCaster<'s> {
         } else {
             gradient
         }
+    }
+
+    /// Directions to the light, `None` at the light itself, and to the eye.
+    fn directions(
+        &self,
+        point: DVec3,
+        node_point: NodePoint,
+        ray: &Ray,
+    ) -> (Option<Direction>, Direction) {
+        let light = self.shading_light();
+        if !self.scene.conventions.texture_shading_point {
+            return (Direction::of(light - point), -ray.direction);
+        }
+        let lattice = self.scene.grid.lattice();
+        let nodes = DVec3::from_array(lattice.nodes().map(|nodes| nodes as f64));
+        let bounds = lattice.bounds();
+        let point = bounds.min + (node_point.0 + 0.5) / nodes * bounds.size();
+        let to_eye = Direction::of(ray.origin - point);
+        (
+            Direction::of(light - point),
+            to_eye.unwrap_or(-ray.direction),
+        )
     }
 
     /// Position of the light for shading.

@@ -33,6 +33,8 @@ pub const CONVENTIONS: Table = Table::new("Choices in which ray casters differ w
         .doc("Bits of each component of a normal stored at the nodes, for [-1, 1]; normals are normalised at the nodes then. If left out, they are not rounded."),
     Key::or("normal_space", Kind::Choice(&NORMAL_SPACES), "'world'")
         .doc("Space in which the gradient is normalised: the world, or that with its components multiplied by the size of the volume along each axis (box)."),
+    Key::or("shading_point", Kind::Choice(&SHADING_POINTS), "'sample'")
+        .doc("Point from which light and eye are seen: the sample, or (texture) the point that divides each side of the volume as the sample's texture coordinate (u + 1/2)/n divides [0, 1], u its node coordinate and n the nodes of the axis."),
     Key::or("flat_samples", Kind::Choice(&FLAT_SAMPLES), "'unshaded'")
         .doc("Samples without a gradient: their unshaded colour, or the ambient term alone."),
     Key::or("ambient_colour", Kind::Choice(&COLOURS), "'material'")
@@ -62,6 +64,7 @@ const TABLE_LOOKUPS: [&str; 2] = ["linear", "nearest"];
 const GRADIENTS: [&str; 5] = ["central", "forward", "sobel", "interpolant", "texture"];
 const NORMALS: [&str; 2] = ["interpolated", "normalised"];
 const NORMAL_SPACES: [&str; 2] = ["world", "box"];
+const SHADING_POINTS: [&str; 2] = ["sample", "texture"];
 const FLAT_SAMPLES: [&str; 2] = ["unshaded", "ambient"];
 const COLOURS: [&str; 3] = ["material", "white", "black"];
 const HIGHLIGHTS: [&str; 2] = ["reflected", "half-vector"];
@@ -93,6 +96,8 @@ pub struct Conventions {
     pub normal_bits: Option<u32>,
     /// Gradients are normalised after their components are multiplied by the size of the volume.
     pub box_space_normals: bool,
+    /// Light and eye are seen from texture coordinates, taken as fractions of the volume's sides.
+    pub texture_shading_point: bool,
     /// Samples without a gradient get the ambient term alone.
     pub flat_samples_ambient: bool,
     /// Colour of the ambient term.
@@ -180,6 +185,7 @@ impl Default for Conventions {
             normalised_at_nodes: false,
             normal_bits: None,
             box_space_normals: false,
+            texture_shading_point: false,
             flat_samples_ambient: false,
             ambient_colour: LightColour::Material,
             highlight_colour: LightColour::White,
@@ -219,6 +225,7 @@ impl Conventions {
                 .optional_count("normal_bits")?
                 .map(|bits| bits as u32),
             box_space_normals: is_second("normal_space", &NORMAL_SPACES)?,
+            texture_shading_point: is_second("shading_point", &SHADING_POINTS)?,
             flat_samples_ambient: is_second("flat_samples", &FLAT_SAMPLES)?,
             ambient_colour: [Material, White, Black][word("ambient_colour", &COLOURS)?],
             highlight_colour: [Material, White, Black][word("highlight_colour", &COLOURS)?],

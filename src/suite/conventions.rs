@@ -48,6 +48,7 @@ enum Choice {
     Gradient,
     Normals,
     NormalSpace,
+    ShadingPoint,
     FlatSamples,
     Ambient,
     HighlightColour,
@@ -237,6 +238,13 @@ pub const CATALOGUE: &[Convention] = &[
         },
     ),
     convention(
+        Choice::ShadingPoint,
+        "sees light and eye from texture coordinates, as fractions of the volume",
+        |scene| {
+            scene.conventions.texture_shading_point = true;
+        },
+    ),
+    convention(
         Choice::FlatSamples,
         "gives samples without a gradient ambient light only",
         |scene| {
@@ -379,7 +387,7 @@ const MOST_TOGETHER: usize = 9;
 const LEAST_GAIN: f64 = 0.03;
 
 /// First conventions to begin with, from that which leaves least on: two together may look more like a
-/// third than like either, as a first sample on the front face with half the step does.
+/// third than like either.
 const STARTS: usize = 4;
 
 /// A difference counts by at most this many tolerances: a few pixels at an edge, far off, do not
@@ -484,8 +492,7 @@ impl Attempt<'_> {
         let image = self.image(set, Detail::Whole)?;
         let conditions = Conditions {
             exposure: self.case.exposure,
-            cases: 1,
-            visible_bias: None,
+            ..Conditions::default()
         };
         let right = Picture::Radiance(image);
         let (gate, _) = default_gate(&right, self.test);
@@ -504,7 +511,15 @@ impl Attempt<'_> {
         let detail = lattice_of(test.width() * test.height(), LATTICE);
         let seen = pixels_of(test, &widths, detail);
         let misfit = |set: &[usize]| Some(Misfit::of(&self.image(set, detail)?, &seen));
-        let starts = further(&[], &misfit(&[])?, &misfit)?;
+        let nothing = misfit(&[])?;
+        let mut starts = further(&[], &nothing, &misfit)?;
+        for set in samples_and_steps() {
+            let misfit = misfit(&set)?;
+            if misfit.mean_square < (1.0 - LEAST_GAIN) * nothing.mean_square {
+                starts.push((set, misfit));
+            }
+        }
+        by_what_is_left(&mut starts);
         let mut starts = starts.into_iter().take(STARTS);
         let found = starts.find_map(|start| self.grown(start, &misfit))?;
         self.needed(found)
@@ -579,8 +594,25 @@ fn further(
             longer_sets.push((longer, misfit));
         }
     }
-    longer_sets.sort_by(|(_, a), (_, b)| a.mean_square.total_cmp(&b.mean_square));
+    by_what_is_left(&mut longer_sets);
     Some(longer_sets)
+}
+
+fn by_what_is_left(sets: &mut [(ConventionSet, Misfit)]) {
+    sets.sort_by(|(_, a), (_, b)| a.mean_square.total_cmp(&b.mean_square));
+}
+
+/// Pairs of a first sample and a step. The place of a sample is counted in steps: neither may leave
+/// less alone.
+fn samples_and_steps() -> impl Iterator<Item = ConventionSet> {
+    let of = |choice| {
+        let found = CATALOGUE.iter().enumerate();
+        found
+            .filter(move |(_, convention)| convention.choice == choice)
+            .map(|(index, _)| index)
+    };
+    of(Choice::FirstSample)
+        .flat_map(move |first| of(Choice::Step).map(move |step| vec![first, step]))
 }
 
 /// Difference of two images in tolerances of the deterministic gate; of a pixel, that of its worst

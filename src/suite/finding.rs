@@ -8,7 +8,8 @@ use super::{
 };
 use crate::compare::{Gate, Judgement};
 use crate::render::{Plan, plans, render};
-use crate::scene::{Sampling, Scene};
+use crate::scene::{Classified, Panel, Precision, Sampling, Scene};
+use crate::volume::Interpolation;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -142,6 +143,15 @@ impl CheckedGolden {
         self.scene = scene;
         self.profile = Some(profile.name.clone());
         Ok(self)
+    }
+
+    /// The scene takes the nearest node, under conventions of less than double precision.
+    pub fn takes_nearest_in_single_precision(&self) -> bool {
+        let volumes = self.scene.panels.iter().filter_map(Panel::classified);
+        let rounded = |volume: &Classified| volume.conventions.precision != Precision::F64;
+        volumes
+            .into_iter()
+            .any(|volume| volume.interpolation == Interpolation::Nearest && rounded(volume))
     }
 
     /// The plans of the scene.

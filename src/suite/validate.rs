@@ -134,6 +134,7 @@ fn judged(
         exposure: case.exposure,
         cases: MOST_CASES,
         visible_bias: Some(promise),
+        nearest_in_single_precision: checked.takes_nearest_in_single_precision(),
     };
     let judgement = match judge(gate, golden, picture, &conditions) {
         Ok(judgement) => judgement,

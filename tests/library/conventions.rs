@@ -293,6 +293,11 @@ fn every_convention_is_heard() {
         ..standard
     };
     assert!(differs(&long, box_space));
+    let texture = Conventions {
+        texture_shading_point: true,
+        ..standard
+    };
+    assert!(differs(&long, texture));
     let two_sided = Conventions {
         two_sided: true,
         ..standard
@@ -378,12 +383,9 @@ fn picture(scene: &Scene) -> Picture {
 /// Whether an image of `right` is one of `test`, by the deterministic gate.
 fn passes(right: &Scene, test: &Picture) -> bool {
     let (right, gate) = (picture(right), &volref::compare::Deterministic);
-    let conditions = Conditions {
-        exposure: 0.0,
-        cases: 1,
-        visible_bias: None,
-    };
-    judge(gate, &right, test, &conditions).unwrap().passed
+    judge(gate, &right, test, &Conditions::default())
+        .unwrap()
+        .passed
 }
 
 /// Two conventions behind a picture are found, and a mistake is not taken for one.
