@@ -118,6 +118,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     let widest = result.metrics.keys().map(String::len).max().unwrap_or(0);
     for (name, value) in &result.metrics {
+        let value = match value.abs() {
+            size if size != 0.0 && !(1e-6..1e9).contains(&size) => format!("{value:e}"),
+            _ => value.to_string(),
+        };
         text.push_str(&format!("  {name:<widest$}  {value}\n"));
     }
     text.push_str(note);

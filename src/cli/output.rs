@@ -4,7 +4,7 @@
 use super::failure::{Exit, Failure, bad_input};
 use super::visible_report::visible_report;
 use crate::atomic_file::{directory_of, file_behind, remedy, write_atomically};
-use crate::regular_file::{Identity, is_input, note_input};
+use crate::regular_file::{self, Identity, is_input, note_input};
 use crate::report::{visible, visible_json};
 use clap::Args;
 use serde::Serialize;
@@ -96,6 +96,24 @@ impl Json {
     }
 }
 
+/// Refuses to write over a golden, which has its provenance beside it.
+fn check_no_golden(path: &Path) -> Result<(), Failure> {
+    /// Longest provenance read: 1 MiB, as of any manifest.
+    const MOST_BYTES: u64 = 1 << 20;
+    let provenance = regular_file::read(&path.with_extension("toml"), MOST_BYTES);
+    let is_golden = provenance.is_ok_and(|bytes| {
+        let text = String::from_utf8_lossy(&bytes);
+        text.lines()
+            .any(|line| line.starts_with("schema = \"volref/golden/"))
+    });
+    if !is_golden || !path.exists() {
+        return Ok(());
+    }
+    let message = format!("{} is a golden", path.display());
+    let help = "only `volref accept` changes goldens; write elsewhere";
+    Err(Failure::new(Exit::BadInput, message, Some(help)))
+}
+
 /// `value` as indented JSON with a final newline.
 pub fn pretty(value: &impl Serialize) -> String {
     let mut text = serde_json::to_string_pretty(value).expect("plain data becomes JSON");
@@ -103,9 +121,10 @@ pub fn pretty(value: &impl Serialize) -> String {
     visible_json(&text)
 }
 
-/// Writes a whole file or nothing, and never over an input.
+/// Writes a whole file or nothing, and never over an input or a golden.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     check_no_input(path)?;
+    check_no_golden(path)?;
     write_atomically(path, bytes).map_err(|error| {
         let cause = &error.cause;
         let message = format!("cannot write {}: {cause}", path.display());
@@ -170,7 +189,7 @@ fn check_target(path: &Path) -> Result<(), Failure> {
     } else if !directory_of(path).is_dir() {
         "its folder does not exist"
     } else {
-        return check_no_input(path);
+        return check_no_input(path).and_then(|()| check_no_golden(path));
     };
     let message = format!("cannot write {}: {what}", path.display());
     let help = "nothing was rendered; give a file in a folder that exists";

@@ -105,7 +105,7 @@ pub fn check_not_golden(path: &Path, suite: &Suite) -> Result<(), Failure> {
         return Ok(());
     }
     let message = format!("{} is in the folder of the goldens", path.display());
-    let help = "only `volref accept` changes goldens; write the report elsewhere";
+    let help = "only `volref accept` changes goldens; write elsewhere";
     Err(Failure::new(Exit::BadInput, message, Some(help)))
 }
 

@@ -158,8 +158,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let mut judged = judge.all(&cases, &said);
     if judged.is_empty() {
         let message = "no image of these cases was found: nothing was compared";
-        let help = "images are named family/name.exr or name.exr; `volref list` shows the cases";
-        return Err(Failure::new(Exit::Undecided, message, Some(help)));
+        let help = format!(
+            "images are named family/name.exr or name.exr; `volref list` shows the cases{}",
+            source.unknown_files().trim_end()
+        );
+        return Err(Failure::new(Exit::Undecided, message, Some(&help)));
     }
     let results: Vec<CaseResult> = judged.iter().map(|judged| judged.result.clone()).collect();
     said.print(&(said.without_image(&results) + &report::summary_text(&results)));

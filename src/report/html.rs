@@ -54,6 +54,7 @@ pub fn results_html(page: &Page<'_>) -> String {
             verdict => overall.name(),
             symbol => words::symbol(overall),
             likely => page.likely,
+            conventions => conventions(page.results),
             counts => counts(page.results),
             families,
             cases,
@@ -84,6 +85,20 @@ fn overall(results: &[CaseResult]) -> Verdict {
     verdicts
         .min_by_key(|&verdict| rank(verdict))
         .unwrap_or(Verdict::Missing)
+}
+
+/// The conventions behind images, with the number of cases; those of most cases first.
+fn conventions(results: &[CaseResult]) -> Vec<Value> {
+    let mut counts: Vec<(&str, usize)> = Vec::new();
+    for words in results.iter().flat_map(|result| &result.conventions) {
+        match counts.iter_mut().find(|(known, _)| known == words) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((words, 1)),
+        }
+    }
+    counts.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
+    let view = |(words, count): (&str, usize)| context! { words, count };
+    counts.into_iter().map(view).collect()
 }
 
 /// The verdicts that any case has, with the number of cases.

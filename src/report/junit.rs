@@ -95,6 +95,7 @@ mod tests {
             reason: text.to_owned(),
             notes: vec![text.to_owned()],
             conventions: vec![],
+            profile: None,
             looks_like: vec![text.to_owned()],
             difference: Vec::new(),
             seconds: 0.0,

@@ -84,6 +84,14 @@ pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
             text.push_str(&format!("              {line}\n"));
         }
     }
+    if let Some(profile) = &result.profile {
+        text.push_str(
+            "              --accept-conventions accepts it; --as FILE judges by this file:\n",
+        );
+        for line in profile.lines() {
+            text.push_str(&format!("                  {line}\n"));
+        }
+    }
     for note in &result.notes {
         text.push_str(&format!("              note: {note}\n"));
     }
@@ -182,7 +190,8 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         }
     }
     let unfinished = &found.unfinished;
-    if found.likely.is_empty() && found.searched > 0 && unfinished.is_empty() {
+    let is_said = found.unexplained.iter().any(|(_, said)| !said.is_empty());
+    if found.likely.is_empty() && found.searched > 0 && unfinished.is_empty() && !is_said {
         text.push_str("\nmatches no mistake in the catalogue\n");
     }
     let measured = found
@@ -194,7 +203,7 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         let head = if is_open {
             "not explained yet"
         } else {
-            "no known mistake explains this"
+            "no known mistake or convention explains this"
         };
         text.push_str(&format!("\n{case}: {head}; measured:\n"));
         for sentence in said {
@@ -204,7 +213,7 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
     let more = measured.count().saturating_sub(MOST_MEASURED);
     if more > 0 {
         text.push_str(&format!(
-            "\n{more} more cases that no known mistake explains: --json and --report say what was measured\n"
+            "\n{more} more cases that nothing known explains: --json and --report say what was measured\n"
         ));
     }
     if !unfinished.is_empty() {

@@ -241,6 +241,73 @@ impl Conventions {
         Ok(read)
     }
 
+    /// The keys that differ from the defaults, with their values, as lines of a table.
+    pub fn lines(&self) -> Vec<String> {
+        fn text(word: &str) -> String {
+            format!("{word:?}")
+        }
+        fn one_of<T: Copy + PartialEq>(value: T, values: &[T], words: &[&str]) -> String {
+            let index = values.iter().position(|other| *other == value);
+            text(words[index.expect("every value has a word")])
+        }
+        fn second(value: bool, words: &[&str; 2]) -> String {
+            text(words[usize::from(value)])
+        }
+        use {Gradient::*, LastStep::*, LightColour::*, Precision::*};
+        let keys = |of: &Conventions| {
+            let colour = |colour| one_of(colour, &[Material, White, Black], &COLOURS);
+            let optional = |count: Option<u32>| count.map_or(String::new(), |n| n.to_string());
+            [
+                ("first_sample", format!("{:?}", of.first_sample)),
+                ("jitter", of.jitter.to_string()),
+                (
+                    "last_step",
+                    one_of(of.last_step, &[Exact, Whole, Dropped], &LAST_STEPS),
+                ),
+                ("opacity", second(of.linear_opacity, &OPACITIES)),
+                ("classification", second(of.preclassified, &CLASSIFICATIONS)),
+                ("table_size", optional(of.table_size)),
+                ("table_lookup", second(of.nearest_entry, &TABLE_LOOKUPS)),
+                (
+                    "gradient",
+                    one_of(
+                        of.gradient,
+                        &[Central, Forward, Sobel, Interpolant, Texture],
+                        &GRADIENTS,
+                    ),
+                ),
+                ("normals", second(of.normalised_at_nodes, &NORMALS)),
+                ("normal_bits", optional(of.normal_bits)),
+                ("normal_space", second(of.box_space_normals, &NORMAL_SPACES)),
+                (
+                    "shading_point",
+                    second(of.texture_shading_point, &SHADING_POINTS),
+                ),
+                (
+                    "flat_samples",
+                    second(of.flat_samples_ambient, &FLAT_SAMPLES),
+                ),
+                ("ambient_colour", colour(of.ambient_colour)),
+                ("highlight_colour", colour(of.highlight_colour)),
+                ("highlight_emission", of.highlight_emission.to_string()),
+                ("highlight", second(of.half_vector, &HIGHLIGHTS)),
+                ("head_light", of.head_light.to_string()),
+                ("two_sided", of.two_sided.to_string()),
+                ("clamped_samples", of.clamped_samples.to_string()),
+                (
+                    "precision",
+                    one_of(of.precision, &[F64, F32, F16, U8], &PRECISIONS),
+                ),
+                ("pixel", second(of.pixel_corner, &PIXELS)),
+            ]
+        };
+        let differing = keys(self).into_iter().zip(keys(&Conventions::default()));
+        let differing = differing.filter(|(own, default)| own != default);
+        differing
+            .map(|((key, value), _)| format!("{key} = {value}"))
+            .collect()
+    }
+
     /// Refuses keys without effect beside others.
     fn check(&self, reader: &Reader) -> SceneResult<()> {
         let stored = matches!(

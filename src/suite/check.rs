@@ -50,6 +50,15 @@ impl Suite {
 ///
 /// If there is no suite, or no such case in it. An untrustworthy golden is a verdict, not an error.
 pub fn check(case: &str, image: &Film) -> Result<CaseResult, SuiteError> {
+    check_within(case, image, Search::BUDGET.into())
+}
+
+/// [`check`], with `seconds` for the search for mistakes and half of them for conventions.
+///
+/// # Errors
+///
+/// As of [`check`].
+pub fn check_within(case: &str, image: &Film, seconds: f64) -> Result<CaseResult, SuiteError> {
     let suite = Suite::bundled()?;
     let cases = suite.select(&[case.to_owned()])?;
     let store = suite.store();
@@ -60,10 +69,9 @@ pub fn check(case: &str, image: &Film) -> Result<CaseResult, SuiteError> {
         Output::Picture(Box::new(picture)),
         None,
     )];
-    let budget = Search::BUDGET;
-    ConventionSearch::default().explain_mismatch(cases[0], &mut judged[0], budget.into(), false);
+    ConventionSearch::default().explain_mismatch(cases[0], &mut judged[0], seconds, false);
     let search = Search {
-        budget: Some(Duration::from_secs(budget.into())),
+        budget: Some(Duration::from_secs_f64(seconds)),
         // What calls this is mostly built anew for every run, and finds nothing of the last.
         predictions: &Predictions::nowhere(),
         interrupted: &|| false,

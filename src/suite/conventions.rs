@@ -13,7 +13,9 @@ use crate::compare::{Conditions, Picture, default_gate, judge};
 use crate::film::Film;
 use crate::math::Sum;
 use crate::render::{Detail, Sampling, plans, render_coarse};
-use crate::scene::{Classified, Gradient, LastStep, LightColour, Model, Precision, Scene};
+use crate::scene::{
+    Classified, Compositing, Gradient, LastStep, LightColour, Model, Panel, Precision, Scene,
+};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -356,6 +358,25 @@ pub struct Explained {
     pub set: ConventionSet,
     /// What is left under them.
     pub agreement: Agreement,
+    /// Others, in place of one of the set, under which the image agrees as well.
+    pub alternatives: Vec<usize>,
+    /// The profile that states them; `None` for a step, which a profile does not state.
+    pub profile: Option<String>,
+}
+
+impl Explained {
+    /// The conventions in words, each with those that may stand in its place.
+    pub fn in_words(&self) -> Vec<String> {
+        let words = |&index: &usize| {
+            let one = &CATALOGUE[index];
+            let others = self.alternatives.iter().map(|&other| &CATALOGUE[other]);
+            let others = others.filter(|other| other.choice == one.choice);
+            others.fold(one.words.to_owned(), |words, other| {
+                format!("{words} (or {})", other.words)
+            })
+        };
+        self.set.iter().map(words).collect()
+    }
 }
 
 /// Indices in the [`CATALOGUE`], rising.
@@ -451,19 +472,22 @@ impl ConventionSearch {
             end,
         };
         let known = self.known.lock().expect("no panic holds it").clone();
-        let explained = known.into_iter().find_map(|set| {
+        let from_before = known.into_iter().find_map(|set| {
             let agreement = attempt.agreement(&set)?;
-            Some(Explained { set, agreement })
+            Some((set, agreement))
         });
-        if explained.is_some() {
-            return explained;
+        let is_new = from_before.is_none();
+        let (set, agreement) = from_before.or_else(|| attempt.search())?;
+        if is_new {
+            let mut known = self.known.lock().expect("no panic holds it");
+            known.push(set.clone());
         }
-        let found = attempt.search()?;
-        self.known
-            .lock()
-            .expect("no panic holds it")
-            .push(found.set.clone());
-        Some(found)
+        Some(Explained {
+            alternatives: attempt.alternatives(&set, agreement),
+            profile: profile(scene, &set),
+            set,
+            agreement,
+        })
     }
 }
 
@@ -505,7 +529,7 @@ impl Attempt<'_> {
         is_rounding.then_some(Agreement::ButFor(misfit.outside))
     }
 
-    fn search(&self) -> Option<Explained> {
+    fn search(&self) -> Option<(ConventionSet, Agreement)> {
         let test = self.test.radiance()?;
         let widths: Vec<usize> = self.scene.panels.iter().map(|panel| panel.width).collect();
         let detail = lattice_of(test.width() * test.height(), LATTICE);
@@ -530,14 +554,13 @@ impl Attempt<'_> {
         &self,
         (mut set, mut left): (ConventionSet, Misfit),
         misfit: impl Fn(&[usize]) -> Option<Misfit>,
-    ) -> Option<Explained> {
+    ) -> Option<(ConventionSet, Agreement)> {
         let mut found = None;
         loop {
             if left.outside <= MOST_OUTSIDE
                 && let Some(agreement) = self.agreement(&set)
             {
-                let set = set.clone();
-                found = Some(Explained { set, agreement });
+                found = Some((set.clone(), agreement));
                 if agreement == Agreement::Full {
                     return found;
                 }
@@ -554,22 +577,68 @@ impl Attempt<'_> {
 
     /// Without the conventions that the image agrees as well without; `None` if no more than one is
     /// left that does not stand alone.
-    fn needed(&self, mut found: Explained) -> Option<Explained> {
+    fn needed(
+        &self,
+        (mut set, mut agreement): (ConventionSet, Agreement),
+    ) -> Option<(ConventionSet, Agreement)> {
         let mut index = 0;
-        while index < found.set.len() {
-            let mut set = found.set.clone();
-            set.remove(index);
-            match self.agreement(&set) {
-                Some(agreement) if agreement.rest() <= found.agreement.rest() => {
-                    found = Explained { set, agreement };
+        while index < set.len() {
+            let mut shorter = set.clone();
+            shorter.remove(index);
+            match self.agreement(&shorter) {
+                Some(other) if other.rest() <= agreement.rest() => {
+                    (set, agreement) = (shorter, other);
                 }
                 _ => index += 1,
             }
         }
         let stands = |index: &usize| CATALOGUE[*index].stands_alone;
-        let is_claimed = found.set.len() > 1 || found.set.iter().all(stands);
-        (is_claimed && !found.set.is_empty()).then_some(found)
+        let is_claimed = set.len() > 1 || set.iter().all(stands);
+        (is_claimed && !set.is_empty()).then_some((set, agreement))
     }
+
+    /// Conventions that stand in the place of one of `set` with no less agreement. Where nothing is at
+    /// the border, for one, it does not matter whether the first sample lies there.
+    fn alternatives(&self, set: &[usize], agreement: Agreement) -> Vec<usize> {
+        let others = CATALOGUE
+            .iter()
+            .enumerate()
+            .filter_map(|(other, convention)| {
+                let is_same = |&&index: &&usize| CATALOGUE[index].choice == convention.choice;
+                let place = set.iter().position(|index| is_same(&index))?;
+                let mut changed = set.to_vec();
+                changed[place] = other;
+                let agrees = set[place] != other
+                    && convention.stands_alone
+                    && self
+                        .agreement(&changed)
+                        .is_some_and(|found| found.rest() <= agreement.rest());
+                agrees.then_some(other)
+            });
+        others.collect()
+    }
+}
+
+/// The profile, as TOML, of the conventions of `set` in `scene`; `None` with another step.
+fn profile(scene: &Scene, set: &[usize]) -> Option<String> {
+    if set
+        .iter()
+        .any(|&index| CATALOGUE[index].choice == Choice::Step)
+    {
+        return None;
+    }
+    let scene = under(scene, set);
+    let volume = scene.panels.iter().find_map(Panel::classified)?;
+    let mut lines = vec!["name = \"mine\"".to_owned()];
+    if let Compositing::EarlyTermination(threshold) = volume.compositing {
+        lines.push(format!("early_termination = {threshold:?}"));
+    }
+    let conventions = volume.conventions.lines();
+    if !conventions.is_empty() {
+        lines.push("[conventions]".to_owned());
+        lines.extend(conventions);
+    }
+    Some(lines.join("\n") + "\n")
 }
 
 /// `set` with a further convention, and what it leaves, for each that leaves much less than what is

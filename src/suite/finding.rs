@@ -64,6 +64,7 @@ impl CaseFinding {
             reason: self.reason,
             notes: Vec::new(),
             conventions: Vec::new(),
+            profile: None,
             looks_like: Vec::new(),
             difference: Vec::new(),
             seconds: start.elapsed().as_secs_f64(),

@@ -126,7 +126,7 @@ pub(super) fn likeness_with(
             let (singles, looks) = failed.search(&clock);
             found = singles;
             explain(&failing[..at], &found, &clock, &mut known, &mut fits);
-            if found.is_empty() && !failed.is_measured && !clock.is_late() {
+            if found.is_empty() && failed.simple.is_none() && !clock.is_late() {
                 clock.pause();
                 open.push((at, looks, clock));
             } else {
@@ -151,7 +151,7 @@ pub(super) fn likeness_with(
         // One number that is off is likelier than two mistakes.
         let (sentences, is_explained) = failed.fitted_sizes(&clock);
         sizes.insert(failed.index, sentences);
-        if !is_explained && pair_searches < MOST_PAIR_SEARCHES {
+        if !is_explained && pair_searches < MOST_PAIR_SEARCHES && failed.can_tell_pairs() {
             pair_searches += 1;
             let found = failed.search_pairs(&looks, &mut clock);
             let others = failing[..at].iter().chain(&failing[at + 1..]);
@@ -201,7 +201,7 @@ pub(super) fn likeness_with(
         if result.looks_like.is_empty() {
             result.difference = sizes.remove(&failed.index).unwrap_or_default();
             if !failed.is_decidable() {
-                let sentence = "the image is too noisy for a mistake to be told from another";
+                let sentence = "the noise leaves open which mistake it is";
                 result.difference.push(sentence.to_owned());
             }
             result.difference.extend(failed.measured_difference());

@@ -30,9 +30,22 @@ pub(super) fn measured(case: &Case, golden: &Film, picture: &Picture) -> Vec<Str
     map.into_iter().chain(levels).collect()
 }
 
-/// Whether `picture` is the golden under a simple map of its values.
-pub(super) fn is_simple(case: &Case, golden: &Film, picture: &Picture) -> bool {
-    comparable(golden, picture).is_some_and(|test| simple_map(case, golden, test).is_some())
+/// A simple map of an image's values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SimpleMap {
+    /// A factor, or one for each channel.
+    Gain,
+    /// An offset or a power besides.
+    Other,
+}
+
+/// The simple map that makes `picture` of the golden, if one does.
+pub(super) fn simple(case: &Case, golden: &Film, picture: &Picture) -> Option<SimpleMap> {
+    let map = simple_map(case, golden, comparable(golden, picture)?)?;
+    Some(match map {
+        Map::Scaled(_) | Map::Tinted(_) => SimpleMap::Gain,
+        Map::Shifted { .. } | Map::Power { .. } => SimpleMap::Other,
+    })
 }
 
 /// Whether `picture` is an 8-bit image of the golden at another exposure. In a file made for a

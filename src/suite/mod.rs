@@ -33,7 +33,7 @@ pub use analytic::{ANALYTIC, Analytic, ERROR_OF_TOLERANCE};
 pub use answer::Answer;
 pub use cache::Cache;
 pub use case::{Case, CaseSampling, MANIFEST, MEAN_RESOLUTION, Suite, SuiteError};
-pub use check::{SUITE_VARIABLE, check};
+pub use check::{SUITE_VARIABLE, check, check_within};
 pub use conventions::{
     Agreement, CATALOGUE, Convention, ConventionSearch, ConventionSet, Explained, in_words, under,
 };

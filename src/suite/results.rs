@@ -1,7 +1,7 @@
 //! Results of cases.
 
 use super::analytic::Analytic;
-use super::conventions::{self, Agreement, Explained};
+use super::conventions::{Agreement, Explained};
 use crate::compare::{self, Gate, Metric};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -85,7 +85,10 @@ pub struct CaseResult {
     pub notes: Vec<String>,
     /// Conventions of the other renderer under which the image is right, in words.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub conventions: Vec<&'static str>,
+    pub conventions: Vec<String>,
+    /// A profile of these conventions, TOML for `--as`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub profile: Option<String>,
     /// Likely mistakes, most likely first.
     pub looks_like: Vec<String>,
     /// Measurements of a difference that no known mistake explains, in sentences.
@@ -104,7 +107,7 @@ impl CaseResult {
     /// Makes a mismatch that conventions explain a verdict of its own; it passes where they are
     /// `accepted`.
     pub fn explain_by(&mut self, explained: &Explained, accepted: bool) {
-        self.conventions = conventions::in_words(&explained.set);
+        self.conventions = explained.in_words();
         self.verdict = Verdict::Convention;
         self.cause = if accepted {
             Cause::None
@@ -124,6 +127,7 @@ impl CaseResult {
                 "these"
             }
         );
+        self.profile = explained.profile.clone();
     }
 }
 

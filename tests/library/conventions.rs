@@ -10,7 +10,8 @@ use volref::reference::ray_caster::RayCaster;
 use volref::render::{Sampling, plans, render};
 use volref::scene::{Classified, Conventions, Gradient, LastStep, LightColour, Precision, Scene};
 use volref::suite::{
-    Agreement, CATALOGUE, Case, ConventionSearch, Suite, Verdict, check, in_words, mistakes, under,
+    Agreement, CATALOGUE, Case, ConventionSearch, Suite, Verdict, check_within, in_words, mistakes,
+    under,
 };
 use volref::volume::{Grid, Lattice};
 
@@ -364,6 +365,25 @@ fn conventions_in_a_scene() {
     }
 }
 
+/// What a profile states is read as it was.
+#[test]
+fn conventions_become_lines_and_lines_conventions() {
+    let (_, scene) = small("figures/figure-1");
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let of = |scene: &Scene| scene.panels[0].classified().unwrap().conventions;
+    assert!(of(&scene).lines().is_empty());
+    for index in 0..CATALOGUE.len() {
+        let expected = of(&under(&scene, &[index]));
+        let text = format!(
+            "[classified]\n[classified.volume]\nfile = 'fixtures/volumes/smoke.obj'\n\
+             [classified.conventions]\n{}\n",
+            expected.lines().join("\n")
+        );
+        let read = Scene::parse(&text, &root.join("scene.toml")).unwrap();
+        assert_eq!(of(&read), expected, "{text}");
+    }
+}
+
 /// A case of the suite and its scene, with few pixels.
 fn small(name: &str) -> (Case, Scene) {
     let suite = Suite::bundled().unwrap();
@@ -424,9 +444,12 @@ fn a_check_explains_by_conventions() {
         Sampling::default(),
         &|| (),
     );
-    let result = check("figures/figure-1", &film.unwrap().film).unwrap();
+    // On a busy machine the search takes its time.
+    let result = check_within("figures/figure-1", &film.unwrap().film, 1e4).unwrap();
     assert_eq!(result.verdict, Verdict::Convention, "{}", result.reason);
     assert_eq!(result.conventions, ["takes gradients by Sobel's filter"]);
+    let profile = "name = \"mine\"\n[conventions]\ngradient = \"sobel\"\n";
+    assert_eq!(result.profile.as_deref(), Some(profile));
     assert!(result.looks_like.is_empty());
 }
 

@@ -235,6 +235,20 @@ impl Cells {
         }
     }
 
+    /// Cells over which the squared relative difference from `test` is spread: (Σ d²)²/Σ d⁴.
+    pub fn effective_cells(&self, test: &Cells) -> f64 {
+        let (mut squares, mut fourths) = (Sum::default(), Sum::default());
+        for (golden, test) in self.means.iter().zip(&test.means) {
+            let square: f64 = (0..3)
+                .map(|c| (test[c] - golden[c]) / (golden[c].abs() + DARK))
+                .map(|difference| difference * difference)
+                .sum();
+            squares.add(square);
+            fourths.add(square * square);
+        }
+        squares.value() * squares.value() / fourths.value()
+    }
+
     /// Weighted sums over the cells: the way from `before` to `self` times that from `self` to `test`,
     /// and the square of the former.
     pub fn along(&self, before: &Cells, test: &Cells, golden: &Cells) -> [f64; 2] {

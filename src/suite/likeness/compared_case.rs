@@ -14,13 +14,18 @@ use crate::math;
 use crate::render::Detail;
 use crate::scene::Scene;
 use crate::suite::edited_film::mapped;
-use crate::suite::measured::{decoded, is_another_exposure, is_simple};
+use crate::suite::measured::{SimpleMap, decoded, is_another_exposure, simple};
 use crate::suite::{Case, Judged};
 
 /// An 8-bit image is rounded, which leaves a share of a small difference unexplained: there the
 /// perceptual gate may say that prediction and image are the same, if no more than this share is
 /// left.
 const OF_CODES: f64 = 0.5;
+
+/// Cells over which a difference is spread at least where pairs of mistakes are asked for. In N
+/// dimensions a random direction has less than 2 % of its square across a given one with a probability
+/// of about 0.02^((N−1)/2): at 16, one in 10¹², and differences of pictures are far from random.
+const FEWEST_CELLS_FOR_PAIRS: f64 = 16.0;
 
 /// Likewise on a lattice. Its share is an estimate from 2000 pixels or more: one that is half the
 /// pixels' has a standard error of a tenth even where one pixel in fifty differs.
@@ -32,8 +37,10 @@ pub(super) struct ComparedCase {
     pub index: usize,
     /// Of the case.
     pub name: String,
-    /// Whether the image is the golden under a simple map of its values, which is said already.
-    pub is_measured: bool,
+    /// The simple map of values that makes the image of the golden, which is said already.
+    pub simple: Option<SimpleMap>,
+    /// Cells over which the squared difference is spread.
+    pub effective_cells: f64,
     /// Whether it is an 8-bit image at another exposure, which is said already and leaves nothing to
     /// be explained.
     pub is_another_exposure: bool,
@@ -118,7 +125,8 @@ impl ComparedCase {
         Some(ComparedCase {
             index,
             name: case.name.clone(),
-            is_measured: is_simple(case, &golden, &picture),
+            simple: simple(case, &golden, &picture),
+            effective_cells: golden_cells.effective_cells(&test_cells),
             is_another_exposure: is_another_exposure(case, &golden, &picture),
             is_sampled,
             from_golden: golden_cells.misfit(&test_cells, &golden_cells),
@@ -203,10 +211,24 @@ impl ComparedCase {
             || matches!(self.picture, Picture::Codes(_))
     }
 
+    /// The difference has enough independent parts for one of thousands of pairs of mistakes not to
+    /// explain it by chance.
+    pub fn can_tell_pairs(&self) -> bool {
+        self.effective_cells >= FEWEST_CELLS_FOR_PAIRS
+    }
+
+    /// The image is the golden times a factor, as far as the gate can tell: it says nothing of a curve
+    /// of values.
+    pub fn is_gain(&self) -> bool {
+        self.simple == Some(SimpleMap::Gain)
+    }
+
     /// What is measured of the difference, in sentences; nothing that the verdict says already.
     pub fn measured_difference(&self) -> Vec<String> {
         match &self.picture {
-            Picture::Radiance(test) if !self.is_measured => measured_difference(&self.golden, test),
+            Picture::Radiance(test) if self.simple.is_none() => {
+                measured_difference(&self.golden, test)
+            }
             _ => Vec::new(),
         }
     }

@@ -49,7 +49,8 @@ impl ComparedCase {
             if clock.is_late() {
                 break;
             }
-            if let Some(film) = mistake(index).in_image(&self.golden)
+            if !(self.is_gain() && mistake(index).is_curve())
+                && let Some(film) = mistake(index).in_image(&self.golden)
                 && let Some(misfit) = self.misfit(&film)
                 && self.explained_by(&misfit)
             {

@@ -72,6 +72,7 @@ pub fn result(name: &str, verdict: Verdict) -> CaseResult {
         reason: "no reason".to_owned(),
         notes: Vec::new(),
         conventions: vec![],
+        profile: None,
         looks_like: Vec::new(),
         difference: Vec::new(),
         seconds: 0.0,
