@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Writes the small volumes of fixtures/volumes/formats, one grid in every format that is read, and
-of fixtures/volumes/hard, the grids of the hard cases.
+"""Writes the small volumes of fixtures/volumes/formats, one grid in every format that is read,
+of fixtures/volumes/hard, the grids of the hard cases, and of fixtures/volumes/limit, the fields of the
+limits.
 
 The grid of the formats has 4 × 3 × 2 nodes, spacing (0.5, 1, 2), its first node at (-1, 2, 3), and the value
 i + 10·j + 100·k at node (i, j, k): values that every type of 8 bits or more can hold. Formats that
@@ -8,6 +9,7 @@ cannot say all of this (the course's grid) leave out what they cannot. Needs Pyt
 """
 
 import gzip
+import math
 import pathlib
 import struct
 
@@ -180,5 +182,124 @@ def hard_cases():
          comment="the hill, moved by 2^20 along each axis")
 
 
+# Values of the limits are whole numbers from 0 to 255 * 256: what a sine is rounded by in its last
+# place changes none, and 256 of them are a step of a table of 256 entries.
+FULL = 255 * 256
+
+
+def limit(name, nodes, low, high, value, comment):
+    """A NRRD of 16 bits, gzipped, of `value(x, y, z)` in [0, 1] at nodes from `low` to `high`, the
+    corners of the box; an axis of one node is as thick as the box."""
+    def at(axis, index):
+        if nodes[axis] == 1:
+            return 0.5 * (low[axis] + high[axis])
+        return low[axis] + (high[axis] - low[axis]) * index / (nodes[axis] - 1)
+
+    values = [
+        round(FULL * min(1, max(0, value(at(0, i), at(1, j), at(2, k)))))
+        for k in range(nodes[2])
+        for j in range(nodes[1])
+        for i in range(nodes[0])
+    ]
+    spacing = [(h - l) / max(1, n - 1) for n, l, h in zip(nodes, low, high)]
+    axes = ((spacing[0], 0, 0), (0, spacing[1], 0), (0, 0, spacing[2]))
+    header = [
+        "NRRD0004",
+        f"# {comment}",
+        "type: ushort",
+        "dimension: 3",
+        "space dimension: 3",
+        "sizes: " + " ".join(map(str, nodes)),
+        "space directions: " + " ".join(f"({x!r},{y!r},{z!r})" for x, y, z in axes),
+        "space origin: ({!r},{!r},{!r})".format(*(at(axis, 0) for axis in range(3))),
+        "endian: little",
+        "encoding: gzip",
+        "",
+        "",
+    ]
+    (VOLUMES / "limit").mkdir(parents=True, exist_ok=True)
+    data = "\n".join(header).encode() + zipped(packed("<", "H", values))
+    (VOLUMES / "limit" / name).write_bytes(data)
+
+
+def marschner_lobb(x, y, z):
+    """Marschner & Lobb 1994, with their frequency and amplitude."""
+    f, a = 6, 0.25
+    ring = math.cos(2 * math.pi * f * math.cos(0.5 * math.pi * math.hypot(x, y)))
+    return (1 - math.sin(0.5 * math.pi * z) + a * (1 + ring)) / (2 * (1 + a))
+
+
+def balls(x, y, z):
+    """Three soft balls that run into each other."""
+    centres = ((-0.35, -0.3, 0.1, 0.38), (0.4, -0.1, -0.25, 0.32), (0.0, 0.45, 0.15, 0.3))
+    return sum(
+        math.exp(-((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2) / (r * r)) for a, b, c, r in centres
+    ) / 1.25
+
+
+def gyroid(x, y, z):
+    """A gyroid of one and a half periods, in a ball: towards its rim the value falls."""
+    p, q, r = (1.5 * math.pi * s for s in (x, y, z))
+    wave = math.sin(p) * math.cos(q) + math.sin(q) * math.cos(r) + math.sin(r) * math.cos(p)
+    return 0.5 + wave / 3.2
+
+
+def marble(x, y, z):
+    """Folded sheets that fill the box up to its faces."""
+    fold = math.sin(2.1 * x + 1.3 * math.sin(2.4 * y) + 0.8 * math.sin(3.1 * z + 0.7))
+    grain = math.sin(3.7 * x - 2.9 * y + 1.9 * z) * math.sin(2.3 * y + 3.3 * z + 1)
+    return 0.5 + 0.36 * fold + 0.13 * grain
+
+
+def torus(x, y, z):
+    """1 on the ring of a torus that stands upright, 0 at a distance of 0.36."""
+    return 1 - math.hypot(math.hypot(x, y) - 0.6, z) / 0.36
+
+
+def shells(x, y, z):
+    """1 in the middle and 0 at a distance of 1, with a wave on it."""
+    r = math.sqrt(x * x + y * y + z * z)
+    return 1 - r - 0.06 * math.sin(5 * x) * math.sin(5 * y + 1) * math.sin(5 * z + 2)
+
+
+def lattice_of_balls(x, y, z):
+    """3 x 3 x 3 soft balls."""
+    def along(s):
+        return s - 2 / 3 * min(1, max(-1, round(1.5 * s)))
+
+    square = along(x) ** 2 + along(y) ** 2 + along(z) ** 2
+    return math.exp(-square / 0.034)
+
+
+def ripples(x, y, z):
+    """Two sources of waves in a sheet."""
+    waves = sum(
+        math.cos(14 * math.hypot(x - a, y - b)) / (1 + 1.5 * math.hypot(x - a, y - b))
+        for a, b in ((-0.45, -0.3), (0.5, 0.35))
+    )
+    return 0.5 + 0.3 * waves
+
+
+def cells(x, y, z):
+    """A number for each of 7 x 7 x 7 places, without a pattern."""
+    i, j, k = (round(3 * s) + 3 for s in (x, y, z))
+    return (i * 53 + j * 97 + k * 151 + i * j * 29 + j * k * 61 + k * i * 43) % 101 / 100
+
+
+def limits():
+    one = ((-1, -1, -1), (1, 1, 1))
+    limit("marschner-lobb.nrrd", (40,) * 3, *one, marschner_lobb, "the signal of Marschner and Lobb 1994")
+    limit("balls.nrrd", (28,) * 3, *one, balls, "three soft balls")
+    limit("gyroid.nrrd", (30,) * 3, *one, gyroid, "a gyroid")
+    limit("marble.nrrd", (22,) * 3, *one, marble, "folded sheets up to the border")
+    limit("torus.nrrd", (37, 19, 10), *one, lambda x, y, z: torus(x, y, z), "a torus, three spacings")
+    limit("shells.nrrd", (28,) * 3, *one, shells, "round, with a wave")
+    limit("lattice.nrrd", (31,) * 3, *one, lattice_of_balls, "27 soft balls")
+    limit("ripples.nrrd", (64, 64, 1), (-1, -1, -0.0625), (1, 1, 0.0625), ripples, "one voxel thick")
+    limit("cells.nrrd", (7,) * 3, *one, cells, "7 x 7 x 7 numbers")
+    limit("ramp.nrrd", (2, 2, 2), *one, lambda x, y, z: (x + y + z + 3) / 6, "a ramp along the diagonal")
+
+
 main()
 hard_cases()
+limits()

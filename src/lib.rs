@@ -21,7 +21,8 @@
 //!
 //! With a table of points in place of the formula ([`media::TransferPoints`]), opacity and colour
 //! are read from the table and the factor `d²` is left out: `L_i = shade(colour(d_i)) · v_i`.
-//! The sum is evaluated front to back or back to front ([`render::classified::compositing`]); `T` is in
+//! As `h` becomes short the sum converges to an integral, which a scene may ask for itself
+//! ([`reference::continuous`]). The sum is evaluated front to back or back to front ([`render::classified::compositing`]); `T` is in
 //! [`media::TransferOpacity`], shading in [`media::Phong`], `v` in [`render::classified::volume_shadow`].
 //!
 //! **Participating media** (radiative transfer, Chandrasekhar 1950). Along a ray from `x` in

@@ -161,6 +161,8 @@ def rays_of(panel):
     y, x = np.divmod(np.arange(width * height), width)
     right = column(ray["half_right"]) * (2 * x + 1 - width) / height
     down = column(ray["half_up"]) * (2 * y + 1 - height) / height
+    if "orthographic_height" in ray:
+        return column(ray["eye"]) + right - down, column(ray["forward"]) + 0 * right
     towards = column(ray["forward"]) + right - down
     return column(ray["eye"]), towards / length(towards)
 

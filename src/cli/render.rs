@@ -28,7 +28,8 @@ pub struct Arguments {
     /// Seed of the random numbers, for Monte Carlo scenes
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Distance between samples along a ray, instead of the scene's: world units, or "0.5 voxels"
+    /// Distance between samples along a ray, instead of the scene's: world units, or "0.5 voxels";
+    /// an integral without samples is then sampled
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<Length>,
     /// Threads to use; the image is the same for any number [default: all cores]
@@ -178,7 +179,10 @@ fn set_step(scene: &mut Scene, step: Length) -> Result<(), Failure> {
     let fail = |message: String| bad_input(format!("--step: {message}"));
     for panel in &mut scene.panels {
         match &mut panel.model {
-            Model::Classified(classified) => classified.set_step(step).map_err(fail)?,
+            Model::Classified(classified) => {
+                classified.sample();
+                classified.set_step(step).map_err(fail)?;
+            }
             Model::Curve(_) => return Err(fail("a plot of the curve has no steps".into())),
             Model::Radiative(_) => {
                 return Err(fail(

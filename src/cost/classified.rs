@@ -1,9 +1,9 @@
 //! A classified volume prepared for all compositing schemes.
 
-use super::collocation::{CollocatedLight, Collocation, Here};
 use crate::geometry::{Aabb, Ray, Span};
-use crate::math::{exp, ln_1p};
-use crate::media::{Appearance, TransferFunction};
+use crate::math::exp;
+use crate::media::Appearance;
+use crate::media::collocation::{CollocatedLight, Collocation, Here};
 use crate::render::Counters;
 use crate::render::classified::compositing::{FrontToBack, Layers};
 use crate::render::classified::empty_space::{EmptySpace, Skipping};
@@ -95,7 +95,7 @@ impl<'s> ShadedVolume<'s> {
     /// Extinction and emission at distance `t`.
     pub fn here(&self, ray: &Ray, t: f64, work: &mut Counters) -> Here {
         let (value, source) = self.sample(ray, t, work);
-        Here::with_source(extinction(&self.scene.transfer_function, value), source)
+        Here::with_source(self.scene.transfer_function.extinction(value), source)
     }
 
     /// Whether `value` is not transparent.
@@ -135,17 +135,16 @@ impl<'s> ShadedVolume<'s> {
         let Some(span) = self.span(ray) else {
             return (behind, 0.0);
         };
-        let mut cuts = vec![span.near];
-        let pieces = self
-            .density
-            .smooth_segments(ray.origin, *ray.direction, span);
-        cuts.extend(pieces.map(|piece| piece.far));
-        let mut work = Counters::default();
-        if let Appearance::Points(points) = &self.scene.transfer_function.appearance {
-            // A peak of the table may be narrower than what lies between an element's points.
-            let values: Vec<f64> = points.points().iter().map(|point| point.value).collect();
-            cuts = self.cut_at(&values, ray, &cuts);
+        // Between the faces of cells and the knots of the transfer function all is smooth; a peak of
+        // a table may be narrower than what lies between an element's points.
+        let knots = self.scene.transfer_function.knots();
+        let (mut cuts, mut places) = (Vec::new(), Vec::new());
+        for segment in self.density.cubic_segments(ray, span) {
+            places.clear();
+            segment.cut_at(&knots, &mut places);
+            cuts.extend(places.iter().map(|&u| segment.distance(u)));
         }
+        let mut work = Counters::default();
         let mut steepest = 0.0_f64;
         let light = collocation.light(&cuts, tolerance, |t| {
             let here = self.here(ray, t, &mut work);
@@ -153,32 +152,6 @@ impl<'s> ShadedVolume<'s> {
             here
         });
         (light.before(&behind), steepest)
-    }
-
-    /// `cuts`, and between them the places where the field passes one of `values`. In a cell it is
-    /// a cubic along the ray: it passes a value three times at most, and pieces of an eighth of the
-    /// way through tell those apart unless it turns within one.
-    fn cut_at(&self, values: &[f64], ray: &Ray, cuts: &[f64]) -> Vec<f64> {
-        const PIECES: usize = 8;
-        let at = |t: f64| self.density.density(ray.at(t));
-        let mut all = Vec::with_capacity(cuts.len());
-        for pair in cuts.windows(2) {
-            all.push(pair[0]);
-            let place =
-                |index: usize| pair[0] + (pair[1] - pair[0]) * (index as f64 / PIECES as f64);
-            for index in 0..PIECES {
-                let (from, to) = (place(index), place(index + 1));
-                let (first, last) = (at(from), at(to));
-                for value in values {
-                    if (first < *value) != (last < *value) {
-                        all.push(crossing(&at, *value, first < *value, [from, to]));
-                    }
-                }
-            }
-        }
-        all.extend(cuts.last());
-        all.sort_unstable_by(f64::total_cmp);
-        all
     }
 
     /// What comes back along `ray` by the midpoint rule with everything in single precision that
@@ -213,22 +186,6 @@ impl<'s> ShadedVolume<'s> {
     }
 }
 
-/// Where `at`, which is below `value` at one end of [from, to] and not at the other, passes it;
-/// `rises` if it is below at the first.
-fn crossing(at: &impl Fn(f64) -> f64, value: f64, rises: bool, [from, to]: [f64; 2]) -> f64 {
-    let (mut from, mut to) = (from, to);
-    // Fifty-three halvings leave neighbouring numbers.
-    for _ in 0..53 {
-        let middle = from + 0.5 * (to - from);
-        if (at(middle) < value) == rises {
-            from = middle
-        } else {
-            to = middle
-        }
-    }
-    to
-}
-
 /// Whether equal neighbours in space or in value look different: the nearest node's, or a step in a
 /// table. Then what is composited has jumps.
 pub fn has_jumps(scene: &Classified) -> bool {
@@ -240,11 +197,6 @@ pub fn has_jumps(scene: &Classified) -> bool {
                 pairs.any(|pair| pair[0].value == pair[1].value)
             }
         }
-}
-
-/// Extinction, per length, of a value of the field.
-pub fn extinction(transfer_function: &TransferFunction, value: f64) -> f64 {
-    -ln_1p(-transfer_function.reference_opacity(value)) / transfer_function.reference_length
 }
 
 fn caster(scene: &Classified, shade: Shade) -> Caster<'_> {

@@ -1,7 +1,6 @@
 //! What the resolution of the data costs: the same field on coarser grids.
 
 use super::classified::{Shade, ShadedVolume};
-use super::collocation::Collocation;
 use super::image::{Rays, in_words};
 use super::norms::root_mean_square;
 use super::order::ExpectedOrder;
@@ -13,6 +12,7 @@ use super::transmittance::{Crossings, MediumOnRay, RayThroughMedia};
 use crate::geometry::Ray;
 use crate::math::exp;
 use crate::media::Field;
+use crate::media::collocation::Collocation;
 use crate::render::Event;
 use crate::render::counters::Work;
 use crate::scene::Classified;

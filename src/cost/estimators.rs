@@ -1,6 +1,5 @@
 //! Stochastic estimators of a ray's transmittance: theory and measurement.
 
-use super::collocation::{Collocation, Here};
 use super::profile::{BoundedSegment, Profile};
 use super::results::{
     EstimatorRow, EstimatorTable, ThicknessCurve, ThicknessPoint, ThicknessSweep, Times,
@@ -9,6 +8,7 @@ use super::timing::{Clock, Task};
 use super::unbiased_ray_marching;
 use crate::math::rng::{Purpose, Stream};
 use crate::math::{Moments, exp};
+use crate::media::collocation::{Collocation, Here};
 use crate::media::estimators::{delta_tracking_variance, ratio_tracking_variance};
 use crate::render::radiative::sampler::{NumberRow, Sampler};
 use crate::render::radiative::tracking::{

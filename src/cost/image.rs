@@ -2,7 +2,6 @@
 //! shadow rays, and interpolation.
 
 use super::classified::{Shade, ShadedVolume, has_jumps};
-use super::collocation::{CollocatedLight, Collocation};
 use super::marching::Scheme;
 use super::norms::root_mean_square;
 use super::order::ExpectedOrder;
@@ -13,6 +12,7 @@ use super::timing::Clock;
 use crate::geometry::Ray;
 use crate::math::rng::{Purpose, Stream};
 use crate::math::{exp, ln_1p};
+use crate::media::collocation::{CollocatedLight, Collocation};
 use crate::render::Counters;
 use crate::render::classified::preintegration::Preintegrated;
 use crate::render::classified::steps::Steps;

@@ -2,8 +2,8 @@
 //!
 //! One of them is the reference renderer's; the others are what people write.
 
-use super::collocation::Here;
 use crate::math::{exp, ln};
+use crate::media::collocation::Here;
 use crate::media::optical_depth;
 use crate::render::classified::steps::Steps;
 use glam::DVec3;

@@ -71,7 +71,7 @@ fn panel_cost(
 ) -> Result<Cost, CostError> {
     // Rays are followed to their ends here: what is measured is a scene's parameters, each by itself.
     let whole = to_the_end(panel);
-    let panel = whole.as_ref().unwrap_or(panel);
+    let panel = whole.as_ref().map_or(panel, |(panel, _)| panel);
     let mut inquiry = Inquiry {
         cost: Cost {
             scene: path.display().to_string(),
@@ -81,8 +81,8 @@ fn panel_cost(
         options,
         report,
     };
-    if whole.is_some() {
-        inquiry.note("`early_termination` is left out: every ray is followed to its end here");
+    if let Some((_, note)) = whole {
+        inquiry.note(note);
     }
     match &panel.model {
         Model::Curve(_) => {
@@ -134,20 +134,28 @@ fn panel_cost(
     Ok(cost)
 }
 
-/// `panel` without early termination, if it asks for that.
-fn to_the_end(panel: &Panel) -> Option<Panel> {
+/// `panel` without early termination or sampled, if it asks for the one or is an integral; and the note
+/// on that.
+fn to_the_end(panel: &Panel) -> Option<(Panel, &'static str)> {
     let Model::Classified(scene) = &panel.model else {
         return None;
     };
-    let Compositing::EarlyTermination(_) = scene.compositing else {
-        return None;
+    let note = match scene.compositing {
+        Compositing::FrontToBack | Compositing::BackToFront => return None,
+        Compositing::EarlyTermination(_) => {
+            "`early_termination` is left out: every ray is followed to its end here"
+        }
+        Compositing::Continuous => {
+            "the scene is an integral without samples; here it is sampled, front to back"
+        }
     };
     let mut scene = scene.clone();
     scene.compositing = Compositing::FrontToBack;
-    Some(Panel {
+    let panel = Panel {
         model: Model::Classified(scene),
         ..panel.clone()
-    })
+    };
+    Some((panel, note))
 }
 
 /// An optical depth at which all estimators have something to tell.

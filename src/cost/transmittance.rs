@@ -1,6 +1,5 @@
 //! Cost of transmittance estimates in heterogeneous media, along camera rays.
 
-use super::collocation::{Collocation, Here};
 use super::estimators::TransmittanceEstimator;
 use super::marching::Scheme;
 use super::norms::root_mean_square;
@@ -14,6 +13,7 @@ use super::timing::Clock;
 use crate::geometry::{Ray, Span};
 use crate::math::rng::{Purpose, Stream};
 use crate::math::{exp, powu};
+use crate::media::collocation::{Collocation, Here};
 use crate::media::{Density, DensityLine, Field};
 use crate::render::Counters;
 use crate::render::classified::steps::Steps;

@@ -3,8 +3,8 @@
 use super::forms::Form;
 use super::nested_media::{BoundarySurface, NestedMedia};
 use super::refusal::Faults;
-use super::view::ExportView;
-use crate::geometry::{ClosedMesh, Emitter, Mesh, Ray, Shape, Side, Surface};
+use super::view::{ExportView, is_parallel};
+use crate::geometry::{Aabb, ClosedMesh, Emitter, Mesh, Ray, Shape, Side, Surface};
 use crate::optics::{Light, Material};
 use crate::scene::{AreaLight, Object, Panel, Radiative};
 use glam::DVec3;
@@ -36,6 +36,17 @@ impl<'s> ExportScene<'s> {
         faults: &mut Faults,
     ) -> ExportScene<'s> {
         let view = ExportView::of(&scene.camera);
+        let size = [panel.width, panel.height];
+        let [width, height] = size.map(|pixels| pixels as f64);
+        // Between its corners a picture holds no other directions than theirs, mixed.
+        let sight = [
+            [0.0, 0.0],
+            [width, 0.0],
+            [0.0, height],
+            [width, height],
+            [0.5 * width, 0.5 * height],
+        ]
+        .map(|key| scene.camera.ray_through(key, size));
         let [objects, lights] = names(panel, scene);
         let objects: Vec<_> = (scene.objects.iter().zip(objects))
             .map(|(object, key)| (key, Form::of_shape(&object.shape), object.material))
@@ -44,7 +55,7 @@ impl<'s> ExportScene<'s> {
             .map(|(light, key)| (key, Form::of_luminous(&light.shape), light))
             .collect();
         for ((key, _, _), object) in objects.iter().zip(&scene.objects) {
-            if let Err(what) = check_glass(object, scene, view.eye) {
+            if let Err(what) = check_glass(object, scene, &sight) {
                 faults.add(key, what);
             }
         }
@@ -56,7 +67,8 @@ impl<'s> ExportScene<'s> {
             .map(Form::reach)
             .chain(bodies.map(|boundary| boundary.bounds().reach()))
             .chain(positions.map(|position| position.abs().max_element()))
-            .fold(view.eye.abs().max_element(), f64::max);
+            .fold(view.eye.abs().max_element(), f64::max)
+            .max(view.orthographic_height.unwrap_or(0.0));
         // Beyond, squares of distances leave the numbers that both renderers calculate with.
         if !(1e-15..1e15).contains(&reach) {
             let what = format!(
@@ -82,17 +94,6 @@ impl<'s> ExportScene<'s> {
             object: None,
         });
         let surfaces: Vec<BoundarySurface> = surfaces.chain(lamps).collect();
-        let size = [panel.width, panel.height];
-        let [width, height] = size.map(|pixels| pixels as f64);
-        // Between its corners a picture holds no other directions than theirs, mixed.
-        let sight = [
-            [0.0, 0.0],
-            [width, 0.0],
-            [0.0, height],
-            [width, height],
-            [0.5 * width, 0.5 * height],
-        ]
-        .map(|key| scene.camera.ray_through(key, size));
         let nested_media = NestedMedia::of(scene, &surfaces, &sight, reach, gap(reach), faults);
         ExportScene {
             objects,
@@ -122,7 +123,7 @@ fn names(panel: &Panel, scene: &Radiative) -> [Vec<String>; 2] {
 /// Other renderers let radiance grow by the square of the index where light goes into glass;
 /// volref does not. That cancels where light leaves again, so what begins or ends in glass is
 /// refused.
-fn check_glass(object: &Object, scene: &Radiative, eye: DVec3) -> Result<(), String> {
+fn check_glass(object: &Object, scene: &Radiative, sight: &[Ray]) -> Result<(), String> {
     if !matches!(object.material, Material::Glass(_)) {
         return Ok(());
     }
@@ -140,8 +141,12 @@ fn check_glass(object: &Object, scene: &Radiative, eye: DVec3) -> Result<(), Str
     let lights = scene.lights.iter().filter_map(Light::position);
     let lamps = scene.area_lights.iter();
     let lamps = lamps.map(|light| light.shape.sample([0.25, 0.25]).position);
-    let mut points = std::iter::once(eye).chain(lights).chain(lamps);
-    if points.any(|point| is_inside(&object.shape, point)) {
+    let eyes = sight.iter().map(|ray| ray.origin);
+    // Parallel rays begin anywhere between those of the corners.
+    let is_cut = is_parallel(sight)
+        && Aabb::around(eyes.clone()).is_some_and(|plane| plane.touches(&object.shape.bounds()));
+    let mut points = eyes.chain(lights).chain(lamps);
+    if is_cut || points.any(|point| is_inside(&object.shape, point)) {
         let what = "glass with the eye or a light in it: the radiance there has another scale";
         return Err(what.to_owned());
     }

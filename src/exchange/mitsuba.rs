@@ -168,20 +168,28 @@ impl MitsubaWriter<'_> {
             typed("integer", "sample_count", "$spp"),
             typed("integer", "seed", "$seed"),
         ];
-        let mut sensor = vec![
-            typed("float", "fov", view.vertical_fov),
-            typed("string", "fov_axis", "y"),
+        let (kind, mut sensor) = match view.orthographic_height {
+            None => {
+                let fov = typed("float", "fov", view.vertical_fov);
+                ("perspective", vec![fov, typed("string", "fov_axis", "y")])
+            }
+            Some(_) => ("orthographic", vec![]),
+        };
+        // The image of parallel rays is 2 wide.
+        let wide = panel.width as f64 / panel.height as f64;
+        let half_width = view.orthographic_height.map(|height| 0.5 * height * wide);
+        sensor.extend([
             // Whatever is nearer or farther is not seen.
             typed("float", "near_clip", 1e-5 * export.reach),
             typed("float", "far_clip", 1e5 * export.reach),
-            look_at(view.eye, view.target, view.up),
-        ];
+            look_at(view.eye, view.target, view.up, half_width),
+        ]);
         if let Some(at) = export.nested_media.eye {
             sensor.push(reference("medium", &export.nested_media.list[at].name()));
         }
         sensor.push(element(2, "sampler", "independent", "", &sampler));
         sensor.push(element(2, "film", "hdrfilm", "", &film));
-        self.element("sensor", "perspective", "", &sensor);
+        self.element("sensor", kind, "", &sensor);
     }
 
     /// Every medium, and the boundaries of those that have one of their own. Whether they are
@@ -279,7 +287,7 @@ impl MitsubaWriter<'_> {
                 }
                 let target = ahead(light.position, light.axis());
                 let parts = [
-                    look_at(light.position, target, across(light.axis())),
+                    look_at(light.position, target, across(light.axis()), None),
                     rgb("intensity", light.intensity),
                     typed("float", "beam_width", beam),
                     typed("float", "cutoff_angle", outer),
@@ -563,10 +571,14 @@ fn vector(name: &str, value: DVec3) -> String {
     format!("<vector name=\"{name}\" x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")
 }
 
-fn look_at(origin: DVec3, target: DVec3, up: DVec3) -> String {
+/// A view, of an image plane whose half width is scaled to `half_width`.
+fn look_at(origin: DVec3, target: DVec3, up: DVec3, half_width: Option<f64>) -> String {
     let [origin, target, up] = [origin, target, up].map(listed);
+    let scale = half_width.map_or(String::new(), |half| {
+        format!("<scale x=\"{half}\" y=\"{half}\"/>")
+    });
     format!(
-        "<transform name=\"to_world\"><lookat origin=\"{origin}\" target=\"{target}\" \
+        "<transform name=\"to_world\">{scale}<lookat origin=\"{origin}\" target=\"{target}\" \
          up=\"{up}\"/></transform>"
     )
 }

@@ -8,6 +8,7 @@
 use super::forms::{Form, normal_of};
 use super::mixture::Mixture;
 use super::refusal::Faults;
+use super::view::is_parallel;
 use crate::geometry::{Aabb, Boundary, Ray, Solid, Span, Surface, Transform};
 use crate::media::{Coefficients, Field, Homogeneous};
 use crate::scene::{Body, Radiative};
@@ -91,6 +92,7 @@ impl<'s> NestedMedia<'s> {
             }
         }
         nest(&mut list, contacts.gap, faults);
+        let plane = Aabb::around(sight.iter().map(|ray| ray.origin));
         let mut around_eye = Vec::new();
         for (at, nested) in list.iter().enumerate() {
             let Some(boundary) = &scene.media[nested.index].boundary else {
@@ -100,6 +102,12 @@ impl<'s> NestedMedia<'s> {
             let inside = sight.iter().filter(starts_in).count();
             if inside == sight.len() {
                 around_eye.push(at);
+            } else if is_parallel(sight)
+                && plane.is_some_and(|plane| plane.touches(&boundary.bounds()))
+            {
+                let what = "parallel rays of the image may begin on either side of its boundary; \
+                            move the eye back";
+                faults.add(key_of(nested.index), what);
             } else if inside > 0 {
                 let what = "the eye lies in its boundary, and some rays of the image go into it, \
                             others do not; move the eye or the boundary";

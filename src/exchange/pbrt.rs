@@ -298,14 +298,25 @@ impl PbrtWriter<'_, '_> {
     fn options(&mut self, panel: &Panel, scene: &Radiative, export: &ExportScene, file: &str) {
         let view = &export.view;
         let [eye, target, up] = [view.eye, view.target, view.up].map(listed);
-        let fov = view.shorter_fov(panel.width, panel.height);
         self.line("Scale -1 1 1");
         self.line(&format!("LookAt {eye}  {target}  {up}"));
         if let Some(at) = export.nested_media.eye {
             let around = export.nested_media.list[at].name();
             self.line(&format!("MediumInterface \"\" \"{around}\""));
         }
-        self.line(&format!("Camera \"perspective\" {}", float("fov", fov)));
+        let camera = match view.orthographic_height {
+            None => {
+                let fov = view.shorter_fov(panel.width, panel.height);
+                format!("Camera \"perspective\" {}", float("fov", fov))
+            }
+            Some(height) => {
+                let half = 0.5 * height;
+                let half_width = half * panel.width as f64 / panel.height as f64;
+                let window = [-half_width, half_width, -half, half].map(number).join(" ");
+                format!("Camera \"orthographic\" \"float screenwindow\" [ {window} ]")
+            }
+        };
+        self.line(&camera);
         let image = format!("{}.exr", file.trim_end_matches(".pbrt"));
         self.line(&format!(
             "Film \"rgb\" {} {} \"string filename\" [ \"{image}\" ] \"bool savefp16\" [ false ]",

@@ -1,6 +1,6 @@
 //! The eye, in the numbers that other renderers ask for.
 
-use crate::geometry::{Camera, Direction};
+use crate::geometry::{Camera, Direction, Ray};
 use crate::math::atan2;
 use glam::DVec3;
 
@@ -12,8 +12,10 @@ pub(super) struct ExportView {
     pub target: DVec3,
     /// The direction that points up in the image, perpendicular to the line of sight.
     pub up: DVec3,
-    /// Full angle from the top to the bottom edge of the image, degrees.
+    /// Full angle from the top to the bottom edge of the image, degrees; 0 for parallel rays.
     pub vertical_fov: f64,
+    /// Height of the image of parallel rays, world units.
+    pub orthographic_height: Option<f64>,
 }
 
 impl ExportView {
@@ -25,7 +27,12 @@ impl ExportView {
         ExportView {
             eye: middle.origin,
             target: ahead(middle.origin, middle.direction),
-            up: (*upper - *lower).normalize(),
+            up: if camera.is_orthographic() {
+                *camera.upright()
+            } else {
+                (*upper - *lower).normalize()
+            },
+            orthographic_height: camera.orthographic_height(),
             vertical_fov: degrees(atan2(upper.cross(*lower).length(), upper.cosine_to(lower))),
         }
     }
@@ -39,6 +46,11 @@ impl ExportView {
         let across = crate::math::tan(half) * width as f64 / height as f64;
         degrees(2.0 * atan2(across, 1.0))
     }
+}
+
+/// Whether rays begin at different points.
+pub(super) fn is_parallel(sight: &[Ray]) -> bool {
+    sight.iter().any(|ray| ray.origin != sight[0].origin)
 }
 
 /// A point of the ray from `origin` along `direction`, at the distance of the largest coordinate of

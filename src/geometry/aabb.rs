@@ -46,6 +46,11 @@ impl Aabb {
         }
     }
 
+    /// Whether the two have a point in common.
+    pub fn touches(&self, other: &Aabb) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
     /// Magnitude of the largest coordinate, in world units; rounding is relative to it.
     pub fn reach(&self) -> f64 {
         self.min.abs().max(self.max.abs()).max_element()

@@ -1,12 +1,13 @@
-//! The pinhole camera.
+//! The camera: pinhole or orthographic.
 
 use super::{Direction, Ray};
 use crate::math;
 use glam::DVec3;
 use thiserror::Error;
 
-/// A pinhole camera: rays through the centres of pixels or any other point of the image, without a
-/// lens.
+/// A camera without a lens: rays through the centres of pixels or any other point of the image. They
+/// come together in the eye, or, of an orthographic camera, begin in the plane of the eye and are
+/// parallel.
 ///
 /// Right-handed: looking along +z with +y up, +x is to the *left* of the image. Pixels are
 /// square; row 0 is the top row.
@@ -15,9 +16,20 @@ pub struct Camera {
     eye: DVec3,
     forward: Direction,
     upright: Direction,
-    /// Half the height of the image plane at distance 1, along the image's two axes.
+    /// Half the height of the image plane, along the image's two axes: at distance 1, or at the eye
+    /// of an orthographic camera.
     half_right: DVec3,
     half_up: DVec3,
+    projection: Projection,
+}
+
+/// Where rays begin, and where they go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Projection {
+    /// From the eye, through the points of the image plane.
+    Perspective,
+    /// From the points of the image plane, forward.
+    Orthographic,
 }
 
 /// Error in the vectors of a camera.
@@ -40,10 +52,32 @@ impl Camera {
         up: DVec3,
         vertical_fov: f64,
     ) -> Result<Camera, CameraError> {
+        let half = math::tan(0.5 * vertical_fov);
+        Camera::towards(eye, target, up, half, Projection::Perspective)
+    }
+
+    /// An orthographic camera at `eye` looking at `target`: rays are parallel and begin in the plane
+    /// through the eye. `height` is that of the image, world units, > 0 and finite, which the caller
+    /// checks.
+    pub fn orthographic(
+        eye: DVec3,
+        target: DVec3,
+        up: DVec3,
+        height: f64,
+    ) -> Result<Camera, CameraError> {
+        Camera::towards(eye, target, up, 0.5 * height, Projection::Orthographic)
+    }
+
+    fn towards(
+        eye: DVec3,
+        target: DVec3,
+        up: DVec3,
+        half: f64,
+        projection: Projection,
+    ) -> Result<Camera, CameraError> {
         let forward = Direction::of(target - eye).ok_or(CameraError::NoDirection)?;
         let up = Direction::of(up).ok_or(CameraError::NoUpright)?;
         let right = Direction::of(forward.cross(*up)).ok_or(CameraError::NoUpright)?;
-        let half = math::tan(0.5 * vertical_fov);
         let upright = Direction::unit(right.cross(*forward));
         Ok(Camera {
             eye,
@@ -51,22 +85,36 @@ impl Camera {
             upright,
             half_right: right * half,
             half_up: upright * half,
+            projection,
         })
     }
 
-    /// Origin of the rays.
+    /// Origin of the rays; of an orthographic camera that of the ray through the centre of the image.
     pub fn eye(&self) -> DVec3 {
         self.eye
     }
 
-    /// The full angle from the top to the bottom edge of the image, in radians.
-    pub fn vertical_fov(&self) -> f64 {
-        2.0 * math::atan2(self.half_up.length(), 1.0)
+    /// Whether rays are parallel.
+    pub fn is_orthographic(&self) -> bool {
+        self.projection == Projection::Orthographic
     }
 
-    /// This camera with another [`Camera::vertical_fov`], in (0, π).
-    pub fn with_vertical_fov(&self, vertical_fov: f64) -> Camera {
-        let factor = math::tan(0.5 * vertical_fov) / self.half_up.length();
+    /// The height of the image of an orthographic camera, world units.
+    pub fn orthographic_height(&self) -> Option<f64> {
+        self.is_orthographic().then(|| 2.0 * self.half_up.length())
+    }
+
+    /// The full angle from the top to the bottom edge of the image, in radians; 0 of an orthographic
+    /// camera.
+    pub fn vertical_fov(&self) -> f64 {
+        match self.projection {
+            Projection::Perspective => 2.0 * math::atan2(self.half_up.length(), 1.0),
+            Projection::Orthographic => 0.0,
+        }
+    }
+
+    /// This camera with an image plane `factor` times as large.
+    pub fn with_image_scaled(&self, factor: f64) -> Camera {
         Camera {
             half_right: self.half_right * factor,
             half_up: self.half_up * factor,
@@ -74,11 +122,29 @@ impl Camera {
         }
     }
 
+    /// This camera with another [`Camera::vertical_fov`], in (0, π); an orthographic one has none and
+    /// stays as it is.
+    pub fn with_vertical_fov(&self, vertical_fov: f64) -> Camera {
+        if self.is_orthographic() {
+            return *self;
+        }
+        let factor = math::tan(0.5 * vertical_fov) / self.half_up.length();
+        self.with_image_scaled(factor)
+    }
+
     /// This camera with its image plane shifted, so that all that is seen lies further right and down
     /// in the image by these fractions of its height. The rays are those of other points of the same
     /// plane; [`Camera::forward`] then is the direction through the new centre, no longer
-    /// perpendicular to the plane, and [`Camera::vertical_fov`] only nearly the angle.
+    /// perpendicular to the plane, and [`Camera::vertical_fov`] only nearly the angle. Of an
+    /// orthographic camera the eye moves in its plane.
     pub fn with_image_moved(&self, [right, down]: [f64; 2]) -> Camera {
+        if self.is_orthographic() {
+            let centre = self.half_up * (2.0 * down) - self.half_right * (2.0 * right);
+            return Camera {
+                eye: self.eye + centre,
+                ..*self
+            };
+        }
         let centre = *self.forward - self.half_right * (2.0 * right) + self.half_up * (2.0 * down);
         let length = centre.length();
         Camera {
@@ -99,12 +165,13 @@ impl Camera {
         self.forward
     }
 
-    /// Vector to the right in the image plane at distance 1, as long as half the image's height.
+    /// Vector to the right in the image plane, at distance 1 or that of an orthographic camera, as long
+    /// as half the image's height.
     pub fn half_right(&self) -> DVec3 {
         self.half_right
     }
 
-    /// Vector from the centre of the image plane at distance 1 to its upper edge.
+    /// Vector from the centre of that image plane to its upper edge.
     pub fn half_up(&self) -> DVec3 {
         self.half_up
     }
@@ -126,11 +193,22 @@ impl Camera {
 
     /// The ray at twice the distance in pixels from the image centre, to the right and down.
     fn ray_at(&self, across: f64, down: f64, height: usize) -> Ray {
-        let towards = *self.forward + self.half_right * (across / height as f64)
-            - self.half_up * (down / height as f64);
-        Ray {
-            origin: self.eye,
-            direction: Direction::unit(towards / towards.length()),
+        let (right, down) = (
+            self.half_right * (across / height as f64),
+            self.half_up * (down / height as f64),
+        );
+        match self.projection {
+            Projection::Perspective => {
+                let towards = *self.forward + right - down;
+                Ray {
+                    origin: self.eye,
+                    direction: Direction::unit(towards / towards.length()),
+                }
+            }
+            Projection::Orthographic => Ray {
+                origin: self.eye + right - down,
+                direction: self.forward,
+            },
         }
     }
 }
@@ -153,6 +231,35 @@ mod tests {
             let there = camera().ray([x - 2, y + 1], [10, 8]).direction;
             assert!((*same - *there).length() <= 4.0 * f64::EPSILON);
         }
+    }
+
+    #[test]
+    fn orthographic_rays_are_parallel_and_fill_the_height() {
+        let target = DVec3::new(1.0, 2.0, 9.0);
+        let camera = Camera::orthographic(DVec3::new(1.0, 2.0, 3.0), target, DVec3::Y, 4.0);
+        let camera = camera.unwrap();
+        for (pixel, origin) in [
+            ([0, 0], DVec3::new(2.5, 3.0, 3.0)),
+            ([2, 1], DVec3::new(-1.5, 1.0, 3.0)),
+        ] {
+            let ray = camera.ray(pixel, [3, 2]);
+            // Pixels of an image two rows high are 2 wide.
+            assert_eq!(
+                ray.origin,
+                origin + DVec3::new(0.5, 0.0, 0.0) * (1 - pixel[0] as i32) as f64
+            );
+            assert_eq!(*ray.direction, DVec3::Z);
+        }
+        assert_eq!(camera.orthographic_height(), Some(4.0));
+        assert_eq!(camera.vertical_fov(), 0.0);
+        assert_eq!(camera.with_vertical_fov(1.0), camera);
+        assert_eq!(
+            camera.with_image_scaled(0.5).orthographic_height(),
+            Some(2.0)
+        );
+        let moved = camera.with_image_moved([0.25, -0.5]);
+        assert_eq!(moved.ray([2, 0], [4, 4]), camera.ray([1, 2], [4, 4]));
+        assert!(!self::camera().is_orthographic());
     }
 
     #[test]

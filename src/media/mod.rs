@@ -1,6 +1,7 @@
 //! Optical properties of volumes: media, phase functions, transfer functions.
 
 mod coefficients;
+pub mod collocation;
 mod colormap;
 mod deflection;
 mod density;

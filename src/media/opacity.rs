@@ -34,6 +34,11 @@ impl TransferOpacity {
         (-math::exp_m1(-(density * density)) / (1.0 - self.floor)).min(1.0)
     }
 
+    /// The density from which on all is opaque, `√(−ln f)`; `None` for `f = 0`, where none is.
+    pub fn opaque_from(&self) -> Option<f64> {
+        (self.floor > 0.0).then(|| (-math::ln(self.floor)).sqrt())
+    }
+
     /// Transparency `T(d)` over the reference length.
     pub fn transparency(&self, density: f64) -> f64 {
         1.0 - self.at(density)

@@ -1,6 +1,7 @@
 //! The classifier: what a value of the field looks like.
 
 use super::{Colormap, TransferOpacity, TransferPoints, over_length};
+use crate::math::ln_1p;
 use glam::DVec3;
 
 /// Maps a value of the field to opacity and colour.
@@ -46,6 +47,12 @@ impl TransferFunction {
         }
     }
 
+    /// Extinction at `value`, per world unit: `−ln(1 − a)/h0`; infinite for an opacity of 1.
+    pub fn extinction(&self, value: f64) -> f64 {
+        // Not −0 where it is transparent.
+        (-ln_1p(-self.reference_opacity(value))).abs() / self.reference_length
+    }
+
     /// Colour of the material.
     #[inline(always)]
     pub fn colour(&self, value: f64) -> DVec3 {
@@ -71,6 +78,23 @@ impl TransferFunction {
             Appearance::Formula { .. } => 1.0,
             Appearance::Points(points) => points.brightest(),
         }
+    }
+
+    /// The values, in order, between which opacity, colour and emission are smooth.
+    pub fn knots(&self) -> Vec<f64> {
+        let mut knots: Vec<f64> = match &self.appearance {
+            Appearance::Points(points) => points.points().iter().map(|point| point.value).collect(),
+            Appearance::Formula { opacity, colormap } => {
+                let stops = colormap.stops().len();
+                let last = (stops - 1).max(1) as f64;
+                let mut knots: Vec<f64> = (0..stops).map(|stop| stop as f64 / last).collect();
+                knots.extend(opacity.opaque_from());
+                knots
+            }
+        };
+        knots.sort_unstable_by(f64::total_cmp);
+        knots.dedup();
+        knots
     }
 
     /// Whether opacity is exactly 0 wherever the field lies between nodes with values from

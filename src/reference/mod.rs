@@ -6,6 +6,7 @@
 //! agree to the bit, sampled images within their noise (`tests/library/reference.rs`).
 
 mod classifier;
+pub mod continuous;
 mod media;
 mod normals;
 pub mod path_tracer;

@@ -31,7 +31,8 @@
 //! which the volume becomes fully opaque, and `S = Σ d h/h₀` is not the optical depth of `σ`. The
 //! shadow has its own step and reference length.
 //!
-//! A scene may ask for other [conventions](crate::scene::Conventions): where a step is sampled (`Steps`), how a
+//! A scene may ask for the integral itself, without samples ([`continuous`](super::continuous)), or
+//! for other [conventions](crate::scene::Conventions): where a step is sampled (`Steps`), how a
 //! value is classified (`Classifier`), which gradient is taken (`Gradients`), and how it is shaded
 //! (`ShadedSample`).
 //!
@@ -39,6 +40,7 @@
 //! direct volume rendering"; Porter & Duff 1984, "Compositing digital images".
 
 use super::classifier::Classifier;
+use super::continuous;
 use super::normals::Gradients;
 use super::shading::ShadedSample;
 use super::steps::Steps;
@@ -57,6 +59,9 @@ use rayon::prelude::*;
 /// it; one ray through the centre of each pixel.
 pub fn render(scene: &Classified, size: [usize; 2]) -> Film {
     let [width, height] = size;
+    if scene.is_continuous() {
+        return continuous::render(scene, size);
+    }
     let caster = RayCaster::new(scene);
     let pixels = (0..width * height).into_par_iter();
     let pixels = pixels.map(|index| caster.pixel([index % width, index / width], size));

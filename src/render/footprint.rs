@@ -53,7 +53,10 @@ fn of_film(plan: &Plan<'_>, sampling: Sampling) -> usize {
     match plan.kernel {
         Kernel::PathTracer { .. } if plan.samples(sampling) > 1 => 2 * RADIANCE,
         Kernel::PathTracer { .. } | Kernel::LineOfSight { .. } => RADIANCE,
-        Kernel::Curve(_) | Kernel::Background(_) | Kernel::RayCaster { .. } => RADIANCE + OPACITY,
+        Kernel::Curve(_)
+        | Kernel::Background(_)
+        | Kernel::Integral(_)
+        | Kernel::RayCaster { .. } => RADIANCE + OPACITY,
     }
 }
 
@@ -68,6 +71,7 @@ fn while_rendered(plan: &Plan<'_>, film: usize) -> usize {
         // The plot is drawn in `f64`.
         Kernel::Curve(_) => (size_of::<[f64; 3]>(), size_of::<[f32; 4]>()),
         Kernel::LineOfSight { .. } => (size_of::<Result<[f32; 3], PathFault>>(), 0),
+        Kernel::Integral(_) => (size_of::<([f32; 4], f64)>(), size_of::<[f32; 4]>()),
         Kernel::RayCaster { .. } | Kernel::Background(_) => (size_of::<[f32; 4]>(), 0),
     };
     (2 * pixel).max(pixel + between + film)

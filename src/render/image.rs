@@ -1,6 +1,6 @@
 //! From plans to an image: the kernel of each panel, and panels side by side.
 
-use super::classified::{curve, kernels as ray_caster};
+use super::classified::{continuous, curve, kernels as ray_caster};
 use super::counters::{Counters, Uncounted, Work};
 use super::error::RenderError;
 use super::footprint::{Footprint, footprint};
@@ -21,6 +21,9 @@ pub struct Rendering {
     pub film: Film,
     /// Work by panel, if it was counted.
     pub work: Vec<Counters>,
+    /// Bound on the error of a pixel, before it is rounded to 32 bits, relative to the brightest of
+    /// the image: where a panel is an integral that states one.
+    pub error_bound: Option<f64>,
 }
 
 /// The image of the panels of `plans`, side by side. Its bits depend only on the plans and the
@@ -30,8 +33,12 @@ pub fn render(
     sampling: Sampling,
     progress: Progress<'_>,
 ) -> Result<Rendering, RenderError> {
-    render_with::<Uncounted>(plans, &Job::whole(sampling, progress))
-        .map(|(film, _)| Rendering { film, work: vec![] })
+    let (film, _, error_bound) = render_with::<Uncounted>(plans, &Job::whole(sampling, progress))?;
+    Ok(Rendering {
+        film,
+        work: vec![],
+        error_bound,
+    })
 }
 
 /// [`render`], counting work. Same bits.
@@ -40,8 +47,13 @@ pub fn render_counted(
     sampling: Sampling,
     progress: Progress<'_>,
 ) -> Result<Rendering, RenderError> {
-    render_with::<Counters>(plans, &Job::whole(sampling, progress))
-        .map(|(film, work)| Rendering { film, work })
+    let (film, work, error_bound) =
+        render_with::<Counters>(plans, &Job::whole(sampling, progress))?;
+    Ok(Rendering {
+        film,
+        work,
+        error_bound,
+    })
 }
 
 /// A coarse image, of fewer or larger pixels.
@@ -62,7 +74,7 @@ pub fn render_coarse(
         stopped,
         progress: &|| (),
     };
-    render_with::<Uncounted>(plans, &job).map(|(film, _)| film)
+    render_with::<Uncounted>(plans, &job).map(|(film, _, _)| film)
 }
 
 /// The part of an image to be rendered, and its samples.
@@ -85,7 +97,10 @@ impl<'e> Job<'e> {
     }
 }
 
-fn render_with<W: Work>(plans: &[Plan<'_>], job: &Job<'_>) -> Result<(Film, Vec<W>), RenderError> {
+/// The image, the work by panel, and [`Rendering::error_bound`].
+type Whole<W> = (Film, Vec<W>, Option<f64>);
+
+fn render_with<W: Work>(plans: &[Plan<'_>], job: &Job<'_>) -> Result<Whole<W>, RenderError> {
     let Footprint { most: bytes, .. } = footprint(plans, job.sampling);
     if !has_memory(bytes) {
         return Err(RenderError::Memory {
@@ -102,20 +117,35 @@ fn render_with<W: Work>(plans: &[Plan<'_>], job: &Job<'_>) -> Result<(Film, Vec<
     job.progress.begin(steps.sum());
     let mut films = Vec::new();
     let mut works = Vec::new();
+    let mut error = None::<f64>;
     for plan in plans {
-        let (film, work) = render_panel(plan, job)?;
-        films.push(film);
-        works.push(work);
+        let panel = render_panel(plan, job)?;
+        films.push(panel.film);
+        works.push(panel.work);
+        error = match (error, panel.error) {
+            (Some(error), Some(panel)) => Some(error.max(panel)),
+            (error, panel) => error.or(panel),
+        };
     }
     let film = Film::side_by_side(&films);
     match film.first_without_radiance() {
-        None => Ok((film, works)),
+        None => {
+            let error_bound = error.map(|error| relative_to_brightest(error, &film));
+            Ok((film, works, error_bound))
+        }
         // Finite, or it had been refused before, but not as a number of 32 bits.
         Some(([column, row], value)) if value.contains(&f32::INFINITY) => {
             Err(RenderError::TooBright { column, row })
         }
         Some(([column, row], value)) => Err(RenderError::NoRadiance { column, row, value }),
     }
+}
+
+/// `error` relative to the brightest pixel of `film`.
+fn relative_to_brightest(error: f64, film: &Film) -> f64 {
+    let pixels = film.radiance().iter().flatten();
+    let brightest = pixels.fold(0.0_f64, |most, &value| most.max(value.into()));
+    if error > 0.0 { error / brightest } else { 0.0 }
 }
 
 /// Whether this many bytes can be allocated at once. They are freed untouched, which costs nothing,
@@ -134,7 +164,15 @@ fn steps(plan: &Plan<'_>, sampling: Sampling) -> u64 {
     }
 }
 
-fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<(Film, W), RenderError> {
+/// The image of a panel.
+struct PanelImage<W> {
+    film: Film,
+    work: W,
+    /// Bound on the error of a pixel, radiance, where the kernel states one.
+    error: Option<f64>,
+}
+
+fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>, RenderError> {
     let panel = plan.panel;
     let pixels = Pixels {
         width: panel.width,
@@ -153,6 +191,7 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<(Film, W), Re
             Err(RenderError::Stopped)
         }
     };
+    let mut error = None;
     let (pixels, work) = match plan.kernel {
         Kernel::Curve(plot) => {
             let drawn = curve::draw(plot, [panel.width, panel.height], job.progress);
@@ -160,6 +199,15 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<(Film, W), Re
         }
         Kernel::Background(scene) => (background(scene, &pixels), W::default()),
         Kernel::RayCaster { scene, features } => ray_caster::cast(scene, features, &pixels),
+        Kernel::Integral(scene) => {
+            let (pixels, work) = continuous::integrate(scene, &pixels);
+            error = Some(
+                pixels
+                    .iter()
+                    .fold(0.0, |most: f64, pixel| most.max(pixel.1)),
+            );
+            (pixels.into_iter().map(|pixel| pixel.0).collect(), work)
+        }
         Kernel::LineOfSight {
             scene,
             features,
@@ -175,7 +223,8 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<(Film, W), Re
             let (pixels, work) = with_features(features, task);
             finished(pixels.len())?;
             let pixels = without_faults(scene, width, pixels)?;
-            return Ok((Film::new(width, height, pixels), work));
+            let film = Film::new(width, height, pixels);
+            return Ok(PanelImage { film, work, error });
         }
         Kernel::PathTracer {
             scene,
@@ -194,11 +243,13 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<(Film, W), Re
             let (pixels, work) = with_features(features, task);
             finished(pixels.len())?;
             let pixels = without_faults(scene, width, pixels)?;
-            return Ok((mean_of_samples([width, height], samples, &pixels), work));
+            let film = mean_of_samples([width, height], samples, &pixels);
+            return Ok(PanelImage { film, work, error });
         }
     };
     finished(pixels.len())?;
-    Ok((Film::with_opacity(width, height, pixels), work))
+    let film = Film::with_opacity(width, height, pixels);
+    Ok(PanelImage { film, work, error })
 }
 
 /// Whether the scene has a light of unbounded radiance.

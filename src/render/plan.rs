@@ -149,6 +149,11 @@ impl<'s> Plan<'s> {
         matches!(self.kernel, Kernel::PathTracer { .. })
     }
 
+    /// Whether the image is the integral of a classified volume, without samples.
+    pub fn is_continuous(&self) -> bool {
+        matches!(&self.panel.model, Model::Classified(scene) if scene.is_continuous())
+    }
+
     /// Names of the effects that the scene could have requested and did not, and the omitted parts
     /// of others.
     pub fn omitted(&self) -> Vec<String> {

@@ -12,7 +12,7 @@ use crate::geometry::{Camera, Ray, Solid, Span, length_of};
 use crate::math::Moments;
 use crate::media::{Density, Field};
 use crate::scene::{Classified, Compositing, Panel, Radiative, Sampling};
-use crate::volume::Interpolation;
+use crate::volume::{GridDensity, Interpolation};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;
@@ -100,6 +100,7 @@ impl Plan<'_> {
         let mut work: Vec<_> = nothing.map(|event| (event, exactly(0))).collect();
         let known = match self.kernel {
             Kernel::Curve(_) | Kernel::Background(_) => vec![],
+            Kernel::Integral(scene) => of_integrals(self.panel, scene),
             Kernel::RayCaster { scene, features } => of_casting(self.panel, scene, features),
             Kernel::LineOfSight {
                 scene,
@@ -144,6 +145,11 @@ impl Plan<'_> {
                 features.field != FieldKind::Constant
             }
             (Event::Attenuation | Event::EmissionTerm, Kernel::RayCaster { .. }) => true,
+            (Event::DensityLookup | Event::CellWalked, Kernel::Integral(scene)) => {
+                let (least, most) = scene.grid.range();
+                least != most
+            }
+            (Event::Attenuation | Event::EmissionTerm, Kernel::Integral(_)) => true,
             _ => false,
         };
         in_part || event.effects().iter().any(|&effect| self.is_on(effect))
@@ -184,7 +190,10 @@ impl Plan<'_> {
                 let pixels = self.panel.width * self.panel.height;
                 add(MOMENTS, pixels * size_of::<[Moments; 3]>());
             }
-            Kernel::Curve(_) | Kernel::Background(_) | Kernel::LineOfSight { .. } => {}
+            Kernel::Curve(_)
+            | Kernel::Background(_)
+            | Kernel::Integral(_)
+            | Kernel::LineOfSight { .. } => {}
         }
         memory
     }
@@ -244,6 +253,32 @@ fn of_casting(
             exactly(scene.grid.lattice().node_count() as u64),
         ),
         (Event::ShadowRay, amount(at_most, samples)),
+    ]
+}
+
+fn of_integrals(panel: &Panel, scene: &Classified) -> Vec<(Event, Amount)> {
+    let field = GridDensity::new(scene.grid.clone(), scene.interpolation);
+    let bounds = field.bounds();
+    let cells = |ray: &Ray| {
+        let span = bounds.span(ray);
+        let cells = span.map_or(0, |span| field.cubic_segments(ray, span).count());
+        [cells as u64, 0]
+    };
+    let (part, [cells, _]) = over_rays(panel, scene.camera, cells);
+    // Behind what is opaque no cell is looked at.
+    let cells = amount(
+        if part {
+            Bound::AboutAtMost
+        } else {
+            Bound::AtMost
+        },
+        cells,
+    );
+    vec![
+        (Event::DensityLookup, cells),
+        (Event::NullCollision, exactly(0)),
+        (Event::CellWalked, cells),
+        (Event::RandomDraw, exactly(0)),
     ]
 }
 

@@ -1,14 +1,14 @@
 //! The camera: its position and its target.
 
 use super::SceneResult;
-use super::format::{Key, Kind, Range, Table};
+use super::format::{Key, Kind, Range, Rule, Table};
 use super::reader::Reader;
 use crate::geometry::{Aabb, Camera, CameraError};
 use crate::math;
 use glam::DVec3;
 
 /// The declaration of `[camera]`.
-pub(super) const CAMERA: Table = Table::new("The pinhole camera. By default it sees the whole of a classified volume from the front; required in a radiative scene.").keys(&[
+pub(super) const CAMERA: Table = Table::new("The camera: pinhole, or orthographic with `orthographic_height`. By default it sees the whole of a classified volume from the front; required in a radiative scene.").keys(&[
     Key::derived("eye", Kind::Vector, "in front of the volume, on the −z side (−y if `up` is along z), as close as possible with the whole volume in view")
         .doc("Position of the camera, world units; required in a radiative scene."),
     Key::derived("target", Kind::Vector, "volume centre")
@@ -17,7 +17,9 @@ pub(super) const CAMERA: Table = Table::new("The pinhole camera. By default it s
         .doc("The direction that points up in the image, any length."),
     Key::or("vertical_fov", Kind::Number(Range::open(0.0, 180.0)), "45.0")
         .doc("Full angle between the top and bottom edge of the image, degrees."),
-]);
+    Key::optional("orthographic_height", Kind::Number(Range::open(0.0, f64::INFINITY)))
+        .doc("Height of the image, world units, of a camera with parallel rays, which begin in the plane through the eye. If left out, rays come together in the eye."),
+]).rules(&[Rule::Apart([&["vertical_fov"], &["orthographic_height"]])]);
 
 /// The camera and its target.
 pub(super) struct View {
@@ -25,28 +27,46 @@ pub(super) struct View {
     pub target: DVec3,
 }
 
+/// Height of the image.
+#[derive(Clone, Copy)]
+enum ImageHeight {
+    /// Seen from the eye, radians.
+    Angle(f64),
+    /// Of parallel rays, world units.
+    Length(f64),
+}
+
+impl ImageHeight {
+    fn read(reader: &Reader) -> SceneResult<ImageHeight> {
+        Ok(match reader.optional_number("orthographic_height")? {
+            Some(height) => ImageHeight::Length(height),
+            None => ImageHeight::Angle(reader.number("vertical_fov")?.to_radians()),
+        })
+    }
+}
+
 impl View {
     /// Reads `[camera]`; what the scene leaves out follows from what is looked at. `aspect` is
     /// the width of the image over its height.
     pub(super) fn framing(reader: &Reader, bounds: &Aabb, aspect: f64) -> SceneResult<View> {
-        let vertical_fov = reader.number("vertical_fov")?.to_radians();
+        let image = ImageHeight::read(reader)?;
         let eye = reader.optional_vector("eye")?;
         let target = reader.vector_or("target", || bounds.centre())?;
         // Last, though the eye may follow from it: the hash of a scene holds its keys in the order
         // in which they are read.
         let up = reader.vector("up")?;
         let eye = eye.unwrap_or_else(|| {
-            let eye = eye_that_sees_all(bounds, up, vertical_fov, aspect);
+            let eye = eye_that_sees_all(bounds, up, image, aspect);
             reader.resolved("eye", eye);
             eye
         });
-        View::new(reader, eye, target, up, vertical_fov)
+        View::new(reader, eye, target, up, image)
     }
 
     /// Reads `[camera]` of a scene in which nothing says what is looked at: eye and target must
     /// be given.
     pub(super) fn given(reader: &Reader) -> SceneResult<View> {
-        let vertical_fov = reader.number("vertical_fov")?.to_radians();
+        let image = ImageHeight::read(reader)?;
         let point = |name: &'static str| {
             reader.optional_vector(name)?.ok_or_else(|| {
                 reader.mistake(
@@ -58,7 +78,7 @@ impl View {
             })
         };
         let (eye, target) = (point("eye")?, point("target")?);
-        View::new(reader, eye, target, reader.vector("up")?, vertical_fov)
+        View::new(reader, eye, target, reader.vector("up")?, image)
     }
 
     fn new(
@@ -66,9 +86,13 @@ impl View {
         eye: DVec3,
         target: DVec3,
         up: DVec3,
-        vertical_fov: f64,
+        image: ImageHeight,
     ) -> SceneResult<View> {
-        let camera = Camera::new(eye, target, up, vertical_fov).map_err(|error| {
+        let camera = match image {
+            ImageHeight::Angle(vertical_fov) => Camera::new(eye, target, up, vertical_fov),
+            ImageHeight::Length(height) => Camera::orthographic(eye, target, up, height),
+        };
+        let camera = camera.map_err(|error| {
             let key = match error {
                 CameraError::NoDirection => "eye",
                 CameraError::NoUpright => "up",
@@ -80,9 +104,10 @@ impl View {
 }
 
 /// Before the middle of the box on its −z side, where its front face fills the image but for a
-/// margin of 5 %. Where `up` is along z, as in most scans, that is above or below: the −y side
+/// margin of 5 %; with parallel rays, which see as much from anywhere, as far before it as it is high
+/// or wide. Where `up` is along z, as in most scans, that is above or below: the −y side
 /// then.
-fn eye_that_sees_all(bounds: &Aabb, up: DVec3, vertical_fov: f64, aspect: f64) -> DVec3 {
+fn eye_that_sees_all(bounds: &Aabb, up: DVec3, image: ImageHeight, aspect: f64) -> DVec3 {
     let half = bounds.size() * 0.5;
     let (forward, half_depth, half_of_up) = if up.x == 0.0 && up.y == 0.0 {
         (DVec3::Y, half.y, half.z)
@@ -90,7 +115,10 @@ fn eye_that_sees_all(bounds: &Aabb, up: DVec3, vertical_fov: f64, aspect: f64) -
         (DVec3::Z, half.z, half.y)
     };
     let half_height = half_of_up.max(half.x / aspect);
-    let to_front = half_height / (0.95 * math::tan(0.5 * vertical_fov));
+    let to_front = match image {
+        ImageHeight::Angle(vertical_fov) => half_height / (0.95 * math::tan(0.5 * vertical_fov)),
+        ImageHeight::Length(_) => 2.0 * half_height,
+    };
     bounds.centre() - forward * (half_depth + to_front)
 }
 
@@ -117,7 +145,8 @@ mod tests {
                             min,
                             max: min + DVec3::from_array(size),
                         };
-                        let eye = eye_that_sees_all(&bounds, up, fov, aspect);
+                        let image = ImageHeight::Angle(fov);
+                        let eye = eye_that_sees_all(&bounds, up, image, aspect);
                         let camera = Camera::new(eye, bounds.centre(), up, fov).unwrap();
                         let (up, forward) = (*camera.upright(), *camera.forward());
                         let right = forward.cross(up);

@@ -18,8 +18,8 @@ pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities
         .doc("The densities."),
     Key::or("interpolation", Kind::Choice(&["trilinear", "nearest"]), "'trilinear'")
         .doc("Interpolation of densities and gradients between nodes."),
-    Key::or("compositing", Kind::Choice(&["front-to-back", "back-to-front"]), "'front-to-back'")
-        .doc("Order in which the samples of a ray are composited; both give the same image up to rounding."),
+    Key::or("compositing", Kind::Choice(&["front-to-back", "back-to-front", CONTINUOUS]), "'front-to-back'")
+        .doc("Order in which the samples of a ray are composited; both give the same image up to rounding. Or `continuous`: the integral that they approximate, to a bound, without samples; `step` is then the one that other renderers begin with."),
     Key::optional("early_termination", Kind::Number(Range::open(0.0, 1.0)))
         .doc("Ends a ray where its transmittance falls below this value: less work, and pixels that are off by less than this fraction of the brightest radiance. With `compositing = \"front-to-back\"` only. If left out, no ray is ended early."),
     Key::or("step", Kind::Length, "'0.5 voxels'")
@@ -35,6 +35,9 @@ pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities
     Key::optional("conventions", Kind::Table(&CONVENTIONS))
         .doc("Conventions of another renderer, in place of volref's."),
 ]);
+
+/// The choice of `compositing` without samples.
+const CONTINUOUS: &str = "continuous";
 
 const LIGHT: Table = Table::new("A white point light without fall-off.").keys(&[Key::derived(
     "position",
@@ -71,6 +74,8 @@ pub enum Compositing {
     EarlyTermination(f64),
     /// Towards the eye.
     BackToFront,
+    /// No samples: the integral that they approximate.
+    Continuous,
 }
 
 /// Volume shadow: the radiance of a sample is multiplied by `min(1, exp(−S/100))`, `S` the
@@ -91,9 +96,10 @@ pub struct Classified {
     pub grid: Arc<Grid<f32>>,
     /// Reconstruction between the nodes.
     pub interpolation: Interpolation,
-    /// Order of the samples.
+    /// Order of the samples, if there are any.
     pub compositing: Compositing,
-    /// Distance between samples along a ray, > 0.
+    /// Distance between samples along a ray, > 0; of an integral that which other renderers begin
+    /// with.
     pub step: f64,
     /// Colour and opacity by value.
     pub transfer_function: TransferFunction,
@@ -133,6 +139,10 @@ impl Classified {
         };
         let compositing = match reader.text("compositing")?.as_str() {
             "back-to-front" => Compositing::BackToFront,
+            CONTINUOUS => {
+                without_samples(reader, interpolation)?;
+                Compositing::Continuous
+            }
             _ => Compositing::FrontToBack,
         };
         let compositing = match (reader.optional_number("early_termination")?, compositing) {
@@ -253,6 +263,18 @@ impl Classified {
         sent.max(self.background.max_element())
     }
 
+    /// Whether the image is the integral itself, without samples.
+    pub fn is_continuous(&self) -> bool {
+        self.compositing == Compositing::Continuous
+    }
+
+    /// Replaces an integral by samples, [`Classified::step`] apart, front to back.
+    pub fn sample(&mut self) {
+        if self.is_continuous() {
+            self.compositing = Compositing::FrontToBack;
+        }
+    }
+
     /// Replaces the distance between samples; fails if rays would have too many of them.
     pub fn set_step(&mut self, step: Length) -> Result<(), String> {
         let before = self.step;
@@ -268,7 +290,8 @@ impl Classified {
     fn check_eye(&self) -> Result<(), String> {
         let bounds = self.grid.lattice().bounds();
         let to_centre = length_of(self.camera.eye() - bounds.centre());
-        let farthest = to_centre + length_of(bounds.size());
+        let beside = self.camera.orthographic_height().unwrap_or(0.0);
+        let farthest = to_centre + length_of(bounds.size()) + beside;
         // A distance beyond all numbers is no number times anything.
         if farthest.is_finite() && farthest * f64::EPSILON <= self.step {
             return Ok(());
@@ -298,6 +321,47 @@ impl Classified {
             self.step, shadow.step
         ))
     }
+}
+
+/// Refuses keys that mean nothing to the integral, or that it does not cover.
+fn without_samples(reader: &Reader, interpolation: Interpolation) -> SceneResult<()> {
+    let refused = |key: &str, message: &str, help: &str| {
+        let message = format!("with `compositing = \"continuous\"` {message}");
+        Err(reader.mistake(key, message, help))
+    };
+    for (key, message, help) in [
+        (
+            "early_termination",
+            "no ray is ended early: the image is the whole integral",
+            "leave the key out",
+        ),
+        (
+            "conventions",
+            "there are no samples, and no conventions about them",
+            "leave the table out; `volref validate --as` judges images under conventions",
+        ),
+        (
+            "phong",
+            "samples cannot be shaded: gradients jump from cell to cell, and the integral is \
+             stated for light that depends on the value alone",
+            "leave the table out, or composite samples front to back",
+        ),
+        (
+            "shadow",
+            "samples cannot be in shadow: the integral is stated for light that depends on the \
+             value alone",
+            "leave the table out, or composite samples front to back",
+        ),
+    ] {
+        if reader.has(key) {
+            return refused(key, message, help);
+        }
+    }
+    if interpolation == Interpolation::Nearest {
+        let message = "the field is trilinear: between nearest nodes it jumps";
+        return refused("interpolation", message, "leave the key out");
+    }
+    Ok(())
 }
 
 /// Above the eye, upwards in the image, as high as `target` is far: half a right angle beside the

@@ -171,7 +171,8 @@ impl Radiative {
             camera: eye_and_image,
             ..
         } = View::given(camera)?;
-        if eye_and_image.eye().abs().max_element() > FARTHEST {
+        let height = eye_and_image.orthographic_height().unwrap_or(0.0);
+        if eye_and_image.eye().abs().max_element().max(height) > FARTHEST {
             let message = format!(
                 "the camera is too far away to trace light: coordinates up to \
                  {FARTHEST:e} are accepted"

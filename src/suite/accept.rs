@@ -265,8 +265,9 @@ impl<'c> Task<'c> {
         renderer: &dyn Renderer,
         cache: &Cache,
         watch: &dyn AcceptWatch,
-    ) -> Result<(Film, Option<Quick>), AcceptError> {
+    ) -> Result<Pictures, AcceptError> {
         let mut films = Vec::new();
+        let mut error_bound = None;
         for RenderTask {
             rendering,
             key,
@@ -278,8 +279,10 @@ impl<'c> Task<'c> {
                 continue;
             }
             watch.begin_picture(&self.case.name, self.work_of(*rendering));
-            let film = render_case(renderer, &plans(&self.scene), *rendering, watch)
+            let picture = render_case(renderer, &plans(&self.scene), *rendering, watch)
                 .map_err(|reason| incomplete(self.case, reason))?;
+            let film = picture.film;
+            error_bound = picture.error_bound;
             if let Some(key) = key {
                 cache.put(&self.case.name, key, &film);
             }
@@ -310,7 +313,20 @@ impl<'c> Task<'c> {
             samples: film.noise().map_or(1, |noise| noise.samples()),
             pixels: film.pixel_hash(),
         });
-        Ok((golden, quick))
+        if let Some(bound) =
+            error_bound.filter(|&bound| self.case.is_limit() && bound > LIMIT_KNOWN)
+        {
+            let reason = format!(
+                "the integral of a pixel may be off by {bound:.1e} of the brightest pixel; a limit is \
+                 known to {LIMIT_KNOWN:e}: does an opacity of 1 make it rough?"
+            );
+            return Err(incomplete(self.case, reason));
+        }
+        Ok(Pictures {
+            golden,
+            quick,
+            error_bound,
+        })
     }
 }
 
@@ -332,16 +348,33 @@ fn check_converged(case: &Case, sampling: CaseSampling, golden: &Film) -> Result
     })
 }
 
+/// How well the limit of a case is known, at least: error of a pixel relative to the brightest.
+const LIMIT_KNOWN: f64 = 1e-6;
+
+/// The picture of a golden.
+struct Pictures {
+    golden: Film,
+    /// Of a stochastic case.
+    quick: Option<Quick>,
+    /// Of an integral, see [`Rendering`](crate::render::Rendering).
+    error_bound: Option<f64>,
+}
+
 type GoldenFiles = Vec<(std::path::PathBuf, Vec<u8>)>;
 
 /// How the golden of a case will change, and the files that change it.
 fn prepare(
     task: &Task<'_>,
-    (golden, quick): (Film, Option<Quick>),
+    pictures: Pictures,
     store: &Store,
     reason: &str,
 ) -> Result<(Change, GoldenFiles), AcceptError> {
     let Task { case, scene, .. } = task;
+    let Pictures {
+        golden,
+        quick,
+        error_bound,
+    } = pictures;
     let plans = plans(scene);
     let mut damaged = false;
     let old = match Golden::read(store, case) {
@@ -388,7 +421,8 @@ fn prepare(
     };
     let replaces = old.as_ref().map(|golden| golden.provenance.pixels.clone());
     let replaces = replaces.unwrap_or_default();
-    let files = Golden::encode(case, scene, &plans, &golden, quick, reasons, replaces)
+    let made = (&golden, error_bound);
+    let files = Golden::encode(case, scene, &plans, made, quick, reasons, replaces)
         .map_err(|error| incomplete(case, error))?;
     Ok((change, files))
 }

@@ -33,6 +33,8 @@ pub const MEAN_RESOLUTION: f64 = 0.02;
 
 /// The class of cases that are rendered without random numbers.
 const DETERMINISTIC: &str = "deterministic";
+/// The class of cases whose picture is an integral without samples.
+const LIMIT: &str = "limit";
 /// The class of cases whose pixels are Monte Carlo estimates.
 const STOCHASTIC: &str = "stochastic";
 
@@ -49,8 +51,8 @@ pub const MANIFEST: Table = Table::new("A case: a scene, its source, and how ima
         .doc("Features of a correct image."),
     Key::required("computes", Kind::Text)
         .doc("The exact computation, where the source has gaps or mistakes."),
-    Key::required("class", Kind::Choice(&[DETERMINISTIC, STOCHASTIC]))
-        .doc("Deterministic: rendered without random numbers. Stochastic: each pixel is a Monte Carlo estimate."),
+    Key::required("class", Kind::Choice(&[DETERMINISTIC, LIMIT, STOCHASTIC]))
+        .doc("Deterministic: rendered without random numbers. Limit: likewise, and an integral without samples, to which renderers converge as their steps become short. Stochastic: each pixel is a Monte Carlo estimate."),
     Key::optional("converged_samples", Kind::Count(64, 1 << 24))
         .doc("Stochastic cases, and required there: samples per pixel of the golden image."),
     Key::or("quick_samples", Kind::Count(2, 1 << 16), "4")
@@ -90,6 +92,8 @@ pub struct Case {
     pub mistakes: Vec<String>,
     /// Exposure of 8-bit images, in stops.
     pub exposure: f64,
+    /// Whether the picture is the integral that renderers approximate by steps.
+    pub(super) limit: bool,
     /// Of a stochastic case.
     pub sampling: Option<CaseSampling>,
 }
@@ -109,10 +113,12 @@ pub struct CaseSampling {
 }
 
 impl Case {
-    /// `stochastic` for a case that is sampled, else `deterministic`, as in manifests and results.
+    /// `stochastic` for a case that is sampled, `limit` for an integral without samples, else
+    /// `deterministic`, as in manifests and results.
     pub fn class(&self) -> &'static str {
         match self.sampling {
             Some(_) => STOCHASTIC,
+            None if self.limit => LIMIT,
             None => DETERMINISTIC,
         }
     }
@@ -415,7 +421,8 @@ fn read_manifest(path: &Path) -> SceneResult<Case> {
                 .join(format!("{name}.toml"))
         }
     };
-    let is_stochastic = reader.text("class")? == STOCHASTIC;
+    let class = reader.text("class")?;
+    let is_stochastic = class == STOCHASTIC;
     let sampling = read_sampling(&reader, is_stochastic)?;
     let answer = read_answer(&reader, is_stochastic)?;
     Ok(Case {
@@ -427,6 +434,7 @@ fn read_manifest(path: &Path) -> SceneResult<Case> {
         answer,
         mistakes: read_mistakes(&reader)?,
         exposure: reader.number("exposure")?,
+        limit: class == LIMIT,
         sampling,
         family,
     })

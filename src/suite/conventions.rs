@@ -461,8 +461,12 @@ impl ConventionSearch {
         test: &Picture,
         end: Option<Instant>,
     ) -> Option<Explained> {
-        let is_classified = |model: &Model| matches!(model, Model::Classified(_));
-        if !scene.panels.iter().all(|panel| is_classified(&panel.model)) {
+        // An integral has no samples, and no conventions about them.
+        let is_sampled = |model: &Model| match model {
+            Model::Classified(scene) => !scene.is_continuous(),
+            _ => false,
+        };
+        if !scene.panels.iter().all(|panel| is_sampled(&panel.model)) {
             return None;
         }
         let attempt = Attempt {

@@ -52,7 +52,8 @@ pub struct Provenance {
     /// it as it is, this image 2⁶³ more, so that they have no random number in common.
     pub seed: u64,
     /// Relative error of the image. Deterministic: of a pixel against the sum that the scene
-    /// defines, by rounding to 32 bits. Stochastic: the standard error of a block of 8 × 8 pixels,
+    /// defines, by rounding to 32 bits. Limit: of a pixel against the integral, by its bound, relative
+    /// to the brightest pixel, and by that rounding. Stochastic: the standard error of a block of 8 × 8 pixels,
     /// relative to its mean plus [`DARK`](crate::compare::stochastic::DARK), that nine tenths of the
     /// blocks and channels do not exceed.
     pub error_estimate: f64,
@@ -242,7 +243,7 @@ impl Golden {
         case: &Case,
         scene: &Scene,
         plans: &[Plan<'_>],
-        film: &Film,
+        (film, error_bound): (&Film, Option<f64>),
         quick: Option<Quick>,
         reasons: Reasons<'_>,
         replaces: String,
@@ -265,7 +266,8 @@ impl Golden {
             height: film.height(),
             samples: film.noise().map_or(1, |noise| noise.samples().into()),
             seed: quick.as_ref().and(scene.seed()).unwrap_or(0),
-            error_estimate: stochastic::block_error(film).unwrap_or(f64::from(f32::EPSILON) / 2.0),
+            error_estimate: stochastic::block_error(film)
+                .unwrap_or(f64::from(f32::EPSILON) / 2.0 + error_bound.unwrap_or(0.0)),
             volref: env!("CARGO_PKG_VERSION").to_owned(),
             libm: LIBM_VERSION.to_owned(),
             target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),

@@ -108,6 +108,8 @@ impl Profile {
                 self.name
             ));
         }
+        // Conventions are about samples.
+        scene.sample();
         scene.conventions = self.conventions;
         if let Some(threshold) = self.early_termination {
             scene.end_rays_at(threshold);

@@ -7,8 +7,7 @@
 //! N --seed S` makes either again.
 
 use super::Case;
-use crate::film::Film;
-use crate::render::{self, Plan, RenderError, Seed};
+use crate::render::{self, Plan, RenderError, Rendering, Seed};
 
 /// Added to the seed of every panel for the converged rendering.
 const CONVERGED: u64 = 1 << 63;
@@ -66,7 +65,7 @@ pub(super) trait Renderer {
         plans: &[Plan<'_>],
         sampling: render::Sampling,
         progress: render::Progress<'_>,
-    ) -> Result<Film, RenderError>;
+    ) -> Result<Rendering, RenderError>;
 }
 
 /// The renderer of this crate; tests of the suite have others.
@@ -82,8 +81,8 @@ impl Renderer for ReferenceRenderer {
         plans: &[Plan<'_>],
         sampling: render::Sampling,
         progress: render::Progress<'_>,
-    ) -> Result<Film, RenderError> {
-        render::render(plans, sampling, progress).map(|rendering| rendering.film)
+    ) -> Result<Rendering, RenderError> {
+        render::render(plans, sampling, progress)
     }
 }
 
@@ -93,18 +92,18 @@ pub(super) fn render_case(
     plans: &[Plan<'_>],
     rendering: CaseRendering,
     progress: render::Progress<'_>,
-) -> Result<Film, String> {
-    let film = renderer
+) -> Result<Rendering, String> {
+    let picture = renderer
         .render(plans, rendering.sampling(), progress)
         .map_err(|error| error.to_string())?;
-    if rendering != CaseRendering::Only && film.noise().is_none() {
+    if rendering != CaseRendering::Only && picture.film.noise().is_none() {
         return Err(
             "the image states no noise: a stochastic case cannot mix panels with and without \
             random numbers"
                 .to_owned(),
         );
     }
-    Ok(film)
+    Ok(picture)
 }
 
 /// Fails where the class of the case is not that of its scene.
@@ -113,6 +112,20 @@ pub(super) fn check_class(
     case: &Case,
     plans: &[Plan<'_>],
 ) -> Result<(), String> {
+    let continuous = plans.iter().filter(|plan| plan.is_continuous()).count();
+    if case.is_limit() && continuous < plans.len() {
+        return Err(
+            "the case is a limit, but its scene composites samples, or holds none: say \
+            compositing = \"continuous\" in every panel"
+                .to_owned(),
+        );
+    }
+    if !case.is_limit() && continuous > 0 {
+        return Err(
+            "the scene is an integral without samples: the class of the case is \"limit\""
+                .to_owned(),
+        );
+    }
     match (case.sampling.is_some(), renderer.is_sampled(plans)) {
         (true, true) | (false, false) => Ok(()),
         (true, false) => Err(

@@ -245,11 +245,15 @@ impl<'c> Subject<'c> {
             scene = edited.or(scene);
         }
         let mut occurs = scene.is_some();
-        let mut film = picture(
-            scene.as_ref().unwrap_or(&self.checked.scene),
-            self.samples,
-            run,
-        )?;
+        if !occurs && !mistakes.iter().any(|mistake| mistake.is_of_the_image()) {
+            return None;
+        }
+        let mut film = match &scene {
+            Some(scene) => picture(scene, self.samples, run)?,
+            // The seeds of the honest picture.
+            None if run == 0 => self.honest().clone(),
+            None => self.right(run)?,
+        };
         for mistake in mistakes {
             if let Some(edited) = mistake.in_image(&film) {
                 film = edited;

@@ -44,7 +44,8 @@ pub(super) fn verify_with(
             CaseRendering::Quick(quick.samples)
         });
         let film = render_case(renderer, &checked.plans(), rendering, progress)
-            .map_err(|reason| CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason))?;
+            .map_err(|reason| CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason))?
+            .film;
         let mut finding = match quick {
             None => compare(&checked, &film),
             Some(quick) => compare_sampled(&checked, quick, &film),

@@ -1,9 +1,10 @@
 //! The density of a grid at any point.
 
 use super::{
-    Blocks, Cell, Centring, DensityField, DensityRange, Grid, Interpolation, NodeLine, Walk,
+    Blocks, Cell, Centring, CubicSegment, DensityField, DensityRange, Grid, Interpolation,
+    NodeLine, Walk,
 };
-use crate::geometry::{Aabb, Span};
+use crate::geometry::{Aabb, Ray, Span};
 use crate::math::Sum;
 use crate::math::quadrature::cubic_integral;
 use glam::DVec3;
@@ -115,6 +116,21 @@ impl GridDensity {
         let lattice = self.grid.lattice();
         let line = NodeLine::from(lattice.to_nodes(origin), direction, lattice);
         self.pieces(line, span)
+    }
+
+    /// The field along `ray`, segment by segment.
+    pub fn cubic_segments(&self, ray: &Ray, span: Span) -> impl Iterator<Item = CubicSegment> {
+        let lattice = self.grid.lattice();
+        let line = NodeLine::new(ray, lattice);
+        self.pieces(line, span).map(move |span| {
+            let half = 0.5 * span.length();
+            let middle = Cell::around(lattice, line.at(span.near + half));
+            let coefficients = match self.interpolation {
+                Interpolation::Trilinear => middle.cubic(&self.grid, line.direction * half),
+                Interpolation::Nearest => [middle.nearest(&self.grid), 0.0, 0.0, 0.0],
+            };
+            CubicSegment { span, coefficients }
+        })
     }
 
     /// As above, along a line in node coordinates.

@@ -126,6 +126,28 @@ impl Cell {
         T::Value::lerp_between(along_y(self.low), along_y(self.low + dz), self.t.z)
     }
 
+    /// The trilinear interpolant on a line through the point of this cell: the coefficients of 1, u,
+    /// u² and u³ at `u · change` from it, in node coordinates.
+    pub fn cubic(&self, grid: &Grid<f32>, change: DVec3) -> [f64; 4] {
+        // `a + (b − a)·t` of two polynomials, where `t` is linear, too.
+        let between = |a: [f64; 4], b: [f64; 4], axis: usize| {
+            let difference = [0, 1, 2, 3].map(|power| b[power] - a[power]);
+            let mut result = [0.0; 4];
+            for power in 0..4 {
+                result[power] = a[power] + difference[power] * self.t[axis];
+                if power > 0 {
+                    result[power] += difference[power - 1] * change[axis];
+                }
+            }
+            result
+        };
+        let [dx, dy, dz] = self.step;
+        let node = |index: usize| [grid.values()[index].value(), 0.0, 0.0, 0.0];
+        let along_x = |row: usize| between(node(row), node(row + dx), 0);
+        let along_y = |plane: usize| between(along_x(plane), along_x(plane + dy), 1);
+        between(along_y(self.low), along_y(self.low + dz), 2)
+    }
+
     /// The value of the nearest node; halfway between two, the one with the larger index.
     #[inline]
     pub fn nearest<T: Node>(&self, grid: &Grid<T>) -> T::Value {

@@ -4,6 +4,7 @@
 mod blob;
 mod blocks;
 mod course_grid;
+mod cubic;
 mod error;
 mod field;
 mod file;
@@ -35,6 +36,7 @@ mod walk;
 pub use blob::Blob;
 pub use blocks::Blocks;
 pub use course_grid::{read_course_grid, write_course_grid};
+pub use cubic::CubicSegment;
 pub use error::{VolumeError, VolumeFault};
 pub use field::{DensityField, DensityRange};
 pub use file::{Loaded, load, load_hashed, volume_format, volume_formats};

@@ -54,9 +54,41 @@ fn unknown_keys() {
     scene.toml:5:2: unknown key `transferfunction` in the file help: did you mean `transfer_function`?
     scene.toml:9:1: unknown key `interpolaton` in [classified] help: did you mean `interpolation`?
     scene.toml:8:13: unknown key `shading` in [classified] help: did you mean `shadow`?
-    scene.toml:9:1: unknown key `fov` in [camera] help: allowed keys in [camera]: eye, target, up, vertical_fov
+    scene.toml:9:1: unknown key `fov` in [camera] help: allowed keys in [camera]: eye, target, up, vertical_fov, orthographic_height
     scene.toml:10:1: unknown key `widht` in [film] help: did you mean `width`?
     ");
+}
+
+#[test]
+fn what_an_integral_does_not_cover() {
+    let mut said = String::new();
+    for more in [
+        "early_termination = 0.01",
+        "phong = {}",
+        "shadow = {}",
+        "interpolation = \"nearest\"",
+        "conventions = { jitter = true }",
+    ] {
+        let continuous = format!("[classified]\ncompositing = \"continuous\"\n{more}");
+        said.push_str(&after("[classified]", &continuous));
+    }
+    said.push_str(&after(
+        "[classified]",
+        "[camera]\nvertical_fov = 40\northographic_height = 2\n[classified]",
+    ));
+    said.push_str(&after(
+        "[classified]",
+        "[camera]\northographic_height = 0\n[classified]",
+    ));
+    assert_shown!(said, @r#"
+    scene.toml:10:21: with `compositing = "continuous"` no ray is ended early: the image is the whole integral help: leave the key out
+    scene.toml:10:9: with `compositing = "continuous"` samples cannot be shaded: gradients jump from cell to cell, and the integral is stated for light that depends on the value alone help: leave the table out, or composite samples front to back
+    scene.toml:10:10: with `compositing = "continuous"` samples cannot be in shadow: the integral is stated for light that depends on the value alone help: leave the table out, or composite samples front to back
+    scene.toml:10:17: with `compositing = "continuous"` the field is trilinear: between nearest nodes it jumps help: leave the key out
+    scene.toml:10:15: with `compositing = "continuous"` there are no samples, and no conventions about them help: leave the table out; `volref validate --as` judges images under conventions
+    scene.toml:10:23: [camera] mixes `vertical_fov` with `orthographic_height` help: give either `vertical_fov` or `orthographic_height`
+    scene.toml:9:23: `orthographic_height` must be finite and above 0, got 0 help: `camera.orthographic_height`: Height of the image, world units, of a camera with parallel rays, which begin in the plane through the eye. If left out, rays come together in the eye.
+    "#);
 }
 
 #[test]

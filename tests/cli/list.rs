@@ -207,7 +207,7 @@ fn help_of_a_command() {
                               stores the variance of each pixel
           --seed <N>          Seed of the random numbers, for Monte Carlo scenes
           --step <LENGTH>     Distance between samples along a ray, instead of the scene's: world units,
-                              or "0.5 voxels"
+                              or "0.5 voxels"; an integral without samples is then sampled
           --threads <N>       Threads to use; the image is the same for any number [default: all cores]
           --exposure <STOPS>  Exposure of a .png, in stops: radiance is multiplied by 2^STOPS [default:
                               0]

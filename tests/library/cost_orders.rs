@@ -9,7 +9,6 @@ use crate::common::test_ray::{DEPTH, LENGTH, smooth};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
-use volref::cost::collocation::{Collocation, Here};
 use volref::cost::estimators::table;
 use volref::cost::jitter::Jitter;
 use volref::cost::marching::Scheme;
@@ -23,6 +22,7 @@ use volref::cost::{Options, cost};
 use volref::geometry::{Ray, Span};
 use volref::math::rng::{Purpose, Stream};
 use volref::math::{cos, exp, sin};
+use volref::media::collocation::{Collocation, Here};
 use volref::render::classified::steps::Steps;
 use volref::scene::Scene;
 use volref::volume::{

@@ -1313,6 +1313,50 @@ fn titles_and_names_break_nothing() {
     }
 }
 
+/// A room seen by parallel rays, 3 high and 4 wide.
+fn parallel(body: &str, format: Format) -> Result<Export, Refusal> {
+    let text = format!(
+        "[film]\nwidth = 4\nheight = 3\n\n[camera]\neye = [0, 1, -6]\ntarget = [0, 1, 0]\n\
+         orthographic_height = 3\n\n[radiative]\n{body}"
+    );
+    export(
+        &Scene::parse(&text, Path::new("scene.toml")).unwrap(),
+        format,
+        "scene",
+    )
+}
+
+#[test]
+fn parallel_rays() {
+    let body = "environment = 1\n[[radiative.medium]]\nsigma_a = 1\n\
+                sphere = { centre = [0, 1, 0], radius = 1 }\n";
+    let export = parallel(body, Format::Mitsuba).unwrap();
+    check_xml(&export);
+    let text = text_of(&export, &export.main);
+    let sensor = part(&text, "<sensor", "<sampler");
+    assert!(sensor.contains("type=\"orthographic\""), "{sensor}");
+    assert!(!sensor.contains("fov"), "{sensor}");
+    // An image 4 wide is twice the 2 that Mitsuba takes unscaled.
+    assert!(
+        sensor.contains("<scale x=\"2\" y=\"2\"/><lookat"),
+        "{sensor}"
+    );
+    let export = parallel(body, Format::Pbrt).unwrap();
+    check_pbrt(&export);
+    let text = text_of(&export, &export.main);
+    let camera = "Camera \"orthographic\" \"float screenwindow\" [ -2 2 -1.5 1.5 ]";
+    assert!(text.contains(camera), "{text}");
+
+    // A ball in the plane of the eye, between the rays of the corners and the middle.
+    let cut = "environment = 1\n[[radiative.medium]]\nsigma_a = 1\n\
+               sphere = { centre = [1, 1, -6], radius = 0.25 }\n";
+    for format in [Format::Mitsuba, Format::Pbrt] {
+        let refusal = parallel(cut, format).unwrap_err();
+        let text = refusal.faults[0].to_string();
+        assert!(text.contains("either side of its boundary"), "{text}");
+    }
+}
+
 #[test]
 fn other_models_are_refused() {
     let curve = Scene::parse("[curve]\n", Path::new("curve.toml")).unwrap();

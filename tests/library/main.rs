@@ -25,6 +25,7 @@ mod images;
 mod kernel_precision;
 mod known_answers_flip;
 mod known_answers_statistics;
+mod limits;
 mod medium_known_answers;
 mod medium_laws;
 mod meshes;

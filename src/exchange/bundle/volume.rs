@@ -16,7 +16,12 @@ pub(super) fn described(scene: &Classified, file: String) -> Entries {
     let shadow = scene
         .shadow
         .map(|shadow| shadow_ray(shadow, transfer_function));
-    let sampling = vec![("step", scene.step.into()), ("formula", SAMPLING.into())];
+    let formula = if scene.is_continuous() {
+        CONTINUOUS
+    } else {
+        SAMPLING
+    };
+    let sampling = vec![("step", scene.step.into()), ("formula", formula.into())];
     let mut entries = vec![
         ("shows", "volume".into()),
         ("ray", Json::Object(ray(&scene.camera))),
@@ -50,6 +55,13 @@ fn method(name: &str, formula: &str) -> Json {
 }
 
 fn ray(camera: &Camera) -> Entries {
+    let parallel = "one ray through the centre of each pixel: with x the column and y the row \
+                    within this panel, both from 0, and row 0 at the top, it leaves origin = eye \
+                    + half_right*(2*x + 1 - width)/height - half_up*(2*y + 1 - height)/height along \
+                    forward, and p(t) = origin + t*forward. forward has length 1, half_right and \
+                    half_up half the height of the image: rays are parallel. Coordinates are \
+                    right-handed: half_right points along forward x half_up, so that with +y up and \
+                    looking along +z, +x points left in the image";
     let formula = "one ray through the centre of each pixel: with x the column and y the row \
                    within this panel, both from 0, and row 0 at the top, it leaves eye along \
                    direction = normalise(forward + half_right*(2*x + 1 - width)/height \
@@ -58,13 +70,19 @@ fn ray(camera: &Camera) -> Entries {
                    vertical field of view. Coordinates are right-handed: half_right points \
                    along forward x half_up, so that with +y up and looking along +z, +x \
                    points left in the image";
-    vec![
+    let mut entries = vec![
         ("eye", camera.eye().to_array().into()),
         ("forward", camera.forward().to_array().into()),
         ("half_right", camera.half_right().to_array().into()),
         ("half_up", camera.half_up().to_array().into()),
-        ("formula", formula.into()),
-    ]
+    ];
+    if let Some(height) = camera.orthographic_height() {
+        entries.push(("orthographic_height", height.into()));
+        entries.push(("formula", parallel.into()));
+    } else {
+        entries.push(("formula", formula.into()));
+    }
+    entries
 }
 
 fn grid(lattice: &Lattice, file: String) -> Entries {
@@ -110,6 +128,10 @@ fn interpolation(interpolation: Interpolation) -> Json {
         ),
     }
 }
+
+const CONTINUOUS: &str = "t0 and t1 are where the ray enters and leaves the box, t0 = 0 if the eye is \
+    inside; a ray that misses the box sees the background. The image is an integral, see compositing; \
+    a renderer that samples it begins with this step, and shortens it";
 
 const SAMPLING: &str = "t0 and t1 are where the ray enters and leaves the box, t0 = 0 if the eye \
     is inside; a ray that misses the box sees the background. n = ceil((t1 - t0)/step); sample i \
@@ -236,6 +258,13 @@ fn compositing(order: Compositing) -> Json {
             "back-to-front",
             "C = 0, A = 0; for each sample from the far end on, C = a*L + (1 - a)*C and \
              A = a + (1 - a)*A; the pixel is C + (1 - A)*background",
+        ),
+        Compositing::Continuous => method(
+            "continuous",
+            "with the extinction s(d) = -ln(1 - a0(d))/reference_length, where a0 is the opacity of \
+             one reference_length, and tau(t) = integral of s from t0 to t: the pixel is the integral \
+             of s(d(t))*L(d(t))*exp(-tau(t)) over t from t0 to t1, plus exp(-tau(t1))*background; the \
+             limit of samples composited front to back as the step becomes short",
         ),
     }
 }

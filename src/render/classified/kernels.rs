@@ -108,6 +108,10 @@ fn with_order<T: Task, F: ScalarField>(
             with_shading(scene, features, task, field, FrontToBack { termination })
         }
         Compositing::BackToFront => with_shading(scene, features, task, field, BackToFront),
+        // Samples of what has none, where a plan was edited.
+        Compositing::Continuous => {
+            with_shading(scene, features, task, field, FrontToBack::default())
+        }
     }
 }
 

@@ -4,6 +4,7 @@
 //! file each.
 
 pub mod compositing;
+pub(super) mod continuous;
 pub mod curve;
 pub mod empty_space;
 pub mod field;

@@ -37,6 +37,7 @@ fn of_kernel(kernel: &Kernel<'_>) -> String {
                  shadow: {shadow}, skip_empty: {skip_empty}{plain} }}"
             )
         }
+        Kernel::Integral(_) => "Integral".to_owned(),
         Kernel::LineOfSight {
             features, scatters, ..
         } => {

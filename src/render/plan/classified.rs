@@ -13,6 +13,7 @@ const VOLUME: &str = "classified.volume";
 const PHONG: &str = "classified.phong";
 const SHADOW: &str = "classified.shadow";
 const LIGHT: &str = "classified.light";
+const COMPOSITING: &str = "classified.compositing";
 const EARLY_TERMINATION: &str = "classified.early_termination";
 
 /// The plan for a classified volume.
@@ -93,6 +94,10 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
     let (kernel, method, why) = if !Effect::ALL.into_iter().any(on) {
         let why = Reason::of(TRANSFER_FUNCTION, nothing(), key_lines);
         (Kernel::Background(scene), Method::Background, why)
+    } else if scene.is_continuous() {
+        let reason = "the integral itself is asked for, without samples";
+        let why = Reason::of(COMPOSITING, reason, key_lines);
+        (Kernel::Integral(scene), Method::Quadrature, why)
     } else {
         let field = match scene.interpolation {
             _ if constant && !on(Effect::Heterogeneity) => FieldKind::Constant,
@@ -172,7 +177,7 @@ fn early_termination(scene: &Classified, key_lines: &KeyLines) -> Option<Approxi
             line: key_lines.line(EARLY_TERMINATION),
             bias: below * scene.brightest(),
         }),
-        Compositing::FrontToBack | Compositing::BackToFront => None,
+        Compositing::FrontToBack | Compositing::BackToFront | Compositing::Continuous => None,
     }
 }
 

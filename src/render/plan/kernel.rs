@@ -17,6 +17,8 @@ pub enum Kernel<'s> {
         /// The features it is compiled for.
         features: RayCasterFeatures,
     },
+    /// The volume-rendering integral of a classified volume, without samples.
+    Integral(&'s Classified),
     /// Closed forms and integrals along the line of sight, without random numbers.
     LineOfSight {
         /// The model rendered.
@@ -111,6 +113,7 @@ impl fmt::Display for Kernel<'_> {
             Kernel::Curve(_) => f.write_str("plot of the transfer function"),
             Kernel::Background(_) => f.write_str("background only"),
             Kernel::RayCaster { features, .. } => write!(f, "ray caster: {features}"),
+            Kernel::Integral(_) => f.write_str("integral along each ray, piece by piece"),
             Kernel::LineOfSight {
                 features, scatters, ..
             } => {
@@ -149,6 +152,7 @@ impl fmt::Display for RayCasterFeatures {
             Compositing::FrontToBack => f.write_str(", front to back")?,
             Compositing::EarlyTermination(below) => write!(f, ", front to back down to {below}")?,
             Compositing::BackToFront => f.write_str(", back to front")?,
+            Compositing::Continuous => f.write_str(", no samples")?,
         }
         let words = [
             if self.shading { "Phong" } else { "unshaded" },

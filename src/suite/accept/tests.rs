@@ -1,7 +1,7 @@
 //! Stochastic cases with a renderer that is made of noise.
 
 use super::*;
-use crate::render::{Plan, Progress, RenderError, Sampling};
+use crate::render::{Plan, Progress, RenderError, Rendering, Sampling};
 use crate::scene::Model;
 use crate::suite::verify::verify_with;
 use crate::suite::{CaseResult, Suite, Verdict};
@@ -42,7 +42,7 @@ impl Renderer for ExtraNoise {
         plans: &[Plan<'_>],
         sampling: Sampling,
         _: Progress<'_>,
-    ) -> Result<Film, RenderError> {
+    ) -> Result<Rendering, RenderError> {
         let panel = plans[0].panel;
         let Model::Radiative(radiative) = &panel.model else {
             panic!("not the scene of this test")
@@ -69,7 +69,11 @@ impl Renderer for ExtraNoise {
             variances.push([(squares / (n - 1.0) / n) as f32; 3]);
         }
         let (width, height) = (panel.width, panel.height);
-        Ok(Film::with_noise(width, height, means, variances, samples))
+        Ok(Rendering {
+            film: Film::with_noise(width, height, means, variances, samples),
+            work: vec![],
+            error_bound: None,
+        })
     }
 }
 

@@ -57,7 +57,7 @@ const SIZES: [Size; 5] = [
         edit: |panel, logarithm| match &mut panel.model {
             Model::Classified(scene) => {
                 scene.step *= math::exp(logarithm);
-                true
+                !scene.is_continuous()
             }
             _ => false,
         },
@@ -69,19 +69,28 @@ const SIZES: [Size; 5] = [
         name: "field of view",
         edit: |panel, logarithm| {
             in_view(panel, |camera, _| {
-                camera.with_vertical_fov(angle(camera.vertical_fov(), logarithm))
+                if camera.is_orthographic() {
+                    camera.with_image_scaled(math::exp(logarithm))
+                } else {
+                    camera.with_vertical_fov(angle(camera.vertical_fov(), logarithm))
+                }
             })
         },
         first: 0.01,
         most: 0.5,
         words: |scene, logarithm| {
             let of = |model: &Model| match model {
-                Model::Classified(scene) => Some(scene.camera.vertical_fov()),
-                Model::Radiative(scene) => Some(scene.camera.vertical_fov()),
+                Model::Classified(scene) => Some(scene.camera),
+                Model::Radiative(scene) => Some(scene.camera),
                 Model::Curve(_) => None,
             };
-            let angles = scene.panels.iter().find_map(|panel| of(&panel.model));
-            let angle = angle(angles.unwrap_or(0.0), logarithm).to_degrees();
+            let camera = scene.panels.iter().find_map(|panel| of(&panel.model));
+            if let Some(height) = camera.and_then(|camera| camera.orthographic_height()) {
+                let height = height * math::exp(logarithm);
+                return format!("an orthographic height of {height:.4}");
+            }
+            let fov = camera.map_or(0.0, |camera| camera.vertical_fov());
+            let angle = angle(fov, logarithm).to_degrees();
             format!("a field of view of {angle:.2} degrees")
         },
     },

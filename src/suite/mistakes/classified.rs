@@ -57,7 +57,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
         advice: "samples are twice as far apart as the scene says",
         edit: Edit::Classified(|scene| {
             scene.step *= 2.0;
-            true
+            !scene.is_continuous()
         }),
     },
     Mistake {
@@ -211,7 +211,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
             // Wider than that there is no image.
             let angle = (2.0 * scene.camera.vertical_fov()).min(3.0);
             scene.camera = scene.camera.with_vertical_fov(angle);
-            true
+            !scene.camera.is_orthographic()
         }),
     },
 ];

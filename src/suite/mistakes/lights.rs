@@ -104,7 +104,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
             // The angle whose half is the full one; wider than that there is no image.
             let angle = (2.0 * scene.camera.vertical_fov()).min(0.9 * PI);
             scene.camera = scene.camera.with_vertical_fov(angle);
-            true
+            !scene.camera.is_orthographic()
         }),
     },
     Mistake {
@@ -113,7 +113,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
         edit: Edit::Radiative(|scene| {
             let angle = 0.5 * scene.camera.vertical_fov();
             scene.camera = scene.camera.with_vertical_fov(angle);
-            true
+            !scene.camera.is_orthographic()
         }),
     },
     Mistake {

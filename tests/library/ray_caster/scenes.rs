@@ -267,7 +267,9 @@ fn with_order<F: ScalarField>(scene: &Classified, rays: &[Ray], field: F) -> Vec
     match scene.compositing {
         Compositing::FrontToBack => with_shading::<F, FrontToBack>(scene, rays, field),
         Compositing::BackToFront => with_shading::<F, BackToFront>(scene, rays, field),
-        Compositing::EarlyTermination(_) => unreachable!("no scene here asks for it"),
+        Compositing::EarlyTermination(_) | Compositing::Continuous => {
+            unreachable!("no scene here asks for it")
+        }
     }
 }
 

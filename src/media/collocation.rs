@@ -10,9 +10,9 @@
 //! Source: Hairer, Nørsett & Wanner 1993, *Solving Ordinary Differential Equations I*, II.7
 //! (collocation at Gauss points).
 
+use super::source_factor;
 use crate::math::quadrature::{GAUSS_POINTS as POINTS, GAUSS_WEIGHTS as WEIGHTS};
-use crate::math::{Sum, exp};
-use crate::media::source_factor;
+use crate::math::{Sum, exp, exp_m1};
 use glam::DVec3;
 
 /// Extinction and emission at a point of a ray.
@@ -27,13 +27,16 @@ pub struct Here {
 impl Here {
     /// Where a sample of radiance `source` has this extinction.
     pub fn with_source(extinction: f64, source: DVec3) -> Here {
-        Here {
-            extinction,
-            emission: if extinction.is_finite() {
-                source * extinction
-            } else {
-                source
-            },
+        if extinction <= DENSEST {
+            Here {
+                extinction,
+                emission: source * extinction,
+            }
+        } else {
+            Here {
+                extinction: f64::INFINITY,
+                emission: source,
+            }
         }
     }
 
@@ -46,6 +49,10 @@ impl Here {
         }
     }
 }
+
+/// An extinction beyond this counts as infinite: products of it with a radiance or a length, below
+/// 1e40 both, are to be numbers.
+const DENSEST: f64 = 1e260;
 
 /// Light along a piece of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -62,6 +69,11 @@ pub struct CollocatedLight {
 
 /// Points of an element.
 const N: usize = 7;
+
+/// An element that shows more or less than this of a uniform source of 1 before it than there is has
+/// points that lie too far apart for its depth, and is halved whatever its halves agree on: where all
+/// points but one see nothing, they agree on darkness.
+const UNRESOLVED: f64 = 1e-3;
 
 /// An element is halved no more often than this.
 const MOST_HALVINGS: u32 = 40;
@@ -104,51 +116,27 @@ impl Collocation {
         tolerance: f64,
         mut at: impl FnMut(f64) -> Here,
     ) -> CollocatedLight {
-        // The elements found so far, from the eye on; then put together from behind.
-        let mut elements: Vec<CollocatedLight> = Vec::new();
-        let mut depth = Sum::default();
-        let mut waiting: Vec<(f64, f64, u32, CollocationElement)> = Vec::new();
-        'pieces: for piece in cuts.windows(2) {
-            if piece[0] >= piece[1] {
-                continue;
-            }
-            let whole = self.element(piece[0], piece[1], &mut at);
-            waiting.push((piece[0], piece[1], 0, whole));
-            while let Some((near, far, halvings, whole)) = waiting.pop() {
-                let middle = near + 0.5 * (far - near);
-                let first = self.element(near, middle, &mut at);
-                let second = self.element(middle, far, &mut at);
-                let mut halves = first.light.before(&second.light);
-                let transmittance = exp(-depth.value());
-                // Two that are opaque agree in depth.
-                halves.depth_error = if halves.depth == whole.light.depth {
-                    0.0
-                } else {
-                    (halves.depth - whole.light.depth).abs()
-                };
-                halves.radiance_error =
-                    (halves.radiance - whole.light.radiance).abs().max_element();
-                let left = transmittance * (halves.radiance_error + halves.depth_error);
-                let settled = left <= tolerance && !first.is_mixed && !second.is_mixed
-                    || halvings >= MOST_HALVINGS
-                    || elements.len() >= MOST_ELEMENTS
-                    || !(near < middle && middle < far);
-                if settled {
-                    depth.add(halves.depth);
-                    elements.push(halves);
-                    if halves.depth == f64::INFINITY {
-                        break 'pieces; // nothing shines through
-                    }
-                } else {
-                    waiting.push((middle, far, halvings + 1, second));
-                    waiting.push((near, middle, halvings + 1, first));
-                }
+        let mut ray = self.ray(tolerance, 1.0);
+        for piece in cuts.windows(2) {
+            if !ray.add([piece[0], piece[1]], &mut at) {
+                break;
             }
         }
-        let elements = elements.iter().rev();
-        elements.fold(CollocatedLight::default(), |behind, element| {
-            element.before(&behind)
-        })
+        ray.light()
+    }
+
+    /// An integral to be made piece by piece from the eye on. An element is halved until its share
+    /// of the error in radiance is at most `tolerance`; an error in its depth counts times
+    /// `brightness`, a radiance that nothing behind it exceeds.
+    pub fn ray(&self, tolerance: f64, brightness: f64) -> CollocatedRay<'_> {
+        CollocatedRay {
+            collocation: self,
+            tolerance,
+            brightness,
+            elements: Vec::new(),
+            waiting: Vec::new(),
+            depth: Sum::default(),
+        }
     }
 
     /// Light of one element.
@@ -164,18 +152,94 @@ impl Collocation {
                     ..CollocatedLight::default()
                 },
                 is_mixed: !here.iter().all(|here| is_opaque(&here)),
+                unresolved: 0.0,
             };
         }
         let mut light = CollocatedLight::default();
+        let mut uniform = 0.0;
         for i in 0..N {
             let before: f64 = (0..N).map(|j| self.up_to[i][j] * here[j].extinction).sum();
-            light.radiance += here[i].emission * (WEIGHTS[i] * half * exp(-half * before));
+            let weight = WEIGHTS[i] * half * exp(-half * before);
+            light.radiance += here[i].emission * weight;
+            uniform += here[i].extinction * weight;
             light.depth += WEIGHTS[i] * half * here[i].extinction;
         }
         CollocationElement {
             light,
             is_mixed: false,
+            unresolved: (uniform + exp_m1(-light.depth)).abs(),
         }
+    }
+}
+
+/// Light along a ray, piece by piece.
+#[derive(Clone, Debug)]
+pub struct CollocatedRay<'c> {
+    collocation: &'c Collocation,
+    tolerance: f64,
+    brightness: f64,
+    /// The elements found so far, from the eye on.
+    elements: Vec<CollocatedLight>,
+    /// Elements to be halved, the nearest last: near and far end, number of halvings, light.
+    waiting: Vec<(f64, f64, u32, CollocationElement)>,
+    /// Depth of the elements found so far.
+    depth: Sum,
+}
+
+impl CollocatedRay<'_> {
+    /// Adds the piece between two positions, the first of which is the nearer one; within it `at` is
+    /// smooth, if possible. Whether light still passes. Only lengths count: each piece may have an
+    /// origin of its own.
+    pub fn add(&mut self, [near, far]: [f64; 2], mut at: impl FnMut(f64) -> Here) -> bool {
+        if near >= far {
+            return true;
+        }
+        let whole = self.collocation.element(near, far, &mut at);
+        self.waiting.push((near, far, 0, whole));
+        while let Some((near, far, halvings, whole)) = self.waiting.pop() {
+            let middle = near + 0.5 * (far - near);
+            let first = self.collocation.element(near, middle, &mut at);
+            let second = self.collocation.element(middle, far, &mut at);
+            let mut halves = first.light.before(&second.light);
+            let transmittance = exp(-self.depth.value());
+            // Two that are opaque agree in depth.
+            halves.depth_error = if halves.depth == whole.light.depth {
+                0.0
+            } else {
+                (halves.depth - whole.light.depth).abs()
+            };
+            halves.radiance_error = (halves.radiance - whole.light.radiance).abs().max_element();
+            let unresolved = first.unresolved + exp(-first.light.depth) * second.unresolved;
+            if unresolved > UNRESOLVED {
+                halves.radiance_error += self.brightness * unresolved;
+            }
+            let left =
+                transmittance * (halves.radiance_error + self.brightness * halves.depth_error);
+            let settled = left <= self.tolerance && !first.is_mixed && !second.is_mixed
+                || halvings >= MOST_HALVINGS
+                || self.elements.len() >= MOST_ELEMENTS
+                || !(near < middle && middle < far);
+            if settled {
+                self.depth.add(halves.depth);
+                self.elements.push(halves);
+                if halves.depth == f64::INFINITY {
+                    self.waiting.clear();
+                    return false;
+                }
+            } else {
+                self.waiting.push((middle, far, halvings + 1, second));
+                self.waiting.push((near, middle, halvings + 1, first));
+            }
+        }
+        true
+    }
+
+    /// The pieces, put together from behind.
+    pub fn light(&self) -> CollocatedLight {
+        let elements = self.elements.iter().rev();
+        elements.fold(CollocatedLight::default(), |behind, element| {
+            element.before(&behind)
+        })
     }
 }
 
@@ -185,6 +249,8 @@ struct CollocationElement {
     light: CollocatedLight,
     /// Some of the points are opaque, others are not: where light ends is not known yet.
     is_mixed: bool,
+    /// What is seen of a uniform source of 1, `1 − e^(−τ)`, but for what the points make of it.
+    unresolved: f64,
 }
 
 impl CollocatedLight {
