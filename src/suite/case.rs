@@ -38,9 +38,6 @@ const LIMIT: &str = "limit";
 /// The class of cases whose pixels are Monte Carlo estimates.
 const STOCHASTIC: &str = "stochastic";
 
-/// The class of cases without a step: their pictures are limits.
-pub(super) const LIMIT: &str = "limit";
-
 /// The declaration of a manifest, `fixtures/cases/<family>/<name>.toml`.
 pub const MANIFEST: Table = Table::new("A case: a scene, its source, and how images of it are compared.").keys(&[
     Key::derived("scene", Kind::Text, "../../scenes/<family>/<name>.toml")
@@ -93,7 +90,7 @@ pub struct Case {
     /// Exposure of 8-bit images, in stops.
     pub exposure: f64,
     /// Whether the picture is the integral that renderers approximate by steps.
-    pub(super) limit: bool,
+    limit: bool,
     /// Of a stochastic case.
     pub sampling: Option<CaseSampling>,
 }
@@ -133,7 +130,7 @@ impl Case {
 
     /// The picture is a limit, to which images converge with their step.
     pub fn is_limit(&self) -> bool {
-        self.class() == LIMIT
+        self.limit
     }
 
     /// The scene of the case.

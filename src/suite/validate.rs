@@ -27,9 +27,11 @@ pub enum Output {
 /// deterministic or the stochastic one, 8-bit codes by the perceptual one.
 ///
 /// With a `profile`, a classified volume is judged by its image under the conventions of that profile,
-/// rendered now, in place of the golden.
+/// rendered now, in place of the golden; in a case of class limit with the step of its scene.
 pub fn validate(case: &Case, store: &Store, output: Output, profile: Option<&Profile>) -> Judged {
     let start = Instant::now();
+    // What images converge to does not depend on conventions.
+    let profile = profile.filter(|_| !matches!(output, Output::Refined(_)));
     let checked = CheckedGolden::load(case, store).and_then(|checked| match profile {
         Some(profile) => checked.under(profile),
         None => Ok(checked),
@@ -94,7 +96,7 @@ pub(super) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     let golden = Picture::Radiance(checked.golden.film.clone());
     // An image that states its noise is judged by the stochastic gate, even in a deterministic case.
     let (gate, _) = default_gate(&golden, &picture);
-    let has_step = case.is_limit() && gate.name() == Deterministic.name();
+    let has_step = case.is_limit() && checked.profile.is_none() && gate.name() == Deterministic.name();
     let (finding, gate): (_, &'static dyn Gate) = if has_step {
         let judgement = refinement::judge_one(checked, &picture);
         (with_words(case, checked, judgement, &picture), &Refinement)
