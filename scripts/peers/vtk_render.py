@@ -113,12 +113,27 @@ def mapper_of(vtk, panel, folder, step):
     from vtk.util.numpy_support import numpy_to_vtk
 
     grid = panel["grid"]
+    nodes, spacing, first = (np.array(grid[key]) for key in ("nodes", "spacing", "first_node"))
+    box_min, box_max = np.array(grid["box_min"]), np.array(grid["box_max"])
+    values = np.fromfile(folder / grid["file"], "<f4").reshape(nodes[::-1])
     image = vtk.vtkImageData()
-    image.SetDimensions(grid["nodes"])
-    image.SetSpacing(grid["spacing"])
-    image.SetOrigin(grid["first_node"])
-    values = np.fromfile(folder / grid["file"], "<f4")
-    image.GetPointData().SetScalars(numpy_to_vtk(values, deep=True))
+    if np.all(box_min < first - 0.25 * spacing):
+        # Values of cells: the box reaches half a voxel beyond the outermost nodes.
+        image.SetDimensions((nodes + 1).tolist())
+        image.SetSpacing(spacing)
+        image.SetOrigin(box_min)
+        attributes = image.GetCellData()
+    else:
+        for axis in np.flatnonzero(nodes == 1):
+            # Two layers on the faces, as along such an axis the field is constant.
+            values = np.repeat(values, 2, axis=2 - axis)
+            nodes[axis], first[axis] = 2, box_min[axis]
+            spacing[axis] = box_max[axis] - box_min[axis]
+        image.SetDimensions(nodes.tolist())
+        image.SetSpacing(spacing)
+        image.SetOrigin(first)
+        attributes = image.GetPointData()
+    attributes.SetScalars(numpy_to_vtk(np.ascontiguousarray(values).ravel(), deep=True))
     mapper = vtk.vtkGPUVolumeRayCastMapper()
     mapper.SetInputData(image)
     mapper.AutoAdjustSampleDistancesOff()

@@ -30,7 +30,7 @@ pub use judgement::Judgement;
 pub use measured_difference::measured_difference;
 pub use perceptual::Perceptual;
 pub use picture::{Picture, PictureError};
-pub use refinement::{Refinement, judge_one_step, judge_refinement};
+pub use refinement::{Limit, Refinement, judge_one_step, judge_refinement};
 pub use stochastic::Stochastic;
 
 use incomparable::NON_FINITE;

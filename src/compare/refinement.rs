@@ -36,8 +36,8 @@ const OUTLIERS: f64 = 2e-4;
 const SAFETY: f64 = 1.25;
 
 /// Root mean square difference of two images, in tolerances, below which the step no longer
-/// matters: a tenth of what a pixel may be off by.
-const STILL: f64 = 0.1;
+/// matters: at first order as much is left to the limit, a third of what a pixel may be off by.
+const STILL: f64 = 0.3;
 
 /// Orders between which an observed one is used for extrapolation. Below a half, images do not
 /// converge: even steps at random places, with errors as the root of the step, do better. No rule
@@ -127,12 +127,22 @@ impl Gate for Refinement {
     }
 }
 
+/// A picture without steps.
+#[derive(Clone, Copy, Debug)]
+pub struct Limit<'f> {
+    /// The picture.
+    pub golden: &'f Film,
+    /// The same from values that are off as much as look-up in a table makes them, up and down.
+    pub looked_up: &'f [Film],
+}
+
 /// Judges `images`, with steps h, h/2, h/4 and so on, and gives the limit of the last three.
 ///
 /// # Panics
 ///
 /// With fewer than three images.
-pub fn judge_refinement(golden: &Film, images: &[Film]) -> (Judgement, Film) {
+pub fn judge_refinement(truth: Limit<'_>, images: &[Film]) -> (Judgement, Film) {
+    let golden = truth.golden;
     let [.., coarse, middle, fine] = images else {
         panic!("a sequence has three images");
     };
@@ -160,13 +170,16 @@ pub fn judge_refinement(golden: &Film, images: &[Film]) -> (Judgement, Film) {
     outcome.metric("error_of_limit", left);
 
     let sizes = |a: &Film, b: &Film, factor: f64| -> Vec<[f64; 3]> {
-        let pairs = a.radiance().iter().zip(b.radiance());
-        let size = |a: f32, b: f32| factor * (f64::from(a) - f64::from(b)).abs();
-        pairs
-            .map(|(a, b)| std::array::from_fn(|c| size(a[c], b[c])))
+        let distances = distances(a, b).into_iter();
+        distances
+            .map(|distance| distance.map(|size| factor * size))
             .collect()
     };
-    let step_errors = largest_around(golden, &sizes(middle, fine, SAFETY * factor));
+    // The error of a pixel may be small by chance at one step, and seldom is at two.
+    let of_coarse = SAFETY * factor * exp2(-order.clamp(least, most));
+    let mut errors = sizes(middle, fine, SAFETY * factor);
+    enlarge(&mut errors, &sizes(coarse, middle, of_coarse));
+    let step_errors = largest_around(golden, &errors);
     let corrections = {
         let [finest, before] = [fine, middle].map(means);
         let correction = |c: usize| factor * (finest[c] - before[c]).abs();
@@ -195,12 +208,55 @@ pub fn judge_refinement(golden: &Film, images: &[Film]) -> (Judgement, Film) {
         mean_of: &limit,
         step_errors,
         mean_errors: corrections,
+        table: TableErrors::of(truth),
     };
     (judged.judgement(outcome, &steps), limit)
 }
 
+/// The larger of both.
+fn enlarge(errors: &mut [[f64; 3]], others: &[[f64; 3]]) {
+    for (errors, others) in errors.iter_mut().zip(others) {
+        *errors = std::array::from_fn(|c| errors[c].max(others[c]));
+    }
+}
+
+/// What pixels and means may be off by because colours and opacities are looked up in a table.
+struct TableErrors {
+    pixels: Vec<[f64; 3]>,
+    means: [f64; 3],
+}
+
+impl TableErrors {
+    fn of(truth: Limit<'_>) -> TableErrors {
+        let mut errors = TableErrors {
+            pixels: vec![[0.0; 3]; truth.golden.radiance().len()],
+            means: [0.0; 3],
+        };
+        let right = means(truth.golden);
+        for film in truth.looked_up {
+            enlarge(&mut errors.pixels, &distances(truth.golden, film));
+            let off = means(film);
+            enlarge(
+                std::slice::from_mut(&mut errors.means),
+                &[std::array::from_fn(|c| (off[c] - right[c]).abs())],
+            );
+        }
+        errors
+    }
+}
+
+/// Distances of the pixels of two images.
+fn distances(a: &Film, b: &Film) -> Vec<[f64; 3]> {
+    let pixels = a.radiance().iter().zip(b.radiance());
+    let distance = |a: f32, b: f32| (f64::from(a) - f64::from(b)).abs();
+    pixels
+        .map(|(a, b)| std::array::from_fn(|c| distance(a[c], b[c])))
+        .collect()
+}
+
 /// Judges one image by `first_order`: images that rules of first order give at the same step.
-pub fn judge_one_step(golden: &Film, first_order: &[Film], image: &Film) -> Judgement {
+pub fn judge_one_step(truth: Limit<'_>, first_order: &[Film], image: &Film) -> Judgement {
+    let golden = truth.golden;
     let others = first_order.iter().chain([image]);
     for other in others {
         if let Some(difference) = incomparable::films(&Refinement, golden, other) {
@@ -210,12 +266,7 @@ pub fn judge_one_step(golden: &Film, first_order: &[Film], image: &Film) -> Judg
     let mut errors = vec![[0.0_f64; 3]; golden.radiance().len()];
     let mut mean_errors = [0.0_f64; 3];
     for rule in first_order {
-        let pairs = golden.radiance().iter().zip(rule.radiance());
-        for (errors, (golden, rule)) in errors.iter_mut().zip(pairs) {
-            for c in 0..3 {
-                errors[c] = errors[c].max((f64::from(rule[c]) - f64::from(golden[c])).abs());
-            }
-        }
+        enlarge(&mut errors, &distances(golden, rule));
         let [right, off] = [golden, rule].map(means);
         for c in 0..3 {
             mean_errors[c] = mean_errors[c].max((off[c] - right[c]).abs());
@@ -235,6 +286,7 @@ pub fn judge_one_step(golden: &Film, first_order: &[Film], image: &Film) -> Judg
         mean_of: image,
         step_errors: largest_around(golden, &errors),
         mean_errors,
+        table: TableErrors::of(truth),
     };
     judged.judgement(outcome, &steps)
 }
@@ -249,6 +301,7 @@ struct Judged<'f> {
     step_errors: Vec<[f64; 3]>,
     /// Of the means of the channels, in radiance.
     mean_errors: [f64; 3],
+    table: TableErrors,
 }
 
 impl Judged<'_> {
@@ -259,7 +312,8 @@ impl Judged<'_> {
         for (index, (right, test)) in pixels.enumerate() {
             let excess = (0..3).fold(0.0_f64, |most, c| {
                 let (right, test) = (f64::from(right[c]), f64::from(test[c]));
-                let allowed = tolerance(right) + self.step_errors[index][c];
+                let table = self.table.pixels[index][c];
+                let allowed = tolerance(right) + self.step_errors[index][c] + table;
                 most.max((test - right).abs() / allowed)
             });
             outside += usize::from(excess > 1.0);
@@ -277,7 +331,8 @@ impl Judged<'_> {
         ];
         let off: [f64; 3] = std::array::from_fn(|c| test[c] - right[c]);
         let bias: [f64; 3] = std::array::from_fn(|c| {
-            off[c].abs() / (BIAS * tolerance(right[c]) + self.mean_errors[c] + behind[c])
+            let allowed = BIAS * tolerance(right[c]) + self.mean_errors[c] + self.table.means[c];
+            off[c].abs() / (allowed + behind[c])
         });
         let widest = self.relative_width();
         for (name, value) in [
@@ -478,13 +533,20 @@ mod tests {
         0.2 + 0.5 * exp(-x) / (c + 1) as f64
     }
 
+    fn without_table(golden: &Film) -> Limit<'_> {
+        Limit {
+            golden,
+            looked_up: &[],
+        }
+    }
+
     /// Images of a rule whose error at step h is `error(x, h)`, relative; and the limit.
     fn sequence(error: impl Fn(f64, f64) -> f64) -> (Judgement, Film) {
         let images: Vec<Film> = [1.0, 0.5, 0.25]
             .iter()
             .map(|&h| film(|x, c| truth(x, c) * (1.0 + error(x, h))))
             .collect();
-        judge_refinement(&film(truth), &images)
+        judge_refinement(without_table(&film(truth)), &images)
     }
 
     #[test]
@@ -540,8 +602,13 @@ mod tests {
     fn one_image_is_judged_by_first_order() {
         let golden = film(truth);
         let rules = [0.98, 1.02].map(|factor| film(|x, c| factor * truth(x, c)));
-        let with =
-            |factor: f64| judge_one_step(&golden, &rules, &film(|x, c| factor * truth(x, c)));
+        let with = |factor: f64| {
+            judge_one_step(
+                without_table(&golden),
+                &rules,
+                &film(|x, c| factor * truth(x, c)),
+            )
+        };
         for factor in [0.985, 1.0, 1.018] {
             let judgement = with(factor);
             assert!(judgement.passed, "{factor}: {}", judgement.reason);

@@ -1,21 +1,27 @@
 //! Images of another renderer against a picture without a step.
 
 use super::finding::CheckedGolden;
-use crate::compare::{Judgement, Picture, judge_one_step, judge_refinement};
+use crate::compare::{Judgement, Limit, Picture, judge_one_step, judge_refinement};
 use crate::film::Film;
-use crate::reference::ray_caster;
+use crate::reference::{continuous, ray_caster};
 use crate::scene::{Compositing, Panel, Scene};
+use crate::volume::Grid;
+use std::sync::Arc;
 
 /// Judges images with the step of the scene, half of it, a quarter and so on, and gives their limit.
 pub fn judge(checked: &CheckedGolden, images: &[Film]) -> (Judgement, Picture) {
-    let golden = &checked.golden.film;
+    let looked_up = looked_up(&checked.scene);
+    let truth = Limit {
+        golden: &checked.golden.film,
+        looked_up: &looked_up,
+    };
     let (first, rest) = images.split_first().expect("three images or more");
     // A renderer that does not take its step from the call makes one image several times.
     if rest
         .iter()
         .all(|image| image.radiance() == first.radiance())
     {
-        let mut judgement = judge_one_step(golden, &first_order(&checked.scene), first);
+        let mut judgement = judge_one_step(truth, &first_order(&checked.scene), first);
         judgement.reason = format!(
             "all images are the same, whatever the step: does the renderer take it from {{step}} or \
              {{rate}}? {}",
@@ -23,14 +29,43 @@ pub fn judge(checked: &CheckedGolden, images: &[Film]) -> (Judgement, Picture) {
         );
         return (judgement, Picture::Radiance(first.clone()));
     }
-    let (judgement, limit) = judge_refinement(golden, images);
+    let (judgement, limit) = judge_refinement(truth, images);
     (judgement, Picture::Radiance(limit))
 }
 
 /// Judges an image with the step of the scene.
 pub fn judge_one(checked: &CheckedGolden, picture: &Picture) -> Judgement {
     let image = picture.radiance().expect("the gate is one of radiance");
-    judge_one_step(&checked.golden.film, &first_order(&checked.scene), image)
+    let truth = Limit {
+        golden: &checked.golden.film,
+        looked_up: &looked_up(&checked.scene),
+    };
+    judge_one_step(truth, &first_order(&checked.scene), image)
+}
+
+/// Entries of the smallest table in which renderers look up colours and opacities. With the nodes of
+/// the scene's table at multiples of 1/255 it is exact; but one of another size rounds each kink, one of
+/// corrected opacities each curve, and where values are taken for texture coordinates they are off by
+/// up to half an entry.
+const TABLE: f64 = 256.0;
+
+/// Images of `scene` from values that are off by half an entry of a table, up and down.
+fn looked_up(scene: &Scene) -> [Film; 2] {
+    [-0.5, 0.5].map(|entries| {
+        let films = scene.panels.iter().map(|panel| {
+            let classified = panel.classified();
+            let mut scene = classified
+                .expect("a limit is one of a classified volume")
+                .clone();
+            let (least, most) = scene.grid.range();
+            let off = (entries * (most - least) / (TABLE - 1.0)) as f32;
+            let values = scene.grid.values().iter().map(|value| value + off);
+            let grid = Grid::new(*scene.grid.lattice(), values.collect());
+            scene.grid = Arc::new(grid.expect("as many values as before"));
+            continuous::render(&scene, [panel.width, panel.height])
+        });
+        Film::side_by_side(&films.collect::<Vec<_>>())
+    })
 }
 
 /// Images of `scene` with samples at the beginning and at the end of each step.

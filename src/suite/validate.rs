@@ -96,7 +96,8 @@ pub(super) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     let golden = Picture::Radiance(checked.golden.film.clone());
     // An image that states its noise is judged by the stochastic gate, even in a deterministic case.
     let (gate, _) = default_gate(&golden, &picture);
-    let has_step = case.is_limit() && checked.profile.is_none() && gate.name() == Deterministic.name();
+    let has_step =
+        case.is_limit() && checked.profile.is_none() && gate.name() == Deterministic.name();
     let (finding, gate): (_, &'static dyn Gate) = if has_step {
         let judgement = refinement::judge_one(checked, &picture);
         (with_words(case, checked, judgement, &picture), &Refinement)

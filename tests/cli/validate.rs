@@ -754,6 +754,10 @@ fn conventions_are_told_apart_and_accepted() {
     --- stdout
     convention    smoke/plain [seconds]
                   differs by convention: it takes opacity in proportion to the step. Under this one it agrees
+                  --accept-conventions accepts it; --as FILE judges by this file:
+                      name = "mine"
+                      [conventions]
+                      opacity = "linear"
 
     1 case: 0 passed, 1 by convention
     ");
@@ -788,4 +792,133 @@ fn conventions_are_told_apart_and_accepted() {
     let contradicted = with(&["--as", "vtk"]);
     contradicted.expect(2, &[]);
     assert!(contradicted.stdout.contains("contradicts the scene"));
+}
+
+/// Images with the step of the scene, half of it and a quarter are judged by what they converge to,
+/// from files and from a renderer that is called with a step.
+#[test]
+fn sequences_of_steps_are_judged_by_their_limit() {
+    let folder = Folder::with_suite();
+    folder.write(
+        "fixtures/scenes/limit/cloud.toml",
+        scene("compositing = \"continuous\"\n")
+            .replace("[transfer_function]", "[transfer_function]\nfloor = 0.1"),
+    );
+    let manifest = MANIFEST.replace("deterministic", "limit");
+    folder.write("fixtures/cases/limit/cloud.toml", &manifest);
+    folder.accept_all();
+    let renderer = env!("CARGO_BIN_EXE_volref");
+    let command = format!("'{renderer}' render {{scene}} --step {{step}} --output {{output}}");
+    let run = [
+        "validate",
+        "limit",
+        "--explain",
+        "0",
+        "--json",
+        "--keep",
+        "kept",
+        "--run",
+    ];
+    let judged = folder.volref(&[&run[..], &[&command]].concat());
+    judged.expect(0, &[]);
+    let found = case(&judged, "limit/cloud");
+    assert_eq!(found["gate"], "refinement", "{found}");
+    let reason = found["reason"].as_str().unwrap();
+    assert!(reason.contains("off at the step asked for"), "{reason}");
+
+    let names = ["cloud.exr", "cloud@0.5.exr", "cloud@0.25.exr"];
+    let images = names.map(|name| folder.read(&format!("kept/limit/{name}")));
+    let outputs = |files: &[(&str, &[u8])]| {
+        let _ = std::fs::remove_dir_all(folder.path("out"));
+        for (name, bytes) in files {
+            folder.write(&format!("out/limit/{name}"), bytes);
+        }
+        let run = folder.volref(&[
+            "validate",
+            "limit",
+            "--explain",
+            "0",
+            "--outputs",
+            "out",
+            "--json",
+        ]);
+        (case(&run, "limit/cloud"), run.code)
+    };
+    let sequence = [0, 1, 2].map(|n| (names[n], &images[n][..]));
+    let (finished, code) = outputs(&sequence);
+    assert_eq!(
+        (finished["metrics"].clone(), code),
+        (found["metrics"].clone(), 0)
+    );
+    // Of one image less is said, and that it is so.
+    let (one, _) = outputs(&sequence[..1]);
+    let reason = one["reason"].as_str().unwrap();
+    assert!(reason.contains("one image"), "{reason}");
+
+    // What converges to something else.
+    let darker = |bytes: &[u8]| {
+        scaled(&Film::from_exr(bytes).unwrap(), 0.9)
+            .to_exr()
+            .unwrap()
+    };
+    let dark = images.clone().map(|bytes| darker(&bytes));
+    let (other, code) = outputs(&[0, 1, 2].map(|n| (names[n], &dark[n][..])));
+    assert_eq!(
+        (other["verdict"].as_str(), code),
+        (Some("fail"), 1),
+        "{other}"
+    );
+    // Images that are all the same, that get worse, and sequences with gaps.
+    let same = [0, 1, 2].map(|n| (names[n], &images[0][..]));
+    let reason = outputs(&same).0["reason"].clone();
+    assert!(
+        reason.as_str().unwrap().contains("whatever the step"),
+        "{reason}"
+    );
+    let growing = [
+        (names[0], &images[0][..]),
+        (names[1], &images[1]),
+        (names[2], &dark[2]),
+    ];
+    let (growing, code) = outputs(&growing);
+    assert_eq!(code, 1, "{growing}");
+    let reason = growing["reason"].as_str().unwrap();
+    assert!(reason.contains("do not converge"), "{reason}");
+    for (files, said) in [
+        (
+            &[sequence[0], sequence[2]][..],
+            "there is no limit/cloud@0.5",
+        ),
+        (&sequence[..2], "there is no limit/cloud@0.25"),
+        (&sequence[1..], "there is no limit/cloud:"),
+    ] {
+        let (gap, code) = outputs(files);
+        assert_eq!((gap["verdict"].as_str(), code), (Some("error"), 4), "{gap}");
+        let reason = gap["reason"].as_str().unwrap();
+        assert!(reason.contains(said), "{reason}");
+    }
+    // Steps that do not shrink, and a case that states its step.
+    for (name, said) in [
+        ("limit/cloud@2.exr", "steps shrink"),
+        ("limit/cloud@0.3.exr", "none of the factors"),
+    ] {
+        folder.write(&format!("out/{name}"), &images[0]);
+        let run = folder.volref(&["validate", "limit", "--explain", "0", "--outputs", "out"]);
+        assert!(run.stdout.contains(said), "{}", run.stdout);
+    }
+    let _ = std::fs::remove_dir_all(folder.path("out"));
+    for name in ["plain.exr", "plain@0.5.exr", "plain@0.25.exr"] {
+        folder.write(
+            &format!("out/smoke/{name}"),
+            folder.read("golden/smoke/plain.exr"),
+        );
+    }
+    let arguments = ["validate", "smoke/plain", "--outputs", "out", "--json"];
+    let stated = folder.volref(&arguments);
+    assert_eq!(stated.code, 4, "{}", stated.stdout);
+    let reason = case(&stated, "smoke/plain")["reason"].clone();
+    assert!(
+        reason.as_str().unwrap().contains("states its step"),
+        "{reason}"
+    );
 }
