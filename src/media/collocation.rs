@@ -159,15 +159,27 @@ impl Collocation {
         let mut uniform = 0.0;
         for i in 0..N {
             let before: f64 = (0..N).map(|j| self.up_to[i][j] * here[j].extinction).sum();
-            let weight = WEIGHTS[i] * half * exp(-half * before);
+            // A polynomial through values far apart may fall below 0; a depth does not.
+            let weight = WEIGHTS[i] * half * exp(-half * before.max(0.0));
             light.radiance += here[i].emission * weight;
             uniform += here[i].extinction * weight;
             light.depth += WEIGHTS[i] * half * here[i].extinction;
         }
+        let visible = -exp_m1(-light.depth);
+        let unresolved = (uniform - visible).abs();
+        if unresolved > UNRESOLVED {
+            // A mean of what the points emit, as bright as light is held back.
+            light.radiance = if uniform > 0.0 {
+                light.radiance * (visible / uniform)
+            } else {
+                let first = here.iter().find(|here| here.extinction > 0.0);
+                first.map_or(DVec3::ZERO, |here| here.emission / here.extinction) * visible
+            };
+        }
         CollocationElement {
             light,
             is_mixed: false,
-            unresolved: (uniform + exp_m1(-light.depth)).abs(),
+            unresolved: unresolved.min(1.0),
         }
     }
 }
@@ -249,7 +261,8 @@ struct CollocationElement {
     light: CollocatedLight,
     /// Some of the points are opaque, others are not: where light ends is not known yet.
     is_mixed: bool,
-    /// What is seen of a uniform source of 1, `1 − e^(−τ)`, but for what the points make of it.
+    /// What is seen of a uniform source of 1, `1 − e^(−τ)`, but for what the points make of it; 1 at
+    /// most.
     unresolved: f64,
 }
 
