@@ -31,7 +31,7 @@
 //! which the volume becomes fully opaque, and `S = Σ d h/h₀` is not the optical depth of `σ`. The
 //! shadow has its own step and reference length.
 //!
-//! A scene may ask for the integral itself, without samples ([`continuous`](super::continuous)), or
+//! A scene may ask for the integral itself, without samples ([`continuous`]), or
 //! for other [conventions](crate::scene::Conventions): where a step is sampled (`Steps`), how a
 //! value is classified (`Classifier`), which gradient is taken (`Gradients`), and how it is shaded
 //! (`ShadedSample`).
