@@ -10,6 +10,10 @@
 //! irregular in the step, where a ray leaves the volume in the middle of one; means over an image are
 //! not: they are extrapolated, and must agree much better.
 //!
+//! Two things are allowed besides, as what they change is no fault of the rule: values off by half an
+//! entry of a table (the caller renders what that changes), and rays that end where less than 1/255 of
+//! the light would still come through.
+//!
 //! One image has no order. It is judged by what rules of first order may be off by at its step: the
 //! caller renders them.
 //!
@@ -17,7 +21,7 @@
 //! uniform reporting of grid refinement studies", *J. Fluids Eng.* 116, 405–413.
 
 use super::advice::Undecided;
-use super::deterministic::tolerance;
+use super::deterministic::{in_tolerances, tolerance};
 use super::difference_scale::DifferenceScale;
 use super::gate::{Gate, MEAN_DIFFERENCES, Metric};
 use super::judgement::Judgement;
@@ -152,13 +156,17 @@ pub fn judge_refinement(truth: Limit<'_>, images: &[Film]) -> (Judgement, Film) 
         }
     }
     let changes = [[coarse, middle], [middle, fine]].map(|[a, b]| in_rms_tolerances(golden, a, b));
-    let is_still = changes[1] <= STILL;
+    let is_still = changes[1] <= STILL || agrees(golden, fine);
     let observed = log2(changes[0] / changes[1]);
-    // Of images that no longer change, the little that they do is left as it is.
+    // Images that no longer change, or agree as they are, are left as they are.
     let order = if is_still { 1.0 } else { observed };
     let [least, most] = ORDERS;
     let factor = 1.0 / (exp2(order.clamp(least, most)) - 1.0);
-    let limit = extrapolated(middle, fine, factor);
+    let limit = if is_still {
+        fine.clone()
+    } else {
+        extrapolated(middle, fine, factor)
+    };
 
     let mut outcome = Outcome::default();
     if !is_still {
@@ -211,6 +219,13 @@ pub fn judge_refinement(truth: Limit<'_>, images: &[Film]) -> (Judgement, Film) 
         table: TableErrors::of(truth),
     };
     (judged.judgement(outcome, &steps), limit)
+}
+
+/// As many pixels as need be are within tolerance.
+fn agrees(golden: &Film, image: &Film) -> bool {
+    let pixels = golden.radiance().iter().zip(image.radiance());
+    let outside = pixels.filter(|(golden, test)| in_tolerances(**golden, **test) > 1.0);
+    outside.count() as f64 <= OUTLIERS * golden.radiance().len() as f64
 }
 
 /// The larger of both.
@@ -307,6 +322,7 @@ struct Judged<'f> {
 impl Judged<'_> {
     fn judgement(&self, mut outcome: Outcome, steps: &str) -> Judgement {
         let golden = self.golden;
+        let behind = behind_last_level(golden);
         let (mut outside, mut worst) = (0_usize, (0, 0.0_f64));
         let pixels = golden.radiance().iter().zip(self.image.radiance());
         for (index, (right, test)) in pixels.enumerate() {
@@ -314,6 +330,7 @@ impl Judged<'_> {
                 let (right, test) = (f64::from(right[c]), f64::from(test[c]));
                 let table = self.table.pixels[index][c];
                 let allowed = tolerance(right) + self.step_errors[index][c] + table;
+                let allowed = allowed + behind[index];
                 most.max((test - right).abs() / allowed)
             });
             outside += usize::from(excess > 1.0);
@@ -324,15 +341,12 @@ impl Judged<'_> {
         let count = golden.radiance().len();
         let share = outside as f64 / count as f64;
         let [column, row] = [worst.0 % golden.width(), worst.0 / golden.width()];
-        let [right, test, behind] = [
-            means(golden),
-            means(self.mean_of),
-            behind_last_level(golden),
-        ];
+        let [right, test] = [golden, self.mean_of].map(means);
+        let behind = behind.iter().sum::<f64>() / count as f64;
         let off: [f64; 3] = std::array::from_fn(|c| test[c] - right[c]);
         let bias: [f64; 3] = std::array::from_fn(|c| {
             let allowed = BIAS * tolerance(right[c]) + self.mean_errors[c] + self.table.means[c];
-            off[c].abs() / (allowed + behind[c])
+            off[c].abs() / (allowed + behind)
         });
         let widest = self.relative_width();
         for (name, value) in [
@@ -490,20 +504,21 @@ fn means(image: &Film) -> [f64; 3] {
     sums.map(|sum| sum.value() / image.radiance().len() as f64)
 }
 
-/// Means of what lies behind the last level of a display, at most, in pixels that are so opaque: light
-/// that a renderer which ends rays there may lack.
-fn behind_last_level(golden: &Film) -> [f64; 3] {
-    let mut sums = [Sum::default(); 3];
+/// What lies behind the last level of a display, at most, in pixels that are so opaque: light that a
+/// renderer which ends rays there may lack.
+fn behind_last_level(golden: &Film) -> Vec<f64> {
     let brightest = golden.radiance().as_flattened().iter();
     let brightest = brightest.fold(0.0_f64, |most, &value| most.max(value.into()));
-    for index in 0..golden.radiance().len() {
+    let behind = |index: usize| {
         let [.., opacity] = golden.pixel(index);
-        if golden.opacity().is_some() && f64::from(opacity) > 1.0 - LAST_LEVEL {
-            sums.iter_mut()
-                .for_each(|sum| sum.add(LAST_LEVEL * brightest));
+        let is_opaque = golden.opacity().is_some() && f64::from(opacity) > 1.0 - LAST_LEVEL;
+        if is_opaque {
+            LAST_LEVEL * brightest
+        } else {
+            0.0
         }
-    }
-    sums.map(|sum| sum.value() / golden.radiance().len() as f64)
+    };
+    (0..golden.radiance().len()).map(behind).collect()
 }
 
 fn order_in_words(order: f64) -> String {

@@ -1,6 +1,6 @@
 //! `volref validate`: finished images, and renderers that are run.
 
-use crate::folder::{Folder, Run, assert_shown};
+use crate::folder::{Folder, MANIFEST, Run, assert_shown, scene};
 use serde_json::Value;
 use volref::film::Film;
 
@@ -749,7 +749,7 @@ fn conventions_are_told_apart_and_accepted() {
         .volref(&["render", "linear.toml", "-o", "out/smoke/plain.exr"])
         .expect(0, &[]);
     let run = folder.volref(&["validate", "--outputs", "out", "smoke/plain"]);
-    assert_shown!(run.shown(), @r"
+    assert_shown!(run.shown(), @r#"
     exit code 1
     --- stdout
     convention    smoke/plain [seconds]
@@ -760,7 +760,7 @@ fn conventions_are_told_apart_and_accepted() {
                       opacity = "linear"
 
     1 case: 0 passed, 1 by convention
-    ");
+    "#);
     let arguments = ["validate", "--outputs", "out", "smoke/plain", "--json"];
     let found = case(&folder.volref(&arguments), "smoke/plain");
     assert_eq!(found["verdict"], "convention");
