@@ -66,9 +66,10 @@
 //! two images, [`suite`] holds the goldens and the catalogue of common [mistakes](suite::mistakes),
 //! [`hard_cases`] is the catalogue of inputs for which renderers silently give wrong results,
 //! [`exchange`] exports scenes to other renderers. Tests of other renderers start at
-//! [`suite::check`]. Each module imports only from modules later in this list: `cli`, [`report`],
-//! [`suite`], [`hard_cases`], [`cost`], [`compare`], [`exchange`], [`mod@reference`], [`render`],
-//! [`scene`], [`media`], [`optics`], [`volume`], [`geometry`], [`film`], [`math`].
+//! [`suite::check`]. [`known_answers`] holds formulas for the radiance of scenes that have one. Each
+//! module imports only from modules later in this list: `cli`, [`report`], [`suite`], [`hard_cases`],
+//! [`cost`], [`compare`], [`exchange`], [`mod@reference`], [`render`], [`known_answers`], [`scene`],
+//! [`media`], [`optics`], [`volume`], [`geometry`], [`film`], [`math`].
 //!
 //! ```no_run
 //! use volref::render::{Sampling, plans, render};
@@ -90,6 +91,7 @@ pub mod film;
 pub mod geometry;
 pub mod guide;
 pub mod hard_cases;
+pub mod known_answers;
 pub mod math;
 pub mod media;
 pub mod optics;

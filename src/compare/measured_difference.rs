@@ -108,9 +108,10 @@ impl<'f> Pixels<'f> {
     }
 
     /// Where the test image does not state its noise and the golden does: by the second differences
-    /// of the difference, in which all that is linear is gone.
+    /// of the difference, in which all that is linear is gone. Where the golden is known, it is taken
+    /// to be spread as radiance is, as in the stochastic gate.
     fn unstated_noise(&self) -> Option<[f64; 3]> {
-        let noise = self.golden.noise()?;
+        self.golden.noise()?;
         if self.test.noise().is_some() {
             return None;
         }
@@ -126,7 +127,7 @@ impl<'f> Pixels<'f> {
                     let weight = self.weight(i, c);
                     // The squares of 1, −2 and 1 sum to 6.
                     squares.add(weight * second * second / 6.0);
-                    variances.add(weight * f64::from(noise.variance()[i][c]));
+                    variances.add(weight * self.shape_of_noise(i, c));
                 }
             }
             *ratio = squares.value() / variances.value();
@@ -135,6 +136,15 @@ impl<'f> Pixels<'f> {
             .iter()
             .all(|ratio| ratio.is_finite())
             .then_some(ratios)
+    }
+
+    /// In proportion to the variance of a pixel of an image that does not state it.
+    fn shape_of_noise(&self, i: usize, c: usize) -> f64 {
+        let noise = self.golden.noise();
+        match noise {
+            Some(noise) if noise.is_known() => self.value(i, c).abs(),
+            noise => noise.map_or(0.0, |noise| f64::from(noise.variance()[i][c])),
+        }
     }
 
     fn value(&self, i: usize, c: usize) -> f64 {
@@ -152,7 +162,7 @@ impl<'f> Pixels<'f> {
             noise.map_or(0.0, |noise| f64::from(noise.variance()[i][c]))
         };
         match self.noise_over_golden {
-            Some(ratios) => ratios[c] * of(self.golden),
+            Some(ratios) => ratios[c] * self.shape_of_noise(i, c),
             None => of(self.golden) + of(self.test),
         }
     }
@@ -241,8 +251,8 @@ impl PartSums {
                 pixels.steepness(i) > pixels.steep,
                 pixels.brightness(i) > pixels.bright,
             );
-            let noise = pixels.golden.noise().map(|noise| noise.variance()[i]);
-            let is_silent = noise == Some([0.0; 3]);
+            let noise = pixels.golden.noise().filter(|noise| !noise.is_known());
+            let is_silent = noise.map(|noise| noise.variance()[i]) == Some([0.0; 3]);
             for c in 0..3 {
                 let (weight, difference) = (pixels.weight(i, c), pixels.difference(i, c));
                 let square = weight * (difference * difference - pixels.variance(i, c));

@@ -39,7 +39,7 @@ pub(super) fn encode(film: &Film) -> Result<Vec<u8>, FilmError> {
     if let Some(opacity) = film.opacity() {
         channels.push(channel("A", opacity.to_vec()));
     }
-    if let Some(noise) = film.noise() {
+    if let Some(noise) = film.noise().filter(|noise| !noise.is_known()) {
         for (c, name) in VARIANCE.into_iter().enumerate() {
             let values = noise.variance().iter().map(|pixel| pixel[c]).collect();
             channels.push(channel(name, values));

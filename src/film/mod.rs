@@ -147,6 +147,16 @@ impl Film {
         })
     }
 
+    /// This image as one of known radiances, which is compared with means of samples: its noise is
+    /// zero in every pixel, as of [`u32::MAX`] samples. For comparisons, not for files.
+    pub fn known(self) -> Film {
+        Film {
+            noise: Some(Noise::none(self.radiance.len())),
+            samples: None,
+            ..self
+        }
+    }
+
     /// This image with `samples` [per pixel](Film::samples) in each of its renderings, as requested
     /// from a renderer. A number that the image itself states is kept.
     pub fn with_samples(self, samples: u32) -> Film {
@@ -238,7 +248,7 @@ impl Film {
     /// ([`Film::from_replicates`]).
     pub fn renderings(&self) -> Option<u32> {
         let noise = self.noise.as_ref()?;
-        noise.is_of_renderings.then_some(noise.samples)
+        noise.is_of_renderings().then_some(noise.samples)
     }
 
     /// Noise of the radiance, if it is a mean of random samples.

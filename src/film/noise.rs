@@ -6,7 +6,18 @@
 pub struct Noise {
     pub(super) variance: Vec<[f32; 3]>,
     pub(super) samples: u32,
-    pub(super) is_of_renderings: bool,
+    pub(super) origin: NoiseOrigin,
+}
+
+/// What variances were estimated from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NoiseOrigin {
+    /// The spread of samples.
+    Samples,
+    /// The spread of whole renderings.
+    Renderings,
+    /// Nothing: the means are those of the distribution.
+    Known,
 }
 
 impl Noise {
@@ -15,7 +26,16 @@ impl Noise {
         Noise {
             variance,
             samples,
-            is_of_renderings: false,
+            origin: NoiseOrigin::Samples,
+        }
+    }
+
+    /// Of `pixels` that are known: no variance, as of more samples than there can be.
+    pub(super) fn none(pixels: usize) -> Noise {
+        Noise {
+            variance: vec![[0.0; 3]; pixels],
+            samples: u32::MAX,
+            origin: NoiseOrigin::Known,
         }
     }
 
@@ -34,7 +54,12 @@ impl Noise {
 
     /// Whether those values are whole renderings without a sample count.
     pub fn is_of_renderings(&self) -> bool {
-        self.is_of_renderings
+        self.origin == NoiseOrigin::Renderings
+    }
+
+    /// Whether the pixels are known without samples ([`Film::known`](super::Film::known)).
+    pub fn is_known(&self) -> bool {
+        self.origin == NoiseOrigin::Known
     }
 
     /// The first pixel whose variance is negative or not finite.

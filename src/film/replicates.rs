@@ -1,5 +1,6 @@
 //! Independent renderings of one image, combined into an image with noise.
 
+use super::noise::NoiseOrigin;
 use super::{Film, FilmError};
 
 pub(super) fn pooled(films: &[Film]) -> Result<Film, FilmError> {
@@ -74,8 +75,10 @@ pub(super) fn pooled(films: &[Film]) -> Result<Film, FilmError> {
     let mut film = Film::with_noise(first.width, first.height, radiance, variance, numbers);
     film.opacity = opacity;
     film.samples = films.iter().map(Film::samples).sum();
-    if let Some(noise) = &mut film.noise {
-        noise.is_of_renderings = is_of_renderings;
+    if let Some(noise) = &mut film.noise
+        && is_of_renderings
+    {
+        noise.origin = NoiseOrigin::Renderings;
     }
     Ok(film)
 }

@@ -5,6 +5,7 @@ use super::known::henyey_greenstein;
 use super::margin::{Margin, STANDARD_ERRORS, U};
 use super::scenes::*;
 use crate::geometry::{Direction, Ray, Rectangle, Shape};
+use crate::known_answers::h_function;
 use crate::math::quadrature::integrate;
 use crate::math::rng::{Purpose, Stream};
 use crate::math::sampling::{
@@ -222,7 +223,8 @@ fn s6_conservative_thick_slab(margin: &mut Margin) {
     }
     // The asymptotic law of a beam that comes in along the normal, exact but for e^(−50):
     // H(1)/√3 over the depth and two extrapolation lengths (van de Hulst 1980, ch. 5).
-    let right = 2.907_810_529_078_606 / (3.0_f64.sqrt() * (50.0 + 2.0 * 0.710_446_089_6));
+    let h = h_function(DVec3::ONE, 1.0).value.x;
+    let right = h / (3.0_f64.sqrt() * (50.0 + 2.0 * 0.710_446_089_6));
     // Shares are 0 or 1: their spread is known beforehand.
     let variance = right * (1.0 - right) / f64::from(PATHS);
     margin.within("T", share.mean(), right, STANDARD_ERRORS * variance.sqrt());

@@ -4,12 +4,14 @@
 mod tests;
 
 use super::finding::MARGIN;
-use super::golden::{Golden, Reasons, input_hashes, plan_hash, scene_hash};
+use super::golden::{Golden, GoldenImage, Reasons, input_hashes, plan_hash, scene_hash};
 use super::rendering::{CaseRendering, ReferenceRenderer, Renderer, check_class, render_case};
+use super::truth::judge_by_truth;
 use super::verify::judge_quick;
-use super::{Cache, Case, CaseSampling, GoldenError, Quick, Store, StoreError};
+use super::{Cache, Case, ConvergedSampling, GoldenError, Quick, Store, StoreError};
 use crate::compare::{Conditions, Exact, Picture, judge, stochastic};
 use crate::film::Film;
+use crate::known_answers::Formula;
 use crate::render::{self, plans};
 use crate::scene::Scene;
 use miette::Diagnostic;
@@ -95,7 +97,7 @@ pub enum AcceptError {
     /// An image that differs from the known answer.
     #[error("{case}: the image differs from the known answer: {reason}")]
     #[diagnostic(help(
-        "either `answer` or `answer_within` of the manifest is wrong, or the scene, or the \
+        "either the `answer` or the `truth` of the manifest is wrong, or the scene, or the \
          renderer. Nothing was accepted"
     ))]
     WrongAnswer {
@@ -196,7 +198,8 @@ fn incomplete(case: &Case, reason: impl ToString) -> AcceptError {
 struct Task<'c> {
     case: &'c Case,
     scene: Scene,
-    /// The picture of the golden, and before it the quick one of a stochastic case.
+    /// The picture of the golden, unless that is a known answer, and before it the quick one of a
+    /// stochastic case.
     renderings: Vec<RenderTask>,
 }
 
@@ -218,13 +221,15 @@ impl<'c> Task<'c> {
         let scene = case.load_scene().map_err(|error| incomplete(case, error))?;
         let plans = plans(&scene);
         check_class(renderer, case, &plans).map_err(|reason| incomplete(case, reason))?;
-        let renderings = match case.sampling {
-            None => vec![CaseRendering::Only],
-            Some(sampling) => vec![
-                CaseRendering::Quick(sampling.quick),
-                CaseRendering::Converged(sampling.converged),
-            ],
-        };
+        let mut renderings = Vec::new();
+        match case.sampling {
+            None => renderings.push(CaseRendering::Only),
+            Some(sampling) => {
+                renderings.push(CaseRendering::Quick(sampling.quick));
+                let converged = sampling.converged;
+                renderings.extend(converged.map(|of| CaseRendering::Converged(of.samples)));
+            }
+        }
         let render_task = |rendering| {
             let key = match rendering {
                 CaseRendering::Only => None,
@@ -259,13 +264,13 @@ impl<'c> Task<'c> {
             .sum()
     }
 
-    /// The picture of the golden, and of a stochastic case the quick one.
+    /// The picture of the golden, and the rendering that `verify` repeats.
     fn pictures(
         &self,
         renderer: &dyn Renderer,
         cache: &Cache,
         watch: &dyn AcceptWatch,
-    ) -> Result<Pictures, AcceptError> {
+    ) -> Result<GoldenImage, AcceptError> {
         let mut films = Vec::new();
         let mut error_bound = None;
         for RenderTask {
@@ -289,6 +294,9 @@ impl<'c> Task<'c> {
             films.push(film);
         }
         let golden = films.pop().expect("a case has a picture");
+        if let Some(formula) = self.case.truth {
+            return self.known(formula, &golden);
+        }
         let quick = films.pop();
         if let Some(answer) = &self.case.answer {
             let margin = answer.margin(&golden);
@@ -300,7 +308,9 @@ impl<'c> Task<'c> {
             }
         }
         if let (Some(sampling), Some(quick)) = (self.case.sampling, &quick) {
-            check_converged(self.case, sampling, &golden)?;
+            if let Some(converged) = sampling.converged {
+                check_converged(self.case, converged, &golden)?;
+            }
             let judgement = judge_quick(&golden, quick);
             if !judgement.passed {
                 return Err(AcceptError::Contradiction {
@@ -309,10 +319,6 @@ impl<'c> Task<'c> {
                 });
             }
         }
-        let quick = quick.map(|film| Quick {
-            samples: film.noise().map_or(1, |noise| noise.samples()),
-            pixels: film.pixel_hash(),
-        });
         if let Some(bound) =
             error_bound.filter(|&bound| self.case.is_limit() && bound > LIMIT_KNOWN)
         {
@@ -322,23 +328,55 @@ impl<'c> Task<'c> {
             );
             return Err(incomplete(self.case, reason));
         }
-        Ok(Pictures {
-            golden,
-            quick,
-            error_bound,
+        Ok(GoldenImage {
+            film: golden,
+            // Half of the spacing of 32-bit numbers besides.
+            error: error_bound.map(|bound| bound + f64::from(f32::EPSILON) / 2.0),
+            quick: quick.as_ref().map(pinned),
+        })
+    }
+
+    /// The known answer, which `rendering` has to agree with.
+    fn known(&self, formula: &Formula, rendering: &Film) -> Result<GoldenImage, AcceptError> {
+        let known = formula
+            .image(&self.scene, self.case.footprint())
+            .map_err(|reason| incomplete(self.case, reason))?;
+        let judgement = judge_by_truth(self.case, &known, rendering);
+        if !judgement.passed {
+            return Err(AcceptError::WrongAnswer {
+                case: self.case.name.clone(),
+                reason: judgement.reason,
+            });
+        }
+        Ok(GoldenImage {
+            film: known.film,
+            error: Some(known.error),
+            quick: Some(pinned(rendering)),
         })
     }
 }
 
+/// A rendering that `verify` is to repeat.
+fn pinned(film: &Film) -> Quick {
+    Quick {
+        samples: film.noise().map_or(1, |noise| noise.samples()),
+        pixels: film.pixel_hash(),
+    }
+}
+
 /// Fails if the noise of a golden would hide a bias that its case must detect.
-fn check_converged(case: &Case, sampling: CaseSampling, golden: &Film) -> Result<(), AcceptError> {
+fn check_converged(
+    case: &Case,
+    sampling: ConvergedSampling,
+    golden: &Film,
+) -> Result<(), AcceptError> {
     let error = stochastic::block_error(golden).expect("a converged image states its noise");
     let excess = MARGIN * error / sampling.resolution;
     if excess <= 1.0 {
         return Ok(());
     }
     // Errors fall with the root of the samples. A tenth more, as the error is an estimate too.
-    let enough = f64::from(sampling.converged) * excess * excess * 1.1;
+    let enough = f64::from(sampling.samples) * excess * excess * 1.1;
     Err(AcceptError::TooNoisy {
         case: case.name.clone(),
         error,
@@ -351,30 +389,16 @@ fn check_converged(case: &Case, sampling: CaseSampling, golden: &Film) -> Result
 /// How well the limit of a case is known, at least: error of a pixel relative to the brightest.
 const LIMIT_KNOWN: f64 = 1e-6;
 
-/// The picture of a golden.
-struct Pictures {
-    golden: Film,
-    /// Of a stochastic case.
-    quick: Option<Quick>,
-    /// Of an integral, see [`Rendering`](crate::render::Rendering).
-    error_bound: Option<f64>,
-}
-
 type GoldenFiles = Vec<(std::path::PathBuf, Vec<u8>)>;
 
 /// How the golden of a case will change, and the files that change it.
 fn prepare(
     task: &Task<'_>,
-    pictures: Pictures,
+    golden: GoldenImage,
     store: &Store,
     reason: &str,
 ) -> Result<(Change, GoldenFiles), AcceptError> {
     let Task { case, scene, .. } = task;
-    let Pictures {
-        golden,
-        quick,
-        error_bound,
-    } = pictures;
     let plans = plans(scene);
     let mut damaged = false;
     let old = match Golden::read(store, case) {
@@ -392,18 +416,20 @@ fn prepare(
             && old.provenance.plan == plan_hash(&plans)
             && old.provenance.exposure == case.exposure
             && old.provenance.inputs == input_hashes(scene)
-            && old.provenance.quick == quick
+            && old.provenance.quick == golden.quick
+            && old.provenance.truth.as_deref() == case.truth.map(|formula| formula.name)
     };
     let change = match &old {
         None => Change::New { damaged },
-        Some(old) if old.provenance.pixels == golden.pixel_hash() => {
+        Some(old) if old.provenance.pixels == golden.film.pixel_hash() => {
             if same_file(old) {
                 return Ok((Change::Unchanged, Vec::new()));
             }
             Change::SamePicture
         }
         Some(old) => {
-            let [before, after] = [&old.film, &golden].map(|film| Picture::Radiance(film.clone()));
+            let [before, after] =
+                [&old.film, &golden.film].map(|film| Picture::Radiance(film.clone()));
             let judgement = judge(&Exact, &before, &after, &Conditions::default());
             Change::Replaced(judgement.expect("both images are radiance").reason)
         }
@@ -421,8 +447,7 @@ fn prepare(
     };
     let replaces = old.as_ref().map(|golden| golden.provenance.pixels.clone());
     let replaces = replaces.unwrap_or_default();
-    let made = (&golden, error_bound);
-    let files = Golden::encode(case, scene, &plans, made, quick, reasons, replaces)
+    let files = Golden::encode(case, scene, &plans, golden, reasons, replaces)
         .map_err(|error| incomplete(case, error))?;
     Ok((change, files))
 }

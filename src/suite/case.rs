@@ -3,6 +3,7 @@
 use super::{Answer, Store, mistakes, row_name};
 use crate::compare::{Deterministic, ImageGate, Stochastic};
 use crate::hard_cases::rows;
+use crate::known_answers::{self, Footprint, Formula};
 use crate::regular_file::{self, Identity};
 use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::{Document, Reader};
@@ -51,13 +52,15 @@ pub const MANIFEST: Table = Table::new("A case: a scene, its source, and how ima
     Key::required("class", Kind::Choice(&[DETERMINISTIC, LIMIT, STOCHASTIC]))
         .doc("Deterministic: rendered without random numbers. Limit: likewise, and an integral without samples, to which renderers converge as their steps become short. Stochastic: each pixel is a Monte Carlo estimate."),
     Key::optional("converged_samples", Kind::Count(64, 1 << 24))
-        .doc("Stochastic cases, and required there: samples per pixel of the golden image."),
+        .doc("Stochastic cases without a `truth`, and required there: samples per pixel of the golden image."),
     Key::or("quick_samples", Kind::Count(2, 1 << 16), "4")
         .doc("Stochastic cases: samples per pixel of the rendering that `volref verify` repeats."),
     Key::or("resolution", Kind::Number(Range::open(0.0, 1.0)), "0.02")
         .doc("Stochastic cases: how well the golden is known in blocks of 8 by 8 pixels. Four standard errors of nine tenths of the blocks are below this, relative to their mean radiance plus 0.001."),
     Key::or("mean_resolution", Kind::Number(Range::open(0.0, 1.0)), "0.02")
         .doc("Stochastic cases: bias of the mean of the whole image that the gate must be able to detect, relative to that mean plus 0.001. Images too noisy for that are neither passed nor failed."),
+    Key::optional("truth", Kind::Choice(&known_answers::NAMES))
+        .doc("Formula for the radiance of every pixel, which is then the golden; `volref verify` evaluates it again. Coefficients, shapes and lights are those of the scene."),
     Key::optional("answer", Kind::Colour(Range::at_least(0.0)))
         .doc("Radiance that every pixel has, where it is known beforehand. `volref verify` compares the image with it, beside the golden; of a stochastic case the golden itself, in the mean of the whole image, to four standard errors."),
     Key::optional("answer_within", Kind::Number(Range::open(0.0, 1.0)))
@@ -83,6 +86,8 @@ pub struct Case {
     pub shows: String,
     /// The exact computation.
     pub computes: String,
+    /// Formula of every pixel of the golden, if that is a known answer.
+    pub truth: Option<&'static Formula>,
     /// Radiance of every pixel, if it is known beforehand.
     pub answer: Option<Answer>,
     /// Mistakes that the case must catch, by name.
@@ -98,15 +103,23 @@ pub struct Case {
 /// Sampling of a stochastic case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CaseSampling {
-    /// Samples per pixel of the golden image.
-    pub converged: u32,
     /// Samples per pixel of the rendering that `verify` repeats.
     pub quick: u32,
+    /// Bias of the mean of the image that the gate must detect, relative to that mean plus
+    /// [`DARK`](crate::compare::stochastic::DARK).
+    pub mean_resolution: f64,
+    /// Sampling of the golden image; `None` where it is a known answer.
+    pub converged: Option<ConvergedSampling>,
+}
+
+/// Sampling of the golden of a stochastic case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConvergedSampling {
+    /// Samples per pixel.
+    pub samples: u32,
     /// Four standard errors of a block of the golden are below this, relative to the mean of the
     /// block plus [`DARK`](crate::compare::stochastic::DARK).
     pub resolution: f64,
-    /// Bias of the mean of the image that the gate must detect, relative likewise.
-    pub mean_resolution: f64,
 }
 
 impl Case {
@@ -117,6 +130,14 @@ impl Case {
             Some(_) => STOCHASTIC,
             None if self.limit => LIMIT,
             None => DETERMINISTIC,
+        }
+    }
+
+    /// The part of a pixel that its radiance is of.
+    pub(super) fn footprint(&self) -> Footprint {
+        match self.sampling {
+            Some(_) => Footprint::Square,
+            None => Footprint::Centre,
         }
     }
 
@@ -420,14 +441,21 @@ fn read_manifest(path: &Path) -> SceneResult<Case> {
     };
     let class = reader.text("class")?;
     let is_stochastic = class == STOCHASTIC;
-    let sampling = read_sampling(&reader, is_stochastic)?;
+    let truth = reader.optional_text("truth")?;
+    let truth = truth.and_then(|name| Formula::named(&name));
+    let sampling = read_sampling(&reader, is_stochastic, truth.is_some())?;
     let answer = read_answer(&reader, is_stochastic)?;
+    if truth.is_some() && answer.is_some() {
+        let message = "the `truth` is the answer: leave one of them out";
+        return Err(reader.error("answer", message));
+    }
     Ok(Case {
         name: format!("{family}/{name}"),
         scene,
         source: reader.text("source")?,
         shows: reader.text("shows")?,
         computes: reader.text("computes")?,
+        truth,
         answer,
         mistakes: read_mistakes(&reader)?,
         exposure: reader.number("exposure")?,
@@ -475,7 +503,11 @@ fn read_answer(reader: &Reader, is_stochastic: bool) -> SceneResult<Option<Answe
     }
 }
 
-fn read_sampling(reader: &Reader, is_stochastic: bool) -> SceneResult<Option<CaseSampling>> {
+fn read_sampling(
+    reader: &Reader,
+    is_stochastic: bool,
+    is_known: bool,
+) -> SceneResult<Option<CaseSampling>> {
     if !is_stochastic {
         for name in [
             "converged_samples",
@@ -490,14 +522,28 @@ fn read_sampling(reader: &Reader, is_stochastic: bool) -> SceneResult<Option<Cas
         }
         return Ok(None);
     }
-    let Some(converged) = reader.optional_count("converged_samples")? else {
-        let message = "a stochastic case needs `converged_samples`";
-        return Err(reader.error("converged_samples", message));
+    let converged = reader.optional_count("converged_samples")?;
+    if is_known {
+        let unused = ["converged_samples", "resolution"];
+        if let Some(name) = unused.into_iter().find(|name| reader.has(name)) {
+            let message = format!("`{name}` has no effect with a `truth`, which has no samples");
+            return Err(reader.error(name, message));
+        }
+    }
+    let converged = match converged {
+        Some(samples) => Some(ConvergedSampling {
+            samples: samples as u32,
+            resolution: reader.number("resolution")?,
+        }),
+        None if is_known => None,
+        None => {
+            let message = "a stochastic case needs `converged_samples`, or a `truth`";
+            return Err(reader.error("converged_samples", message));
+        }
     };
     Ok(Some(CaseSampling {
-        converged: converged as u32,
         quick: reader.count("quick_samples")? as u32,
-        resolution: reader.number("resolution")?,
         mean_resolution: reader.number("mean_resolution")?,
+        converged,
     }))
 }

@@ -28,6 +28,9 @@ pub fn rebuilt(film: &Film, pixel: impl Fn(&Film, [usize; 2]) -> Value) -> Film 
         variance.push(single(spread));
     }
     if let Some(noise) = film.noise() {
+        if noise.is_known() {
+            return Film::new(width, height, radiance).known();
+        }
         return Film::with_noise(width, height, radiance, variance, noise.samples());
     }
     let Some(opacity) = film.opacity() else {

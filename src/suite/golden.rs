@@ -46,7 +46,7 @@ pub struct Provenance {
     pub width: usize,
     /// Rows of pixels.
     pub height: usize,
-    /// Samples per pixel.
+    /// Samples per pixel; 0 of a known answer.
     pub samples: u64,
     /// Seed of the scene's random numbers; 0 for an image without any. The quick rendering uses
     /// it as it is, this image 2⁶³ more, so that they have no random number in common.
@@ -55,7 +55,7 @@ pub struct Provenance {
     /// defines, by rounding to 32 bits. Limit: of a pixel against the integral, by its bound, relative
     /// to the brightest pixel, and by that rounding. Stochastic: the standard error of a block of 8 × 8 pixels,
     /// relative to its mean plus [`DARK`](crate::compare::stochastic::DARK), that nine tenths of the
-    /// blocks and channels do not exceed.
+    /// blocks and channels do not exceed. Known answer: a bound for any pixel.
     pub error_estimate: f64,
     /// Version of volref.
     pub volref: String,
@@ -67,12 +67,16 @@ pub struct Provenance {
     pub seal: String,
     /// Hashes of the files the scene names, by path.
     pub inputs: BTreeMap<String, String>,
-    /// For a stochastic case: the rendering of few samples that `verify` repeats.
+    /// Formula of the image, if that is a known answer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth: Option<String>,
+    /// For a stochastic case or a known answer: the rendering, of few samples, that `verify` repeats.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quick: Option<Quick>,
 }
 
-/// The quick rendering of a stochastic case.
+/// The quick rendering of a stochastic case, or the one rendering of a deterministic case with a known
+/// answer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Quick {
@@ -105,6 +109,15 @@ impl Provenance {
 pub(super) struct Reasons<'a> {
     pub picture: &'a str,
     pub record: &'a str,
+}
+
+/// The image of a new golden.
+pub(super) struct GoldenImage {
+    pub film: Film,
+    /// Bound on its error, if it is a known answer or a limit.
+    pub error: Option<f64>,
+    /// The rendering that `verify` repeats.
+    pub quick: Option<Quick>,
 }
 
 /// A golden with its image and provenance.
@@ -238,13 +251,13 @@ impl Golden {
         Ok(Golden { provenance, film })
     }
 
-    /// The golden of `case` made from a rendering, and the contents of its three files.
+    /// The golden of `case` made from an image, of which the error is known if it is a known answer,
+    /// and the contents of its three files.
     pub(super) fn encode(
         case: &Case,
         scene: &Scene,
         plans: &[Plan<'_>],
-        (film, error_bound): (&Film, Option<f64>),
-        quick: Option<Quick>,
+        GoldenImage { film, error, quick }: GoldenImage,
         reasons: Reasons<'_>,
         replaces: String,
     ) -> Result<Vec<(PathBuf, Vec<u8>)>, FilmError> {
@@ -264,15 +277,20 @@ impl Golden {
             omitted: plans.iter().map(Plan::omitted).collect(),
             width: film.width(),
             height: film.height(),
-            samples: film.noise().map_or(1, |noise| noise.samples().into()),
+            samples: match case.truth {
+                Some(_) => 0,
+                None => film.noise().map_or(1, |noise| noise.samples().into()),
+            },
             seed: quick.as_ref().and(scene.seed()).unwrap_or(0),
-            error_estimate: stochastic::block_error(film)
-                .unwrap_or(f64::from(f32::EPSILON) / 2.0 + error_bound.unwrap_or(0.0)),
+            error_estimate: error
+                .or_else(|| stochastic::block_error(&film))
+                .unwrap_or(f64::from(f32::EPSILON) / 2.0),
             volref: env!("CARGO_PKG_VERSION").to_owned(),
             libm: LIBM_VERSION.to_owned(),
             target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
             seal: String::new(),
             inputs: input_hashes(scene),
+            truth: case.truth.map(|formula| formula.name.to_owned()),
             quick,
         };
         let provenance = Provenance {

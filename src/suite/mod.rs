@@ -25,6 +25,7 @@ mod row_name;
 mod rows;
 mod self_test;
 mod store;
+mod truth;
 mod validate;
 mod verify;
 
@@ -32,7 +33,9 @@ pub use accept::{AcceptError, AcceptWatch, Accepted, Change, accept};
 pub use analytic::{ANALYTIC, Analytic, ERROR_OF_TOLERANCE};
 pub use answer::Answer;
 pub use cache::Cache;
-pub use case::{Case, CaseSampling, MANIFEST, MEAN_RESOLUTION, Suite, SuiteError};
+pub use case::{
+    Case, CaseSampling, ConvergedSampling, MANIFEST, MEAN_RESOLUTION, Suite, SuiteError,
+};
 pub use check::{SUITE_VARIABLE, check, check_within};
 pub use conventions::{
     Agreement, CATALOGUE, Convention, ConventionSearch, ConventionSet, Explained, in_words, under,

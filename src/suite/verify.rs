@@ -1,10 +1,11 @@
 //! Comparison of volref's images with its own goldens.
 
 use super::analytic::ERROR_OF_TOLERANCE;
-use super::finding::{CaseFinding, CheckedGolden};
+use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
 use super::golden::{input_hashes, short};
 use super::rendering::{CaseRendering, ReferenceRenderer, Renderer, render_case};
 use super::results::SAME_BITS;
+use super::truth::judge_by_truth;
 use super::{
     Answer, Case, CaseResult, Cause, Evidence, Judged, Quick, Store, Suite, SuiteError, Verdict,
 };
@@ -13,16 +14,13 @@ use crate::compare::{
     stochastic,
 };
 use crate::film::Film;
+use crate::known_answers::Formula;
 use crate::render;
 use std::time::Instant;
 
-/// Cases among which the false alarms of a suite are divided: as many as any suite has, so that
-/// no verdict depends on what other cases there are. It costs little: in place of one case, a
-/// thousand move the limit of a block of a 192 × 192 image from 6.4 to 7.4 standard errors.
-pub(super) const MOST_CASES: usize = 1000;
-
 /// Renders `case` and compares every bit with its golden; of a stochastic case the quick
-/// rendering, which must also agree with the converged image. Reads goldens, never writes them.
+/// rendering, which must also agree with the converged image. A known answer is evaluated again, and
+/// the rendering held to it. Reads goldens, never writes them.
 /// `progress` is called for each step of the image.
 pub fn verify(case: &Case, store: &Store, progress: render::Progress<'_>) -> Judged {
     verify_with(&ReferenceRenderer, case, store, progress)
@@ -40,15 +38,19 @@ pub(super) fn verify_with(
         evidence.provenance = checked.provenance();
         evidence.golden = Some(checked.golden.film.clone());
         let quick = checked.golden.provenance.quick.as_ref();
-        let rendering = quick.map_or(CaseRendering::Only, |quick| {
-            CaseRendering::Quick(quick.samples)
-        });
+        let rendering = match (case.sampling, quick) {
+            (Some(_), Some(quick)) => CaseRendering::Quick(quick.samples),
+            _ => CaseRendering::Only,
+        };
         let film = render_case(renderer, &checked.plans(), rendering, progress)
             .map_err(|reason| CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason))?
             .film;
-        let mut finding = match quick {
-            None => compare(&checked, &film),
-            Some(quick) => compare_sampled(&checked, quick, &film),
+        let mut finding = match (case.truth, quick) {
+            (_, None) => compare(&checked, &film),
+            (None, Some(quick)) => compare_sampled(&checked, quick, &film),
+            (Some(formula), Some(quick)) => {
+                compare_with_truth(case, formula, &checked, quick, &film)
+            }
         };
         if let Some(answer) = &case.answer {
             // Of random samples the many say more.
@@ -65,9 +67,10 @@ pub(super) fn verify_with(
         Ok(finding)
     });
     let finding = finding.unwrap_or_else(|finding| finding);
-    let gate: &dyn Gate = match case.sampling {
-        Some(_) => &Stochastic,
-        None => &Exact,
+    let gate: &dyn Gate = match (case.sampling, case.truth) {
+        (Some(_), _) => &Stochastic,
+        (None, Some(_)) => &Deterministic,
+        (None, None) => &Exact,
     };
     Judged {
         result: finding.result(&case.name, case.class(), gate, start),
@@ -168,6 +171,61 @@ fn moved_inputs(checked: &CheckedGolden) -> String {
             moved.join(", ")
         )
     }
+}
+
+/// The rendering against the hash of its bits and against the answer, and the golden against the
+/// formula, evaluated again.
+fn compare_with_truth(
+    case: &Case,
+    formula: &Formula,
+    checked: &CheckedGolden,
+    quick: &Quick,
+    film: &Film,
+) -> CaseFinding {
+    let known = match formula.image(&checked.scene, case.footprint()) {
+        Ok(known) => known,
+        Err(reason) => return CaseFinding::new(Verdict::Error, Cause::BadInput, reason),
+    };
+    let pixels = &checked.golden.provenance.pixels;
+    let is_evaluated = known.film.pixel_hash() == *pixels;
+    let against = judge_by_truth(case, &known, film);
+    let has_bits = film.pixel_hash() == quick.pixels;
+    let bits = if has_bits {
+        format!("the same bits as its rendering ({})", short(&quick.pixels))
+    } else {
+        format!(
+            "other bits than its rendering ({}, the golden says {})",
+            short(&film.pixel_hash()),
+            short(&quick.pixels)
+        )
+    };
+    let evaluated = if is_evaluated {
+        "which gives the bits of the golden"
+    } else {
+        "which does not give the bits of the golden"
+    };
+    let passed = has_bits && is_evaluated && against.passed;
+    let reason = format!(
+        "{bits}; against the known answer {:?}, {evaluated}: {}{}{}",
+        formula.name,
+        against.reason,
+        if passed {
+            String::new()
+        } else {
+            moved_inputs(checked)
+        },
+        checked.omissions()
+    );
+    let mut finding = if passed {
+        CaseFinding::new(Verdict::Pass, Cause::None, reason)
+    } else {
+        CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason)
+    };
+    finding.metrics = against.metrics;
+    finding
+        .metrics
+        .insert(SAME_BITS.0.to_owned(), f64::from(u8::from(has_bits)));
+    finding
 }
 
 /// Bits against the hash of the quick rendering, and noise against the converged image: a

@@ -16,6 +16,7 @@ mod hard;
 mod hostile;
 mod info;
 mod inputs;
+mod known_answers;
 mod list;
 mod mutated_inputs;
 mod outputs;

@@ -39,6 +39,7 @@ const ROOMS: &[(&str, &[&str])] = &[
         // Mistakes are edits of a scene, down to the nodes of its grids and its camera.
         &[
             "hard_cases",
+            "known_answers",
             "compare",
             "render",
             "scene",
@@ -55,7 +56,22 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "hard_cases",
         &[
-            "render", "scene", "media", "optics", "volume", "geometry", "film", "math",
+            "known_answers",
+            "render",
+            "scene",
+            "media",
+            "optics",
+            "volume",
+            "geometry",
+            "film",
+            "math",
+        ],
+    ),
+    (
+        // Formulas: not the code that they judge.
+        "known_answers",
+        &[
+            "scene", "media", "optics", "volume", "geometry", "film", "math",
         ],
     ),
     (

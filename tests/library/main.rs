@@ -23,6 +23,7 @@ mod geometry_laws;
 mod hard_laws;
 mod images;
 mod kernel_precision;
+mod known_answer_images;
 mod known_answers_flip;
 mod known_answers_statistics;
 mod limits;

@@ -745,3 +745,166 @@ fn odd_sizes() {
         assert!(!judged(&reference, &off).passed, "{width} × {height}");
     }
 }
+
+// --- A known reference ---------------------------------------------------------------------------
+
+/// What is seen of a slope, without noise; no part of it is dark.
+fn slope(index: usize) -> [f64; 3] {
+    let (x, y) = ((index % SIDE) as f64, (index / SIDE) as f64);
+    let light = 0.02 + (x + 2.0 * y) / 150.0;
+    [0.9 * light, 0.5 * light, 0.2 * light]
+}
+
+fn known(truth: impl Fn(usize) -> [f64; 3]) -> Film {
+    let pixels = (0..SIDE * SIDE).map(|index| truth(index).map(|value| value as f32));
+    Film::new(SIDE, SIDE, pixels.collect()).known()
+}
+
+/// Light that arrives or does not, each sample with a probability in proportion to the radiance: of
+/// few samples most pixels are black, and many blocks state too little noise.
+fn arriving(seed: u64, samples: u32) -> Film {
+    let pixel = |index: usize| {
+        let [red, green, blue] = slope(index);
+        let mut moments = Moments::default();
+        for sample in 0..samples {
+            let u = Stream::new(seed, index as u32, sample).uniform(0, Purpose::Camera, 0);
+            moments.add(f64::from(u8::from(u < 0.5 * red)));
+        }
+        let scale = [red, green, blue].map(|value| value / (0.5 * red));
+        (scale, moments)
+    };
+    let (mut means, mut variances) = (Vec::new(), Vec::new());
+    for (scale, moments) in (0..SIDE * SIDE).map(pixel) {
+        let variance = moments.variance_of_mean().unwrap();
+        means.push(scale.map(|scale| (scale * moments.mean()) as f32));
+        variances.push(scale.map(|scale| (scale * scale * variance) as f32));
+    }
+    Film::with_noise(SIDE, SIDE, means, variances, samples)
+}
+
+fn is_finite(judgement: &Judgement) -> bool {
+    judgement.metrics.values().all(|value| value.is_finite())
+}
+
+#[test]
+fn noise_around_a_known_answer_is_accepted() {
+    let reference = known(slope);
+    for seed in 0..40 {
+        for shape in [even, exponential, rare] {
+            for film in [4, 64].map(|samples| sampled(seed, samples, shape, slope)) {
+                let judgement = judge(&reference, &film, 1).unwrap();
+                assert!(
+                    judgement.passed && is_finite(&judgement),
+                    "{}",
+                    judgement.reason
+                );
+                let judgement = judge(&reference, &silent(&film), 1).unwrap();
+                assert!(
+                    judgement.passed && is_finite(&judgement),
+                    "{}",
+                    judgement.reason
+                );
+            }
+        }
+        for samples in [2, 4, 16] {
+            let film = arriving(seed, samples);
+            for film in [&film, &silent(&film)] {
+                let judgement = judge(&reference, film, 1).unwrap();
+                assert!(
+                    judgement.passed && is_finite(&judgement),
+                    "{}",
+                    judgement.reason
+                );
+            }
+        }
+    }
+}
+
+/// Three per cent of 64 samples a pixel, 2304 pixels of a noise of 58 %: 20 standard errors.
+#[test]
+fn bias_against_a_known_answer_is_rejected() {
+    let reference = known(slope);
+    let brighter = |index| slope(index).map(|value| 1.03 * value);
+    let corner = |index| {
+        let factor = if index % SIDE < 8 && index / SIDE < 8 {
+            1.5
+        } else {
+            1.0
+        };
+        slope(index).map(|value| factor * value)
+    };
+    let whole = sampled(1, 64, even, brighter);
+    let part = sampled(2, 64, even, corner);
+    for (film, what) in [
+        (&whole, "too bright overall"),
+        (&silent(&whole), "too bright overall"),
+        (&part, "8 × 8 pixels from column 0 and row 0"),
+        (&silent(&part), "8 × 8 pixels from column 0 and row 0"),
+    ] {
+        let judgement = judge(&reference, film, 1).unwrap();
+        assert!(!judgement.passed && is_finite(&judgement));
+        assert!(judgement.reason.contains(what), "{}", judgement.reason);
+    }
+}
+
+#[test]
+fn what_noise_cannot_make_is_rejected_beside_a_known_answer() {
+    let reference = known(slope);
+    let film = sampled(3, 64, even, slope);
+    let noise = film.noise().unwrap().variance().to_vec();
+    let with = |edit: &dyn Fn(usize, [f32; 3]) -> [f32; 3], variance: Vec<[f32; 3]>| {
+        let pixels = film.radiance().iter().enumerate();
+        let pixels = pixels.map(|(index, pixel)| edit(index, *pixel)).collect();
+        Film::with_noise(SIDE, SIDE, pixels, variance, 64)
+    };
+    let none = vec![[0.0; 3]; SIDE * SIDE];
+    let right = |index: usize, _: [f32; 3]| slope(index).map(|value| value as f32);
+    // Within the rounding of half precision, and no copy.
+    let nearly = |index: usize, _: [f32; 3]| slope(index).map(|value| 1.0002 * value as f32);
+    for (film, reason) in [
+        // Light is steady: a pixel of 64 samples is not black.
+        (
+            with(
+                &|index, pixel| if index == 1000 { [0.0; 3] } else { pixel },
+                noise.clone(),
+            ),
+            "a pixel is black",
+        ),
+        // Smoothed.
+        (with(&nearly, noise.clone()), "too little noise"),
+        (with(&right, noise.clone()), "it is the same image"),
+        // Black, and sure of it.
+        (with(&|_, _| [0.0; 3], none.clone()), "without any noise"),
+    ] {
+        let judgement = judge(&reference, &film, 1).unwrap();
+        assert!(!judgement.passed && is_finite(&judgement));
+        assert!(judgement.reason.contains(reason), "{}", judgement.reason);
+    }
+    // The answer itself, with or without noise that was stated to be none; in half precision, too.
+    let half = |index: usize, _: [f32; 3]| slope(index).map(|v| half::f16::from_f64(v).to_f32());
+    for film in [with(&right, none.clone()), with(&half, none)] {
+        for film in [&film, &silent(&film)] {
+            let judgement = judge(&reference, film, 1).unwrap();
+            assert!(
+                judgement.passed && is_finite(&judgement),
+                "{}",
+                judgement.reason
+            );
+        }
+    }
+}
+
+/// An advice says samples that suffice, never that the reference is in the way.
+#[test]
+fn a_known_answer_is_never_too_noisy() {
+    let film = sampled(4, 4, even, slope);
+    for film in [film.clone(), silent(&film)] {
+        let judgement = promising(&known(slope), &film, 1e-3);
+        let undecided = judgement.undecided.expect("too few samples");
+        assert!(
+            matches!(undecided, Undecided::Samples(_)),
+            "{}",
+            judgement.reason
+        );
+    }
+}

@@ -16,6 +16,10 @@ const AMOUNT: f64 = 2.0;
 /// event that is not seen raises no variance.
 const ENOUGH: u32 = 64;
 
+/// Variance of a pixel over the square of its rounding, below which rounding hides too much of it: what
+/// is left of normal squares at four times the rounding is 0.66 of them, more than a half.
+const HIDDEN: f64 = 16.0;
+
 /// Mean over blocks and channels of their squares over their variance, and how many pixels and
 /// channels that is the mean of.
 fn mean_ratio(blocks: &[Block], ratio: impl Fn(&Channel) -> (f64, f64)) -> Option<(f64, f64)> {
@@ -23,7 +27,10 @@ fn mean_ratio(blocks: &[Block], ratio: impl Fn(&Channel) -> (f64, f64)) -> Optio
     for block in blocks {
         for channel in &block.channels {
             let (squares, variance) = ratio(channel);
-            if variance > 0.0 && squares.is_finite() {
+            // As if all pixels were as bright as their mean.
+            let rounding = channel.difference.rounding * channel.difference.rounding;
+            let hidden = HIDDEN * rounding / block.pixels() as f64;
+            if variance > hidden && squares.is_finite() {
                 sum += squares / variance * block.pixels() as f64;
                 count += block.pixels() as f64;
             }

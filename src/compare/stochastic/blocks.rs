@@ -14,6 +14,8 @@ pub const DARK: f64 = 1e-3;
 /// Sums over one channel of the image.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Total {
+    /// Of the reference.
+    pub radiance: f64,
     pub difference: Difference,
     /// [Own](Variance::own) variance.
     pub own: f64,

@@ -54,7 +54,7 @@ impl<'f> Comparison<'f> {
                             own
                         }
                     },
-                    guard: shape.guard(channel.stated),
+                    guard: shape.guard(channel.stated, channel.radiance),
                 };
             }
         }
@@ -109,6 +109,7 @@ impl<'f> Comparison<'f> {
         let mut totals = [Total::default(); 3];
         for block in &self.blocks {
             for (total, channel) in totals.iter_mut().zip(&block.channels) {
+                total.radiance += channel.radiance;
                 total.difference.add(channel.difference);
                 total.own += channel.variance.own();
                 for (sum, stated) in total.stated.iter_mut().zip(channel.stated) {
@@ -139,6 +140,7 @@ impl<'f> Comparison<'f> {
 
     /// The larger variance of the whole image, own or guard.
     pub fn variance_of_whole(&self, total: &Total) -> f64 {
-        total.own.max(self.shape.guard_of_whole(total.stated))
+        let guard = self.shape.guard_of_whole(total.stated, total.radiance);
+        total.own.max(guard)
     }
 }

@@ -47,6 +47,15 @@
 //! variance is how they differ, with a degree of freedom less than renderings for each pixel, and the
 //! ratio for the guard is estimated, for four renderings of 64 samples are not four samples.
 //!
+//! # A known answer
+//!
+//! The reference may be known, pixel by pixel ([`Film::known`]): then it has no noise, in any of the
+//! tests. It has not seen what is rare either, and lends the test image no guard. That is taken from
+//! the answer itself: noise is spread as that of light that arrives or does not, in proportion to the
+//! radiance, and how large it is follows from all blocks, as of an image that does not count its samples.
+//! A block that light missed by chance, and that therefore states no noise, has its share of what the
+//! others state.
+//!
 //! An image that states one variance for its three channels, to the bit, wherever those of the
 //! reference differ twofold does not state theirs, and is rejected: no estimates agree so.
 //!

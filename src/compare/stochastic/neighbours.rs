@@ -91,7 +91,8 @@ const QUADS: [[usize; 4]; 2] = [[0, 1, 4, 5], [2, 3, 6, 7]];
 #[derive(Clone, Copy)]
 enum Unit {
     /// The standard error of a pixel of the finer image, or of the median block where that is
-    /// larger: dark blocks, in which light of others is much to them, do not outweigh those.
+    /// larger: dark blocks, in which light of others is much to them, do not outweigh those. Where
+    /// the reference is known, that of the guard.
     Noise,
     /// Their root mean square over the block, in [flat](FLAT) blocks only.
     Spread,
@@ -100,7 +101,13 @@ enum Unit {
 /// What the differences of each block and channel are multiplied by.
 fn scales(comparison: &Comparison<'_>, unit: Unit) -> Vec<[f64; 3]> {
     let fine = comparison.shape.fine;
-    let noise = |channel: &Channel| channel.stated[fine];
+    let noise = |channel: &Channel| {
+        if comparison.shape.is_known {
+            channel.variance.guard()
+        } else {
+            channel.stated[fine]
+        }
+    };
     let blocks = comparison.blocks.iter();
     let noises = blocks
         .clone()

@@ -40,7 +40,7 @@ impl PixelDifferences {
                     let noise = film.noise();
                     noise.map_or(0.0, |noise| f64::from(noise.variance()[index][c]))
                 });
-                let [guard_a, guard_b] = comparison.shape.guard(stated);
+                let [guard_a, guard_b] = comparison.shape.guard(stated, f64::from(a[c]));
                 let variance = (stated[0] + stated[1]).max(guard_a + guard_b);
                 let z = deviation(difference.beyond_rounding(), variance).abs();
                 pixels.far[c] += u64::from(z > FAR);
@@ -164,8 +164,11 @@ const REACH: usize = 2;
 impl BlackPixels {
     /// Nothing where the samples of an image are unknown.
     fn of(comparison: &Comparison<'_>) -> Option<BlackPixels> {
-        let [Stated::Samples(of_golden), Stated::Samples(of_test)] = comparison.stated else {
-            return None;
+        let (of_golden, of_test) = match comparison.stated {
+            [Stated::Samples(of_golden), Stated::Samples(of_test)] => (of_golden, of_test),
+            // It has no noise; of a sample of the test image the guard says more.
+            [Stated::Known, Stated::Samples(of_test)] => (0.0, of_test),
+            _ => return None,
         };
         let [golden, test] = comparison.films;
         let (width, height) = (golden.width(), golden.height());
@@ -182,7 +185,11 @@ impl BlackPixels {
                 if mean <= DARK {
                     continue;
                 }
-                let mut variance = 0.0_f64;
+                let mut variance = if comparison.shape.is_known {
+                    comparison.shape.guard([0.0; 2], mean)[1] * of_test
+                } else {
+                    0.0
+                };
                 for row in near(y, height) {
                     for column in near(x, width) {
                         let other = column + width * row;

@@ -15,12 +15,15 @@ pub(super) enum Stated {
     Renderings(f64),
     /// How samples differ.
     Samples(f64),
+    /// None: the radiance is known.
+    Known,
 }
 
 impl Stated {
     pub fn by(film: &Film) -> Stated {
         match film.noise() {
             None => Stated::Nothing,
+            Some(noise) if noise.is_known() => Stated::Known,
             Some(noise) if noise.is_of_renderings() => Stated::Renderings(noise.samples().into()),
             Some(noise) => Stated::Samples(noise.samples().into()),
         }
@@ -37,10 +40,17 @@ impl Stated {
 
 /// The noise of both images by that of the finer one: what the variances of the finer image are
 /// to be multiplied by to give those of the other.
+///
+/// Where the reference is known, the finer image has none. The noise of the test image is then taken
+/// to be spread as that of light that arrives or does not: a sample is 0 or the same number
+/// everywhere, so that variances are in proportion to the radiance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NoiseShape {
     /// 0: the reference is the finer image, 1: the test image.
     pub fine: usize,
+    /// Whether the reference is known, and [`coarse`](NoiseShape::coarse) and
+    /// [`whole`](NoiseShape::whole) are variances over radiance.
+    pub is_known: bool,
     /// Variance of the coarser image over that of the finer, of a block.
     pub coarse: f64,
     /// The same of the whole image, where the brightest parts count most.
@@ -68,9 +78,17 @@ impl NoiseShape {
     pub fn new(stated: [Stated; 2], blocks: &[Block], level: f64, times: f64) -> NoiseShape {
         let fine = usize::from(stated[1] > stated[0]);
         let silent = unstated(stated);
-        let pair = |channel: &Channel| match silent {
-            None => [channel.stated[1 - fine], channel.stated[fine]],
-            Some(_) => [channel.spread, channel.stated[fine]],
+        let is_known = stated[0] == Stated::Known;
+        let pair = |channel: &Channel| {
+            let below = if is_known {
+                channel.radiance.abs()
+            } else {
+                channel.stated[fine]
+            };
+            match silent {
+                None => [channel.stated[1 - fine], below],
+                Some(_) => [channel.spread, below],
+            }
         };
         let bound = |ratio: &Ratio| match (stated, silent) {
             ([Stated::Samples(a), Stated::Samples(b)], _) => ratio.value().max(a.max(b) / a.min(b)),
@@ -80,11 +98,16 @@ impl NoiseShape {
             (_, silent) => {
                 let pixels = (BLOCK * BLOCK) as f64;
                 let degrees = match stated[1 - fine] {
-                    Stated::Renderings(count) => pixels * (count - 1.0),
+                    Stated::Renderings(count) | Stated::Samples(count) => pixels * (count - 1.0),
                     _ => pixels - 1.0,
                 };
                 let bound = ratio.upper_of_more(critical(level), degrees, times);
-                let own = if silent.is_some() { 1.0 } else { 0.0 };
+                // What is known has no share in it.
+                let own = if silent.is_some() && !is_known {
+                    1.0
+                } else {
+                    0.0
+                };
                 (bound - own).max(0.0)
             }
         };
@@ -101,12 +124,14 @@ impl NoiseShape {
             _ => 0.0,
         };
         let share_of_reference = match 1.0 - share {
+            _ if is_known => 0.0,
             _ if fine == 0 => share,
             left if left > THERE * error => left,
             _ => 0.0,
         };
         NoiseShape {
             fine,
+            is_known,
             coarse: bound(&of_blocks),
             whole: bound(&of_whole),
             share_of_reference,
@@ -117,16 +142,24 @@ impl NoiseShape {
         }
     }
 
-    /// Variances of reference and test image, of which `stated` holds that of the finer one.
-    pub fn guard(&self, stated: [f64; 2]) -> [f64; 2] {
+    /// Variances of reference and test image, of which `stated` holds that of the finer one, and
+    /// where the reference has `radiance`.
+    pub fn guard(&self, stated: [f64; 2], radiance: f64) -> [f64; 2] {
+        if self.is_known {
+            return [0.0, radiance.abs() * self.coarse];
+        }
         let mut guard = [0.0; 2];
         guard[self.fine] = stated[self.fine];
         guard[1 - self.fine] = stated[self.fine] * self.coarse;
         guard
     }
 
-    /// Variance of the difference of whole images, of which `stated` holds that of the finer one.
-    pub fn guard_of_whole(&self, stated: [f64; 2]) -> f64 {
+    /// Variance of the difference of whole images, of which `stated` holds that of the finer one, and
+    /// of which the reference has `radiance`.
+    pub fn guard_of_whole(&self, stated: [f64; 2], radiance: f64) -> f64 {
+        if self.is_known {
+            return radiance.abs() * self.whole;
+        }
         stated[self.fine] * (1.0 + self.whole)
     }
 }

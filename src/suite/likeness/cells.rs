@@ -94,6 +94,7 @@ impl Cells {
     fn with_edge(film: &Film, edge: usize) -> Cells {
         let (columns, rows) = (film.width() / edge, film.height() / edge);
         let count = (edge * edge) as f64;
+        let is_known = film.noise().is_some_and(|noise| noise.is_known());
         let mut means = Vec::with_capacity(columns * rows);
         let mut variances = Vec::with_capacity(columns * rows);
         let mut silent = Vec::with_capacity(columns * rows);
@@ -104,7 +105,7 @@ impl Cells {
             for y in corner[1]..corner[1] + edge {
                 for index in (corner[0]..corner[0] + edge).map(|x| x + film.width() * y) {
                     let noise = film.noise().map(|noise| noise.variance()[index]);
-                    without_noise += usize::from(noise == Some([0.0; 3]));
+                    without_noise += usize::from(!is_known && noise == Some([0.0; 3]));
                     for c in 0..3 {
                         mean[c] += f64::from(film.radiance()[index][c]) / count;
                         if let Some(noise) = film.noise() {

@@ -1,0 +1,25 @@
+//! The formula: radiance along the rays of scenes of one kind.
+
+use crate::geometry::Ray;
+use crate::math::quadrature::Integral;
+use crate::scene::Radiative;
+
+/// Radiance along a ray with a bound on its error; an error if the formula does not hold for the ray.
+pub type AlongRay<'s> = Box<dyn Fn(&Ray) -> Result<Integral, String> + 's>;
+
+/// A formula for the radiance along a ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Formula {
+    /// Name, as in manifests.
+    pub name: &'static str,
+    /// The scenes it describes, and its source.
+    pub what: &'static str,
+    /// The formula for a scene.
+    pub(super) of: fn(&Radiative) -> Result<AlongRay<'_>, String>,
+}
+
+impl PartialEq for Formula {
+    fn eq(&self, other: &Formula) -> bool {
+        self.name == other.name
+    }
+}
