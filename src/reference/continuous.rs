@@ -11,9 +11,10 @@
 //! emission included, and the opacity `a` over a length `h₀`; the extinction is `σ = −ln(1 − a)/h₀`.
 //! This is what all steps, first samples and last steps lead to as steps become short.
 //!
-//! Between two faces of cells `v` is a cubic ([`CubicSegment`]), and between two knots of the transfer function `a` and `c` are straight lines or smooth curves of `v`. On a
-//! piece between such places nothing has a kink, and [`Collocation`] integrates it to a tolerance,
-//! with a bound on its own error.
+//! Between two faces of cells `v` is a cubic ([`CubicSegment`]), and between two knots of the
+//! transfer function `a` and `c` are straight lines or smooth curves of `v`. On a piece between such
+//! places nothing has a kink, and [`Collocation`] integrates it to a tolerance, with a bound on its
+//! own error.
 //!
 //! Source: Max 1995, "Optical models for direct volume rendering".
 
