@@ -7,7 +7,7 @@
 //! Nothing is claimed without that.
 
 use super::likeness::{lattice_of, pixels_of};
-use super::{Case, Cause, Judged};
+use super::{Case, CaseResult, Cause, Judged, Verdict};
 use crate::compare::deterministic::in_tolerances;
 use crate::compare::{Conditions, Picture, default_gate, judge};
 use crate::film::Film;
@@ -377,6 +377,31 @@ impl Explained {
         };
         self.set.iter().map(words).collect()
     }
+
+    /// Makes of a mismatch the verdict of these conventions; it passes where they are `accepted`.
+    fn explain(&self, result: &mut CaseResult, accepted: bool) {
+        result.conventions = self.in_words();
+        result.verdict = Verdict::Convention;
+        result.cause = if accepted {
+            Cause::None
+        } else {
+            Cause::Convention
+        };
+        let rest = match self.agreement {
+            Agreement::Full => String::new(),
+            Agreement::ButFor(share) => format!(" but for {:.3} % of the pixels", 100.0 * share),
+        };
+        result.reason = format!(
+            "differs by convention: it {}. Under {} it agrees{rest}",
+            result.conventions.join("; "),
+            if result.conventions.len() == 1 {
+                "this one"
+            } else {
+                "these"
+            }
+        );
+        result.profile = self.profile.clone();
+    }
 }
 
 /// Indices in the [`CATALOGUE`], rising.
@@ -448,7 +473,7 @@ impl ConventionSearch {
         };
         let end = Instant::now().checked_add(Duration::from_secs_f64(0.5 * seconds));
         if let Some(explained) = self.explain(case, &scene, test, end) {
-            judged.result.explain_by(&explained, accepted);
+            explained.explain(&mut judged.result, accepted);
         }
     }
 
@@ -540,7 +565,7 @@ impl Attempt<'_> {
         let seen = pixels_of(test, &widths, detail);
         let misfit = |set: &[usize]| Some(Misfit::of(&self.image(set, detail)?, &seen));
         let nothing = misfit(&[])?;
-        let mut starts = further(&[], &nothing, &misfit)?;
+        let mut starts = further(&[], &nothing, misfit)?;
         for set in samples_and_steps() {
             let misfit = misfit(&set)?;
             if misfit.mean_square < (1.0 - LEAST_GAIN) * nothing.mean_square {
@@ -549,7 +574,7 @@ impl Attempt<'_> {
         }
         by_what_is_left(&mut starts);
         let mut starts = starts.into_iter().take(STARTS);
-        let found = starts.find_map(|start| self.grown(start, &misfit))?;
+        let found = starts.find_map(|start| self.grown(start, misfit))?;
         self.needed(found)
     }
 

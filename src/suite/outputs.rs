@@ -203,7 +203,7 @@ impl Outputs {
                 missing,
             });
         }
-        let last_step = steps.clone().last();
+        let last_step = steps.clone().next_back();
         if let Some((last, file)) = last_step {
             let there: Vec<u32> = single
                 .map(|_| 0)

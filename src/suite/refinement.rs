@@ -3,8 +3,8 @@
 use super::finding::CheckedGolden;
 use crate::compare::{Judgement, Limit, Picture, judge_one_step, judge_refinement};
 use crate::film::Film;
-use crate::reference::{continuous, ray_caster};
-use crate::scene::{Compositing, Panel, Scene};
+use crate::render::{plans, render};
+use crate::scene::{Classified, Model, Sampling, Scene};
 use crate::volume::Grid;
 use std::sync::Arc;
 
@@ -52,38 +52,35 @@ const TABLE: f64 = 256.0;
 /// Images of `scene` from values that are off by half an entry of a table, up and down.
 fn looked_up(scene: &Scene) -> [Film; 2] {
     [-0.5, 0.5].map(|entries| {
-        let films = scene.panels.iter().map(|panel| {
-            let classified = panel.classified();
-            let mut scene = classified
-                .expect("a limit is one of a classified volume")
-                .clone();
-            let (least, most) = scene.grid.range();
+        rendered(scene, |volume| {
+            let (least, most) = volume.grid.range();
             let off = (entries * (most - least) / (TABLE - 1.0)) as f32;
-            let values = scene.grid.values().iter().map(|value| value + off);
-            let grid = Grid::new(*scene.grid.lattice(), values.collect());
-            scene.grid = Arc::new(grid.expect("as many values as before"));
-            continuous::render(&scene, [panel.width, panel.height])
-        });
-        Film::side_by_side(&films.collect::<Vec<_>>())
+            let values = volume.grid.values().iter().map(|value| value + off);
+            let grid = Grid::new(*volume.grid.lattice(), values.collect());
+            volume.grid = Arc::new(grid.expect("as many values as before"));
+        })
     })
 }
 
 /// Images of `scene` with samples at the beginning and at the end of each step.
 fn first_order(scene: &Scene) -> [Film; 2] {
     [0.0, 1.0].map(|first_sample| {
-        let panels = scene.panels.iter();
-        let films: Vec<Film> = panels.map(|panel| sampled(panel, first_sample)).collect();
-        Film::side_by_side(&films)
+        rendered(scene, |volume| {
+            volume.sample();
+            volume.conventions.first_sample = first_sample;
+        })
     })
 }
 
-/// The image of a classified volume with a sample at `first_sample` of each step.
-fn sampled(panel: &Panel, first_sample: f64) -> Film {
-    let classified = panel.classified();
-    let mut scene = classified
-        .expect("a limit is one of a classified volume")
-        .clone();
-    scene.compositing = Compositing::FrontToBack;
-    scene.conventions.first_sample = first_sample;
-    ray_caster::render(&scene, [panel.width, panel.height])
+/// The image of `scene` with its volumes changed by `edit`.
+fn rendered(scene: &Scene, edit: impl Fn(&mut Classified)) -> Film {
+    let mut scene = scene.clone();
+    for panel in &mut scene.panels {
+        if let Model::Classified(volume) = &mut panel.model {
+            edit(volume);
+        }
+    }
+    let rendering = render(&plans(&scene), Sampling::default(), &|| ());
+    // The golden was rendered likewise: of a classified volume nothing can fail.
+    rendering.expect("a volume is rendered").film
 }

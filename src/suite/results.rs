@@ -1,7 +1,6 @@
 //! Results of cases.
 
 use super::analytic::Analytic;
-use super::conventions::{Agreement, Explained};
 use crate::compare::{self, Gate, Metric};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -101,34 +100,6 @@ pub struct CaseResult {
     /// Whose fault it is.
     #[serde(skip)]
     pub cause: Cause,
-}
-
-impl CaseResult {
-    /// Makes a mismatch that conventions explain a verdict of its own; it passes where they are
-    /// `accepted`.
-    pub fn explain_by(&mut self, explained: &Explained, accepted: bool) {
-        self.conventions = explained.in_words();
-        self.verdict = Verdict::Convention;
-        self.cause = if accepted {
-            Cause::None
-        } else {
-            Cause::Convention
-        };
-        let rest = match explained.agreement {
-            Agreement::Full => String::new(),
-            Agreement::ButFor(share) => format!(" but for {:.3} % of the pixels", 100.0 * share),
-        };
-        self.reason = format!(
-            "differs by convention: it {}. Under {} it agrees{rest}",
-            self.conventions.join("; "),
-            if self.conventions.len() == 1 {
-                "this one"
-            } else {
-                "these"
-            }
-        );
-        self.profile = explained.profile.clone();
-    }
 }
 
 /// Number of cases by verdict.
