@@ -45,6 +45,8 @@ campaign "formulas to their last bits, on five times the inputs" env VOLREF_NIGH
     kernel_precision::
 campaign "laws over hard cases: 100,000 each, others every day" env PROPTEST_CASES=100000 \
     "PROPTEST_RNG_SEED=$(date +%Y%m%d)" cargo test --release --test library hard_laws::
+campaign "conventions: how often they are named, and mistakes taken for them" cargo test --release --test library \
+    how_often_conventions -- --ignored --nocapture
 campaign "names of faults outside the catalogue" cargo test --release --test library outside_faults:: -- \
     --include-ignored --nocapture
 campaign "every mistake of the catalogue in every case" cargo run --release --quiet -- selftest

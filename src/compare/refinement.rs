@@ -156,11 +156,11 @@ pub fn judge_refinement(truth: Limit<'_>, images: &[Film]) -> (Judgement, Film) 
         }
     }
     let changes = [[coarse, middle], [middle, fine]].map(|[a, b]| in_rms_tolerances(golden, a, b));
-    let is_still = changes[1] <= STILL || agrees(golden, fine);
     let observed = log2(changes[0] / changes[1]);
-    // Images that no longer change, or agree as they are, are left as they are.
-    let order = if is_still { 1.0 } else { observed };
     let [least, most] = ORDERS;
+    let is_still = changes[1] <= STILL || observed < least && agrees(golden, fine);
+    // Images that no longer change, or agree though they do, are left as they are.
+    let order = if is_still { 1.0 } else { observed };
     let factor = 1.0 / (exp2(order.clamp(least, most)) - 1.0);
     let limit = if is_still {
         fine.clone()
@@ -191,7 +191,8 @@ pub fn judge_refinement(truth: Limit<'_>, images: &[Film]) -> (Judgement, Film) 
     let corrections = {
         let [finest, before] = [fine, middle].map(means);
         let correction = |c: usize| factor * (finest[c] - before[c]).abs();
-        std::array::from_fn(|c| OF_THE_CORRECTION * correction(c))
+        let share = if is_still { SAFETY } else { OF_THE_CORRECTION };
+        std::array::from_fn(|c| share * correction(c))
     };
     let steps = format!(
         "{:.2} % off at the step asked for; {}; extrapolated, {:.3} % off",

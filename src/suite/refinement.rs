@@ -55,7 +55,9 @@ fn looked_up(scene: &Scene) -> [Film; 2] {
         rendered(scene, |volume| {
             let (least, most) = volume.grid.range();
             let off = (entries * (most - least) / (TABLE - 1.0)) as f32;
-            let values = volume.grid.values().iter().map(|value| value + off);
+            // A formula has no meaning below the least value.
+            let values = volume.grid.values().iter();
+            let values = values.map(|value| (value + off).clamp(least as f32, most as f32));
             let grid = Grid::new(*volume.grid.lattice(), values.collect());
             volume.grid = Arc::new(grid.expect("as many values as before"));
         })

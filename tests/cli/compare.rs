@@ -47,10 +47,10 @@ fn a_pair_that_passes() {
     0 of 128 pixels differ by more than 0.001 + 1 %; the largest difference is 5.960e-8
 
       lost_pixels            0
-      max_abs_error          0.00000005960464477539063
+      max_abs_error          5.960464477539063e-8
       mean_difference_blue   0
       mean_difference_green  0
-      mean_difference_red    0.00000003958120942115784
+      mean_difference_red    3.958120942115784e-8
       outlier_pixels         0
       outlier_share          0
       worst_column           8
