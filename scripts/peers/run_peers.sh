@@ -35,9 +35,11 @@ for peer in $peers; do
     case $peer in
     vtk)
         version=$("$python" -c 'import vtk; print(vtk.vtkVersion().GetVTKVersion())') || exit 1
+        # Figure 2 is a plot, and figure 5 has a shadow that VTK has no word for.
+        shown="figure-1 figure-3 figure-4 limit"
         run="$python scripts/peers/vtk_render.py {export:bundle} {output} --stock --step {step}"
-        judged vtk "$version" --as vtk --run "$run" figures limit
-        judged vtk-unnamed "$version" --explain 60 --run "$run" figures limit
+        judged vtk "$version" --as vtk --run "$run" $shown
+        judged vtk-unnamed "$version" --explain 60 --run "$run" $shown
         ;;
     mitsuba)
         version=$("$python" -c 'import mitsuba; print(mitsuba.__version__)') || exit 1

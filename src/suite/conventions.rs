@@ -7,7 +7,7 @@
 //! Nothing is claimed without that.
 
 use super::likeness::{lattice_of, pixels_of};
-use super::{Case, CaseResult, Cause, Judged, Verdict};
+use super::{Case, CaseResult, Cause, Judged, Profile, Verdict};
 use crate::compare::deterministic::in_tolerances;
 use crate::compare::{Conditions, Picture, default_gate, judge};
 use crate::film::Film;
@@ -506,7 +506,8 @@ impl ConventionSearch {
             Some((set, agreement))
         });
         let is_new = from_before.is_none();
-        let (set, agreement) = from_before.or_else(|| attempt.search())?;
+        let found = from_before.or_else(|| attempt.of_a_profile());
+        let (set, agreement) = found.or_else(|| attempt.search())?;
         if is_new {
             let mut known = self.known.lock().expect("no panic holds it");
             known.push(set.clone());
@@ -556,6 +557,16 @@ impl Attempt<'_> {
         let misfit = Misfit::of(right.radiance()?, self.test.radiance()?);
         let is_rounding = misfit.outside <= MOST_ROUNDED && misfit.worst <= CAP;
         is_rounding.then_some(Agreement::ButFor(misfit.outside))
+    }
+
+    /// The conventions of a renderer that volref brings a profile of: a search by one at a time may miss
+    /// them where the nearest node is taken, and each step of it changes single pixels by much.
+    fn of_a_profile(&self) -> Option<(ConventionSet, Agreement)> {
+        Profile::shipped().find_map(|name| {
+            let set = profile_set(&Profile::named(name).ok()?, self.scene)?;
+            let agreement = self.agreement(&set)?;
+            self.needed((set, agreement))
+        })
     }
 
     fn search(&self) -> Option<(ConventionSet, Agreement)> {
@@ -646,6 +657,24 @@ impl Attempt<'_> {
             });
         others.collect()
     }
+}
+
+/// The conventions of the catalogue that `profile` holds beside those of `scene`.
+fn profile_set(profile: &Profile, scene: &Scene) -> Option<ConventionSet> {
+    let applied = profile.applied_to(scene).ok()??;
+    let volume = |scene: &Scene| scene.panels.iter().find_map(Panel::classified).cloned();
+    let (before, after) = (volume(scene)?, volume(&applied)?);
+    let changes = |volume: &Classified, convention: &Convention| {
+        let mut changed = volume.clone();
+        (convention.edit)(&mut changed);
+        let stated = |volume: &Classified| (volume.conventions, volume.compositing, volume.step);
+        stated(&changed) != stated(volume)
+    };
+    let held = CATALOGUE
+        .iter()
+        .enumerate()
+        .filter(|(_, convention)| changes(&before, convention) && !changes(&after, convention));
+    Some(held.map(|(index, _)| index).collect())
 }
 
 /// The profile, as TOML, of the conventions of `set` in `scene`; `None` with another step.

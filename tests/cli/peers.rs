@@ -512,7 +512,9 @@ fn tables_of_other_renderers_say_what_exports_say() {
 /// VTK as it comes is right: under its profile every picture passes, and without it none is called
 /// wrong.
 fn check_vtk(renderer: &str, table: &toml::Table) {
-    let rows = table.iter().filter_map(|(name, row)| Some((name, row.as_table()?)));
+    let rows = table
+        .iter()
+        .filter_map(|(name, row)| Some((name, row.as_table()?)));
     let mut said = 0;
     for (name, row) in rows {
         let verdict = row["verdict"].as_str().unwrap();

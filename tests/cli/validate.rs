@@ -801,7 +801,7 @@ fn sequences_of_steps_are_judged_by_their_limit() {
     let folder = Folder::with_suite();
     folder.write(
         "fixtures/scenes/limit/cloud.toml",
-        scene("compositing = \"continuous\"\n")
+        scene("compositing = \"continuous\"\nstep = \"0.1 voxels\"\n")
             .replace("[transfer_function]", "[transfer_function]\nfloor = 0.1"),
     );
     let manifest = MANIFEST.replace("deterministic", "limit");
