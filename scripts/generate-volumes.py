@@ -114,6 +114,21 @@ header_bytes = 2
     )
 
 
+def placed(kind, nodes, spacing, first, comment):
+    """The first lines of an NRRD along the axes: its samples, and where they lie."""
+    axes = ((spacing[0], 0, 0), (0, spacing[1], 0), (0, 0, spacing[2]))
+    return [
+        "NRRD0004",
+        f"# {comment}",
+        f"type: {kind}",
+        "dimension: 3",
+        "space dimension: 3",
+        "sizes: " + " ".join(map(str, nodes)),
+        "space directions: " + " ".join(f"({x},{y},{z})" for x, y, z in axes),
+        "space origin: ({},{},{})".format(*first),
+    ]
+
+
 def hard(name, nodes, spacing, value, first=(0, 0, 0), centre="node", comment=""):
     """A text NRRD of `value(i, j, k)`; `first` is where the first value lies."""
     rows = [
@@ -121,16 +136,7 @@ def hard(name, nodes, spacing, value, first=(0, 0, 0), centre="node", comment=""
         for k in range(nodes[2])
         for j in range(nodes[1])
     ]
-    axes = ((spacing[0], 0, 0), (0, spacing[1], 0), (0, 0, spacing[2]))
-    header = [
-        "NRRD0004",
-        f"# {comment}",
-        "type: double",
-        "dimension: 3",
-        "space dimension: 3",
-        "sizes: " + " ".join(map(str, nodes)),
-        "space directions: " + " ".join(f"({x},{y},{z})" for x, y, z in axes),
-        "space origin: ({},{},{})".format(*first),
+    header = placed("double", nodes, spacing, first, comment) + [
         f"centers: {centre} {centre} {centre}",
         "encoding: text",
         "",
@@ -202,16 +208,8 @@ def limit(name, nodes, low, high, value, comment):
         for i in range(nodes[0])
     ]
     spacing = [(h - l) / max(1, n - 1) for n, l, h in zip(nodes, low, high)]
-    axes = ((spacing[0], 0, 0), (0, spacing[1], 0), (0, 0, spacing[2]))
-    header = [
-        "NRRD0004",
-        f"# {comment}",
-        "type: ushort",
-        "dimension: 3",
-        "space dimension: 3",
-        "sizes: " + " ".join(map(str, nodes)),
-        "space directions: " + " ".join(f"({x!r},{y!r},{z!r})" for x, y, z in axes),
-        "space origin: ({!r},{!r},{!r})".format(*(at(axis, 0) for axis in range(3))),
+    first = [at(axis, 0) for axis in range(3)]
+    header = placed("ushort", nodes, spacing, first, comment) + [
         "endian: little",
         "encoding: gzip",
         "",

@@ -10,7 +10,7 @@ use crate::exchange::{self, Format};
 use crate::math::exp2;
 use crate::regular_file::note_input;
 use crate::report;
-use crate::scene::{Panel, Scene};
+use crate::scene::{Classified, Panel, Scene};
 use crate::suite::{
     Case, CaseResult, Cause, CommandTemplate, ConventionSearch, Evidence, Judged, Likenesses,
     Output, Outputs, Predictions, Profile, Search, Store, Suite, Verdict, likeness,
@@ -429,16 +429,36 @@ fn last_words(printed: &str) -> String {
     text
 }
 
+/// A call of the renderer for a case.
+struct Call {
+    /// Placeholders with what stands for them.
+    values: BTreeMap<&'static str, String>,
+    /// Distance between samples, and the length of a voxel, world units; if the command takes a step.
+    step: Option<[f64; 2]>,
+}
+
+fn shown(path: &Path) -> String {
+    path.display().to_string()
+}
+
+fn not_run(error: std::io::Error) -> Output {
+    Output::Unusable(format!("the renderer could not be run: {error}"))
+}
+
 impl RendererRun<'_> {
     /// The output for `case`: of a case without a step, images with three steps, if the command takes
     /// its step from here.
     fn output(&self, case: &Case) -> Made {
+        let mut call = match self.call(case) {
+            Ok(call) => call,
+            Err(output) => return Made::of(output),
+        };
         let has_steps = case.is_limit() && self.takes_step();
         let halvings = if has_steps { 0..=2 } else { 0..=0 };
         let (mut printed, mut notes, mut calls) = (String::new(), Vec::new(), Vec::new());
         let mut failure = None;
         for halvings in halvings {
-            let words = match self.words(case, halvings) {
+            let words = match self.words(case, &mut call, halvings) {
                 Ok(words) => words,
                 Err(output) => return Made::of(output),
             };
@@ -519,61 +539,40 @@ impl RendererRun<'_> {
         arguments
     }
 
-    /// Whether the command passes the number of samples.
+    /// The command passes the number of samples.
     fn asks_for_samples(&self) -> bool {
         self.template.uses("spp")
     }
 
-    /// Whether the command passes the step.
+    /// The command passes the step.
     fn takes_step(&self) -> bool {
         self.template.uses("step") || self.template.uses("rate")
     }
 
-    /// The command for `case` with the step of its scene halved `halvings` times, after creating its
-    /// folder and exports.
-    fn words(&self, case: &Case, halvings: u32) -> Result<Vec<String>, Output> {
-        let failed = |error: std::io::Error| {
-            Output::Unusable(format!("the renderer could not be run: {error}"))
-        };
+    /// The call for `case`, but for its output and step, after creating the exports.
+    fn call(&self, case: &Case) -> Result<Call, Output> {
         // Read again: a scene that cannot be read is said by whoever judges.
         let scene = case
             .load_scene()
             .map_err(|error| Output::Unusable(error.to_string()))?;
-        let name = step_name(&case.name, halvings);
-        let output = self
-            .folder
-            .join(format!("{name}.{}", self.arguments.format));
-        if let Some(folder) = output.parent() {
-            std::fs::create_dir_all(folder).map_err(failed)?;
-        }
-        // An image of an earlier run would be taken for one of this.
-        match std::fs::remove_file(&output) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(failed(error));
-            }
-            _ => {}
-        }
-        let shown = |path: &Path| path.display().to_string();
         let mut values = BTreeMap::from([
-            ("scene", shown(&absolute(&case.scene).map_err(failed)?)),
-            ("output", shown(&output)),
+            ("scene", shown(&absolute(&case.scene).map_err(not_run)?)),
             ("width", scene.width().to_string()),
             ("height", scene.height().to_string()),
             ("spp", self.arguments.spp.to_string()),
             ("seed", self.arguments.seed.to_string()),
             ("case", case.name.clone()),
         ]);
+        let mut step = None;
         if self.takes_step() {
-            let Some(sampled) = scene.panels.iter().find_map(Panel::classified) else {
-                return Err(Output::Missing(
+            let volume = scene.panels.iter().find_map(Panel::classified);
+            let of = |volume: &Classified| [volume.step, volume.grid.lattice().voxel()];
+            step = Some(volume.map(of).ok_or_else(|| {
+                Output::Missing(
                     "not rendered: the command takes a step, and the scene has no classified volume"
                         .to_owned(),
-                ));
-            };
-            let step = sampled.step * exp2(-f64::from(halvings));
-            values.insert("step", step.to_string());
-            let rate = sampled.grid.lattice().voxel() / step;
-            values.insert("rate", rate.to_string());
+                )
+            })?);
         }
         for name in CommandTemplate::PLACEHOLDERS {
             let format = name.strip_prefix("export:");
@@ -582,7 +581,33 @@ impl RendererRun<'_> {
                 values.insert(name, shown(&path));
             }
         }
-        Ok(self.template.fill(&values))
+        Ok(Call { values, step })
+    }
+
+    /// The command for `case` with the step of its scene halved `halvings` times, after creating its
+    /// folder.
+    fn words(&self, case: &Case, call: &mut Call, halvings: u32) -> Result<Vec<String>, Output> {
+        let name = step_name(&case.name, halvings);
+        let output = self
+            .folder
+            .join(format!("{name}.{}", self.arguments.format));
+        if let Some(folder) = output.parent() {
+            std::fs::create_dir_all(folder).map_err(not_run)?;
+        }
+        // An image of an earlier run would be taken for one of this.
+        match std::fs::remove_file(&output) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(not_run(error));
+            }
+            _ => {}
+        }
+        call.values.insert("output", shown(&output));
+        if let Some([step, voxel]) = call.step {
+            let step = step * exp2(-f64::from(halvings));
+            call.values.insert("step", step.to_string());
+            call.values.insert("rate", (voxel / step).to_string());
+        }
+        Ok(self.template.fill(&call.values))
     }
 
     /// A copy of the scene in another format; a scene that cannot be exported counts as a missing

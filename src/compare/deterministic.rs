@@ -20,7 +20,7 @@ pub const ABSOLUTE: f64 = 1e-3;
 pub const RELATIVE: f64 = 0.01;
 /// Share of pixels that may lie outside: rays that graze a voxel face and fall, by a rounding,
 /// on its other side.
-const OUTLIERS: f64 = 2e-4;
+pub(super) const OUTLIERS: f64 = 2e-4;
 /// The same where the nearest node is taken at places in single precision. Over a hundred steps a node
 /// coordinate of a hundred gathers roundings of some 4·10⁻⁵; of thirty visible samples of a ray, each
 /// with three coordinates, one is on the other side of a face in six rays of a thousand, and shows in
@@ -31,7 +31,7 @@ const OUTLIERS_OF_NEAREST: f64 = 1e-3;
 const HARD_CAP: f64 = 20.0;
 /// The mean of a channel may be off by this share of the tolerance of a pixel of that value.
 /// Roundings have both signs and average out; what is left at a tenth is systematic.
-const BIAS: f64 = 0.1;
+pub(super) const BIAS: f64 = 0.1;
 
 /// Linear radiance within a tolerance, for renderings without noise.
 #[derive(Clone, Copy, Debug)]

@@ -1,5 +1,5 @@
-//! What is measured of the difference between two images: how large it is as a gain or a shift, and
-//! where it lies.
+//! Measurements of the difference between two images: its size as a gain or a shift, and where it
+//! lies.
 //!
 //! These are measurements, not names: they hold whether or not anybody knows what went wrong. Each
 //! is said only where it is beyond its own uncertainty, which comes from leaving out a twentieth of
@@ -194,7 +194,7 @@ impl<'f> Pixels<'f> {
         [along(x, width, 1), along(y, self.golden.height(), width)]
     }
 
-    /// Whether a pixel is no darker than a tenth of the mean.
+    /// A pixel that is no darker than a tenth of the mean.
     fn is_lit(&self, i: usize) -> bool {
         self.brightness(i) > 0.3 * self.mean
     }
@@ -312,7 +312,7 @@ impl PartSums {
         (0..3).map(of).sum::<f64>() / self.squares()
     }
 
-    /// How far the golden is to be moved to the right and down: where it rises by the slope g per
+    /// The shift of the golden to the right and down: where it rises by the slope g per
     /// pixel, a shift by s makes it darker by g s.
     fn shift(&self) -> [f64; 2] {
         let [xx, xy, yy] = self.slopes;
@@ -363,12 +363,12 @@ impl Jackknife {
         }
     }
 
-    /// Whether it differs from `other` by more than its uncertainty.
+    /// It differs from `other` by more than its uncertainty.
     fn is_beyond(&self, other: f64) -> bool {
         (self.value - other).abs() > SIGNIFICANT * self.error
     }
 
-    /// Whether it is at least `least`, beyond doubt.
+    /// It is at least `least`, beyond doubt.
     fn is_at_least(&self, least: f64) -> bool {
         self.value - SIGNIFICANT * self.error >= least
     }

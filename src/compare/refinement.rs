@@ -21,7 +21,7 @@
 //! uniform reporting of grid refinement studies", *J. Fluids Eng.* 116, 405–413.
 
 use super::advice::Undecided;
-use super::deterministic::{in_tolerances, tolerance};
+use super::deterministic::{BIAS, OUTLIERS, in_tolerances, tolerance};
 use super::difference_scale::DifferenceScale;
 use super::gate::{Gate, MEAN_DIFFERENCES, Metric};
 use super::judgement::Judgement;
@@ -32,9 +32,6 @@ use crate::math::{Sum, exp2, log2};
 /// Images with steps `h`, `h/2`, `h/4` against their limit, or one against a bound of first order.
 #[derive(Clone, Copy, Debug)]
 pub struct Refinement;
-
-/// Share of pixels that may lie outside: as in the deterministic gate.
-const OUTLIERS: f64 = 2e-4;
 
 /// Safety factor of the grid convergence index, where the order is observed (Roache 1994).
 const SAFETY: f64 = 1.25;
@@ -49,11 +46,8 @@ const STILL: f64 = 0.3;
 /// make the interval too small.
 const ORDERS: [f64; 2] = [0.5, 2.0];
 
-/// The extrapolated mean of a channel may be off by this share of the tolerance of a pixel of that
-/// value, as in the deterministic gate.
-const BIAS: f64 = 0.1;
-
-/// And by this share of its own correction: if the order of the means is off by a half, the factor
+/// The extrapolated mean of a channel may be off by this share of its own correction, beside what the
+/// deterministic gate allows: if the order of the means is off by a half, the factor
 /// 1/(2^p − 1) is off by up to 1 − (2^1 − 1)/(2^1.5 − 1) = 45 % at p = 1, and by less at p = 2.
 const OF_THE_CORRECTION: f64 = 0.5;
 
@@ -161,7 +155,8 @@ pub fn judge_refinement(truth: Limit<'_>, images: &[Film]) -> (Judgement, Film) 
     let is_still = changes[1] <= STILL || observed < least && agrees(golden, fine);
     // Images that no longer change, or agree though they do, are left as they are.
     let order = if is_still { 1.0 } else { observed };
-    let factor = 1.0 / (exp2(order.clamp(least, most)) - 1.0);
+    let order = order.clamp(least, most);
+    let factor = 1.0 / (exp2(order) - 1.0);
     let limit = if is_still {
         fine.clone()
     } else {
@@ -172,34 +167,27 @@ pub fn judge_refinement(truth: Limit<'_>, images: &[Film]) -> (Judgement, Film) 
     if !is_still {
         outcome.metric("observed_order", observed);
     }
-    outcome.metric("error_at_step", relative_error(golden, &images[0]));
+    let at_step = relative_error(golden, &images[0]);
+    outcome.metric("error_at_step", at_step);
     outcome.metric("error_at_finest_step", relative_error(golden, fine));
     let left = relative_error(golden, &limit);
     outcome.metric("error_of_limit", left);
 
-    let sizes = |a: &Film, b: &Film, factor: f64| -> Vec<[f64; 3]> {
-        let distances = distances(a, b).into_iter();
-        distances
-            .map(|distance| distance.map(|size| factor * size))
-            .collect()
-    };
     // The error of a pixel may be small by chance at one step, and seldom is at two.
-    let of_coarse = SAFETY * factor * exp2(-order.clamp(least, most));
-    let mut errors = sizes(middle, fine, SAFETY * factor);
-    enlarge(&mut errors, &sizes(coarse, middle, of_coarse));
+    let mut errors = distances(middle, fine, SAFETY * factor);
+    let of_coarse = distances(coarse, middle, SAFETY * factor * exp2(-order));
+    enlarge(&mut errors, &of_coarse);
     let step_errors = largest_around(golden, &errors);
-    let corrections = {
-        let [finest, before] = [fine, middle].map(means);
-        let correction = |c: usize| factor * (finest[c] - before[c]).abs();
-        let share = if is_still { SAFETY } else { OF_THE_CORRECTION };
-        std::array::from_fn(|c| share * correction(c))
-    };
+    let [finest, before] = [fine, middle].map(means);
+    let share = if is_still { SAFETY } else { OF_THE_CORRECTION };
+    let mean_errors = std::array::from_fn(|c| share * (factor * (finest[c] - before[c]).abs()));
     let steps = format!(
         "{:.2} % off at the step asked for; {}; extrapolated, {:.3} % off",
-        100.0 * relative_error(golden, &images[0]),
-        match order_in_words(observed) {
-            _ if is_still => "smaller steps change nothing".to_owned(),
-            words => words,
+        100.0 * at_step,
+        if is_still {
+            "smaller steps change nothing".to_owned()
+        } else {
+            order_in_words(observed)
         },
         100.0 * left
     );
@@ -216,8 +204,8 @@ pub fn judge_refinement(truth: Limit<'_>, images: &[Film]) -> (Judgement, Film) 
         image: fine,
         mean_of: &limit,
         step_errors,
-        mean_errors: corrections,
-        table: TableErrors::of(truth),
+        mean_errors,
+        table: LargestErrors::of(golden, truth.looked_up),
     };
     (judged.judgement(outcome, &steps), limit)
 }
@@ -236,35 +224,34 @@ fn enlarge(errors: &mut [[f64; 3]], others: &[[f64; 3]]) {
     }
 }
 
-/// What pixels and means may be off by because colours and opacities are looked up in a table.
-struct TableErrors {
+/// The largest errors of several images.
+struct LargestErrors {
+    /// By pixel and channel, in radiance.
     pixels: Vec<[f64; 3]>,
+    /// Of the means of the channels, in radiance.
     means: [f64; 3],
 }
 
-impl TableErrors {
-    fn of(truth: Limit<'_>) -> TableErrors {
-        let mut errors = TableErrors {
-            pixels: vec![[0.0; 3]; truth.golden.radiance().len()],
+impl LargestErrors {
+    fn of(golden: &Film, images: &[Film]) -> LargestErrors {
+        let mut errors = LargestErrors {
+            pixels: vec![[0.0; 3]; golden.radiance().len()],
             means: [0.0; 3],
         };
-        let right = means(truth.golden);
-        for film in truth.looked_up {
-            enlarge(&mut errors.pixels, &distances(truth.golden, film));
-            let off = means(film);
-            enlarge(
-                std::slice::from_mut(&mut errors.means),
-                &[std::array::from_fn(|c| (off[c] - right[c]).abs())],
-            );
+        let right = means(golden);
+        for image in images {
+            enlarge(&mut errors.pixels, &distances(golden, image, 1.0));
+            let off = means(image);
+            errors.means = std::array::from_fn(|c| errors.means[c].max((off[c] - right[c]).abs()));
         }
         errors
     }
 }
 
-/// Distances of the pixels of two images.
-fn distances(a: &Film, b: &Film) -> Vec<[f64; 3]> {
+/// Distances of the pixels of two images, times `factor`.
+fn distances(a: &Film, b: &Film, factor: f64) -> Vec<[f64; 3]> {
     let pixels = a.radiance().iter().zip(b.radiance());
-    let distance = |a: f32, b: f32| (f64::from(a) - f64::from(b)).abs();
+    let distance = |a: f32, b: f32| factor * (f64::from(a) - f64::from(b)).abs();
     pixels
         .map(|(a, b)| std::array::from_fn(|c| distance(a[c], b[c])))
         .collect()
@@ -279,15 +266,7 @@ pub fn judge_one_step(truth: Limit<'_>, first_order: &[Film], image: &Film) -> J
             return difference;
         }
     }
-    let mut errors = vec![[0.0_f64; 3]; golden.radiance().len()];
-    let mut mean_errors = [0.0_f64; 3];
-    for rule in first_order {
-        enlarge(&mut errors, &distances(golden, rule));
-        let [right, off] = [golden, rule].map(means);
-        for c in 0..3 {
-            mean_errors[c] = mean_errors[c].max((off[c] - right[c]).abs());
-        }
-    }
+    let by_rules = LargestErrors::of(golden, first_order);
     let mut outcome = Outcome::default();
     let error = relative_error(golden, image);
     outcome.metric("error_at_step", error);
@@ -300,9 +279,9 @@ pub fn judge_one_step(truth: Limit<'_>, first_order: &[Film], image: &Film) -> J
         golden,
         image,
         mean_of: image,
-        step_errors: largest_around(golden, &errors),
-        mean_errors,
-        table: TableErrors::of(truth),
+        step_errors: largest_around(golden, &by_rules.pixels),
+        mean_errors: by_rules.means,
+        table: LargestErrors::of(golden, truth.looked_up),
     };
     judged.judgement(outcome, &steps)
 }
@@ -317,7 +296,8 @@ struct Judged<'f> {
     step_errors: Vec<[f64; 3]>,
     /// Of the means of the channels, in radiance.
     mean_errors: [f64; 3],
-    table: TableErrors,
+    /// By look-up in a table.
+    table: LargestErrors,
 }
 
 impl Judged<'_> {
@@ -505,11 +485,10 @@ fn means(image: &Film) -> [f64; 3] {
     sums.map(|sum| sum.value() / image.radiance().len() as f64)
 }
 
-/// What lies behind the last level of a display, at most, in pixels that are so opaque: light that a
-/// renderer which ends rays there may lack.
+/// Light behind the last level of a display, at most, in pixels that are so opaque: a renderer
+/// that ends rays there may lack it.
 fn behind_last_level(golden: &Film) -> Vec<f64> {
-    let brightest = golden.radiance().as_flattened().iter();
-    let brightest = brightest.fold(0.0_f64, |most, &value| most.max(value.into()));
+    let brightest = golden.brightest();
     let behind = |index: usize| {
         let [.., opacity] = golden.pixel(index);
         let is_opaque = golden.opacity().is_some() && f64::from(opacity) > 1.0 - LAST_LEVEL;

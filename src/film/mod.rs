@@ -210,6 +210,12 @@ impl Film {
         &self.radiance
     }
 
+    /// The largest value of any channel, at least 0.
+    pub fn brightest(&self) -> f64 {
+        let values = self.radiance.as_flattened().iter();
+        values.fold(0.0, |most, &value| most.max(value.into()))
+    }
+
     /// Mean magnitude of all values; `None` if a value is no number.
     pub fn mean_magnitude(&self) -> Option<f64> {
         let values = self.radiance.as_flattened();

@@ -12,11 +12,10 @@
 //! *Methods of Numerical Integration*, §2.2.
 
 use super::bodies::Convex;
-use super::formula::{AlongRay, Formula};
+use super::formula::{AlongRay, Formula, transmittance};
 use super::requirements::{
     absorbing, dark, only_medium, require, without_lights, without_surfaces,
 };
-use crate::math;
 use crate::math::quadrature::Integral;
 use crate::media::Field;
 use crate::scene::Radiative;
@@ -59,8 +58,7 @@ fn of(scene: &Radiative) -> Result<AlongRay<'_>, String> {
             let sum = at(near) + 4.0 * at(0.5 * (near + far)) + at(far);
             depth = (far - near) / 6.0 * sum;
         }
-        let through = (sigma * depth).to_array().map(|depth| math::exp(-depth));
-        let value = DVec3::from_array(through) * scene.environment;
+        let value = transmittance(sigma * depth) * scene.environment;
         // A relative error of the depth is one of the radiance times that depth.
         let error = value * sigma * depth * (2.0 * ROUNDING);
         Ok(Integral {

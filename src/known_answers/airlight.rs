@@ -17,7 +17,7 @@
 //! phase function, Pegoraro & Parker 2009, Computer Graphics Forum 28(2), 329–335.
 
 use super::bodies::Convex;
-use super::formula::{AlongRay, Formula};
+use super::formula::{AlongRay, Formula, transmittance};
 use super::phase_function::phase_function;
 use super::requirements::{
     dark, henyey_greenstein, only_homogeneous, require, single_scattering, without_surfaces,
@@ -100,8 +100,7 @@ fn along(
         }
         let way = nearest + beside * (sine + 1.0) / cosine;
         let depth = sigma_t * way;
-        DVec3::from_array(depth.to_array().map(|depth| math::exp(-depth)))
-            * phase_function(g, -sine)
+        transmittance(depth) * phase_function(g, -sine)
     };
     let from = math::atan2(-nearest, beside);
     let integral = integrate(integrand, from, FRAC_PI_2, TOLERANCE);

@@ -9,7 +9,7 @@
 //! ch. 6; Max 1995, IEEE TVCG 1(2), eq. 4.
 
 use super::bodies::Convex;
-use super::formula::{AlongRay, Formula};
+use super::formula::{AlongRay, Formula, transmittance};
 use super::requirements::{absorbing, homogeneous, without_lights, without_surfaces};
 use crate::geometry::Ray;
 use crate::math;
@@ -81,9 +81,8 @@ fn along(parts: &[Part], environment: DVec3, ray: &Ray) -> Integral {
             depth[c] += own;
         }
     }
-    let behind = DVec3::from_array(depth.to_array().map(|depth| math::exp(-depth)));
     Integral {
-        value: radiance + behind * environment,
+        value: radiance + transmittance(depth) * environment,
         error: 0.0,
     }
 }

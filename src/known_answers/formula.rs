@@ -1,8 +1,10 @@
 //! The formula: radiance along the rays of scenes of one kind.
 
 use crate::geometry::Ray;
+use crate::math;
 use crate::math::quadrature::Integral;
 use crate::scene::Radiative;
+use glam::DVec3;
 
 /// Radiance along a ray with a bound on its error; an error if the formula does not hold for the ray.
 pub type AlongRay<'s> = Box<dyn Fn(&Ray) -> Result<Integral, String> + 's>;
@@ -22,4 +24,9 @@ impl PartialEq for Formula {
     fn eq(&self, other: &Formula) -> bool {
         self.name == other.name
     }
+}
+
+/// Share of the light that passes an optical depth, by channel.
+pub(super) fn transmittance(depth: DVec3) -> DVec3 {
+    DVec3::from_array(depth.to_array().map(|depth| math::exp(-depth)))
 }

@@ -16,12 +16,11 @@
 //! ch. 18.
 
 use super::bodies::Convex;
-use super::formula::{AlongRay, Formula};
+use super::formula::{AlongRay, Formula, transmittance};
 use super::phase_function::phase_function;
 use super::requirements::{
     dark, henyey_greenstein, only_homogeneous, require, single_scattering, without_surfaces,
 };
-use crate::math;
 use crate::math::quadrature::{Integral, integrate};
 use crate::optics::Light;
 use crate::scene::Radiative;
@@ -95,8 +94,7 @@ fn of(scene: &Radiative) -> Result<AlongRay<'_>, String> {
             // Light travels on to the eye, against the ray.
             let cosine = light.direction.dot(-*ray.direction).clamp(-1.0, 1.0);
             let depth = sigma_t * (inside + (t - near));
-            let attenuated = depth.to_array().map(|depth| math::exp(-depth));
-            light.irradiance * DVec3::from_array(attenuated) * phase_function(g, cosine)
+            light.irradiance * transmittance(depth) * phase_function(g, cosine)
         };
         let integral = integrate(scattered, near, far, TOLERANCE);
         Ok(Integral {

@@ -143,9 +143,11 @@ fn render_with<W: Work>(plans: &[Plan<'_>], job: &Job<'_>) -> Result<Whole<W>, R
 
 /// `error` relative to the brightest pixel of `film`.
 fn relative_to_brightest(error: f64, film: &Film) -> f64 {
-    let pixels = film.radiance().iter().flatten();
-    let brightest = pixels.fold(0.0_f64, |most, &value| most.max(value.into()));
-    if error > 0.0 { error / brightest } else { 0.0 }
+    if error > 0.0 {
+        error / film.brightest()
+    } else {
+        0.0
+    }
 }
 
 /// Whether this many bytes can be allocated at once. They are freed untouched, which costs nothing,

@@ -11,6 +11,7 @@ use super::reader::{Document, Origin, Reader, Reading, overridden};
 use super::sampling::{SAMPLING, SamplingTable};
 use super::transfer_function::{OpacityByValue, TRANSFER_FUNCTION, read_transfer_function};
 use super::{Classified, Curve, Radiative, SceneError, SceneResult};
+use crate::geometry::Camera;
 use crate::regular_file;
 use crate::volume::volume_format;
 use std::cell::RefCell;
@@ -90,6 +91,17 @@ pub enum Model {
     Curve(Curve),
 }
 
+impl Model {
+    /// The camera, if it has one.
+    pub fn camera(&self) -> Option<&Camera> {
+        match self {
+            Model::Classified(scene) => Some(&scene.camera),
+            Model::Radiative(scene) => Some(&scene.camera),
+            Model::Curve(_) => None,
+        }
+    }
+}
+
 impl From<Classified> for Model {
     fn from(classified: Classified) -> Model {
         Model::Classified(Box::new(classified))
@@ -110,6 +122,18 @@ impl Panel {
             Model::Radiative(_) | Model::Curve(_) => None,
         }
     }
+
+    /// Edits the camera, with the height of a pixel over that of the image; false if there is none.
+    pub fn edit_view(&mut self, edit: impl Fn(&Camera, f64) -> Camera) -> bool {
+        let pixel = 1.0 / self.height as f64;
+        let camera = match &mut self.model {
+            Model::Classified(scene) => &mut scene.camera,
+            Model::Radiative(scene) => &mut scene.camera,
+            Model::Curve(_) => return false,
+        };
+        *camera = edit(camera, pixel);
+        true
+    }
 }
 
 impl Scene {
@@ -119,6 +143,17 @@ impl Scene {
             path: PathBuf::new(),
             panels: vec![panel],
         }
+    }
+
+    /// This scene with its classified volumes changed by `edit`.
+    pub fn with_volumes(&self, mut edit: impl FnMut(&mut Classified)) -> Scene {
+        let mut scene = self.clone();
+        for panel in &mut scene.panels {
+            if let Model::Classified(volume) = &mut panel.model {
+                edit(volume);
+            }
+        }
+        scene
     }
 
     /// Reads the scene file at `path` and the files it names.

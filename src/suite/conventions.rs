@@ -14,7 +14,7 @@ use crate::film::Film;
 use crate::math::Sum;
 use crate::render::{Detail, Sampling, plans, render_coarse};
 use crate::scene::{
-    Classified, Compositing, Gradient, LastStep, LightColour, Model, Panel, Precision, Scene,
+    Classified, Compositing, Gradient, LastStep, LightColour, Panel, Precision, Scene,
 };
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -407,22 +407,13 @@ impl Explained {
 /// Indices in the [`CATALOGUE`], rising.
 pub type ConventionSet = Vec<usize>;
 
-/// A set as words, in the order of the catalogue.
-pub fn in_words(set: &[usize]) -> Vec<&'static str> {
-    set.iter().map(|&index| CATALOGUE[index].words).collect()
-}
-
 /// `scene` under the conventions of `set`.
 pub fn under(scene: &Scene, set: &[usize]) -> Scene {
-    let mut scene = scene.clone();
-    for panel in &mut scene.panels {
-        if let Model::Classified(classified) = &mut panel.model {
-            for &index in set {
-                (CATALOGUE[index].edit)(classified);
-            }
+    scene.with_volumes(|volume| {
+        for &index in set {
+            (CATALOGUE[index].edit)(volume);
         }
-    }
-    scene
+    })
 }
 
 /// Conventions taken together, at most. VTK, as it comes, has eight of the catalogue.
@@ -487,11 +478,9 @@ impl ConventionSearch {
         end: Option<Instant>,
     ) -> Option<Explained> {
         // An integral has no samples, and no conventions about them.
-        let is_sampled = |model: &Model| match model {
-            Model::Classified(scene) => !scene.is_continuous(),
-            _ => false,
-        };
-        if !scene.panels.iter().all(|panel| is_sampled(&panel.model)) {
+        let is_sampled = |volume: &Classified| !volume.is_continuous();
+        let mut volumes = scene.panels.iter().map(Panel::classified);
+        if !volumes.all(|volume| volume.is_some_and(is_sampled)) {
             return None;
         }
         let attempt = Attempt {
@@ -564,6 +553,9 @@ impl Attempt<'_> {
     fn of_a_profile(&self) -> Option<(ConventionSet, Agreement)> {
         Profile::shipped().find_map(|name| {
             let set = profile_set(&Profile::named(name).ok()?, self.scene)?;
+            if set.is_empty() {
+                return None; // volref's own
+            }
             let agreement = self.agreement(&set)?;
             self.needed((set, agreement))
         })

@@ -154,11 +154,9 @@ impl CheckedGolden {
 
     /// The scene takes the nearest node, under conventions of less than double precision.
     pub fn takes_nearest_in_single_precision(&self) -> bool {
-        let volumes = self.scene.panels.iter().filter_map(Panel::classified);
+        let mut volumes = self.scene.panels.iter().filter_map(Panel::classified);
         let rounded = |volume: &Classified| volume.conventions.precision != Precision::F64;
-        volumes
-            .into_iter()
-            .any(|volume| volume.interpolation == Interpolation::Nearest && rounded(volume))
+        volumes.any(|volume| volume.interpolation == Interpolation::Nearest && rounded(volume))
     }
 
     /// The plans of the scene.

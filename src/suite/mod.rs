@@ -38,7 +38,7 @@ pub use case::{
 };
 pub use check::{SUITE_VARIABLE, check, check_within};
 pub use conventions::{
-    Agreement, CATALOGUE, Convention, ConventionSearch, ConventionSet, Explained, in_words, under,
+    Agreement, CATALOGUE, Convention, ConventionSearch, ConventionSet, Explained, under,
 };
 pub use evidence::{Evidence, Likeness};
 pub use finding::{CaseFinding, Judged};

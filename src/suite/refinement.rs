@@ -4,7 +4,7 @@ use super::finding::CheckedGolden;
 use crate::compare::{Judgement, Limit, Picture, judge_one_step, judge_refinement};
 use crate::film::Film;
 use crate::render::{plans, render};
-use crate::scene::{Classified, Model, Sampling, Scene};
+use crate::scene::{Classified, Sampling, Scene};
 use crate::volume::Grid;
 use std::sync::Arc;
 
@@ -76,12 +76,7 @@ fn first_order(scene: &Scene) -> [Film; 2] {
 
 /// The image of `scene` with its volumes changed by `edit`.
 fn rendered(scene: &Scene, edit: impl Fn(&mut Classified)) -> Film {
-    let mut scene = scene.clone();
-    for panel in &mut scene.panels {
-        if let Model::Classified(volume) = &mut panel.model {
-            edit(volume);
-        }
-    }
+    let scene = scene.with_volumes(edit);
     let rendering = render(&plans(&scene), Sampling::default(), &|| ());
     // The golden was rendered likewise: of a classified volume nothing can fail.
     rendering.expect("a volume is rendered").film

@@ -190,42 +190,19 @@ fn compare_with_truth(
     let is_evaluated = known.film.pixel_hash() == *pixels;
     let against = judge_by_truth(case, &known, film);
     let has_bits = film.pixel_hash() == quick.pixels;
-    let bits = if has_bits {
-        format!("the same bits as its rendering ({})", short(&quick.pixels))
-    } else {
-        format!(
-            "other bits than its rendering ({}, the golden says {})",
-            short(&film.pixel_hash()),
-            short(&quick.pixels)
-        )
-    };
     let evaluated = if is_evaluated {
         "which gives the bits of the golden"
     } else {
         "which does not give the bits of the golden"
     };
-    let passed = has_bits && is_evaluated && against.passed;
     let reason = format!(
-        "{bits}; against the known answer {:?}, {evaluated}: {}{}{}",
+        "{}; against the known answer {:?}, {evaluated}: {}",
+        bits(quick, film, "its rendering"),
         formula.name,
         against.reason,
-        if passed {
-            String::new()
-        } else {
-            moved_inputs(checked)
-        },
-        checked.omissions()
     );
-    let mut finding = if passed {
-        CaseFinding::new(Verdict::Pass, Cause::None, reason)
-    } else {
-        CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason)
-    };
-    finding.metrics = against.metrics;
-    finding
-        .metrics
-        .insert(SAME_BITS.0.to_owned(), f64::from(u8::from(has_bits)));
-    finding
+    let passed = has_bits && is_evaluated && against.passed;
+    pinned(checked, passed, has_bits, reason, against)
 }
 
 /// Bits against the hash of the quick rendering, and noise against the converged image: a
@@ -234,45 +211,55 @@ fn compare_sampled(checked: &CheckedGolden, quick: &Quick, film: &Film) -> CaseF
     let golden = &checked.golden;
     let judgement = judge_quick(&golden.film, film);
     let has_bits = film.pixel_hash() == quick.pixels;
-    let bits = if has_bits {
-        format!(
-            "the same bits as the quick rendering of {} samples ({})",
-            quick.samples,
-            short(&quick.pixels)
-        )
-    } else {
-        format!(
-            "other bits than the quick rendering of {} samples ({}, the golden says {})",
-            quick.samples,
-            short(&film.pixel_hash()),
-            short(&quick.pixels)
-        )
-    };
     let however = if has_bits == judgement.passed {
         "and"
     } else {
         "but"
     };
-    let passed = has_bits && judgement.passed;
+    let rendering = format!("the quick rendering of {} samples", quick.samples);
     let reason = format!(
-        "{bits}, {however} against {} samples: {}{}{}",
+        "{}, {however} against {} samples: {}",
+        bits(quick, film, &rendering),
         golden.provenance.samples,
         judgement.reason,
-        if passed {
-            String::new()
-        } else {
-            moved_inputs(checked)
-        },
-        checked.omissions()
     );
+    let passed = has_bits && judgement.passed;
+    pinned(checked, passed, has_bits, reason, judgement)
+}
+
+/// The bits of `film` beside those of the `rendering` that the golden records.
+fn bits(quick: &Quick, film: &Film, rendering: &str) -> String {
+    let (found, recorded) = (film.pixel_hash(), &quick.pixels);
+    if found == *recorded {
+        format!("the same bits as {rendering} ({})", short(recorded))
+    } else {
+        format!(
+            "other bits than {rendering} ({}, the golden says {})",
+            short(&found),
+            short(recorded)
+        )
+    }
+}
+
+/// The finding on a rendering whose bits are pinned, with the numbers of `judgement`.
+fn pinned(
+    checked: &CheckedGolden,
+    passed: bool,
+    has_bits: bool,
+    mut reason: String,
+    judgement: Judgement,
+) -> CaseFinding {
+    if !passed {
+        reason.push_str(&moved_inputs(checked));
+    }
+    reason.push_str(&checked.omissions());
     let mut finding = if passed {
         CaseFinding::new(Verdict::Pass, Cause::None, reason)
     } else {
         CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason)
     };
     finding.metrics = judgement.metrics;
-    finding
-        .metrics
-        .insert(SAME_BITS.0.to_owned(), f64::from(u8::from(has_bits)));
+    let same_bits = f64::from(u8::from(has_bits));
+    finding.metrics.insert(SAME_BITS.0.to_owned(), same_bits);
     finding
 }

@@ -10,8 +10,7 @@ use volref::reference::ray_caster::RayCaster;
 use volref::render::{Sampling, plans, render};
 use volref::scene::{Classified, Conventions, Gradient, LastStep, LightColour, Precision, Scene};
 use volref::suite::{
-    Agreement, CATALOGUE, Case, ConventionSearch, Suite, Verdict, check_within, in_words, mistakes,
-    under,
+    Agreement, CATALOGUE, Case, ConventionSearch, Suite, Verdict, check_within, mistakes, under,
 };
 use volref::volume::{Grid, Lattice};
 
@@ -451,6 +450,11 @@ fn a_check_explains_by_conventions() {
     let profile = "name = \"mine\"\n[conventions]\ngradient = \"sobel\"\n";
     assert_eq!(result.profile.as_deref(), Some(profile));
     assert!(result.looks_like.is_empty());
+}
+
+/// A set as words.
+fn in_words(set: &[usize]) -> Vec<&'static str> {
+    set.iter().map(|&index| CATALOGUE[index].words).collect()
 }
 
 /// How often the right set of conventions is named, and how often a mistake is taken for one: the

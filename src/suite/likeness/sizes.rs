@@ -7,7 +7,6 @@
 
 use super::clock::SearchClock;
 use super::compared_case::ComparedCase;
-use crate::geometry::Camera;
 use crate::math;
 use crate::media::Coefficients;
 use crate::scene::{Model, Panel, Scene};
@@ -68,7 +67,7 @@ const SIZES: [Size; 5] = [
     Size {
         name: "field of view",
         edit: |panel, logarithm| {
-            in_view(panel, |camera, _| {
+            panel.edit_view(|camera, _| {
                 if camera.is_orthographic() {
                     camera.with_image_scaled(math::exp(logarithm))
                 } else {
@@ -79,12 +78,7 @@ const SIZES: [Size; 5] = [
         first: 0.01,
         most: 0.5,
         words: |scene, logarithm| {
-            let of = |model: &Model| match model {
-                Model::Classified(scene) => Some(scene.camera),
-                Model::Radiative(scene) => Some(scene.camera),
-                Model::Curve(_) => None,
-            };
-            let camera = scene.panels.iter().find_map(|panel| of(&panel.model));
+            let camera = scene.panels.iter().find_map(|panel| panel.model.camera());
             if let Some(height) = camera.and_then(|camera| camera.orthographic_height()) {
                 let height = height * math::exp(logarithm);
                 return format!("an orthographic height of {height:.4}");
@@ -97,9 +91,7 @@ const SIZES: [Size; 5] = [
     Size {
         name: "shift to the right",
         edit: |panel, pixels| {
-            in_view(panel, |camera, pixel| {
-                camera.with_image_moved([pixels * pixel, 0.0])
-            })
+            panel.edit_view(|camera, pixel| camera.with_image_moved([pixels * pixel, 0.0]))
         },
         first: 0.25,
         most: 4.0,
@@ -108,9 +100,7 @@ const SIZES: [Size; 5] = [
     Size {
         name: "shift down",
         edit: |panel, pixels| {
-            in_view(panel, |camera, pixel| {
-                camera.with_image_moved([0.0, pixels * pixel])
-            })
+            panel.edit_view(|camera, pixel| camera.with_image_moved([0.0, pixels * pixel]))
         },
         first: 0.25,
         most: 4.0,
@@ -129,18 +119,6 @@ fn moved(pixels: f64, sides: [&str; 2]) -> String {
 /// The angle whose image plane is larger by a factor of this logarithm.
 fn angle(angle: f64, logarithm: f64) -> f64 {
     2.0 * math::atan2(math::exp(logarithm) * math::tan(0.5 * angle), 1.0)
-}
-
-/// Edits the camera, with the height of a pixel over that of the image.
-fn in_view(panel: &mut Panel, edit: impl Fn(&Camera, f64) -> Camera) -> bool {
-    let pixel = 1.0 / panel.height as f64;
-    let camera = match &mut panel.model {
-        Model::Classified(scene) => &mut scene.camera,
-        Model::Radiative(scene) => &mut scene.camera,
-        Model::Curve(_) => return false,
-    };
-    *camera = edit(camera, pixel);
-    true
 }
 
 fn denser(model: &mut Model, factor: f64) -> bool {

@@ -81,14 +81,7 @@ impl Mistake {
         for panel in &mut scene.panels {
             occurs |= match (&self.edit, &mut panel.model) {
                 (Edit::Classified(edit), Model::Classified(classified)) => edit(classified),
-                (Edit::View(edit), Model::Classified(scene)) => {
-                    scene.camera = edit(&scene.camera, 1.0 / panel.height as f64);
-                    true
-                }
-                (Edit::View(edit), Model::Radiative(scene)) => {
-                    scene.camera = edit(&scene.camera, 1.0 / panel.height as f64);
-                    true
-                }
+                (Edit::View(edit), _) => panel.edit_view(edit),
                 (Edit::Opacity(edit), model) => opacity_of(model).is_some_and(edit),
                 (edit, Model::Radiative(radiative)) => in_radiative(edit, radiative),
                 _ => false,
