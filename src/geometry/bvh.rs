@@ -1,4 +1,5 @@
-//! Candidate faces of a mesh for a line.
+//! A bounding volume hierarchy: candidates for a line among the faces of a mesh, or the surfaces of a
+//! scene.
 //!
 //! Our own, for these reasons:
 //! - `bvh` (0.12) takes f64, but its ray test calls every ray that lies in the plane of a box's
@@ -10,22 +11,31 @@
 //!   outward before they bound f64 triangles.
 //!
 //! With boxes and ray test of our own, only the sorting of faces below remains.
+//!
+//! Source: Wald 2007, "On fast construction of SAH-based bounding volume hierarchies", IEEE Symposium
+//! on Interactive Ray Tracing, for the bins.
 
+use super::box_test::BoxTest;
 use super::{Aabb, Ray};
 
-/// Faces per leaf: testing a few costs about as much as another box.
+/// Faces of a leaf at most, where another split costs more than it saves.
 const LEAF: usize = 4;
 
-/// Rounding of a computed crossing relative to the farthest coordinate, as seen from the ray's
-/// origin: 52u by the derivation in [`super::crossing`], and 4u for the slabs here. 2^−46 is
-/// 128u; boxes are widened by it, so that no face is skipped that the triangle test would find
-/// and the hierarchy changes no bit of any answer.
-const WIDENING: f64 = 1.0 / (1_u64 << 46) as f64;
+/// Bins along an axis between which faces may be split.
+const BINS: usize = 16;
 
-/// A bounding volume hierarchy: faces sorted into halves by the middle of their boxes along the
-/// longest axis. The tree is stored in the order of its traversal.
+/// Depth below which faces are halved by number, so that no arrangement of faces makes the tree
+/// deeper than this and the logarithm of their number together.
+const DEEPEST: usize = 32;
+
+/// Nodes that may wait on the way through a tree: one for each of its levels, with up to 2^31 faces.
+const WAITING: usize = DEEPEST + 32;
+
+/// A bounding volume hierarchy: faces split where the surface area heuristic expects the fewest
+/// tests of a ray.
 #[derive(Clone, Debug)]
-pub(super) struct Bvh {
+pub struct Bvh {
+    /// A node stands before those below it, its first child right behind it.
     nodes: Vec<BvhNode>,
     faces: Vec<usize>,
 }
@@ -33,55 +43,81 @@ pub(super) struct Bvh {
 #[derive(Clone, Debug)]
 struct BvhNode {
     bounds: Aabb,
-    /// The next node after this one and all below it.
-    next: usize,
-    /// Faces of a leaf; empty for an inner node.
-    faces: std::ops::Range<usize>,
+    kind: NodeKind,
+}
+
+#[derive(Clone, Debug)]
+enum NodeKind {
+    /// A range of [`Bvh::faces`].
+    Leaf { first: usize, end: usize },
+    /// Split along `axis`; the first child holds the lower coordinates.
+    Inner { axis: usize, second: usize },
+}
+
+/// A way to split faces in two.
+#[derive(Clone, Copy)]
+struct Split {
+    axis: usize,
+    /// Faces in bins below this one go to the first child.
+    bin: usize,
+    /// Expected tests of a ray that meets the box around all of them.
+    cost: f64,
 }
 
 impl Bvh {
-    /// The hierarchy over faces `0..bounds.len()` with these boxes.
-    pub fn new(bounds: &[Aabb]) -> Bvh {
+    /// The hierarchy over faces `0..boxes.len()` with these boxes.
+    pub fn new(boxes: &[Aabb]) -> Bvh {
         let mut bvh = Bvh {
             nodes: Vec::new(),
-            faces: Vec::with_capacity(bounds.len()),
+            faces: Vec::with_capacity(boxes.len()),
         };
-        let mut faces: Vec<usize> = (0..bounds.len()).collect();
-        bvh.add(&mut faces, bounds);
+        let mut faces: Vec<usize> = (0..boxes.len()).collect();
+        if !faces.is_empty() {
+            bvh.add(&mut faces, boxes, 0);
+        }
         bvh
     }
 
-    /// The depth of this recursion is the logarithm of the number of faces.
-    fn add(&mut self, faces: &mut [usize], boxes: &[Aabb]) {
-        let Some(bounds) = faces.iter().map(|&face| boxes[face]).reduce(Aabb::union) else {
-            return;
-        };
+    fn add(&mut self, faces: &mut [usize], boxes: &[Aabb], depth: usize) {
+        let bounds = around(faces.iter().map(|&face| boxes[face]));
+        let split = best_split(faces, boxes, &bounds).filter(|_| depth < DEEPEST);
+        // Without a split, the faces of a leaf cost a test each.
+        let is_leaf = split.is_none_or(|split| split.cost >= faces.len() as f64);
         let index = self.nodes.len();
         let first = self.faces.len();
-        self.nodes.push(BvhNode {
-            bounds,
-            next: 0,
-            faces: first..first,
-        });
-        if faces.len() <= LEAF {
+        if faces.len() <= LEAF && is_leaf {
             self.faces.extend_from_slice(faces);
-            self.nodes[index].faces = first..self.faces.len();
-        } else {
-            let axis = bounds.longest_axis();
-            // Ties by number, so that the order is one and the same everywhere.
-            faces.sort_unstable_by(|&a, &b| {
-                let middle = |face: usize| boxes[face].centre()[axis];
-                middle(a).total_cmp(&middle(b)).then(a.cmp(&b))
-            });
-            let (left, right) = faces.split_at_mut(faces.len() / 2);
-            self.add(left, boxes);
-            self.add(right, boxes);
+            let end = self.faces.len();
+            let kind = NodeKind::Leaf { first, end };
+            self.nodes.push(BvhNode { bounds, kind });
+            return;
         }
-        self.nodes[index].next = self.nodes.len();
+        let (axis, middle) = match split {
+            Some(split) => {
+                let bins = Bins::of(faces, boxes, split.axis);
+                // Stable, so that the order is one and the same everywhere.
+                faces.sort_by_key(|&face| bins.bin(&boxes[face]) >= split.bin);
+                let below = faces.partition_point(|&face| bins.bin(&boxes[face]) < split.bin);
+                (split.axis, below)
+            }
+            None => {
+                let axis = bounds.longest_axis();
+                let centre = |face: usize| boxes[face].centre()[axis];
+                faces.sort_unstable_by(|&a, &b| centre(a).total_cmp(&centre(b)).then(a.cmp(&b)));
+                (axis, faces.len() / 2)
+            }
+        };
+        let kind = NodeKind::Inner { axis, second: 0 };
+        self.nodes.push(BvhNode { bounds, kind });
+        let (low, high) = faces.split_at_mut(middle);
+        self.add(low, boxes, depth + 1);
+        let second = self.nodes.len();
+        self.nodes[index].kind = NodeKind::Inner { axis, second };
+        self.add(high, boxes, depth + 1);
     }
 
-    /// Calls `visit` with every face that the line may cross at distances from `from` to a limit;
-    /// each call returns the limit from then on.
+    /// Calls `visit` with candidates for crossings `from ≤ t ≤ limit`, nearer boxes first; it returns
+    /// the new limit, which may be lower; one below `from` ends the walk.
     pub fn walk(
         &self,
         ray: &Ray,
@@ -89,41 +125,129 @@ impl Bvh {
         mut limit: f64,
         mut visit: impl FnMut(usize, f64) -> f64,
     ) {
-        let mut index = 0;
-        while let Some(node) = self.nodes.get(index) {
-            if !meets(&node.bounds, ray, from, limit) {
-                index = node.next;
+        let Some(root) = self.nodes.first() else {
+            return;
+        };
+        let test = BoxTest::new(ray, &root.bounds, 0.0);
+        if !test.may_meet(&root.bounds, from, limit) {
+            return;
+        }
+        let mut waiting = [0; WAITING];
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let index = waiting[count];
+            let node = &self.nodes[index];
+            if !test.may_meet(&node.bounds, from, limit) {
                 continue;
             }
-            for &face in &self.faces[node.faces.clone()] {
-                limit = visit(face, limit);
+            match node.kind {
+                NodeKind::Leaf { first, end } => {
+                    for &face in &self.faces[first..end] {
+                        limit = visit(face, limit);
+                        if limit < from {
+                            return;
+                        }
+                    }
+                }
+                NodeKind::Inner { axis, second } => {
+                    let [near, far] = if ray.direction[axis] < 0.0 {
+                        [second, index + 1]
+                    } else {
+                        [index + 1, second]
+                    };
+                    waiting[count] = far;
+                    waiting[count + 1] = near;
+                    count += 2;
+                }
             }
-            index += 1;
         }
     }
 }
 
-/// Whether the ray may enter the widened box between two distances.
-fn meets(bounds: &Aabb, ray: &Ray, from: f64, limit: f64) -> bool {
-    let (low, high) = (bounds.min - ray.origin, bounds.max - ray.origin);
-    let wider = WIDENING * low.abs().max(high.abs()).max_element();
-    let (mut near, mut far) = (from, limit);
+/// The split of `faces`, within `bounds`, that the surface area heuristic likes best; `None` if their
+/// centres have no extent, or none that can be computed with.
+fn best_split(faces: &[usize], boxes: &[Aabb], bounds: &Aabb) -> Option<Split> {
+    let whole = half_area(bounds);
+    let mut best: Option<Split> = None;
     for axis in 0..3 {
-        let (low, high) = (low[axis] - wider, high[axis] + wider);
-        let direction = ray.direction[axis];
-        if direction == 0.0 {
-            if low > 0.0 || high < 0.0 {
-                return false;
-            }
-            continue;
+        let bins = Bins::of(faces, boxes, axis);
+        let mut held: [Option<Aabb>; BINS] = [None; BINS];
+        let mut counts = [0; BINS];
+        for &face in faces {
+            let bin = bins.bin(&boxes[face]);
+            held[bin] = join(held[bin], Some(boxes[face]));
+            counts[bin] += 1;
         }
-        let (first, last) = if direction > 0.0 {
-            (low, high)
-        } else {
-            (high, low)
-        };
-        near = near.max(first / direction);
-        far = far.min(last / direction);
+        // Expected tests of the faces in the bins from each on.
+        let mut above = [0.0; BINS];
+        let (mut bounds, mut count) = (None, 0);
+        for bin in (1..BINS).rev() {
+            bounds = join(bounds, held[bin]);
+            count += counts[bin];
+            above[bin] = tests(bounds, count);
+        }
+        let (mut bounds, mut count) = (None, 0);
+        for bin in 1..BINS {
+            bounds = join(bounds, held[bin - 1]);
+            count += counts[bin - 1];
+            // Two boxes are tested for a split.
+            let cost = 2.0 + (tests(bounds, count) + above[bin]) / whole;
+            let divides = count > 0 && count < faces.len();
+            if divides && cost < best.map_or(f64::INFINITY, |best| best.cost) {
+                best = Some(Split { axis, bin, cost });
+            }
+        }
     }
-    near <= far
+    best
+}
+
+/// Half the area of the box around `count` faces, times their number.
+fn tests(bounds: Option<Aabb>, count: usize) -> f64 {
+    bounds.map_or(0.0, |bounds| half_area(&bounds) * count as f64)
+}
+
+fn half_area(bounds: &Aabb) -> f64 {
+    let size = bounds.size();
+    size.x * size.y + size.y * size.z + size.z * size.x
+}
+
+fn join(a: Option<Aabb>, b: Option<Aabb>) -> Option<Aabb> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.union(b)),
+        _ => a.or(b),
+    }
+}
+
+fn around(boxes: impl Iterator<Item = Aabb>) -> Aabb {
+    boxes.reduce(Aabb::union).expect("a node has faces")
+}
+
+/// Equal intervals along an axis, by the centres of boxes.
+struct Bins {
+    axis: usize,
+    low: f64,
+    /// Bins per length.
+    scale: f64,
+}
+
+impl Bins {
+    fn of(faces: &[usize], boxes: &[Aabb], axis: usize) -> Bins {
+        let centres = faces.iter().map(|&face| boxes[face].centre()[axis]);
+        let (low, high) = centres
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), centre| {
+                (low.min(centre), high.max(centre))
+            });
+        Bins {
+            axis,
+            low,
+            scale: BINS as f64 / (high - low),
+        }
+    }
+
+    /// The bin of a box; what is no number, where all centres are the same, in bin 0.
+    fn bin(&self, bounds: &Aabb) -> usize {
+        let bin = (bounds.centre()[self.axis] - self.low) * self.scale;
+        (bin as usize).min(BINS - 1)
+    }
 }

@@ -56,6 +56,10 @@ impl Surface for ClosedMesh {
     fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
         self.0.hit(ray, limit)
     }
+
+    fn blocks(&self, ray: &Ray, limit: f64) -> bool {
+        self.0.blocks(ray, limit)
+    }
 }
 
 impl Solid for ClosedMesh {

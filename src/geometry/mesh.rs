@@ -157,13 +157,25 @@ impl Surface for Mesh {
     }
 
     fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
-        let frame = RayFrame::new(ray);
+        let mut frame = None;
         let mut best = None;
         self.bvh.walk(ray, 0.0, limit, |face, nearest| {
-            best = self.nearer(&frame, face, best, limit).or(best);
+            let frame = frame.get_or_insert_with(|| RayFrame::new(ray));
+            best = self.nearer(frame, face, best, limit).or(best);
             best.map_or(nearest, |(_, crossing)| crossing.t)
         });
         best.map(|best| self.hit_at(best))
+    }
+
+    fn blocks(&self, ray: &Ray, limit: f64) -> bool {
+        let mut frame = None;
+        let mut blocked = false;
+        self.bvh.walk(ray, 0.0, limit, |face, nearest| {
+            let frame = frame.get_or_insert_with(|| RayFrame::new(ray));
+            blocked |= self.nearer(frame, face, None, limit).is_some();
+            if blocked { f64::NEG_INFINITY } else { nearest }
+        });
+        blocked
     }
 }
 

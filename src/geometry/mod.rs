@@ -8,6 +8,7 @@
 
 mod aabb;
 mod aabb_surface;
+mod box_test;
 mod bvh;
 mod camera;
 mod closed_mesh;
@@ -27,6 +28,7 @@ mod transform;
 
 pub use crate::math::Direction;
 pub use aabb::{Aabb, longest_axis};
+pub use bvh::Bvh;
 pub use camera::{Camera, CameraError};
 pub use closed_mesh::ClosedMesh;
 pub use hit::{Hit, Side, SurfacePoint};

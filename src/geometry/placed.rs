@@ -1,5 +1,6 @@
 //! Transformed shapes.
 
+use super::box_test::BoxTest;
 use super::{Aabb, Hit, Ray, Solid, Span, Surface, SurfacePoint, Transform};
 
 /// A shape with a transform. Rays are mapped to object space, so a rotated box is still a box.
@@ -10,12 +11,22 @@ use super::{Aabb, Hit, Ray, Solid, Span, Surface, SurfacePoint, Transform};
 pub struct Placed<S> {
     shape: S,
     to_world: Transform,
+    bounds: Aabb,
+    /// Bound on the distance by which a world point moves on its way to the shape and back.
+    rounding: f64,
 }
 
 impl<S: Surface> Placed<S> {
     /// `shape`, mapped to the world by `to_world`.
     pub fn new(shape: S, to_world: Transform) -> Placed<S> {
-        Placed { shape, to_world }
+        let object = shape.bounds();
+        let bounds = to_world.bounds(&object);
+        Placed {
+            rounding: to_world.round_trip_error(bounds.reach(), object.reach()),
+            shape,
+            to_world,
+            bounds,
+        }
     }
 
     /// The shape in its own space.
@@ -31,25 +42,36 @@ impl<S: Surface> Placed<S> {
     /// A slab of thickness δ in object space is at most `‖M‖₂·δ ≤ √3·‖M‖·δ` thick in the world,
     /// and both maps of a ray add their rounding; four times that is a quarter again.
     fn point(&self, point: SurfacePoint) -> SurfacePoint {
-        let (object, world) = (self.shape.bounds(), self.bounds());
-        let rounding = self
-            .to_world
-            .round_trip_error(world.reach(), object.reach());
         SurfacePoint {
             position: self.to_world.point(point.position),
             normal: self.to_world.normal(point.normal),
-            clearance: 2.0 * self.to_world.stretch() * point.clearance + 8.0 * rounding,
+            clearance: 2.0 * self.to_world.stretch() * point.clearance + 8.0 * self.rounding,
         }
+    }
+
+    /// `ray` in the space of the shape, and world lengths in its units; `None` where it misses the box
+    /// around the shape, which spares it the way there.
+    fn ray_to_object(&self, ray: &Ray, limit: f64) -> Option<(Ray, f64)> {
+        let test = BoxTest::new(ray, &self.bounds, self.slack());
+        if !test.may_meet(&self.bounds, 0.0, limit) {
+            return None;
+        }
+        self.to_world.ray_to_object(ray)
     }
 }
 
 impl<S: Surface> Surface for Placed<S> {
     fn bounds(&self) -> Aabb {
-        self.to_world.bounds(&self.shape.bounds())
+        self.bounds
+    }
+
+    /// The bounds are rounded, too, as far as a point on its way back.
+    fn slack(&self) -> f64 {
+        8.0 * self.rounding
     }
 
     fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
-        let (ray, scale) = self.to_world.ray_to_object(ray)?;
+        let (ray, scale) = self.ray_to_object(ray, limit)?;
         let hit = self.shape.hit(&ray, limit * scale)?;
         let t = hit.t / scale;
         // The way there and back may have rounded the limit.
@@ -59,11 +81,17 @@ impl<S: Surface> Surface for Placed<S> {
             ..hit
         })
     }
+
+    /// The way to the shape rounds the limit: a hit within an ulp of it counts either way.
+    fn blocks(&self, ray: &Ray, limit: f64) -> bool {
+        let object = self.ray_to_object(ray, limit);
+        object.is_some_and(|(ray, scale)| self.shape.blocks(&ray, limit * scale))
+    }
 }
 
 impl<S: Solid> Solid for Placed<S> {
     fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
-        let Some((ray, scale)) = self.to_world.ray_to_object(ray) else {
+        let Some((ray, scale)) = self.ray_to_object(ray, f64::INFINITY) else {
             return;
         };
         let first = spans.len();

@@ -67,6 +67,11 @@ impl Surface for Shape {
             shape => shape.bounds())
     }
 
+    fn slack(&self) -> f64 {
+        each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
+            shape => shape.slack())
+    }
+
     fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
         each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
             shape => shape.hit(ray, limit))
@@ -84,9 +89,19 @@ impl Surface for Boundary {
             shape => shape.bounds())
     }
 
+    fn slack(&self) -> f64 {
+        each!(self, Boundary: Sphere | Box | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
+            shape => shape.slack())
+    }
+
     fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
         each!(self, Boundary: Sphere | Box | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
             shape => shape.hit(ray, limit))
+    }
+
+    fn blocks(&self, ray: &Ray, limit: f64) -> bool {
+        each!(self, Boundary: Sphere | Box | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
+            shape => shape.blocks(ray, limit))
     }
 }
 
@@ -129,6 +144,10 @@ impl<S: Surface> Surface for Arc<S> {
 
     fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
         (**self).hit(ray, limit)
+    }
+
+    fn blocks(&self, ray: &Ray, limit: f64) -> bool {
+        (**self).blocks(ray, limit)
     }
 }
 

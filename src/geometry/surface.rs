@@ -7,6 +7,12 @@ pub trait Surface {
     /// A bounding box of the surface.
     fn bounds(&self) -> Aabb;
 
+    /// How far beyond the bounds, in world units, a ray may be that is found to hit: the rounding of a
+    /// transform.
+    fn slack(&self) -> f64 {
+        0.0
+    }
+
     /// The nearest hit with `0 < t < limit`, in world units. Of hits at the same distance, the
     /// one with the smallest face number.
     fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit>;

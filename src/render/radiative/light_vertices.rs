@@ -15,10 +15,10 @@
 
 use super::context::PathContext;
 use super::effects::Effects;
-use super::intersection::{Intersection, SurfaceIndex};
 use super::scene_context::{PositionedLight, SceneContext};
 use super::single_scattering::{ScatteringPoint, ScatteringPointSampler};
 use super::specular::facing;
+use super::surfaces::{Intersection, SurfaceIndex};
 use super::tracker::Tracker;
 use super::vertex::Vertex;
 use crate::geometry::{Direction, Ray, SurfacePoint, length_of};

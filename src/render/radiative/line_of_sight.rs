@@ -6,12 +6,12 @@
 use super::context::Scratch;
 use super::direct_light::emitted_radiance;
 use super::effects::Effects;
-use super::intersection::SurfaceIndex;
 use super::scene_context::SceneContext;
 use super::segments::{MediumSegment, MediumSegments};
 use super::shadow_edges::{LightSource, shadow_edges};
 use super::single_scattering::{ScatteringPoint, edges, lit_span};
 use super::specular::facing;
+use super::surfaces::SurfaceIndex;
 use super::tracker::Tracker;
 use super::vertex::Vertex;
 use crate::geometry::{Ray, Span};

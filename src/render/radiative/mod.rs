@@ -13,7 +13,7 @@
 //! queries of estimators to a scene |
 //! | [`context`], [`tracker`] | the state passed to them: path, random numbers, memory, counters |
 //! | [`scene_context`], [`segments`], [`ray_majorants`], [`vertex`] | a scene and its media along a ray |
-//! | [`media`], [`medium`], [`majorants`] | the media of a scene |
+//! | [`media`], [`medium`], [`majorants`], [`surfaces`] | the media and surfaces of a scene |
 //! | [`sampler`], [`tracking`], [`effects`] | random numbers, tracking in general, compiled effects |
 
 pub mod context;
@@ -37,6 +37,7 @@ pub mod segments;
 pub mod shadow_edges;
 pub mod single_scattering;
 pub mod specular;
+pub mod surfaces;
 pub mod tracker;
 pub mod tracking;
 pub mod transmittance;

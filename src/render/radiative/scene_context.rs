@@ -2,6 +2,7 @@
 
 use super::effects::Effects;
 use super::media::Media;
+use super::surfaces::Surfaces;
 use crate::optics::Light;
 use crate::scene::Radiative;
 use glam::DVec3;
@@ -14,6 +15,8 @@ pub struct SceneContext<'s, E> {
     pub radiative: &'s Radiative,
     /// Its media.
     pub media: Media<'s>,
+    /// Its surfaces.
+    pub surfaces: Surfaces<'s>,
     effects: PhantomData<E>,
 }
 
@@ -44,6 +47,7 @@ impl<'s, E: Effects> SceneContext<'s, E> {
         SceneContext {
             radiative,
             media,
+            surfaces: Surfaces::new(radiative),
             effects: PhantomData,
         }
     }
