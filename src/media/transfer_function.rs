@@ -62,6 +62,16 @@ impl TransferFunction {
         }
     }
 
+    /// Both [reference opacity](TransferFunction::reference_opacity) and
+    /// [colour](TransferFunction::colour).
+    #[inline(always)]
+    pub fn look(&self, value: f64) -> (f64, DVec3) {
+        match &self.appearance {
+            Appearance::Formula { opacity, colormap } => (opacity.at(value), colormap.at(value)),
+            Appearance::Points(points) => points.look(value),
+        }
+    }
+
     /// Emission of a sample before its colour and shading: `d²` by the formula.
     /// That belongs to the assignment and to densities; the colours of a table are radiances as
     /// they stand, so there it is 1.

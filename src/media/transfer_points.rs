@@ -1,6 +1,5 @@
 //! A transfer function as a table of points.
 
-use crate::volume::Lerp;
 use glam::DVec3;
 
 /// What one value of the field looks like.
@@ -23,7 +22,53 @@ pub struct TransferPoint {
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransferPoints {
     points: Vec<TransferPoint>,
+    values: Vec<f64>,
+    /// Before the first point, between each two, and behind the last.
+    lines: Vec<Line>,
 }
+
+/// A straight line of a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Line {
+    /// Value where it begins.
+    start: f64,
+    /// Difference of values over which it changes; infinite where it is constant.
+    width: f64,
+    opacity: f64,
+    opacity_change: f64,
+    colour: DVec3,
+    colour_change: DVec3,
+}
+
+impl Line {
+    fn between(a: &TransferPoint, b: &TransferPoint) -> Line {
+        Line {
+            start: a.value,
+            width: b.value - a.value,
+            opacity: a.opacity,
+            opacity_change: b.opacity - a.opacity,
+            colour: a.colour,
+            colour_change: b.colour - a.colour,
+        }
+    }
+
+    fn constant(point: &TransferPoint) -> Line {
+        Line {
+            width: f64::INFINITY,
+            ..Line::between(point, point)
+        }
+    }
+
+    /// Part of the line that lies before `value`; 0 where it is constant, even of what is no number.
+    #[inline]
+    fn part(&self, value: f64) -> f64 {
+        let part = (value - self.start) / self.width;
+        if part > 0.0 { part } else { 0.0 }
+    }
+}
+
+/// Points up to which a table is searched from end to end: the processor need not guess where it stops.
+const SHORT: usize = 16;
 
 /// Why points are no table.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -66,7 +111,18 @@ impl TransferPoints {
             };
             return refused(Some(index), message);
         }
-        Ok(TransferPoints { points })
+        let mut lines = vec![Line::constant(&points[0])];
+        lines.extend(
+            points
+                .windows(2)
+                .map(|pair| Line::between(&pair[0], &pair[1])),
+        );
+        lines.push(Line::constant(&points[points.len() - 1]));
+        Ok(TransferPoints {
+            values: points.iter().map(|point| point.value).collect(),
+            points,
+            lines,
+        })
     }
 
     /// The points, in order of their values.
@@ -81,15 +137,26 @@ impl TransferPoints {
     /// sum rounds away.
     #[inline]
     pub fn opacity(&self, value: f64) -> f64 {
-        let (a, b, t) = self.around(value);
-        f64::lerp_between(a.opacity, b.opacity, t)
+        let line = self.line(value);
+        line.opacity + line.opacity_change * line.part(value)
     }
 
     /// Colour at a finite `value`, linear RGB.
     #[inline]
     pub fn colour(&self, value: f64) -> DVec3 {
-        let (a, b, t) = self.around(value);
-        DVec3::lerp_between(a.colour, b.colour, t)
+        let line = self.line(value);
+        line.colour + line.colour_change * line.part(value)
+    }
+
+    /// Both [opacity](TransferPoints::opacity) and [colour](TransferPoints::colour) at a finite `value`.
+    #[inline]
+    pub fn look(&self, value: f64) -> (f64, DVec3) {
+        let line = self.line(value);
+        let part = line.part(value);
+        (
+            line.opacity + line.opacity_change * part,
+            line.colour + line.colour_change * part,
+        )
     }
 
     /// The largest channel of all colours.
@@ -121,21 +188,18 @@ impl TransferPoints {
     }
 
     /// How many points have this value or a smaller one.
+    #[inline]
     fn points_up_to(&self, value: f64) -> usize {
-        self.points.partition_point(|point| point.value <= value)
+        if self.values.len() <= SHORT {
+            self.values.iter().filter(|&&point| point <= value).count()
+        } else {
+            self.values.partition_point(|&point| point <= value)
+        }
     }
 
-    /// The points on either side of `value`, and where between them it lies, in [0, 1].
-    fn around(&self, value: f64) -> (&TransferPoint, &TransferPoint, f64) {
-        let after = self.points_up_to(value);
-        match (after.checked_sub(1), self.points.get(after)) {
-            (Some(before), Some(b)) => {
-                let a = &self.points[before];
-                (a, b, (value - a.value) / (b.value - a.value))
-            }
-            (None, _) => (&self.points[0], &self.points[0], 0.0),
-            (Some(last), None) => (&self.points[last], &self.points[last], 0.0),
-        }
+    #[inline]
+    fn line(&self, value: f64) -> &Line {
+        &self.lines[self.points_up_to(value)]
     }
 }
 

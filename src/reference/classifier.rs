@@ -23,7 +23,7 @@ pub enum Classifier<'s> {
     /// By a table of the transfer function.
     Table(LookTable),
     /// By the nodes, classified before interpolation.
-    Nodes(ClassifiedNodes),
+    Nodes(Box<ClassifiedNodes>),
 }
 
 impl<'s> Classifier<'s> {
@@ -31,7 +31,9 @@ impl<'s> Classifier<'s> {
     pub fn of(scene: &'s Classified) -> Classifier<'s> {
         let conventions = &scene.conventions;
         match conventions.table_size {
-            _ if conventions.preclassified => Classifier::Nodes(ClassifiedNodes::of(scene)),
+            _ if conventions.preclassified => {
+                Classifier::Nodes(Box::new(ClassifiedNodes::of(scene)))
+            }
             Some(size) => Classifier::Table(LookTable::of(scene, size)),
             None => Classifier::TransferFunction(&scene.transfer_function),
         }

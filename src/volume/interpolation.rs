@@ -97,6 +97,16 @@ impl Cell {
     pub fn around(lattice: &Lattice, NodePoint(point): NodePoint) -> Cell {
         let nodes = lattice.nodes();
         let strides = [1, nodes[0], nodes[0] * nodes[1]];
+        // Between nodes along all axes, as most points are: the same, without the clamps.
+        if point.cmpge(DVec3::ZERO).all() && point.cmplt(lattice.last_node()).all() {
+            let [x, y, z] = point.to_array().map(|position| position as u32);
+            let floor = DVec3::new(x.into(), y.into(), z.into());
+            return Cell {
+                low: x as usize + y as usize * strides[1] + z as usize * strides[2],
+                step: strides,
+                t: point - floor,
+            };
+        }
         let mut cell = Cell {
             low: 0,
             step: [0; 3],

@@ -20,6 +20,8 @@ pub struct Lattice {
     spacing: DVec3,
     first: DVec3,
     centring: Centring,
+    /// Position of the last node, in nodes.
+    last: DVec3,
 }
 
 /// Where the faces of the box lie.
@@ -78,6 +80,7 @@ impl Lattice {
             spacing,
             first,
             centring: Centring::Nodes,
+            last: DVec3::from_array(nodes.map(|count| (count - 1) as f64)),
         };
         lattice.with_centring(Centring::Nodes)
     }
@@ -114,6 +117,12 @@ impl Lattice {
     #[inline]
     pub fn nodes(&self) -> [usize; 3] {
         self.nodes
+    }
+
+    /// Position of the last node, in node units; the first is at 0.
+    #[inline]
+    pub fn last_node(&self) -> DVec3 {
+        self.last
     }
 
     /// Number of nodes in all.
