@@ -1,10 +1,10 @@
-//! `volref list [FILTER…]`
+//! `volref list [FILTER…]`, `volref list --mistakes`
 
 use super::Outcome;
 use super::failure::Failure;
 use super::output::{self, Json};
 use super::suite::Selection;
-use crate::suite::{ANALYTIC, row_name};
+use crate::suite::{ANALYTIC, mistakes, row_name};
 use serde_json::json;
 
 /// List the cases of the suite
@@ -13,6 +13,9 @@ pub struct Arguments {
     /// Families, cases, or patterns over them [default: all cases]
     #[arg(value_name = "FILTER")]
     filters: Vec<String>,
+    /// Instead: list the known mistakes, with the advice that `validate` gives
+    #[arg(long, conflicts_with = "filters")]
+    mistakes: bool,
     #[command(flatten)]
     selection: Selection,
     #[command(flatten)]
@@ -21,6 +24,9 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+    if arguments.mistakes {
+        return list_mistakes(&arguments.json);
+    }
     let suite = arguments.selection.open()?;
     output::check(&[arguments.json.file()], &[])?;
     let (cases, rows) = suite.select_with_rows(&arguments.filters)?;
@@ -64,4 +70,17 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         value["rows"] = entries.into();
     }
     arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+/// Lists the catalogue of mistakes, which no suite is needed for.
+fn list_mistakes(json: &Json) -> Result<Outcome, Failure> {
+    output::check(&[json.file()], &[])?;
+    let mut text = String::new();
+    let mut entries = Vec::new();
+    for mistake in mistakes::catalogue() {
+        text.push_str(&format!("{}\n    {}\n", mistake.name, mistake.advice));
+        entries.push(json!({ "name": mistake.name, "advice": mistake.advice }));
+    }
+    let value = json!({ "schema": "volref/mistakes/1", "mistakes": entries });
+    json.instead_of(text, &value).map(Outcome::from)
 }

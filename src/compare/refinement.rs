@@ -193,8 +193,8 @@ pub fn judge_refinement(truth: Limit<'_>, images: &[Film]) -> (Judgement, Film) 
     );
     if !is_still && observed < least {
         let reason = format!(
-            "the images do not converge: they change by {:.2} tolerances from the last but one step to \
-             the one before it, and by {:.2} to the last; {steps}",
+            "the images do not converge: they change by {:.2} tolerances between the last two steps but \
+             one, and by {:.2} between the last two; {steps}",
             changes[0], changes[1]
         );
         return (outcome.judgement(false, reason), limit);

@@ -50,6 +50,28 @@ fn json_in_a_file_beside_the_text() {
     assert!(suite.text("cases.json").contains("volref/list/1"));
 }
 
+/// Every mistake that a verdict may name, without a suite.
+#[test]
+fn mistakes() {
+    let run = Folder::new().volref(&["list", "--mistakes"]);
+    assert!(
+        run.stdout.contains("\nopacity-uncorrected\n    "),
+        "{}",
+        run.stdout
+    );
+    let run = Folder::new().volref(&["list", "--mistakes", "--json"]);
+    let listed: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    let listed = listed["mistakes"].as_array().unwrap();
+    let catalogue: Vec<_> = volref::suite::mistakes::catalogue().collect();
+    assert_eq!(listed.len(), catalogue.len());
+    for (entry, mistake) in listed.iter().zip(catalogue) {
+        assert_eq!(entry["name"], mistake.name);
+        assert_eq!(entry["advice"], mistake.advice);
+    }
+    let run = Folder::new().volref(&["list", "--mistakes", "figures"]);
+    assert_eq!(run.code, 2, "{}", run.stderr);
+}
+
 #[test]
 fn filters() {
     let suite = Folder::with_suite();

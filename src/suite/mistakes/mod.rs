@@ -13,10 +13,11 @@ mod media;
 mod surfaces;
 
 use crate::film::Film;
-use crate::geometry::Camera;
+use crate::geometry::{Camera, Surface, length_of};
 use crate::media::{Appearance, Homogeneous, TransferOpacity};
 use crate::optics::{Light, Material};
-use crate::scene::{Classified, Curve, Model, Radiative, Scene};
+use crate::scene::{Body, Classified, Curve, Model, Radiative, Scene};
+use glam::DVec3;
 
 /// A mistake.
 #[derive(Clone, Copy, Debug)]
@@ -83,7 +84,15 @@ impl Mistake {
                 (Edit::Classified(edit), Model::Classified(classified)) => edit(classified),
                 (Edit::View(edit), _) => panel.edit_view(edit),
                 (Edit::Opacity(edit), model) => opacity_of(model).is_some_and(edit),
-                (edit, Model::Radiative(radiative)) => in_radiative(edit, radiative),
+                (edit, Model::Radiative(radiative)) => {
+                    let before = scattering_depth(radiative);
+                    let occurs = in_radiative(edit, radiative);
+                    let depth = scattering_depth(radiative);
+                    if depth > DEEPEST && depth > 16.0 * before {
+                        return None;
+                    }
+                    occurs
+                }
                 _ => false,
             };
         }
@@ -98,6 +107,22 @@ impl Mistake {
             _ => None,
         }
     }
+}
+
+/// Optical depth beyond which nobody waits for light to be scattered all the way through: a path takes
+/// about as many collisions. Media that only absorb may be deeper, until a mistake makes them scatter.
+const DEEPEST: f64 = 4096.0;
+
+/// The largest optical depth of a medium that scatters, across its bounds.
+fn scattering_depth(scene: &Radiative) -> f64 {
+    let depth = |body: &Body| {
+        let coefficients = &body.medium.coefficients;
+        let across = length_of(body.boundary.as_ref()?.bounds().size());
+        let density = body.density.as_ref().map_or(1.0, |it| it.range().high);
+        let scatters = coefficients.sigma_s() != DVec3::ZERO;
+        scatters.then(|| coefficients.sigma_t().max_element() * density * across)
+    };
+    scene.media.iter().filter_map(depth).fold(0.0, f64::max)
 }
 
 /// Edits `scene`; returns whether the edit applies.
