@@ -95,9 +95,15 @@ impl SurfacePoint {
     }
 
     fn origin_towards(&self, towards: DVec3) -> DVec3 {
-        // Products of a normal and a tiny vector may vanish: compare what has length 1.
-        let behind = |direction: Direction| direction.cosine_to(self.normal) < 0.0;
-        let off = if Direction::of(towards).is_some_and(behind) {
+        let along = towards.dot(*self.normal);
+        let is_behind = if (1e-290..1e290).contains(&along.abs()) {
+            along < 0.0
+        } else {
+            // Products of a normal and a tiny vector may vanish: compare what has length 1.
+            let behind = |direction: Direction| direction.cosine_to(self.normal) < 0.0;
+            Direction::of(towards).is_some_and(behind)
+        };
+        let off = if is_behind {
             -self.clearance
         } else {
             self.clearance

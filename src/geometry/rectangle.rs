@@ -25,6 +25,8 @@ pub struct Rectangle {
     duals: [DVec3; 2],
     /// Largest component of the duals, per world unit.
     steepest: f64,
+    /// Sum of all components of the edges, without their signs.
+    extent: f64,
     clearance: f64,
 }
 
@@ -60,6 +62,7 @@ impl Rectangle {
             normal,
             duals,
             steepest: duals[0].abs().max(duals[1].abs()).max_element(),
+            extent: (edge_u.abs() + edge_v.abs()).element_sum(),
             clearance: 0.0,
         };
         // Also where the product leaves the range, or the edges vanish beside the corner.
@@ -141,25 +144,29 @@ impl Rectangle {
     fn crossing(&self, ray: &Ray, limit: f64) -> Option<RectangleCrossing> {
         let away = self.corner - ray.origin;
         let slope = ray.direction.cosine_to(self.normal);
-        let t = away.dot(*self.normal) / slope;
-        let size = |v: DVec3| v.x.abs() + v.y.abs() + v.z.abs();
-        let lengths = size(away) + size(self.edge_u) + size(self.edge_v);
-        let in_t = ROUNDING * lengths / slope.abs();
+        // Margins, times the cosine to the normal: so they need no division.
+        let steep = slope.abs();
+        let in_t = ROUNDING * (away.abs().element_sum() + self.extent);
         let in_uv = 2.0 * in_t * self.steepest;
         // What is no number, as for a ray in the plane, goes to the triangles too.
-        if in_uv >= 0.01 || in_uv.is_nan() {
+        let is_safe = in_uv < 0.01 * steep;
+        if !is_safe {
             return self.by_triangles(ray, limit);
         }
-        if t < -in_t || t > limit + in_t {
+        let t = away.dot(*self.normal) / slope;
+        if t * steep < -in_t || (t - limit) * steep > in_t {
             return None;
         }
         let offset = ray.direction * t - away;
         let uv = self.duals.map(|dual| offset.dot(dual));
-        if uv.iter().any(|&part| part < -in_uv || part > 1.0 + in_uv) {
+        if uv
+            .iter()
+            .any(|&part| part * steep < -in_uv || (part - 1.0) * steep > in_uv)
+        {
             return None;
         }
-        let inside = uv.iter().all(|&part| part > in_uv && part < 1.0 - in_uv);
-        if !(inside && t > in_t && t < limit - in_t) {
+        let clear = |part: f64| part * steep > in_uv && (1.0 - part) * steep > in_uv;
+        if !(uv.into_iter().all(clear) && t * steep > in_t && (limit - t) * steep > in_t) {
             return self.by_triangles(ray, limit);
         }
         let side = if slope < 0.0 { Side::Front } else { Side::Back };

@@ -129,6 +129,14 @@ impl<E: Effects> SceneContext<'_, E> {
                 1.0 / (4.0 * PI)
             }
         };
+        if let Some(phase) = self.single_scatterer(set) {
+            count_evaluation::<E>(work);
+            let value = value(phase);
+            return Response {
+                value: DVec3::splat(value),
+                pdf: value,
+            };
+        }
         let lookups = Cell::new(0);
         let mut scatterers = self.scatterers(set, point, &lookups);
         let Some((first, phase)) = scatterers.next() else {
@@ -172,6 +180,9 @@ impl<E: Effects> SceneContext<'_, E> {
         sampler: &mut Sampler,
         work: &mut W,
     ) -> (&Phase, DVec3) {
+        if let Some(phase) = self.single_scatterer(set) {
+            return (phase, DVec3::ONE);
+        }
         let lookups = Cell::new(0);
         let mut scatterers = self.scatterers(set, point, &lookups);
         let (first, phase) = scatterers
@@ -205,6 +216,16 @@ impl<E: Effects> SceneContext<'_, E> {
         work.count_times(Event::DensityLookup, lookups.get());
         let weight = share(sigma_s, all) * (carried(all) / carried(sigma_s));
         (chosen, weight)
+    }
+
+    /// The phase function of a set of one medium that scatters, of which nothing else matters.
+    fn single_scatterer(&self, set: Set) -> Option<&Phase> {
+        if !set.is_power_of_two() {
+            return None;
+        }
+        let medium = self.media.medium(set.trailing_zeros() as usize);
+        let is_nothing = medium.density.is_some_and(Density::is_nothing);
+        (medium.unit.scatters() && !is_nothing).then_some(&medium.phase)
     }
 
     /// Scattering coefficient and phase function of each medium in `set` that scatters, at the
