@@ -28,7 +28,7 @@ use arrayvec::ArrayVec;
 use glam::DVec3;
 
 /// Samples that are looked up before the first of them is composited. None waits for another, so that
-/// a processor works on several at once: one by one, they take twice as long.
+/// a processor works on several at once: one by one, they take a tenth longer.
 const BATCH: usize = 8;
 
 /// The field at a point, classified.

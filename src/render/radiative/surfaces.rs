@@ -22,7 +22,7 @@ pub enum SurfaceIndex {
 }
 
 /// Surfaces that a ray is tested against one by one: the way through a hierarchy of so few takes
-/// longer, in a room of nine by a sixth of all time.
+/// longer, in a room of nine by an eighth of all time.
 const FEW: usize = 16;
 
 /// The surfaces of a scene, sorted for rays where they are many.
