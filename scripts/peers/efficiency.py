@@ -62,15 +62,18 @@ class Worker:
 
     def __init__(self, *arguments):
         command = [sys.executable, Path(__file__).resolve(), "worker", *arguments]
-        # VTK complains of a screen that is not there.
-        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+        # VTK complains of a screen that is not there: only of interest if it ends.
+        self.complaints = tempfile.TemporaryFile("w+")
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": self.complaints}
         self.process = pinned(command, **pipes)
 
     def ask(self, **question):
         print(json.dumps(question), file=self.process.stdin, flush=True)
         answer = self.process.stdout.readline()
         if not answer:
-            sys.exit(f"{self.process.args}: ended without an answer")
+            self.complaints.seek(0)
+            name = " ".join(self.process.args[3:5])
+            sys.exit(f"{name} ended without an answer:\n{self.complaints.read()}")
         return json.loads(answer)
 
 
