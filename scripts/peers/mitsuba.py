@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
-"""Compares volref with Mitsuba 3 (`scalar_rgb`, `volpath`) on the same scenes.
+"""Compares the pictures of volref with those of Mitsuba 3 (`scalar_rgb`, `volpath`).
 
     mitsuba.py agree SCENE... [--spp N]               do both show the same picture?
-    mitsuba.py efficiency SCENE... [--spp N] [--runs R]   error squared times CPU time, as a ratio
 
 A SCENE is a file, or a name such as smoke/cornell. Needs Python 3.11 with `mitsuba` and `numpy`
 (without them it says so and succeeds), and `cargo build --release`.
@@ -13,12 +12,7 @@ standard deviation is below 1e-4 of their value have no z, and must agree to 5e-
 pictures the root mean square of z is 1 and |z| > 3 in 0.3 % of the blocks (a little more where
 light arrives by rare bright paths, whose variance is estimated too low).
 
-`efficiency` alternates one-thread runs of both, each with a seed of its own. The error is the mean
-over pixels and channels of (x - ref)^2 / (ref^2 + 0.01^2); ref is a long render of volref, whose
-own noise is subtracted; all Mitsuba runs together are compared with it as in `agree`. Efficiency
-is 1 / (error x CPU seconds). Neither start, loading nor writing counts: volref's time is the CPU
-time of a run less that of a run of 2 samples, Mitsuba's the CPU time of a second and later call
-of `render` on a loaded scene.
+What an error costs in time is measured by `efficiency.py`.
 
 Scenes are given to Mitsuba as `volref export --to mitsuba` writes them; what it cannot say is
 refused there, by name. How it says the rest is explained in src/exchange/mitsuba.rs.
@@ -27,12 +21,9 @@ refused there, by name. How it says the rest is explained in src/exchange/mitsub
 import argparse
 import json
 import os
-import resource
-import statistics
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -64,11 +55,6 @@ class Refused(Exception):
 # --- Renderers ---------------------------------------------------------------------------------
 
 
-def cpu_of_children():
-    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return usage.ru_utime + usage.ru_stime
-
-
 class Volref:
     def __init__(self, binary, scene, folder):
         self.binary, self.scene, self.folder = binary, scene, folder
@@ -82,17 +68,15 @@ class Volref:
         return self.folder / json.loads(done.stdout)["main"]
 
     def render(self, spp, seed, threads, name="volref"):
-        """The image, the variance of its pixels, and CPU seconds of the whole run."""
+        """The image, and the variance of its pixels."""
         file = self.folder / f"{name}-{seed}.exr"
         command = [self.binary, "render", self.scene, "-o", file, "--spp", spp, "--seed", seed]
         if threads:
             command += ["--threads", threads]
-        before = cpu_of_children()
         done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
-        seconds = cpu_of_children() - before
         if done.returncode:
             sys.exit(f"volref render {self.scene} failed:\n{done.stderr}")
-        return *read_exr(file), seconds
+        return read_exr(file)
 
 
 def read_exr(file):
@@ -113,12 +97,10 @@ class Mitsuba:
         # Set only while it renders: with a single thread, reading or writing an EXR never ends.
         usual = max(2, dr.thread_count())
         dr.set_thread_count(threads or usual)
-        before = time.process_time()
         image = picture(self.scenes, spp, seed)
-        seconds = time.process_time() - before
         dr.set_thread_count(usual)
         mi.Bitmap(image.astype(np.float32)).write(str(self.folder / f"mitsuba-{seed}.exr"))
-        return image, seconds
+        return image
 
 
 # --- What is measured --------------------------------------------------------------------------
@@ -165,82 +147,25 @@ def print_agreement(image, variance, others):
 
 
 def agree(volref, mitsuba, options):
-    image, variance, _ = volref.render(options.spp, options.seed, options.threads)
-    others = [mitsuba.render(options.spp, options.seed + k, options.threads)[0] for k in (1, 2)]
+    image, variance = volref.render(options.spp, options.seed, options.threads)
+    others = [mitsuba.render(options.spp, options.seed + k, options.threads) for k in (1, 2)]
     print_agreement(image, variance, others)
-
-
-class Reference:
-    def __init__(self, image, variance):
-        self.image, self.scale = image, image**2 + 0.01**2
-        self.noise = variance / self.scale
-
-    def squares(self, image):
-        return (image - self.image) ** 2 / self.scale
-
-    def error(self, image):
-        return (self.squares(image) - self.noise).mean()
-
-
-def efficiency(volref, mitsuba, options):
-    if options.reference:
-        long, variance = read_exr(options.reference)
-    else:
-        long, variance, _ = volref.render(options.reference_spp, 1 << 20, options.threads, "long")
-    reference = Reference(long, variance)
-    mitsuba.render(1, options.seed, 1)
-    spp, rounds = options.spp, []
-    ours, theirs = [], []
-    for seed in range(options.seed + 1, options.seed + options.runs + 1):
-        start = volref.render(2, seed, 1, "start")[2]
-        image, _, whole = volref.render(spp, seed, 1)
-        ours.append(image)
-        # Of the whole run, the shorter one also rendered two samples.
-        first = (whole - start) * spp / (spp - 2), reference.error(image)
-        image, second = mitsuba.render(spp, seed, 1)
-        theirs.append(image)
-        rounds.append((*first, second, reference.error(image)))
-    paths = long[:, :, 0].size * spp
-    for name, seconds, error in (("volref ", 0, 1), ("Mitsuba", 2, 3)):
-        times = [r[seconds] for r in rounds]
-        errors = [r[error] for r in rounds]
-        images = ours if name == "volref " else theirs
-        squares = np.mean([reference.squares(image).mean(2) for image in images], axis=0)
-        ordered = np.sort(squares.ravel())[::-1]
-        share = ordered[: ordered.size // 100].sum() / ordered.sum()
-        print(f"  {name} {paths / statistics.median(times) / 1e3:8.0f} thousand paths/s", end="")
-        print(f"  error {statistics.median(errors):.5f} ({min(errors):.5f}", end="")
-        print(f" to {max(errors):.5f}) with {spp} samples", end="")
-        print(f", {100 * share:.0f} % of it in 1 % of the pixels")
-    ratios = sorted(b * tb / (a * ta) for ta, a, tb, b in rounds)
-    means = np.mean(rounds, axis=0)
-    print(f"  efficiency, volref / Mitsuba: median {statistics.median(ratios):.2f}", end="")
-    print(f" ({ratios[0]:.2f} to {ratios[-1]:.2f} in {len(rounds)} runs)", end="")
-    print(f"; by mean errors and times {means[3] * means[2] / (means[1] * means[0]):.2f}")
-    print(f"  the reference against all {len(theirs)} Mitsuba runs:")
-    print_agreement(long, variance, theirs)
 
 
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("mode", choices=["agree", "efficiency"])
+    parser.add_argument("mode", choices=["agree"])
     parser.add_argument("scene", nargs="+")
-    parser.add_argument("--spp", type=int, help="samples per pixel [256; efficiency: 16]")
-    parser.add_argument("--runs", type=int, default=5, help="rounds of efficiency [5]")
+    parser.add_argument("--spp", type=int, default=256, help="samples per pixel [256]")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--reference", help="a long EXR of volref's, rendered before")
-    parser.add_argument("--reference-spp", type=int, default=1024)
-    parser.add_argument("--threads", type=int, help="where nothing is measured [all cores]")
+    parser.add_argument("--threads", type=int, help="[all cores]")
     parser.add_argument("--keep", type=Path, help="folder that all images are left in")
     parser.add_argument("--volref", type=Path, default=ROOT / "target/release/volref")
     options = parser.parse_args()
-    options.spp = options.spp or (256 if options.mode == "agree" else 16)
-    if options.spp < 3 or options.runs < 2:
-        parser.error("--spp must be at least 3 and --runs 2")
-    if options.reference and len(options.scene) > 1:
-        parser.error("--reference is for a single scene")
+    if options.spp < 2:
+        parser.error("--spp must be at least 2")
     if not os.access(options.volref, os.X_OK):
         print(f"there is no {options.volref}: `cargo build --release` makes it", file=sys.stderr)
         return 2
@@ -258,7 +183,7 @@ def main():
                 status = 2
                 continue
             print(f"{name}: {options.spp} samples, Mitsuba {mi.__version__}", flush=True)
-            {"agree": agree, "efficiency": efficiency}[options.mode](volref, mitsuba, options)
+            agree(volref, mitsuba, options)
     return status
 
 
