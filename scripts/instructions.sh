@@ -13,6 +13,8 @@ command -v valgrind >/dev/null || {
     echo "valgrind is missing: in Debian and Ubuntu it is in the package valgrind" >&2
     exit 2
 }
+# Callgrind looks for a function by its name.
+export CARGO_PROFILE_RELEASE_STRIP=none
 cargo build --quiet --release --example instructions
 "${CARGO_TARGET_DIR:-target}/release/examples/instructions"
 printf '\n%s, %s, profile release\n' "$(rustc --version)" "$(valgrind --version)"
