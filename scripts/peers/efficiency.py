@@ -30,7 +30,6 @@ import subprocess
 import sys
 import tempfile
 import time
-import xml.etree.ElementTree
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -81,50 +80,21 @@ class Worker:
 # --- Paths ---------------------------------------------------------------------------------------
 
 
-def import_mitsuba(variant):
-    # The neighbour `mitsuba.py` has the name of the module that is needed here.
-    here = Path(__file__).resolve().parent
-    sys.path[:] = [path for path in sys.path if Path(path or ".").resolve() != here]
-    import mitsuba as mi
+def mitsuba_worker(variant, scene):
+    import drjit as dr
+    from run_mitsuba import load, mi, picture
 
     mi.set_variant(variant)
-    return mi
-
-
-def mitsuba_worker(variant, scene):
-    mi = import_mitsuba(variant)
-    import drjit as dr
-
     # With a pool of one thread, reading an EXR never ends.
     dr.set_thread_count(2)
-    # What Mitsuba cannot be told at once is rendered channel by channel, the same samples for each.
-    names = [it.get("name") for it in xml.etree.ElementTree.parse(scene).iter("default")]
-    channels = ["red", "green", "blue"] if "channel" in names else []
-    scenes = [mi.load_file(scene, channel=channel) for channel in channels]
-    scenes = scenes or [mi.load_file(scene)]
+    scenes = load(scene)
     for line in sys.stdin:
         question = json.loads(line)
-        spp, seed = question["spp"], question["seed"]
         before = time.process_time()
-        images = [np.array(mi.render(scene, spp=spp, seed=seed)) for scene in scenes]
+        image = picture(scenes, question["spp"], question["seed"])
         seconds = time.process_time() - before
-        image = images[0][:, :, :3]
-        if channels:
-            image = np.stack([images[c][:, :, c] for c in range(3)], axis=2)
         np.save(question["output"], image)
         print(json.dumps({"seconds": seconds}), flush=True)
-
-
-def read_exr(mi, file):
-    """Radiance, and the variance of its noise."""
-    bitmap = mi.Bitmap(str(file))
-    names = [field.name for field in bitmap.struct_()]
-    values = np.array(bitmap, float)
-    image = values[:, :, [names.index(c) for c in "RGB"]]
-    variance = [f"variance.{c}" for c in "RGB"]
-    if variance[0] not in names:
-        return image, np.zeros_like(image)
-    return image, values[:, :, [names.index(c) for c in variance]]
 
 
 class Reference:
@@ -158,27 +128,31 @@ class Volref:
             sys.exit(f"volref render {self.scene} failed")
         return usage.ru_utime + usage.ru_stime, json.loads(printed), output
 
-    def render(self, mi, spp, seed):
+    def render(self, spp, seed):
         """The image, and CPU seconds of its samples."""
+        from run_mitsuba import read_exr
+
         start = self.run("--spp", 2, "--seed", seed)[0]
         seconds, _, output = self.run("--spp", spp, "--seed", seed)
         # Of the whole run, the shorter one also rendered two samples.
-        return read_exr(mi, output)[0], (seconds - start) * spp / (spp - 2)
+        return read_exr(output)[0], (seconds - start) * spp / (spp - 2)
 
 
-def efficiency(name, options, mi):
+def efficiency(name, options):
+    from run_mitsuba import read_exr
+
     scene = ROOT / "fixtures/scenes" / f"{name}.toml"
     with tempfile.TemporaryDirectory() as folder:
         volref = Volref(options.volref, scene, folder)
         exported = volref.export()
-        reference = Reference(*read_exr(mi, options.reference or ROOT / "golden" / f"{name}.exr"))
+        reference = Reference(*read_exr(options.reference or ROOT / "golden" / f"{name}.exr"))
         workers = {variant: Worker("mitsuba", variant, exported) for variant in options.variants}
         output = str(Path(folder) / "mitsuba.npy")
         for worker in workers.values():
             worker.ask(spp=options.spp, seed=0, output=output)
         costs = {who: [] for who in ["volref", *workers]}
         for seed in range(options.seed + 1, options.seed + options.runs + 1):
-            image, seconds = volref.render(mi, options.spp, seed)
+            image, seconds = volref.render(options.spp, seed)
             costs["volref"].append((reference.error(image), seconds))
             for variant, worker in workers.items():
                 answer = worker.ask(spp=options.spp, seed=seed, output=output)
@@ -195,14 +169,15 @@ def efficiency(name, options, mi):
 
 
 def paths(options):
-    mi = import_mitsuba("scalar_rgb")
+    from run_mitsuba import mi
+
     print(f"{options.spp} samples per pixel, {options.runs} runs, Mitsuba {mi.__version__}\n")
     columns = [f"volref / `{variant}`" for variant in options.variants]
     columns += [f"{who}: error, CPU time" for who in ["volref", *options.variants]]
     print("| scene | " + " | ".join(columns) + " |")
     print("| --- |" + " --- |" * len(columns))
     for name in options.scene:
-        efficiency(name, options, mi)
+        efficiency(name, options)
 
 
 # --- Scans ---------------------------------------------------------------------------------------

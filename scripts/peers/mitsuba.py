@@ -31,7 +31,7 @@ try:
     import numpy as np
 
     # It sees to it that this file, which has the name of the module, is not taken for it.
-    from run_mitsuba import load, mi, picture
+    from run_mitsuba import load, mi, picture, read_exr
     import drjit as dr
 except ImportError as error:
     print(f"skipped: {error} (to compare with Mitsuba: pip install mitsuba numpy)")
@@ -77,16 +77,6 @@ class Volref:
         if done.returncode:
             sys.exit(f"volref render {self.scene} failed:\n{done.stderr}")
         return read_exr(file)
-
-
-def read_exr(file):
-    bitmap = mi.Bitmap(str(file))
-    channels = {field.name: i for i, field in enumerate(bitmap.struct_())}
-    values = np.array(bitmap, float)
-    image = values[:, :, [channels[c] for c in "RGB"]]
-    if "variance.R" not in channels:
-        return image, np.zeros_like(image)
-    return image, values[:, :, [channels[f"variance.{c}"] for c in "RGB"]]
 
 
 class Mitsuba:

@@ -61,6 +61,17 @@ def picture(scenes, spp, seed):
     return np.stack([pictures[channel][:, :, channel] for channel in range(3)], axis=2)
 
 
+def read_exr(file):
+    """Radiance, and the variance of its noise: 0 where none is stated."""
+    bitmap = mi.Bitmap(str(file))
+    channels = {field.name: i for i, field in enumerate(bitmap.struct_())}
+    values = np.array(bitmap, float)
+    image = values[:, :, [channels[c] for c in "RGB"]]
+    if "variance.R" not in channels:
+        return image, np.zeros_like(image)
+    return image, values[:, :, [channels[f"variance.{c}"] for c in "RGB"]]
+
+
 def render(scenes, spp, seed, count):
     """Mean, variance of the mean, and samples per pixel, from at most `count` pictures."""
     samples, count = shares(spp, count)

@@ -37,8 +37,8 @@ impl BoxTest {
         }
     }
 
-    /// Whether the ray may meet `bounds` at a distance with `from ≤ t ≤ limit`. It may not if this
-    /// says no; if it says yes, it may still miss by rounding.
+    /// The ray may meet `bounds` at a distance with `from ≤ t ≤ limit`. `false` is certain; `true` may
+    /// still be a miss, by rounding.
     #[inline]
     pub fn may_meet(&self, bounds: &Aabb, from: f64, limit: f64) -> bool {
         let (mut near, mut far) = (from, limit);

@@ -7,8 +7,8 @@ pub trait Surface {
     /// A bounding box of the surface.
     fn bounds(&self) -> Aabb;
 
-    /// How far beyond the bounds, in world units, a ray may be that is found to hit: the rounding of a
-    /// transform.
+    /// Distance beyond the bounds, in world units, at which a ray may still be found to hit: the
+    /// rounding of a transform.
     fn slack(&self) -> f64 {
         0.0
     }

@@ -137,21 +137,19 @@ impl TransferPoints {
     /// sum rounds away.
     #[inline]
     pub fn opacity(&self, value: f64) -> f64 {
-        let line = self.line(value);
-        line.opacity + line.opacity_change * line.part(value)
+        self.look(value).0
     }
 
     /// Colour at a finite `value`, linear RGB.
     #[inline]
     pub fn colour(&self, value: f64) -> DVec3 {
-        let line = self.line(value);
-        line.colour + line.colour_change * line.part(value)
+        self.look(value).1
     }
 
     /// Both [opacity](TransferPoints::opacity) and [colour](TransferPoints::colour) at a finite `value`.
     #[inline]
     pub fn look(&self, value: f64) -> (f64, DVec3) {
-        let line = self.line(value);
+        let line = &self.lines[self.points_up_to(value)];
         let part = line.part(value);
         (
             line.opacity + line.opacity_change * part,
@@ -195,11 +193,6 @@ impl TransferPoints {
         } else {
             self.values.partition_point(|&point| point <= value)
         }
-    }
-
-    #[inline]
-    fn line(&self, value: f64) -> &Line {
-        &self.lines[self.points_up_to(value)]
     }
 }
 

@@ -12,13 +12,13 @@ impl<E: Effects> SceneContext<'_, E> {
         if !E::SURFACES {
             return None;
         }
-        work.count_times(Event::SurfaceTest, self.surfaces.count() as u64);
+        work.count_times(Event::SurfaceTest, self.surfaces.count());
         self.surfaces.nearest(ray)
     }
 
     /// No surface stands between the origin of `ray` and the distance `limit`.
     pub fn is_unoccluded<W: Work>(&self, ray: &Ray, limit: f64, work: &mut W) -> bool {
-        work.count_times(Event::SurfaceTest, self.surfaces.count() as u64);
+        work.count_times(Event::SurfaceTest, self.surfaces.count());
         !self.surfaces.block(ray, limit)
     }
 }

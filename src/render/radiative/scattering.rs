@@ -2,6 +2,7 @@
 
 use super::effects::Effects;
 use super::media::{Set, members};
+use super::medium::Medium;
 use super::sampler::Sampler;
 use super::scene_context::SceneContext;
 use super::tracker::Tracker;
@@ -129,7 +130,7 @@ impl<E: Effects> SceneContext<'_, E> {
                 1.0 / (4.0 * PI)
             }
         };
-        if let Some(phase) = self.single_scatterer(set) {
+        if let Some(phase) = self.only_scatterer(set) {
             count_evaluation::<E>(work);
             let value = value(phase);
             return Response {
@@ -146,21 +147,19 @@ impl<E: Effects> SceneContext<'_, E> {
             };
         };
         count_evaluation::<E>(work);
-        let only = value(phase);
-        let (mut all, mut weighted) = (first, first * only);
-        let mut alone = true;
+        let of_first = value(phase);
+        let (mut all, mut weighted) = (first, first * of_first);
         for (sigma_s, phase) in scatterers {
             count_evaluation::<E>(work);
             all += sigma_s;
             weighted += sigma_s * value(phase);
-            alone = false;
         }
         work.count_times(Event::DensityLookup, lookups.get());
         // The point of the collision is rounded: it may lie where none of them is.
-        if alone || all == DVec3::ZERO {
+        if all == DVec3::ZERO {
             return Response {
-                value: DVec3::splat(only),
-                pdf: only,
+                value: DVec3::splat(of_first),
+                pdf: of_first,
             };
         }
         Response {
@@ -180,7 +179,7 @@ impl<E: Effects> SceneContext<'_, E> {
         sampler: &mut Sampler,
         work: &mut W,
     ) -> (&Phase, DVec3) {
-        if let Some(phase) = self.single_scatterer(set) {
+        if let Some(phase) = self.only_scatterer(set) {
             return (phase, DVec3::ONE);
         }
         let lookups = Cell::new(0);
@@ -189,13 +188,8 @@ impl<E: Effects> SceneContext<'_, E> {
             .next()
             .expect("a collision is in a medium that scatters");
         let all = scatterers.fold(first, |sum, (sigma_s, _)| sum + sigma_s);
-        let uncounted = Cell::new(0);
-        let alone = self.scatterers(set, point, &uncounted).nth(1).is_none();
-        if alone || all == DVec3::ZERO {
-            return (phase, DVec3::ONE);
-        }
         let carried = |sigma_s: DVec3| throughput.dot(share(sigma_s, all));
-        if carried(all) == 0.0 {
+        if all == DVec3::ZERO || carried(all) == 0.0 {
             // The point of the collision is rounded: it may lie where the scattering is of a colour
             // that the path does not carry.
             return (phase, DVec3::ONE);
@@ -218,40 +212,36 @@ impl<E: Effects> SceneContext<'_, E> {
         (chosen, weight)
     }
 
-    /// The phase function of a set of one medium that scatters, of which nothing else matters.
-    fn single_scatterer(&self, set: Set) -> Option<&Phase> {
-        if !set.is_power_of_two() {
-            return None;
-        }
-        let medium = self.media.medium(set.trailing_zeros() as usize);
-        let is_nothing = medium.density.is_some_and(Density::is_nothing);
-        (medium.unit.scatters() && !is_nothing).then_some(&medium.phase)
+    /// The phase function of the only medium in `set` that scatters, with which no other has to be
+    /// compared.
+    fn only_scatterer(&self, set: Set) -> Option<&Phase> {
+        let mut scatterers = self.scattering_members(set);
+        let only = scatterers.next()?;
+        scatterers.next().is_none().then_some(&only.phase)
     }
 
     /// Scattering coefficient and phase function of each medium in `set` that scatters, at the
-    /// world point `point`, which lies in all of them. The coefficient of a single medium is not
-    /// looked up, since there is no other to compare it with. Adds to `lookups`.
+    /// world point `point`, which lies in all of them. Adds to `lookups`.
     fn scatterers(
         &self,
         set: Set,
         point: DVec3,
         lookups: &Cell<u64>,
     ) -> impl Iterator<Item = (DVec3, &Phase)> {
-        // Not by the properties on a segment, which may vanish where the scattering does not.
-        let scatters = |&index: &usize| {
-            let medium = self.media.medium(index);
-            medium.unit.scatters() && !medium.density.is_some_and(Density::is_nothing)
-        };
-        let alone = !E::HETEROGENEOUS || members(set).filter(scatters).nth(1).is_none();
-        members(set).filter(scatters).map(move |index| {
-            let medium = self.media.medium(index);
-            if alone {
-                return (medium.unit.sigma_s, &medium.phase);
-            }
+        self.scattering_members(set).map(move |medium| {
             let mut count = lookups.get();
             let sigma_s = medium.sigma_s(point, &mut count);
             lookups.set(count);
             (sigma_s, &medium.phase)
+        })
+    }
+
+    /// The media of `set` that scatter, not by their properties on a segment: those may vanish where
+    /// the scattering does not.
+    fn scattering_members(&self, set: Set) -> impl Iterator<Item = &Medium<'_>> {
+        let media = members(set).map(|index| self.media.medium(index));
+        media.filter(|medium| {
+            medium.unit.scatters() && !medium.density.is_some_and(Density::is_nothing)
         })
     }
 }

@@ -51,8 +51,8 @@ impl<'s> Surfaces<'s> {
     }
 
     /// Their number.
-    pub fn count(&self) -> usize {
-        self.objects.len() + self.area_lights.len()
+    pub fn count(&self) -> u64 {
+        (self.objects.len() + self.area_lights.len()) as u64
     }
 
     /// A surface by its number: objects first, then area lights.
@@ -111,7 +111,7 @@ impl<'s> Surfaces<'s> {
         })
     }
 
-    /// Whether any surface stands between the origin of `ray` and the distance `limit`.
+    /// A surface stands between the origin of `ray` and the distance `limit`.
     pub fn block(&self, ray: &Ray, limit: f64) -> bool {
         let Some(hierarchy) = &self.hierarchy else {
             return self.objects.iter().any(|it| it.shape.blocks(ray, limit))
