@@ -477,6 +477,11 @@ impl ConventionSearch {
         test: &Picture,
         end: Option<Instant>,
     ) -> Option<Explained> {
+        let width = scene.panels.iter().map(|panel| panel.width).sum();
+        let height = scene.panels.first().map_or(0, |panel| panel.height);
+        if test.size() != (width, height) {
+            return None;
+        }
         // An integral has no samples, and no conventions about them.
         let is_sampled = |volume: &Classified| !volume.is_continuous();
         let mut volumes = scene.panels.iter().map(Panel::classified);

@@ -490,6 +490,33 @@ fn mistakes_are_named() {
     );
 }
 
+/// No convention and no mistake is looked for in an image of another size, narrower ones included.
+#[test]
+fn images_of_another_size() {
+    let folder = with_images();
+    let golden = film(&folder, "golden/smoke/plain.exr");
+    let (width, height) = (golden.width(), golden.height());
+    for [width, height] in [
+        [width / 2, height],
+        [width - 1, height],
+        [width / 2, 2 * height],
+        [2 * width, height],
+        [width, height - 1],
+        [1, 1],
+    ] {
+        let pixels = vec![[0.25; 3]; width * height];
+        let other = Film::new(width, height, pixels);
+        folder.write("out/smoke/plain.exr", other.to_exr().unwrap());
+        let run = folder.volref(&["validate", "--outputs", "out", "--json"]);
+        assert_eq!(run.code, 1, "{width} × {height}: {}", run.stderr);
+        let reason = case(&run, "smoke/plain")["reason"].clone();
+        assert!(
+            reason.as_str().unwrap().starts_with("size differs"),
+            "{width} × {height}: {reason}"
+        );
+    }
+}
+
 #[test]
 fn images_that_are_none() {
     let folder = with_images();
