@@ -26,4 +26,4 @@ fi
 if [ ${#filters[@]} -eq 0 ]; then
     filters=('*')
 fi
-exec cargo run --release --quiet -- accept "${filters[@]}" "${reason[@]}"
+exec cargo run --release -- accept "${filters[@]}" "${reason[@]}"

@@ -94,6 +94,7 @@ pub mod hard_cases;
 pub mod known_answers;
 pub mod math;
 pub mod media;
+mod misspelling;
 pub mod optics;
 pub mod reference;
 mod regular_file;

@@ -195,7 +195,7 @@ fn check_target(path: &Path) -> Result<(), Failure> {
         return check_no_input(path).and_then(|()| check_no_golden(path));
     };
     let message = format!("cannot write {}: {what}", path.display());
-    let help = "nothing was rendered; give a file in a folder that exists";
+    let help = "nothing was done; give a file in a folder that exists";
     Err(Failure::new(Exit::BadInput, message, Some(help)))
 }
 

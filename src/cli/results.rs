@@ -3,7 +3,7 @@
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use crate::report;
-use crate::suite::{CaseResult, Evidence, Judged, Likeness, Suite};
+use crate::suite::{CaseResult, Evidence, Judged, Likenesses, Suite};
 use std::path::{Path, PathBuf};
 
 /// Destinations of the results.
@@ -25,8 +25,8 @@ pub struct Findings<'f> {
     pub command: &'f str,
     /// Result and evidence of each case.
     pub judged: Vec<Judged>,
-    /// Likely mistakes behind the images.
-    pub likely: Vec<Likeness>,
+    /// What the search for the mistakes behind the images found.
+    pub found: Likenesses,
 }
 
 impl Findings<'_> {
@@ -76,7 +76,7 @@ impl ResultFiles {
             text.push_str(&format!("\nreport: {}\n", path.display()));
         }
         let json = match findings.command {
-            "validate" => report::validation_json(&results, &findings.likely),
+            "validate" => report::validation_json(&results, &findings.found.likely),
             command => report::results_json(command, &results),
         };
         self.json.instead_of(text, &json)
@@ -95,7 +95,7 @@ fn page(findings: &Findings<'_>, results: &[CaseResult]) -> String {
         command: &format!("volref {}", shell_words::join(words)),
         results,
         evidence: &evidence,
-        likely: &findings.likely,
+        found: &findings.found,
     })
 }
 

@@ -121,7 +121,7 @@ fn budget(text: &str) -> Result<f64, String> {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
-    let cases = suite.select(&arguments.filters)?;
+    let mut cases = suite.select(&arguments.filters)?;
     let store = suite.store();
     let names: Vec<&str> = suite
         .cases()
@@ -143,6 +143,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 
     source.end_with_us();
 
+    if arguments.only_present {
+        cases.retain(|case| source.may_have(case));
+    }
     let said = PrintedVerdicts {
         speaks: !arguments.files.prints_json(),
         widest: cases.iter().map(|case| case.name.len()).max().unwrap_or(0),
@@ -180,7 +183,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let findings = Findings {
         command: "validate",
         judged,
-        likely: found.map(|(found, _)| found.likely).unwrap_or_default(),
+        found: found.map(|(found, _)| found).unwrap_or_default(),
     };
     Ok(Outcome {
         text: arguments.files.write(&findings, text.unwrap_or_default())?,
@@ -234,10 +237,7 @@ fn named(
     profile: Option<&Profile>,
     judged: &mut [Judged],
 ) -> Option<(Likenesses, bool)> {
-    let failed = judged
-        .iter()
-        .filter(|judged| judged.result.cause == Cause::Mismatch)
-        .count();
+    let failed = judged.iter().filter(|judged| judged.differs()).count();
     if failed == 0 || arguments.explain == 0.0 {
         return None;
     }
@@ -306,6 +306,14 @@ impl<'a> Source<'a> {
             folder,
             temporary,
         }))
+    }
+
+    /// Whether there may be an image of `case`: a renderer has to be run to know.
+    fn may_have(&self, case: &Case) -> bool {
+        match self {
+            Source::Finished(_, outputs) => !matches!(outputs.find(&case.name), Ok(None)),
+            Source::Renderer(_) => true,
+        }
     }
 
     /// The output for `case`, and its origin.
@@ -505,12 +513,15 @@ impl RendererRun<'_> {
             Err(error) => return Output::Unusable(error.to_string()),
         };
         match read(&outputs, &self.folder, case) {
-            Output::Missing(_) => {
-                Output::Missing("the renderer succeeded, but wrote no image to {output}".to_owned())
-            }
+            Output::Missing(_) => Output::Missing(format!(
+                "the renderer succeeded, but did not write {}.{}, the file that {{output}} stood for \
+                 (for another format: --format pfm, npy or png)",
+                case.name, self.arguments.format
+            )),
             Output::Picture(picture) if has_steps && picture.radiance().is_some() => {
                 Output::Missing(format!(
-                    "the renderer succeeded, but wrote no image to {{output}} with a smaller step: {}.{}",
+                    "the renderer succeeded, but did not write {}.{}, the file that {{output}} stood for \
+                     with a smaller step",
                     step_name(&case.name, 1),
                     self.arguments.format
                 ))

@@ -5,7 +5,7 @@ use super::results::{Findings, ResultFiles};
 use super::suite::{Selection, exit};
 use super::{Outcome, progress, render};
 use crate::report;
-use crate::suite::{self, Case, CaseResult, Evidence, Suite, Verdict};
+use crate::suite::{self, Case, CaseResult, Evidence, Likenesses, Suite, Verdict};
 
 /// Render the suite and compare it with the goldens, bit for bit
 #[derive(Debug, clap::Args)]
@@ -69,7 +69,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let findings = Findings {
         command: "verify",
         judged,
-        likely: Vec::new(),
+        found: Likenesses::default(),
     };
     let results = findings.results();
     let text = if arguments.verbose {

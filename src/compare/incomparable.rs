@@ -50,7 +50,7 @@ fn size_differs(
     }
     let reason = format!(
         "size differs: the reference has {width} × {height} pixels, \
-         the test image {test_width} × {test_height}"
+         the test image {test_width} × {test_height}; render it at {width} × {height}"
     );
     Some(Judgement::new(gate, false, reason, &[]))
 }
@@ -68,8 +68,9 @@ fn not_finite(gate: &'static dyn Gate, name: &str, film: &Film) -> Option<Judgem
     if broken.len() > MOST_NAMED {
         named.push("…".to_owned());
     }
+    let are = if broken.len() == 1 { "is" } else { "are" };
     let reason = format!(
-        "{} of {} pixels of the {name} are not finite: {}; the first has red, green, blue, opacity \
+        "{} of {} pixels of the {name} {are} not finite: {}; the first has red, green, blue, opacity \
          {:?}",
         broken.len(),
         width * height,

@@ -460,11 +460,12 @@ fn at_edges(sums: &[PartSums; PARTS]) -> Option<String> {
     if share.value >= MOST && share.is_at_least(2.0 * STEEPEST) {
         let part = percent(share.value);
         return Some(format!(
-            "{part} of it lies at edges, the steepest fifth of what is lit"
+            "{part} of the squared difference lies at edges: in the fifth of the lit pixels where the \
+             golden is steepest"
         ));
     }
     let inside = share.value + SIGNIFICANT * share.error <= STEEPEST;
-    inside.then(|| "it lies inside areas rather than at their edges".to_owned())
+    inside.then(|| "the difference lies inside areas rather than at their edges".to_owned())
 }
 
 fn in_the_brightest_part(sums: &[PartSums; PARTS]) -> Option<String> {
@@ -472,7 +473,7 @@ fn in_the_brightest_part(sums: &[PartSums; PARTS]) -> Option<String> {
     let is_most = share.value >= MOST && share.is_at_least(3.0 * BRIGHTEST);
     is_most.then(|| {
         let part = percent(share.value);
-        format!("{part} of it lies in the brightest tenth of what is lit")
+        format!("{part} of the squared difference lies in the brightest tenth of the lit pixels")
     })
 }
 
@@ -480,7 +481,8 @@ fn without_noise(sums: &[PartSums; PARTS]) -> Option<String> {
     let share = Jackknife::of(sums, |sums| sums.silent / sums.squares());
     (share.value >= MOST).then(|| {
         let part = percent(share.value);
-        format!("{part} of it lies in pixels without noise, such as a lamp or a sky that is seen")
+        format!("{part} of the squared difference lies in pixels without noise, such as a lamp or a sky \
+             that is seen")
     })
 }
 
@@ -518,7 +520,7 @@ fn in_a_box(pixels: &Pixels<'_>, sums: &[PartSums; PARTS]) -> Option<String> {
     let area = (columns.len() * rows.len()) as f64 / (width * height) as f64;
     (area > 0.0 && area <= PART_OF_IMAGE && inside <= PART_OF_IMAGE).then(|| {
         format!(
-            "it lies in columns {} to {} and rows {} to {}, {} of the image",
+            "the difference lies in columns {} to {} and rows {} to {}, {} of the image",
             columns.start,
             columns.end - 1,
             rows.start,

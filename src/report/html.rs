@@ -7,7 +7,7 @@ mod pixels;
 mod words;
 
 use super::template::rendered;
-use crate::suite::{CaseResult, Evidence, Likeness, Verdict};
+use crate::suite::{CaseResult, Evidence, Likenesses, Verdict};
 use minijinja::{Value, context};
 use rayon::prelude::*;
 
@@ -22,8 +22,8 @@ pub struct Page<'a> {
     pub results: &'a [CaseResult],
     /// Evidence for each of them, in the same order; it may be shorter.
     pub evidence: &'a [Evidence],
-    /// Mistakes that explain the failures, most likely first.
-    pub likely: &'a [Likeness],
+    /// What the search for the mistakes behind the failures found.
+    pub found: &'a Likenesses,
 }
 
 /// The page as a complete HTML file. It loads nothing else and works from `file://`.
@@ -36,7 +36,7 @@ pub fn results_html(page: &Page<'_>) -> String {
         .enumerate()
         .map(|(position, &index)| {
             let evidence = page.evidence.get(index).unwrap_or(&none);
-            case::view(position, &page.results[index], evidence, page.likely)
+            case::view(position, &page.results[index], evidence, &page.found.likely)
         })
         .collect();
     let results = page.results.iter();
@@ -50,10 +50,10 @@ pub fn results_html(page: &Page<'_>) -> String {
             title => page.title,
             command => page.command,
             version => env!("CARGO_PKG_VERSION"),
-            headline => words::headline(page.results, page.likely),
+            headline => words::headline(page.results, page.found),
             verdict => overall.name(),
             symbol => words::symbol(overall),
-            likely => page.likely,
+            likely => page.found.likely,
             conventions => conventions(page.results),
             counts => counts(page.results),
             families,

@@ -192,7 +192,7 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
     let unfinished = &found.unfinished;
     let is_said = found.unexplained.iter().any(|(_, said)| !said.is_empty());
     if found.likely.is_empty() && found.searched > 0 && unfinished.is_empty() && !is_said {
-        text.push_str("\nmatches no mistake in the catalogue\n");
+        text.push_str("\nno known mistake or convention explains it\n");
     }
     let measured = found
         .unexplained
@@ -203,7 +203,7 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         let head = if is_open {
             "not explained yet"
         } else {
-            "no known mistake or convention explains this"
+            "no known mistake or convention explains it"
         };
         text.push_str(&format!("\n{case}: {head}; measured:\n"));
         for sentence in said {

@@ -4,6 +4,7 @@ use super::format::{Key, Kind, Range as Domain};
 use super::reader::{Document, Origin, Reading};
 use super::{SceneError, SceneResult};
 use crate::media::{Asymmetry, Coefficients};
+use crate::misspelling::nearest;
 use crate::volume::{FractalDensity, FractalParameters, MOST_OCTAVES};
 use glam::DVec3;
 use roxmltree::{Error, Node, ParsingOptions};
@@ -391,7 +392,7 @@ fn parameter<'a>(document: &Document, element: Node<'a, '_>) -> SceneResult<Give
         Err(document.error(Some(span), message, Some(help)))
     };
     if !TAGS.contains(&tag) {
-        let help = match (tag, nearest(tag, &TAGS)) {
+        let help = match (tag, nearest(tag, TAGS)) {
             ("phase", _) => {
                 "for Henyey and Greenstein's phase function give <float name=\"g\" value=\"…\"/>; \
                  without it the medium scatters into all directions alike"
@@ -409,7 +410,7 @@ fn parameter<'a>(document: &Document, element: Node<'a, '_>) -> SceneResult<Give
     };
     let known = PARAMETERS.iter().find(|known| known.name == name.value());
     let Some(parameter) = known else {
-        let help = match nearest(name.value(), &names()) {
+        let help = match nearest(name.value(), names()) {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("a procedural medium has: {}", names().join(", ")),
         };
@@ -452,20 +453,6 @@ fn parameter<'a>(document: &Document, element: Node<'a, '_>) -> SceneResult<Give
 
 fn names() -> [&'static str; PARAMETERS.len()] {
     PARAMETERS.map(|parameter| parameter.name)
-}
-
-/// The word that `word` may be a misspelling of, big letters or small.
-fn nearest(word: &str, known: &[&'static str]) -> Option<&'static str> {
-    // The distance takes time in proportion to both lengths.
-    if word.len() > 64 {
-        return None;
-    }
-    let edits =
-        |name: &str| strsim::damerau_levenshtein(&name.to_lowercase(), &word.to_lowercase());
-    let nearest = known.iter().map(|name| (edits(name), *name)).min();
-    // Half the letters wrong is no misspelling any more.
-    let (edits, name) = nearest?;
-    (2 * edits <= name.len()).then_some(name)
 }
 
 fn check_attributes(document: &Document, element: Node, known: &[&str]) -> SceneResult<()> {

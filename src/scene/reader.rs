@@ -2,6 +2,7 @@
 
 use super::format::{Absent, Key, Kind, Rule, Table, whole_number};
 use super::{SceneError, SceneResult};
+use crate::misspelling::nearest;
 use crate::volume::InvalidParameter;
 use glam::DVec3;
 use std::cell::RefCell;
@@ -289,15 +290,9 @@ impl<'d, 's> Reader<'d, 's> {
 
     fn unknown(&self, key: &Spanned<std::borrow::Cow<'s, str>>) -> Box<SceneError> {
         let known: Vec<_> = self.declaration.keys.iter().map(|key| key.name).collect();
-        let nearest = known
-            .iter()
-            .map(|name| (strsim::damerau_levenshtein(name, key.get_ref()), *name))
-            .min()
-            // Half the letters wrong is no misspelling any more.
-            .filter(|(edits, name)| 2 * edits <= name.len());
         let table = self.table_name();
-        let help = match nearest {
-            Some((_, name)) => format!("did you mean `{name}`?"),
+        let help = match nearest(key.get_ref(), known.iter().copied()) {
+            Some(name) => format!("did you mean `{name}`?"),
             None => format!("allowed keys in {table}: {}", known.join(", ")),
         };
         let message = format!("unknown key `{}` in {table}", key.get_ref());

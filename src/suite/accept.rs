@@ -404,7 +404,7 @@ fn prepare(
     let old = match Golden::read(store, case) {
         Ok(golden) => Some(golden),
         Err(GoldenError::Store(error)) => return Err(error.into()),
-        Err(GoldenError::Missing) => None,
+        Err(GoldenError::Missing(_)) => None,
         Err(_) => {
             damaged = true;
             None

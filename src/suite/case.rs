@@ -4,6 +4,7 @@ use super::{Answer, Store, mistakes, row_name};
 use crate::compare::{Deterministic, ImageGate, Stochastic};
 use crate::hard_cases::rows;
 use crate::known_answers::{self, Footprint, Formula};
+use crate::misspelling::nearest;
 use crate::regular_file::{self, Identity};
 use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::{Document, Reader};
@@ -16,6 +17,8 @@ use thiserror::Error;
 
 /// Folder of scenes, manifests and their files, relative to the root of the suite.
 const FIXTURES: &str = "fixtures";
+/// Folder of the scenes, relative to the root of the suite.
+const SCENES: &str = "fixtures/scenes";
 /// Folder of the manifests, relative to the root of the suite.
 const CASES: &str = "fixtures/cases";
 /// Where the goldens are.
@@ -337,15 +340,32 @@ impl Suite {
                  images of the family are cases, such as '{images}-*'"
             );
         }
-        let names = self.names(others).flat_map(|name| parts(name));
-        let distance = |name: &&str| {
-            let (name, filter) = (name.to_lowercase(), filter.to_lowercase());
-            strsim::damerau_levenshtein(&name, &filter)
-        };
-        match names.min_by_key(distance) {
-            Some(name) => format!("did you mean {name:?}? `volref list` shows all cases"),
-            None => format!("{CASES} is empty"),
+        if let Some(scene) = self.scene_without_manifest(filter) {
+            let manifest = self.root.join(CASES).join(format!("{scene}.toml"));
+            return format!(
+                "there is a scene {scene}, but no manifest {}, which would make a case of it",
+                manifest.display()
+            );
         }
+        if self.cases.is_empty() && others.is_empty() {
+            return format!("{CASES} is empty");
+        }
+        let names = self.names(others).flat_map(|name| parts(name));
+        match nearest(filter, names) {
+            Some(name) => format!("did you mean {name:?}? `volref list` shows all cases"),
+            None => "`volref list` shows all cases".to_owned(),
+        }
+    }
+
+    /// `family/name` of a scene without a manifest, of this name.
+    fn scene_without_manifest(&self, filter: &str) -> Option<String> {
+        let folder = self.root.join(SCENES);
+        let scenes = records(&folder).ok()?;
+        scenes.into_iter().find_map(|path| {
+            let name = path.strip_prefix(&folder).ok()?.with_extension("");
+            let name = name.to_str()?.replace('\\', "/");
+            (name == filter || parts(&name)[2] == filter).then_some(name)
+        })
     }
 }
 
@@ -469,11 +489,13 @@ fn read_mistakes(reader: &Reader) -> SceneResult<Vec<String>> {
     let names = reader.words("mistakes")?;
     for name in &names {
         if mistakes::named(name).is_none() {
-            let nearest =
-                mistakes::catalogue().min_by_key(|m| strsim::damerau_levenshtein(m.name, name));
-            let nearest = nearest.map_or("", |mistake| mistake.name);
             let message = format!("{name:?} is not a mistake of the catalogue");
-            let help = format!("did you mean {nearest:?}? `volref selftest` shows them all");
+            let names = mistakes::catalogue().map(|mistake| mistake.name);
+            let meant = nearest(name, names).map(|name| format!("did you mean {name:?}? "));
+            let help = format!(
+                "{}`volref list --mistakes` shows them all",
+                meant.unwrap_or_default()
+            );
             return Err(reader.mistake("mistakes", message, help));
         }
     }

@@ -392,12 +392,12 @@ impl Explained {
             Agreement::ButFor(share) => format!(" but for {:.3} % of the pixels", 100.0 * share),
         };
         result.reason = format!(
-            "differs by convention: it {}. Under {} it agrees{rest}",
+            "differs by convention: it {}. The right image under {} agrees with it{rest}",
             result.conventions.join("; "),
             if result.conventions.len() == 1 {
-                "this one"
+                "this convention"
             } else {
-                "these"
+                "these conventions"
             }
         );
         result.profile = self.profile.clone();
@@ -456,7 +456,7 @@ impl ConventionSearch {
     /// Turns a mismatch that other conventions explain into that verdict: a pass if they are
     /// `accepted`. Takes half of `seconds` at most.
     pub fn explain_mismatch(&self, case: &Case, judged: &mut Judged, seconds: f64, accepted: bool) {
-        if judged.result.cause != Cause::Mismatch {
+        if !judged.differs() {
             return;
         }
         let (Some(test), Ok(scene)) = (&judged.evidence.test, case.load_scene()) else {
@@ -477,9 +477,7 @@ impl ConventionSearch {
         test: &Picture,
         end: Option<Instant>,
     ) -> Option<Explained> {
-        let width = scene.panels.iter().map(|panel| panel.width).sum();
-        let height = scene.panels.first().map_or(0, |panel| panel.height);
-        if test.size() != (width, height) {
+        if test.size() != (scene.width(), scene.height()) {
             return None;
         }
         // An integral has no samples, and no conventions about them.
@@ -506,9 +504,10 @@ impl ConventionSearch {
             let mut known = self.known.lock().expect("no panic holds it");
             known.push(set.clone());
         }
+        let alternatives = attempt.alternatives(&set, agreement);
         Some(Explained {
-            alternatives: attempt.alternatives(&set, agreement),
-            profile: profile(scene, &set),
+            profile: profile(scene, &set, &alternatives),
+            alternatives,
             set,
             agreement,
         })
@@ -674,14 +673,34 @@ fn profile_set(profile: &Profile, scene: &Scene) -> Option<ConventionSet> {
     Some(held.map(|(index, _)| index).collect())
 }
 
-/// The profile, as TOML, of the conventions of `set` in `scene`; `None` with another step.
-fn profile(scene: &Scene, set: &[usize]) -> Option<String> {
-    if set
-        .iter()
-        .any(|&index| CATALOGUE[index].choice == Choice::Step)
-    {
+/// The profile, as TOML, of the conventions of `set` in `scene`, each with the `alternatives` that the
+/// image does not tell from it as a comment; `None` with another step.
+fn profile(scene: &Scene, set: &[usize], alternatives: &[usize]) -> Option<String> {
+    let is_step = |&index: &usize| CATALOGUE[index].choice == Choice::Step;
+    if set.iter().any(is_step) {
         return None;
     }
+    let mut lines = profile_lines(scene, set)?;
+    for &other in alternatives {
+        let is_other = |&index: &usize| CATALOGUE[index].choice != CATALOGUE[other].choice;
+        let mut changed: ConventionSet = set.iter().copied().filter(is_other).collect();
+        changed.push(other);
+        for line in profile_lines(scene, &changed)? {
+            if lines.iter().any(|stated| stated.starts_with(&line)) {
+                continue;
+            }
+            let key = |line: &str| line.split(' ').next().unwrap_or_default().to_owned();
+            match lines.iter_mut().find(|stated| key(stated) == key(&line)) {
+                Some(stated) if stated.contains('#') => stated.push_str(&format!(", or {line}")),
+                Some(stated) => stated.push_str(&format!("   # or, just as well, {line}")),
+                None => lines.push(format!("# or, just as well, {line}")),
+            }
+        }
+    }
+    Some(lines.join("\n") + "\n")
+}
+
+fn profile_lines(scene: &Scene, set: &[usize]) -> Option<Vec<String>> {
     let scene = under(scene, set);
     let volume = scene.panels.iter().find_map(Panel::classified)?;
     let mut lines = vec!["name = \"mine\"".to_owned()];
@@ -693,7 +712,7 @@ fn profile(scene: &Scene, set: &[usize]) -> Option<String> {
         lines.push("[conventions]".to_owned());
         lines.extend(conventions);
     }
-    Some(lines.join("\n") + "\n")
+    Some(lines)
 }
 
 /// `set` with a further convention, and what it leaves, for each that leaves much less than what is

@@ -1,12 +1,12 @@
 //! The finding on a case, and the golden it is compared with.
 
-use super::golden::{plan_hash, scene_hash, short};
+use super::golden::{AcceptAdvice, plan_hash, scene_hash, short};
 use super::rendering::{ReferenceRenderer, Renderer, check_class};
 use super::{
     Case, CaseResult, CaseSampling, Cause, Evidence, Golden, GoldenError, Profile, Quick, Store,
     Verdict,
 };
-use crate::compare::{Gate, Judgement};
+use crate::compare::{Gate, Judgement, Picture};
 use crate::known_answers::Formula;
 use crate::render::{Plan, plans, render};
 use crate::scene::{Classified, Panel, Precision, Sampling, Scene};
@@ -21,6 +21,19 @@ pub struct Judged {
     pub result: CaseResult,
     /// For a report.
     pub evidence: Evidence,
+}
+
+impl Judged {
+    /// The image differs from its golden, and can be compared with it pixel by pixel: what is behind
+    /// the difference may be looked for.
+    pub fn differs(&self) -> bool {
+        let comparable = || match (&self.evidence.golden, &self.evidence.test) {
+            (Some(golden), Some(Picture::Radiance(test))) => golden.is_comparable(test),
+            (Some(golden), Some(codes)) => codes.size() == (golden.width(), golden.height()),
+            _ => false,
+        };
+        self.result.cause == Cause::Mismatch && comparable()
+    }
 }
 
 /// The finding on a case, before time and names are added.
@@ -117,7 +130,7 @@ impl CheckedGolden {
             .map_err(|error| bad_input(error.to_string()))?;
         check_class(renderer, case, &plans(&scene)).map_err(bad_input)?;
         let golden = Golden::read(store, case).map_err(|error| match error {
-            GoldenError::Missing => {
+            GoldenError::Missing(_) => {
                 CaseFinding::new(Verdict::Missing, Cause::Golden, error.to_string())
             }
             error => bad_golden(error.to_string()),
@@ -286,7 +299,8 @@ fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
         return None;
     };
     Some(format!(
-        "stale: {what}; look at the new image, then accept it"
+        "stale: {what}; {}",
+        AcceptAdvice::of(case)
     ))
 }
 

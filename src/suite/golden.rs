@@ -129,12 +129,33 @@ pub struct Golden {
     pub film: Film,
 }
 
+/// The commands that make the golden of a case: the one to look at its image, and the one to accept it.
+#[derive(Debug, Error)]
+#[error(
+    "look at the image (volref render {} -o now.exr), then accept it (volref accept {case} --reason \
+     ...)",
+    scene.display()
+)]
+pub struct AcceptAdvice {
+    case: String,
+    scene: PathBuf,
+}
+
+impl AcceptAdvice {
+    pub(super) fn of(case: &Case) -> AcceptAdvice {
+        AcceptAdvice {
+            case: case.name.clone(),
+            scene: case.scene.clone(),
+        }
+    }
+}
+
 /// Reason why a case has no trustworthy golden.
 #[derive(Debug, Error)]
 pub enum GoldenError {
     /// All its files are missing.
-    #[error("there is no golden yet; look at the image, then accept it")]
-    Missing,
+    #[error("there is no golden yet; {0}")]
+    Missing(AcceptAdvice),
     /// Some files are missing.
     #[error("the golden is incomplete: {0} is missing; restore it from version control")]
     Incomplete(String),
@@ -205,7 +226,7 @@ impl Golden {
         let paths = files(case);
         let contents = store.read_all(&paths)?;
         if contents.iter().all(Option::is_none) {
-            return Err(GoldenError::Missing);
+            return Err(GoldenError::Missing(AcceptAdvice::of(case)));
         }
         let shown = |index: usize| format!("golden/{}", paths[index].display());
         let mut bytes = Vec::new();

@@ -99,7 +99,7 @@ pub(super) fn likeness_with(
         let case = cases.iter().find(|case| case.name == judged.result.name);
         let Some(case) = case else { continue };
         match judged.result.cause {
-            Cause::Mismatch => {
+            Cause::Mismatch if judged.differs() => {
                 let failed = ComparedCase::new(index, case, judged, scenes);
                 failing.extend(failed.filter(|case| !case.is_another_exposure));
             }

@@ -15,6 +15,7 @@
 use crate::compare::{Picture, PictureError};
 use crate::film::{Film, FilmError, FilmFormat};
 use crate::math;
+use crate::misspelling::nearest;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -343,14 +344,10 @@ fn belonging<'c>(stem: &str, cases: &[&'c str]) -> Result<(&'c str, Role), Strin
             return Ok((case, role));
         }
     }
-    let distance = |case: &str| {
-        let name = if stem.contains('/') { case } else { bare(case) };
-        strsim::damerau_levenshtein(name, stem)
-    };
-    let nearest = cases.iter().min_by_key(|case| distance(case));
-    // Farther away it is no slip of the fingers.
-    let near = nearest.filter(|case| distance(case) <= (stem.len() / 3).max(2));
-    Err(match near {
+    let called = |case: &'c str| if stem.contains('/') { case } else { bare(case) };
+    let near = nearest(stem, cases.iter().map(|case| called(case)));
+    let case = near.and_then(|name| cases.iter().find(|case| called(case) == name));
+    Err(match case {
         Some(case) => format!("does not match any case: did you mean {case}?"),
         None => "does not match any case".to_owned(),
     })

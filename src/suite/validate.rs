@@ -156,9 +156,13 @@ fn judged(
     };
     let mut finding = with_words(case, checked, judgement, picture);
     if gate.depends_on_exposure() {
-        finding
-            .reason
-            .push_str(&format!("; exposure of the case: {} stops", case.exposure));
+        let stops = if case.exposure.abs() == 1.0 {
+            "stop"
+        } else {
+            "stops"
+        };
+        let exposure = format!("; exposure of the case: {} {stops}", case.exposure);
+        finding.reason.push_str(&exposure);
     }
     finding
 }

@@ -53,9 +53,9 @@ fn missing_and_incomplete() {
     ]);
     assert_shown!(shown, @r"
     missing       smoke/plain [seconds]
-                  there is no golden yet; look at the image, then accept it
+                  there is no golden yet; look at the image (volref render fixtures/scenes/smoke/plain.toml -o now.exr), then accept it (volref accept smoke/plain --reason ...)
     missing       smoke/plain [seconds]
-                  there is no golden yet; look at the image, then accept it
+                  there is no golden yet; look at the image (volref render fixtures/scenes/smoke/plain.toml -o now.exr), then accept it (volref accept smoke/plain --reason ...)
     error         smoke/plain [seconds]
                   the golden is incomplete: golden/smoke/plain.exr is missing; restore it from version control
     error         smoke/plain [seconds]
@@ -202,11 +202,11 @@ fn stale() {
     ]);
     assert_shown!(shown, @r"
     error         smoke/plain [seconds]
-                  stale: the scene has changed since the golden was accepted; look at the new image, then accept it
+                  stale: the scene has changed since the golden was accepted; look at the image (volref render fixtures/scenes/smoke/plain.toml -o now.exr), then accept it (volref accept smoke/plain --reason ...)
     error         smoke/plain [seconds]
-                  stale: the scene has changed since the golden was accepted; look at the new image, then accept it
+                  stale: the scene has changed since the golden was accepted; look at the image (volref render fixtures/scenes/smoke/plain.toml -o now.exr), then accept it (volref accept smoke/plain --reason ...)
     error         smoke/plain [seconds]
-                  stale: the scene has changed since the golden was accepted; look at the new image, then accept it
+                  stale: the scene has changed since the golden was accepted; look at the image (volref render fixtures/scenes/smoke/plain.toml -o now.exr), then accept it (volref accept smoke/plain --reason ...)
     ");
 }
 

@@ -173,13 +173,13 @@ fn every_gate() {
     hot.png right.png: fail  (perceptual gate)
       FLIP: weighted 99th percentile 0.4230 (at most 0.065), mean 0.0517 (at most 0.06)
     right.exr small.exr: fail  (exact gate)
-      size differs: the reference has 16 × 8 pixels, the test image 8 × 8
+      size differs: the reference has 16 × 8 pixels, the test image 8 × 8; render it at 16 × 8
     right.exr nan.exr: fail  (deterministic gate)
-      1 of 128 pixels of the test image are not finite: (5, 2); the first has red, green, blue, opacity [0.3125, 0.25, NaN, 1.0]
+      1 of 128 pixels of the test image is not finite: (5, 2); the first has red, green, blue, opacity [0.3125, 0.25, NaN, 1.0]
     nan.exr right.exr: fail  (perceptual gate)
-      1 of 128 pixels of the reference are not finite: (5, 2); the first has red, green, blue, opacity [0.3125, 0.25, NaN, 1.0]
+      1 of 128 pixels of the reference is not finite: (5, 2); the first has red, green, blue, opacity [0.3125, 0.25, NaN, 1.0]
     right.png small.png: fail  (perceptual gate)
-      size differs: the reference has 16 × 8 pixels, the test image 8 × 8
+      size differs: the reference has 16 × 8 pixels, the test image 8 × 8; render it at 16 × 8
     ");
 }
 
@@ -254,7 +254,7 @@ fn no_heat_map_of_two_sizes() {
     exit code 1
     --- stdout
     fail  (deterministic gate)
-    size differs: the reference has 16 × 8 pixels, the test image 8 × 8
+    size differs: the reference has 16 × 8 pixels, the test image 8 × 8; render it at 16 × 8
 
     no heat map: the images differ in size
     ");

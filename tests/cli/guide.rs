@@ -102,7 +102,7 @@ const REASONS: &[Reason] = &[
     },
     Reason {
         words: "writes goldens",
-        of: &["scripts/regenerate-goldens.sh"],
+        of: &["volref accept"],
     },
     Reason {
         words: "installs or opens something",

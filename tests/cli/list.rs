@@ -110,6 +110,20 @@ fn a_filter_that_matches_nothing_decides_nothing() {
         );
     }
     assert_eq!(suite.files(), before);
+
+    let run = suite.volref(&["list", "nosuch"]);
+    run.expect(5, &["no case matches \"nosuch\"", "`volref list` shows all cases"]);
+    assert!(!run.message().contains("did you mean"), "{}", run.stderr);
+
+    suite.write(
+        "fixtures/scenes/smoke/alone.toml",
+        suite.text("fixtures/scenes/smoke/plain.toml"),
+    );
+    let run = suite.volref(&["list", "alone"]);
+    run.expect(
+        5,
+        &["there is a scene smoke/alone, but no manifest fixtures/cases/smoke/alone.toml"],
+    );
 }
 
 #[test]

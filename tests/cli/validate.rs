@@ -418,7 +418,7 @@ fn factors_and_levels_are_said() {
         run.stdout
     );
     assert!(
-        run.stdout.contains("matches no mistake in the catalogue"),
+        run.stdout.contains("no known mistake or convention explains it"),
         "{}",
         run.stdout
     );
@@ -515,6 +515,13 @@ fn images_of_another_size() {
             "{width} × {height}: {reason}"
         );
     }
+    // There is nothing to look for, and nothing is said to have been looked for.
+    let run = folder.volref(&["validate", "--outputs", "out", "--report", "report"]);
+    let advice = format!("render it at {width} × {height}");
+    assert!(run.stdout.contains(&advice), "{}", run.stdout);
+    assert!(!run.stdout.contains("no known mistake"), "{}", run.stdout);
+    let page = folder.text("report/index.html");
+    assert!(!page.contains("no known mistake"), "{page}");
 }
 
 #[test]
@@ -652,7 +659,7 @@ fn renderers_that_fail() {
             "crashed: it was ended by signal 9",
         ),
         ("sleep 1000", "error", "did not end within 0.5 s"),
-        ("true", "missing", "wrote no image"),
+        ("true", "missing", "did not write smoke/plain.exr"),
         ("echo x > \"$0\"", "error", "not a readable EXR"),
     ] {
         let command = format!("sh -c '{script}' {{output}}");
@@ -780,7 +787,7 @@ fn conventions_are_told_apart_and_accepted() {
     exit code 1
     --- stdout
     convention    smoke/plain [seconds]
-                  differs by convention: it takes opacity in proportion to the step. Under this one it agrees
+                  differs by convention: it takes opacity in proportion to the step. The right image under this convention agrees with it
                   --accept-conventions accepts it; --as FILE judges by this file:
                       name = "mine"
                       [conventions]

@@ -195,7 +195,7 @@ fn json_and_junit_in_files() {
     <testsuites name="volref" tests="2" skipped="0" failures="1" errors="1">
         <testsuite name="volref/plots" tests="1" skipped="0" failures="0" errors="1">
             <testcase name="plots/curve" classname="plots" time="[seconds]">
-                <error message="there is no golden yet; look at the image, then accept it" type="missing"/>
+                <error message="there is no golden yet; look at the image (volref render fixtures/scenes/plots/curve.toml -o now.exr), then accept it (volref accept plots/curve --reason ...)" type="missing"/>
             </testcase>
         </testsuite>
         <testsuite name="volref/smoke" tests="1" skipped="0" failures="1" errors="0">

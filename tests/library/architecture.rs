@@ -50,6 +50,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "film",
             "math",
             "atomic_file",
+            "misspelling",
             "regular_file",
         ],
     ),
@@ -124,6 +125,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "volume",
             "geometry",
             "math",
+            "misspelling",
             "regular_file",
         ],
     ),
@@ -137,6 +139,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("decoder", &[]),
     ("atomic_file", &[]),
+    ("misspelling", &[]),
     ("regular_file", &[]),
 ];
 

@@ -3,7 +3,7 @@
 use super::pictures::Views;
 use super::{measures, pixels, words};
 use crate::compare::DifferenceScale;
-use crate::suite::{CaseResult, Evidence, Likeness, metric_meaning};
+use crate::suite::{CaseResult, Evidence, Likeness, Verdict, metric_meaning};
 use minijinja::{Value, context};
 
 /// One case, as the template asks for it, at a position on the page from 0.
@@ -47,6 +47,8 @@ pub(super) fn view(
         symbol => words::symbol(result.verdict),
         gate => result.gate.name(),
         gate_words => result.gate.rule(),
+        // Images of other sizes, for one, are not.
+        is_compared => result.verdict == Verdict::Pass || !result.metrics.is_empty(),
         // With what to do.
         mistakes => result.looks_like.iter().map(mistake).collect::<Vec<_>>(),
         numbers => result.metrics.iter().map(number).collect::<Vec<_>>(),

@@ -238,7 +238,8 @@ function refresh() {
   find("#scale-label").hidden = !hasScale;
   find("#swipe-label").hidden = state.view !== "swipe";
   find("#exposure").value = state.exposure;
-  find("#exposure-value").textContent = `${signedText(Number(state.exposure.toFixed(2)), 3)} stops`;
+  const stops = Number(state.exposure.toFixed(2));
+  find("#exposure-value").textContent = `${signedText(stops, 3)} ${Math.abs(stops) === 1 ? "stop" : "stops"}`;
   find("#channel").value = state.channel;
   find("#swipe").value = state.swipe;
   if (hasScale) {
@@ -307,8 +308,9 @@ function numbersAt(x, y, channel) {
 function readOut() {
   if (!pictures) return;
   const rows = findAll("#read-out tbody tr");
-  find("#read-last").textContent = pictures.tolerance ? "× tolerance" : pictures.z ? "z-score of block"
+  const lastWords = pictures.tolerance ? "× tolerance" : pictures.z ? "z-score of block"
     : pictures.test?.codes && pictures.paired ? "golden radiance" : "";
+  find("#read-last").textContent = lastWords;
   find("#read-place").textContent = state.pixel ? `pixel (${state.pixel.join(", ")})` : "pixel –";
   rows.forEach((row, channel) => {
     const numbers = state.pixel ? numbersAt(...state.pixel, channel) : {};
@@ -317,7 +319,7 @@ function readOut() {
       golden, test, difference === undefined ? undefined : signedText(difference),
       difference === undefined || Number.isNaN(share) ? undefined
         : Number.isFinite(share) ? `${share > 0 ? "+" : ""}${share.toFixed(2).replace("-", "−")} %` : "–",
-      last,
+      lastWords ? last : "",
     ].map(word => word === undefined ? "–" : typeof word === "string" ? word : text(word));
     findAll("td", row).forEach((cell, i) => { cell.textContent = words[i]; });
   });

@@ -1,9 +1,9 @@
 //! What a report says in words.
 
-use crate::suite::{CaseResult, Likeness, Summary, Verdict};
+use crate::suite::{CaseResult, Likeness, Likenesses, Summary, Verdict};
 
 /// The result of the suite in a sentence.
-pub(super) fn headline(results: &[CaseResult], likely: &[Likeness]) -> String {
+pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
     let of = results.len();
     let summary = Summary::of(results);
     if of == 0 {
@@ -36,9 +36,10 @@ pub(super) fn headline(results: &[CaseResult], likely: &[Likeness]) -> String {
     if summary.fail > 0 {
         let verb = if summary.fail == 1 { "fails" } else { "fail" };
         let cases = if of == 1 { "case" } else { "cases" };
-        let guess = match likely.first() {
-            None if summary.fail == 1 => "; it matches no known mistake".to_owned(),
-            None => "; they match no known mistake".to_owned(),
+        let guess = match found.likely.first() {
+            // Nothing was looked for, or not to the end.
+            None if found.searched < summary.fail || !found.unfinished.is_empty() => String::new(),
+            None => "; no known mistake or convention explains it".to_owned(),
             Some(Likeness {
                 mistake,
                 explains,

@@ -6,14 +6,14 @@ use volref::compare::flip::SrgbImage;
 use volref::compare::{Conditions, Deterministic, ImageGate, Perceptual, Picture, judge};
 use volref::film::Film;
 use volref::report::{Page, results_html};
-use volref::suite::{Case, CaseResult, Cause, Evidence, Likeness, Suite, Verdict};
+use volref::suite::{Case, CaseResult, Cause, Evidence, Likeness, Likenesses, Suite, Verdict};
 
 /// What a page tells of.
 #[derive(Default)]
 pub struct Sample {
     pub results: Vec<CaseResult>,
     pub evidence: Vec<Evidence>,
-    pub likely: Vec<Likeness>,
+    pub found: Likenesses,
 }
 
 impl Sample {
@@ -23,7 +23,7 @@ impl Sample {
             command: "volref validate --outputs out --report report",
             results: &self.results,
             evidence: &self.evidence,
-            likely: &self.likely,
+            found: &self.found,
         }
     }
 
@@ -262,7 +262,7 @@ fn made_suite() -> Sample {
             }
         }
     }
-    sample.likely = vec![
+    sample.found.likely = vec![
         Likeness {
             mistake: "g negated".to_owned(),
             advice: "the phase function has forward and backward exchanged: check the sign convention of your direction vectors".to_owned(),
@@ -312,7 +312,7 @@ pub fn hostile() -> Sample {
     result.reason = text();
     result.looks_like = vec![text()];
     result.metrics.insert(text(), 1.0);
-    sample.likely = vec![Likeness {
+    sample.found.likely = vec![Likeness {
         mistake: text(),
         advice: text(),
         explains: 1,
