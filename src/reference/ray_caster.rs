@@ -49,8 +49,8 @@ use crate::geometry::{Direction, Ray, Span, length_of};
 use crate::math::exp;
 use crate::math::rng::philox4x32_10;
 use crate::media::{Appearance, Phong, over_length};
-use crate::scene::{Classified, Compositing, Precision};
-use crate::volume::{Cell, NodeLine, NodePoint, Reconstruction as _};
+use crate::scene::{Classified, Compositing, LastStep, Precision};
+use crate::volume::{Cell, Centring, NodeLine, NodePoint, Reconstruction as _};
 use glam::DVec3;
 use half::f16;
 use rayon::prelude::*;
@@ -168,7 +168,8 @@ impl<'s> RayCaster<'s> {
             };
             let (t, length) = steps.sample(index);
             let (point, node_point) = (ray.at(t), line.at(t));
-            let cell = Cell::around(lattice, node_point);
+            let looked_up = self.looked_up(node_point);
+            let cell = Cell::around(lattice, looked_up);
             let density = scene.interpolation.read(&*scene.grid, &cell);
             let look = self.classifier.look(scene, &cell, density);
             let opacity = self.over_length(look.opacity, length);
@@ -183,15 +184,20 @@ impl<'s> RayCaster<'s> {
                     let (to_light, to_eye) = self.directions(point, node_point, ray);
                     let sample = ShadedSample {
                         colour: look.colour,
-                        gradient: self.gradient(gradients, node_point, &cell),
+                        gradient: self.gradient(gradients, looked_up, &cell),
                         to_light,
                         to_eye,
                     };
                     let shaded = sample.lit_by(phong, &scene.conventions);
-                    if scene.conventions.highlight_emission {
+                    let lit = if scene.conventions.highlight_emission {
                         (shaded.base + shaded.highlight) * light
                     } else {
                         shaded.base * light + shaded.highlight * visibility
+                    };
+                    if scene.conventions.shadowed_ambient {
+                        lit
+                    } else {
+                        lit + shaded.ambient * (look.emission - light)
                     }
                 }
             };
@@ -220,6 +226,32 @@ impl<'s> RayCaster<'s> {
         seen
     }
 
+    /// Cells to a distance between nodes, along each axis, if the scene takes nodes for the centres
+    /// of cells that fill the volume.
+    fn cells_per_spacing(&self) -> Option<DVec3> {
+        let lattice = self.scene.grid.lattice();
+        if !self.scene.conventions.cell_centred || lattice.centring() == Centring::Cells {
+            return None;
+        }
+        let nodes = DVec3::from_array(lattice.nodes().map(|nodes| nodes as f64));
+        Some(nodes / (nodes - 1.0).max(DVec3::ONE))
+    }
+
+    /// The point of the grid, in nodes, that is read at `point`.
+    fn looked_up(&self, point: NodePoint) -> NodePoint {
+        let Some(cells) = self.cells_per_spacing() else {
+            return point;
+        };
+        // In cells from the centre of the first; beyond the outermost centres nothing changes.
+        let last = self
+            .scene
+            .grid
+            .lattice()
+            .nodes()
+            .map(|nodes| (nodes - 1) as f64);
+        NodePoint((point.0 * cells - 0.5).clamp(DVec3::ZERO, last.into()))
+    }
+
     /// Opacity over a step of this length, where it is `opacity` over the reference length.
     fn over_length(&self, opacity: f64, length: f64) -> f64 {
         let lengths = length / self.scene.transfer_function.reference_length;
@@ -232,7 +264,10 @@ impl<'s> RayCaster<'s> {
 
     /// Density gradient for shading, in any unit.
     fn gradient(&self, gradients: &Gradients, point: NodePoint, cell: &Cell) -> DVec3 {
-        let gradient = gradients.at(self.scene, point, cell);
+        let mut gradient = gradients.at(self.scene, point, cell);
+        if let Some(cells) = self.cells_per_spacing() {
+            gradient *= cells;
+        }
         if self.scene.conventions.box_space_normals {
             gradient * self.scene.grid.lattice().bounds().size()
         } else {
@@ -284,10 +319,11 @@ impl<'s> RayCaster<'s> {
         let span = Span::new(0.0, inside.far.min(length_of(to_light)));
         // Not from `point`: far from the world's origin its node coordinates have lost digits.
         let line = NodeLine::from(node_point, *ray.direction, lattice);
-        let steps = Steps::midpoints(span, shadow.step);
+        let position = scene.conventions.shadow_sample;
+        let steps = Steps::new(span, shadow.step, position, LastStep::Exact);
         let samples = (0..steps.count).map(|index| {
             let (t, length) = steps.sample(index);
-            let cell = Cell::around(lattice, line.at(t));
+            let cell = Cell::around(lattice, self.looked_up(line.at(t)));
             (scene.interpolation.read(&*scene.grid, &cell), length)
         });
         match &scene.transfer_function.appearance {

@@ -22,6 +22,8 @@ pub struct ShadedSample {
 pub struct Shaded {
     /// Ambient and diffuse part.
     pub base: DVec3,
+    /// The ambient part of it.
+    pub ambient: DVec3,
     /// Highlight.
     pub highlight: DVec3,
 }
@@ -29,24 +31,31 @@ pub struct Shaded {
 impl ShadedSample {
     /// The sample lit by one white light. Its normal points against the gradient.
     pub fn lit_by(&self, phong: &Phong, conventions: &Conventions) -> Shaded {
-        let without_highlight = |base| Shaded {
-            base,
+        let ambient = self.tint(conventions.ambient_colour) * phong.ambient;
+        let ambient_alone = Shaded {
+            base: ambient,
+            ambient,
             highlight: DVec3::ZERO,
         };
-        let ambient = self.tint(conventions.ambient_colour) * phong.ambient;
         let Some(mut normal) = Direction::of(-self.gradient) else {
-            let is_ambient = conventions.flat_samples_ambient;
-            return without_highlight(if is_ambient { ambient } else { self.colour });
+            if conventions.flat_samples_ambient {
+                return ambient_alone;
+            }
+            return Shaded {
+                base: self.colour,
+                ambient: DVec3::ZERO,
+                highlight: DVec3::ZERO,
+            };
         };
         let Some(to_light) = self.to_light else {
-            return without_highlight(ambient);
+            return ambient_alone;
         };
         if conventions.two_sided && normal.cosine_to(to_light) < 0.0 {
             normal = -normal;
         }
         let cosine = normal.cosine_to(to_light);
         if cosine <= 0.0 {
-            return without_highlight(ambient);
+            return ambient_alone;
         }
         let base = match conventions.ambient_colour {
             LightColour::Material => self.colour * (phong.ambient + phong.diffuse * cosine),
@@ -62,6 +71,7 @@ impl ShadedSample {
         let highlight = phong.specular * powu(highlight_cosine.max(0.0), phong.shininess);
         Shaded {
             base,
+            ambient,
             highlight: self.tint(conventions.highlight_colour) * highlight,
         }
     }

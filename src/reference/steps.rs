@@ -18,11 +18,6 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// Samples in the middle of steps of length `step`; the last step ends with the span.
-    pub fn midpoints(span: Span, step: f64) -> Steps {
-        Steps::new(span, step, 0.5, LastStep::Exact)
-    }
-
     /// Samples at `position` within steps of length `step`. At least one step where the span has a
     /// length and the last step is exact, even if the quotient of both underflows.
     pub fn new(span: Span, step: f64, position: f64, last_step: LastStep) -> Steps {

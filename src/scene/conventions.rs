@@ -17,6 +17,8 @@ pub const CONVENTIONS: Table = Table::new("Choices in which ray casters differ w
         .doc("Places the samples of each ray at a random `first_sample`, the same for all samples of the ray."),
     Key::or("last_step", Kind::Choice(&LAST_STEPS), "'exact'")
         .doc("Step cut off by the back face: counted over its true length, counted as a whole step, or dropped."),
+    Key::or("centring", Kind::Choice(&CENTRINGS), "'nodes'")
+        .doc("Place of the values: the outermost nodes lie on the faces of the volume (nodes); or the values lie at the centres of n cells that divide each side of it, n the nodes of the axis, and those of the outermost cells reach to the faces (cells), as in textures. A volume of cells stays one."),
     Key::or("opacity", Kind::Choice(&OPACITIES), "'exact'")
         .doc("Opacity over a step h, stated as a over h0: 1 - (1 - a)^(h/h0), or the linear min(1, a h/h0)."),
     Key::or("classification", Kind::Choice(&CLASSIFICATIONS), "'post'")
@@ -45,6 +47,10 @@ pub const CONVENTIONS: Table = Table::new("Choices in which ray casters differ w
         .doc("Multiplies the highlight by the emission of the sample, d^2 by the formula, like the rest of its colour."),
     Key::or("highlight", Kind::Choice(&HIGHLIGHTS), "'reflected'")
         .doc("Cosine of the highlight: between the reflected light and the eye (Phong), or between the normal and the half vector (Blinn)."),
+    Key::or("shadow_sample", Kind::Number(Range::closed(0.0, 1.0)), "0.5")
+        .doc("Position of a sample within its step on the way to the light, in steps from the point that is lit."),
+    Key::or("shadowed_ambient", Kind::Flag, "true")
+        .doc("Volume shadow dims the ambient term like the rest of the light."),
     Key::or("head_light", Kind::Flag, "false")
         .doc("Puts the light for shading at the eye."),
     Key::or("two_sided", Kind::Flag, "false")
@@ -58,6 +64,7 @@ pub const CONVENTIONS: Table = Table::new("Choices in which ray casters differ w
 ]);
 
 const LAST_STEPS: [&str; 3] = ["exact", "whole", "dropped"];
+const CENTRINGS: [&str; 2] = ["nodes", "cells"];
 const OPACITIES: [&str; 2] = ["exact", "linear"];
 const CLASSIFICATIONS: [&str; 2] = ["post", "pre"];
 const TABLE_LOOKUPS: [&str; 2] = ["linear", "nearest"];
@@ -80,6 +87,8 @@ pub struct Conventions {
     pub jitter: bool,
     /// Step cut off by the back face.
     pub last_step: LastStep,
+    /// Values lie at the centres of cells that divide the volume.
+    pub cell_centred: bool,
     /// Linear instead of exact opacity over a step.
     pub linear_opacity: bool,
     /// Nodes are classified before interpolation.
@@ -108,6 +117,10 @@ pub struct Conventions {
     pub highlight_emission: bool,
     /// Half vector instead of the reflected light.
     pub half_vector: bool,
+    /// Position of a sample within its step on the way to the light, in steps, in [0, 1].
+    pub shadow_sample: f64,
+    /// Whether volume shadow dims the ambient term.
+    pub shadowed_ambient: bool,
     /// The light for shading is at the eye.
     pub head_light: bool,
     /// Normals point towards the light.
@@ -177,6 +190,7 @@ impl Default for Conventions {
             first_sample: 0.5,
             jitter: false,
             last_step: LastStep::Exact,
+            cell_centred: false,
             linear_opacity: false,
             preclassified: false,
             table_size: None,
@@ -191,6 +205,8 @@ impl Default for Conventions {
             highlight_colour: LightColour::White,
             highlight_emission: true,
             half_vector: false,
+            shadow_sample: 0.5,
+            shadowed_ambient: true,
             head_light: false,
             two_sided: false,
             clamped_samples: false,
@@ -214,6 +230,7 @@ impl Conventions {
             first_sample: reader.number("first_sample")?,
             jitter: reader.flag("jitter")?,
             last_step: [Exact, Whole, Dropped][word("last_step", &LAST_STEPS)?],
+            cell_centred: is_second("centring", &CENTRINGS)?,
             linear_opacity: is_second("opacity", &OPACITIES)?,
             preclassified: is_second("classification", &CLASSIFICATIONS)?,
             table_size: reader.optional_count("table_size")?.map(|size| size as u32),
@@ -231,6 +248,8 @@ impl Conventions {
             highlight_colour: [Material, White, Black][word("highlight_colour", &COLOURS)?],
             highlight_emission: reader.flag("highlight_emission")?,
             half_vector: is_second("highlight", &HIGHLIGHTS)?,
+            shadow_sample: reader.number("shadow_sample")?,
+            shadowed_ambient: reader.flag("shadowed_ambient")?,
             head_light: reader.flag("head_light")?,
             two_sided: reader.flag("two_sided")?,
             clamped_samples: reader.flag("clamped_samples")?,
@@ -264,6 +283,7 @@ impl Conventions {
                     "last_step",
                     one_of(of.last_step, &[Exact, Whole, Dropped], &LAST_STEPS),
                 ),
+                ("centring", second(of.cell_centred, &CENTRINGS)),
                 ("opacity", second(of.linear_opacity, &OPACITIES)),
                 ("classification", second(of.preclassified, &CLASSIFICATIONS)),
                 ("table_size", optional(of.table_size)),
@@ -291,6 +311,8 @@ impl Conventions {
                 ("highlight_colour", colour(of.highlight_colour)),
                 ("highlight_emission", of.highlight_emission.to_string()),
                 ("highlight", second(of.half_vector, &HIGHLIGHTS)),
+                ("shadow_sample", format!("{:?}", of.shadow_sample)),
+                ("shadowed_ambient", of.shadowed_ambient.to_string()),
                 ("head_light", of.head_light.to_string()),
                 ("two_sided", of.two_sided.to_string()),
                 ("clamped_samples", of.clamped_samples.to_string()),

@@ -45,6 +45,7 @@ enum Choice {
     LastStep,
     EarlyEnd,
     Step,
+    Centring,
     Opacity,
     Classification,
     Gradient,
@@ -56,6 +57,8 @@ enum Choice {
     HighlightColour,
     HighlightEmission,
     Highlight,
+    Shadow,
+    ShadowedAmbient,
     Light,
     Sides,
     Range,
@@ -147,6 +150,13 @@ pub const CATALOGUE: &[Convention] = &[
         Choice::Step,
         "takes steps of twice the length",
         |scene| scene.step *= 2.0,
+    )),
+    beside_others(convention(
+        Choice::Centring,
+        "places values at the centres of cells, as in textures",
+        |scene| {
+            scene.conventions.cell_centred = true;
+        },
     )),
     convention(
         Choice::Opacity,
@@ -293,6 +303,33 @@ pub const CATALOGUE: &[Convention] = &[
         "takes highlights by the half vector (Blinn)",
         |scene| {
             scene.conventions.half_vector = true;
+        },
+    ),
+    convention(
+        Choice::Shadow,
+        "takes the first sample of a shadow at the point that is lit",
+        |scene| {
+            if scene.shadow.is_some() {
+                scene.conventions.shadow_sample = 0.0;
+            }
+        },
+    ),
+    convention(
+        Choice::Shadow,
+        "takes the first sample of a shadow a whole step on",
+        |scene| {
+            if scene.shadow.is_some() {
+                scene.conventions.shadow_sample = 1.0;
+            }
+        },
+    ),
+    convention(
+        Choice::ShadowedAmbient,
+        "leaves ambient light out of the shadow",
+        |scene| {
+            if scene.shadow.is_some() && scene.phong.is_some() {
+                scene.conventions.shadowed_ambient = false;
+            }
         },
     ),
     beside_others(convention(

@@ -298,10 +298,7 @@ fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
     } else {
         return None;
     };
-    Some(format!(
-        "stale: {what}; {}",
-        AcceptAdvice::of(case)
-    ))
+    Some(format!("stale: {what}; {}", AcceptAdvice::of(case)))
 }
 
 fn stale_sampling(sampling: CaseSampling, quick: &Quick, golden: &Golden) -> Option<&'static str> {

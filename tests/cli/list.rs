@@ -112,7 +112,13 @@ fn a_filter_that_matches_nothing_decides_nothing() {
     assert_eq!(suite.files(), before);
 
     let run = suite.volref(&["list", "nosuch"]);
-    run.expect(5, &["no case matches \"nosuch\"", "`volref list` shows all cases"]);
+    run.expect(
+        5,
+        &[
+            "no case matches \"nosuch\"",
+            "`volref list` shows all cases",
+        ],
+    );
     assert!(!run.message().contains("did you mean"), "{}", run.stderr);
 
     suite.write(

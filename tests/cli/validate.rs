@@ -418,7 +418,8 @@ fn factors_and_levels_are_said() {
         run.stdout
     );
     assert!(
-        run.stdout.contains("no known mistake or convention explains it"),
+        run.stdout
+            .contains("no known mistake or convention explains it"),
         "{}",
         run.stdout
     );

@@ -8,11 +8,13 @@ use volref::math::pow;
 use volref::media::{Appearance, Phong, TransferPoint, TransferPoints};
 use volref::reference::ray_caster::RayCaster;
 use volref::render::{Sampling, plans, render};
-use volref::scene::{Classified, Conventions, Gradient, LastStep, LightColour, Precision, Scene};
+use volref::scene::{
+    Classified, Conventions, Gradient, LastStep, LightColour, Precision, Scene, Shadow,
+};
 use volref::suite::{
     Agreement, CATALOGUE, Case, ConventionSearch, Suite, Verdict, check_within, mistakes, under,
 };
-use volref::volume::{Grid, Lattice};
+use volref::volume::{Centring, Grid, Lattice};
 
 /// The scene of `values` at the nodes of a lattice of 3 × 3 × 3, over the unit cube, with opacity
 /// 1 − 2^−value over a length of 1, clamped to [0, 1], and white.
@@ -137,6 +139,82 @@ fn preclassification() {
     assert!(seen(&bent, Conventions::default())[1] > 0.3);
 }
 
+/// Values at the centres of cells: the image of a grid of cells over the same box.
+#[test]
+fn values_at_the_centres_of_cells() {
+    let mut scene = scene(|[i, j, k]| [0.1, 0.4, 0.9][i] * [0.9, 0.5, 0.1][j] * [0.3, 1.0, 0.6][k]);
+    scene.step = 0.13;
+    scene.phong = Some(PHONG);
+    let nodes = scene.grid.lattice();
+    let spacing = nodes.bounds().size() / 3.0;
+    let cells = Lattice::new([3; 3], spacing, nodes.bounds().min + 0.5 * spacing).unwrap();
+    let cells = cells.with_centring(Centring::Cells).unwrap();
+    let mut of_cells = scene.clone();
+    of_cells.grid = Arc::new(Grid::new(cells, scene.grid.values().to_vec()).unwrap());
+    let conventions = Conventions {
+        cell_centred: true,
+        ..Conventions::default()
+    };
+    let [red, opacity] = seen(&scene, conventions);
+    let expected = seen(&of_cells, Conventions::default());
+    // Node coordinates differ in their last digits, and a pixel is stored in 32 bits.
+    assert!(
+        (red - expected[0]).abs() < 2.0 * ROUNDING,
+        "{red} {expected:?}"
+    );
+    assert!((opacity - expected[1]).abs() < 2.0 * ROUNDING);
+    assert_ne!([red, opacity], seen(&scene, Conventions::default()));
+    // Where there are cells, they stay.
+    assert_eq!(seen(&of_cells, conventions), expected);
+}
+
+/// A ray of light through a uniform volume: the shadow's samples fill the way to the light, wherever
+/// they lie in their steps; ambient light may pass it by.
+#[test]
+fn shadows() {
+    let mut scene = scene(|_| 0.5);
+    scene.phong = Some(PHONG);
+    scene.light = DVec3::new(0.5, 0.5, -3.0);
+    scene.shadow = Some(Shadow {
+        step: 0.1,
+        reference_step: 1.0,
+    });
+    let standard = Conventions {
+        flat_samples_ambient: true,
+        ..Conventions::default()
+    };
+    let lit = |conventions| seen(&scene, conventions)[0];
+    let in_shadow = lit(standard);
+    for shadow_sample in [0.0, 1.0] {
+        let conventions = Conventions {
+            shadow_sample,
+            ..standard
+        };
+        assert!((lit(conventions) - in_shadow).abs() < ROUNDING);
+    }
+    // All of the light is ambient: as without a shadow.
+    let past_the_shadow = lit(Conventions {
+        shadowed_ambient: false,
+        ..standard
+    });
+    let mut unshadowed = scene.clone();
+    unshadowed.shadow = None;
+    let [expected, _] = seen(&unshadowed, standard);
+    assert!((past_the_shadow - expected).abs() < ROUNDING);
+    assert!(in_shadow < 0.95 * expected);
+    // In a ramp towards the light, samples nearer to the point meet less of it.
+    let mut ramp = self::scene(|[_, _, k]| 1.0 - 0.5 * k as f64);
+    (ramp.light, ramp.shadow) = (scene.light, scene.shadow);
+    let [near, middle, far] = [0.0, 0.5, 1.0].map(|shadow_sample| {
+        let conventions = Conventions {
+            shadow_sample,
+            ..Conventions::default()
+        };
+        seen(&ramp, conventions)[0]
+    });
+    assert!(near > middle && middle > far, "{near} {middle} {far}");
+}
+
 /// Every convention changes the picture of a shaded volume without symmetries.
 #[test]
 fn every_convention_is_heard() {
@@ -170,6 +248,10 @@ fn every_convention_is_heard() {
         },
         Conventions {
             linear_opacity: true,
+            ..standard
+        },
+        Conventions {
+            cell_centred: true,
             ..standard
         },
         Conventions {
@@ -367,9 +449,18 @@ fn conventions_in_a_scene() {
 /// What a profile states is read as it was.
 #[test]
 fn conventions_become_lines_and_lines_conventions() {
-    let (_, scene) = small("figures/figure-1");
+    let (_, scene) = small("figures/figure-5");
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    let of = |scene: &Scene| scene.panels[0].classified().unwrap().conventions;
+    // The panel with a shadow.
+    let of = |scene: &Scene| {
+        scene
+            .panels
+            .last()
+            .unwrap()
+            .classified()
+            .unwrap()
+            .conventions
+    };
     assert!(of(&scene).lines().is_empty());
     for index in 0..CATALOGUE.len() {
         let expected = of(&under(&scene, &[index]));

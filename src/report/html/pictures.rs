@@ -50,7 +50,8 @@ impl<'a> Views<'a> {
             .zip(test)
             .filter(|(golden, test)| test.size() == (golden.width(), golden.height()));
         if golden.is_some() && test.is_some() && pair.is_none() {
-            let words = "The images differ in size: they can be viewed, but not compared pixel by pixel.";
+            let words =
+                "The images differ in size: they can be viewed, but not compared pixel by pixel.";
             notes.push(words.to_owned());
         }
         if let Some(Picture::Codes(_)) = test {
