@@ -31,6 +31,12 @@ const MOST: f64 = 0.8;
 const STEEPEST: f64 = 0.2;
 const BRIGHTEST: f64 = 0.1;
 
+/// Share of the lit pixels with a surface that count as near, and as far.
+const HALF: f64 = 0.5;
+
+/// Ratio of the distances of such pixels, the tenth of all to the ninetieth, from which some are far.
+const DEPTH: f64 = 1.1;
+
 /// A box that holds the difference is worth saying if it holds no more than this share of the lit
 /// pixels.
 const PART_OF_IMAGE: f64 = 0.5;
@@ -44,12 +50,13 @@ const CUT_OFF: usize = 8;
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 /// Sentences, without a full stop, on how `test` differs from `golden`; none where nothing can be
-/// measured: other sizes, values that are no numbers, or no difference beyond noise.
-pub fn measured_difference(golden: &Film, test: &Film) -> Vec<String> {
+/// measured: other sizes, values that are no numbers, or no difference beyond noise. `distances` are
+/// those of the surfaces that are seen, by pixel, infinite without one, if there are any.
+pub fn measured_difference(golden: &Film, test: &Film, distances: Option<&[f64]>) -> Vec<String> {
     if !golden.is_comparable(test) {
         return Vec::new();
     }
-    let Some(pixels) = Pixels::new(golden, test) else {
+    let Some(pixels) = Pixels::new(golden, test, distances) else {
         return Vec::new();
     };
     let sums = PartSums::of(&pixels);
@@ -67,6 +74,7 @@ pub fn measured_difference(golden: &Film, test: &Film) -> Vec<String> {
         shift(&sums),
         at_edges(&sums),
         in_the_brightest_part(&sums),
+        near_or_far(&pixels, &sums),
         without_noise(&sums),
         in_a_box(&pixels, &sums),
     ];
@@ -84,10 +92,13 @@ struct Pixels<'f> {
     /// Beyond it the slope, or the brightness, of a pixel is among the largest.
     steep: f64,
     bright: f64,
+    /// Distances of the surfaces, and the one that half of the lit pixels lie beyond; nothing where
+    /// all are about as far.
+    distances: Option<(&'f [f64], f64)>,
 }
 
 impl<'f> Pixels<'f> {
-    fn new(golden: &'f Film, test: &'f Film) -> Option<Pixels<'f>> {
+    fn new(golden: &'f Film, test: &'f Film, distances: Option<&'f [f64]>) -> Option<Pixels<'f>> {
         let mean = golden.mean_magnitude().filter(|&mean| mean > 0.0)?;
         let mut pixels = Pixels {
             golden,
@@ -96,6 +107,7 @@ impl<'f> Pixels<'f> {
             noise_over_golden: None,
             steep: 0.0,
             bright: 0.0,
+            distances: None,
         };
         pixels.noise_over_golden = pixels.unstated_noise();
         // Of what is not dark: a background has neither edges nor brightness.
@@ -104,7 +116,24 @@ impl<'f> Pixels<'f> {
             .collect();
         pixels.steep = quantile(lit.iter().map(|&i| pixels.steepness(i)), 1.0 - STEEPEST);
         pixels.bright = quantile(lit.iter().map(|&i| pixels.brightness(i)), 1.0 - BRIGHTEST);
+        pixels.distances = distances.and_then(|distances| {
+            let of_lit = || lit.iter().map(|&i| distances[i]).filter(|t| t.is_finite());
+            let [near, middle, far] = [0.1, HALF, 0.9].map(|share| quantile(of_lit(), share));
+            (far > DEPTH * near).then_some((distances, middle))
+        });
         Some(pixels)
+    }
+
+    /// Whether the surface of a pixel is among the nearer ones, or the farther ones.
+    fn is_near_or_far(&self, i: usize) -> [bool; 2] {
+        let Some((distances, middle)) = self.distances else {
+            return [false; 2];
+        };
+        let distance = distances[i];
+        [
+            distance <= middle,
+            distance > middle && distance.is_finite(),
+        ]
     }
 
     /// Where the test image does not state its noise and the golden does: by the second differences
@@ -235,6 +264,8 @@ struct PartSums {
     /// Squared differences of the steepest and of the brightest pixels.
     steep: f64,
     bright: f64,
+    /// Of the pixels with near surfaces, and with far ones.
+    near_and_far: [f64; 2],
     /// Of the pixels without noise, where others have some.
     silent: f64,
 }
@@ -251,6 +282,7 @@ impl PartSums {
                 pixels.steepness(i) > pixels.steep,
                 pixels.brightness(i) > pixels.bright,
             );
+            let is_near_or_far = pixels.is_near_or_far(i);
             let noise = pixels.golden.noise().filter(|noise| !noise.is_known());
             let is_silent = noise.map(|noise| noise.variance()[i]) == Some([0.0; 3]);
             for c in 0..3 {
@@ -273,6 +305,9 @@ impl PartSums {
                 part.steep += if is_steep { square } else { 0.0 };
                 part.bright += if is_bright { square } else { 0.0 };
                 part.silent += if is_silent { square } else { 0.0 };
+                for (sum, is_there) in part.near_and_far.iter_mut().zip(is_near_or_far) {
+                    *sum += if is_there { square } else { 0.0 };
+                }
             }
         }
         parts
@@ -287,6 +322,7 @@ impl PartSums {
         }
         for axis in 0..2 {
             self.slope_difference[axis] += sign * other.slope_difference[axis];
+            self.near_and_far[axis] += sign * other.near_and_far[axis];
         }
         self.steep += sign * other.steep;
         self.bright += sign * other.bright;
@@ -477,6 +513,28 @@ fn in_the_brightest_part(sums: &[PartSums; PARTS]) -> Option<String> {
     })
 }
 
+fn near_or_far(pixels: &Pixels<'_>, sums: &[PartSums; PARTS]) -> Option<String> {
+    let (_, middle) = pixels.distances?;
+    let words = [
+        ("nearer", "no farther from the eye than"),
+        ("farther", "beyond"),
+    ];
+    words
+        .into_iter()
+        .enumerate()
+        .find_map(|(side, (half, at))| {
+            let share = Jackknife::of(sums, |sums| sums.near_and_far[side] / sums.squares());
+            let is_most = share.value >= MOST && share.is_at_least(HALF);
+            is_most.then(|| {
+            let part = percent(share.value);
+            format!(
+                "{part} of the squared difference lies at the {half} half of the surfaces, {at} \
+                 {middle:.3} units"
+            )
+        })
+        })
+}
+
 fn without_noise(sums: &[PartSums; PARTS]) -> Option<String> {
     let share = Jackknife::of(sums, |sums| sums.silent / sums.squares());
     (share.value >= MOST).then(|| {
@@ -577,7 +635,7 @@ mod tests {
     }
 
     fn said(test: &Film) -> String {
-        measured_difference(&golden(), test).join("; ")
+        measured_difference(&golden(), test, None).join("; ")
     }
 
     #[test]
@@ -619,15 +677,57 @@ mod tests {
         assert!(text.contains("no value is above 0.75"), "{text}");
     }
 
+    #[test]
+    fn near_and_far_are_told_apart() {
+        // A floor that recedes to the right; above it nothing.
+        let is_floor = |i: usize| i / 96 >= 16;
+        let distance = |i: usize| {
+            if is_floor(i) {
+                2.0 + 0.1 * (i % 96) as f64
+            } else {
+                f64::INFINITY
+            }
+        };
+        let distances: Vec<f64> = (0..96 * 80).map(distance).collect();
+        let faded = |from: f64, to: f64| {
+            edited(|x, _, [i, j]| {
+                let t = distance(96 * j + i);
+                if t > from && t <= to { 0.7 * x } else { x }
+            })
+        };
+        let said = |test: &Film| measured_difference(&golden(), test, Some(&distances)).join("; ");
+        // 96 columns from 2 on, 0.1 apart: the 48th is half of them.
+        let far = said(&faded(7.0, 100.0));
+        let words =
+            "all of the squared difference lies at the farther half of the surfaces, beyond 6.7";
+        assert!(far.contains(words), "{far}");
+        let near = said(&faded(0.0, 6.0));
+        assert!(
+            near.contains("at the nearer half of the surfaces"),
+            "{near}"
+        );
+        for alike in [faded(3.0, 11.0), faded(100.0, f64::INFINITY)] {
+            let text = said(&alike);
+            assert!(!text.is_empty() && !text.contains("surfaces"), "{text}");
+        }
+        let all_as_far = vec![3.0; 96 * 80];
+        let text = measured_difference(&golden(), &faded(7.0, 100.0), Some(&all_as_far)).join("; ");
+        assert!(!text.contains("surfaces"), "{text}");
+    }
+
     /// In noise, stated or not, the size is found within its error; of noise alone nothing is said.
     #[test]
     fn noise_is_no_difference() {
         let right = noisy(&golden(), 0.01, 1, true);
         for states in [true, false] {
             let same = noisy(&golden(), 0.1, 2, states);
-            assert_eq!(measured_difference(&right, &same), Vec::<String>::new());
+            assert_eq!(
+                measured_difference(&right, &same, None),
+                Vec::<String>::new()
+            );
             let brighter = edited(|x, _, _| 1.1 * x);
-            let text = measured_difference(&right, &noisy(&brighter, 0.1, 3, states)).join("; ");
+            let text =
+                measured_difference(&right, &noisy(&brighter, 0.1, 3, states), None).join("; ");
             // 0.1/0.6 a pixel, of 7680: 0.2 %.
             assert!(
                 text.contains("are 1.1") || text.contains("are 1.09"),

@@ -15,6 +15,7 @@
 mod cells;
 mod clock;
 mod compared_case;
+mod distances;
 mod distinguished;
 mod hunt;
 mod hypothesis;

@@ -2,6 +2,7 @@
 
 use super::cells::{Cells, Misfit};
 use super::clock::SearchClock;
+use super::distances::distances;
 use super::hypothesis::Hypothesis;
 use super::prediction::{
     FIRST_LOOK, SECOND_LOOK, THIRD_LOOK, blocks, first_lattice, pixels_of, predicted,
@@ -227,7 +228,7 @@ impl ComparedCase {
     pub fn measured_difference(&self) -> Vec<String> {
         match &self.picture {
             Picture::Radiance(test) if self.simple.is_none() => {
-                measured_difference(&self.golden, test)
+                measured_difference(&self.golden, test, distances(&self.scene).as_deref())
             }
             _ => Vec::new(),
         }
