@@ -56,7 +56,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             Change::New { damaged: false } => ("new", "its first golden".to_owned()),
             Change::New { damaged: true } => ("new", "the old golden was damaged".to_owned()),
             Change::Unchanged => ("unchanged", "kept, with its old reason".to_owned()),
-            Change::SamePicture => ("recorded", "same image; scene or plan changed".to_owned()),
+            Change::SamePicture => (
+                "recorded",
+                "same image; its record (scene, plan or truth) changed".to_owned(),
+            ),
             Change::Replaced(difference) => ("replaced", difference.clone()),
         };
         let detail = if entry.resumed {

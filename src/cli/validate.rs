@@ -28,6 +28,8 @@ const TIMEOUT: &str = "600";
 const SPP: &str = "64";
 const SEED: &str = "1";
 const FORMAT: &str = "exr";
+/// Formats of images.
+const FORMATS: [&str; 4] = ["exr", "pfm", "npy", "png"];
 
 /// Images and placeholders, for `--help`.
 const IMAGES: &str = "Images are named after the cases, family/name or just name, and end in .exr, \
@@ -93,7 +95,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value = SEED)]
     seed: u64,
     /// With --run: image format of {output}: exr, pfm, npy or png
-    #[arg(long, value_name = "EXT", default_value = FORMAT, value_parser = ["exr", "pfm", "npy", "png"])]
+    #[arg(long, value_name = "EXT", default_value = FORMAT, value_parser = FORMATS)]
     format: String,
     /// With --run: keep the images in DIR
     #[arg(long, value_name = "DIR", requires = "run")]
@@ -515,8 +517,14 @@ impl RendererRun<'_> {
         match read(&outputs, &self.folder, case) {
             Output::Missing(_) => Output::Missing(format!(
                 "the renderer succeeded, but did not write {}.{}, the file that {{output}} stood for \
-                 (for another format: --format pfm, npy or png)",
-                case.name, self.arguments.format
+                 (for another format: --format {})",
+                case.name,
+                self.arguments.format,
+                FORMATS
+                    .into_iter()
+                    .filter(|format| *format != self.arguments.format)
+                    .collect::<Vec<_>>()
+                    .join(", ")
             )),
             Output::Picture(picture) if has_steps && picture.radiance().is_some() => {
                 Output::Missing(format!(

@@ -71,7 +71,7 @@ fn not_finite(gate: &'static dyn Gate, name: &str, film: &Film) -> Option<Judgem
     let are = if broken.len() == 1 { "is" } else { "are" };
     let reason = format!(
         "{} of {} pixels of the {name} {are} not finite: {}; the first has red, green, blue, opacity \
-         {:?}",
+         {:?}; look for a division 0/0, such as a vector of length 0 that is normalised",
         broken.len(),
         width * height,
         named.join(", "),

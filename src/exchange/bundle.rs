@@ -65,8 +65,8 @@ fn content(panel: &Panel, raw: &mut RawFiles) -> Result<Entries, Refusal> {
             Ok(plot::described(curve, &layout, file))
         }
         Model::Radiative(_) => {
-            let what = "surfaces, media and lights, and a bundle states classified volumes; export it \
-                        to `mitsuba` or `pbrt`";
+            let what = "surfaces, media and lights: a bundle states classified volumes only (export it \
+                        to `mitsuba` or `pbrt`)";
             Err(Refusal::of(Format::Bundle, "radiative", what))
         }
     }

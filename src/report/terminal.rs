@@ -84,6 +84,9 @@ pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
             text.push_str(&format!("              {line}\n"));
         }
     }
+    if result.verdict == Verdict::Convention && result.profile.is_none() {
+        text.push_str("              --accept-conventions accepts it\n");
+    }
     if let Some(profile) = &result.profile {
         text.push_str(
             "              --accept-conventions accepts it; --as FILE judges by this file:\n",

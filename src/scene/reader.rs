@@ -593,7 +593,10 @@ impl<'d, 's> Reader<'d, 's> {
             {
                 let expected = self.declared(name).kind.expected();
                 let message = format!("`{name}` must be {expected}, but is {text:?}");
-                return Err(self.error(name, message));
+                return Err(match nearest(text, words.iter().copied()) {
+                    Some(near) => self.mistake(name, message, format!("did you mean {near:?}?")),
+                    None => self.error(name, message),
+                });
             }
             Ok(text.to_string())
         };

@@ -53,7 +53,9 @@ pub enum AcceptError {
     Ci,
     /// An empty reason.
     #[error("a golden changes only with a reason, and none was given")]
-    #[diagnostic(help("state what was wrong before: --reason \"…\""))]
+    #[diagnostic(help(
+        "state what was wrong before, or what a first golden is for: --reason \"…\""
+    ))]
     NoReason,
     /// A case could not be rendered.
     #[error("{case}: {reason}")]
@@ -67,7 +69,7 @@ pub enum AcceptError {
     /// A converged image with too much noise.
     #[error(
         "{case}: the golden would be too noisy: the standard error of a block is {error:.2e} of \
-         its mean, and a resolution of {resolution} needs a quarter of that"
+         its mean, and a resolution of {resolution} needs a quarter of the resolution or less"
     )]
     #[diagnostic(help("in the manifest: converged_samples = {enough}; nothing was accepted"))]
     TooNoisy {

@@ -168,6 +168,8 @@ impl Case {
 pub struct Suite {
     root: PathBuf,
     cases: Vec<Case>,
+    /// `family/name` of manifests that cannot be read, with the files.
+    unreadable: Vec<(String, PathBuf)>,
 }
 
 /// Errors in finding a suite or its cases.
@@ -210,7 +212,8 @@ pub enum SuiteError {
 }
 
 impl Suite {
-    /// The suite in the folder `root`: reads every manifest, renders nothing.
+    /// The suite in the folder `root`: reads every manifest, renders nothing. A mistake in a manifest
+    /// is an error of whoever [selects](Suite::select) its case.
     pub fn open(root: &Path) -> Result<Suite, SuiteError> {
         let shown = root;
         // Not ./fixtures: shown in messages, the short way reads better.
@@ -223,19 +226,29 @@ impl Suite {
         if !folder.is_dir() {
             return Err(SuiteError::NoSuite(shown.to_owned()));
         }
-        let cases = records(&folder)?
-            .into_iter()
-            .map(|path| read_manifest(&path));
-        let cases: Result<Vec<Case>, _> = cases.collect();
-        Ok(Suite {
+        let mut suite = Suite {
             root: root.to_owned(),
-            cases: cases.map_err(SuiteError::Manifest)?,
-        })
+            cases: Vec::new(),
+            unreadable: Vec::new(),
+        };
+        for path in records(&folder)? {
+            match read_manifest(&path) {
+                Ok(case) => suite.cases.push(case),
+                Err(_) => suite.unreadable.push((name_of(&path), path)),
+            }
+        }
+        Ok(suite)
     }
 
-    /// The cases, by family and name.
+    /// The cases whose manifests can be read, by family and name.
     pub fn cases(&self) -> &[Case] {
         &self.cases
+    }
+
+    /// Whether there is a manifest of this case, with or without a mistake.
+    pub fn has_manifest(&self, name: &str) -> bool {
+        let is_unreadable = self.unreadable.iter().any(|(other, _)| other == name);
+        is_unreadable || self.cases.iter().any(|case| case.name == name)
     }
 
     /// Where the goldens are.
@@ -311,20 +324,27 @@ impl Suite {
             filter: filter.to_owned(),
             help,
         };
-        if filters.is_empty() && self.cases.is_empty() {
-            return Err(no_match("*", format!("{CASES} is empty")));
-        }
         for filter in filters {
             fast_glob::validate(filter).map_err(|error| SuiteError::Pattern {
                 filter: filter.clone(),
                 reason: error.to_string(),
             })?;
+        }
+        let chosen = Chosen(filters.to_vec());
+        let is_chosen = |(name, _): &&(String, PathBuf)| chosen.has(name);
+        if let Some((_, path)) = self.unreadable.iter().find(is_chosen) {
+            read_manifest(path).map_err(SuiteError::Manifest)?;
+        }
+        if filters.is_empty() && self.cases.is_empty() {
+            return Err(no_match("*", format!("{CASES} is empty")));
+        }
+        for filter in filters {
             let mut names = self.names(others);
             if !names.any(|name| matches(filter, name)) {
                 return Err(no_match(filter, self.nearest(filter, others)));
             }
         }
-        Ok(Chosen(filters.to_vec()))
+        Ok(chosen)
     }
 
     fn names<'s>(&'s self, others: &'s [String]) -> impl Iterator<Item = &'s String> {
@@ -419,6 +439,17 @@ fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, SuiteError> {
     Ok(paths)
 }
 
+/// `family/name` of a manifest.
+fn name_of(path: &Path) -> String {
+    let part = |path: Option<&Path>| {
+        let name = path
+            .and_then(Path::file_stem)
+            .and_then(|name| name.to_str());
+        name.unwrap_or("?").to_owned()
+    };
+    format!("{}/{}", part(path.parent()), part(Some(path)))
+}
+
 fn read_manifest(path: &Path) -> SceneResult<Case> {
     let shown = path.display().to_string();
     let text = regular_file::read(path, MOST_MANIFEST_BYTES)
@@ -437,13 +468,9 @@ fn read_manifest(path: &Path) -> SceneResult<Case> {
     let log = RefCell::default();
     let reader = Reader::new(&document, &MANIFEST, &root, &log)?;
 
-    let part = |path: Option<&Path>| {
-        let name = path
-            .and_then(|path| path.file_stem())
-            .and_then(|name| name.to_str());
-        name.unwrap_or("?").to_owned()
-    };
-    let (family, name) = (part(path.parent()), part(Some(path)));
+    let full_name = name_of(path);
+    let (family, name) = full_name.split_once('/').unwrap_or_default();
+    let family = family.to_owned();
     let folder = path.parent().unwrap_or(Path::new(""));
     let scene = match reader.optional_text("scene")? {
         Some(scene) => folder.join(scene),
@@ -470,7 +497,6 @@ fn read_manifest(path: &Path) -> SceneResult<Case> {
         return Err(reader.error("answer", message));
     }
     Ok(Case {
-        name: format!("{family}/{name}"),
         scene,
         source: reader.text("source")?,
         shows: reader.text("shows")?,
@@ -482,6 +508,7 @@ fn read_manifest(path: &Path) -> SceneResult<Case> {
         limit: class == LIMIT,
         sampling,
         family,
+        name: full_name,
     })
 }
 

@@ -87,14 +87,14 @@ pub const CATALOGUE: &[Convention] = &[
     // Where the border is empty, both of these give the same image.
     convention(
         Choice::FirstSample,
-        "takes the first sample of a ray a whole step in",
+        "takes the first sample of a ray a whole step behind the front face, not half a step",
         |scene| {
             scene.conventions.first_sample = 1.0;
         },
     ),
     convention(
         Choice::FirstSample,
-        "takes the first sample of a ray on the front face",
+        "takes the first sample of a ray on the front face, not half a step behind it",
         |scene| {
             scene.conventions.first_sample = 0.0;
         },
@@ -428,8 +428,12 @@ impl Explained {
             Agreement::Full => String::new(),
             Agreement::ButFor(share) => format!(" but for {:.3} % of the pixels", 100.0 * share),
         };
+        let outside = result.metrics.get("outlier_share");
+        let size = outside.map_or(String::new(), |share| {
+            format!(" in {:.3} % of the pixels", 100.0 * share)
+        });
         result.reason = format!(
-            "differs by convention: it {}. The right image under {} agrees with it{rest}",
+            "differs by convention{size}: it {}. The right image under {} agrees with it{rest}",
             result.conventions.join("; "),
             if result.conventions.len() == 1 {
                 "this convention"

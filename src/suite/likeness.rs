@@ -40,6 +40,10 @@ use hypothesis::Hypothesis;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
+/// What is said where nothing could be measured.
+const NOTHING_STANDS_OUT: &str =
+    "the difference is neither a gain nor a shift, and lies in no single part of the image";
+
 /// Mistakes named for an image, at most. Each comes with two or three lines of advice: five of them
 /// fill most of a terminal of 24 lines.
 const MOST_NAMED: usize = 5;
@@ -206,6 +210,9 @@ pub(super) fn likeness_with(
                 result.difference.push(sentence.to_owned());
             }
             result.difference.extend(failed.measured_difference());
+            if result.difference.is_empty() && !failed.is_simple() {
+                result.difference.push(NOTHING_STANDS_OUT.to_owned());
+            }
             unexplained.push((result.name.clone(), result.difference.clone()));
         }
     }

@@ -129,13 +129,13 @@ pub(super) fn check_class(
     match (case.sampling.is_some(), renderer.is_sampled(plans)) {
         (true, true) | (false, false) => Ok(()),
         (true, false) => Err(
-            "the case is stochastic, but its scene is rendered without random numbers: its \
-             class is \"deterministic\""
+            "the case states class = \"stochastic\", but its scene is rendered without random \
+             numbers: state class = \"deterministic\""
                 .to_owned(),
         ),
         (false, true) => Err(
-            "the case is deterministic, but its scene is rendered with random numbers: its class \
-             is \"stochastic\""
+            "the case states class = \"deterministic\", but its scene is rendered with random \
+             numbers: state class = \"stochastic\""
                 .to_owned(),
         ),
     }

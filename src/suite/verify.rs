@@ -105,9 +105,7 @@ fn hold_to(answer: &Answer, film: &Film, finding: &mut CaseFinding) {
 /// unnoticed.
 pub fn without_case(suite: &Suite) -> Result<Vec<Judged>, SuiteError> {
     let names = suite.golden_names()?;
-    let unknown = names
-        .into_iter()
-        .filter(|name| suite.cases().iter().all(|c| c.name != *name));
+    let unknown = names.into_iter().filter(|name| !suite.has_manifest(name));
     let reason =
         "this golden belongs to no case: restore the manifest, or remove the golden with it";
     let finding = || CaseFinding::new(Verdict::Error, Cause::Golden, reason);

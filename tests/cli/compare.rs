@@ -175,9 +175,9 @@ fn every_gate() {
     right.exr small.exr: fail  (exact gate)
       size differs: the reference has 16 × 8 pixels, the test image 8 × 8; render it at 16 × 8
     right.exr nan.exr: fail  (deterministic gate)
-      1 of 128 pixels of the test image is not finite: (5, 2); the first has red, green, blue, opacity [0.3125, 0.25, NaN, 1.0]
+      1 of 128 pixels of the test image is not finite: (5, 2); the first has red, green, blue, opacity [0.3125, 0.25, NaN, 1.0]; look for a division 0/0, such as a vector of length 0 that is normalised
     nan.exr right.exr: fail  (perceptual gate)
-      1 of 128 pixels of the reference is not finite: (5, 2); the first has red, green, blue, opacity [0.3125, 0.25, NaN, 1.0]
+      1 of 128 pixels of the reference is not finite: (5, 2); the first has red, green, blue, opacity [0.3125, 0.25, NaN, 1.0]; look for a division 0/0, such as a vector of length 0 that is normalised
     right.png small.png: fail  (perceptual gate)
       size differs: the reference has 16 × 8 pixels, the test image 8 × 8; render it at 16 × 8
     ");

@@ -165,6 +165,13 @@ fn a_manifest_with_a_mistake() {
     let place = "fixtures/cases/smoke/plain.toml:2:1";
     let run = suite.volref(&["list"]);
     run.expect(2, &[place, "unknown key `show`", "did you mean `shows`?"]);
+    // Other cases are not held up by it.
+    for chosen in ["smoke", "plain", "*"] {
+        suite.volref(&["list", chosen]).expect(2, &[place]);
+    }
+    for other in ["plots", "nearest"] {
+        suite.volref(&["list", other]).expect(0, &[]);
+    }
     suite.write("fixtures/cases/smoke/plain.toml", [0xff, 0xfe]);
     let run = suite.volref(&["verify"]);
     run.expect(2, &["fixtures/cases/smoke/plain.toml", "UTF-8"]);

@@ -325,7 +325,7 @@ fn a_bundle_says_only_what_applies() {
 fn light_in_media_is_refused_by_name() {
     let scene = Scene::load(&root().join("fixtures/scenes/fog/forward.toml")).unwrap();
     let refusal = bundle(&scene, "fog").unwrap_err();
-    insta::assert_snapshot!(refusal, @"bundle cannot represent radiative: surfaces, media and lights, and a bundle states classified volumes; export it to `mitsuba` or `pbrt`");
+    insta::assert_snapshot!(refusal, @"bundle cannot represent radiative: surfaces, media and lights: a bundle states classified volumes only (export it to `mitsuba` or `pbrt`)");
 }
 
 /// The bundle restates the gate in numbers; here the gate is held to them.

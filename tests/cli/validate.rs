@@ -788,7 +788,7 @@ fn conventions_are_told_apart_and_accepted() {
     exit code 1
     --- stdout
     convention    smoke/plain [seconds]
-                  differs by convention: it takes opacity in proportion to the step. The right image under this convention agrees with it
+                  differs by convention in 13.333 % of the pixels: it takes opacity in proportion to the step. The right image under this convention agrees with it
                   --accept-conventions accepts it; --as FILE judges by this file:
                       name = "mine"
                       [conventions]

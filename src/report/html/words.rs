@@ -64,6 +64,8 @@ pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
         return format!("{} of {of} {cases} {verb}{guess}.{rest}", summary.fail);
     }
     match (summary.pass, of) {
+        (0, _) if summary.convention == of => format!("No case fails.{rest}"),
+        (0, _) if summary.convention > 0 => format!("No case fails, and none passes.{rest}"),
         (0, _) => format!("No case could be compared.{rest}"),
         (1, 1) => "The case passes.".to_owned(),
         (pass, of) if pass == of => format!("All {of} cases pass."),

@@ -228,10 +228,16 @@ impl ComparedCase {
     pub fn measured_difference(&self) -> Vec<String> {
         match &self.picture {
             Picture::Radiance(test) if self.simple.is_none() => {
-                measured_difference(&self.golden, test, distances(&self.scene).as_deref())
+                let distances = distances(&self.scene);
+                measured_difference(&self.golden, test, distances.as_deref())
             }
             _ => Vec::new(),
         }
+    }
+
+    /// The verdict says how the image is made from the golden.
+    pub fn is_simple(&self) -> bool {
+        self.simple.is_some()
     }
 
     /// The scene of the case.

@@ -43,26 +43,32 @@ struct Size {
 /// Factors are natural logarithms: up to 4, and its inverse.
 const FARTHEST: f64 = 2.0 * std::f64::consts::LN_2;
 
-const SIZES: [Size; 5] = [
+/// Factors on the step that are tried: fractions of small numbers, and what another unit makes. Others
+/// cannot be approached: samples lie elsewhere at each, so that no step is near another.
+const STEP_FACTORS: [f64; 14] = [
+    0.1,
+    0.2,
+    1.0 / 3.0,
+    0.4,
+    2.0 / 3.0,
+    0.75,
+    0.8,
+    1.25,
+    4.0 / 3.0,
+    1.5,
+    2.5,
+    3.0,
+    5.0,
+    10.0,
+];
+
+const SIZES: [Size; 4] = [
     Size {
         name: "density",
         edit: |panel, logarithm| denser(&mut panel.model, math::exp(logarithm)),
         first: 0.2,
         most: FARTHEST,
         words: |_, logarithm| format!("a density {:.3} times as large", math::exp(logarithm)),
-    },
-    Size {
-        name: "step",
-        edit: |panel, logarithm| match &mut panel.model {
-            Model::Classified(scene) => {
-                scene.step *= math::exp(logarithm);
-                !scene.is_continuous()
-            }
-            _ => false,
-        },
-        first: 0.2,
-        most: FARTHEST,
-        words: |_, logarithm| format!("steps {:.2} times as long", math::exp(logarithm)),
     },
     Size {
         name: "field of view",
@@ -145,11 +151,11 @@ impl ComparedCase {
     /// mistake would have to.
     pub fn fitted_sizes(&self, clock: &SearchClock<'_>) -> (Vec<String>, bool) {
         let (mut sentences, mut is_explained) = (Vec::new(), false);
-        for size in &SIZES {
-            let Some((change, left, is_all)) = self.fitted(size, clock) else {
-                continue;
-            };
-            let would = (size.words)(self.scene(), change);
+        let fitted = SIZES.iter().filter_map(|size| {
+            let (change, left, is_all) = self.fitted(size, clock)?;
+            Some(((size.words)(self.scene(), change), left, is_all))
+        });
+        for (would, left, is_all) in fitted.chain(self.fitted_step(clock)) {
             let left = match 100.0 * left {
                 percent if percent < 0.1 => "less than 0.1 %".to_owned(),
                 percent => format!("{percent:.1} %"),
@@ -160,6 +166,41 @@ impl ComparedCase {
             is_explained |= is_all;
         }
         (sentences, is_explained)
+    }
+
+    /// Of the [factors](STEP_FACTORS) on the step that which is nearest to the image, in words, and as
+    /// in [`fitted`](ComparedCase::fitted).
+    fn fitted_step(&self, clock: &SearchClock<'_>) -> Option<(String, f64, bool)> {
+        let predicted = |factor: f64| {
+            if clock.is_late() {
+                return None;
+            }
+            let mut edited = self.scene().clone();
+            let mut occurs = false;
+            for panel in &mut edited.panels {
+                if let Model::Classified(scene) = &mut panel.model
+                    && !scene.is_continuous()
+                {
+                    scene.step *= factor;
+                    occurs = true;
+                }
+            }
+            let label = format!("step {factor}");
+            occurs
+                .then(|| self.predicted_with(&edited, &label, clock))
+                .flatten()
+        };
+        let tried = STEP_FACTORS.into_iter().filter_map(|factor| {
+            let predicted = predicted(factor)?;
+            Some((factor, self.share_left(&predicted)?, predicted))
+        });
+        let (factor, left, nearest) = tried.min_by(|(_, a, _), (_, b, _)| a.total_cmp(b))?;
+        let worth_saying = self.is_explained_but_for(&nearest, LEFT)?;
+        let is_all = self.is_explained_but_for(&nearest, self.may_leave())?;
+        worth_saying.then(|| {
+            let words = format!("steps {factor:.2} times as long");
+            (words, left.max(0.0), is_all)
+        })
     }
 
     /// The change of `size` that is nearest to the image, the share that it leaves, and whether that

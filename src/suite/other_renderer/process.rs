@@ -84,7 +84,8 @@ pub fn run(words: &[String], timeout: Duration, keeper: Option<&Keeper>) -> Ran 
 fn not_started(program: &str, error: &str) -> Ran {
     Ran {
         failure: Some(format!(
-            "the renderer {program:?} could not be started: {error}"
+            "the renderer {program:?} could not be started: {error}; there is no shell, which would \
+             know built-in commands, variables and && (for one: sh -c '…')"
         )),
         notes: Vec::new(),
         printed: String::new(),

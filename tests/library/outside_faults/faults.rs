@@ -15,7 +15,7 @@ pub struct Fault {
     /// The case it is made in.
     pub case: &'static str,
     pub edit: Edit,
-    /// Mistakes of the catalogue that describe it truly; none for most.
+    /// Mistakes of the catalogue, or pairs of them, that describe it truly; none for most.
     pub described_by: &'static [&'static str],
 }
 
@@ -159,7 +159,12 @@ pub const FAULTS: &[Fault] = &[
         &["half-a-pixel-left"],
     ),
     fault("a third of a pixel right", PLUME, ImagePlane([0.3, 0.0])),
-    fault("a pixel and a half up", PLUME, ImagePlane([0.0, -1.5])),
+    near(
+        "a pixel and a half up",
+        PLUME,
+        ImagePlane([0.0, -1.5]),
+        &["half-a-pixel-up + one-pixel-up"],
+    ),
     fault(
         "gamma 1.8",
         PLUME,
@@ -300,12 +305,14 @@ pub const FAULTS: &[Fault] = &[
         ROOM,
         Path(|s| media(s, |a, s| (1.33 * a, 1.33 * s))),
     ),
-    fault(
+    // It only scatters, and nothing else does.
+    near(
         "white smoke missing",
         ROOM,
         Path(|s| {
             s.media.pop();
         }),
+        &["scattering-left-out"],
     ),
     fault(
         "black smoke missing",
