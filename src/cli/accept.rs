@@ -27,7 +27,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
-    let suite = arguments.selection.open()?;
+    let suite = arguments.selection.open_to_change()?;
     output::check(&[arguments.json.file()], &[])?;
     let cases = suite.select(&arguments.cases)?;
     let in_ci = std::env::var_os("CI").is_some_and(|value| !value.is_empty());

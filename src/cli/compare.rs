@@ -140,7 +140,8 @@ fn check_heatmap(path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-fn write_heatmap(
+/// Writes the perceived difference of two images of one size as PNG.
+pub fn write_heatmap(
     path: &Path,
     reference: &Picture,
     test: &Picture,

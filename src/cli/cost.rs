@@ -2,6 +2,7 @@
 
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
+use super::suite::scene_file;
 use super::{Outcome, progress};
 use crate::cost::results::{Cost, Machine};
 use crate::cost::timing::{Clock, RUNS};
@@ -18,7 +19,7 @@ use std::time::{Duration, Instant};
     Times are measured on one thread, with the settings interleaved."
 )]
 pub struct Arguments {
-    /// Scene files (TOML)
+    /// Scene files (TOML), or cases of the suite
     #[arg(value_name = "SCENE", required = true)]
     scenes: Vec<PathBuf>,
     /// Time limit for all scenes together: no new setting is started after it, and the report states
@@ -40,7 +41,10 @@ pub struct Arguments {
 }
 
 /// Runs the command.
-pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
+    for scene in &mut arguments.scenes {
+        *scene = scene_file(scene)?;
+    }
     let inputs: Vec<&Path> = arguments.scenes.iter().map(PathBuf::as_path).collect();
     output::check(&[arguments.json.file()], &inputs)?;
     let mut scenes = Vec::new();

@@ -3,6 +3,7 @@
 use super::Outcome;
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
+use super::suite::scene_file;
 use crate::exchange::{self, Export, Format, Refusal};
 use crate::scene::Scene;
 use serde_json::json;
@@ -13,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Write a scene for another renderer
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scene file (TOML)
+    /// Scene file (TOML), or a case of the suite
     scene: PathBuf,
     /// Format: mitsuba (3, XML), pbrt (v4), or bundle (a classified volume as
     /// numbers and formulas)
@@ -27,7 +28,8 @@ pub struct Arguments {
 }
 
 /// Runs the command.
-pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
+    arguments.scene = scene_file(&arguments.scene)?;
     output::check(&[arguments.json.file()], &[&arguments.scene])?;
     let scene = Scene::load(&arguments.scene)?;
     output::check(&[arguments.json.file()], &[])?;

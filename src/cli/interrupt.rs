@@ -1,6 +1,7 @@
 //! Ctrl-C: ends the process, or only work that can be interrupted.
 
 use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// The next Ctrl-C ends the process.
 const ENDS: u8 = 0;
@@ -11,13 +12,21 @@ const CUT: u8 = 2;
 
 static NEXT: AtomicU8 = AtomicU8::new(ENDS);
 
-/// Runs `last` before Ctrl-C, or another signal, ends this process. Must be called once; on systems
-/// without such signals it does nothing.
+/// What is to be run before the process ends.
+static LAST: Mutex<Vec<Box<dyn Fn() + Send>>> = Mutex::new(Vec::new());
+
+/// Runs `last` before Ctrl-C, or another signal, ends this process, and what was given before. On
+/// systems without such signals it does nothing.
 pub fn before_the_end(last: impl Fn() + Send + 'static) {
-    let _ = ctrlc::set_handler(move || {
+    LAST.lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .push(Box::new(last));
+    // Fails where it was set before.
+    let _ = ctrlc::set_handler(|| {
         let is_cut = NEXT.compare_exchange(CUTS, CUT, Ordering::SeqCst, Ordering::SeqCst);
         if is_cut.is_err() {
-            last();
+            let last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+            last.iter().for_each(|last| last());
             // 128 and the number of SIGINT, as shells have it.
             std::process::exit(130);
         }

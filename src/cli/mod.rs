@@ -6,6 +6,8 @@ mod accept;
 mod compare;
 mod completions;
 mod cost;
+mod ctest;
+mod embedded;
 mod export;
 mod failure;
 mod info;
@@ -21,6 +23,7 @@ mod results;
 mod schema;
 mod selftest;
 mod suite;
+mod suite_command;
 mod validate;
 mod verify;
 mod visible_report;
@@ -28,6 +31,7 @@ mod visible_report;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
+pub use embedded::SuiteFiles;
 pub use failure::Exit;
 
 /// A reference renderer for volumes, and a golden-image harness that tests other volume renderers
@@ -53,6 +57,7 @@ enum Command {
     Selftest(selftest::Arguments),
     Info(info::Arguments),
     List(list::Arguments),
+    Suite(suite_command::Arguments),
     Schema(schema::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
@@ -77,8 +82,16 @@ impl From<String> for Outcome {
     }
 }
 
-/// Runs the command of the process; returns its exit code.
-pub fn main() -> ExitCode {
+/// Runs the command of the process, with these files as the suite of the program; returns its exit
+/// code.
+pub fn main(suite: SuiteFiles) -> ExitCode {
+    embedded::hold(suite);
+    let exit = run();
+    embedded::remove_temporary();
+    exit
+}
+
+fn run() -> ExitCode {
     failure::draw_errors_for_the_terminal();
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
@@ -105,6 +118,7 @@ pub fn main() -> ExitCode {
         Command::Selftest(arguments) => selftest::run(arguments),
         Command::Info(arguments) => progress::during("reading", || info::run(arguments)),
         Command::List(arguments) => list::run(arguments),
+        Command::Suite(arguments) => suite_command::run(arguments),
         Command::Schema(arguments) => Ok(schema::run(arguments)),
         Command::Completions(arguments) => Ok(completions::run(arguments)),
         Command::Man(arguments) => man::run(arguments),

@@ -3,6 +3,7 @@
 use super::failure::{Failure, bad_input};
 use super::output::{self, Json};
 use super::render::warnings_of_all;
+use super::suite::scene_file;
 use super::{Outcome, progress};
 use crate::render::counters::Event;
 use crate::render::plan::{Approximation, Decision, Estimator, PlanError, Reason};
@@ -18,7 +19,7 @@ use std::path::PathBuf;
 /// Show how a scene will be rendered: effects and why, kernel, defaults
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scene file (TOML)
+    /// Scene file (TOML), or a case of the suite
     scene: PathBuf,
     /// Render the scene and show the measured work
     #[arg(long)]
@@ -142,7 +143,8 @@ fn volume(panel: &Panel) -> Option<VolumeJson> {
 }
 
 /// Runs the command.
-pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
+    arguments.scene = scene_file(&arguments.scene)?;
     let outputs = [arguments.json.file()];
     output::check(&outputs, &[&arguments.scene])?;
     let read = || Scene::load(&arguments.scene);

@@ -132,6 +132,11 @@ pub fn during<T>(label: &str, work: impl FnOnce() -> T) -> T {
     result
 }
 
+/// A line beside the work: which suite it is about, say.
+pub fn note(text: &str) {
+    let _ = writeln!(std::io::stderr(), "volref: {}", visible(text));
+}
+
 /// The search for the mistakes behind `failed` images, at most `seconds` each. In a pipe it is
 /// announced at once.
 pub fn mistakes(failed: usize, seconds: f64) -> Bar {

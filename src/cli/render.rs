@@ -2,6 +2,7 @@
 
 use super::failure::{Failure, bad_input};
 use super::output::{self, Json};
+use super::suite::scene_file;
 use super::{Outcome, progress};
 use crate::film::{Film, FilmFormat};
 use crate::math;
@@ -16,9 +17,9 @@ use std::time::Instant;
 /// Render a scene to an image
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scene file (TOML)
+    /// Scene file (TOML), or a case of the suite
     scene: PathBuf,
-    /// Image to write: .exr (linear radiance, 32-bit float) or .png (8-bit sRGB preview)
+    /// Image to write: .exr or .npy (linear radiance, 32-bit float), or .png (8-bit sRGB preview)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Samples per pixel, for Monte Carlo scenes; with 2 or more, an .exr also stores the variance of
@@ -53,7 +54,8 @@ pub struct Arguments {
 }
 
 /// Runs the command.
-pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
+    arguments.scene = scene_file(&arguments.scene)?;
     let format = format_of(&arguments.output)?;
     let outputs = [Some(arguments.output.as_path()), arguments.json.file()];
     output::check(&outputs, &[&arguments.scene])?;
@@ -96,6 +98,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 
     let bytes = match format {
         FilmFormat::Png => film.to_png(arguments.exposure),
+        FilmFormat::Npy => film.to_npy(),
         _ => film.to_exr().map_err(bad_input)?,
     };
     output::write(&arguments.output, &bytes)?;
@@ -166,10 +169,11 @@ fn brightness_note(film: &Film, format: FilmFormat, exposure: f64) -> Option<Str
 
 /// The format of an image to be written.
 fn format_of(path: &Path) -> Result<FilmFormat, Failure> {
-    let is_written = |format: &FilmFormat| matches!(format, FilmFormat::Exr | FilmFormat::Png);
+    let is_written =
+        |format: &FilmFormat| matches!(format, FilmFormat::Exr | FilmFormat::Npy | FilmFormat::Png);
     FilmFormat::of(path).filter(is_written).ok_or_else(|| {
         bad_input(format!(
-            "{}: unknown image extension: use .exr (linear radiance) or .png (preview)",
+            "{}: unknown image extension: use .exr or .npy (linear radiance), or .png (preview)",
             path.display()
         ))
     })

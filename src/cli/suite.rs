@@ -1,36 +1,82 @@
-//! Arguments shared by commands on the suite.
+//! Which suite, and which of its scenes, a command is about.
 
+use super::embedded;
 use super::failure::{Exit, Failure};
 use crate::regular_file::note_input;
-use crate::suite::{CaseResult, Suite, SuiteError};
+use crate::suite::{Case, CaseResult, Suite, SuiteError};
 use std::path::{Path, PathBuf};
-
-/// The default suite.
-const HERE: &str = ".";
 
 /// The selected cases of a suite.
 #[derive(clap::Args, Debug)]
 pub struct Selection {
-    /// Folder of the suite, with fixtures/ and golden/
-    #[arg(long = "suite", value_name = "DIR", default_value = HERE)]
-    folder: PathBuf,
+    /// Folder of the suite, with fixtures/ and golden/ [default: the current folder if it has them,
+    /// else the suite within this program]
+    #[arg(long = "suite", value_name = "DIR")]
+    folder: Option<PathBuf>,
 }
 
 impl Selection {
     /// The suite. All its files count as inputs, even unread ones.
     pub fn open(&self) -> Result<Suite, Failure> {
-        let suite = Suite::open(&self.folder)?;
+        let suite = match &self.folder {
+            Some(folder) => Suite::open(folder)?,
+            None => here_or_embedded()?,
+        };
         suite.files().iter().for_each(|file| note_input(file));
         Ok(suite)
+    }
+
+    /// The suite, to be changed.
+    pub fn open_to_change(&self) -> Result<Suite, Failure> {
+        if self.folder.is_none() && !is_suite(Path::new(HERE)) {
+            let message =
+                "there is no suite in this folder, and that within volref cannot be changed";
+            let help = "write a copy of it with `volref suite --extract DIR`, then add --suite DIR";
+            return Err(Failure::new(Exit::BadInput, message, Some(help)));
+        }
+        self.open()
     }
 
     /// The command line that repeats `command` for one case of this suite.
     pub fn again(&self, command: &str, case: &str, arguments: &[String]) -> String {
         let mut words = vec!["volref".to_owned(), command.to_owned(), case.to_owned()];
-        if self.folder != Path::new(HERE) {
-            words.extend(["--suite".to_owned(), self.folder.display().to_string()]);
+        if let Some(folder) = &self.folder {
+            words.extend(["--suite".to_owned(), folder.display().to_string()]);
         }
         shell_words::join(words.iter().chain(arguments))
+    }
+}
+
+/// The current folder.
+const HERE: &str = ".";
+
+fn is_suite(folder: &Path) -> bool {
+    folder.join("fixtures/cases").is_dir()
+}
+
+/// The suite in the current folder, else that within the program.
+fn here_or_embedded() -> Result<Suite, Failure> {
+    if is_suite(Path::new(HERE)) {
+        return Ok(Suite::open(Path::new(HERE))?);
+    }
+    Ok(Suite::open(&embedded::unpacked()?)?)
+}
+
+/// The scene that `given` names: a file, or a case of the suite.
+pub fn scene_file(given: &Path) -> Result<PathBuf, Failure> {
+    let as_given = Ok(given.to_owned());
+    let is_file_name = given
+        .extension()
+        .is_some_and(|extension| extension == "toml");
+    let Some(name) = given.to_str().filter(|_| !is_file_name && !given.exists()) else {
+        return as_given;
+    };
+    let suite = here_or_embedded()?;
+    let is_it = |case: &&Case| case.name == name || case.name.ends_with(&format!("/{name}"));
+    let cases: Vec<&Case> = suite.cases().iter().filter(is_it).collect();
+    match cases[..] {
+        [case] => Ok(case.scene.clone()),
+        _ => as_given,
     }
 }
 

@@ -5,7 +5,7 @@ use super::failure::{EXIT_CODES, Exit, Failure, bad_input};
 use super::keep::keeper;
 use super::results::{Findings, ResultFiles, check_not_golden};
 use super::suite::{Selection, exit};
-use super::{Outcome, interrupt, output, progress};
+use super::{Outcome, ctest, interrupt, output, progress};
 use crate::exchange::{self, Format};
 use crate::math::exp2;
 use crate::regular_file::note_input;
@@ -100,6 +100,9 @@ pub struct Arguments {
     /// With --run: keep the images in DIR
     #[arg(long, value_name = "DIR", requires = "run")]
     keep: Option<PathBuf>,
+    /// Print metrics and pictures as lines that CTest collects, with the pictures in DIR
+    #[arg(long, value_name = "DIR")]
+    ctest: Option<PathBuf>,
     #[command(flatten)]
     files: ResultFiles,
 }
@@ -142,6 +145,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let source = Source::of(&arguments, &names)?;
     // Now that the images to be judged are known as inputs.
     arguments.files.check(&suite)?;
+    if let Some(folder) = &arguments.ctest {
+        check_not_golden(folder, &suite)?;
+        output::make_folder(folder)?;
+    }
 
     source.end_with_us();
 
@@ -174,6 +181,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     said.print(&source.unknown_files());
 
     let found = named(&arguments, &suite, &cases, profile.as_ref(), &mut judged);
+    if let Some(folder) = &arguments.ctest {
+        said.print(&ctest::measurements(&judged, folder)?);
+    }
     if !arguments.files.wants_evidence() {
         for judged in &mut judged {
             judged.evidence = Evidence::default();

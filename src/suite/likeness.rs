@@ -27,7 +27,7 @@ mod unexplained;
 pub(in crate::suite) use cells::Cells;
 use cells::Misfit;
 pub use clock::{Search, SearchStep, Stage};
-pub use kept::{CACHE_VARIABLE, Predictions};
+pub use kept::{CACHE_VARIABLE, Predictions, cache_of_the_user};
 pub(in crate::suite) use prediction::{lattice_of, pixels_of};
 pub(in crate::suite) use unexplained::UNEXPLAINED_IN_NOISE;
 

@@ -8,6 +8,7 @@ mod case;
 mod check;
 mod conventions;
 mod edited_film;
+mod embedded;
 mod evidence;
 mod finding;
 mod golden;
@@ -40,10 +41,13 @@ pub use check::{SUITE_VARIABLE, check, check_within};
 pub use conventions::{
     Agreement, CATALOGUE, Convention, ConventionSearch, ConventionSet, Explained, under,
 };
+pub use embedded::EmbeddedSuite;
 pub use evidence::{Evidence, Likeness};
 pub use finding::{CaseFinding, Judged};
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
-pub use likeness::{CACHE_VARIABLE, Likenesses, Predictions, Search, SearchStep, Stage, likeness};
+pub use likeness::{
+    CACHE_VARIABLE, Likenesses, Predictions, Search, SearchStep, Stage, cache_of_the_user, likeness,
+};
 pub use naming::{Naming, naming};
 pub use other_renderer::{CommandTemplate, Keeper, Kept, Ran, TemplateError, keep, run, stop_all};
 pub use outputs::{Found, OutputError, Outputs, UnknownFile, step_name};

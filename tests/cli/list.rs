@@ -152,7 +152,7 @@ fn a_folder_that_is_no_suite() {
     let folder = Folder::new();
     folder.write("fixtures/cases", "a file where a folder should be");
     folder
-        .volref(&["list"])
+        .volref(&["list", "--suite", "."])
         .expect(2, &["contains no suite", "fixtures/cases", "--suite DIR"]);
     let run = folder.volref(&["verify", "--suite", "nowhere"]);
     run.expect(2, &["nowhere contains no suite"]);
@@ -221,6 +221,7 @@ fn help() {
       selftest     Check that the suite catches every known mistake and rejects no correct image
       info         Show the contents of a volume file: position, storage, values
       list         List the cases of the suite
+      suite        Show the suite within this program, or write a copy of it
       schema       Print the JSON Schema of scenes, cases or profiles, for completion in editors
       completions  Print a shell completion script
       man          Print the manual page of volref or one of its commands (view with `man -l -`)
@@ -247,11 +248,11 @@ fn help_of_a_command() {
     Usage: volref render [OPTIONS] --output <FILE> <SCENE>
 
     Arguments:
-      <SCENE>  Scene file (TOML)
+      <SCENE>  Scene file (TOML), or a case of the suite
 
     Options:
-      -o, --output <FILE>     Image to write: .exr (linear radiance, 32-bit float) or .png (8-bit sRGB
-                              preview)
+      -o, --output <FILE>     Image to write: .exr or .npy (linear radiance, 32-bit float), or .png
+                              (8-bit sRGB preview)
           --spp <N>           Samples per pixel, for Monte Carlo scenes; with 2 or more, an .exr also
                               stores the variance of each pixel
           --seed <N>          Seed of the random numbers, for Monte Carlo scenes

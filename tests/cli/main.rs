@@ -2,11 +2,14 @@
 //! bad input.
 
 mod accept;
+#[cfg(unix)]
+mod action;
 mod bad_files;
 mod bad_goldens;
 mod bad_scenes;
 mod compare;
 mod cost;
+mod embedded;
 mod export;
 mod folder;
 #[cfg(unix)]

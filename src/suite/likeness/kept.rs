@@ -53,7 +53,7 @@ impl Predictions {
     /// names, else in the user's folder for caches; nowhere if there is none.
     pub fn of_the_user() -> Predictions {
         Predictions {
-            folder: folder_of_the_user(&|name| std::env::var_os(name).map(PathBuf::from)),
+            folder: cache_of_the_user(),
             ..Predictions::default()
         }
     }
@@ -99,6 +99,12 @@ impl Predictions {
             now
         });
     }
+}
+
+/// The folder that the environment variable [`VOLREF_CACHE`](CACHE_VARIABLE) names, else the one in the
+/// user's folder for caches; `None` if there is none.
+pub fn cache_of_the_user() -> Option<PathBuf> {
+    folder_of_the_user(&|name| std::env::var_os(name).map(PathBuf::from))
 }
 
 /// The folder of caches of this user, by the variables of the environment.

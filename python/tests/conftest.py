@@ -1,0 +1,3 @@
+"""Tests of the installed package: scripts/check-python.sh builds and installs the wheel."""
+
+pytest_plugins = ["pytester"]

@@ -1,0 +1,134 @@
+"""Arrays as image files: OpenEXR for radiance, PNG for 8-bit codes."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+def as_image(image: ArrayLike, name: str = "image") -> NDArray[Any]:
+    """The array as float32 of shape (height, width, 3 or 4), or uint8 of shape (height, width, 3).
+
+    Raises TypeError for other types and ValueError for other shapes. NaN and infinity pass: volref
+    says where they are.
+    """
+    array = np.asarray(image)
+    if array.dtype == np.uint8:
+        channels = (3,)
+    elif array.dtype.kind == "f":
+        channels = (3, 4)
+    else:
+        raise TypeError(
+            f"the {name} has the type {array.dtype}: give floating point for linear radiance, or uint8 for sRGB"
+        )
+    if array.ndim == 3 and array.shape[2] == 1:
+        array = array[:, :, 0]
+    if array.ndim == 2:
+        array = np.repeat(array[:, :, np.newaxis], 3, axis=2)
+    if array.ndim != 3 or array.shape[2] not in channels or 0 in array.shape:
+        allowed = " or ".join(f"(height, width, {count})" for count in channels)
+        raise ValueError(f"the {name} has the shape {np.shape(image)}: give {allowed}, or (height, width) for grey")
+    if array.dtype == np.uint8:
+        return np.ascontiguousarray(array)
+    with np.errstate(over="ignore"):
+        return np.ascontiguousarray(array, dtype=np.float32)
+
+
+def as_variance(variance: ArrayLike, image: NDArray[Any]) -> NDArray[np.float32]:
+    """The variance of the means, of the image's size, as float32 of shape (height, width, 3).
+
+    Raises TypeError or ValueError if it is none.
+    """
+    array = as_image(variance, "variance")
+    if array.dtype == np.uint8 or image.dtype == np.uint8:
+        raise TypeError("a variance is floating point, and that of linear radiance")
+    if array.shape[:2] != image.shape[:2]:
+        raise ValueError(
+            f"the variance has {array.shape[1]} × {array.shape[0]} pixels, the image "
+            f"{image.shape[1]} × {image.shape[0]}"
+        )
+    array = array[:, :, :3]
+    bad = ~(array >= 0) | np.isinf(array)
+    if bad.any():
+        row, column, channel = (int(index) for index in np.argwhere(bad)[0])
+        raise ValueError(
+            f"{int(bad.sum())} values of the variance are negative or not finite; the first is "
+            f"{array[row, column, channel]} in channel {channel} of pixel ({column}, {row})"
+        )
+    return array
+
+
+def write(
+    path: Path,
+    image: NDArray[Any],
+    variance: NDArray[np.float32] | None = None,
+    samples: int | None = None,
+) -> Path:
+    """Writes an image as ``path`` with the extension of its format; returns the file."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if image.dtype == np.uint8:
+        file = path.parent / f"{path.name}.png"
+        file.write_bytes(png(image))
+        return file
+    channels = {name: image[:, :, index] for index, name in enumerate("RGBA"[: image.shape[2]])}
+    if variance is not None:
+        channels |= {f"variance.{name}": variance[:, :, index] for index, name in enumerate("RGB")}
+    if samples is not None:
+        channels["samples.Y"] = np.full(image.shape[:2], samples, dtype=np.float32)
+    file = path.parent / f"{path.name}.exr"
+    file.write_bytes(exr(channels))
+    return file
+
+
+def exr(channels: dict[str, NDArray[np.float32]]) -> bytes:
+    """An uncompressed OpenEXR file of 32-bit floats, by the file layout of its specification."""
+    names = sorted(channels)
+    height, width = channels[names[0]].shape
+
+    def attribute(name: str, kind: str, value: bytes) -> bytes:
+        return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
+
+    floats, once = 2, 1
+    listed = b"".join(name.encode() + b"\0" + struct.pack("<iB3xii", floats, 0, once, once) for name in names)
+    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    header = (
+        struct.pack("<ii", 20000630, 2)
+        + attribute("channels", "chlist", listed + b"\0")
+        + attribute("compression", "compression", b"\0")
+        + attribute("dataWindow", "box2i", window)
+        + attribute("displayWindow", "box2i", window)
+        + attribute("lineOrder", "lineOrder", b"\0")
+        + attribute("pixelAspectRatio", "float", struct.pack("<f", 1))
+        + attribute("screenWindowCenter", "v2f", struct.pack("<ff", 0, 0))
+        + attribute("screenWindowWidth", "float", struct.pack("<f", 1))
+        + b"\0"
+    )
+    # Row by row, the channels of a row one after the other.
+    rows = np.stack([channels[name] for name in names], axis=1).astype("<f4")
+    length = rows[0].nbytes
+    first = len(header) + 8 * height
+    offsets = struct.pack(f"<{height}Q", *(first + row * (8 + length) for row in range(height)))
+    lines = (struct.pack("<ii", row, length) + rows[row].tobytes() for row in range(height))
+    return header + offsets + b"".join(lines)
+
+
+def png(codes: NDArray[np.uint8]) -> bytes:
+    """A PNG file of 8-bit sRGB."""
+    height, width, _ = codes.shape
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    unfiltered = np.zeros((height, 1 + 3 * width), dtype=np.uint8)
+    unfiltered[:, 1:] = codes.reshape(height, 3 * width)
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
+        + chunk(b"IDAT", zlib.compress(unfiltered.tobytes()))
+        + chunk(b"IEND", b"")
+    )

@@ -1,0 +1,107 @@
+"""The plug-in for pytest: a fixture that judges images, and a mark for the cases of the suite.
+
+``volref_check`` fails a test whose image is not right, with the reason and the likely mistake::
+
+    def test_figure_3(volref_check):
+        volref_check("figures/figure-3", my_renderer())
+
+A test that takes ``volref_case`` runs once for each case that ``@pytest.mark.volref(filter, ...)`` names, all of
+them without the mark::
+
+    @pytest.mark.volref("smoke", "fog/rate-0.1")
+    def test_my_renderer(volref_case, volref_check):
+        volref_check(volref_case, my_renderer(volref_case.scene()))
+
+Goldens are only read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import volref
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    group = parser.getgroup("volref", "images of volume renderers")
+    group.addoption(
+        "--volref-report",
+        metavar="DIR",
+        help="write a page for each image that does not pass: DIR/FAMILY/CASE/index.html",
+    )
+    group.addoption("--volref-outputs", metavar="DIR", help="keep the images that are judged in DIR")
+    group.addoption("--volref-suite", metavar="DIR", help="suite to judge by, in place of the one within volref")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line(
+        "markers",
+        "volref(*filters): run the test once for each case of volref's suite that the filters name; "
+        "the case is the argument volref_case",
+    )
+
+
+def pytest_report_header(config: pytest.Config) -> str:
+    suite = config.getoption("volref_suite")
+    return f"volref: {volref.version()}" + (f", suite {suite}" if suite else "")
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    if "volref_case" not in metafunc.fixturenames:
+        return
+    mark = metafunc.definition.get_closest_marker("volref")
+    filters = mark.args if mark else ()
+    try:
+        cases = volref.cases(*filters, suite=metafunc.config.getoption("volref_suite"))
+    except volref.VolrefError as error:
+        raise pytest.UsageError(f"{metafunc.definition.nodeid}: {error}") from error
+    metafunc.parametrize("volref_case", cases, ids=[case.name for case in cases])
+
+
+@pytest.fixture
+def volref_check(request: pytest.FixtureRequest) -> Callable[..., volref.Result]:
+    """Judges an image as :func:`volref.check` does, and fails the test unless it passes.
+
+    ``volref_check(case, image, variance=None, ...)`` returns the result of an image that passes. With
+    ``allow_inconclusive=True`` an image that is too noisy to decide does not fail.
+    """
+    config = request.config
+    folders = {
+        "outputs": config.getoption("volref_outputs"),
+        "suite": config.getoption("volref_suite"),
+    }
+
+    def check(
+        case: str | volref.Case,
+        image: Any,
+        variance: Any = None,
+        *,
+        allow_inconclusive: bool = False,
+        **arguments: Any,
+    ) -> volref.Result:
+        __tracebackhide__ = True
+        given = {**{name: folder for name, folder in folders.items() if folder}, **arguments}
+        try:
+            result = volref.check(case, image, variance, **given)
+        except volref.VolrefError as error:
+            pytest.fail(str(error), pytrace=False)
+        request.node.user_properties.append((f"volref {result.name}", result.verdict))
+        if result.passed or (allow_inconclusive and result.verdict == "inconclusive"):
+            return result
+        pytest.fail(_why(result, config.getoption("volref_report")), pytrace=False)
+
+    return check
+
+
+def _why(result: volref.Result, reports: str | None) -> str:
+    """The message of a test that fails, with its page written."""
+    if reports is None:
+        return f"{result}\n(--volref-report DIR writes a page with both images)"
+    file = Path(reports) / result.name / "index.html"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(result.page(), encoding="utf-8")
+    return f"{result}\nreport: {file}"

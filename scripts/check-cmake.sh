@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# cmake/volref.cmake: a project whose renderer is the student's (scripts/peers/student.py), tested by ctest
+# as it is and with a mistake. Needs CMake 3.21, Python with NumPy, and target/release/volref.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+root=$PWD
+program=${VOLREF_PROGRAM:-$(cd "${CARGO_TARGET_DIR:-target}/release" && pwd)/volref}
+python=
+for candidate in ${PYTHON:-} python3 /usr/bin/python3; do
+    if "$candidate" -c 'import numpy' 2>/dev/null; then python=$candidate; break; fi
+done
+[ -n "$python" ] || { echo "no Python with NumPy" >&2; exit 1; }
+
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+mkdir "$folder/my renderer"
+cat > "$folder/my renderer/CMakeLists.txt" <<CMAKE
+cmake_minimum_required(VERSION 3.21)
+project(my-renderer NONE)
+enable_testing()
+list(APPEND CMAKE_MODULE_PATH "$root/cmake")
+include(volref)
+set(student "$python" "$root/scripts/peers/student.py")
+volref_add_tests(
+  COMMAND \${student} {export:bundle} {output}
+  CASES figures/figure-1 figure-2
+  FORMAT npy
+  PREFIX right/)
+volref_add_tests(
+  COMMAND \${student} {export:bundle} {output} --mistake upside-down
+  CASES figure-2
+  PREFIX wrong/
+  REPORTS reports)
+CMAKE
+cmake -S "$folder/my renderer" -B "$folder/build" -DVOLREF_PROGRAM="$program" > "$folder/configured"
+cd "$folder/build"
+if ctest --verbose > "$folder/said" 2>&1; then
+    echo "ctest passes a wrong image" >&2
+    exit 1
+fi
+fail() { cat "$folder/said"; echo "ctest said something else: $1" >&2; exit 1; }
+says() { grep -Eq -- "$1" "$folder/said" || fail "$1"; }
+says 'right/figures/figure-1 \.+ +Passed'
+says 'right/figures/figure-2 \.+ +Passed'
+says 'wrong/figures/figure-2 \.+\**Failed'
+says 'looks like  upside-down'
+says '<CTestMeasurement type="numeric/double" name="outlier_pixels">'
+says '<CTestMeasurementFile type="image/png" name="difference">/.*difference.png</CTestMeasurementFile>'
+[ -f reports/figures/figure-2/index.html ] || fail "a report"
+[ -f volref-pictures/figures/figure-2/test.png ] || fail "a picture"
+
+# What is misspelt is said when the project is configured.
+sed -i.old 's|CASES figure-2|CASES figure-22|' "$folder/my renderer/CMakeLists.txt"
+if cmake -S "$folder/my renderer" -B "$folder/build" > "$folder/said" 2>&1; then fail "an error"; fi
+says 'no case matches'
+echo "cmake/volref.cmake: two tests passed, a wrong image failed with its mistake, a misspelt case was refused"

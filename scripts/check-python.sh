@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# The Python package: builds its wheel, installs it into a fresh environment with NumPy and pytest,
+# and runs python/tests there. Needs Python 3.11 with venv, and PyPI.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+python=${PYTHON:-python3}
+root=${CARGO_TARGET_DIR:-target}
+folder=$(mkdir -p "$root/python" && cd "$root/python" && pwd)
+rm -rf "$folder/venv"
+"$python" -m venv "$folder/venv"
+pip() { "$folder/venv/bin/python" -m pip --quiet --disable-pip-version-check "$@"; }
+# With the build of the release that is there, not a second one.
+pip install "maturin>=1.7,<2"
+PATH="$folder/venv/bin:$PATH" pip wheel --no-deps --no-build-isolation --wheel-dir "$folder/wheels" .
+wheel=$(ls -t "$folder"/wheels/volref-*.whl | head -1)
+echo "$(basename "$wheel"): $(($(stat -c %s "$wheel" 2>/dev/null || stat -f %z "$wheel") / 1024)) KiB"
+pip uninstall --yes maturin
+pip install "$wheel" "pytest>=7" "pytest-xdist>=3"
+# Elsewhere: neither this package's sources nor its suite are to be found by chance.
+cp pyproject.toml "$folder/"
+rm -rf "$folder/tests"
+cp -r python/tests "$folder/tests"
+cd "$folder"
+"$folder/venv/bin/python" -m pytest --quiet -c pyproject.toml --rootdir "$folder" "$folder/tests" "$@"

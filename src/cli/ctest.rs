@@ -1,0 +1,115 @@
+//! Measurements and pictures for CTest, which collects lines of this form from the output of a test and
+//! shows them on a dashboard (CMake 3.21 or newer).
+//!
+//! Source: <https://cmake.org/cmake/help/latest/command/ctest_test.html#additional-test-measurements>.
+
+use super::compare::write_heatmap;
+use super::failure::{Failure, bad_input};
+use super::output;
+use crate::compare::Picture;
+use crate::film::Film;
+use crate::suite::Judged;
+use std::path::{Path, PathBuf};
+
+/// Writes the golden, the test image and their difference of each case into `folder` as PNG; returns the
+/// lines that name them, with those of the verdict and the metrics. Of several cases each name begins
+/// with that of the case.
+pub fn measurements(judged: &[Judged], folder: &Path) -> Result<String, Failure> {
+    let mut lines = String::new();
+    for of_case in judged {
+        let result = &of_case.result;
+        let named = |name: &str| match judged {
+            [_] => name.to_owned(),
+            _ => format!("{} {name}", result.name),
+        };
+        let mut line = |element: &str, kind: &str, name: &str, value: &str| {
+            let (name, value) = (escaped(&named(name)), escaped(value));
+            lines.push_str(&format!(
+                "<{element} type=\"{kind}\" name=\"{name}\">{value}</{element}>\n"
+            ));
+        };
+        line(
+            "CTestMeasurement",
+            "text/string",
+            "verdict",
+            result.verdict.name(),
+        );
+        if !result.looks_like.is_empty() {
+            let mistakes = result.looks_like.join(", ");
+            line("CTestMeasurement", "text/string", "looks like", &mistakes);
+        }
+        for (name, value) in &result.metrics {
+            line(
+                "CTestMeasurement",
+                "numeric/double",
+                name,
+                &value.to_string(),
+            );
+        }
+        for (name, path) in pictures(of_case, folder)? {
+            let path = std::path::absolute(&path).unwrap_or(path);
+            let path = path.display().to_string();
+            line("CTestMeasurementFile", "image/png", name, &path);
+        }
+    }
+    Ok(lines)
+}
+
+/// Writes the pictures of a case that there are; with what they show.
+fn pictures(judged: &Judged, folder: &Path) -> Result<Vec<(&'static str, PathBuf)>, Failure> {
+    let evidence = &judged.evidence;
+    let exposure = evidence.exposure;
+    let folder = folder.join(&judged.result.name);
+    output::make_folder(&folder)?;
+    let mut written = Vec::new();
+    let mut write = |name: &'static str, picture: &Picture| -> Result<(), Failure> {
+        let path = folder.join(format!("{name}.png"));
+        let srgb = picture.srgb(exposure).map_err(bad_input)?;
+        let png = Film::codes_to_png(srgb.pixels(), srgb.width(), srgb.height());
+        output::write(&path, &png)?;
+        written.push((name, path));
+        Ok(())
+    };
+    let golden = evidence.golden.clone().map(Picture::Radiance);
+    if let Some(golden) = &golden {
+        write("golden", golden)?;
+    }
+    if let Some(test) = &evidence.test {
+        write("test", test)?;
+    }
+    if let (Some(golden), Some(test)) = (&golden, &evidence.test)
+        && golden.size() == test.size()
+    {
+        let path = folder.join("difference.png");
+        // Of values that are no numbers there is none.
+        if write_heatmap(&path, golden, test, exposure).is_ok() {
+            written.push(("difference", path));
+        }
+    }
+    Ok(written)
+}
+
+/// Text within XML.
+fn escaped(text: &str) -> String {
+    let pairs = [
+        ("&", "&amp;"),
+        ("<", "&lt;"),
+        (">", "&gt;"),
+        ("\"", "&quot;"),
+    ];
+    let mut text = text.to_owned();
+    for (letter, entity) in pairs {
+        text = text.replace(letter, entity);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_values_are_text() {
+        assert_eq!(escaped("a < b & \"c\""), "a &lt; b &amp; &quot;c&quot;");
+    }
+}

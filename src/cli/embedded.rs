@@ -1,0 +1,69 @@
+//! The suite within the program, unpacked where it can be read as files.
+
+use super::failure::{Exit, Failure};
+use super::{interrupt, progress};
+use crate::suite::{CACHE_VARIABLE, EmbeddedSuite, cache_of_the_user};
+use std::path::PathBuf;
+use std::sync::{Mutex, OnceLock, PoisonError};
+use tempfile::TempDir;
+
+/// The files of a suite, with their paths relative to its root.
+pub type SuiteFiles = fn() -> Vec<(PathBuf, &'static [u8])>;
+
+static FILES: OnceLock<SuiteFiles> = OnceLock::new();
+
+/// Where the suite was unpacked, if that is for this process alone.
+static TEMPORARY: Mutex<Option<TempDir>> = Mutex::new(None);
+
+/// Holds `files` as the suite of the program.
+pub fn hold(files: SuiteFiles) {
+    let _ = FILES.set(files);
+}
+
+/// The suite of the program.
+pub fn suite() -> EmbeddedSuite {
+    EmbeddedSuite::new(FILES.get().map(|files| files()).unwrap_or_default())
+}
+
+/// The folder of the suite of the program: in the user's folder for caches, where it stays, else in a
+/// temporary one, which is removed [at the end](remove_temporary).
+pub fn unpacked() -> Result<PathBuf, Failure> {
+    let suite = suite();
+    let name = suite.name();
+    let cache = cache_of_the_user().map(|folder| folder.join("suite").join(name));
+    let cached = cache.filter(|folder| suite.unpack(folder).is_ok());
+    let folder = match cached {
+        Some(folder) => folder,
+        None => temporary(&suite).map_err(|error| {
+            let message = format!("cannot unpack the suite within volref: {error}");
+            let help = format!(
+                "name a folder that can be written: {CACHE_VARIABLE}=DIR; or a suite: --suite DIR"
+            );
+            Failure::new(Exit::BadInput, message, Some(&help))
+        })?,
+    };
+    progress::note(&format!(
+        "the suite of volref {}, in {}",
+        env!("CARGO_PKG_VERSION"),
+        folder.display()
+    ));
+    Ok(folder)
+}
+
+fn temporary(suite: &EmbeddedSuite) -> std::io::Result<PathBuf> {
+    let temporary = tempfile::Builder::new().prefix("volref-suite-").tempdir()?;
+    let folder = temporary.path().to_owned();
+    suite.unpack(&folder)?;
+    *held(&TEMPORARY) = Some(temporary);
+    interrupt::before_the_end(remove_temporary);
+    Ok(folder)
+}
+
+/// Removes the temporary folder of the suite, if there is one.
+pub fn remove_temporary() {
+    *held(&TEMPORARY) = None;
+}
+
+fn held<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,120 @@
+//! The suite within the program: in a folder without one, every command finds it.
+
+use crate::folder::{Folder, Run};
+
+/// Fails unless the command succeeded and printed all the `parts`.
+fn prints(run: &Run, parts: &[&str]) {
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    for part in parts {
+        assert!(
+            run.stdout.contains(part),
+            "{part:?} is not in: {}",
+            run.stdout
+        );
+    }
+}
+
+#[test]
+fn an_empty_folder_is_enough() {
+    let folder = Folder::new();
+    let run = folder.volref(&["list", "figures"]);
+    prints(&run, &["figures/figure-1", "figures/figure-5"]);
+    // Lines of progress are left out of `Run`.
+    let said = folder
+        .command(&["list", "figures"])
+        .output()
+        .unwrap()
+        .stderr;
+    let said = String::from_utf8(said).unwrap();
+    assert!(said.contains("volref: the suite of volref "), "{said}");
+    prints(
+        &folder.volref(&["verify", "figure-2"]),
+        &["1 case: 1 passed"],
+    );
+    // A case stands for its scene.
+    folder
+        .volref(&["render", "figure-2", "-o", "out/figures/figure-2.exr"])
+        .expect(2, &["its folder does not exist"]);
+    folder
+        .volref(&["render", "figures/figure-2", "-o", "figure-2.exr"])
+        .expect(0, &[]);
+    folder.volref(&["plan", "figure-2"]).expect(0, &[]);
+    let run = folder.volref(&["validate", "figure-2", "--outputs", "."]);
+    prints(&run, &["pass", "figures/figure-2"]);
+    let run = folder.volref(&["export", "figure-2", "--to", "bundle", "-o", "bundle"]);
+    prints(&run, &["figure-2.json"]);
+    let files = folder.files();
+    let unexpected = |name: &&String| *name != "figure-2.exr" && !name.starts_with("bundle/");
+    assert_eq!(files.keys().find(unexpected), None);
+    let run = folder.volref(&["render", "figure-9", "-o", "x.exr"]);
+    run.expect(2, &["figure-9", "cannot read"]);
+}
+
+/// A run with these variables of the environment.
+fn with(folder: &Folder, variables: &[(&str, &str)], arguments: &[&str]) -> Run {
+    let mut command = folder.command(arguments);
+    for (name, value) in variables {
+        command.env(name, folder.path(value));
+    }
+    Run::of(command.output().unwrap())
+}
+
+#[test]
+fn it_is_kept_and_never_changed() {
+    let folder = Folder::new();
+    let cached = [("VOLREF_CACHE", "cache")];
+    let arguments = ["verify", "figure-2"];
+    with(&folder, &cached, &arguments).expect(0, &[]);
+    let files = folder.files();
+    let golden = files
+        .keys()
+        .find(|name| name.ends_with("golden/figures/figure-2.exr"));
+    let golden = golden.expect("it is unpacked").clone();
+    folder.write(&golden, "damaged");
+    with(&folder, &cached, &arguments).expect(0, &[]);
+    assert!(folder.read(&golden) == files[&golden]);
+
+    let run = folder.volref(&["accept", "figure-2", "--reason", "none"]);
+    run.expect(2, &["cannot be changed", "volref suite --extract DIR"]);
+    let run = folder.volref(&["suite", "--extract", "copy"]);
+    prints(&run, &["written into copy", "--suite copy"]);
+    folder
+        .volref(&["verify", "figure-2", "--suite", "copy"])
+        .expect(0, &[]);
+    folder
+        .volref(&["suite", "--extract", "copy"])
+        .expect(2, &["exists already"]);
+    let shown = folder.volref(&["suite", "--json"]).json();
+    assert!(shown["files"].as_u64().unwrap() > 1000);
+}
+
+/// Without a folder for caches it is unpacked for one process; without any, the message says what to do.
+#[cfg(unix)]
+#[test]
+fn without_a_place_to_keep_it() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("temporary")).unwrap();
+    folder.write("file", "");
+    let nowhere = ("VOLREF_CACHE", "file/cache");
+    let run = with(
+        &folder,
+        &[nowhere, ("TMPDIR", "temporary")],
+        &["verify", "figure-2"],
+    );
+    run.expect(0, &[]);
+    let left = std::fs::read_dir(folder.path("temporary")).unwrap();
+    assert_eq!(left.count(), 0, "it is removed");
+    let run = with(
+        &folder,
+        &[nowhere, ("TMPDIR", "file")],
+        &["verify", "figure-2"],
+    );
+    run.expect(
+        2,
+        &["cannot unpack the suite", "VOLREF_CACHE=DIR", "--suite DIR"],
+    );
+    // Whoever names a suite needs none.
+    let suite = Folder::with_suite();
+    let run = with(&suite, &[("TMPDIR", "nowhere")], &["list"]);
+    prints(&run, &["smoke/plain"]);
+}
