@@ -21,5 +21,7 @@ pip install "$wheel" "pytest>=7" "pytest-xdist>=3"
 cp pyproject.toml "$folder/"
 rm -rf "$folder/tests"
 cp -r python/tests "$folder/tests"
+cp src/guide/in_your_tests.md "$folder/"
 cd "$folder"
+export VOLREF_CHAPTER=$folder/in_your_tests.md
 "$folder/venv/bin/python" -m pytest --quiet -c pyproject.toml --rootdir "$folder" "$folder/tests" "$@"

@@ -45,6 +45,20 @@ export RUSTFLAGS=$for_any_processor
 step "the suite, as in the README"
 cargo run --release -- verify
 
+step "the Python package and its plug-in for pytest"
+if python3 -c 'import ensurepip, sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+    scripts/check-python.sh
+else
+    echo "not tested: that needs Python 3.11 with venv"
+fi
+
+step "cmake/volref.cmake"
+if command -v ctest >/dev/null && { python3 -c 'import numpy' || /usr/bin/python3 -c 'import numpy'; } 2>/dev/null; then
+    scripts/check-cmake.sh
+else
+    echo "not tested: that needs CMake, and Python with NumPy"
+fi
+
 step "the suite catches every mistake and rejects no correct image, on cases that catch them all"
 cargo run --release --quiet -- selftest --quick figures smoke fog/absorption fog/forward fog/balance \
     fog/rate-0.1 procedural/absorbing-grid procedural/emissive-grid procedural/coloured \

@@ -7,6 +7,7 @@
 //! | [`fog_and_smoke`] | media, surfaces, lights, and the estimators behind them |
 //! | [`suite`] | the cases, their goldens, a new golden, a new case |
 //! | [`comparing`] | checking a renderer, failures, comparing two images, gates, samples and noise |
+//! | [`in_your_tests`] | Python, pytest, CMake, GitHub |
 //! | [`accuracy_and_cost`] | error against lookups and time |
 //! | [`effects`] | the effects that a scene needs, and the instructions saved |
 //! | [`hard_cases`] | inputs that make renderers wrong; the same bits on every architecture |
@@ -33,6 +34,9 @@ pub mod suite {}
 #[doc = include_str!("guide/links.md")]
 #[doc = include_str!("guide/comparing.md")]
 pub mod comparing {}
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/in_your_tests.md")]
+pub mod in_your_tests {}
 #[doc = include_str!("guide/links.md")]
 #[doc = include_str!("guide/accuracy_and_cost.md")]
 pub mod accuracy_and_cost {}

@@ -17,6 +17,9 @@ Goldens are only read.
 
 from __future__ import annotations
 
+import dataclasses
+import shutil
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -85,23 +88,23 @@ def volref_check(request: pytest.FixtureRequest) -> Callable[..., volref.Result]
     ) -> volref.Result:
         __tracebackhide__ = True
         given = {**{name: folder for name, folder in folders.items() if folder}, **arguments}
+        reports = config.getoption("volref_report")
         try:
-            result = volref.check(case, image, variance, **given)
+            with tempfile.TemporaryDirectory(prefix="volref-") as page:
+                if reports:
+                    given["report"] = page
+                result = volref.check(case, image, variance, **given)
+                request.node.user_properties.append((f"volref {result.name}", result.verdict))
+                if result.passed or (allow_inconclusive and result.verdict == "inconclusive"):
+                    return dataclasses.replace(result, report=None)
+                if reports:
+                    kept = Path(reports) / result.name / "index.html"
+                    kept.parent.mkdir(parents=True, exist_ok=True)
+                    shutil.copyfile(result.report, kept)
+                    result = dataclasses.replace(result, report=kept)
         except volref.VolrefError as error:
             pytest.fail(str(error), pytrace=False)
-        request.node.user_properties.append((f"volref {result.name}", result.verdict))
-        if result.passed or (allow_inconclusive and result.verdict == "inconclusive"):
-            return result
-        pytest.fail(_why(result, config.getoption("volref_report")), pytrace=False)
+        hint = "" if reports else "\n(--volref-report DIR writes a page with both images)"
+        pytest.fail(f"{result}{hint}", pytrace=False)
 
     return check
-
-
-def _why(result: volref.Result, reports: str | None) -> str:
-    """The message of a test that fails, with its page written."""
-    if reports is None:
-        return f"{result}\n(--volref-report DIR writes a page with both images)"
-    file = Path(reports) / result.name / "index.html"
-    file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(result.page(), encoding="utf-8")
-    return f"{result}\nreport: {file}"

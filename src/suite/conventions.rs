@@ -518,7 +518,7 @@ impl ConventionSearch {
         test: &Picture,
         end: Option<Instant>,
     ) -> Option<Explained> {
-        if test.size() != (scene.width(), scene.height()) {
+        if test.size() != (scene.width(), scene.height()) || is_of_one_colour(test) {
             return None;
         }
         // An integral has no samples, and no conventions about them.
@@ -553,6 +553,13 @@ impl ConventionSearch {
             agreement,
         })
     }
+}
+
+/// Such as black: no convention makes that of a volume.
+fn is_of_one_colour(picture: &Picture) -> bool {
+    picture
+        .radiance()
+        .is_some_and(|film| film.radiance().windows(2).all(|pair| pair[0] == pair[1]))
 }
 
 /// The search in one image.

@@ -1,0 +1,34 @@
+"""The blocks of Python in the guide."""
+
+import contextlib
+import io
+import os
+import re
+from pathlib import Path
+
+import pytest
+
+CHAPTER = Path(os.environ.get("VOLREF_CHAPTER", Path(__file__).parents[2] / "src/guide/in_your_tests.md"))
+
+
+@pytest.fixture(scope="module")
+def blocks():
+    found = re.findall(r"```python\n(.*?)```", CHAPTER.read_text(encoding="utf-8"), flags=re.DOTALL)
+    assert len(found) == 2
+    return found
+
+
+def test_an_array_is_judged(blocks):
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        exec(blocks[0], {})
+    (shown,) = re.findall(r"print\(.*\) +# (.*)", blocks[0])
+    assert printed.getvalue() == shown + "\n"
+
+
+def test_a_renderer_is_tested(blocks, pytester):
+    renderer, _ = blocks[0].split("\nimage =")
+    pytester.makepyfile(my_renderer=renderer, test_mine=blocks[1])
+    result = pytester.runpytest("--volref-report", "pages")
+    result.assert_outcomes(failed=3)
+    result.stdout.fnmatch_lines(["*looks like black:*", "*pages/*/index.html"])
