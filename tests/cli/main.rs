@@ -33,4 +33,6 @@ mod schema;
 mod selftest;
 mod stochastic;
 mod validate;
+#[cfg(unix)]
+mod vectors;
 mod verify;

@@ -43,6 +43,7 @@ mod support;
 mod tracking;
 mod transport;
 mod unbiased_ray_marching;
+mod vectors;
 mod volume_files;
 mod volume_known_answers;
 mod volume_laws;
