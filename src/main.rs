@@ -1,4 +1,5 @@
-//! The `volref` command, with the suite that it holds.
+//! The `volref` command, with the suite that it holds: here rather than in the library, so that a changed scene
+//! or golden compiles this file again, and nothing else.
 
 use include_dir::{Dir, DirEntry, include_dir};
 use std::path::{Path, PathBuf};

@@ -526,7 +526,7 @@ fn main_only_calls_the_command_line() {
         .lines()
         .filter(|line| line.contains("volref::"))
         .collect();
-    assert_eq!(calls, ["    volref::cli::main()"]);
+    assert_eq!(calls, ["    volref::cli::main(suite_files)"]);
 }
 
 #[test]
