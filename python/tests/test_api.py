@@ -85,6 +85,9 @@ def test_cases_and_scenes(tmp_path):
     assert len(volref.cases()) > 170
     scene = volref.scene("smoke/cornell")
     assert scene["film"]["width"] == 256 and scene["radiative"]["medium"]
+    assert os.path.isabs(volref.scene("figure-3")["classified"]["volume"]["file"])
+    with pytest.raises(volref.UnknownCase, match="did you mean"):
+        volref.render("figures/figur-1")
     for format in ["mitsuba", "pbrt"]:
         assert volref.export("smoke/cornell", format, tmp_path / format).is_file()
     with pytest.raises(volref.VolrefError, match="bundle"):
@@ -96,11 +99,17 @@ def test_noise(tmp_path):
     image = volref.render(name, spp=16, seed=5)
     assert volref.check(name, image).passed
     with pytest.raises(ValueError, match="negative"):
-        volref.check(name, image, -np.ones_like(image))
+        volref.check(name, image, -np.ones_like(image), samples=16)
     with pytest.raises(ValueError, match="pixels"):
-        volref.check(name, image, np.ones((4, 4, 3)))
+        volref.check(name, image, np.ones((4, 4, 3)), samples=16)
     with pytest.raises(ValueError, match="whole number"):
         volref.check(name, image, samples=0)
+    with pytest.raises(ValueError, match="samples=N"):
+        volref.check(name, image, np.ones_like(image))
+    with pytest.raises(ValueError, match="range of 32-bit"):
+        volref.check(name, image.astype(float) * 1e300)
+    with pytest.raises(TypeError, match="masked"):
+        volref.check(name, np.ma.masked_less(image, 0.5))
     replicates = [volref.render(name, spp=8, seed=seed) for seed in (1, 2)]
     variance = (replicates[0] - replicates[1]) ** 2 / 4
     assert volref.check(name, replicates, outputs=tmp_path).passed
@@ -116,6 +125,9 @@ def test_steps_of_a_limit():
     images = {factor: volref.render("limit/smooth-blob", step=step) for factor, step in steps.items()}
     result = volref.check("limit/smooth-blob", images)
     assert result.passed and result.gate == "refinement"
+    for wrong in [{}, {1: images[1], 0.3: images[0.5]}, {0.5: images[0.5]}, {"1": images[1]}]:
+        with pytest.raises(ValueError, match="factors on the step"):
+            volref.check("limit/smooth-blob", wrong)
 
 
 def test_images_compared_with_each_other(figure):
@@ -134,6 +146,10 @@ def test_a_result_can_be_looked_at(figure, tmp_path, monkeypatch):
     result = volref.check("figures/figure-1", figure[::-1], report=tmp_path)
     assert result.report.read_text(encoding="utf-8").startswith("<!")
     assert "<b>" not in result._repr_html_() and "upside-down" in result._repr_html_()
+    later = figure[::-1].copy()
+    kept = volref.check("figures/figure-1", later, explain=0)
+    later[:] = figure
+    assert "0 of 49152 pixels" not in kept.page() and "✗" in kept.page()
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
     volref.check("figures/figure-1", figure[::-1], explain=0).show()
@@ -152,6 +168,10 @@ def test_where_nothing_can_be_written(tmp_path):
     (tmp_path / "temporary").mkdir()
     nowhere = tmp_path / "file" / "cache"
     assert run(VOLREF_CACHE=nowhere, TMPDIR=tmp_path / "temporary").stdout == "5\n"
+    code = "import volref; (case,) = volref.cases('figure-1'); case.scene(); print(volref.render(case).shape)"
+    shown = run(VOLREF_CACHE=nowhere, TMPDIR=tmp_path / "temporary")
+    assert shown.stdout == "(256, 256, 4)\n", shown.stderr
+    assert not list((tmp_path / "temporary").iterdir())
     assert "VOLREF_CACHE=DIR" in run(VOLREF_CACHE=nowhere, TMPDIR=nowhere).stderr
 
 

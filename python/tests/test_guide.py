@@ -14,16 +14,26 @@ CHAPTER = Path(os.environ.get("VOLREF_CHAPTER", Path(__file__).parents[2] / "src
 @pytest.fixture(scope="module")
 def blocks():
     found = re.findall(r"```python\n(.*?)```", CHAPTER.read_text(encoding="utf-8"), flags=re.DOTALL)
-    assert len(found) == 2
+    assert len(found) == 3
     return found
 
 
-def test_an_array_is_judged(blocks):
+def prints_what_it_shows(block):
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):
-        exec(blocks[0], {})
-    (shown,) = re.findall(r"print\(.*\) +# (.*)", blocks[0])
+        exec(block, {})
+    (shown,) = re.findall(r"print\(.*\) +# (.*)", block)
     assert printed.getvalue() == shown + "\n"
+
+
+def test_an_array_is_judged(blocks):
+    prints_what_it_shows(blocks[0])
+
+
+def test_mitsuba_is_judged(blocks, tmp_path, monkeypatch):
+    pytest.importorskip("mitsuba")
+    monkeypatch.chdir(tmp_path)
+    prints_what_it_shows(blocks[2])
 
 
 def test_a_renderer_is_tested(blocks, pytester):

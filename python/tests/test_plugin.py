@@ -61,6 +61,21 @@ def test_what_is_right_passes(pytester):
     pytester.runpytest().assert_outcomes(passed=3)
 
 
+def test_the_page_of_a_mended_image_goes(pytester):
+    for image, page in [("0 * right", True), ("right", False)]:
+        pytester.makepyfile(
+            f"""
+            import volref
+
+            def test_image(volref_check):
+                right = volref.render("figure-1")
+                volref_check("figure-1", {image}, explain=0)
+            """
+        )
+        pytester.runpytest("--volref-report", "pages", "-p", "no:cacheprovider")
+        assert (pytester.path / "pages/figures/figure-1/index.html").is_file() == page
+
+
 def test_in_parallel(pytester):
     pytest.importorskip("xdist")
     pytester.makepyfile(TESTS)

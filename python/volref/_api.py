@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import html
 import os
 import tempfile
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._files import as_image, as_variance, write
-from ._program import UnknownCase, call, suite_arguments
+from ._program import UnknownCase, call, own_suite, suite_arguments
 
 #: The folder of a suite; ``None`` for that of VOLREF_SUITE, else the one within the program.
 SuiteFolder = str | os.PathLike[str] | None
@@ -45,11 +46,24 @@ class Case:
     scene_file: Path
 
     def scene(self) -> dict[str, Any]:
-        """The scene as a dict, as its file states it: lengths in world units, angles in degrees."""
-        return tomllib.loads(self.scene_file.read_text(encoding="utf-8"))
+        """The scene as a dict, as its file states it: lengths in world units, angles in degrees. Names of
+        files are absolute paths."""
+        stated = tomllib.loads(self.scene_file.read_text(encoding="utf-8"))
+        return _with_absolute_paths(stated, self.scene_file.parent)
 
     def __str__(self) -> str:
         return self.name
+
+
+def _with_absolute_paths(value: Any, folder: Path) -> Any:
+    """``value`` with every text that names a file below ``folder`` as its absolute path."""
+    if isinstance(value, dict):
+        return {key: _with_absolute_paths(item, folder) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_with_absolute_paths(item, folder) for item in value]
+    if isinstance(value, str) and "." in value and (folder / value).is_file():
+        return str((folder / value).resolve())
+    return value
 
 
 @dataclass(frozen=True)
@@ -83,7 +97,8 @@ class Result:
     metrics: Mapping[str, float]
     #: The page of the report, if one was asked for.
     report: Path | None = None
-    #: Arguments of :func:`check` that make this result again.
+    #: The page of the report, if one was asked for, and arguments of :func:`check` that make this result again.
+    _page: str | None = field(default=None, repr=False, compare=False)
     _again: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -107,10 +122,10 @@ class Result:
 
     def page(self) -> str:
         """The report as an HTML page that works offline: both images, their difference, and why."""
-        if self.report:
-            return self.report.read_text(encoding="utf-8")
+        if self._page is not None:
+            return self._page
         with tempfile.TemporaryDirectory(prefix="volref-") as folder:
-            check(**self._again, report=folder)
+            check(**{**self._again, "report": folder})
             return (Path(folder) / "index.html").read_text(encoding="utf-8")
 
     def show(self, height: int = 700) -> None:
@@ -183,7 +198,14 @@ def cases(*filters: str, suite: SuiteFolder = None) -> list[Case]:
 
     Raises UnknownCase for a filter without a match.
     """
+    for given in filters:
+        if not isinstance(given, str):
+            raise TypeError(f"a filter is text, not {given!r}")
     listed = call(["list", *filters, *suite_arguments(suite)])["cases"]
+    if listed and not Path(listed[0]["scene"]).is_file():
+        # It was unpacked for that command alone: nothing can be kept here.
+        own_suite()
+        listed = call(["list", *filters, *suite_arguments(suite)])["cases"]
     return [
         Case(
             name=case["name"],
@@ -210,7 +232,8 @@ def _case(name: str | Case, suite: SuiteFolder) -> Case:
 
 
 def scene(name: str | Case, suite: SuiteFolder = None) -> dict[str, Any]:
-    """The scene of a case as a dict, as its file states it: lengths in world units, angles in degrees.
+    """The scene of a case as a dict, as its file states it: lengths in world units, angles in degrees. Names of
+    files are absolute paths.
 
     Raises UnknownCase if there is no such case.
     """
@@ -239,7 +262,7 @@ def render(
     (height, width, 4) with opacity; linear radiance, premultiplied by opacity.
 
     ``spp``: samples per pixel, for Monte Carlo scenes; ``seed``: of their random numbers. ``step``: length of
-    a step through a classified volume, such as ``"0.5 voxels"``.
+    a step through a classified volume, such as ``"0.5 voxels"``; a number is in world units.
     """
     given = scene.scene_file if isinstance(scene, Case) else scene
     with tempfile.TemporaryDirectory(prefix="volref-") as folder:
@@ -279,8 +302,7 @@ def check(
 
     Raises UnknownCase, TypeError and ValueError for arrays that are no image, and VolrefError.
     """
-    again = dict(locals())
-    del again["report"], again["outputs"]
+    again = copy.deepcopy({**locals(), "report": None, "outputs": None})
     case = _case(name, suite)
     if samples is not None and (samples != int(samples) or samples < 1):
         raise ValueError(f"samples is {samples}: give a whole number of samples per pixel, 1 or more")
@@ -296,6 +318,7 @@ def check(
             arguments += ["--report", os.fspath(report)]
         value = call([*arguments, *suite_arguments(suite)])
     found = value["cases"][0]
+    page = None if report is None else Path(report) / "index.html"
     advice = {mistake["mistake"]: mistake["advice"] for mistake in value.get("looks_like", [])}
     return Result(
         name=found["name"],
@@ -306,7 +329,8 @@ def check(
         conventions=tuple(found.get("conventions", ())),
         difference=tuple(found.get("difference", ())),
         metrics=found["metrics"],
-        report=Path(report) / "index.html" if report is not None else None,
+        report=page,
+        _page=page.read_text(encoding="utf-8") if page else None,
         _again=again,
     )
 
@@ -318,9 +342,11 @@ def _write_all(
     variance: ArrayLike | None,
     samples: int | None,
 ) -> None:
-    for old in (folder / name).parent.glob(f"{(folder / name).name}[.@]*"):
-        old.unlink()
     if isinstance(image, Mapping):
+        wanted = [0.5**halvings for halvings in range(max(len(image), 1))]
+        are_numbers = all(isinstance(factor, (int, float)) for factor in image)
+        if not are_numbers or sorted(image, reverse=True) != wanted:
+            raise ValueError(f"factors on the step are 1, 0.5, 0.25 and so on without a gap, not {list(image)}")
         named = {name if factor == 1 else f"{name}@{factor:g}": array for factor, array in image.items()}
     elif isinstance(image, (list, tuple)) and len(image) > 0 and all(hasattr(it, "shape") for it in image):
         named = {f"{name}.{index}": array for index, array in enumerate(image)}
@@ -328,9 +354,14 @@ def _write_all(
         named = {name: image}
     if variance is not None and len(named) > 1:
         raise ValueError("a variance belongs to one image: of several renderings it is computed")
-    for file, array in named.items():
-        array = as_image(array)
-        noise = None if variance is None else as_variance(variance, array)
+    if variance is not None and samples is None:
+        raise ValueError("a variance goes with the number of samples per pixel that it is of: samples=N")
+    arrays = {file: as_image(array) for file, array in named.items()}
+    noise = None if variance is None else as_variance(variance, arrays[name])
+    # Only now: what was kept before is lost to nothing that is no image.
+    for old in (folder / name).parent.glob(f"{(folder / name).name}[.@]*"):
+        old.unlink()
+    for file, array in arrays.items():
         write(folder / file, array, noise, samples if array.dtype.kind == "f" else None)
 
 

@@ -17,6 +17,8 @@ def as_image(image: ArrayLike, name: str = "image") -> NDArray[Any]:
     Raises TypeError for other types and ValueError for other shapes. NaN and infinity pass: volref
     says where they are.
     """
+    if np.ma.isMaskedArray(image):
+        raise TypeError(f"the {name} is a masked array: fill it first")
     array = np.asarray(image)
     if array.dtype == np.uint8:
         channels = (3,)
@@ -36,7 +38,10 @@ def as_image(image: ArrayLike, name: str = "image") -> NDArray[Any]:
     if array.dtype == np.uint8:
         return np.ascontiguousarray(array)
     with np.errstate(over="ignore"):
-        return np.ascontiguousarray(array, dtype=np.float32)
+        stored = np.ascontiguousarray(array, dtype=np.float32)
+    if (np.isinf(stored) & np.isfinite(array)).any():
+        raise ValueError(f"the {name} has values beyond the range of 32-bit floats: {np.abs(array).max():g}")
+    return stored
 
 
 def as_variance(variance: ArrayLike, image: NDArray[Any]) -> NDArray[np.float32]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import functools
 import json
 import os
@@ -9,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+import tempfile
 from collections.abc import Sequence
 from importlib import metadata
 from pathlib import Path
@@ -69,9 +71,24 @@ def program() -> Path:
 
 
 def suite_arguments(suite: str | os.PathLike[str] | None) -> list[str]:
-    """Arguments for the suite: ``suite``, else that of VOLREF_SUITE, else none."""
-    folder = suite or os.environ.get(SUITE_VARIABLE)
+    """Arguments for the suite: ``suite``, else that of VOLREF_SUITE, else the one of :func:`own_suite`, if it
+    was asked for, else none."""
+    folder = suite or os.environ.get(SUITE_VARIABLE) or (_own_suite and str(_own_suite))
     return ["--suite", os.fspath(folder)] if folder else []
+
+
+_own_suite: Path | None = None
+
+
+def own_suite() -> Path:
+    """A copy of the suite within the program, for as long as this process: where the program can keep none."""
+    global _own_suite
+    if _own_suite is None:
+        folder = Path(tempfile.mkdtemp(prefix="volref-suite-"))
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        call(["suite", "--extract", str(folder)])
+        _own_suite = folder
+    return _own_suite
 
 
 def call(arguments: Sequence[str]) -> dict[str, Any]:
@@ -85,7 +102,7 @@ def call(arguments: Sequence[str]) -> dict[str, Any]:
         value = json.loads(ran.stdout)
     except ValueError:
         said = (ran.stderr or ran.stdout).strip()
-        raise VolrefError(f"volref {arguments[0]} ended with exit code {ran.returncode}:\n{said}") from None
+        raise VolrefError(f"{words[0]} {arguments[0]} ended with exit code {ran.returncode}:\n{said}") from None
     if value.get("schema") == "volref/error/1":
         message = value["error"]
         if value.get("help"):

@@ -58,9 +58,11 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         return
     mark = metafunc.definition.get_closest_marker("volref")
     filters = mark.args if mark else ()
+    if mark and mark.kwargs:
+        raise pytest.UsageError(f"{metafunc.definition.nodeid}: the mark volref takes filters alone, as texts")
     try:
         cases = volref.cases(*filters, suite=metafunc.config.getoption("volref_suite"))
-    except volref.VolrefError as error:
+    except (volref.VolrefError, TypeError) as error:
         raise pytest.UsageError(f"{metafunc.definition.nodeid}: {error}") from error
     metafunc.parametrize("volref_case", cases, ids=[case.name for case in cases])
 
@@ -88,23 +90,45 @@ def volref_check(request: pytest.FixtureRequest) -> Callable[..., volref.Result]
     ) -> volref.Result:
         __tracebackhide__ = True
         given = {**{name: folder for name, folder in folders.items() if folder}, **arguments}
-        reports = config.getoption("volref_report")
+        reports = None if "report" in arguments else config.getoption("volref_report")
         try:
-            with tempfile.TemporaryDirectory(prefix="volref-") as page:
-                if reports:
-                    given["report"] = page
-                result = volref.check(case, image, variance, **given)
-                request.node.user_properties.append((f"volref {result.name}", result.verdict))
-                if result.passed or (allow_inconclusive and result.verdict == "inconclusive"):
-                    return dataclasses.replace(result, report=None)
-                if reports:
-                    kept = Path(reports) / result.name / "index.html"
-                    kept.parent.mkdir(parents=True, exist_ok=True)
-                    shutil.copyfile(result.report, kept)
-                    result = dataclasses.replace(result, report=kept)
-        except volref.VolrefError as error:
-            pytest.fail(str(error), pytrace=False)
-        hint = "" if reports else "\n(--volref-report DIR writes a page with both images)"
+            result = _checked(case, image, variance, given, reports, allow_inconclusive)
+            why = None
+        except (volref.VolrefError, OSError) as error:
+            why = str(error)
+        if why is not None:
+            pytest.fail(why, pytrace=False)
+        request.node.user_properties.append((f"volref {result.name}", result.verdict))
+        if _is_accepted(result, allow_inconclusive):
+            return result
+        hint = "" if result.report else "\n(--volref-report DIR writes a page with both images)"
         pytest.fail(f"{result}{hint}", pytrace=False)
 
     return check
+
+
+def _is_accepted(result: volref.Result, allow_inconclusive: bool) -> bool:
+    return result.passed or (allow_inconclusive and result.verdict == "inconclusive")
+
+
+def _checked(
+    case: str | volref.Case,
+    image: Any,
+    variance: Any,
+    given: dict[str, Any],
+    reports: str | None,
+    allow_inconclusive: bool,
+) -> volref.Result:
+    """The result, with a page below ``reports`` if the image is not accepted, and none if it is."""
+    if reports is None:
+        return volref.check(case, image, variance, **given)
+    with tempfile.TemporaryDirectory(prefix="volref-") as folder:
+        result = volref.check(case, image, variance, **given, report=folder)
+        kept = Path(reports) / result.name / "index.html"
+        if _is_accepted(result, allow_inconclusive):
+            # Of an earlier run, when it was not.
+            kept.unlink(missing_ok=True)
+            return dataclasses.replace(result, report=None)
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(Path(folder) / "index.html", kept)
+    return dataclasses.replace(result, report=kept)

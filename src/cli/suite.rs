@@ -3,14 +3,14 @@
 use super::embedded;
 use super::failure::{Exit, Failure};
 use crate::regular_file::note_input;
-use crate::suite::{Case, CaseResult, Suite, SuiteError};
+use crate::suite::{Case, CaseResult, SUITE_VARIABLE, Suite, SuiteError};
 use std::path::{Path, PathBuf};
 
 /// The selected cases of a suite.
 #[derive(clap::Args, Debug)]
 pub struct Selection {
-    /// Folder of the suite, with fixtures/ and golden/ [default: the current folder if it has them,
-    /// else the suite within this program]
+    /// Folder of the suite, with fixtures/ and golden/ [default: that of VOLREF_SUITE, else the
+    /// current folder if it has them, else the suite within this program]
     #[arg(long = "suite", value_name = "DIR")]
     folder: Option<PathBuf>,
 }
@@ -28,7 +28,7 @@ impl Selection {
 
     /// The suite, to be changed.
     pub fn open_to_change(&self) -> Result<Suite, Failure> {
-        if self.folder.is_none() && !is_suite(Path::new(HERE)) {
+        if self.folder.is_none() && named_suite().is_none() && !is_suite(Path::new(HERE)) {
             let message =
                 "there is no suite in this folder, and that within volref cannot be changed";
             let help = "write a copy of it with `volref suite --extract DIR`, then add --suite DIR";
@@ -50,12 +50,21 @@ impl Selection {
 /// The current folder.
 const HERE: &str = ".";
 
+/// The folder that the environment variable [`VOLREF_SUITE`](SUITE_VARIABLE) names.
+fn named_suite() -> Option<PathBuf> {
+    let named = std::env::var_os(SUITE_VARIABLE).filter(|folder| !folder.is_empty());
+    named.map(PathBuf::from)
+}
+
 fn is_suite(folder: &Path) -> bool {
     folder.join("fixtures/cases").is_dir()
 }
 
-/// The suite in the current folder, else that within the program.
+/// The suite that the environment names, else that in the current folder, else that within the program.
 fn here_or_embedded() -> Result<Suite, Failure> {
+    if let Some(folder) = named_suite() {
+        return Ok(Suite::open(&folder)?);
+    }
     if is_suite(Path::new(HERE)) {
         return Ok(Suite::open(Path::new(HERE))?);
     }
@@ -76,6 +85,11 @@ pub fn scene_file(given: &Path) -> Result<PathBuf, Failure> {
     let cases: Vec<&Case> = suite.cases().iter().filter(is_it).collect();
     match cases[..] {
         [case] => Ok(case.scene.clone()),
+        // No file either: whoever gave it is told the nearest case.
+        [] if given.extension().is_none() => {
+            suite.select(&[name.to_owned()])?;
+            as_given
+        }
         _ => as_given,
     }
 }

@@ -141,6 +141,7 @@ impl Folder {
             .stdin(Stdio::null());
         for name in [
             "CI",
+            "VOLREF_SUITE",
             "NO_COLOR",
             "CLICOLOR",
             "CLICOLOR_FORCE",
