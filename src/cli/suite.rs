@@ -86,12 +86,23 @@ pub fn scene_file(given: &Path) -> Result<PathBuf, Failure> {
     match cases[..] {
         [case] => Ok(case.scene.clone()),
         // No file either: whoever gave it is told the nearest case.
-        [] if given.extension().is_none() => {
-            suite.select(&[name.to_owned()])?;
-            as_given
+        [] if given.extension().is_none() && !is_in_a_place(given) => {
+            match suite.select(&[name.to_owned()]) {
+                Err(SuiteError::NoMatch { filter, help }) => {
+                    let message = format!("no case matches {filter:?}, and there is no such file");
+                    Err(Failure::new(Exit::BadInput, message, Some(&help)))
+                }
+                _ => as_given,
+            }
         }
         _ => as_given,
     }
+}
+
+/// Whether the path leads through something that is there.
+fn is_in_a_place(path: &Path) -> bool {
+    let parent = path.parent().filter(|parent| *parent != Path::new(""));
+    parent.is_some_and(Path::exists)
 }
 
 /// Help for a filter that looks like the name of an output.
