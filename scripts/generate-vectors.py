@@ -3,7 +3,7 @@
 
 Needs mpmath (pip install mpmath). Results are computed with 60 digits, or exactly with fractions, and rounded
 once to 64 bits: nothing here shares code with volref, whose own code is held to the same numbers by
-tests/library/vectors.rs. The FLIP of two images stands in fixtures/known-answers, not here.
+tests/library/vectors.rs. FLIP comes from NVIDIA's own program (pip install flip-evaluator).
 """
 
 import json
@@ -422,7 +422,43 @@ def codes():
     topic.write()
 
 
+def perceived():
+    import flip_evaluator
+    import numpy as np
+
+    topic = Topic("flip", "The difference that an eye perceives between two images (FLIP, Andersson et al. 2020).")
+    topic.function(
+        "flip_mean",
+        "Mean over the pixels of FLIP for displays of low dynamic range, at 67.0206 pixels per degree.",
+        ["width", "height", "3 width height codes of 8-bit sRGB of the reference, row by row", "likewise of the test"],
+        ["mean"],
+        absolute=2e-5,
+        relative=0.0,
+        because="NVIDIA's program computes in 32-bit floats",
+    )
+    width, height = 9, 7
+    noise = np.array([[[rng.randrange(256) for _ in "rgb"] for _ in range(width)] for _ in range(height)])
+    ramp = np.array([[[28 * x, 36 * y, 128] for x in range(width)] for y in range(height)])
+    dot = np.zeros_like(ramp)
+    dot[3, 4] = [255, 128, 0]
+    for reference, test in [
+        (ramp, ramp),
+        (np.zeros_like(ramp), np.full_like(ramp, 255)),
+        (ramp, np.roll(ramp, 1, axis=1)),
+        (ramp, noise),
+        (dot, np.zeros_like(dot)),
+        (ramp, np.clip(ramp + 10, 0, 255)),
+    ]:
+        images = [np.ascontiguousarray(image / 255, dtype=np.float32) for image in (reference, test)]
+        # 0.7 m before a display 0.7 m wide, of 3840 pixels.
+        parameters = {"ppd": float(0.7 * 3840 / 0.7 * np.pi / 180)}
+        _, mean, _ = flip_evaluator.evaluate(*images, "LDR", True, False, True, parameters)
+        flat = [int(code) for image in (reference, test) for code in image.reshape(-1)]
+        topic.add("flip_mean", [width, height, *flat], [float(mean)])
+    topic.write()
+
+
 if __name__ == "__main__":
     FOLDER.mkdir(exist_ok=True)
-    for write in (compositing, opacity, grids, boxes, phase, flight, cameras, codes):
+    for write in (compositing, opacity, grids, boxes, phase, flight, cameras, codes, perceived):
         write()

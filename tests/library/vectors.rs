@@ -4,6 +4,7 @@
 use glam::DVec3;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use volref::compare::flip::{DEFAULT_PIXELS_PER_DEGREE, SrgbImage, flip};
 use volref::film::Film;
 use volref::geometry::{Aabb, Camera, Ray};
 use volref::media::{
@@ -97,6 +98,16 @@ fn of_volref(function: &str, x: &[f64]) -> Option<Vec<f64>> {
         "srgb_code" => {
             let film = Film::new(1, 1, vec![[x[0] as f32; 3]]);
             vec![f64::from(film.srgb_codes(0.0)[0][0])]
+        }
+        "flip_mean" => {
+            let (width, height) = (x[0] as usize, x[1] as usize);
+            let image = |codes: &[f64]| {
+                let pixels = codes.chunks(3).map(|code| [0, 1, 2].map(|c| code[c] as u8));
+                SrgbImage::new(width, height, pixels.collect()).unwrap()
+            };
+            let (reference, test) = x[2..].split_at(3 * width * height);
+            let errors = flip(&image(reference), &image(test), DEFAULT_PIXELS_PER_DEGREE);
+            vec![errors.unwrap().mean()]
         }
         "half" => {
             let bits = half::f16::from_f32(f32::from_bits(x[0] as u32)).to_bits();
