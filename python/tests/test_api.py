@@ -1,8 +1,12 @@
 """Arrays judged by the program."""
 
+import dataclasses
 import os
+import shutil
 import subprocess
 import sys
+import tempfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -53,11 +57,30 @@ def test_arrays_that_are_no_image(figure):
         (figure[0, 0], ValueError, "shape"),
         (figure[:, :, :2], ValueError, "shape"),
         (np.zeros((0, 4, 3)), ValueError, "shape"),
-        (figure[np.newaxis], ValueError, "shape"),
+        (figure[np.newaxis], ValueError, r"shape.*array\[0\]"),
+        (np.stack([figure] * 5), ValueError, r"shape.*5 renderings.*list\(array\)"),
+        (figure[:, :, :1], ValueError, r"shape.*array\[:, :, 0\]"),
+        ([], ValueError, "the list of images is empty"),
+        (None, TypeError, "the image is None"),
+        ("image.exr", TypeError, "the image is text"),
         (np.zeros((4, 4, 4), np.uint8), ValueError, "shape"),
     ]:
         with pytest.raises(error, match=words):
             volref.check("figures/figure-1", wrong)
+
+
+def test_opacity_is_not_compared(figure):
+    opacity = np.full(figure.shape[:2], np.nan, np.float32)
+    assert volref.check("figures/figure-1", np.dstack([figure, opacity])).passed
+    assert volref.compare(figure, np.dstack([figure, opacity])).passed
+    assert not volref.compare(figure, np.dstack([figure, opacity]), gate="exact").passed
+
+
+def test_the_image_before_the_case(figure):
+    with pytest.raises(TypeError, match=r"^the case comes first, then the image: check\(name, image\)$"):
+        volref.check(figure, "figures/figure-1")
+    with pytest.raises(TypeError, match="not of type ndarray$"):
+        volref.cases(figure)
 
 
 def test_images_that_cannot_be_compared(figure):
@@ -77,6 +100,59 @@ def test_names_of_cases(figure):
     with pytest.raises(volref.UnknownCase, match="5 cases"):
         volref.check("figures", figure)
     assert volref.check("figure-1", figure).name == "figures/figure-1"
+    with pytest.raises(volref.UnknownCase, match="'figures' names 5 cases"):
+        volref.render("figures")
+    for wrong in ["", "-x", "--help", "--suite"]:
+        for function in [volref.cases, volref.scene, volref.render]:
+            with pytest.raises(volref.UnknownCase, match=r"no case matches.*volref\.cases\(\) lists all cases"):
+                function(wrong)
+    with pytest.raises(volref.UnknownCase, match=r"volref\.cases\(\) lists all cases"):
+        volref.cases("nothing-like-it")
+
+
+def test_a_scene_file_is_rendered(tmp_path, monkeypatch):
+    (case,) = volref.cases("smoke/cornell")
+    with pytest.raises(volref.VolrefError, match="absent.toml: cannot read the scene"):
+        volref.render(tmp_path / "absent.toml")
+    right = volref.render(case, spp=1)
+    assert np.array_equal(volref.render(case.scene_file, spp=1), right)
+    monkeypatch.chdir(case.scene_file.parent)
+    assert np.array_equal(volref.render(case.scene_file.name, spp=1), right)
+
+
+def test_arguments_out_of_range(figure, tmp_path):
+    name = "smoke/cornell"
+    for call, error, words in [
+        (lambda: volref.render(name, spp=0), ValueError, "spp is 0: give a whole number from 1 to"),
+        (lambda: volref.render(name, spp=1.5), ValueError, "spp is 1.5: give a whole number"),
+        (lambda: volref.render(name, seed=-1), ValueError, "seed is -1: give a whole number from 0 to"),
+        (lambda: volref.render("figure-3", step="x"), volref.VolrefError, "^step is 'x': expected a length"),
+        (lambda: volref.render(3), TypeError, "not of type int"),
+        (lambda: volref.check("figure-1", figure, explain=-1), ValueError, "explain is -1: give a number of sec"),
+        (lambda: volref.check("figure-1", figure, explain="x"), TypeError, "explain is 'x', of type str"),
+        (lambda: volref.check("figure-1", figure, profile="-x"), volref.VolrefError, "^-x: cannot read the profile"),
+        (lambda: volref.check("figure-1", {1: figure, 0.5: figure}), ValueError, "figures/figure-1 takes one image"),
+        (lambda: volref.export(name, "mitsubs", tmp_path), ValueError, "mitsuba, pbrt, bundle .did you mean 'mitsuba'"),
+        (lambda: volref.compare(figure, figure, gate="exct"), ValueError, "did you mean 'exact'"),
+        (lambda: volref.compare(figure, figure, exposure=99), ValueError, "stops from -64 to 64"),
+        (lambda: volref.compare(figure, figure, resolution=-1), volref.VolrefError, "^resolution is '-1': .* 100$"),
+        (lambda: volref.cases(suite=tmp_path), volref.VolrefError, "contains no suite"),
+    ]:
+        with pytest.raises(error, match=words) as raised:
+            call()
+        assert "--" not in str(raised.value)
+
+
+def test_folders_that_cannot_be_written(figure, tmp_path):
+    (tmp_path / "file").write_text("")
+    for folder in ["outputs", "report"]:
+        with pytest.raises(volref.VolrefError, match="file/folder|file.folder"):
+            volref.check("figure-1", figure, **{folder: tmp_path / "file" / "folder"})
+
+
+def test_exceptions_have_the_name_that_users_import():
+    for error in [volref.VolrefError, volref.UnknownCase]:
+        assert f"{error.__module__}.{error.__name__}" in ["volref.VolrefError", "volref.UnknownCase"]
 
 
 def test_cases_and_scenes(tmp_path):
@@ -102,8 +178,15 @@ def test_noise(tmp_path):
         volref.check(name, image, -np.ones_like(image), samples=16)
     with pytest.raises(ValueError, match="pixels"):
         volref.check(name, image, np.ones((4, 4, 3)), samples=16)
-    with pytest.raises(ValueError, match="whole number"):
-        volref.check(name, image, samples=0)
+    for samples, error in [(0, ValueError), (1, ValueError), (1.5, ValueError), (2**32 - 1, ValueError)]:
+        with pytest.raises(error, match="whole number from 2 to 4294967294"):
+            volref.check(name, image, samples=samples)
+    for samples, kind in [(True, "bool"), ("16", "str"), ([16], "list")]:
+        with pytest.raises(TypeError, match=f"of type {kind}: give a whole number"):
+            volref.check(name, image, samples=samples)
+    for variance in [np.zeros_like(image), np.where(image > 1.5, 1.0, 0.0)]:
+        with pytest.raises(ValueError, match="a variance of 0 says that the image has no noise"):
+            volref.check(name, image, variance, samples=16)
     with pytest.raises(ValueError, match="samples=N"):
         volref.check(name, image, np.ones_like(image))
     with pytest.raises(ValueError, match="range of 32-bit"):
@@ -112,12 +195,19 @@ def test_noise(tmp_path):
         volref.check(name, np.ma.masked_less(image, 0.5))
     replicates = [volref.render(name, spp=8, seed=seed) for seed in (1, 2)]
     variance = (replicates[0] - replicates[1]) ** 2 / 4
-    assert volref.check(name, replicates, outputs=tmp_path).passed
+    assert volref.check(name, iter(replicates), outputs=tmp_path).passed
     assert (tmp_path / "smoke" / "cornell.1.exr").is_file()
     mean = (replicates[0] + replicates[1]) / 2
     stated = volref.check(name, mean, variance, samples=16)
     assert stated.gate == "stochastic"
+    # The largest count is not rounded to one that no file can hold.
+    assert volref.check(name, mean, variance, samples=2**32 - 2).verdict in ["pass", "inconclusive"]
     assert not volref.check(name, 1.05 * mean, explain=0).passed
+
+
+def test_a_furnace_has_no_noise():
+    image = volref.render("known-answers/furnace-box", spp=2)
+    assert volref.check("known-answers/furnace-box", image, np.zeros_like(image), samples=2).passed
 
 
 def test_steps_of_a_limit():
@@ -128,6 +218,8 @@ def test_steps_of_a_limit():
     for wrong in [{}, {1: images[1], 0.3: images[0.5]}, {0.5: images[0.5]}, {"1": images[1]}]:
         with pytest.raises(ValueError, match="factors on the step"):
             volref.check("limit/smooth-blob", wrong)
+    listed = volref.check("limit/smooth-blob", list(images.values()), explain=0)
+    assert not listed and "{1: a, 0.5: b, 0.25: c}" in listed.reason
 
 
 def test_images_compared_with_each_other(figure):
@@ -146,10 +238,18 @@ def test_a_result_can_be_looked_at(figure, tmp_path, monkeypatch):
     result = volref.check("figures/figure-1", figure[::-1], report=tmp_path)
     assert result.report.read_text(encoding="utf-8").startswith("<!")
     assert "<b>" not in result._repr_html_() and "upside-down" in result._repr_html_()
+    assert repr(result).startswith("Result(name='figures/figure-1', verdict='fail', looks_like=['upside-down'")
+    assert len(repr(result)) <= 240 and "max_abs_error" not in repr(result)
+    assert str(result).startswith("figures/figure-1: fail, looks like upside-down\n")
+    assert len({result, dataclasses.replace(result)}) == 1
     later = figure[::-1].copy()
     kept = volref.check("figures/figure-1", later, explain=0)
     later[:] = figure
     assert "0 of 49152 pixels" not in kept.page() and "✗" in kept.page()
+    # Folders for temporary files are gone when somebody reads the page.
+    for page in [kept.page(), result.page(), result.report.read_text(encoding="utf-8")]:
+        assert "--outputs=IMAGES" in page.replace("&#x3d;", "=") or "--outputs IMAGES" in page
+        assert tempfile.gettempdir().replace("/", "&#x2f;") + "&#x2f;volref-" not in page
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
     volref.check("figures/figure-1", figure[::-1], explain=0).show()
@@ -180,3 +280,24 @@ def test_without_the_program(tmp_path):
     environment = {**os.environ, "VOLREF_PROGRAM": str(tmp_path / "absent")}
     run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
     assert "VOLREF_PROGRAM names" in run.stderr
+
+
+def test_another_program():
+    code = "import volref; volref.cases()"
+    environment = {**os.environ, "VOLREF_PROGRAM": sys.executable}
+    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
+    assert run.stderr.splitlines()[-1].startswith("volref.VolrefError: VOLREF_PROGRAM names ")
+    assert "is not volref" in run.stderr
+
+
+def test_a_program_that_was_removed(tmp_path):
+    """The package alone, in a folder without a program, and no program anywhere else."""
+    shutil.copytree(Path(volref.__file__).parent, tmp_path / "volref")
+    code = (
+        "import shutil, sys, sysconfig; sys.path.insert(0, sys.argv[1]); shutil.which = lambda name: None; "
+        "sysconfig.get_path = lambda *scheme: sys.argv[1]; sys.executable = sys.argv[1] + '/python'; "
+        "import volref; volref.program()"
+    )
+    environment = {name: value for name, value in os.environ.items() if name != "VOLREF_PROGRAM"}
+    run = subprocess.run([sys.executable, "-c", code, tmp_path], env=environment, capture_output=True, text=True)
+    assert "it was removed, or the wheel held none" in run.stderr, run.stderr

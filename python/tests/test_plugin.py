@@ -1,6 +1,10 @@
 """The plug-in, in runs of pytest of their own."""
 
+import re
+from pathlib import Path
+
 import pytest
+import volref
 
 TESTS = """
 import numpy as np
@@ -31,15 +35,18 @@ def test_what_is_wrong_is_said(pytester):
     result.stdout.fnmatch_lines_random(
         [
             "volref: *",
-            "figures/figure-1: fail",
-            "looks like black: *",
-            "report: reports/figures/figure-1/index.html",
+            "E *figures/figure-1: fail, looks like black",
+            "E *looks like black: *",
+            "E *report: */reports/figures/figure-1/index.html",
+            ">*volref_check(case, blank(case))",
+            "test_what_is_wrong_is_said.py:11: Failed",
             "*no case matches*figure-9*did you mean*",
             "*test_marked?figures/figure-2?*",
         ]
     )
     assert (pytester.path / "reports/figures/figure-2/index.html").is_file()
     assert (pytester.path / "images/figures/figure-1.exr").is_file()
+    assert "pytest_plugin.py" not in result.stdout.str()
 
 
 def test_what_is_right_passes(pytester):
@@ -76,6 +83,53 @@ def test_the_page_of_a_mended_image_goes(pytester):
         assert (pytester.path / "pages/figures/figure-1/index.html").is_file() == page
 
 
+SAME_CASE = """
+import volref
+
+def test_wrong(volref_check):
+    volref_check("figure-1", 0 * volref.render("figure-1"), explain=0)
+
+def test_right(volref_check):
+    volref_check("figure-1", volref.render("figure-1"))
+"""
+
+
+@pytest.mark.parametrize("workers", [[], ["-n", "1"], ["-n", "2"]], ids=["alone", "one", "two"])
+def test_a_test_that_passes_leaves_the_page_of_another(pytester, workers):
+    if workers:
+        pytest.importorskip("xdist")
+    pytester.makepyfile(SAME_CASE)
+    for _ in range(2):
+        result = pytester.runpytest(*workers, "--volref-report", "pages")
+        result.assert_outcomes(failed=1, passed=1)
+        (line,) = [line for line in result.outlines if "report: " in line]
+        page = Path(line.split("report: ")[1])
+        assert page.is_absolute() and "volref&#x2f;" not in page.read_text(encoding="utf-8")
+
+
+def test_listing_tests_leaves_pages(pytester):
+    page = pytester.path / "pages/figures/figure-1/index.html"
+    page.parent.mkdir(parents=True)
+    page.write_text("earlier")
+    pytester.makepyfile(SAME_CASE)
+    pytester.runpytest("--collect-only", "--volref-report", "pages")
+    assert page.read_text() == "earlier"
+
+
+def test_pages_of_tests_that_change_the_folder(pytester):
+    pytester.makepyfile(
+        """
+        import volref
+
+        def test_image(volref_check, tmp_path, monkeypatch):
+            monkeypatch.chdir(tmp_path)
+            volref_check("figure-1", 0 * volref.render("figure-1"), explain=0)
+        """
+    )
+    pytester.runpytest("--volref-report", "pages").assert_outcomes(failed=1)
+    assert (pytester.path / "pages/figures/figure-1/index.html").is_file()
+
+
 def test_in_parallel(pytester):
     pytest.importorskip("xdist")
     pytester.makepyfile(TESTS)
@@ -83,19 +137,124 @@ def test_in_parallel(pytester):
     result.assert_outcomes(failed=4)
 
 
-def test_a_mark_that_names_nothing(pytester):
+MARKS = [
+    ('@pytest.mark.volref("smok")', "volref_case", 'no case matches "smok"*did you mean "smoke"*'),
+    ("@pytest.mark.volref(3)", "volref_case", "a filter is text, not of type int"),
+    ('@pytest.mark.volref(case="smoke")', "volref_case", "the mark volref takes filters alone, as texts"),
+    ('@pytest.mark.volref("figures")', "volref_check", "*the test does not take the argument volref_case"),
+]
+
+
+@pytest.mark.parametrize("mark, argument, words", MARKS, ids=["unknown", "number", "keyword", "no-argument"])
+@pytest.mark.parametrize("workers", [[], ["-n", "1"]], ids=["alone", "parallel"])
+def test_a_wrong_mark_is_one_line(pytester, workers, mark, argument, words):
+    if workers:
+        pytest.importorskip("xdist")
+    pytester.makepyfile(f"import pytest\n\n{mark}\ndef test_nothing({argument}):\n    pass\n")
+    result = pytester.runpytest(*workers)
+    assert result.ret != 0
+    result.stdout.fnmatch_lines([f"test_a_wrong_mark_is_one_line.py::test_nothing: {words}"])
+    assert "Traceback" not in result.stdout.str() and "/pluggy/" not in result.stdout.str()
+    assert "passed" not in result.stdout.str()
+
+
+@pytest.mark.parametrize("mark", ["", "@pytest.mark.volref", "@pytest.mark.volref()"])
+def test_no_filter_is_every_case(pytester, mark):
+    pytester.makepyfile(f"import pytest\n\n{mark}\ndef test_all(volref_case):\n    pass\n")
+    outcomes = pytester.runpytest().parseoutcomes()
+    assert outcomes == {"passed": len(volref.cases())}
+
+
+@pytest.mark.parametrize("option", ["--volref-suite", "--volref-report", "--volref-outputs"])
+def test_a_wrong_folder_is_one_line(pytester, option):
+    pytester.makepyfile(SAME_CASE)
+    (pytester.path / "file").write_text("")
+    result = pytester.runpytest(option, "file/folder")
+    assert result.ret == pytest.ExitCode.USAGE_ERROR
+    (line,) = [line for line in result.errlines if line]
+    assert line.startswith(f"ERROR: {option}") and "file/folder" in line
+
+
+def test_without_the_program_a_line_says_so(pytester, monkeypatch):
+    monkeypatch.setenv("VOLREF_PROGRAM", "absent")
+    pytester.makepyfile(
+        test_one="def test_one(volref_case): pass",
+        test_two="def test_two(volref_check): volref_check('figure-1', [[[0.0] * 3]])",
+    )
+    result = pytester.runpytest_subprocess("--continue-on-collection-errors")
+    result.assert_outcomes(errors=1, failed=1)
+    result.stdout.fnmatch_lines(
+        ["test_one.py::test_one: VOLREF_PROGRAM names absent*", "E *VOLREF_PROGRAM names absent*", "test_two.py:1: *"]
+    )
+    assert "Traceback" not in result.stdout.str() and "subprocess" not in result.stdout.str()
+
+
+def test_lines_of_volref_are_not_shown(pytester):
     pytester.makepyfile(
         """
-        import pytest
+        import numpy as np
+        import volref
 
-        @pytest.mark.volref("smok")
-        def test_nothing(volref_case):
-            pass
+        def test_check():
+            volref.check("figure-1", np.zeros((4, 4)) > 0)
+
+        def test_fixture(volref_check):
+            volref_check("figure-1", np.zeros((4, 4, 2)))
+
+        def test_unknown():
+            volref.render("figure-11")
+
+        def test_folder():
+            volref.check("figure-1", np.zeros((4, 4)), outputs=__file__)
+        """
+    )
+    result = pytester.runpytest("--tb=short")
+    result.assert_outcomes(failed=4)
+    text = result.stdout.str()
+    assert not any(file in text for file in ["_api.py", "_files.py", "_program.py", "pytest_plugin.py"])
+    result.stdout.fnmatch_lines(
+        [
+            "E *TypeError: the image has the type bool*",
+            "E *ValueError: the image has the shape (4, 4, 2)*",
+            "E *volref.UnknownCase: no case matches*",
+            "E *volref.VolrefError: cannot write the image into *",
+        ]
+    )
+
+
+def test_an_assertion_shows_the_mistake(pytester):
+    pytester.makepyfile(
+        """
+        import volref
+
+        def test_image():
+            assert volref.check("figure-1", 0.5 * volref.render("figure-1"))
         """
     )
     result = pytester.runpytest()
-    assert result.ret != 0
-    result.stdout.fnmatch_lines(["*no case matches \"smok\"*did you mean \"smoke\"*"])
+    start = "Result(name='figures/figure-1', verdict='fail', looks_like=['bright-halved'"
+    result.stdout.fnmatch_lines([f"E *assert {start}*"])
+
+
+def test_an_undecided_image_says_what_to_do(pytester):
+    pytester.makepyfile(
+        """
+        import volref
+
+        def test_image(volref_check):
+            volref_check("fog/backward", volref.render("fog/backward", spp=2))
+        """
+    )
+    result = pytester.runpytest()
+    result.stdout.fnmatch_lines(["E *fog/backward: inconclusive", "E *samples=N*list*allow_inconclusive=True*"])
+
+
+def test_fixtures_are_described(pytester):
+    text = pytester.runpytest("--fixtures").stdout.str()
+    _, *parts = re.split("^volref_", text, flags=re.MULTILINE)
+    described = {part.split(" ")[0]: part for part in parts}
+    assert "volref.Case" in described["case"]
+    assert all(word in described["check"] for word in ["variance", "samples", "allow_inconclusive"])
 
 
 def test_no_option_writes_goldens(pytester):

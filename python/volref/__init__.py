@@ -5,8 +5,8 @@
 
 Images are arrays of rows from the top:
 
-- floating point, shape (height, width, 3), (height, width, 4) with opacity, or (height, width) for grey: linear
-  radiance, premultiplied by opacity;
+- floating point, shape (height, width, 3), (height, width, 4) with opacity, which is not compared, or
+  (height, width) for grey: linear radiance, premultiplied by opacity;
 - ``uint8``, shape (height, width, 3) or (height, width): sRGB at the exposure of the case.
 """
 

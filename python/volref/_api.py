@@ -8,7 +8,7 @@ import os
 import tempfile
 import tomllib
 import webbrowser
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,33 +16,49 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._arguments import number, one_of, whole
 from ._files import as_image, as_variance, write
-from ._program import UnknownCase, call, own_suite, suite_arguments
+from ._program import UnknownCase, VolrefError, call, own_suite, suite_arguments
+
+# pytest shows the line that called volref, not the lines of volref.
+__tracebackhide__ = True
 
 #: The folder of a suite; ``None`` for that of VOLREF_SUITE, else the one within the program.
 SuiteFolder = str | os.PathLike[str] | None
 
+FORMATS = ("mitsuba", "pbrt", "bundle")
+GATES = ("exact", "deterministic", "perceptual", "stochastic")
+#: Numbers of samples per pixel of which a variance can be estimated and a file can tell.
+SAMPLES = (2, 2**32 - 2)
+#: Exposures, in stops.
+EXPOSURES = (-64.0, 64.0)
+#: Characters that pytest shows of an object in an assertion.
+SHOWN = 230
+
 
 @dataclass(frozen=True)
 class Case:
-    """A case of the suite."""
+    """A case of the suite.
 
-    #: ``family/name``.
+    - ``name``: ``family/name``.
+    - ``family``: the first part of the name.
+    - ``kind``: ``deterministic``, ``stochastic`` (Monte Carlo) or ``limit`` (no step: the integral itself).
+    - ``gate``: rule by which images of linear radiance are compared, ``deterministic`` or ``stochastic``.
+    - ``source``: document and figure that it reproduces.
+    - ``shows``: features of a correct image.
+    - ``computes``: the exact computation, in words.
+    - ``exposure``: exposure of 8-bit images, in stops: radiance times 2 to this power.
+    - ``scene_file``: scene file (TOML).
+    """
+
     name: str
     family: str
-    #: ``deterministic``, ``stochastic`` or ``limit``.
     kind: str
-    #: Rule by which images are compared.
     gate: str
-    #: Document and figure that it reproduces.
     source: str
-    #: Features of a correct image.
     shows: str
-    #: The exact computation, in words.
     computes: str
-    #: Exposure of 8-bit images, in stops: radiance times 2 to this power.
     exposure: float
-    #: Scene file (TOML).
     scene_file: Path
 
     def scene(self) -> dict[str, Any]:
@@ -68,34 +84,46 @@ def _with_absolute_paths(value: Any, folder: Path) -> Any:
 
 @dataclass(frozen=True)
 class Mistake:
-    """A known mistake that would make the image."""
+    """A known mistake that would make the image: its ``name``, and as ``advice`` what is wrong and what is right."""
 
     name: str
-    #: What is wrong, and what is right.
     advice: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
-    """The verdict on an image of a case."""
+    """The verdict on an image of a case. It is true if the verdict is ``pass``.
 
-    #: ``family/name``.
+    ``verdict`` is one of
+
+    - ``pass``: the image agrees;
+    - ``fail``: the image differs;
+    - ``convention``: the image differs, and is right under other ``conventions``;
+    - ``inconclusive``: no difference beyond noise, but the noise could hide too large a bias;
+    - ``missing``: the case has no golden yet;
+    - ``error``: the image or the golden cannot be used.
+
+    The other fields:
+
+    - ``name``: ``family/name``.
+    - ``reason``: the rule, and the difference, in words.
+    - ``gate``: rule by which the image was compared: ``deterministic``; ``stochastic`` for Monte Carlo images,
+      by their noise; ``perceptual`` for ``uint8``; ``refinement`` for images with several steps.
+    - ``looks_like``: known mistakes that explain an image that fails, most likely first.
+    - ``conventions``: choices under which the image is right, in words, if the verdict is ``convention``.
+    - ``difference``: what was measured of a difference that nothing known explains, in sentences.
+    - ``metrics``: numbers by name; the page of the report explains each.
+    - ``report``: the page of the report, if one was asked for.
+    """
+
     name: str
-    #: ``pass``, ``fail``, ``convention``, ``inconclusive``, ``missing`` or ``error``.
     verdict: str
-    #: The rule, and the difference.
     reason: str
-    #: Rule by which the image was compared.
     gate: str
-    #: Known mistakes that explain the image, most likely first.
     looks_like: tuple[Mistake, ...]
-    #: Conventions under which the image is right, if the verdict is ``convention``.
     conventions: tuple[str, ...]
-    #: What was measured of a difference that nothing known explains, in sentences.
     difference: tuple[str, ...]
-    #: Numbers by name.
-    metrics: Mapping[str, float]
-    #: The page of the report, if one was asked for.
+    metrics: Mapping[str, float] = field(hash=False)
     report: Path | None = None
     #: The page of the report, if one was asked for, and arguments of :func:`check` that make this result again.
     _page: str | None = field(default=None, repr=False, compare=False)
@@ -109,8 +137,17 @@ class Result:
     def __bool__(self) -> bool:
         return self.passed
 
+    def __repr__(self) -> str:
+        # In the order of use, for pytest shows the first part alone.
+        fields: dict[str, Any] = {"name": self.name, "verdict": self.verdict}
+        fields["looks_like"] = [mistake.name for mistake in self.looks_like]
+        fields["conventions"] = [_shortened(words, 60) for words in self.conventions[:1]]
+        fields["conventions"] += ["…"] * (len(self.conventions) > 1)
+        return _represented("Result", fields, self.reason)
+
     def __str__(self) -> str:
-        lines = [f"{self.name}: {self.verdict}", self.reason]
+        likely = f", looks like {self.looks_like[0].name}" if self.looks_like else ""
+        lines = [f"{self.name}: {self.verdict}{likely}", self.reason]
         for mistake in self.looks_like:
             lines.append(f"looks like {mistake.name}: {mistake.advice}")
         if self.difference:
@@ -126,7 +163,7 @@ class Result:
             return self._page
         with tempfile.TemporaryDirectory(prefix="volref-") as folder:
             check(**{**self._again, "report": folder})
-            return (Path(folder) / "index.html").read_text(encoding="utf-8")
+            return without_folder((Path(folder) / "index.html").read_text(encoding="utf-8"), folder, "REPORT")
 
     def show(self, height: int = 700) -> None:
         """Shows the report: in a notebook below the cell, ``height`` pixels high, else in the browser."""
@@ -161,18 +198,34 @@ class Result:
         return f"<table><caption>{html.escape(self.name)}</caption>{cells}</table>"
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """The verdict on one image by another."""
+def _shortened(words: str, most: int) -> str:
+    return words if len(words) <= most else words[: most - 1] + "…"
 
-    #: ``pass``, ``fail`` or ``inconclusive``.
+
+def _represented(kind: str, fields: Mapping[str, Any], reason: str) -> str:
+    """The fields in one line, with as much of the reason as pytest shows."""
+    start = f"{kind}({', '.join(f'{name}={value!r}' for name, value in fields.items())}, reason="
+    return f"{start}{_shortened(reason, max(SHOWN - len(start), 20))!r})"
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison:
+    """The verdict on one image by another. It is true if the verdict is ``pass``.
+
+    - ``verdict``: ``pass``; ``fail``, the images differ or cannot be compared; or ``inconclusive``, the noise could
+      hide too large a bias.
+    - ``reason``: the rule, and the difference, in words.
+    - ``gate``: rule by which the images were compared, one of those of :func:`compare`.
+    - ``metrics``: numbers by name.
+    """
+
     verdict: str
-    #: The rule, and the difference.
     reason: str
-    #: Rule by which the images were compared.
     gate: str
-    #: Numbers by name.
-    metrics: Mapping[str, float]
+    metrics: Mapping[str, float] = field(hash=False)
+
+    def __repr__(self) -> str:
+        return _represented("Comparison", {"verdict": self.verdict, "gate": self.gate}, self.reason)
 
     @property
     def passed(self) -> bool:
@@ -185,11 +238,10 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Flip:
-    """The difference that an eye perceives (FLIP, Andersson et al. 2020), from 0 to 1."""
+    """The difference that an eye perceives (FLIP, Andersson et al. 2020), from 0 to 1: ``mean`` over the pixels,
+    and weighted 99th ``percentile``."""
 
-    #: Mean over the pixels.
     mean: float
-    #: Weighted 99th percentile.
     percentile: float
 
 
@@ -200,7 +252,10 @@ def cases(*filters: str, suite: SuiteFolder = None) -> list[Case]:
     """
     for given in filters:
         if not isinstance(given, str):
-            raise TypeError(f"a filter is text, not {given!r}")
+            raise TypeError(f"a filter is text, not of type {type(given).__name__}")
+        if not given or given.startswith("-"):
+            # Not a case, and an option to the program.
+            raise UnknownCase(f'no case matches "{given}" (volref.cases() lists all cases)')
     listed = call(["list", *filters, *suite_arguments(suite)])["cases"]
     if listed and not Path(listed[0]["scene"]).is_file():
         # It was unpacked for that command alone: nothing can be kept here.
@@ -225,6 +280,8 @@ def cases(*filters: str, suite: SuiteFolder = None) -> list[Case]:
 def _case(name: str | Case, suite: SuiteFolder) -> Case:
     if isinstance(name, Case):
         return name
+    if not isinstance(name, str):
+        raise TypeError(f"the name of a case is text, family/name, not of type {type(name).__name__}")
     found = cases(name, suite=suite)
     if len(found) != 1:
         raise UnknownCase(f"{name!r} names {len(found)} cases: give one, as family/name")
@@ -244,10 +301,11 @@ def export(name: str | Case, to: str, folder: str | os.PathLike[str], suite: Sui
     """Writes the scene of a case for another renderer into ``folder``; returns the file to render.
 
     ``to`` is ``mitsuba`` (3, XML), ``pbrt`` (v4) or ``bundle`` (a classified volume as numbers and formulas).
-    Raises VolrefError if the format cannot say what the scene holds.
+    Raises ValueError for another format, and VolrefError if the format cannot say what the scene holds.
     """
     given = str(_case(name, suite).scene_file)
-    value = call(["export", given, "--to", to, "--output", os.fspath(folder)])
+    one_of("to", to, FORMATS)
+    value = call(["export", given, f"--to={to}", f"--output={os.fspath(folder)}"])
     return Path(folder) / value["main"]
 
 
@@ -261,18 +319,38 @@ def render(
     """The image of a case, or of a scene file, as volref renders it: float32 of shape (height, width, 3), or
     (height, width, 4) with opacity; linear radiance, premultiplied by opacity.
 
-    ``spp``: samples per pixel, for Monte Carlo scenes; ``seed``: of their random numbers. ``step``: length of
-    a step through a classified volume, such as ``"0.5 voxels"``; a number is in world units.
+    ``spp``: samples per pixel, 1 or more, for Monte Carlo scenes; ``seed``: of their random numbers, 0 or more.
+    ``step``: length of a step through a classified volume, such as ``"0.5 voxels"``; a number is in world units.
     """
-    given = scene.scene_file if isinstance(scene, Case) else scene
+    given = _scene_file(scene)
+    if spp is not None:
+        spp = whole("spp", spp, 1, 2**31)
+    if seed is not None:
+        seed = whole("seed", seed, 0, 2**64 - 1)
     with tempfile.TemporaryDirectory(prefix="volref-") as folder:
         file = Path(folder) / "image.npy"
         arguments = ["render", os.fspath(given), "--output", str(file)]
         for name, value in [("--spp", spp), ("--seed", seed), ("--step", step)]:
             if value is not None:
-                arguments += [name, str(value)]
+                arguments.append(f"{name}={value}")
         call(arguments)
         return np.load(file)
+
+
+def _scene_file(scene: Any) -> str:
+    """The file of a scene, for the program: the scene file of a case, or the path as it was given."""
+    if isinstance(scene, Case):
+        return str(scene.scene_file)
+    if not isinstance(scene, (str, os.PathLike)):
+        raise TypeError(f"a scene is a case, or the path of a scene file, not of type {type(scene).__name__}")
+    given = os.fspath(scene)
+    if Path(given).is_file():
+        # A file whose name begins with "-" is no option.
+        return os.path.join(os.curdir, given) if given.startswith("-") else given
+    if given.endswith(".toml"):
+        # The program says why it cannot be read.
+        return given
+    return str(_case(given, None).scene_file)
 
 
 def check(
@@ -290,11 +368,12 @@ def check(
 ) -> Result:
     """Judges ``image`` as the image of the case ``name``.
 
-    ``image`` is an array (see :mod:`volref`); a list of arrays for several renderings with seeds of their own;
-    or, for a case of the family ``limit``, a dict of arrays by the factor on the step: ``{1: a, 0.5: b, 0.25: c}``.
+    ``image`` is an array (see :mod:`volref`), whose opacity is not compared; a list of arrays, or an iterator over
+    them, for several renderings with seeds of their own; or, for a case of the family ``limit``, a dict of arrays
+    by the factor on the step: ``{1: a, 0.5: b, 0.25: c}``.
 
     ``variance``: variance of the mean of each value, radiance squared, of the image's shape; with the number of
-    ``samples`` per pixel. Without it the noise of a Monte Carlo image is estimated.
+    ``samples`` per pixel, from 2 to 2**32 - 2. Without it the noise of a Monte Carlo image is estimated.
 
     ``profile``: conventions by which to judge, ``vtk``, ``anari`` or a file. ``accept_conventions`` passes images
     that are right under other conventions. ``explain``: seconds for finding the mistake behind an image that
@@ -302,62 +381,99 @@ def check(
 
     Raises UnknownCase, TypeError and ValueError for arrays that are no image, and VolrefError.
     """
+    if isinstance(image, (str, Case)) and not isinstance(name, (str, Case)):
+        raise TypeError("the case comes first, then the image: check(name, image)")
+    if isinstance(image, Iterator):
+        image = list(image)
     again = copy.deepcopy({**locals(), "report": None, "outputs": None})
     case = _case(name, suite)
-    if samples is not None and (samples != int(samples) or samples < 1):
-        raise ValueError(f"samples is {samples}: give a whole number of samples per pixel, 1 or more")
+    samples = _samples(samples)
+    explain = number("explain", explain, "a number of seconds, 0 for no search", least=0.0)
     with tempfile.TemporaryDirectory(prefix="volref-") as temporary:
         folder = Path(outputs) if outputs is not None else Path(temporary)
-        _write_all(folder, case.name, image, variance, samples)
-        arguments = ["validate", case.name, "--outputs", str(folder), "--explain", repr(float(explain))]
+        try:
+            _write_all(folder, case, image, variance, samples)
+        except OSError as error:
+            raise VolrefError(f"cannot write the image into {folder}: {error.strerror}") from None
+        arguments = ["validate", case.name, f"--outputs={folder}", f"--explain={explain!r}"]
         if profile is not None:
-            arguments += ["--as", os.fspath(profile)]
+            arguments.append(f"--as={os.fspath(profile)}")
         if accept_conventions:
             arguments.append("--accept-conventions")
         if report is not None:
-            arguments += ["--report", os.fspath(report)]
+            arguments.append(f"--report={os.fspath(report)}")
         value = call([*arguments, *suite_arguments(suite)])
     found = value["cases"][0]
-    page = None if report is None else Path(report) / "index.html"
+    # Nobody finds a folder for temporary files again.
+    reason = found["reason"].replace(f"{temporary}{os.sep}", "")
+    if case.kind == "limit" and isinstance(image, (list, tuple)) and found["verdict"] != "pass":
+        reason += "; a list is for seeds of their own: images by the step are a dict, {1: a, 0.5: b, 0.25: c}"
+    page = None
+    if report is not None:
+        page = Path(report) / "index.html"
+        page.write_text(without_folder(page.read_text(encoding="utf-8"), temporary, "IMAGES"), encoding="utf-8")
     advice = {mistake["mistake"]: mistake["advice"] for mistake in value.get("looks_like", [])}
     return Result(
         name=found["name"],
         verdict=found["verdict"],
-        reason=found["reason"],
+        reason=reason,
         gate=found["gate"],
         looks_like=tuple(Mistake(mistake, advice.get(mistake, "")) for mistake in found["looks_like"]),
         conventions=tuple(found.get("conventions", ())),
         difference=tuple(found.get("difference", ())),
         metrics=found["metrics"],
         report=page,
-        _page=page.read_text(encoding="utf-8") if page else None,
+        _page=None if page is None else page.read_text(encoding="utf-8"),
         _again=again,
     )
 
 
+def without_folder(page: str, folder: str, word: str) -> str:
+    """The page with ``word`` in place of a folder that is gone, in the commands that it shows."""
+    escaped = html.escape(folder).replace("/", "&#x2f;")
+    return page.replace(escaped, word).replace(folder, word)
+
+
+def _samples(samples: Any) -> int | None:
+    return None if samples is None else whole("samples", samples, *SAMPLES)
+
+
+def _variance(variance: ArrayLike | None, samples: int | None, image: NDArray[Any]) -> NDArray[np.float32] | None:
+    """The variance of the means, of shape (height, width, 3), if one is given; it takes ``samples``."""
+    if variance is None:
+        return None
+    if samples is None:
+        raise ValueError("a variance goes with the number of samples per pixel that it is of: samples=N")
+    return as_variance(variance, image)
+
+
 def _write_all(
     folder: Path,
-    name: str,
+    case: Case,
     image: Any,
     variance: ArrayLike | None,
     samples: int | None,
 ) -> None:
+    name = case.name
     if isinstance(image, Mapping):
         wanted = [0.5**halvings for halvings in range(max(len(image), 1))]
         are_numbers = all(isinstance(factor, (int, float)) for factor in image)
         if not are_numbers or sorted(image, reverse=True) != wanted:
             raise ValueError(f"factors on the step are 1, 0.5, 0.25 and so on without a gap, not {list(image)}")
+        if len(image) > 1 and case.kind != "limit":
+            raise ValueError(f"images by the step are for cases of the family limit: {name} takes one image")
         named = {name if factor == 1 else f"{name}@{factor:g}": array for factor, array in image.items()}
-    elif isinstance(image, (list, tuple)) and len(image) > 0 and all(hasattr(it, "shape") for it in image):
+    elif isinstance(image, (list, tuple)) and len(image) == 0:
+        raise ValueError("the list of images is empty")
+    elif isinstance(image, (list, tuple)) and all(hasattr(it, "shape") for it in image):
         named = {f"{name}.{index}": array for index, array in enumerate(image)}
     else:
         named = {name: image}
     if variance is not None and len(named) > 1:
         raise ValueError("a variance belongs to one image: of several renderings it is computed")
-    if variance is not None and samples is None:
-        raise ValueError("a variance goes with the number of samples per pixel that it is of: samples=N")
-    arrays = {file: as_image(array) for file, array in named.items()}
-    noise = None if variance is None else as_variance(variance, arrays[name])
+    # Without opacity, which is not compared.
+    arrays = {file: as_image(array)[:, :, :3] for file, array in named.items()}
+    noise = _variance(variance, samples, next(iter(arrays.values())))
     # Only now: what was kept before is lost to nothing that is no image.
     for old in (folder / name).parent.glob(f"{(folder / name).name}[.@]*"):
         old.unlink()
@@ -377,24 +493,30 @@ def compare(
 ) -> Comparison:
     """Judges ``image`` by ``reference``, the right one; see :mod:`volref` for their shapes.
 
-    ``gate``: ``exact``, ``deterministic``, ``perceptual`` or ``stochastic``; without one it follows from the
-    images. ``exposure`` in stops, for 8-bit images. ``resolution`` in per cent: a larger bias of the mean must be
-    seen. ``variance`` and ``samples`` are those of ``image``.
+    ``gate``: ``exact`` (every bit, with opacity), ``deterministic``, ``perceptual`` or ``stochastic``; without one
+    it follows from the images. ``exposure`` in stops, for 8-bit images. ``resolution`` in per cent: a larger bias
+    of the mean must be seen. ``variance`` and ``samples`` are those of ``image``, as in :func:`check`.
     """
+    if gate is not None:
+        one_of("gate", gate, GATES)
+    exposure = number("exposure", exposure, "a number of stops from -64 to 64", *EXPOSURES)
+    samples = _samples(samples)
     with tempfile.TemporaryDirectory(prefix="volref-") as temporary:
-        test = as_image(image)
-        noise = None if variance is None else as_variance(variance, test)
+        channels = 4 if gate == "exact" else 3
+        right, test = as_image(reference, "reference")[:, :, :channels], as_image(image)[:, :, :channels]
+        noise = _variance(variance, samples, test)
         files = [
-            write(Path(temporary) / "reference", as_image(reference, "reference")),
+            write(Path(temporary) / "reference", right),
             write(Path(temporary) / "image", test, noise, samples if test.dtype.kind == "f" else None),
         ]
-        arguments = ["compare", *map(str, files), "--exposure", repr(float(exposure))]
+        arguments = ["compare", *map(str, files), f"--exposure={exposure!r}"]
         if gate is not None:
-            arguments += ["--gate", gate]
+            arguments.append(f"--gate={gate}")
         if resolution is not None:
-            arguments += ["--resolution", repr(float(resolution))]
+            arguments.append(f"--resolution={resolution}")
         found = call(arguments)["cases"][0]
-    return Comparison(found["verdict"], found["reason"], found["gate"], found["metrics"])
+    reason = found["reason"].replace(f"{temporary}{os.sep}", "")
+    return Comparison(found["verdict"], reason, found["gate"], found["metrics"])
 
 
 def flip(reference: ArrayLike, image: ArrayLike, *, exposure: float = 0.0) -> Flip:

@@ -6,6 +6,7 @@ import atexit
 import functools
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -16,6 +17,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+# pytest shows the line that called volref, not the lines of volref.
+__tracebackhide__ = True
+
 #: Environment variable for the program, in place of the one that the package brings.
 PROGRAM_VARIABLE = "VOLREF_PROGRAM"
 #: Environment variable for the folder of a suite, in place of the one within the program.
@@ -25,9 +29,14 @@ SUITE_VARIABLE = "VOLREF_SUITE"
 class VolrefError(Exception):
     """The program could not do what it was asked to; says why, and what to do."""
 
+    # The name under which users know it.
+    __module__ = "volref"
+
 
 class UnknownCase(VolrefError, KeyError):
     """There is no case of this name; says which is meant, if one is near."""
+
+    __module__ = "volref"
 
     def __str__(self) -> str:
         return Exception.__str__(self)
@@ -65,7 +74,8 @@ def program() -> Path:
     if found:
         return Path(found)
     raise VolrefError(
-        "the program volref is not installed: this wheel holds none for your platform. Build one with Rust "
+        "there is no program volref beside this package: it was removed, or the wheel held none for this platform. "
+        "Install the package again (pip install --force-reinstall); or build the program with Rust "
         f"(https://rustup.rs): pip install . in a clone of volref; or name a program: {PROGRAM_VARIABLE}=PATH"
     )
 
@@ -94,20 +104,51 @@ def own_suite() -> Path:
 def call(arguments: Sequence[str]) -> dict[str, Any]:
     """What the program prints as JSON. Raises VolrefError if it could not do its work."""
     words = [str(program()), *arguments, "--json"]
-    try:
-        ran = subprocess.run(words, capture_output=True, encoding="utf-8", errors="replace", check=False)
-    except OSError as error:
-        raise VolrefError(f"cannot run {words[0]}: {error}") from error
+    ran = _run(words)
     try:
         value = json.loads(ran.stdout)
     except ValueError:
+        value = None
+    if not isinstance(value, dict) or "schema" not in value:
+        _require_volref(words[0])
         said = (ran.stderr or ran.stdout).strip()
-        raise VolrefError(f"{words[0]} {arguments[0]} ended with exit code {ran.returncode}:\n{said}") from None
-    if value.get("schema") == "volref/error/1":
+        raise VolrefError(f"{words[0]} {arguments[0]} ended with exit code {ran.returncode}:\n{said}")
+    if value["schema"] == "volref/error/1":
         message = value["error"]
         if value.get("help"):
             message = f"{message} ({value['help']})"
+        message = _in_terms_of_python(message)
         if value["error"].startswith("no case matches"):
             raise UnknownCase(message)
         raise VolrefError(message)
     return value
+
+
+def _run(words: Sequence[str]) -> subprocess.CompletedProcess[str]:
+    try:
+        return subprocess.run(
+            words, stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8", errors="replace", check=False
+        )
+    except OSError as error:
+        raise VolrefError(f"cannot run {words[0]}: {error}") from None
+
+
+def _require_volref(path: str) -> None:
+    """Raises VolrefError if the program there is another one."""
+    if not _run([path, "--version"]).stdout.startswith("volref "):
+        named = f"{PROGRAM_VARIABLE} names {path}, which" if os.environ.get(PROGRAM_VARIABLE) else path
+        raise VolrefError(f"{named} is not volref: it does not answer to --version as volref does")
+
+
+def _in_terms_of_python(message: str) -> str:
+    """A message of the program, with this package's functions and arguments in place of commands and options."""
+    message = re.sub(r"\s*For more information, try '--help'\.\s*$", "", message.removeprefix("error: "))
+    message = re.sub(r"^invalid value '(.*?)' for '--(\S+) <\S+>': ", r"\2 is '\1': ", message)
+    for said, instead in [
+        ("run volref in the suite's folder, or give the folder with --suite DIR", "give the folder of a suite"),
+        ("`volref list` shows", "volref.cases() lists"),
+        ("`volref list`", "volref.cases()"),
+        ("--suite DIR", "suite=DIR"),
+    ]:
+        message = message.replace(said, instead)
+    return message

@@ -5,12 +5,14 @@
     def test_figure_3(volref_check):
         volref_check("figures/figure-3", my_renderer())
 
-A test that takes ``volref_case`` runs once for each case that ``@pytest.mark.volref(filter, ...)`` names, all of
-them without the mark::
+A test that takes ``volref_case`` runs once for each case that ``@pytest.mark.volref(filter, ...)`` names; for all
+of them without the mark, or with a mark that names none::
 
     @pytest.mark.volref("smoke", "fog/rate-0.1")
     def test_my_renderer(volref_case, volref_check):
         volref_check(volref_case, my_renderer(volref_case.scene()))
+
+A mark that names cases, on a test that does not take ``volref_case``, is an error: it would judge nothing.
 
 Goldens are only read.
 """
@@ -18,7 +20,7 @@ Goldens are only read.
 from __future__ import annotations
 
 import dataclasses
-import shutil
+import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -27,6 +29,15 @@ from typing import Any
 import pytest
 
 import volref
+from volref._api import without_folder
+
+# pytest shows the line of the test that called volref_check, not the lines of volref.
+__tracebackhide__ = True
+
+INCONCLUSIVE = (
+    "a less noisy image can be decided, or one of known noise: give the variance of the mean with samples=N, or a list "
+    "of 16 or more renderings with seeds of their own; allow_inconclusive=True accepts it as it is"
+)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -34,7 +45,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption(
         "--volref-report",
         metavar="DIR",
-        help="write a page for each image that does not pass: DIR/FAMILY/CASE/index.html",
+        help="write a page for each image that does not pass, DIR/FAMILY/CASE/index.html; those of earlier runs go",
     )
     group.addoption("--volref-outputs", metavar="DIR", help="keep the images that are judged in DIR")
     group.addoption("--volref-suite", metavar="DIR", help="suite to judge by, in place of the one within volref")
@@ -46,6 +57,57 @@ def pytest_configure(config: pytest.Config) -> None:
         "volref(*filters): run the test once for each case of volref's suite that the filters name; "
         "the case is the argument volref_case",
     )
+    # Absolute, for a test may change the current folder.
+    for option in ["volref_report", "volref_outputs", "volref_suite"]:
+        given = config.getoption(option)
+        if given:
+            setattr(config.option, option, os.path.join(config.invocation_params.dir, given))
+    if _is_worker(config):
+        return
+    for option in ["volref_report", "volref_outputs"]:
+        _create(config.getoption(option), option)
+    if config.getoption("volref_suite"):
+        try:
+            volref.cases(suite=config.getoption("volref_suite"))
+        except volref.VolrefError as error:
+            raise pytest.UsageError(f"--volref-suite {config.getoption('volref_suite')}: {error}") from None
+
+
+def _is_worker(config: pytest.Config) -> bool:
+    """Whether this is a process that pytest-xdist started."""
+    return hasattr(config, "workerinput")
+
+
+def _create(folder: str | None, option: str) -> None:
+    """Creates the folder of an option, if one is given. Raises UsageError if nothing can be written there."""
+    if not folder:
+        return
+    named = f"--{option.replace('_', '-')}: cannot write into {folder}"
+    try:
+        os.makedirs(folder, exist_ok=True)
+    except OSError as error:
+        raise pytest.UsageError(f"{named}: {error.strerror}") from None
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise pytest.UsageError(f"{named}: no permission")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtestloop(session: pytest.Session) -> None:
+    """Removes the pages of earlier runs: before any test, for one that passes must not remove the page of another
+    that fails with the same case."""
+    reports = session.config.getoption("volref_report")
+    if not reports or _is_worker(session.config) or session.config.getoption("collectonly"):
+        return
+    try:
+        cases = volref.cases(suite=session.config.getoption("volref_suite"))
+    except volref.VolrefError as error:
+        raise pytest.UsageError(str(error)) from None
+    for case in cases:
+        _page(reports, case.name).unlink(missing_ok=True)
+
+
+def _page(reports: str, case: str) -> Path:
+    return Path(reports) / case / "index.html"
 
 
 def pytest_report_header(config: pytest.Config) -> str:
@@ -54,26 +116,45 @@ def pytest_report_header(config: pytest.Config) -> str:
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    if "volref_case" not in metafunc.fixturenames:
-        return
     mark = metafunc.definition.get_closest_marker("volref")
     filters = mark.args if mark else ()
     if mark and mark.kwargs:
-        raise pytest.UsageError(f"{metafunc.definition.nodeid}: the mark volref takes filters alone, as texts")
+        raise _usage_error(metafunc, "the mark volref takes filters alone, as texts")
+    if "volref_case" not in metafunc.fixturenames:
+        if filters:
+            raise _usage_error(
+                metafunc, "the mark volref names cases, and the test does not take the argument volref_case"
+            )
+        return
     try:
         cases = volref.cases(*filters, suite=metafunc.config.getoption("volref_suite"))
     except (volref.VolrefError, TypeError) as error:
-        raise pytest.UsageError(f"{metafunc.definition.nodeid}: {error}") from error
-    metafunc.parametrize("volref_case", cases, ids=[case.name for case in cases])
+        raise _usage_error(metafunc, str(error)) from None
+    metafunc.parametrize("volref_case", cases, ids=[case.name for case in cases], indirect=True)
+
+
+class _CollectError(pytest.UsageError, pytest.Collector.CollectError):
+    """Wrong usage, of which pytest prints the message alone: of any other error while it collects tests it prints
+    the traceback."""
+
+
+def _usage_error(metafunc: pytest.Metafunc, message: str) -> Exception:
+    return _CollectError(f"{metafunc.definition.nodeid}: {message}")
+
+
+@pytest.fixture
+def volref_case(request: pytest.FixtureRequest) -> volref.Case:
+    """A case of the suite (:class:`volref.Case`): the test runs once for each that ``@pytest.mark.volref(filter,
+    ...)`` names, and once for each of the suite without filters."""
+    return request.param
 
 
 @pytest.fixture
 def volref_check(request: pytest.FixtureRequest) -> Callable[..., volref.Result]:
-    """Judges an image as :func:`volref.check` does, and fails the test unless it passes.
-
-    ``volref_check(case, image, variance=None, ...)`` returns the result of an image that passes. With
-    ``allow_inconclusive=True`` an image that is too noisy to decide does not fail.
-    """
+    """``volref_check(case, image, variance=None, *, samples=None, allow_inconclusive=False, ...)`` judges an image as
+    :func:`volref.check` does, with its arguments, fails the test unless it passes, and returns the result.
+    ``variance``: variance of the mean of each value, of the image's shape, with the number of ``samples`` per pixel.
+    ``allow_inconclusive=True`` accepts an image that is too noisy to decide."""
     config = request.config
     folders = {
         "outputs": config.getoption("volref_outputs"),
@@ -85,11 +166,11 @@ def volref_check(request: pytest.FixtureRequest) -> Callable[..., volref.Result]
         image: Any,
         variance: Any = None,
         *,
+        samples: int | None = None,
         allow_inconclusive: bool = False,
         **arguments: Any,
     ) -> volref.Result:
-        __tracebackhide__ = True
-        given = {**{name: folder for name, folder in folders.items() if folder}, **arguments}
+        given = {**{name: folder for name, folder in folders.items() if folder}, "samples": samples, **arguments}
         reports = None if "report" in arguments else config.getoption("volref_report")
         try:
             result = _checked(case, image, variance, given, reports, allow_inconclusive)
@@ -97,12 +178,16 @@ def volref_check(request: pytest.FixtureRequest) -> Callable[..., volref.Result]
         except (volref.VolrefError, OSError) as error:
             why = str(error)
         if why is not None:
-            pytest.fail(why, pytrace=False)
+            pytest.fail(why)
         request.node.user_properties.append((f"volref {result.name}", result.verdict))
         if _is_accepted(result, allow_inconclusive):
             return result
-        hint = "" if result.report else "\n(--volref-report DIR writes a page with both images)"
-        pytest.fail(f"{result}{hint}", pytrace=False)
+        lines = [str(result)]
+        if result.verdict == "inconclusive":
+            lines.append(INCONCLUSIVE)
+        if not result.report:
+            lines.append("(--volref-report DIR writes a page with both images)")
+        pytest.fail("\n".join(lines))
 
     return check
 
@@ -119,16 +204,14 @@ def _checked(
     reports: str | None,
     allow_inconclusive: bool,
 ) -> volref.Result:
-    """The result, with a page below ``reports`` if the image is not accepted, and none if it is."""
+    """The result, with a page below ``reports`` if the image is not accepted."""
     if reports is None:
         return volref.check(case, image, variance, **given)
     with tempfile.TemporaryDirectory(prefix="volref-") as folder:
         result = volref.check(case, image, variance, **given, report=folder)
-        kept = Path(reports) / result.name / "index.html"
         if _is_accepted(result, allow_inconclusive):
-            # Of an earlier run, when it was not.
-            kept.unlink(missing_ok=True)
             return dataclasses.replace(result, report=None)
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(Path(folder) / "index.html", kept)
-    return dataclasses.replace(result, report=kept)
+        page = _page(reports, result.name)
+        page.parent.mkdir(parents=True, exist_ok=True)
+        page.write_text(without_folder(result.page(), folder, "REPORT"), encoding="utf-8")
+    return dataclasses.replace(result, report=page)

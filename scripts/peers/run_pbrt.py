@@ -55,12 +55,11 @@ LightSource "infinite" "rgb L" [ 1 1 1 ]
 
 def program():
     """Where pbrt is."""
-    found = shutil.which(os.environ.get("PBRT", "pbrt"))
+    named = os.environ.get("PBRT")
+    found = shutil.which(named or "pbrt")
     if found is None:
-        raise SystemExit(
-            "run_pbrt.py: no program `pbrt`: put it on $PATH or name it in $PBRT; how it is built "
-            "is in scripts/peers/README.md"
-        )
+        wrong = f"$PBRT names {named}, which is no program" if named else "no program `pbrt` on $PATH, and no $PBRT"
+        raise SystemExit(f"run_pbrt.py: {wrong}; how pbrt is built is in scripts/peers/README.md")
     return found
 
 

@@ -5,7 +5,7 @@
 //! | `sh` | each line is run |
 //! | `text` | a session: lines after `$ ` are run, the others are their output; a number of seconds stands for any, `…` for any text, a line `…` for any lines |
 //! | `toml` | a file for the commands below it |
-//! | `rust,no_run` | compiled by rustdoc; in the guide only |
+//! | `rust` | run by rustdoc; in the guide only |
 //!
 //! Any other block is an error. Marks, HTML comments in the lines above a block, say the rest:
 //! [`Mark`].
@@ -250,7 +250,7 @@ impl Block<'_> {
                 self.run(folder);
             }
             "toml" => self.write(folder),
-            "rust,no_run" => assert!(place.file != "README.md", "{place}: nothing compiles it"),
+            "rust" => assert!(place.file != "README.md", "{place}: nothing runs it"),
             // python/tests/test_guide.py, scripts/check-cmake.sh and tests/cli/action.rs run such.
             "python" | "cmake" | "yaml" if place.file.ends_with("in_your_tests.md") => {}
             other => panic!("{place}: a block of {other:?}, which no test reads"),
