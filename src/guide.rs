@@ -7,6 +7,7 @@
 //! | [`fog_and_smoke`] | media, surfaces, lights, and the estimators behind them |
 //! | [`suite`] | the cases, their goldens, a new golden, a new case |
 //! | [`comparing`] | checking a renderer, failures, comparing two images, gates, samples and noise |
+//! | [`sensitivities`] | derivatives of images; which number of a scene is off, and by how much |
 //! | [`in_your_tests`] | Python, pytest, CMake, GitHub |
 //! | [`accuracy_and_cost`] | error against lookups and time |
 //! | [`effects`] | the effects that a scene needs, and the instructions saved |
@@ -34,6 +35,9 @@ pub mod suite {}
 #[doc = include_str!("guide/links.md")]
 #[doc = include_str!("guide/comparing.md")]
 pub mod comparing {}
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/sensitivities.md")]
+pub mod sensitivities {}
 #[doc = include_str!("guide/links.md")]
 #[doc = include_str!("guide/in_your_tests.md")]
 pub mod in_your_tests {}

@@ -66,9 +66,10 @@
 //! two images, [`suite`] holds the goldens and the catalogue of common [mistakes](suite::mistakes),
 //! [`hard_cases`] is the catalogue of inputs for which renderers silently give wrong results,
 //! [`exchange`] exports scenes to other renderers. Tests of other renderers start at
-//! [`suite::check`]. [`known_answers`] holds formulas for the radiance of scenes that have one. Each
+//! [`suite::check`]. [`known_answers`] holds formulas for the radiance of scenes that have one,
+//! [`sensitivity`] differentiates images by the numbers of their scenes. Each
 //! module imports only from modules later in this list: `cli`, [`report`], [`suite`], [`hard_cases`],
-//! [`cost`], [`compare`], [`exchange`], [`mod@reference`], [`render`], [`known_answers`], [`scene`],
+//! [`cost`], [`compare`], [`exchange`], [`sensitivity`], [`mod@reference`], [`render`], [`known_answers`], [`scene`],
 //! [`media`], [`optics`], [`volume`], [`geometry`], [`film`], [`math`].
 //!
 //! ```no_run
@@ -101,5 +102,6 @@ mod regular_file;
 pub mod render;
 pub mod report;
 pub mod scene;
+pub mod sensitivity;
 pub mod suite;
 pub mod volume;

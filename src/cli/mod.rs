@@ -22,6 +22,7 @@ mod render;
 mod results;
 mod schema;
 mod selftest;
+mod sensitivity;
 mod suite;
 mod suite_command;
 mod validate;
@@ -55,6 +56,7 @@ enum Command {
     Export(export::Arguments),
     Accept(accept::Arguments),
     Selftest(selftest::Arguments),
+    Sensitivity(sensitivity::Arguments),
     Info(info::Arguments),
     List(list::Arguments),
     Suite(suite_command::Arguments),
@@ -116,6 +118,7 @@ fn run() -> ExitCode {
         Command::Export(arguments) => progress::during("exporting", || export::run(arguments)),
         Command::Accept(arguments) => accept::run(arguments),
         Command::Selftest(arguments) => selftest::run(arguments),
+        Command::Sensitivity(arguments) => sensitivity::run(arguments),
         Command::Info(arguments) => progress::during("reading", || info::run(arguments)),
         Command::List(arguments) => list::run(arguments),
         Command::Suite(arguments) => suite_command::run(arguments),

@@ -10,6 +10,7 @@ use crate::reference;
 use crate::render::plan::Reason;
 use crate::render::{self, Plan, Sampling, Seed};
 use crate::scene::{Length, Model, Scene, samples};
+use crate::sensitivity::number;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -33,6 +34,10 @@ pub struct Arguments {
     /// an integral without samples is then sampled
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<Length>,
+    /// Changes a number of the scene, such as density=0.1 for a tenth more (`volref sensitivity SCENE`
+    /// lists them); may be repeated
+    #[arg(long, value_name = "NAME=CHANGE", allow_hyphen_values = true, value_parser = change)]
+    change: Vec<(String, f64)>,
     /// Threads to use; the image is the same for any number [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -64,6 +69,15 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     output::check(&outputs, &[])?;
     if let Some(step) = arguments.step {
         set_step(&mut scene, step)?;
+    }
+    for (name, change) in &arguments.change {
+        let number =
+            number(&scene, name).map_err(|error| bad_input(format!("--change: {error}")))?;
+        scene = number.changed(&scene, *change).ok_or_else(|| {
+            let message =
+                format!("--change: {name} cannot change by {change}: the result has no meaning");
+            bad_input(message)
+        })?;
     }
     let sampling = Sampling {
         samples: arguments.spp,
@@ -133,6 +147,20 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         "warnings": warnings,
     });
     arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+/// `NAME=CHANGE`
+fn change(text: &str) -> Result<(String, f64), String> {
+    let (name, change) = text
+        .split_once('=')
+        .ok_or("expected NAME=CHANGE, such as density=0.1")?;
+    let change: f64 = change
+        .parse()
+        .map_err(|_| format!("{change:?} is not a number"))?;
+    if !change.is_finite() {
+        return Err("a change must be finite".to_owned());
+    }
+    Ok((name.to_owned(), change))
 }
 
 /// The warnings of the plans of all panels.

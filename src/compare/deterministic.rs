@@ -97,7 +97,7 @@ impl ImageGate for Deterministic {
         &self,
         reference: &Picture,
         test: &Picture,
-        conditions: &Conditions,
+        conditions: &Conditions<'_>,
     ) -> Result<Judgement, PictureError> {
         let [reference, test] = [reference, test].map(|picture| picture.radiance_for(self));
         let outliers = if conditions.nearest_in_single_precision {

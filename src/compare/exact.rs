@@ -39,7 +39,7 @@ impl ImageGate for Exact {
         &self,
         reference: &Picture,
         test: &Picture,
-        _: &Conditions,
+        _: &Conditions<'_>,
     ) -> Result<Judgement, PictureError> {
         let [reference, test] = [reference, test].map(|picture| picture.radiance_for(self));
         Ok(judge(reference?, test?))

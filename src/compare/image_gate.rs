@@ -3,6 +3,7 @@
 use super::gate::Gate;
 use super::judgement::Judgement;
 use super::picture::{Picture, PictureError};
+use super::sensitivity::Sensitivity;
 use std::fmt;
 
 /// A gate for a pair of images.
@@ -16,7 +17,7 @@ pub trait ImageGate: Gate {
         &self,
         reference: &Picture,
         test: &Picture,
-        conditions: &Conditions,
+        conditions: &Conditions<'_>,
     ) -> Result<Judgement, PictureError>;
 
     /// The pairs for which it is the default, in words after "for"; `None` for a gate that has to
@@ -39,7 +40,7 @@ pub trait ImageGate: Gate {
 
 /// Parameters of a comparison beside the images.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Conditions {
+pub struct Conditions<'s> {
     /// Exposure applied to linear images, in stops.
     pub exposure: f64,
     /// Number of comparisons, including this one, that share one rate of false alarms.
@@ -49,16 +50,19 @@ pub struct Conditions {
     pub visible_bias: Option<f64>,
     /// The nearest node is taken at places in single precision, by the test image's renderer.
     pub nearest_in_single_precision: bool,
+    /// How the reference changes with the numbers of its scene, for the stochastic gate.
+    pub sensitivities: &'s [Sensitivity],
 }
 
-impl Default for Conditions {
+impl Default for Conditions<'_> {
     /// A single comparison at exposure 0, without a required bias.
-    fn default() -> Conditions {
+    fn default() -> Self {
         Conditions {
             exposure: 0.0,
             cases: 1,
             visible_bias: None,
             nearest_in_single_precision: false,
+            sensitivities: &[],
         }
     }
 }

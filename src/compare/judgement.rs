@@ -2,6 +2,7 @@
 
 use super::advice::Undecided;
 use super::gate::Gate;
+use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// Outcome of a comparison.
@@ -19,6 +20,43 @@ pub struct Judgement {
     /// [bias](super::Conditions::visible_bias): the verdict is *inconclusive*, and this would
     /// decide.
     pub undecided: Option<Undecided>,
+    /// What the difference looks like in numbers of the scene, the most significant first; of images
+    /// that differ, where [sensitivities](super::Conditions::sensitivities) are known.
+    pub changes: Vec<NumberChange>,
+    /// Changes of these numbers that would have been seen.
+    pub detectable: Vec<Detectable>,
+}
+
+/// The smallest change of a number of the scene that two images, of the noise that they have, would
+/// show with probability one half.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Detectable {
+    /// Of the number: `density`.
+    pub name: String,
+    /// The change in words.
+    pub words: String,
+    /// In the unit of the number; of most a share of itself.
+    pub change: f64,
+    /// The same, were there no score tests: by a block or the mean of the image.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub without_score: Option<f64>,
+}
+
+/// A change of a number of the scene, estimated from the difference of two images.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NumberChange {
+    /// Of the number: `density`.
+    pub name: String,
+    /// The change in words, with its error.
+    pub words: String,
+    /// Test image over reference, in the unit of the number; of most a share of itself.
+    pub change: f64,
+    /// Standard error.
+    pub error: f64,
+    /// How much the difference looks like this change alone, in standard errors.
+    pub score: f64,
+    /// Whether it belongs to the changes that together fit best; else it is fitted alone.
+    pub fits_best: bool,
 }
 
 impl Judgement {
@@ -38,6 +76,8 @@ impl Judgement {
             metrics,
             reason,
             undecided: None,
+            changes: Vec::new(),
+            detectable: Vec::new(),
         }
     }
 }

@@ -17,6 +17,7 @@ mod measured_difference;
 pub mod perceptual;
 mod picture;
 mod refinement;
+mod sensitivity;
 pub mod significance;
 pub mod stochastic;
 
@@ -26,11 +27,12 @@ pub use difference_scale::{BlockMap, DifferenceScale};
 pub use exact::Exact;
 pub use gate::{Gate, Metric};
 pub use image_gate::{Conditions, ImageGate};
-pub use judgement::Judgement;
+pub use judgement::{Detectable, Judgement, NumberChange};
 pub use measured_difference::measured_difference;
 pub use perceptual::Perceptual;
 pub use picture::{Picture, PictureError};
 pub use refinement::{Limit, Refinement, judge_one_step, judge_refinement};
+pub use sensitivity::Sensitivity;
 pub use stochastic::Stochastic;
 
 use incomparable::NON_FINITE;
@@ -78,7 +80,7 @@ pub fn judge(
     gate: &'static dyn ImageGate,
     reference: &Picture,
     test: &Picture,
-    conditions: &Conditions,
+    conditions: &Conditions<'_>,
 ) -> Result<Judgement, PictureError> {
     match incomparable::pictures(gate, reference, test) {
         Some(difference) => Ok(difference),

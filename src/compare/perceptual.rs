@@ -48,7 +48,7 @@ impl ImageGate for Perceptual {
         &self,
         reference: &Picture,
         test: &Picture,
-        conditions: &Conditions,
+        conditions: &Conditions<'_>,
     ) -> Result<Judgement, PictureError> {
         let [reference, test] = [reference, test].map(|image| image.srgb(conditions.exposure));
         Ok(judge(&reference?, &test?))

@@ -101,7 +101,7 @@ fn picture(file: &ExrParts, colours: &Colours) -> Result<Film, FilmError> {
 ///
 /// On some broken files the crate panics (chunks of another resolution than their table says, for
 /// one). In one of its own threads a panic would end the process, so it is to use none.
-fn read_file(bytes: &[u8]) -> Result<ExrParts, FilmError> {
+pub(super) fn read_file(bytes: &[u8]) -> Result<ExrParts, FilmError> {
     decoder::run(|| read_parts(bytes)).map_err(|stopped| FilmError::stopped("EXR", stopped))?
 }
 
@@ -164,7 +164,7 @@ fn check_kind(header: &Header) -> Result<(), FilmError> {
     Ok(())
 }
 
-fn floats(samples: &FlatSamples) -> Vec<f32> {
+pub(super) fn floats(samples: &FlatSamples) -> Vec<f32> {
     samples.values_as_f32().collect()
 }
 

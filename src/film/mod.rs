@@ -5,6 +5,7 @@ mod exr_completeness;
 mod exr_file;
 mod exr_layers;
 mod format;
+mod layered_file;
 mod noise;
 mod npy_file;
 mod pfm_file;
@@ -15,6 +16,7 @@ use crate::math::Moments;
 
 pub use error::FilmError;
 pub use format::FilmFormat;
+pub use layered_file::LayeredFilm;
 pub use noise::Noise;
 
 /// Linear, scene-referred RGB radiance, top row first; with opacity for a volume, and with noise if

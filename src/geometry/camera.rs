@@ -132,6 +132,14 @@ impl Camera {
         self.with_image_scaled(factor)
     }
 
+    /// This camera with its eye moved by `offset`, world units; it looks in the same direction.
+    pub fn with_eye_moved(&self, offset: DVec3) -> Camera {
+        Camera {
+            eye: self.eye + offset,
+            ..*self
+        }
+    }
+
     /// This camera with its image plane shifted, so that all that is seen lies further right and down
     /// in the image by these fractions of its height. The rays are those of other points of the same
     /// plane; [`Camera::forward`] then is the direction through the new centre, no longer

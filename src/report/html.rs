@@ -1,6 +1,7 @@
 //! Results as one offline page: which cases are wrong, where, by how much, and what to change.
 
 mod case;
+mod forest;
 mod measures;
 mod pictures;
 mod pixels;

@@ -96,6 +96,8 @@ mod tests {
             notes: vec![text.to_owned()],
             conventions: vec![],
             profile: None,
+            changes: Vec::new(),
+            detectable: Vec::new(),
             looks_like: vec![text.to_owned()],
             difference: Vec::new(),
             seconds: 0.0,

@@ -2,11 +2,12 @@
 
 use super::golden::{AcceptAdvice, plan_hash, scene_hash, short};
 use super::rendering::{ReferenceRenderer, Renderer, check_class};
+use super::sensitivities;
 use super::{
     Case, CaseResult, CaseSampling, Cause, Evidence, Golden, GoldenError, Profile, Quick, Store,
     Verdict,
 };
-use crate::compare::{Gate, Judgement, Picture};
+use crate::compare::{Detectable, Gate, Judgement, NumberChange, Picture, Sensitivity};
 use crate::known_answers::Formula;
 use crate::render::{Plan, plans, render};
 use crate::scene::{Classified, Panel, Precision, Sampling, Scene};
@@ -47,6 +48,10 @@ pub struct CaseFinding {
     pub reason: String,
     /// Numbers by name, all finite.
     pub metrics: BTreeMap<String, f64>,
+    /// Changes of numbers of the scene that the difference looks like.
+    pub changes: Vec<NumberChange>,
+    /// Changes of these numbers that the images would have shown.
+    pub detectable: Vec<Detectable>,
 }
 
 impl CaseFinding {
@@ -57,6 +62,8 @@ impl CaseFinding {
             cause,
             reason: reason.into(),
             metrics: BTreeMap::new(),
+            changes: Vec::new(),
+            detectable: Vec::new(),
         }
     }
 
@@ -81,6 +88,8 @@ impl CaseFinding {
             profile: None,
             looks_like: Vec::new(),
             difference: Vec::new(),
+            changes: self.changes,
+            detectable: self.detectable,
             seconds: start.elapsed().as_secs_f64(),
             work: BTreeMap::new(),
             cause: self.cause,
@@ -97,6 +106,8 @@ impl From<Judgement> for CaseFinding {
         };
         CaseFinding {
             metrics: judgement.metrics,
+            changes: judgement.changes,
+            detectable: judgement.detectable,
             ..CaseFinding::new(verdict, cause, judgement.reason)
         }
     }
@@ -109,6 +120,8 @@ pub(super) struct CheckedGolden {
     pub golden: Golden,
     /// Name of the profile under which the image was rendered, in place of the golden.
     pub profile: Option<String>,
+    /// How the image changes with the numbers of the scene, where that is kept.
+    pub sensitivities: Vec<Sensitivity>,
 }
 
 impl CheckedGolden {
@@ -143,9 +156,14 @@ impl CheckedGolden {
             // Means of samples are compared with the mean of their distribution.
             golden.film = golden.film.known();
         }
+        let sensitivities = match case.sampling {
+            Some(_) => sensitivities::kept(case, &scene, store),
+            None => Vec::new(),
+        };
         Ok(CheckedGolden {
             scene,
             golden,
+            sensitivities,
             profile: None,
         })
     }

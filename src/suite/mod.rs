@@ -25,6 +25,7 @@ mod results;
 mod row_name;
 mod rows;
 mod self_test;
+mod sensitivities;
 mod store;
 mod truth;
 mod validate;
@@ -59,6 +60,7 @@ pub use self_test::{
     BenignTrials, MistakeTrials, Rejection, SelfTest, SelfTestExtent, Step, Trial, self_test,
     self_test_steps,
 };
+pub use sensitivities::sensitivities_of;
 pub use store::{Disk, RealDisk, Store, StoreError, StoreFailure};
 pub use validate::{Output, validate};
 pub use verify::{verify, without_case};

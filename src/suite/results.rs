@@ -1,7 +1,7 @@
 //! Results of cases.
 
 use super::analytic::Analytic;
-use crate::compare::{self, Gate, Metric};
+use crate::compare::{self, Detectable, Gate, Metric, NumberChange};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -93,6 +93,12 @@ pub struct CaseResult {
     /// Measurements of a difference that no known mistake explains, in sentences.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub difference: Vec<String>,
+    /// Changes of numbers of the scene that the difference looks like.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub changes: Vec<NumberChange>,
+    /// Changes of numbers of the scene that the images would have shown.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub detectable: Vec<Detectable>,
     /// Wall time, for information.
     pub seconds: f64,
     /// Units of work by name, where they were counted.

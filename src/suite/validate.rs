@@ -147,6 +147,7 @@ fn judged(
         cases: MOST_CASES,
         visible_bias: Some(promise),
         nearest_in_single_precision: checked.takes_nearest_in_single_precision(),
+        sensitivities: &checked.sensitivities,
     };
     let judgement = match judge(gate, golden, picture, &conditions) {
         Ok(judgement) => judgement,

@@ -37,6 +37,7 @@ documents! {
     hard_cases: "src/guide/hard_cases.md",
     peers: "src/guide/peers.md",
     scenes: "src/guide/scenes.md",
+    sensitivities: "src/guide/sensitivities.md",
     suite: "src/guide/suite.md",
     in_your_tests: "src/guide/in_your_tests.md",
     volume_files: "src/guide/volume_files.md",

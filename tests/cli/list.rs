@@ -219,6 +219,7 @@ fn help() {
       export       Write a scene for another renderer
       accept       Render cases and accept the images as new goldens; inspect them before and after
       selftest     Check that the suite catches every known mistake and rejects no correct image
+      sensitivity  Differentiate the image of a scene by one of its numbers
       info         Show the contents of a volume file: position, storage, values
       list         List the cases of the suite
       suite        Show the suite within this program, or write a copy of it
@@ -251,21 +252,24 @@ fn help_of_a_command() {
       <SCENE>  Scene file (TOML), or a case of the suite
 
     Options:
-      -o, --output <FILE>     Image to write: .exr or .npy (linear radiance, 32-bit float), or .png
-                              (8-bit sRGB preview)
-          --spp <N>           Samples per pixel, for Monte Carlo scenes; with 2 or more, an .exr also
-                              stores the variance of each pixel
-          --seed <N>          Seed of the random numbers, for Monte Carlo scenes
-          --step <LENGTH>     Distance between samples along a ray, instead of the scene's: world units,
-                              or "0.5 voxels"; an integral without samples is then sampled
-          --threads <N>       Threads to use; the image is the same for any number [default: all cores]
-          --exposure <STOPS>  Exposure of a .png, in stops: radiance is multiplied by 2^STOPS [default:
-                              0]
-          --reference         Use the plain reference renderers (src/reference): usually slower; every
-                              [radiative] scene is path traced
-          --json[=<FILE>]     Print the result as JSON instead of text; with =FILE, write it there as
-                              well as the text
-      -h, --help              Print help
+      -o, --output <FILE>         Image to write: .exr or .npy (linear radiance, 32-bit float), or .png
+                                  (8-bit sRGB preview)
+          --spp <N>               Samples per pixel, for Monte Carlo scenes; with 2 or more, an .exr
+                                  also stores the variance of each pixel
+          --seed <N>              Seed of the random numbers, for Monte Carlo scenes
+          --step <LENGTH>         Distance between samples along a ray, instead of the scene's: world
+                                  units, or "0.5 voxels"; an integral without samples is then sampled
+          --change <NAME=CHANGE>  Changes a number of the scene, such as density=0.1 for a tenth more
+                                  (`volref sensitivity SCENE` lists them); may be repeated
+          --threads <N>           Threads to use; the image is the same for any number [default: all
+                                  cores]
+          --exposure <STOPS>      Exposure of a .png, in stops: radiance is multiplied by 2^STOPS
+                                  [default: 0]
+          --reference             Use the plain reference renderers (src/reference): usually slower;
+                                  every [radiative] scene is path traced
+          --json[=<FILE>]         Print the result as JSON instead of text; with =FILE, write it there
+                                  as well as the text
+      -h, --help                  Print help
     "#);
 }
 

@@ -31,6 +31,7 @@ mod render;
 mod renderers;
 mod schema;
 mod selftest;
+mod sensitivity;
 mod stochastic;
 mod validate;
 #[cfg(unix)]

@@ -16,6 +16,7 @@ const ROOMS: &[(&str, &[&str])] = &[
         &[
             "report",
             "suite",
+            "sensitivity",
             "hard_cases",
             "cost",
             "exchange",
@@ -41,6 +42,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "hard_cases",
             "known_answers",
             "compare",
+            "sensitivity",
             "render",
             "scene",
             "media",
@@ -95,6 +97,19 @@ const ROOMS: &[(&str, &[&str])] = &[
         "exchange",
         &[
             "render", "scene", "media", "optics", "volume", "geometry", "math",
+        ],
+    ),
+    (
+        "sensitivity",
+        &[
+            "render",
+            "scene",
+            "media",
+            "optics",
+            "geometry",
+            "film",
+            "math",
+            "misspelling",
         ],
     ),
     (

@@ -81,6 +81,11 @@ impl<'f> Comparison<'f> {
         Comparison::completed(self.films, stated, blocks, self.level, times)
     }
 
+    /// Blocks in a row.
+    pub fn columns(&self) -> usize {
+        parts(self.films[0].width()).count()
+    }
+
     /// Blocks and channels, of which each is asked for a bias.
     pub fn asked(&self) -> usize {
         3 * self.blocks.len()

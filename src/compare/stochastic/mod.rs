@@ -98,6 +98,8 @@ mod map;
 mod neighbours;
 mod pixels;
 mod resolution;
+mod scales;
+mod scores;
 mod variance;
 
 pub use blocks::{BLOCK, DARK};
@@ -110,6 +112,7 @@ use super::image_gate::{Conditions, ImageGate};
 use super::incomparable;
 use super::judgement::Judgement;
 use super::picture::{Picture, PictureError};
+use super::sensitivity::Sensitivity;
 use super::significance::{deviation, holm, two_sided, two_sided_estimated};
 use crate::film::Film;
 use crate::math;
@@ -119,13 +122,15 @@ use comparison::Comparison;
 use neighbours::judge_neighbours;
 use pixels::{PixelDifferences, judge_one_variance};
 use resolution::Limits;
+use scales::judge_scales;
+use scores::Scores;
 
 /// Probability that any correct case of a suite is rejected.
 pub const FALSE_ALARM: f64 = 1e-6;
 
 /// Shares into which the false alarms are divided: one for each question, and one for noise that
 /// was underestimated.
-const SHARES: f64 = 8.0;
+const SHARES: f64 = 10.0;
 
 /// What is printed of a deviation without bound: numbers of a judgement are finite.
 const BOUNDLESS: f64 = 1e9;
@@ -162,11 +167,17 @@ impl ImageGate for Stochastic {
         &self,
         reference: &Picture,
         test: &Picture,
-        conditions: &Conditions,
+        conditions: &Conditions<'_>,
     ) -> Result<Judgement, PictureError> {
         let [reference, test] = [reference, test].map(|picture| picture.radiance_for(self));
         let level = FALSE_ALARM / conditions.cases.max(1) as f64;
-        judge_with(reference?, test?, level, conditions.visible_bias)
+        judge_with(
+            reference?,
+            test?,
+            level,
+            conditions.visible_bias,
+            conditions.sensitivities,
+        )
     }
 
     fn default_for(&self) -> Option<&'static str> {
@@ -184,7 +195,7 @@ impl ImageGate for Stochastic {
     }
 }
 
-const METRICS: [Metric; 24] = [
+const METRICS: [Metric; 26] = [
     (
         "blocks",
         "Number of tests: blocks of 8 × 8 pixels times three channels.",
@@ -213,6 +224,15 @@ const METRICS: [Metric; 24] = [
     (
         "mean_z_blue",
         "Mean of blue over the image, test minus golden, in standard errors.",
+    ),
+    (
+        "scores",
+        "Numbers of the scene of which it was tested whether an error in them looks like the difference.",
+    ),
+    (
+        "largest_score",
+        "How much the difference looks like the change that an error of one of these numbers makes, in \
+         standard errors: above 0 as if it were larger.",
     ),
     (
         "smallest_visible_bias",
@@ -285,7 +305,17 @@ pub fn judge(reference: &Film, test: &Film, cases: usize) -> Result<Judgement, P
 
 /// [`judge`], with the probability of a false alarm of this one comparison.
 pub fn judge_at(reference: &Film, test: &Film, level: f64) -> Result<Judgement, PictureError> {
-    judge_with(reference, test, level, None)
+    judge_with(reference, test, level, None, &[])
+}
+
+/// [`judge_at`], where it is known how the reference changes with numbers of its scene.
+pub fn judge_scores(
+    reference: &Film,
+    test: &Film,
+    level: f64,
+    sensitivities: &[Sensitivity],
+) -> Result<Judgement, PictureError> {
+    judge_with(reference, test, level, None, sensitivities)
 }
 
 fn judge_with(
@@ -293,6 +323,7 @@ fn judge_with(
     test: &Film,
     level: f64,
     promise: Option<f64>,
+    sensitivities: &[Sensitivity],
 ) -> Result<Judgement, PictureError> {
     if reference.noise().is_none() && test.noise().is_none() {
         return Err(PictureError::NeedsNoise);
@@ -302,13 +333,18 @@ fn judge_with(
     }
     let share = level / SHARES;
     let comparison = Comparison::new(reference, test, share);
-    Ok(judgement(&comparison, share, promise))
+    Ok(judgement(&comparison, share, promise, sensitivities))
 }
 
 type Metrics = Vec<(&'static str, f64)>;
 
 /// Answers the questions, each at `level`.
-fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> Judgement {
+fn judgement(
+    comparison: &Comparison<'_>,
+    level: f64,
+    promise: Option<f64>,
+    sensitivities: &[Sensitivity],
+) -> Judgement {
     let mut metrics = Metrics::new();
     let limits = Limits::new(comparison, level);
     let resolution = limits.resolution();
@@ -322,7 +358,22 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
     let mut faults = Vec::from_iter(whole);
     let worst = WorstBlock::new(comparison);
     faults.extend(worst.judge(level, &mut metrics));
+    if faults.is_empty() {
+        faults.extend(judge_scales(comparison, level));
+    }
     let is_biased = !faults.is_empty();
+    let scores = Scores::new(comparison, sensitivities);
+    let (mut changes, mut detectable) = (Vec::new(), Vec::new());
+    if let Some(scores) = &scores {
+        let (_, largest) = scores.largest();
+        metrics.push(("scores", scores.count() as f64));
+        metrics.push(("largest_score", finite(largest)));
+        detectable = scores.detectable(level, limits.deviations());
+        if scores.is_rejected(level) {
+            faults.push(scores.in_words());
+            changes = scores.changes();
+        }
+    }
     let pixels = PixelDifferences::new(comparison);
     if let [Some(a), Some(b)] = comparison.numbers() {
         faults.extend(pixels.judge_far(level, &mut metrics));
@@ -366,13 +417,18 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
             percent(promise),
             noise()
         ),
-        _ if passed => format!(
-            "no difference beyond noise; detectable bias {} for the image mean, {} within single blocks \
-             (90th percentile); {}",
-            percent(mean_resolution),
-            percent(resolution),
-            noise()
-        ),
+        _ if passed => {
+            // The first number is the one that matters most.
+            let of_number = detectable.first();
+            let of_number = of_number.map_or(String::new(), |it| format!("{}, ", it.words));
+            format!(
+                "no difference beyond noise; detectable bias {of_number}{} for the image mean, {} within \
+                 single blocks (90th percentile); {}",
+                percent(mean_resolution),
+                percent(resolution),
+                noise()
+            )
+        }
         _ => faults.join("; "),
     };
     if let Some(Undecided::Samples(advice)) = undecided {
@@ -382,6 +438,8 @@ fn judgement(comparison: &Comparison<'_>, level: f64, promise: Option<f64>) -> J
     }
     Judgement {
         undecided,
+        changes,
+        detectable,
         ..Judgement::new(&Stochastic, passed, reason, &metrics)
     }
 }

@@ -83,6 +83,11 @@ impl<'c> Limits<'c> {
         finite(self.of_nine_tenths(visible))
     }
 
+    /// Standard errors at which a block and the mean of the image are rejected, by the finer image's noise.
+    pub fn deviations(&self) -> [f64; 2] {
+        [self.guard, self.whole]
+    }
+
     /// The standard errors, in the larger of both answers, up to which a channel of a block may be
     /// off among so many.
     pub fn of_block(&self, block: &Block, channel: usize) -> f64 {

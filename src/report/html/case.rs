@@ -1,7 +1,7 @@
 //! The view of one case.
 
 use super::pictures::Views;
-use super::{measures, pixels, words};
+use super::{forest, measures, pixels, words};
 use crate::compare::DifferenceScale;
 use crate::suite::{CaseResult, Evidence, Likeness, Verdict, metric_meaning};
 use minijinja::{Value, context};
@@ -52,6 +52,7 @@ pub(super) fn view(
         // With what to do.
         mistakes => result.looks_like.iter().map(mistake).collect::<Vec<_>>(),
         numbers => result.metrics.iter().map(number).collect::<Vec<_>>(),
+        changes => forest::rows(&result.changes),
         // Red, green and blue over the image, where there are both images.
         means => films.map(|(golden, test)| measures::means(golden, test)),
         spread_words,

@@ -63,6 +63,8 @@ impl Sample {
 
 pub fn result(name: &str, verdict: Verdict) -> CaseResult {
     CaseResult {
+        changes: Vec::new(),
+        detectable: Vec::new(),
         name: name.to_owned(),
         family: name.split('/').next().unwrap().to_owned(),
         class: "deterministic".to_owned(),

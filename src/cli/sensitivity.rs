@@ -1,0 +1,320 @@
+//! `volref sensitivity SCENE --of NAME -o FILE`
+
+use super::failure::{Failure, bad_input};
+use super::output::{self, Json};
+use super::render::with_threads;
+use super::suite::scene_file;
+use super::{Outcome, progress};
+use crate::film::{Film, FilmFormat};
+use crate::math;
+use crate::render::{self, Detail, Plan};
+use crate::scene::{Scene, samples};
+use crate::sensitivity::{Derivative, Differences, Number, Unit, derivative, number, numbers};
+use crate::suite::sensitivities_of;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Differentiate the image of a scene by one of its numbers
+///
+/// Writes the derivative per unit of change, with its variance; without --of, lists the numbers of
+/// the scene. A change is a share of the number itself (0.01 is one per cent) or in the unit that
+/// the list states.
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Scene file (TOML), or a case of the suite
+    scene: PathBuf,
+    /// Number to differentiate by, such as density or reflectance.2
+    #[arg(long, value_name = "NAME", requires = "output")]
+    of: Option<String>,
+    /// Image to write: .exr or .npy (32-bit float; .exr with variance), or .png (red is brighter,
+    /// blue darker as the number grows)
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// For Monte Carlo scenes: samples per pixel of each of the two sides
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = samples)]
+    spp: u32,
+    /// For Monte Carlo scenes: pairs of renderings with seeds of their own, from whose spread the
+    /// variance is estimated
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(2..=1024))]
+    pairs: u32,
+    /// Seed of the random numbers of the first pair
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Change on either side of the number, instead of the one that the list states
+    #[arg(long, value_name = "CHANGE", value_parser = positive)]
+    step: Option<f64>,
+    /// Instead of an image of one number: derivatives of blocks of 8 x 8 pixels by all numbers, as a
+    /// suite keeps them in golden/sensitivities
+    #[arg(long, conflicts_with = "of", requires = "output")]
+    all: bool,
+    /// Threads to use; the image is the same for any number [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    #[command(flatten)]
+    json: Json,
+}
+
+/// Seeds of the numbers that make golden/sensitivities: none of a golden or of a rendering.
+const SEED_OF_SUITE: u64 = 0x7365_6e73_6974_0000;
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    (number > 0.0 && number.is_finite())
+        .then_some(number)
+        .ok_or_else(|| "a change must be above 0".to_owned())
+}
+
+/// Runs the command.
+pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
+    arguments.scene = scene_file(&arguments.scene)?;
+    let outputs = [arguments.output.as_deref(), arguments.json.file()];
+    output::check(&outputs, &[&arguments.scene])?;
+    let scene = progress::during("reading the scene", || Scene::load(&arguments.scene))?;
+    let Some(path) = &arguments.output else {
+        return listed(&arguments, &scene);
+    };
+    if arguments.all {
+        return of_all(&arguments, &scene);
+    }
+    let Some(name) = &arguments.of else {
+        return Err(bad_input(
+            "-o FILE needs --of NAME: which number? Without both, the numbers are listed",
+        ));
+    };
+    let number = number(&scene, name).map_err(bad_input)?;
+    let format = FilmFormat::of(path)
+        .filter(|format| matches!(format, FilmFormat::Exr | FilmFormat::Npy | FilmFormat::Png))
+        .ok_or_else(|| {
+            bad_input(format!(
+                "{}: unknown image extension: use .exr or .npy (derivatives), or .png (preview)",
+                path.display()
+            ))
+        })?;
+    let differences = Differences {
+        detail: Detail::Whole,
+        samples: arguments.spp.max(arguments.pairs),
+        pairs: arguments.pairs,
+        seed: arguments.seed,
+        step: arguments.step,
+    };
+    let start = Instant::now();
+    let found = with_threads(arguments.threads, || {
+        progress::during("differentiating", || {
+            derivative(&scene, &number, &differences, &|| false)
+        })
+    })?
+    .map_err(|error| bad_input(error.to_string()))?;
+    let Some(found) = found else {
+        let step = arguments.step.unwrap_or(number.step);
+        return Err(bad_input(format!(
+            "{name} can neither be larger nor smaller by {step}{}: choose a smaller --step",
+            of_unit(&number)
+        )));
+    };
+    let bytes = match format {
+        FilmFormat::Png => in_red_and_blue(&found.film),
+        FilmFormat::Npy => found.film.to_npy(),
+        _ => found.film.to_exr().map_err(bad_input)?,
+    };
+    output::write(path, &bytes)?;
+    let is_sampled = render::plans(&scene).iter().any(Plan::is_sampled);
+    let [mean, error] = mean_and_error(&found.film);
+    let mut text = format!(
+        "{}: derivative by {name}, {} × {} pixels in {:.2} s\n\
+         mean over the image: {mean:.4e}{}, error {error:.1e}\n",
+        path.display(),
+        found.film.width(),
+        found.film.height(),
+        start.elapsed().as_secs_f64(),
+        per_unit(&number),
+    );
+    for note in notes(&found, &number, is_sampled) {
+        text.push_str(&format!("note: {note}\n"));
+    }
+    let value = json!({
+        "schema": "volref/sensitivity/1",
+        "scene": arguments.scene,
+        "output": path,
+        "of": name,
+        "unit": unit(&number),
+        "step": found.step,
+        "central": found.is_central,
+        "unsettled_pixels": found.unsettled,
+        "mean": mean,
+        "mean_error": error,
+        "width": found.film.width(),
+        "height": found.film.height(),
+        "hash": found.film.pixel_hash(),
+    });
+    arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+fn notes(found: &Derivative, number: &Number, is_sampled: bool) -> Vec<String> {
+    let mut notes = Vec::new();
+    if !found.is_central {
+        notes.push(format!(
+            "{} can only change to one side: the difference is one-sided, its error in proportion to \
+             the step",
+            number.name()
+        ));
+    }
+    if is_sampled {
+        notes.push(format!(
+            "the variance is that of random samples; to it comes the error of differences, which falls \
+             as the square of the step (here {}): compare with --step {}",
+            found.step,
+            0.5 * found.step
+        ));
+    }
+    if found.unsettled > 0 {
+        notes.push(format!(
+            "{} of {} pixels have no derivative: an edge crosses them as {} changes, or their values \
+             jump; their variance says so",
+            found.unsettled,
+            found.film.radiance().len(),
+            number.name()
+        ));
+    }
+    notes
+}
+
+/// The mean of all channels and pixels, and its error, as if pixels were independent.
+fn mean_and_error(film: &Film) -> [f64; 2] {
+    let count = (3 * film.radiance().len()) as f64;
+    let sum: f64 = film
+        .radiance()
+        .as_flattened()
+        .iter()
+        .map(|&value| f64::from(value))
+        .sum();
+    let variance: f64 = film.noise().map_or(0.0, |noise| {
+        noise
+            .variance()
+            .as_flattened()
+            .iter()
+            .map(|&value| f64::from(value))
+            .sum()
+    });
+    [sum / count, variance.sqrt() / count]
+}
+
+/// `world units`; empty for a share or a bare number.
+fn unit(number: &Number) -> &'static str {
+    match number.quantity.unit {
+        Unit::Share => "of itself",
+        Unit::Absolute(unit) => unit,
+    }
+}
+
+fn of_unit(number: &Number) -> String {
+    match unit(number) {
+        "" => String::new(),
+        unit => format!(" {unit}"),
+    }
+}
+
+fn per_unit(number: &Number) -> String {
+    match number.quantity.unit {
+        Unit::Share => " for twice the number".to_owned(),
+        Unit::Absolute("") => " per 1".to_owned(),
+        Unit::Absolute(unit) => format!(" per {}", unit.trim_end_matches('s')),
+    }
+}
+
+fn listed(arguments: &Arguments, scene: &Scene) -> Result<Outcome, Failure> {
+    let numbers = numbers(scene);
+    let width = numbers
+        .iter()
+        .map(|number| number.name().len())
+        .max()
+        .unwrap_or(0);
+    let mut text = String::new();
+    for number in &numbers {
+        let step = format!("{:.4}", number.step);
+        text.push_str(&format!(
+            "{:width$}  {}; step {}{}\n",
+            number.name(),
+            number.words(),
+            step.trim_end_matches('0').trim_end_matches('.'),
+            of_unit(number),
+        ));
+    }
+    if numbers.is_empty() {
+        text.push_str("a plot has no numbers to differentiate by\n");
+    }
+    let of = |number: &Number| {
+        json!({
+            "name": number.name(),
+            "words": number.words(),
+            "unit": unit(number),
+            "step": number.step,
+        })
+    };
+    let value = json!({
+        "schema": "volref/sensitivity/1",
+        "scene": arguments.scene,
+        "numbers": numbers.iter().map(of).collect::<Vec<Value>>(),
+    });
+    arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+fn of_all(arguments: &Arguments, scene: &Scene) -> Result<Outcome, Failure> {
+    let path = arguments.output.as_deref().expect("checked by the parser");
+    let start = Instant::now();
+    let layered = with_threads(arguments.threads, || {
+        progress::during("differentiating", || {
+            sensitivities_of(
+                scene,
+                arguments.spp,
+                arguments.pairs,
+                SEED_OF_SUITE,
+                &|| false,
+            )
+        })
+    })?
+    .map_err(bad_input)?;
+    output::write(path, &layered.to_exr().map_err(bad_input)?)?;
+    let text = format!(
+        "{}: derivatives by {} numbers in {:.0} s\n",
+        path.display(),
+        layered.layers.len(),
+        start.elapsed().as_secs_f64()
+    );
+    let value = json!({
+        "schema": "volref/sensitivity/1",
+        "scene": arguments.scene,
+        "output": path,
+        "numbers": layered.layers.iter().map(|(name, _)| name).collect::<Vec<_>>(),
+    });
+    arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+/// White where nothing changes, red where the image becomes brighter, blue where darker; full colour
+/// at the size that one pixel in a hundred exceeds.
+fn in_red_and_blue(film: &Film) -> Vec<u8> {
+    let means = film
+        .radiance()
+        .iter()
+        .map(|pixel| pixel.iter().sum::<f32>() / 3.0);
+    let means: Vec<f64> = means.map(f64::from).collect();
+    let mut sizes: Vec<f64> = means.iter().map(|mean| mean.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let full = sizes[(sizes.len() - 1) * 99 / 100].max(f64::MIN_POSITIVE);
+    let codes: Vec<[u8; 3]> = means
+        .into_iter()
+        .map(|mean| {
+            // The root spreads what is small: most of an image changes little.
+            let share = (mean.abs() / full).min(1.0).sqrt();
+            let [strong, weak] = [1.0 - 0.2 * share, 1.0 - share]
+                .map(|v| (255.0 * math::linear_to_srgb(v)).round() as u8);
+            if mean >= 0.0 {
+                [strong, weak, weak]
+            } else {
+                [weak, weak, strong]
+            }
+        })
+        .collect();
+    Film::codes_to_png(&codes, film.width(), film.height())
+}

@@ -1,0 +1,100 @@
+//! The derivative of an image by a number of its scene, in blocks, as a gate uses it.
+
+use crate::film::Film;
+
+/// How the image of a scene changes with one of its numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sensitivity {
+    /// `density`, `reflectance.2`.
+    pub name: String,
+    /// What the number is, for a sentence.
+    pub words: String,
+    /// What its changes are measured in: `None` for shares of itself, empty for a bare number.
+    pub unit: Option<String>,
+    /// Mean derivative of each block of [`BLOCK`](super::stochastic::BLOCK)² pixels per unit of
+    /// change, with its variance.
+    pub derivative: Film,
+}
+
+impl Sensitivity {
+    /// A change in words: `2.1 ± 0.3 % too large`, `off by −0.25 ± 0.02 pixels`.
+    pub fn in_words(&self, change: f64, error: f64) -> String {
+        match &self.unit {
+            None => {
+                let side = if change < 0.0 { "small" } else { "large" };
+                let [size, error] = with_error(100.0 * change.abs(), 100.0 * error);
+                format!("{} {size} ± {error} % too {side}", self.words)
+            }
+            Some(unit) => {
+                let [size, error] = with_error(change.abs(), error);
+                let sign = if change < 0.0 { "−" } else { "+" };
+                let unit = Some(unit).filter(|unit| !unit.is_empty());
+                let unit = unit.map_or(String::new(), |unit| format!(" {unit}"));
+                format!("{} off by {sign}{size} ± {error}{unit}", self.words)
+            }
+        }
+    }
+
+    /// A size without a sign in words: `density 1.6 %`.
+    pub fn size_in_words(&self, size: f64) -> String {
+        match &self.unit {
+            None => format!(
+                "{} {} %",
+                self.words,
+                with_error(100.0 * size, 10.0 * size)[0]
+            ),
+            Some(unit) => {
+                let space = if unit.is_empty() { "" } else { " " };
+                format!(
+                    "{} {}{space}{unit}",
+                    self.words,
+                    with_error(size, 0.1 * size)[0]
+                )
+            }
+        }
+    }
+}
+
+/// A value and its error to the second digit of the error.
+fn with_error(value: f64, error: f64) -> [String; 2] {
+    let digits = if error > 0.0 && error.is_finite() {
+        (1 - crate::math::log10(error).floor() as i32).clamp(0, 12) as usize
+    } else {
+        3
+    };
+    [value, error].map(|number| format!("{number:.digits$}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sensitivity(unit: Option<&str>) -> Sensitivity {
+        Sensitivity {
+            name: "density".to_owned(),
+            words: "density".to_owned(),
+            unit: unit.map(str::to_owned),
+            derivative: Film::new(1, 1, vec![[0.0; 3]]),
+        }
+    }
+
+    #[test]
+    fn changes_have_the_digits_of_their_error() {
+        let share = sensitivity(None);
+        assert_eq!(
+            share.in_words(0.0984, 0.0112),
+            "density 9.8 ± 1.1 % too large"
+        );
+        assert_eq!(share.in_words(-0.5, 0.2), "density 50 ± 20 % too small");
+        assert_eq!(share.size_in_words(0.0163), "density 1.63 %");
+        let pixels = sensitivity(Some("pixels"));
+        assert_eq!(
+            pixels.in_words(-0.25, 0.021),
+            "density off by −0.250 ± 0.021 pixels"
+        );
+        assert_eq!(
+            sensitivity(Some("")).in_words(0.1, 0.02),
+            "density off by +0.100 ± 0.020"
+        );
+    }
+}

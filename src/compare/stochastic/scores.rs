@@ -1,0 +1,472 @@
+//! Score tests: does the difference look like what a change of a number of the scene makes?
+//!
+//! The derivative D of the image by a number says where a small error of that number shows. The sum
+//! `S = Σ D·d/v` over blocks and channels, of the differences d whose variances are v, is of all sums
+//! of differences the one that sees such an error best (Rao 1948, Proceedings of the Cambridge
+//! Philosophical Society 44, 50–57). It is no test of the noise of D: that is independent of d.
+//!
+//! # False alarms
+//!
+//! The differences of blocks are independent and have mean 0 where nothing is wrong, but they are
+//! not normal, and some carry most of a sum. For any independent `s_b` of mean 0 and finite variance
+//!
+//! ```text
+//! P(|Σ s_b| ≥ t·√V) ≤ 2·exp(−t²/2),   V = ⅓ Σ s_b² + ⅔ Σ E s_b²
+//! ```
+//!
+//! (for V below a bound, Delyon 2009, Electronic Journal of Probability 14, theorem 4; t takes the
+//! place of standard errors). A difference that is there would enlarge `Σ s_b²` itself, so that its
+//! squares are those of what the best fit leaves, each divided by the share of the fit that other
+//! blocks have, as MacKinnon & White 1985 (Journal of Econometrics 29, 305–325) estimate variances. With these the
+//! bound is no theorem any more; simulated suites hold it to its promise (`tests/library/scores.rs`). The channels of a block share their random numbers in ways that no image
+//! states, so `E s_b²` is the most that it can be: the square of the sum of their standard errors. As
+//! everywhere in this gate, variances have two answers, and the larger sum counts.
+//!
+//! # Sizes
+//!
+//! The change that fits best is `S/G` with `G = Σ D²/v`. The noise of D makes its square too large on
+//! the average by its variance, which is taken off; without that, sizes would come out too small.
+//! Of several numbers the one with the largest score is fitted first, then the one with the largest
+//! in what is left, three at most.
+
+use super::blocks::DARK;
+use super::comparison::Comparison;
+use crate::compare::judgement::{Detectable, NumberChange};
+use crate::compare::sensitivity::Sensitivity;
+use crate::math;
+use glam::{DMat3, DVec3};
+
+/// A difference that is a smaller part of the radiance weighs no more than this one: rounding and
+/// the last of an infinite series are of this size, whatever the noise.
+const FLOOR: f64 = 1e-3;
+
+/// Numbers that are fitted together, at most: data of one image seldom tell more apart.
+const MOST_FITTED: usize = 3;
+
+/// The score at which a further number is fitted or named beside another: what noise alone exceeds
+/// in one test of sixteen thousand.
+const BESIDE: f64 = 4.0;
+
+/// The part of the largest score that the score of a number has which explains a difference as well:
+/// the noise of its derivative takes some of it.
+const ALIKE: f64 = 0.5;
+
+/// Scores of one comparison.
+pub(super) struct Scores<'s> {
+    sensitivities: Vec<&'s Sensitivity>,
+    /// What the differences are, by number.
+    tested: Vec<Tested>,
+    /// Σ D_k·D_l/v, noise taken out.
+    information: Vec<Vec<f64>>,
+    cells: Vec<Cell>,
+}
+
+/// A channel of a block.
+struct Cell {
+    /// Sum of the differences over the block.
+    difference: f64,
+    weight: f64,
+    /// Variance of the difference, by both answers.
+    variances: [f64; 2],
+    /// Of each number: derivative and its variance.
+    derivatives: Vec<[f64; 2]>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Tested {
+    score: f64,
+    /// V above.
+    variance: f64,
+    /// What V is on the average where nothing is wrong.
+    expected_variance: f64,
+}
+
+impl Tested {
+    /// Of number `k`, with this information.
+    fn new(cells: &[Cell], k: usize, information: f64) -> Tested {
+        let blocks = || cells.chunks(3);
+        let pull = |cell: &Cell| cell.weight * cell.derivatives[k][0];
+        let of_block =
+            |block: &[Cell]| -> f64 { block.iter().map(|cell| pull(cell) * cell.difference).sum() };
+        let score: f64 = blocks().map(of_block).sum();
+        let expected = [0, 1].map(|answer| -> f64 {
+            let most = |block: &[Cell]| -> f64 {
+                let errors = block
+                    .iter()
+                    .map(|cell| pull(cell).abs() * cell.variances[answer].sqrt());
+                errors.sum()
+            };
+            blocks().map(|block| most(block) * most(block)).sum()
+        });
+        let expected_variance = expected[0].max(expected[1]);
+        // What the change that fits best leaves of each block; divided by what the block itself has
+        // not contributed to that fit.
+        let change = if information > 0.0 {
+            score / information
+        } else {
+            0.0
+        };
+        let left = blocks().map(|block| {
+            let of_fit = |cell: &Cell| {
+                let [derivative, noise] = cell.derivatives[k];
+                cell.weight * (derivative * derivative - noise)
+            };
+            let own: f64 = block.iter().map(of_fit).sum();
+            let others = 1.0 - (own / information).clamp(0.0, 1.0);
+            let left = of_block(block) - change * own;
+            if left == 0.0 {
+                0.0
+            } else {
+                (left / others)
+                    .abs()
+                    .min(of_block(block).abs().max(left.abs()))
+            }
+        });
+        let squares: f64 = left.map(|left| left * left).sum();
+        Tested {
+            score,
+            variance: squares / 3.0 + 2.0 * expected_variance / 3.0,
+            expected_variance,
+        }
+    }
+
+    fn deviation(&self) -> f64 {
+        if self.score == 0.0 {
+            0.0
+        } else {
+            self.score / self.variance.sqrt()
+        }
+    }
+}
+
+/// A change of a number that fits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Fitted {
+    /// Which.
+    pub number: usize,
+    /// In its unit.
+    pub change: f64,
+    /// Standard error of that.
+    pub error: f64,
+}
+
+impl<'s> Scores<'s> {
+    /// `None` where there is nothing to be tested: no sensitivities of blocks like these.
+    pub fn new(comparison: &Comparison<'_>, all: &'s [Sensitivity]) -> Option<Scores<'s>> {
+        let blocks = &comparison.blocks;
+        let fits = |it: &&Sensitivity| it.derivative.radiance().len() == blocks.len();
+        let sensitivities: Vec<&Sensitivity> = all.iter().filter(fits).collect();
+        if sensitivities.is_empty() || comparison.numbers().contains(&None) {
+            return None;
+        }
+        let count = sensitivities.len();
+        let mut cells = Vec::with_capacity(3 * blocks.len());
+        for (at, block) in blocks.iter().enumerate() {
+            let pixels = block.pixels() as f64;
+            for (c, channel) in block.channels.iter().enumerate() {
+                let bright = channel.radiance.abs() + DARK * pixels;
+                let floor = FLOOR * FLOOR * bright * bright;
+                let derivatives = sensitivities.iter().map(|sensitivity| {
+                    let film = &sensitivity.derivative;
+                    let variance = film
+                        .noise()
+                        .map_or(0.0, |noise| noise.variance()[at][c].into());
+                    [
+                        f64::from(film.radiance()[at][c]) * pixels,
+                        variance * pixels * pixels,
+                    ]
+                });
+                // Half precision may have rounded all pixels of a block the same way.
+                let rounding = channel.difference.rounding * channel.difference.rounding;
+                let [own, guard] = [channel.variance.own(), channel.variance.guard()];
+                cells.push(Cell {
+                    difference: channel.difference.value,
+                    // Not by what the test image states of itself where it happens to be dark.
+                    weight: 1.0 / (guard + floor),
+                    variances: [own + rounding, guard + rounding],
+                    derivatives: derivatives.collect(),
+                });
+            }
+        }
+        let information = information(&cells, count);
+        let tested = (0..count)
+            .map(|k| Tested::new(&cells, k, information[k][k]))
+            .collect();
+        Some(Scores {
+            sensitivities,
+            tested,
+            information,
+            cells,
+        })
+    }
+
+    /// Number of tests.
+    pub fn count(&self) -> usize {
+        self.tested.len()
+    }
+
+    /// The number with the largest score, and that score in standard errors.
+    pub fn largest(&self) -> (usize, f64) {
+        let deviations = self.tested.iter().map(Tested::deviation).enumerate();
+        deviations
+            .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
+            .expect("there is a test")
+    }
+
+    /// Whether a score is so large by chance with a probability of `level` at most.
+    pub fn is_rejected(&self, level: f64) -> bool {
+        self.largest().1.abs() >= self.critical(level)
+    }
+
+    /// The score at which one of the tests rejects, all of them together at `level`.
+    fn critical(&self, level: f64) -> f64 {
+        (2.0 * math::ln(2.0 * self.count() as f64 / level)).sqrt()
+    }
+
+    /// The smallest change of each number that would be rejected with probability one half: by its
+    /// score, and by blocks and the mean of the image, at these deviations.
+    pub fn detectable(&self, level: f64, [of_block, of_whole]: [f64; 2]) -> Vec<Detectable> {
+        let critical = self.critical(level);
+        let of_number = |(k, tested): (usize, &Tested)| {
+            let information = self.information[k][k];
+            let change = critical * tested.expected_variance.sqrt() / information;
+            let (mut sums, mut without_score) = ([[0.0; 2]; 3], f64::INFINITY);
+            for (at, cell) in self.cells.iter().enumerate() {
+                let variance = cell.variances[0].max(cell.variances[1]);
+                let [derivative, noise] = cell.derivatives[k];
+                // What noise makes of the derivative of a block is no change of it.
+                let known = (derivative * derivative - noise).max(0.0).sqrt();
+                without_score = f64::min(without_score, of_block * variance.sqrt() / known);
+                sums[at % 3][0] += derivative;
+                sums[at % 3][1] += variance;
+            }
+            for [derivative, variance] in sums {
+                without_score =
+                    f64::min(without_score, of_whole * variance.sqrt() / derivative.abs());
+            }
+            (information > 0.0 && change.is_finite()).then(|| Detectable {
+                name: self.sensitivities[k].name.clone(),
+                words: self.sensitivities[k].size_in_words(change),
+                change,
+                without_score: Some(without_score).filter(|size| size.is_finite()),
+            })
+        };
+        self.tested
+            .iter()
+            .enumerate()
+            .filter_map(of_number)
+            .collect()
+    }
+
+    /// The changes that fit, the one with the largest score first.
+    pub fn fitted(&self) -> Vec<Fitted> {
+        let (first, _) = self.largest();
+        let mut chosen = vec![first];
+        let mut fitted = self.fit(&chosen);
+        while chosen.len() < MOST_FITTED {
+            let Some(next) = self.next_beside(&fitted) else {
+                break;
+            };
+            chosen.push(next);
+            let more = self.fit(&chosen);
+            // Two that cannot be told apart make each other's error large.
+            if more.iter().any(|it| it.change.abs() < BESIDE * it.error) {
+                chosen.pop();
+                break;
+            }
+            fitted = more;
+        }
+        fitted
+    }
+
+    /// Of the numbers that are not fitted, that with the largest score in what is left, if it is one.
+    fn next_beside(&self, fitted: &[Fitted]) -> Option<usize> {
+        let is_free = |k: &usize| fitted.iter().all(|it| it.number != *k);
+        let scores = (0..self.count())
+            .filter(is_free)
+            .map(|k| (k, self.score_beside(k, fitted).abs()));
+        let (k, score) = scores.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        (score >= BESIDE).then_some(k)
+    }
+
+    /// The score of a number in what the fitted ones leave, in standard errors of a single test.
+    fn score_beside(&self, k: usize, fitted: &[Fitted]) -> f64 {
+        let (mut score, mut left) = (self.tested[k].score, self.information[k][k]);
+        for it in fitted {
+            let shared = self.information[k][it.number];
+            score -= shared * it.change;
+            left -= shared * shared / self.information[it.number][it.number];
+        }
+        let whole = self.information[k][k];
+        if whole <= 0.0 || left <= 0.01 * whole {
+            return 0.0;
+        }
+        // What varies alike is gone with the fit; the error of the derivatives of the fit is added.
+        let mut variance = self.tested[k].expected_variance * left / whole;
+        for it in fitted {
+            variance += self.of_pulls(|cell| {
+                let [derivative, noise] = cell.derivatives[k];
+                let [of_fit, noise_of_fit] = cell.derivatives[it.number];
+                let square = derivative * derivative * noise_of_fit + of_fit * of_fit * noise;
+                cell.weight * it.change * square.sqrt()
+            });
+        }
+        score / variance.sqrt()
+    }
+
+    /// Numbers that explain the difference as well as the first one fitted: neither leaves a
+    /// score of the other.
+    pub fn alike(&self, first: &Fitted) -> Vec<usize> {
+        let others = (0..self.count()).filter(|&k| k != first.number);
+        let of_first = self.tested[first.number].deviation().abs();
+        let is_alike = |&k: &usize| {
+            let alone = self.fit(&[k])[0];
+            alone.error.is_finite()
+                && self.tested[k].deviation().abs() > ALIKE * of_first
+                && self.score_beside(first.number, &[alone]).abs() < BESIDE
+        };
+        others.filter(is_alike).collect()
+    }
+
+    /// Variance of a sum over blocks, of whose channels each has this standard error: at most, if their
+    /// noise is the same.
+    fn of_pulls(&self, error: impl Fn(&Cell) -> f64) -> f64 {
+        let of_block = |block: &[Cell]| {
+            let sum: f64 = block.iter().map(|cell| error(cell).abs()).sum();
+            sum * sum
+        };
+        self.cells.chunks(3).map(of_block).sum()
+    }
+
+    /// Weighted least squares of these numbers together.
+    fn fit(&self, chosen: &[usize]) -> Vec<Fitted> {
+        let at = |i: usize| chosen.get(i).copied();
+        let mut matrix = DMat3::IDENTITY;
+        let mut scores = DVec3::ZERO;
+        for i in 0..3 {
+            let Some(k) = at(i) else { continue };
+            scores[i] = self.tested[k].score;
+            for j in 0..3 {
+                if let Some(l) = at(j) {
+                    matrix.col_mut(j)[i] = self.information[k][l];
+                }
+            }
+        }
+        let inverse = matrix.inverse();
+        let changes = inverse * scores;
+        let fitted = (0..chosen.len()).map(|i| {
+            let k = chosen[i];
+            // That of one number alone, widened by what it shares with the others.
+            let alone = self.tested[k].expected_variance
+                / (self.information[k][k] * self.information[k][k]);
+            let widened = inverse.col(i)[i] * self.information[k][k];
+            let part = changes[i] / self.information[k][k];
+            let of_derivative = self.of_pulls(|cell| {
+                let [derivative, noise] = cell.derivatives[k];
+                cell.weight * (noise * (derivative * derivative + noise)).sqrt()
+            });
+            let variance = alone * widened.max(1.0) + part * part * of_derivative;
+            Fitted {
+                number: k,
+                change: changes[i],
+                error: variance.sqrt(),
+            }
+        });
+        fitted.collect()
+    }
+
+    /// The share of the squared difference, noise taken out, that the changes explain; `None` where
+    /// noise makes nearly all of the squares.
+    fn explained(&self, fitted: &[Fitted]) -> Option<f64> {
+        let (mut whole, mut left, mut squares) = (0.0, 0.0, 0.0);
+        for cell in &self.cells {
+            let mut rest = cell.difference;
+            let mut noise = cell.variances[0].max(cell.variances[1]);
+            // The channels of a block may share their noise; the square of a normal number varies by
+            // twice the square of its variance.
+            squares += 3.0 * 2.0 * (cell.weight * noise) * (cell.weight * noise);
+            whole += cell.weight * (rest * rest - noise);
+            for it in fitted {
+                let [derivative, variance] = cell.derivatives[it.number];
+                rest -= it.change * derivative;
+                noise += it.change * it.change * variance;
+            }
+            left += cell.weight * (rest * rest - noise);
+        }
+        (whole > BESIDE * squares.sqrt()).then(|| (1.0 - left / whole).clamp(0.0, 1.0))
+    }
+
+    /// Every number with the change of it that fits: those that together fit best first, the others
+    /// each alone, by the size of their scores.
+    pub fn changes(&self) -> Vec<NumberChange> {
+        let best = self.fitted();
+        let mut others: Vec<usize> = (0..self.count())
+            .filter(|&k| best.iter().all(|it| it.number != k) && self.information[k][k] > 0.0)
+            .collect();
+        let size = |k: usize| self.tested[k].deviation().abs();
+        others.sort_by(|&a, &b| size(b).total_cmp(&size(a)));
+        let alone = others.into_iter().map(|k| (self.fit(&[k])[0], false));
+        let all = best.into_iter().map(|it| (it, true)).chain(alone);
+        let change = |(it, fits_best): (Fitted, bool)| NumberChange {
+            name: self.sensitivities[it.number].name.clone(),
+            words: self.sensitivities[it.number].in_words(it.change, it.error),
+            change: it.change,
+            error: it.error,
+            score: self.tested[it.number].deviation(),
+            fits_best,
+        };
+        all.map(change)
+            .filter(|it| it.change.is_finite() && it.error.is_finite() && it.score.is_finite())
+            .collect()
+    }
+
+    /// What the difference looks like, in a sentence.
+    pub fn in_words(&self) -> String {
+        let (_, deviation) = self.largest();
+        let fitted = self.fitted();
+        let changes = fitted
+            .iter()
+            .map(|it| self.sensitivities[it.number].in_words(it.change, it.error));
+        let changes: Vec<String> = changes.collect();
+        let mut text = format!(
+            "the difference looks like this: {} ({:.1} standard errors)",
+            changes.join("; and "),
+            deviation.abs(),
+        );
+        if let Some(share) = self.explained(&fitted) {
+            text.push_str(&format!("; that explains {:.0} % of it", 100.0 * share));
+        }
+        if let [only] = fitted[..] {
+            let alike = self.alike(&only);
+            let names = alike.iter().map(|&k| {
+                let others = self.fit(&[k]);
+                self.sensitivities[k].in_words(others[0].change, others[0].error)
+            });
+            let names: Vec<String> = names.take(3).collect();
+            if names.is_empty() {
+                if self.next_beside(&fitted).is_none() {
+                    text.push_str(", and no other number is significant beside it");
+                }
+            } else {
+                text.push_str(&format!(
+                    "; this image cannot tell it from {}",
+                    names.join(", or ")
+                ));
+            }
+        }
+        text
+    }
+}
+
+fn information(cells: &[Cell], count: usize) -> Vec<Vec<f64>> {
+    let shared = |k: usize, l: usize| -> f64 {
+        let of_cell = |cell: &Cell| {
+            let [derivative, variance] = cell.derivatives[k];
+            let noise = if k == l { variance } else { 0.0 };
+            cell.weight * (derivative * cell.derivatives[l][0] - noise)
+        };
+        cells.iter().map(of_cell).sum()
+    };
+    let row = |k: usize| (0..count).map(|l| shared(k, l)).collect();
+    (0..count).map(row).collect()
+}

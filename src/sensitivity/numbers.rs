@@ -1,0 +1,64 @@
+//! The numbers of a scene that a mistake can touch.
+
+mod classified;
+mod lights;
+mod media;
+mod surfaces;
+mod view;
+
+use super::number::{Number, Quantity, Unit};
+use crate::misspelling::nearest;
+use crate::scene::{Model, Scene};
+
+/// Of places: along x, y and z.
+struct Places([Quantity; 3]);
+
+/// All numbers of `scene` that have a name: none of a plot.
+pub fn numbers(scene: &Scene) -> Vec<Number> {
+    let Some(panel) = scene.panels.first() else {
+        return Vec::new();
+    };
+    let mut numbers = match &panel.model {
+        Model::Classified(volume) => classified::numbers(volume),
+        Model::Radiative(radiative) => {
+            let mut numbers = media::numbers(radiative);
+            numbers.extend(surfaces::numbers(radiative));
+            numbers.extend(lights::numbers(radiative));
+            numbers
+        }
+        Model::Curve(_) => Vec::new(),
+    };
+    numbers.extend(view::numbers(scene));
+    numbers
+}
+
+/// The number of that name.
+///
+/// # Errors
+///
+/// If the scene has no such number: a message with the nearest name, or all names.
+pub fn number(scene: &Scene, name: &str) -> Result<Number, String> {
+    let numbers = numbers(scene);
+    if let Some(number) = numbers.iter().find(|number| number.name() == name) {
+        return Ok(number.clone());
+    }
+    let names: Vec<String> = numbers.iter().map(Number::name).collect();
+    if names.is_empty() {
+        return Err(format!(
+            "this scene has no number {name:?}: a plot has none"
+        ));
+    }
+    Err(match nearest(name, names.iter().map(String::as_str)) {
+        Some(near) => format!("this scene has no number {name:?}; did you mean {near:?}?"),
+        None => format!(
+            "this scene has no number {name:?}; it has {}",
+            names.join(", ")
+        ),
+    })
+}
+
+/// Of several items all together, then each; of one, itself.
+fn each(count: usize) -> impl Iterator<Item = Option<usize>> {
+    let all = (count > 1).then_some(None);
+    all.into_iter().chain((0..count).map(Some))
+}

@@ -1,0 +1,240 @@
+//! Numbers of participating media.
+
+use super::{Number, Places, Quantity, Unit, each};
+use crate::geometry::{Boundary, Placed, Surface, Transform};
+use crate::media::{Asymmetry, Coefficients};
+use crate::scene::{Body, Model, Radiative, Scene};
+use crate::sensitivity::number::Dependence::{self, Linear, Smooth};
+use glam::DVec3;
+
+static DENSITY: Quantity = Quantity {
+    name: "density",
+    words: "density",
+    of: "medium",
+    unit: Unit::Share,
+};
+static SIGMA_A: Quantity = Quantity {
+    name: "sigma_a",
+    words: "sigma_a",
+    of: "medium",
+    unit: Unit::Share,
+};
+static SIGMA_S: Quantity = Quantity {
+    name: "sigma_s",
+    words: "sigma_s",
+    of: "medium",
+    unit: Unit::Share,
+};
+static ALBEDO: Quantity = Quantity {
+    name: "albedo",
+    words: "albedo",
+    of: "medium",
+    unit: Unit::Absolute(""),
+};
+static G: Quantity = Quantity {
+    name: "g",
+    words: "g of the phase function",
+    of: "medium",
+    unit: Unit::Absolute(""),
+};
+static EMISSION: Quantity = Quantity {
+    name: "emission",
+    words: "emission",
+    of: "medium",
+    unit: Unit::Share,
+};
+static PLACES: Places = Places([
+    Quantity {
+        name: "medium.x",
+        words: "x of the medium",
+        of: "medium",
+        unit: Unit::Absolute("world units"),
+    },
+    Quantity {
+        name: "medium.y",
+        words: "y of the medium",
+        of: "medium",
+        unit: Unit::Absolute("world units"),
+    },
+    Quantity {
+        name: "medium.z",
+        words: "z of the medium",
+        of: "medium",
+        unit: Unit::Absolute("world units"),
+    },
+]);
+static TURN: Quantity = Quantity {
+    name: "medium.turn",
+    words: "angle about the vertical axis of the medium",
+    of: "medium",
+    unit: Unit::Absolute("degrees"),
+};
+
+/// Of every medium by itself, and of all media together where there are several.
+pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
+    let mut numbers = Vec::new();
+    let count = scene.media.len();
+    for at in each(count) {
+        let bodies: Vec<&Body> = match at {
+            Some(at) => vec![&scene.media[at]],
+            None => scene.media.iter().collect(),
+        };
+        let index = at.map(|at| at + 1).filter(|_| count > 1);
+        let number =
+            |quantity, step, dependence: Dependence, edit: fn(&mut Body, f64) -> Option<()>| {
+                let edit = move |scene: &mut Scene, change: f64| edited(scene, at, edit, change);
+                Number::new(quantity, step, dependence, edit).numbered(index)
+            };
+        let any = |has: fn(&Body) -> bool| bodies.iter().any(|body| has(body));
+        let absorbs = any(|body| sigma_a(body) != DVec3::ZERO);
+        let scatters = any(|body| sigma_s(body) != DVec3::ZERO);
+        if absorbs || scatters {
+            numbers.push(number(&DENSITY, 0.1, Smooth, denser));
+        }
+        if absorbs && scatters {
+            numbers.push(number(&SIGMA_A, 0.1, Smooth, |body, change| {
+                coefficients(body, sigma_a(body) * (1.0 + change), sigma_s(body))
+            }));
+            numbers.push(number(&SIGMA_S, 0.1, Smooth, |body, change| {
+                coefficients(body, sigma_a(body), sigma_s(body) * (1.0 + change))
+            }));
+        } else if scatters {
+            numbers.push(number(&ALBEDO, 0.05, Smooth, |body, change| {
+                let (sigma_a, sigma_s) = (sigma_a(body), sigma_s(body));
+                coefficients(
+                    body,
+                    sigma_a - (sigma_a + sigma_s) * change,
+                    sigma_s + (sigma_a + sigma_s) * change,
+                )
+            }));
+        }
+        if scatters
+            && any(|body| {
+                body.medium.phase.is_isotropic() || body.medium.phase.mean_cosine() != 0.0
+            })
+        {
+            numbers.push(number(&G, 0.1, Smooth, |body, change| {
+                let edit = |g: Asymmetry| Asymmetry::new(g.g() + change).unwrap_or(g);
+                let phase = body.medium.phase.with_asymmetry(edit);
+                let differs = phase != body.medium.phase || change == 0.0;
+                body.medium.phase = phase;
+                differs.then_some(())
+            }));
+        }
+        if any(|body| body.medium.emission != DVec3::ZERO) {
+            numbers.push(number(&EMISSION, 0.5, Linear, |body, change| {
+                body.medium.emission *= 1.0 + change;
+                Some(())
+            }));
+        }
+        // Where a density lies is the business of its own transform.
+        let boxes = bodies.iter().filter(|body| is_movable(body));
+        let (Some(at), Some(body)) = (at, boxes.clone().next()) else {
+            continue;
+        };
+        let size = body
+            .boundary
+            .as_ref()
+            .map_or(DVec3::ONE, |shape| shape.bounds().size());
+        for axis in 0..3 {
+            let edit = move |scene: &mut Scene, change: f64| {
+                let offset = DVec3::AXES[axis] * change;
+                moved(scene, at, Transform::translation(offset).ok()?)
+            };
+            let step = 0.02 * size.max_element();
+            numbers.push(Number::new(&PLACES.0[axis], step, Smooth, edit).numbered(index));
+        }
+        let centre = body
+            .boundary
+            .as_ref()
+            .map_or(DVec3::ZERO, |shape| shape.bounds().centre());
+        if !matches!(body.boundary, Some(Boundary::Sphere(_))) {
+            let edit = move |scene: &mut Scene, change: f64| {
+                let turn = Transform::translation(-centre).ok()?;
+                let turn = turn.then(&Transform::rotation(DVec3::Y, change).ok()?);
+                moved(scene, at, turn.then(&Transform::translation(centre).ok()?))
+            };
+            numbers.push(Number::new(&TURN, 2.0, Smooth, edit).numbered(index));
+        }
+    }
+    numbers
+}
+
+fn sigma_a(body: &Body) -> DVec3 {
+    body.medium.coefficients.sigma_a()
+}
+
+fn sigma_s(body: &Body) -> DVec3 {
+    body.medium.coefficients.sigma_s()
+}
+
+fn coefficients(body: &mut Body, sigma_a: DVec3, sigma_s: DVec3) -> Option<()> {
+    body.medium.coefficients = Coefficients::new(sigma_a, sigma_s).ok()?;
+    Some(())
+}
+
+fn denser(body: &mut Body, change: f64) -> Option<()> {
+    let factor = 1.0 + change;
+    body.medium.emission *= factor;
+    coefficients(body, sigma_a(body) * factor, sigma_s(body) * factor)
+}
+
+/// Edits the medium at an index of each panel, or all.
+fn edited(
+    scene: &mut Scene,
+    at: Option<usize>,
+    edit: fn(&mut Body, f64) -> Option<()>,
+    change: f64,
+) -> Option<()> {
+    for panel in &mut scene.panels {
+        let Model::Radiative(radiative) = &mut panel.model else {
+            continue;
+        };
+        match at {
+            Some(at) => edit(radiative.media.get_mut(at)?, change)?,
+            None => {
+                for body in &mut radiative.media {
+                    edit(body, change)?;
+                }
+            }
+        }
+    }
+    Some(())
+}
+
+/// A sphere or a box without a density of its own.
+fn is_movable(body: &Body) -> bool {
+    body.density.is_none()
+        && matches!(
+            body.boundary,
+            Some(
+                Boundary::Sphere(_)
+                    | Boundary::Box(_)
+                    | Boundary::PlacedSphere(_)
+                    | Boundary::PlacedBox(_)
+            )
+        )
+}
+
+fn moved(scene: &mut Scene, at: usize, by: Transform) -> Option<()> {
+    for panel in &mut scene.panels {
+        let Model::Radiative(radiative) = &mut panel.model else {
+            continue;
+        };
+        let boundary = radiative.media.get_mut(at)?.boundary.as_mut()?;
+        *boundary = match boundary {
+            Boundary::Sphere(sphere) => Boundary::PlacedSphere(Placed::new(*sphere, by)),
+            Boundary::Box(bounds) => Boundary::PlacedBox(Placed::new(*bounds, by)),
+            Boundary::PlacedSphere(placed) => {
+                let placed = Placed::new(*placed.shape(), placed.to_world().then(&by));
+                Boundary::PlacedSphere(placed)
+            }
+            Boundary::PlacedBox(placed) => {
+                let placed = Placed::new(*placed.shape(), placed.to_world().then(&by));
+                Boundary::PlacedBox(placed)
+            }
+            Boundary::Mesh(_) | Boundary::PlacedMesh(_) => return None,
+        };
+    }
+    Some(())
+}

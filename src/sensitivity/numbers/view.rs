@@ -1,0 +1,104 @@
+//! Numbers of the camera.
+
+use super::{Number, Places, Quantity, Unit};
+use crate::geometry::Camera;
+use crate::math;
+use crate::scene::Scene;
+use crate::sensitivity::number::Dependence::Smooth;
+use glam::DVec3;
+
+static FIELD_OF_VIEW: Quantity = Quantity {
+    name: "camera.view",
+    words: "height of the image plane",
+    of: "camera",
+    unit: Unit::Share,
+};
+static EYE: Places = Places([
+    Quantity {
+        name: "camera.x",
+        words: "x of the eye",
+        of: "camera",
+        unit: Unit::Absolute("world units"),
+    },
+    Quantity {
+        name: "camera.y",
+        words: "y of the eye",
+        of: "camera",
+        unit: Unit::Absolute("world units"),
+    },
+    Quantity {
+        name: "camera.z",
+        words: "z of the eye",
+        of: "camera",
+        unit: Unit::Absolute("world units"),
+    },
+]);
+static SHIFTS: [Quantity; 2] = [
+    Quantity {
+        name: "camera.right",
+        words: "shift of the image to the right",
+        of: "camera",
+        unit: Unit::Absolute("pixels"),
+    },
+    Quantity {
+        name: "camera.down",
+        words: "shift of the image downwards",
+        of: "camera",
+        unit: Unit::Absolute("pixels"),
+    },
+];
+
+/// Step of a shift: what half a pixel moves over an edge is as much as a pixel shows of it.
+const PIXELS: f64 = 0.5;
+
+/// Of the first camera; panels have theirs changed alike.
+pub(super) fn numbers(scene: &Scene) -> Vec<Number> {
+    let mut cameras = scene.panels.iter().filter_map(|panel| panel.model.camera());
+    let Some(camera) = cameras.next() else {
+        return Vec::new();
+    };
+    let height = scene.panels.iter().map(|panel| panel.height).max();
+    let pixel = 1.0 / height.unwrap_or(1) as f64;
+    let view = |edit: fn(&Camera, f64, f64) -> Camera| {
+        move |scene: &mut Scene, change: f64| {
+            for panel in &mut scene.panels {
+                panel.edit_view(|camera, pixel| edit(camera, pixel, change));
+            }
+            Some(())
+        }
+    };
+    let mut numbers = vec![
+        // The edge of the image moves by a pixel.
+        Number::new(
+            &FIELD_OF_VIEW,
+            2.0 * pixel,
+            Smooth,
+            view(|camera, _, change| camera.with_image_scaled(math::exp(math::ln_1p(change)))),
+        ),
+        Number::new(
+            &SHIFTS[0],
+            PIXELS,
+            Smooth,
+            view(|camera, pixel, change| camera.with_image_moved([change * pixel, 0.0])),
+        ),
+        Number::new(
+            &SHIFTS[1],
+            PIXELS,
+            Smooth,
+            view(|camera, pixel, change| camera.with_image_moved([0.0, change * pixel])),
+        ),
+    ];
+    // What is as far away as the image is from the eye moves by a pixel.
+    let distance = camera.eye().length().max(camera.half_up().length());
+    let step = pixel * distance;
+    for axis in 0..3 {
+        let edit = move |scene: &mut Scene, change: f64| {
+            for panel in &mut scene.panels {
+                panel.edit_view(|camera, _| camera.with_eye_moved(DVec3::AXES[axis] * change));
+            }
+            Some(())
+        };
+        numbers.push(Number::new(&EYE.0[axis], step, Smooth, edit));
+    }
+    numbers
+}
