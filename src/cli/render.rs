@@ -74,8 +74,10 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         let number =
             number(&scene, name).map_err(|error| bad_input(format!("--change: {error}")))?;
         scene = number.changed(&scene, *change).ok_or_else(|| {
-            let message =
-                format!("--change: {name} cannot change by {change}: the result has no meaning");
+            let message = format!(
+                "--change: {name} cannot change by {change}: an albedo or reflectance is at most 1, an index above 1, \
+                 and no number falls by more than itself"
+            );
             bad_input(message)
         })?;
     }

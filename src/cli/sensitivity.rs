@@ -39,11 +39,11 @@ pub struct Arguments {
     /// variance is estimated
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(2..=1024))]
     pairs: u32,
-    /// Seed of the random numbers of the first pair
+    /// Seed of the random numbers of the first pair; the others have the next ones
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     /// Change on either side of the number, instead of the one that the list states
-    #[arg(long, value_name = "CHANGE", value_parser = positive)]
+    #[arg(long, value_name = "CHANGE", allow_hyphen_values = true, value_parser = positive)]
     step: Option<f64>,
     /// Instead of an image of one number: derivatives of blocks of 8 x 8 pixels by all numbers, as a
     /// suite keeps them in golden/sensitivities
@@ -160,10 +160,10 @@ fn notes(found: &Derivative, number: &Number, is_sampled: bool) -> Vec<String> {
             number.name()
         ));
     }
-    if is_sampled {
+    if is_sampled && found.is_central {
         notes.push(format!(
             "the variance is that of random samples; to it comes the error of differences, which falls \
-             as the square of the step (here {}): compare with --step {}",
+             as the square of the step (here {:.3}): compare with --step {:.3}",
             found.step,
             0.5 * found.step
         ));
@@ -217,7 +217,7 @@ fn of_unit(number: &Number) -> String {
 
 fn per_unit(number: &Number) -> String {
     match number.quantity.unit {
-        Unit::Share => " for twice the number".to_owned(),
+        Unit::Share => " per 100 % of the number".to_owned(),
         Unit::Absolute("") => " per 1".to_owned(),
         Unit::Absolute(unit) => format!(" per {}", unit.trim_end_matches('s')),
     }

@@ -14,7 +14,7 @@ use crate::scene::{Classified, Panel, Scene};
 use crate::suite::{
     Case, CaseResult, Cause, CommandTemplate, ConventionSearch, Evidence, Judged, Likenesses,
     Output, Outputs, Predictions, Profile, Search, Store, Suite, Verdict, likeness,
-    run as run_process, step_name, stop_all, validate,
+    run as run_process, step_name, stop_all, telling_case, validate,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf, absolute};
@@ -161,6 +161,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         folds_missing: !arguments.verbose && matches!(source, Source::Finished(..)),
     };
     let judge = Judge {
+        suite: &suite,
         store: &store,
         source: &source,
         arguments: &arguments,
@@ -656,6 +657,7 @@ impl RendererRun<'_> {
 
 /// What images are judged by.
 struct Judge<'a> {
+    suite: &'a Suite,
     store: &'a Store,
     source: &'a Source<'a>,
     arguments: &'a Arguments,
@@ -707,6 +709,19 @@ impl Judge<'_> {
         in_order
     }
 
+    /// Which case would tell two numbers apart, where the image of this one cannot.
+    fn telling_case(&self, result: &CaseResult) -> Option<String> {
+        let best = result.changes.iter().find(|change| change.fits_best)?;
+        let other = result.changes.iter().find(|change| change.alike)?;
+        let names = [best.name.as_str(), other.name.as_str()];
+        let case = telling_case(self.suite.cases(), self.store, names)?;
+        let [best, other] = names;
+        Some(format!(
+            "the image of {} tells {best} and {other} apart",
+            case.name
+        ))
+    }
+
     /// Judges the image of one case; `None` if it has none and is to be skipped.
     fn case(&self, case: &Case) -> Option<Judged> {
         let start = Instant::now();
@@ -722,6 +737,10 @@ impl Judge<'_> {
         }
         judged.result.seconds = start.elapsed().as_secs_f64();
         judged.result.notes = made.notes;
+        judged
+            .result
+            .notes
+            .extend(self.telling_case(&judged.result));
         judged.evidence.output = made.printed;
         judged.evidence.call = made.call;
         let words = self.source.arguments();

@@ -57,6 +57,8 @@ pub struct NumberChange {
     pub score: f64,
     /// Whether it belongs to the changes that together fit best; else it is fitted alone.
     pub fits_best: bool,
+    /// Whether these images cannot tell it from the one that fits best.
+    pub alike: bool,
 }
 
 impl Judgement {

@@ -11,6 +11,10 @@ pub struct Sensitivity {
     pub words: String,
     /// What its changes are measured in: `None` for shares of itself, empty for a bare number.
     pub unit: Option<String>,
+    /// Change by which the derivative was taken; infinite where the image changes in proportion.
+    pub step: f64,
+    /// Whether the number can be smaller, and larger: an albedo of 1 cannot.
+    pub can_be: [bool; 2],
     /// Mean derivative of each block of [`BLOCK`](super::stochastic::BLOCK)² pixels per unit of
     /// change, with its variance.
     pub derivative: Film,
@@ -19,6 +23,31 @@ pub struct Sensitivity {
 impl Sensitivity {
     /// A change in words: `2.1 ± 0.3 % too large`, `off by −0.25 ± 0.02 pixels`.
     pub fn in_words(&self, change: f64, error: f64) -> String {
+        let words = self.change_in_words(change, error);
+        if self.is_far(change) {
+            // The derivative is that at the right number.
+            return format!("{words} (about, for it is far off)");
+        }
+        words
+    }
+
+    /// Whether an image hardly changes in proportion to a change of this size.
+    pub fn is_far(&self, change: f64) -> bool {
+        change.abs() > self.step
+    }
+
+    /// What curvature may add to a change that is estimated by the derivative alone: of the change
+    /// by a whole step it is a tenth in most scenes.
+    pub fn curvature(&self, change: f64) -> f64 {
+        0.1 * change * change / self.step
+    }
+
+    /// Whether the number can change in this direction.
+    pub fn can_change(&self, change: f64) -> bool {
+        self.can_be[usize::from(change > 0.0)]
+    }
+
+    fn change_in_words(&self, change: f64, error: f64) -> String {
         match &self.unit {
             None => {
                 let side = if change < 0.0 { "small" } else { "large" };
@@ -74,6 +103,8 @@ mod tests {
             name: "density".to_owned(),
             words: "density".to_owned(),
             unit: unit.map(str::to_owned),
+            step: 1.0,
+            can_be: [true; 2],
             derivative: Film::new(1, 1, vec![[0.0; 3]]),
         }
     }
@@ -87,6 +118,11 @@ mod tests {
         );
         assert_eq!(share.in_words(-0.5, 0.2), "density 50 ± 20 % too small");
         assert_eq!(share.size_in_words(0.0163), "density 1.63 %");
+        let far = share.in_words(1.5, 0.2);
+        assert!(
+            far.starts_with("density 150 ± 20 % too large (about"),
+            "{far}"
+        );
         let pixels = sensitivity(Some("pixels"));
         assert_eq!(
             pixels.in_words(-0.25, 0.021),

@@ -97,6 +97,14 @@ impl Number {
     /// `scene` with this number changed by `change`, in [units](Quantity::unit); `None` where the
     /// changed number has no meaning, as of an index of 0.
     pub fn changed(&self, scene: &Scene, change: f64) -> Option<Scene> {
+        // Nothing is left of a number that is smaller by all of itself; of light that is a scene too.
+        let is_none_left = match self.dependence {
+            Dependence::Linear => change < -1.0,
+            Dependence::Smooth => change <= -1.0,
+        };
+        if self.quantity.unit == Unit::Share && is_none_left {
+            return None;
+        }
         let mut scene = scene.clone();
         (self.edit)(&mut scene, change)?;
         Some(scene)

@@ -60,7 +60,7 @@ pub use self_test::{
     BenignTrials, MistakeTrials, Rejection, SelfTest, SelfTestExtent, Step, Trial, self_test,
     self_test_steps,
 };
-pub use sensitivities::sensitivities_of;
+pub use sensitivities::{sensitivities_of, telling_case};
 pub use store::{Disk, RealDisk, Store, StoreError, StoreFailure};
 pub use validate::{Output, validate};
 pub use verify::{verify, without_case};

@@ -3,15 +3,22 @@
 //! `golden/sensitivities/FAMILY/CASE.exr` has a layer for each number. What a layer was computed from
 //! stands in the comment of the file: a file of another scene is not used.
 
-use super::golden::{input_hashes, scene_hash};
+use super::golden::{Golden, input_hashes, scene_hash};
 use super::{Case, Store};
 use crate::compare::Sensitivity;
 use crate::compare::stochastic::BLOCK;
-use crate::film::LayeredFilm;
+use crate::film::{Film, LayeredFilm};
 use crate::render::{Detail, Plan, plans};
 use crate::scene::Scene;
-use crate::sensitivity::{Differences, Unit, derivative, numbers};
+use crate::sensitivity::{Dependence, Differences, Unit, derivative, numbers};
 use std::path::PathBuf;
+
+/// The part of a step by which a number is changed to see whether it can be.
+const SLIGHT: f64 = 1e-3;
+
+/// The cosine between two derivatives up to which an image tells their numbers apart: a third of each
+/// is then across the other.
+const TOLD_APART: f64 = 0.8;
 
 /// Folder among the goldens.
 pub(super) const FOLDER: &str = "sensitivities";
@@ -48,8 +55,7 @@ pub fn sensitivities_of(
         };
         let found = derivative(scene, number, &differences, stopped);
         let found = found.map_err(|error| error.to_string())?;
-        let changes =
-            |film: &crate::film::Film| film.radiance().as_flattened().iter().any(|&d| d != 0.0);
+        let changes = |film: &Film| film.radiance().as_flattened().iter().any(|&d| d != 0.0);
         if let Some(found) = found.filter(|found| changes(&found.film)) {
             layers.push((number.name(), found.film));
         }
@@ -92,10 +98,50 @@ pub(super) fn kept(case: &Case, scene: &Scene, store: &Store) -> Vec<Sensitivity
                 Unit::Share => None,
                 Unit::Absolute(unit) => Some(unit.to_owned()),
             },
+            step: match number.dependence {
+                Dependence::Linear => f64::INFINITY,
+                Dependence::Smooth => number.step,
+            },
+            can_be: [-1.0, 1.0]
+                .map(|sign| number.changed(scene, sign * SLIGHT * number.step).is_some()),
             derivative,
         })
     });
     kept.collect()
+}
+
+/// The case whose image tells the numbers called `names` apart best, if any does: where their
+/// derivatives are least alike.
+pub fn telling_case<'c>(cases: &'c [Case], store: &Store, names: [&str; 2]) -> Option<&'c Case> {
+    let likeness = |case: &Case| {
+        case.sampling?;
+        let known = kept(case, &case.load_scene().ok()?, store);
+        let [a, b] = names.map(|name| known.iter().find(|it| it.name == name));
+        let [a, b] = [&a?.derivative, &b?.derivative];
+        let golden = Golden::read(store, case).ok()?.film;
+        let brightness = golden.mean_magnitude()?;
+        let shared = |a: &Film, b: &Film, is_same: bool| {
+            let mut sum = 0.0;
+            for (at, (of_a, of_b)) in a.radiance().iter().zip(b.radiance()).enumerate() {
+                for c in 0..3 {
+                    let noise = a
+                        .noise()
+                        .map_or(0.0, |noise| noise.variance()[at][c].into());
+                    let noise = if is_same { noise } else { 0.0 };
+                    sum += f64::from(of_a[c]) * f64::from(of_b[c]) - noise;
+                }
+            }
+            sum / (brightness * brightness)
+        };
+        let [of_a, of_b] = [shared(a, a, true), shared(b, b, true)];
+        let likeness = shared(a, b, false).abs() / (of_a * of_b).sqrt();
+        (of_a > 0.0 && of_b > 0.0 && likeness <= TOLD_APART).then_some(likeness)
+    };
+    let likely = cases
+        .iter()
+        .filter_map(|case| Some((case, likeness(case)?)));
+    let least = likely.min_by(|(_, a), (_, b)| a.total_cmp(b));
+    least.map(|(case, _)| case)
 }
 
 #[cfg(test)]

@@ -116,7 +116,7 @@ fn what_is_wrong_is_said() {
         ),
         (
             &["render", CASE, "-o", "a.exr", "--change", "density=-2"],
-            "no meaning",
+            "falls by more than itself",
         ),
     ] {
         folder.volref(arguments).expect(2, &[words]);

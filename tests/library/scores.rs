@@ -60,6 +60,8 @@ fn sensitivity(
         name: name.to_owned(),
         words: name.to_owned(),
         unit: None,
+        step: f64::INFINITY,
+        can_be: [true; 2],
         derivative: Film::with_noise(columns, columns, means, variances, 16),
     }
 }

@@ -47,6 +47,10 @@ const MOST_FITTED: usize = 3;
 /// in one test of sixteen thousand.
 const BESIDE: f64 = 4.0;
 
+/// The share of the squared difference from which changes are said to be what the difference looks
+/// like. Others leave more than a tenth of it.
+const EXPLAINS: f64 = 0.9;
+
 /// The part of the largest score that the score of a number has which explains a difference as well:
 /// the noise of its derivative takes some of it.
 const ALIKE: f64 = 0.5;
@@ -101,11 +105,7 @@ impl Tested {
         let expected_variance = expected[0].max(expected[1]);
         // What the change that fits best leaves of each block; divided by what the block itself has
         // not contributed to that fit.
-        let change = if information > 0.0 {
-            score / information
-        } else {
-            0.0
-        };
+        let change = score / information;
         let left = blocks().map(|block| {
             let of_fit = |cell: &Cell| {
                 let [derivative, noise] = cell.derivatives[k];
@@ -155,10 +155,31 @@ impl<'s> Scores<'s> {
     pub fn new(comparison: &Comparison<'_>, all: &'s [Sensitivity]) -> Option<Scores<'s>> {
         let blocks = &comparison.blocks;
         let fits = |it: &&Sensitivity| it.derivative.radiance().len() == blocks.len();
-        let sensitivities: Vec<&Sensitivity> = all.iter().filter(fits).collect();
-        if sensitivities.is_empty() || comparison.numbers().contains(&None) {
+        if comparison.numbers().contains(&None) {
             return None;
         }
+        let scores = Scores::of(comparison, all.iter().filter(fits).collect());
+        // A derivative that is mostly noise says nothing: its square must be known to a quarter.
+        let is_known = |k: &usize| {
+            let error = scores.of_pulls(|cell| {
+                let [derivative, noise] = cell.derivatives[*k];
+                cell.weight * (2.0 * noise * noise + 4.0 * derivative * derivative * noise).sqrt()
+            });
+            scores.information[*k][*k] > 4.0 * error.sqrt()
+        };
+        let known: Vec<usize> = (0..scores.count()).filter(is_known).collect();
+        match known.len() {
+            0 => None,
+            count if count == scores.count() => Some(scores),
+            _ => {
+                let known = known.into_iter().map(|k| scores.sensitivities[k]);
+                Some(Scores::of(comparison, known.collect()))
+            }
+        }
+    }
+
+    fn of(comparison: &Comparison<'_>, sensitivities: Vec<&'s Sensitivity>) -> Scores<'s> {
+        let blocks = &comparison.blocks;
         let count = sensitivities.len();
         let mut cells = Vec::with_capacity(3 * blocks.len());
         for (at, block) in blocks.iter().enumerate() {
@@ -192,12 +213,12 @@ impl<'s> Scores<'s> {
         let tested = (0..count)
             .map(|k| Tested::new(&cells, k, information[k][k]))
             .collect();
-        Some(Scores {
+        Scores {
             sensitivities,
             tested,
             information,
             cells,
-        })
+        }
     }
 
     /// Number of tests.
@@ -258,19 +279,33 @@ impl<'s> Scores<'s> {
             .collect()
     }
 
+    /// The number with the largest score among those that can change so.
+    fn largest_possible(&self) -> usize {
+        let can = |k: &usize| self.sensitivities[*k].can_change(self.tested[*k].score);
+        let size = |k: usize| self.tested[k].deviation().abs();
+        let possible = (0..self.count()).filter(can);
+        let largest = possible.max_by(|&a, &b| size(a).total_cmp(&size(b)));
+        largest.unwrap_or(self.largest().0)
+    }
+
     /// The changes that fit, the one with the largest score first.
     pub fn fitted(&self) -> Vec<Fitted> {
-        let (first, _) = self.largest();
-        let mut chosen = vec![first];
+        let mut chosen = vec![self.largest_possible()];
         let mut fitted = self.fit(&chosen);
-        while chosen.len() < MOST_FITTED {
+        // Far off, what the image does not do in proportion would be taken for a second number.
+        let is_far = self.sensitivities[chosen[0]].is_far(fitted[0].change);
+        while chosen.len() < MOST_FITTED && !is_far {
             let Some(next) = self.next_beside(&fitted) else {
                 break;
             };
             chosen.push(next);
             let more = self.fit(&chosen);
             // Two that cannot be told apart make each other's error large.
-            if more.iter().any(|it| it.change.abs() < BESIDE * it.error) {
+            let is_doubtful = |it: &Fitted| {
+                let sensitivity = self.sensitivities[it.number];
+                it.change.abs() < BESIDE * it.error || !sensitivity.can_change(it.change)
+            };
+            if more.iter().any(is_doubtful) {
                 chosen.pop();
                 break;
             }
@@ -322,6 +357,7 @@ impl<'s> Scores<'s> {
         let is_alike = |&k: &usize| {
             let alone = self.fit(&[k])[0];
             alone.error.is_finite()
+                && self.sensitivities[k].can_change(alone.change)
                 && self.tested[k].deviation().abs() > ALIKE * of_first
                 && self.score_beside(first.number, &[alone]).abs() < BESIDE
         };
@@ -366,10 +402,11 @@ impl<'s> Scores<'s> {
                 cell.weight * (noise * (derivative * derivative + noise)).sqrt()
             });
             let variance = alone * widened.max(1.0) + part * part * of_derivative;
+            let curvature = self.sensitivities[k].curvature(changes[i]);
             Fitted {
                 number: k,
                 change: changes[i],
-                error: variance.sqrt(),
+                error: (variance + curvature * curvature).sqrt(),
             }
         });
         fitted.collect()
@@ -400,6 +437,10 @@ impl<'s> Scores<'s> {
     /// each alone, by the size of their scores.
     pub fn changes(&self) -> Vec<NumberChange> {
         let best = self.fitted();
+        let alike = match best[..] {
+            [only] => self.alike(&only),
+            _ => Vec::new(),
+        };
         let mut others: Vec<usize> = (0..self.count())
             .filter(|&k| best.iter().all(|it| it.number != k) && self.information[k][k] > 0.0)
             .collect();
@@ -414,6 +455,7 @@ impl<'s> Scores<'s> {
             error: it.error,
             score: self.tested[it.number].deviation(),
             fits_best,
+            alike: alike.contains(&it.number),
         };
         all.map(change)
             .filter(|it| it.change.is_finite() && it.error.is_finite() && it.score.is_finite())
@@ -422,18 +464,24 @@ impl<'s> Scores<'s> {
 
     /// What the difference looks like, in a sentence.
     pub fn in_words(&self) -> String {
-        let (_, deviation) = self.largest();
         let fitted = self.fitted();
+        let deviation = self.tested[fitted[0].number].deviation();
         let changes = fitted
             .iter()
             .map(|it| self.sensitivities[it.number].in_words(it.change, it.error));
         let changes: Vec<String> = changes.collect();
-        let mut text = format!(
-            "the difference looks like this: {} ({:.1} standard errors)",
-            changes.join("; and "),
-            deviation.abs(),
-        );
-        if let Some(share) = self.explained(&fitted) {
+        let changes = changes.join("; and ");
+        let deviation = format!("{:.1} standard errors", deviation.abs());
+        let share = self.explained(&fitted);
+        if let Some(share) = share.filter(|share| *share < EXPLAINS) {
+            return format!(
+                "no number of the scene explains the difference ({deviation}); the nearest, {changes}, \
+                 explains {:.0} % of it",
+                100.0 * share
+            );
+        }
+        let mut text = format!("the difference looks like this: {changes} ({deviation})");
+        if let Some(share) = share {
             text.push_str(&format!("; that explains {:.0} % of it", 100.0 * share));
         }
         if let [only] = fitted[..] {

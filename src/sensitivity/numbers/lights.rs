@@ -125,7 +125,13 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
             })
             .numbered(index),
         );
+        let size = lamp.bounds().size();
         for axis in 0..3 {
+            // Along its normal a flat lamp soon passes through the ceiling that it hangs from, and no
+            // step is short enough for that and long enough for the noise.
+            if size[axis] == 0.0 {
+                continue;
+            }
             let edit = move |scene: &mut Scene, change: f64| {
                 let by = Transform::translation(DVec3::AXES[axis] * change).ok()?;
                 lamps(scene, at, |lamp| {
