@@ -61,7 +61,7 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     arguments.scene = scene_file(&arguments.scene)?;
-    let format = format_of(&arguments.output)?;
+    let format = format_of(&arguments.output, "linear radiance")?;
     let outputs = [Some(arguments.output.as_path()), arguments.json.file()];
     output::check(&outputs, &[&arguments.scene])?;
     let read = || Scene::load(&arguments.scene);
@@ -197,13 +197,13 @@ fn brightness_note(film: &Film, format: FilmFormat, exposure: f64) -> Option<Str
     None
 }
 
-/// The format of an image to be written.
-fn format_of(path: &Path) -> Result<FilmFormat, Failure> {
+/// The format of an image to be written, of linear `values`.
+pub fn format_of(path: &Path, values: &str) -> Result<FilmFormat, Failure> {
     let is_written =
         |format: &FilmFormat| matches!(format, FilmFormat::Exr | FilmFormat::Npy | FilmFormat::Png);
     FilmFormat::of(path).filter(is_written).ok_or_else(|| {
         bad_input(format!(
-            "{}: unknown image extension: use .exr or .npy (linear radiance), or .png (preview)",
+            "{}: unknown image extension: use .exr or .npy ({values}), or .png (preview)",
             path.display()
         ))
     })

@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, bad_input};
 use super::output::{self, Json};
-use super::render::with_threads;
+use super::render::{format_of, with_threads};
 use super::suite::scene_file;
 use super::{Outcome, progress};
 use crate::film::{Film, FilmFormat};
@@ -84,14 +84,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         ));
     };
     let number = number(&scene, name).map_err(bad_input)?;
-    let format = FilmFormat::of(path)
-        .filter(|format| matches!(format, FilmFormat::Exr | FilmFormat::Npy | FilmFormat::Png))
-        .ok_or_else(|| {
-            bad_input(format!(
-                "{}: unknown image extension: use .exr or .npy (derivatives), or .png (preview)",
-                path.display()
-            ))
-        })?;
+    let format = format_of(path, "derivatives")?;
     let differences = Differences {
         detail: Detail::Whole,
         samples: arguments.spp.max(arguments.pairs),

@@ -85,7 +85,7 @@ pub fn scene_file(given: &Path) -> Result<PathBuf, Failure> {
     let cases: Vec<&Case> = suite.cases().iter().filter(is_it).collect();
     match cases[..] {
         [case] => Ok(case.scene.clone()),
-        // No file either: whoever gave it is told the nearest case.
+        // No file either: the error names the nearest case.
         [] if given.extension().is_none() && !is_in_a_place(given) => {
             match suite.select(&[name.to_owned()]) {
                 Err(SuiteError::NoMatch { filter, help }) => {
@@ -99,7 +99,7 @@ pub fn scene_file(given: &Path) -> Result<PathBuf, Failure> {
     }
 }
 
-/// Whether the path leads through something that is there.
+/// Existence of the folder of the path.
 fn is_in_a_place(path: &Path) -> bool {
     let parent = path.parent().filter(|parent| *parent != Path::new(""));
     parent.is_some_and(Path::exists)

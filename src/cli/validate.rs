@@ -709,7 +709,7 @@ impl Judge<'_> {
         in_order
     }
 
-    /// Which case would tell two numbers apart, where the image of this one cannot.
+    /// Note on the case that would tell two numbers apart, where the image of this one cannot.
     fn telling_case(&self, result: &CaseResult) -> Option<String> {
         let best = result.changes.iter().find(|change| change.fits_best)?;
         let other = result.changes.iter().find(|change| change.alike)?;

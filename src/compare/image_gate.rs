@@ -50,7 +50,7 @@ pub struct Conditions<'s> {
     pub visible_bias: Option<f64>,
     /// The nearest node is taken at places in single precision, by the test image's renderer.
     pub nearest_in_single_precision: bool,
-    /// How the reference changes with the numbers of its scene, for the stochastic gate.
+    /// Derivatives of the reference by the numbers of its scene, for the stochastic gate.
     pub sensitivities: &'s [Sensitivity],
 }
 

@@ -53,11 +53,11 @@ pub struct NumberChange {
     pub change: f64,
     /// Standard error.
     pub error: f64,
-    /// How much the difference looks like this change alone, in standard errors.
+    /// Score of this change alone, in standard errors.
     pub score: f64,
-    /// Whether it belongs to the changes that together fit best; else it is fitted alone.
+    /// Member of the changes that together fit best; else it is fitted alone.
     pub fits_best: bool,
-    /// Whether these images cannot tell it from the one that fits best.
+    /// Indistinguishable, in these images, from the one that fits best.
     pub alike: bool,
 }
 

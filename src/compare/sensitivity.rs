@@ -2,18 +2,18 @@
 
 use crate::film::Film;
 
-/// How the image of a scene changes with one of its numbers.
+/// Derivative of the image of a scene by one of its numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensitivity {
     /// `density`, `reflectance.2`.
     pub name: String,
-    /// What the number is, for a sentence.
+    /// Description of the number, for a sentence.
     pub words: String,
-    /// What its changes are measured in: `None` for shares of itself, empty for a bare number.
+    /// Unit of its changes: `None` for shares of itself, empty for a bare number.
     pub unit: Option<String>,
     /// Change by which the derivative was taken; infinite where the image changes in proportion.
     pub step: f64,
-    /// Whether the number can be smaller, and larger: an albedo of 1 cannot.
+    /// Possibility of a smaller and of a larger number: an albedo of 1 cannot be larger.
     pub can_be: [bool; 2],
     /// Mean derivative of each block of [`BLOCK`](super::stochastic::BLOCK)² pixels per unit of
     /// change, with its variance.

@@ -48,9 +48,22 @@ pub(super) fn encode(film: &Film) -> Result<Vec<u8>, FilmError> {
         let samples = FlatSamples::U32(vec![noise.samples(); film.radiance().len()]);
         channels.push(AnyChannel::new(SAMPLES, samples));
     }
-    let layer = Layer::new(
-        (film.width(), film.height()),
+    written(
+        [film.width(), film.height()],
         LayerAttributes::default(),
+        channels,
+    )
+}
+
+/// The file of a single part with these channels.
+pub(super) fn written(
+    [width, height]: [usize; 2],
+    attributes: LayerAttributes,
+    channels: Vec<AnyChannel<FlatSamples>>,
+) -> Result<Vec<u8>, FilmError> {
+    let layer = Layer::new(
+        (width, height),
+        attributes,
         Encoding::SMALL_LOSSLESS,
         AnyChannels::sort(channels.into()),
     );

@@ -1,14 +1,11 @@
 //! Several images of one size in one EXR file, each as a layer, with few digits: what is as noisy as
 //! derivatives are takes a tenth of its bytes so.
 
-use super::exr_file::{floats, read_file};
+use super::exr_file::{floats, read_file, written};
 use super::exr_layers::samples_of;
+use super::noise::rounded_to;
 use super::{Film, FilmError};
-use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, Text,
-    WritableImage,
-};
-use std::io::Cursor;
+use exr::prelude::{AnyChannel, FlatSamples, LayerAttributes, Text};
 
 /// Significant bits of values and errors, the first included: a relative rounding error of 1/64 at
 /// most.
@@ -20,7 +17,7 @@ const ERROR: &str = "error";
 /// Images of one size, each with a name, a mean and standard errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayeredFilm {
-    /// What the layers were computed from.
+    /// Origin of the layers.
     pub comment: String,
     /// Names, and images with noise.
     pub layers: Vec<(String, Film)>,
@@ -54,24 +51,11 @@ impl LayeredFilm {
                 }
             }
         }
-        let layer = Layer::new(
-            (first.width(), first.height()),
-            LayerAttributes {
-                comments: Text::new_or_none(&self.comment),
-                ..LayerAttributes::default()
-            },
-            Encoding::SMALL_LOSSLESS,
-            AnyChannels::sort(channels.into()),
-        );
-        let mut bytes = Cursor::new(Vec::new());
-        Image::from_layer(layer)
-            .write()
-            .to_buffered(&mut bytes)
-            .map_err(|error| FilmError::Unreadable {
-                format: "EXR",
-                reason: error.to_string(),
-            })?;
-        Ok(bytes.into_inner())
+        let attributes = LayerAttributes {
+            comments: Text::new_or_none(&self.comment),
+            ..LayerAttributes::default()
+        };
+        written([first.width(), first.height()], attributes, channels)
     }
 
     /// The layers of such a file.
@@ -119,15 +103,8 @@ impl LayeredFilm {
     }
 }
 
-/// Rounded to [`BITS`] significant bits, ties away from 0.
 fn rounded(value: f32) -> f32 {
-    if !value.is_finite() {
-        return value;
-    }
-    let dropped = f32::MANTISSA_DIGITS - BITS;
-    let half = 1_u32 << (dropped - 1);
-    let bits = value.to_bits().saturating_add(half) & !((1 << dropped) - 1);
-    f32::from_bits(bits)
+    rounded_to(BITS, value)
 }
 
 #[cfg(test)]

@@ -69,20 +69,30 @@ impl Noise {
     }
 }
 
-/// `variance` rounded to eight significant bits, ties to even: relative error at most 2⁻⁸.
+/// Significant bits of a variance: relative rounding error at most 2⁻⁸.
 ///
 /// An estimate from n samples has a relative error of about √(2/n), which is above 2⁻⁸ up to n =
 /// 2¹⁷; the standard error changes by 2⁻⁹. Sixteen zero bits per value cost almost nothing in a
 /// compressed file, sixteen random bits cost two bytes.
+const BITS: u32 = 8;
+
+/// `variance` as files keep it.
 pub(super) fn rounded(variance: f32) -> f32 {
-    if !variance.is_finite() {
-        return variance;
+    rounded_to(BITS, variance)
+}
+
+/// `value` rounded to so many significant bits, ties to even.
+pub(super) fn rounded_to(significant: u32, value: f32) -> f32 {
+    if !value.is_finite() {
+        return value;
     }
-    let bits = variance.to_bits();
+    let dropped = f32::MANTISSA_DIGITS - significant;
+    let bits = value.to_bits();
     // Half of the last kept bit, and one less where that is even: carries run into the exponent
     // as they should.
-    let kept_is_odd = (bits >> 16) & 1;
-    f32::from_bits((bits + 0x7fff + kept_is_odd) & 0xffff_0000)
+    let kept_is_odd = (bits >> dropped) & 1;
+    let below_half = (1 << (dropped - 1)) - 1;
+    f32::from_bits((bits + below_half + kept_is_odd) & !((1 << dropped) - 1))
 }
 
 #[cfg(test)]

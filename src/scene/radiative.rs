@@ -119,6 +119,16 @@ impl Scattering {
 }
 
 impl Body {
+    /// Makes the medium denser by `factor`: its coefficients and its emission. `None`, and nothing
+    /// changed, if a coefficient leaves the range of numbers.
+    pub fn make_denser(&mut self, factor: f64) -> Option<()> {
+        let old = self.medium.coefficients;
+        self.medium.coefficients =
+            Coefficients::new(old.sigma_a() * factor, old.sigma_s() * factor).ok()?;
+        self.medium.emission *= factor;
+        Some(())
+    }
+
     /// The medium, if it is provably homogeneous: it has no density, or one that is constant and
     /// leaves its coefficients in the range of numbers.
     pub fn homogeneous(&self) -> Option<Homogeneous> {

@@ -6,10 +6,10 @@ use crate::math::Moments;
 use crate::render::{Detail, Plan, RenderError, Sampling, Seed, plans, render_coarse};
 use crate::scene::Scene;
 
-/// How differences are taken.
+/// Parameters of the differences.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Differences {
-    /// Which pixels, or blocks, are rendered.
+    /// Pixels, or blocks, that are rendered.
     pub detail: Detail,
     /// Random samples in a pixel, or in a block, on each side and in all pairs together.
     pub samples: u32,
@@ -30,7 +30,7 @@ pub struct Derivative {
     pub film: Film,
     /// The step that was taken.
     pub step: f64,
-    /// Whether there is a rendering on both sides: else the number can only grow, or only shrink.
+    /// Renderings on both sides: else the number can only grow, or only shrink.
     pub is_central: bool,
     /// Of an image without noise: pixels whose difference does not settle as the step becomes
     /// shorter, because an edge crosses them. They have no derivative.

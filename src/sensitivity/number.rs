@@ -4,12 +4,12 @@ use crate::scene::Scene;
 use std::fmt;
 use std::sync::Arc;
 
-/// What changes of a number are measured in.
+/// Unit of the changes of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// The number itself: a change of 0.1 makes it a tenth larger.
     Share,
-    /// What the number is measured in, in words; empty for a number without a unit.
+    /// The unit of the number, in words; empty for a number without one.
     Absolute(&'static str),
 }
 
@@ -20,13 +20,62 @@ pub struct Quantity {
     pub name: &'static str,
     /// In a sentence, without an article.
     pub words: &'static str,
-    /// What it is of, where there are several of these.
+    /// Item that has it, where there are several of these.
     pub of: &'static str,
     /// Of its changes.
     pub unit: Unit,
 }
 
-/// How an image depends on a number.
+impl Quantity {
+    /// One whose changes are shares of itself.
+    pub(super) const fn share(
+        name: &'static str,
+        words: &'static str,
+        of: &'static str,
+    ) -> Quantity {
+        let unit = Unit::Share;
+        Quantity {
+            name,
+            words,
+            of,
+            unit,
+        }
+    }
+
+    /// One whose changes are in `unit`, in words.
+    pub(super) const fn absolute(
+        name: &'static str,
+        words: &'static str,
+        of: &'static str,
+        unit: &'static str,
+    ) -> Quantity {
+        let unit = Unit::Absolute(unit);
+        Quantity {
+            name,
+            words,
+            of,
+            unit,
+        }
+    }
+
+    /// Coordinates x, y and z with these names and words.
+    pub(super) const fn place(
+        names: [&'static str; 3],
+        words: [&'static str; 3],
+        of: &'static str,
+        unit: &'static str,
+    ) -> [Quantity; 3] {
+        let [x, y, z] = names;
+        let [of_x, of_y, of_z] = words;
+        [
+            Quantity::absolute(x, of_x, of, unit),
+            Quantity::absolute(y, of_y, of, unit),
+            Quantity::absolute(z, of_z, of, unit),
+        ]
+    }
+}
+
+/// Dependence of an image on a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dependence {
     /// In proportion to it, and something else: any step gives the derivative.
@@ -40,14 +89,14 @@ type Edit = Arc<dyn Fn(&mut Scene, f64) -> Option<()> + Send + Sync>;
 /// A number of a scene.
 #[derive(Clone)]
 pub struct Number {
-    /// What it is.
+    /// Kind of the number.
     pub quantity: &'static Quantity,
-    /// Which of several, from 1, in the order of the scene file; `None` for all, or the only one.
+    /// Index among several, from 1, in the order of the scene file; `None` for all, or the only one.
     pub index: Option<usize>,
     /// Change by which derivatives are taken, in [units](Quantity::unit): small beside what changes
     /// an image altogether, large beside the noise of a few samples.
     pub step: f64,
-    /// How an image depends on it.
+    /// Dependence of an image on it.
     pub dependence: Dependence,
     edit: Edit,
 }
@@ -81,7 +130,7 @@ impl Number {
         }
     }
 
-    /// What it is, in a sentence, without an article: `density of medium 2`.
+    /// Description for a sentence, without an article: `density of medium 2`.
     pub fn words(&self) -> String {
         let quantity = self.quantity;
         match self.index {

@@ -6,12 +6,9 @@ mod media;
 mod surfaces;
 mod view;
 
-use super::number::{Number, Quantity, Unit};
+use super::number::{Number, Quantity};
 use crate::misspelling::nearest;
-use crate::scene::{Model, Scene};
-
-/// Of places: along x, y and z.
-struct Places([Quantity; 3]);
+use crate::scene::{Classified, Model, Radiative, Scene};
 
 /// All numbers of `scene` that have a name: none of a plot.
 pub fn numbers(scene: &Scene) -> Vec<Number> {
@@ -57,8 +54,24 @@ pub fn number(scene: &Scene, name: &str) -> Result<Number, String> {
     })
 }
 
-/// Of several items all together, then each; of one, itself.
-fn each(count: usize) -> impl Iterator<Item = Option<usize>> {
-    let all = (count > 1).then_some(None);
-    all.into_iter().chain((0..count).map(Some))
+/// Edits the panels with surfaces, media and lights; nothing if `edit` returns nothing for one.
+fn in_radiative(
+    scene: &mut Scene,
+    mut edit: impl FnMut(&mut Radiative) -> Option<()>,
+) -> Option<()> {
+    for panel in &mut scene.panels {
+        if let Model::Radiative(radiative) = &mut panel.model {
+            edit(radiative)?;
+        }
+    }
+    Some(())
+}
+
+/// Edits the panels with a classified volume.
+fn in_classified(scene: &mut Scene, mut edit: impl FnMut(&mut Classified)) {
+    for panel in &mut scene.panels {
+        if let Model::Classified(volume) = &mut panel.model {
+            edit(volume);
+        }
+    }
 }

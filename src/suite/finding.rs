@@ -120,7 +120,7 @@ pub(super) struct CheckedGolden {
     pub golden: Golden,
     /// Name of the profile under which the image was rendered, in place of the golden.
     pub profile: Option<String>,
-    /// How the image changes with the numbers of the scene, where that is kept.
+    /// Derivatives of the image by the numbers of the scene, where they are kept and were asked for.
     pub sensitivities: Vec<Sensitivity>,
 }
 
@@ -156,16 +156,20 @@ impl CheckedGolden {
             // Means of samples are compared with the mean of their distribution.
             golden.film = golden.film.known();
         }
-        let sensitivities = match case.sampling {
-            Some(_) => sensitivities::kept(case, &scene, store),
-            None => Vec::new(),
-        };
         Ok(CheckedGolden {
             scene,
             golden,
-            sensitivities,
+            sensitivities: Vec::new(),
             profile: None,
         })
+    }
+
+    /// With the kept sensitivities of a stochastic `case`, by which images of other renderers are judged.
+    pub fn with_sensitivities(mut self, case: &Case, store: &Store) -> CheckedGolden {
+        if case.sampling.is_some() {
+            self.sensitivities = sensitivities::kept(case, &self.scene, store);
+        }
+        self
     }
 
     /// The scene under the conventions of `profile`, with its image in place of the golden; unchanged

@@ -198,6 +198,7 @@ pub(super) struct Subject<'c> {
 impl<'c> Subject<'c> {
     pub fn new(case: &'c Case, store: &Store) -> Result<Subject<'c>, String> {
         let checked = CheckedGolden::load(case, store).map_err(|finding| finding.reason)?;
+        let checked = checked.with_sensitivities(case, store);
         let samples = case.sampling.map_or(1, |sampling| sampling.quick);
         Ok(Subject {
             case,

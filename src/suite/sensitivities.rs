@@ -3,7 +3,7 @@
 //! `golden/sensitivities/FAMILY/CASE.exr` has a layer for each number. What a layer was computed from
 //! stands in the comment of the file: a file of another scene is not used.
 
-use super::golden::{Golden, input_hashes, scene_hash};
+use super::golden::{input_hashes, scene_hash};
 use super::{Case, Store};
 use crate::compare::Sensitivity;
 use crate::compare::stochastic::BLOCK;
@@ -66,7 +66,7 @@ pub fn sensitivities_of(
     })
 }
 
-/// What derivatives depend on, as the comment of their file.
+/// Origin of derivatives, as the comment of their file.
 fn origin(scene: &Scene) -> String {
     let inputs = format!("{:?}", input_hashes(scene));
     let inputs = blake3::hash(inputs.as_bytes()).to_hex();
@@ -118,8 +118,6 @@ pub fn telling_case<'c>(cases: &'c [Case], store: &Store, names: [&str; 2]) -> O
         let known = kept(case, &case.load_scene().ok()?, store);
         let [a, b] = names.map(|name| known.iter().find(|it| it.name == name));
         let [a, b] = [&a?.derivative, &b?.derivative];
-        let golden = Golden::read(store, case).ok()?.film;
-        let brightness = golden.mean_magnitude()?;
         let shared = |a: &Film, b: &Film, is_same: bool| {
             let mut sum = 0.0;
             for (at, (of_a, of_b)) in a.radiance().iter().zip(b.radiance()).enumerate() {
@@ -131,7 +129,7 @@ pub fn telling_case<'c>(cases: &'c [Case], store: &Store, names: [&str; 2]) -> O
                     sum += f64::from(of_a[c]) * f64::from(of_b[c]) - noise;
                 }
             }
-            sum / (brightness * brightness)
+            sum
         };
         let [of_a, of_b] = [shared(a, a, true), shared(b, b, true)];
         let likeness = shared(a, b, false).abs() / (of_a * of_b).sqrt();
@@ -181,5 +179,17 @@ mod tests {
         }
         assert_eq!(used, files, "a file of no case");
         assert!(used >= 20, "{used}");
+    }
+
+    /// Density changes what lies behind a medium, the lamp everything; a shifted image is an eye
+    /// that moved in every case.
+    #[test]
+    fn a_case_tells_numbers_apart_or_none_does() {
+        let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let store = suite.store();
+        let telling = |names| telling_case(suite.cases(), &store, names);
+        assert!(telling(["density", "lamp"]).is_some());
+        assert!(telling(["camera.x", "camera.right"]).is_none());
+        assert!(telling(["density", "no number"]).is_none());
     }
 }

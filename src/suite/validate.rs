@@ -31,7 +31,9 @@ pub fn validate(case: &Case, store: &Store, output: Output, profile: Option<&Pro
     let start = Instant::now();
     // What images converge to does not depend on conventions.
     let profile = profile.filter(|_| !matches!(output, Output::Refined(_)));
-    let checked = CheckedGolden::load(case, store).and_then(|checked| match profile {
+    let checked = CheckedGolden::load(case, store);
+    let checked = checked.map(|checked| checked.with_sensitivities(case, store));
+    let checked = checked.and_then(|checked| match profile {
         Some(profile) => checked.under(profile),
         None => Ok(checked),
     });

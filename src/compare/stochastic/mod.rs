@@ -6,6 +6,10 @@
 //! - *The image*: is the mean of a channel too bright or too dark?
 //! - *Blocks* of 8 × 8 pixels: is any of them, in any channel? A block has an eighth of the noise
 //!   of a pixel and is nearer to normal. Holm's procedure corrects for the number of tests.
+//! - *Squares of blocks* at every scale up to the image, where no block and no mean is off: see the
+//!   file `scales.rs`.
+//! - *Numbers of the scene*: does the difference look like what an error of one of them makes, where
+//!   derivatives are known? See the file `scores.rs`.
 //! - *Pixels*: do too many lie beyond five standard errors? By Chebyshev's inequality a pixel
 //!   does with probability 1/25 at most, whatever the shape of its noise. This finds
 //!   differences that cancel within blocks.
@@ -370,8 +374,9 @@ fn judgement(
         metrics.push(("largest_score", finite(largest)));
         detectable = scores.detectable(level, limits.deviations());
         if scores.is_rejected(level) {
-            faults.push(scores.in_words());
-            changes = scores.changes();
+            let explanation = scores.explanation();
+            faults.push(scores.in_words(&explanation));
+            changes = scores.changes(&explanation);
         }
     }
     let pixels = PixelDifferences::new(comparison);

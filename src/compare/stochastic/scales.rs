@@ -1,24 +1,23 @@
 //! Squares of blocks at every scale: a bias that is too small for a block and too local for the image.
 
+use super::blocks::{Block, Channel};
 use super::comparison::Comparison;
-use super::{colour, means, side};
-use crate::compare::significance::{deviation, holm, two_sided, two_sided_estimated};
+use super::{colour, means, probability, side};
+use crate::compare::significance::{deviation, holm};
 
-/// Sums over a square of blocks.
+/// A channel of a square of blocks.
 struct Square {
     /// First block.
     corner: [usize; 2],
     /// Blocks along an edge.
     edge: usize,
-    channel: usize,
-    pixels: f64,
-    radiance: f64,
-    difference: f64,
-    variance: f64,
+    colour: usize,
+    pixels: usize,
+    sums: Channel,
     probability: f64,
 }
 
-/// Whether any square of 2 × 2, 4 × 4 … blocks is off; both images state their noise.
+/// Reason to reject, if any square of 2 × 2, 4 × 4 … blocks is off; both images state their noise.
 pub(super) fn judge_scales(comparison: &Comparison<'_>, level: f64) -> Option<String> {
     if comparison.numbers().contains(&None) {
         return None;
@@ -30,8 +29,12 @@ pub(super) fn judge_scales(comparison: &Comparison<'_>, level: f64) -> Option<St
     while edge < columns.max(rows) {
         for row in (0..rows).step_by(edge) {
             for column in (0..columns).step_by(edge) {
-                for channel in 0..3 {
-                    squares.push(square(comparison, [column, row], edge, channel));
+                for colour in 0..3 {
+                    let blocks = (row..(row + edge).min(rows)).flat_map(|row| {
+                        (column..(column + edge).min(columns))
+                            .map(move |column| &comparison.blocks[row * columns + column])
+                    });
+                    squares.push(Square::new(comparison, [column, row], edge, colour, blocks));
                 }
             }
         }
@@ -49,49 +52,44 @@ pub(super) fn judge_scales(comparison: &Comparison<'_>, level: f64) -> Option<St
             "a region of {pixels} × {pixels} pixels from column {} and row {} is too {} in {}: {}",
             first.columns.start,
             first.rows.start,
-            side(worst.difference),
-            colour(worst.channel),
+            side(worst.sums.difference.value),
+            colour(worst.colour),
             means(
-                worst.radiance / worst.pixels,
-                worst.difference / worst.pixels,
-                deviation(worst.difference, worst.variance)
+                worst.sums.radiance / worst.pixels as f64,
+                worst.sums.difference.value / worst.pixels as f64,
+                deviation(worst.sums.difference.value, worst.sums.variance.largest())
             ),
         )
     })
 }
 
-fn square(comparison: &Comparison<'_>, corner: [usize; 2], edge: usize, channel: usize) -> Square {
-    let columns = comparison.columns();
-    let rows = comparison.blocks.len() / columns;
-    let (mut pixels, mut radiance, mut difference, mut rounding) = (0, 0.0, 0.0, 0.0);
-    let (mut own, mut guard, mut degrees) = (0.0, 0.0, 0.0);
-    for row in corner[1]..(corner[1] + edge).min(rows) {
-        for column in corner[0]..(corner[0] + edge).min(columns) {
-            let block = &comparison.blocks[row * columns + column];
-            let of = &block.channels[channel];
+impl Square {
+    fn new<'b>(
+        comparison: &Comparison<'_>,
+        corner: [usize; 2],
+        edge: usize,
+        colour: usize,
+        blocks: impl Iterator<Item = &'b Block>,
+    ) -> Square {
+        let (mut sums, mut pixels, mut degrees) = (Channel::default(), 0, 0.0);
+        for block in blocks {
+            let of = &block.channels[colour];
             pixels += block.pixels();
-            radiance += of.radiance;
-            difference += of.difference.value;
-            rounding += of.difference.rounding;
-            own += of.variance.own();
-            // By the ratio of noise that is larger, of single blocks or where the image is brightest.
-            guard += of
-                .variance
-                .guard()
-                .max(comparison.shape.guard_of_whole(of.stated, of.radiance));
             degrees += comparison.degrees(block);
+            sums.radiance += of.radiance;
+            sums.difference.add(of.difference);
+            sums.variance.own[0] += of.variance.own();
+            // By the ratio of noise that is larger, of single blocks or where the image is brightest.
+            let of_whole = comparison.shape.guard_of_whole(of.stated, of.radiance);
+            sums.variance.guard[0] += of.variance.guard().max(of_whole);
         }
-    }
-    let beyond = (difference.abs() - rounding).max(0.0).copysign(difference);
-    let by_own = two_sided_estimated(deviation(beyond, own), degrees);
-    Square {
-        corner,
-        edge,
-        channel,
-        pixels: pixels as f64,
-        radiance,
-        difference,
-        variance: own.max(guard),
-        probability: by_own.max(two_sided(deviation(beyond, guard))),
+        Square {
+            corner,
+            edge,
+            colour,
+            pixels,
+            probability: probability(&sums, degrees),
+            sums,
+        }
     }
 }

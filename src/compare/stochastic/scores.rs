@@ -29,7 +29,6 @@
 //! Of several numbers the one with the largest score is fitted first, then the one with the largest
 //! in what is left, three at most.
 
-use super::blocks::DARK;
 use super::comparison::Comparison;
 use crate::compare::judgement::{Detectable, NumberChange};
 use crate::compare::sensitivity::Sensitivity;
@@ -58,10 +57,8 @@ const ALIKE: f64 = 0.5;
 /// Scores of one comparison.
 pub(super) struct Scores<'s> {
     sensitivities: Vec<&'s Sensitivity>,
-    /// What the differences are, by number.
+    /// By number.
     tested: Vec<Tested>,
-    /// Σ D_k·D_l/v, noise taken out.
-    information: Vec<Vec<f64>>,
     cells: Vec<Cell>,
 }
 
@@ -76,18 +73,34 @@ struct Cell {
     derivatives: Vec<[f64; 2]>,
 }
 
+impl Cell {
+    /// Variance of the difference, the larger of both answers.
+    fn variance(&self) -> f64 {
+        self.variances[0].max(self.variances[1])
+    }
+
+    /// The part of the information on number `k`.
+    fn information(&self, k: usize) -> f64 {
+        let [derivative, noise] = self.derivatives[k];
+        self.weight * (derivative * derivative - noise)
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Tested {
     score: f64,
+    /// Σ D²/v, the noise of D taken out.
+    information: f64,
     /// V above.
     variance: f64,
-    /// What V is on the average where nothing is wrong.
+    /// Mean of V where nothing is wrong.
     expected_variance: f64,
 }
 
 impl Tested {
-    /// Of number `k`, with this information.
-    fn new(cells: &[Cell], k: usize, information: f64) -> Tested {
+    /// Of number `k`.
+    fn new(cells: &[Cell], k: usize) -> Tested {
+        let information: f64 = cells.iter().map(|cell| cell.information(k)).sum();
         let blocks = || cells.chunks(3);
         let pull = |cell: &Cell| cell.weight * cell.derivatives[k][0];
         let of_block =
@@ -107,11 +120,7 @@ impl Tested {
         // not contributed to that fit.
         let change = score / information;
         let left = blocks().map(|block| {
-            let of_fit = |cell: &Cell| {
-                let [derivative, noise] = cell.derivatives[k];
-                cell.weight * (derivative * derivative - noise)
-            };
-            let own: f64 = block.iter().map(of_fit).sum();
+            let own: f64 = block.iter().map(|cell| cell.information(k)).sum();
             let others = 1.0 - (own / information).clamp(0.0, 1.0);
             let left = of_block(block) - change * own;
             if left == 0.0 {
@@ -125,6 +134,7 @@ impl Tested {
         let squares: f64 = left.map(|left| left * left).sum();
         Tested {
             score,
+            information,
             variance: squares / 3.0 + 2.0 * expected_variance / 3.0,
             expected_variance,
         }
@@ -141,13 +151,21 @@ impl Tested {
 
 /// A change of a number that fits.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Fitted {
-    /// Which.
-    pub number: usize,
+struct Fitted {
+    /// Index of the number.
+    number: usize,
     /// In its unit.
-    pub change: f64,
+    change: f64,
     /// Standard error of that.
-    pub error: f64,
+    error: f64,
+}
+
+/// Changes that explain a difference.
+pub(super) struct Explanation {
+    /// Those that together fit best, the one with the largest score first.
+    best: Vec<Fitted>,
+    /// Numbers that explain it as well as the only one of these.
+    alike: Vec<usize>,
 }
 
 impl<'s> Scores<'s> {
@@ -158,67 +176,31 @@ impl<'s> Scores<'s> {
         if comparison.numbers().contains(&None) {
             return None;
         }
-        let scores = Scores::of(comparison, all.iter().filter(fits).collect());
+        let mut sensitivities: Vec<&Sensitivity> = all.iter().filter(fits).collect();
+        let mut cells = cells(comparison, &sensitivities);
         // A derivative that is mostly noise says nothing: its square must be known to a quarter.
-        let is_known = |k: &usize| {
-            let error = scores.of_pulls(|cell| {
-                let [derivative, noise] = cell.derivatives[*k];
+        let is_known = |k: usize| {
+            let information: f64 = cells.iter().map(|cell| cell.information(k)).sum();
+            let variance = of_blocks(&cells, |cell| {
+                let [derivative, noise] = cell.derivatives[k];
                 cell.weight * (2.0 * noise * noise + 4.0 * derivative * derivative * noise).sqrt()
             });
-            scores.information[*k][*k] > 4.0 * error.sqrt()
+            information > 4.0 * variance.sqrt()
         };
-        let known: Vec<usize> = (0..scores.count()).filter(is_known).collect();
-        match known.len() {
-            0 => None,
-            count if count == scores.count() => Some(scores),
-            _ => {
-                let known = known.into_iter().map(|k| scores.sensitivities[k]);
-                Some(Scores::of(comparison, known.collect()))
-            }
+        let known: Vec<bool> = (0..sensitivities.len()).map(is_known).collect();
+        if !known.contains(&true) {
+            return None;
         }
-    }
-
-    fn of(comparison: &Comparison<'_>, sensitivities: Vec<&'s Sensitivity>) -> Scores<'s> {
-        let blocks = &comparison.blocks;
-        let count = sensitivities.len();
-        let mut cells = Vec::with_capacity(3 * blocks.len());
-        for (at, block) in blocks.iter().enumerate() {
-            let pixels = block.pixels() as f64;
-            for (c, channel) in block.channels.iter().enumerate() {
-                let bright = channel.radiance.abs() + DARK * pixels;
-                let floor = FLOOR * FLOOR * bright * bright;
-                let derivatives = sensitivities.iter().map(|sensitivity| {
-                    let film = &sensitivity.derivative;
-                    let variance = film
-                        .noise()
-                        .map_or(0.0, |noise| noise.variance()[at][c].into());
-                    [
-                        f64::from(film.radiance()[at][c]) * pixels,
-                        variance * pixels * pixels,
-                    ]
-                });
-                // Half precision may have rounded all pixels of a block the same way.
-                let rounding = channel.difference.rounding * channel.difference.rounding;
-                let [own, guard] = [channel.variance.own(), channel.variance.guard()];
-                cells.push(Cell {
-                    difference: channel.difference.value,
-                    // Not by what the test image states of itself where it happens to be dark.
-                    weight: 1.0 / (guard + floor),
-                    variances: [own + rounding, guard + rounding],
-                    derivatives: derivatives.collect(),
-                });
-            }
+        sensitivities = those_that(&known, sensitivities);
+        for cell in &mut cells {
+            cell.derivatives = those_that(&known, std::mem::take(&mut cell.derivatives));
         }
-        let information = information(&cells, count);
-        let tested = (0..count)
-            .map(|k| Tested::new(&cells, k, information[k][k]))
-            .collect();
-        Scores {
+        let tested = (0..sensitivities.len()).map(|k| Tested::new(&cells, k));
+        Some(Scores {
+            tested: tested.collect(),
             sensitivities,
-            tested,
-            information,
             cells,
-        }
+        })
     }
 
     /// Number of tests.
@@ -232,6 +214,11 @@ impl<'s> Scores<'s> {
         deviations
             .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
             .expect("there is a test")
+    }
+
+    /// The score of number `k` without its sign, in standard errors.
+    fn size(&self, k: usize) -> f64 {
+        self.tested[k].deviation().abs()
     }
 
     /// Whether a score is so large by chance with a probability of `level` at most.
@@ -249,11 +236,10 @@ impl<'s> Scores<'s> {
     pub fn detectable(&self, level: f64, [of_block, of_whole]: [f64; 2]) -> Vec<Detectable> {
         let critical = self.critical(level);
         let of_number = |(k, tested): (usize, &Tested)| {
-            let information = self.information[k][k];
-            let change = critical * tested.expected_variance.sqrt() / information;
+            let change = critical * tested.expected_variance.sqrt() / tested.information;
             let (mut sums, mut without_score) = ([[0.0; 2]; 3], f64::INFINITY);
             for (at, cell) in self.cells.iter().enumerate() {
-                let variance = cell.variances[0].max(cell.variances[1]);
+                let variance = cell.variance();
                 let [derivative, noise] = cell.derivatives[k];
                 // What noise makes of the derivative of a block is no change of it.
                 let known = (derivative * derivative - noise).max(0.0).sqrt();
@@ -265,7 +251,7 @@ impl<'s> Scores<'s> {
                 without_score =
                     f64::min(without_score, of_whole * variance.sqrt() / derivative.abs());
             }
-            (information > 0.0 && change.is_finite()).then(|| Detectable {
+            change.is_finite().then(|| Detectable {
                 name: self.sensitivities[k].name.clone(),
                 words: self.sensitivities[k].size_in_words(change),
                 change,
@@ -282,14 +268,13 @@ impl<'s> Scores<'s> {
     /// The number with the largest score among those that can change so.
     fn largest_possible(&self) -> usize {
         let can = |k: &usize| self.sensitivities[*k].can_change(self.tested[*k].score);
-        let size = |k: usize| self.tested[k].deviation().abs();
         let possible = (0..self.count()).filter(can);
-        let largest = possible.max_by(|&a, &b| size(a).total_cmp(&size(b)));
+        let largest = possible.max_by(|&a, &b| self.size(a).total_cmp(&self.size(b)));
         largest.unwrap_or(self.largest().0)
     }
 
     /// The changes that fit, the one with the largest score first.
-    pub fn fitted(&self) -> Vec<Fitted> {
+    fn fitted(&self) -> Vec<Fitted> {
         let mut chosen = vec![self.largest_possible()];
         let mut fitted = self.fit(&chosen);
         // Far off, what the image does not do in proportion would be taken for a second number.
@@ -326,20 +311,20 @@ impl<'s> Scores<'s> {
 
     /// The score of a number in what the fitted ones leave, in standard errors of a single test.
     fn score_beside(&self, k: usize, fitted: &[Fitted]) -> f64 {
-        let (mut score, mut left) = (self.tested[k].score, self.information[k][k]);
+        let whole = self.tested[k].information;
+        let (mut score, mut left) = (self.tested[k].score, whole);
         for it in fitted {
-            let shared = self.information[k][it.number];
+            let shared = self.shared(k, it.number);
             score -= shared * it.change;
-            left -= shared * shared / self.information[it.number][it.number];
+            left -= shared * shared / self.tested[it.number].information;
         }
-        let whole = self.information[k][k];
-        if whole <= 0.0 || left <= 0.01 * whole {
+        if left <= 0.01 * whole {
             return 0.0;
         }
         // What varies alike is gone with the fit; the error of the derivatives of the fit is added.
         let mut variance = self.tested[k].expected_variance * left / whole;
         for it in fitted {
-            variance += self.of_pulls(|cell| {
+            variance += of_blocks(&self.cells, |cell| {
                 let [derivative, noise] = cell.derivatives[k];
                 let [of_fit, noise_of_fit] = cell.derivatives[it.number];
                 let square = derivative * derivative * noise_of_fit + of_fit * of_fit * noise;
@@ -351,27 +336,26 @@ impl<'s> Scores<'s> {
 
     /// Numbers that explain the difference as well as the first one fitted: neither leaves a
     /// score of the other.
-    pub fn alike(&self, first: &Fitted) -> Vec<usize> {
+    fn alike(&self, first: &Fitted) -> Vec<usize> {
         let others = (0..self.count()).filter(|&k| k != first.number);
-        let of_first = self.tested[first.number].deviation().abs();
+        let of_first = self.size(first.number);
         let is_alike = |&k: &usize| {
             let alone = self.fit(&[k])[0];
             alone.error.is_finite()
                 && self.sensitivities[k].can_change(alone.change)
-                && self.tested[k].deviation().abs() > ALIKE * of_first
+                && self.size(k) > ALIKE * of_first
                 && self.score_beside(first.number, &[alone]).abs() < BESIDE
         };
         others.filter(is_alike).collect()
     }
 
-    /// Variance of a sum over blocks, of whose channels each has this standard error: at most, if their
-    /// noise is the same.
-    fn of_pulls(&self, error: impl Fn(&Cell) -> f64) -> f64 {
-        let of_block = |block: &[Cell]| {
-            let sum: f64 = block.iter().map(|cell| error(cell).abs()).sum();
-            sum * sum
-        };
-        self.cells.chunks(3).map(of_block).sum()
+    /// Σ D_k·D_l/v, the noise of a square taken out.
+    fn shared(&self, k: usize, l: usize) -> f64 {
+        if k == l {
+            return self.tested[k].information;
+        }
+        let of_cell = |cell: &Cell| cell.weight * cell.derivatives[k][0] * cell.derivatives[l][0];
+        self.cells.iter().map(of_cell).sum()
     }
 
     /// Weighted least squares of these numbers together.
@@ -384,7 +368,7 @@ impl<'s> Scores<'s> {
             scores[i] = self.tested[k].score;
             for j in 0..3 {
                 if let Some(l) = at(j) {
-                    matrix.col_mut(j)[i] = self.information[k][l];
+                    matrix.col_mut(j)[i] = self.shared(k, l);
                 }
             }
         }
@@ -393,11 +377,11 @@ impl<'s> Scores<'s> {
         let fitted = (0..chosen.len()).map(|i| {
             let k = chosen[i];
             // That of one number alone, widened by what it shares with the others.
-            let alone = self.tested[k].expected_variance
-                / (self.information[k][k] * self.information[k][k]);
-            let widened = inverse.col(i)[i] * self.information[k][k];
-            let part = changes[i] / self.information[k][k];
-            let of_derivative = self.of_pulls(|cell| {
+            let information = self.tested[k].information;
+            let alone = self.tested[k].expected_variance / (information * information);
+            let widened = inverse.col(i)[i] * information;
+            let part = changes[i] / information;
+            let of_derivative = of_blocks(&self.cells, |cell| {
                 let [derivative, noise] = cell.derivatives[k];
                 cell.weight * (noise * (derivative * derivative + noise)).sqrt()
             });
@@ -418,7 +402,7 @@ impl<'s> Scores<'s> {
         let (mut whole, mut left, mut squares) = (0.0, 0.0, 0.0);
         for cell in &self.cells {
             let mut rest = cell.difference;
-            let mut noise = cell.variances[0].max(cell.variances[1]);
+            let mut noise = cell.variance();
             // The channels of a block may share their noise; the square of a normal number varies by
             // twice the square of its variance.
             squares += 3.0 * 2.0 * (cell.weight * noise) * (cell.weight * noise);
@@ -433,21 +417,24 @@ impl<'s> Scores<'s> {
         (whole > BESIDE * squares.sqrt()).then(|| (1.0 - left / whole).clamp(0.0, 1.0))
     }
 
-    /// Every number with the change of it that fits: those that together fit best first, the others
-    /// each alone, by the size of their scores.
-    pub fn changes(&self) -> Vec<NumberChange> {
+    /// The changes that fit best, and what they cannot be told from.
+    pub fn explanation(&self) -> Explanation {
         let best = self.fitted();
         let alike = match best[..] {
             [only] => self.alike(&only),
             _ => Vec::new(),
         };
-        let mut others: Vec<usize> = (0..self.count())
-            .filter(|&k| best.iter().all(|it| it.number != k) && self.information[k][k] > 0.0)
-            .collect();
-        let size = |k: usize| self.tested[k].deviation().abs();
-        others.sort_by(|&a, &b| size(b).total_cmp(&size(a)));
+        Explanation { best, alike }
+    }
+
+    /// Every number with the change of it that fits: those that together fit best first, the others
+    /// each alone, by the size of their scores.
+    pub fn changes(&self, Explanation { best, alike }: &Explanation) -> Vec<NumberChange> {
+        let is_other = |k: &usize| best.iter().all(|it| it.number != *k);
+        let mut others: Vec<usize> = (0..self.count()).filter(is_other).collect();
+        others.sort_by(|&a, &b| self.size(b).total_cmp(&self.size(a)));
         let alone = others.into_iter().map(|k| (self.fit(&[k])[0], false));
-        let all = best.into_iter().map(|it| (it, true)).chain(alone);
+        let all = best.iter().map(|it| (*it, true)).chain(alone);
         let change = |(it, fits_best): (Fitted, bool)| NumberChange {
             name: self.sensitivities[it.number].name.clone(),
             words: self.sensitivities[it.number].in_words(it.change, it.error),
@@ -462,17 +449,15 @@ impl<'s> Scores<'s> {
             .collect()
     }
 
-    /// What the difference looks like, in a sentence.
-    pub fn in_words(&self) -> String {
-        let fitted = self.fitted();
-        let deviation = self.tested[fitted[0].number].deviation();
-        let changes = fitted
+    /// Sentence on what the difference looks like.
+    pub fn in_words(&self, Explanation { best, alike }: &Explanation) -> String {
+        let changes = best
             .iter()
             .map(|it| self.sensitivities[it.number].in_words(it.change, it.error));
         let changes: Vec<String> = changes.collect();
         let changes = changes.join("; and ");
-        let deviation = format!("{:.1} standard errors", deviation.abs());
-        let share = self.explained(&fitted);
+        let deviation = format!("{:.1} standard errors", self.size(best[0].number));
+        let share = self.explained(best);
         if let Some(share) = share.filter(|share| *share < EXPLAINS) {
             return format!(
                 "no number of the scene explains the difference ({deviation}); the nearest, {changes}, \
@@ -484,15 +469,14 @@ impl<'s> Scores<'s> {
         if let Some(share) = share {
             text.push_str(&format!("; that explains {:.0} % of it", 100.0 * share));
         }
-        if let [only] = fitted[..] {
-            let alike = self.alike(&only);
+        if best.len() == 1 {
             let names = alike.iter().map(|&k| {
-                let others = self.fit(&[k]);
-                self.sensitivities[k].in_words(others[0].change, others[0].error)
+                let other = self.fit(&[k])[0];
+                self.sensitivities[k].in_words(other.change, other.error)
             });
             let names: Vec<String> = names.take(3).collect();
             if names.is_empty() {
-                if self.next_beside(&fitted).is_none() {
+                if self.next_beside(best).is_none() {
                     text.push_str(", and no other number is significant beside it");
                 }
             } else {
@@ -506,15 +490,49 @@ impl<'s> Scores<'s> {
     }
 }
 
-fn information(cells: &[Cell], count: usize) -> Vec<Vec<f64>> {
-    let shared = |k: usize, l: usize| -> f64 {
-        let of_cell = |cell: &Cell| {
-            let [derivative, variance] = cell.derivatives[k];
-            let noise = if k == l { variance } else { 0.0 };
-            cell.weight * (derivative * cell.derivatives[l][0] - noise)
-        };
-        cells.iter().map(of_cell).sum()
+/// Channels of all blocks, with their derivatives by all these numbers.
+fn cells(comparison: &Comparison<'_>, sensitivities: &[&Sensitivity]) -> Vec<Cell> {
+    let mut cells = Vec::with_capacity(comparison.asked());
+    for (at, block) in comparison.blocks.iter().enumerate() {
+        let pixels = block.pixels() as f64;
+        for (c, channel) in block.channels.iter().enumerate() {
+            let floor = FLOOR * block.floor(c);
+            let derivatives = sensitivities.iter().map(|sensitivity| {
+                let film = &sensitivity.derivative;
+                let variance = film
+                    .noise()
+                    .map_or(0.0, |noise| noise.variance()[at][c].into());
+                [
+                    f64::from(film.radiance()[at][c]) * pixels,
+                    variance * pixels * pixels,
+                ]
+            });
+            // Half precision may have rounded all pixels of a block the same way.
+            let rounding = channel.difference.rounding * channel.difference.rounding;
+            let [own, guard] = [channel.variance.own(), channel.variance.guard()];
+            cells.push(Cell {
+                difference: channel.difference.value,
+                // Not by what the test image states of itself where it happens to be dark.
+                weight: 1.0 / (guard + floor * floor),
+                variances: [own + rounding, guard + rounding],
+                derivatives: derivatives.collect(),
+            });
+        }
+    }
+    cells
+}
+
+/// Variance of a sum over blocks, of whose channels each has this standard error: at most, if their
+/// noise is the same.
+fn of_blocks(cells: &[Cell], error: impl Fn(&Cell) -> f64) -> f64 {
+    let of_block = |block: &[Cell]| {
+        let sum: f64 = block.iter().map(|cell| error(cell).abs()).sum();
+        sum * sum
     };
-    let row = |k: usize| (0..count).map(|l| shared(k, l)).collect();
-    (0..count).map(row).collect()
+    cells.chunks(3).map(of_block).sum()
+}
+
+fn those_that<T>(are: &[bool], all: Vec<T>) -> Vec<T> {
+    let all = all.into_iter().zip(are);
+    all.filter_map(|(item, &is)| is.then_some(item)).collect()
 }

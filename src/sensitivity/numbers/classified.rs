@@ -1,92 +1,29 @@
 //! Numbers of classified volumes.
 
-use super::{Number, Places, Quantity, Unit};
+use super::{Number, Quantity, in_classified};
 use crate::scene::{Classified, Scene};
 use crate::sensitivity::number::Dependence::{self, Linear, Smooth};
 use glam::DVec3;
 
-static OPACITY: Quantity = Quantity {
-    name: "density",
-    words: "extinction of the volume",
-    of: "volume",
-    unit: Unit::Share,
-};
-static STEP: Quantity = Quantity {
-    name: "step",
-    words: "distance between samples",
-    of: "volume",
-    unit: Unit::Share,
-};
-static GRID: Places = Places([
-    Quantity {
-        name: "grid.x",
-        words: "x of the grid",
-        of: "volume",
-        unit: Unit::Absolute("voxels"),
-    },
-    Quantity {
-        name: "grid.y",
-        words: "y of the grid",
-        of: "volume",
-        unit: Unit::Absolute("voxels"),
-    },
-    Quantity {
-        name: "grid.z",
-        words: "z of the grid",
-        of: "volume",
-        unit: Unit::Absolute("voxels"),
-    },
-]);
-static AMBIENT: Quantity = Quantity {
-    name: "ambient",
-    words: "ambient reflection",
-    of: "volume",
-    unit: Unit::Share,
-};
-static DIFFUSE: Quantity = Quantity {
-    name: "diffuse",
-    words: "diffuse reflection",
-    of: "volume",
-    unit: Unit::Share,
-};
-static SPECULAR: Quantity = Quantity {
-    name: "specular",
-    words: "strength of highlights",
-    of: "volume",
-    unit: Unit::Share,
-};
-static SHADOW: Quantity = Quantity {
-    name: "shadow",
-    words: "extinction towards the light",
-    of: "volume",
-    unit: Unit::Share,
-};
-static BACKGROUND: Quantity = Quantity {
-    name: "background",
-    words: "radiance of the background",
-    of: "volume",
-    unit: Unit::Share,
-};
-static LIGHT: Places = Places([
-    Quantity {
-        name: "light.x",
-        words: "x of the light",
-        of: "volume",
-        unit: Unit::Absolute("world units"),
-    },
-    Quantity {
-        name: "light.y",
-        words: "y of the light",
-        of: "volume",
-        unit: Unit::Absolute("world units"),
-    },
-    Quantity {
-        name: "light.z",
-        words: "z of the light",
-        of: "volume",
-        unit: Unit::Absolute("world units"),
-    },
-]);
+static OPACITY: Quantity = Quantity::share("density", "extinction of the volume", "volume");
+static STEP: Quantity = Quantity::share("step", "distance between samples", "volume");
+static GRID: [Quantity; 3] = Quantity::place(
+    ["grid.x", "grid.y", "grid.z"],
+    ["x of the grid", "y of the grid", "z of the grid"],
+    "volume",
+    "voxels",
+);
+static AMBIENT: Quantity = Quantity::share("ambient", "ambient reflection", "volume");
+static DIFFUSE: Quantity = Quantity::share("diffuse", "diffuse reflection", "volume");
+static SPECULAR: Quantity = Quantity::share("specular", "strength of highlights", "volume");
+static SHADOW: Quantity = Quantity::share("shadow", "extinction towards the light", "volume");
+static BACKGROUND: Quantity = Quantity::share("background", "radiance of the background", "volume");
+static LIGHT: [Quantity; 3] = Quantity::place(
+    ["light.x", "light.y", "light.z"],
+    ["x of the light", "y of the light", "z of the light"],
+    "volume",
+    "world units",
+);
 
 /// Of a volume of which `scene` is the first panel's.
 pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
@@ -143,26 +80,26 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
         });
     }
     let voxel = scene.grid.lattice().spacing();
-    for axis in 0..3 {
+    for (axis, quantity) in GRID.iter().enumerate() {
         // The grid moves one way where eye and light move the other.
         let edit = move |scene: &mut Scene, change: f64| {
             let offset = DVec3::AXES[axis] * (-change * voxel[axis]);
-            *scene = scene.with_volumes(|volume| {
+            in_classified(scene, |volume| {
                 volume.light += offset;
                 volume.camera = volume.camera.with_eye_moved(offset);
             });
             Some(())
         };
-        numbers.push(Number::new(&GRID.0[axis], 0.05, Smooth, edit));
+        numbers.push(Number::new(quantity, 0.05, Smooth, edit));
     }
     if scene.phong.is_some() || scene.shadow.is_some() {
         let step = 0.01 * (scene.light - scene.grid.lattice().bounds().centre()).length();
-        for axis in 0..3 {
+        for (axis, quantity) in LIGHT.iter().enumerate() {
             let edit = move |scene: &mut Scene, change: f64| {
-                *scene = scene.with_volumes(|volume| volume.light += DVec3::AXES[axis] * change);
+                in_classified(scene, |volume| volume.light += DVec3::AXES[axis] * change);
                 Some(())
             };
-            numbers.push(Number::new(&LIGHT.0[axis], step, Smooth, edit));
+            numbers.push(Number::new(quantity, step, Smooth, edit));
         }
     }
     numbers
@@ -170,7 +107,7 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
 
 fn volumes(edit: fn(&mut Classified, f64)) -> impl Fn(&mut Scene, f64) -> Option<()> + Send + Sync {
     move |scene, change| {
-        *scene = scene.with_volumes(|volume| edit(volume, change));
+        in_classified(scene, |volume| edit(volume, change));
         Some(())
     }
 }

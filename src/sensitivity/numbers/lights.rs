@@ -1,99 +1,51 @@
 //! Numbers of lights: area lights (`lamp`), point, spot and directional lights (`light`), and the
 //! environment.
 
-use super::{Number, Places, Quantity, Unit};
+use super::{Number, Quantity, in_radiative};
 use crate::geometry::{Luminous, Sphere, Surface, Transform};
 use crate::math::{Direction, Frame};
 use crate::optics::{Light, Spot};
-use crate::scene::{AreaLight, Model, Radiative, Scene};
+use crate::scene::{AreaLight, Radiative, Scene};
 use crate::sensitivity::number::Dependence::{Linear, Smooth};
 use glam::DVec3;
 use std::sync::Arc;
 
-static LAMP: Quantity = Quantity {
-    name: "lamp",
-    words: "radiance of the area light",
-    of: "area light",
-    unit: Unit::Share,
-};
-static LAMP_SIZE: Quantity = Quantity {
-    name: "lamp.size",
-    words: "edge of the area light",
-    of: "area light",
-    unit: Unit::Share,
-};
-static LAMP_PLACES: Places = Places([
-    Quantity {
-        name: "lamp.x",
-        words: "x of the area light",
-        of: "area light",
-        unit: Unit::Absolute("world units"),
-    },
-    Quantity {
-        name: "lamp.y",
-        words: "y of the area light",
-        of: "area light",
-        unit: Unit::Absolute("world units"),
-    },
-    Quantity {
-        name: "lamp.z",
-        words: "z of the area light",
-        of: "area light",
-        unit: Unit::Absolute("world units"),
-    },
-]);
-static LIGHT: Quantity = Quantity {
-    name: "light",
-    words: "strength of the light",
-    of: "light",
-    unit: Unit::Share,
-};
-static LIGHT_PLACES: Places = Places([
-    Quantity {
-        name: "light.x",
-        words: "x of the light",
-        of: "light",
-        unit: Unit::Absolute("world units"),
-    },
-    Quantity {
-        name: "light.y",
-        words: "y of the light",
-        of: "light",
-        unit: Unit::Absolute("world units"),
-    },
-    Quantity {
-        name: "light.z",
-        words: "z of the light",
-        of: "light",
-        unit: Unit::Absolute("world units"),
-    },
-]);
+static LAMP: Quantity = Quantity::share("lamp", "radiance of the area light", "area light");
+static LAMP_SIZE: Quantity = Quantity::share("lamp.size", "edge of the area light", "area light");
+static LAMP_PLACES: [Quantity; 3] = Quantity::place(
+    ["lamp.x", "lamp.y", "lamp.z"],
+    [
+        "x of the area light",
+        "y of the area light",
+        "z of the area light",
+    ],
+    "area light",
+    "world units",
+);
+static LIGHT: Quantity = Quantity::share("light", "strength of the light", "light");
+static LIGHT_PLACES: [Quantity; 3] = Quantity::place(
+    ["light.x", "light.y", "light.z"],
+    ["x of the light", "y of the light", "z of the light"],
+    "light",
+    "world units",
+);
 static TILTS: [Quantity; 2] = [
-    Quantity {
-        name: "light.tilt",
-        words: "tilt of the light",
-        of: "light",
-        unit: Unit::Absolute("degrees"),
-    },
-    Quantity {
-        name: "light.tilt2",
-        words: "tilt across the first of the light",
-        of: "light",
-        unit: Unit::Absolute("degrees"),
-    },
+    Quantity::absolute("light.tilt", "tilt of the light", "light", "degrees"),
+    Quantity::absolute(
+        "light.tilt2",
+        "tilt across the first of the light",
+        "light",
+        "degrees",
+    ),
 ];
-static CONE: Quantity = Quantity {
-    name: "light.cone",
-    words: "half angle of the cone of the light",
-    of: "light",
-    unit: Unit::Absolute("degrees"),
-};
-static ENVIRONMENT: Quantity = Quantity {
-    name: "environment",
-    words: "radiance of the environment",
-    of: "light",
-    unit: Unit::Share,
-};
+static CONE: Quantity = Quantity::absolute(
+    "light.cone",
+    "half angle of the cone of the light",
+    "light",
+    "degrees",
+);
+static ENVIRONMENT: Quantity =
+    Quantity::share("environment", "radiance of the environment", "light");
 
 /// A place moves by this part of its distance from the eye.
 const PART_OF_DISTANCE: f64 = 0.01;
@@ -126,7 +78,7 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
             .numbered(index),
         );
         let size = lamp.bounds().size();
-        for axis in 0..3 {
+        for (axis, quantity) in LAMP_PLACES.iter().enumerate() {
             // Along its normal a flat lamp soon passes through the ceiling that it hangs from, and no
             // step is short enough for that and long enough for the noise.
             if size[axis] == 0.0 {
@@ -139,7 +91,7 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
                     Some(())
                 })
             };
-            numbers.push(Number::new(&LAMP_PLACES.0[axis], step, Smooth, edit).numbered(index));
+            numbers.push(Number::new(quantity, step, Smooth, edit).numbered(index));
         }
     }
     let count = scene.lights.len();
@@ -160,7 +112,7 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
         );
         if let Some(position) = scene.lights[at].position() {
             let step = PART_OF_DISTANCE * (position - eye).length();
-            for axis in 0..3 {
+            for (axis, quantity) in LIGHT_PLACES.iter().enumerate() {
                 let edit = move |scene: &mut Scene, change: f64| {
                     let by = DVec3::AXES[axis] * change;
                     lights(scene, at, |light| {
@@ -172,8 +124,7 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
                         Some(())
                     })
                 };
-                numbers
-                    .push(Number::new(&LIGHT_PLACES.0[axis], step, Smooth, edit).numbered(index));
+                numbers.push(Number::new(quantity, step, Smooth, edit).numbered(index));
             }
         }
         if !matches!(scene.lights[at], Light::Point(_)) {
@@ -212,33 +163,21 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
     }
     if scene.environment != DVec3::ZERO {
         numbers.push(Number::new(&ENVIRONMENT, 0.5, Linear, |scene, change| {
-            for panel in &mut scene.panels {
-                if let Model::Radiative(radiative) = &mut panel.model {
-                    radiative.environment *= 1.0 + change;
-                }
-            }
-            Some(())
+            in_radiative(scene, |radiative| {
+                radiative.environment *= 1.0 + change;
+                Some(())
+            })
         }));
     }
     numbers
 }
 
 fn lamps(scene: &mut Scene, at: usize, edit: impl Fn(&mut AreaLight) -> Option<()>) -> Option<()> {
-    for panel in &mut scene.panels {
-        if let Model::Radiative(radiative) = &mut panel.model {
-            edit(radiative.area_lights.get_mut(at)?)?;
-        }
-    }
-    Some(())
+    in_radiative(scene, |radiative| edit(radiative.area_lights.get_mut(at)?))
 }
 
 fn lights(scene: &mut Scene, at: usize, edit: impl Fn(&mut Light) -> Option<()>) -> Option<()> {
-    for panel in &mut scene.panels {
-        if let Model::Radiative(radiative) = &mut panel.model {
-            edit(radiative.lights.get_mut(at)?)?;
-        }
-    }
-    Some(())
+    in_radiative(scene, |radiative| edit(radiative.lights.get_mut(at)?))
 }
 
 fn moved(shape: &Luminous, by: &Transform) -> Option<Luminous> {

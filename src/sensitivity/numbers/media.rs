@@ -1,74 +1,36 @@
 //! Numbers of participating media.
 
-use super::{Number, Places, Quantity, Unit, each};
+use super::{Number, Quantity, in_radiative};
 use crate::geometry::{Boundary, Placed, Surface, Transform};
 use crate::media::{Asymmetry, Coefficients};
-use crate::scene::{Body, Model, Radiative, Scene};
+use crate::scene::{Body, Radiative, Scene};
 use crate::sensitivity::number::Dependence::{self, Linear, Smooth};
 use glam::DVec3;
 
-static DENSITY: Quantity = Quantity {
-    name: "density",
-    words: "density",
-    of: "medium",
-    unit: Unit::Share,
-};
-static SIGMA_A: Quantity = Quantity {
-    name: "sigma_a",
-    words: "sigma_a",
-    of: "medium",
-    unit: Unit::Share,
-};
-static SIGMA_S: Quantity = Quantity {
-    name: "sigma_s",
-    words: "sigma_s",
-    of: "medium",
-    unit: Unit::Share,
-};
-static ALBEDO: Quantity = Quantity {
-    name: "albedo",
-    words: "albedo",
-    of: "medium",
-    unit: Unit::Absolute(""),
-};
-static G: Quantity = Quantity {
-    name: "g",
-    words: "g of the phase function",
-    of: "medium",
-    unit: Unit::Absolute(""),
-};
-static EMISSION: Quantity = Quantity {
-    name: "emission",
-    words: "emission",
-    of: "medium",
-    unit: Unit::Share,
-};
-static PLACES: Places = Places([
-    Quantity {
-        name: "medium.x",
-        words: "x of the medium",
-        of: "medium",
-        unit: Unit::Absolute("world units"),
-    },
-    Quantity {
-        name: "medium.y",
-        words: "y of the medium",
-        of: "medium",
-        unit: Unit::Absolute("world units"),
-    },
-    Quantity {
-        name: "medium.z",
-        words: "z of the medium",
-        of: "medium",
-        unit: Unit::Absolute("world units"),
-    },
-]);
-static TURN: Quantity = Quantity {
-    name: "medium.turn",
-    words: "angle about the vertical axis of the medium",
-    of: "medium",
-    unit: Unit::Absolute("degrees"),
-};
+static DENSITY: Quantity = Quantity::share("density", "density", "medium");
+static SIGMA_A: Quantity = Quantity::share("sigma_a", "sigma_a", "medium");
+static SIGMA_S: Quantity = Quantity::share("sigma_s", "sigma_s", "medium");
+static ALBEDO: Quantity = Quantity::absolute("albedo", "albedo", "medium", "");
+static G: Quantity = Quantity::absolute("g", "g of the phase function", "medium", "");
+static EMISSION: Quantity = Quantity::share("emission", "emission", "medium");
+static PLACES: [Quantity; 3] = Quantity::place(
+    ["medium.x", "medium.y", "medium.z"],
+    ["x of the medium", "y of the medium", "z of the medium"],
+    "medium",
+    "world units",
+);
+static TURN: Quantity = Quantity::absolute(
+    "medium.turn",
+    "angle about the vertical axis of the medium",
+    "medium",
+    "degrees",
+);
+
+/// Of several items all together, then each; of one, itself.
+fn each(count: usize) -> impl Iterator<Item = Option<usize>> {
+    let all = (count > 1).then_some(None);
+    all.into_iter().chain((0..count).map(Some))
+}
 
 /// Of every medium by itself, and of all media together where there are several.
 pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
@@ -89,7 +51,9 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
         let absorbs = any(|body| sigma_a(body) != DVec3::ZERO);
         let scatters = any(|body| sigma_s(body) != DVec3::ZERO);
         if absorbs || scatters {
-            numbers.push(number(&DENSITY, 0.1, Smooth, denser));
+            numbers.push(number(&DENSITY, 0.1, Smooth, |body, change| {
+                body.make_denser(1.0 + change)
+            }));
         }
         if absorbs && scatters {
             numbers.push(number(&SIGMA_A, 0.1, Smooth, |body, change| {
@@ -136,13 +100,13 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
             .boundary
             .as_ref()
             .map_or(DVec3::ONE, |shape| shape.bounds().size());
-        for axis in 0..3 {
+        for (axis, quantity) in PLACES.iter().enumerate() {
             let edit = move |scene: &mut Scene, change: f64| {
                 let offset = DVec3::AXES[axis] * change;
                 moved(scene, at, Transform::translation(offset).ok()?)
             };
             let step = 0.02 * size.max_element();
-            numbers.push(Number::new(&PLACES.0[axis], step, Smooth, edit).numbered(index));
+            numbers.push(Number::new(quantity, step, Smooth, edit).numbered(index));
         }
         let centre = body
             .boundary
@@ -173,12 +137,6 @@ fn coefficients(body: &mut Body, sigma_a: DVec3, sigma_s: DVec3) -> Option<()> {
     Some(())
 }
 
-fn denser(body: &mut Body, change: f64) -> Option<()> {
-    let factor = 1.0 + change;
-    body.medium.emission *= factor;
-    coefficients(body, sigma_a(body) * factor, sigma_s(body) * factor)
-}
-
 /// Edits the medium at an index of each panel, or all.
 fn edited(
     scene: &mut Scene,
@@ -186,20 +144,14 @@ fn edited(
     edit: fn(&mut Body, f64) -> Option<()>,
     change: f64,
 ) -> Option<()> {
-    for panel in &mut scene.panels {
-        let Model::Radiative(radiative) = &mut panel.model else {
-            continue;
-        };
-        match at {
-            Some(at) => edit(radiative.media.get_mut(at)?, change)?,
-            None => {
-                for body in &mut radiative.media {
-                    edit(body, change)?;
-                }
-            }
-        }
-    }
-    Some(())
+    in_radiative(scene, |radiative| match at {
+        Some(at) => edit(radiative.media.get_mut(at)?, change),
+        None => radiative
+            .media
+            .iter_mut()
+            .map(|body| edit(body, change))
+            .collect(),
+    })
 }
 
 /// A sphere or a box without a density of its own.
@@ -217,10 +169,7 @@ fn is_movable(body: &Body) -> bool {
 }
 
 fn moved(scene: &mut Scene, at: usize, by: Transform) -> Option<()> {
-    for panel in &mut scene.panels {
-        let Model::Radiative(radiative) = &mut panel.model else {
-            continue;
-        };
+    in_radiative(scene, |radiative| {
         let boundary = radiative.media.get_mut(at)?.boundary.as_mut()?;
         *boundary = match boundary {
             Boundary::Sphere(sphere) => Boundary::PlacedSphere(Placed::new(*sphere, by)),
@@ -235,6 +184,6 @@ fn moved(scene: &mut Scene, at: usize, by: Transform) -> Option<()> {
             }
             Boundary::Mesh(_) | Boundary::PlacedMesh(_) => return None,
         };
-    }
-    Some(())
+        Some(())
+    })
 }

@@ -1,29 +1,15 @@
 //! Numbers of surfaces that reflect or refract.
 
-use super::{Number, Quantity, Unit};
+use super::{Number, Quantity, in_radiative};
 use crate::optics::Material;
-use crate::scene::{Model, Object, Radiative, Scene};
+use crate::scene::{Object, Radiative, Scene};
 use crate::sensitivity::number::Dependence::Smooth;
 use glam::DVec3;
 
-static REFLECTANCE: Quantity = Quantity {
-    name: "reflectance",
-    words: "reflectance",
-    of: "diffuse surface",
-    unit: Unit::Share,
-};
-static MIRROR: Quantity = Quantity {
-    name: "mirror",
-    words: "reflectance of mirrors",
-    of: "diffuse surface",
-    unit: Unit::Share,
-};
-static INDEX: Quantity = Quantity {
-    name: "index",
-    words: "refractive index of glass",
-    of: "diffuse surface",
-    unit: Unit::Absolute(""),
-};
+static REFLECTANCE: Quantity = Quantity::share("reflectance", "reflectance", "diffuse surface");
+static MIRROR: Quantity = Quantity::share("mirror", "reflectance of mirrors", "diffuse surface");
+static INDEX: Quantity =
+    Quantity::absolute("index", "refractive index of glass", "diffuse surface", "");
 
 /// Reflectance of all diffuse surfaces, and of each by itself; of mirrors; the index of glass.
 pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
@@ -92,14 +78,10 @@ fn objects(
     scene: &mut Scene,
     mut edit: impl FnMut(usize, &mut Object) -> Option<()>,
 ) -> Option<()> {
-    for panel in &mut scene.panels {
-        if let Model::Radiative(radiative) = &mut panel.model {
-            for (at, object) in radiative.objects.iter_mut().enumerate() {
-                edit(at, object)?;
-            }
-        }
-    }
-    Some(())
+    in_radiative(scene, |radiative| {
+        let objects = radiative.objects.iter_mut().enumerate();
+        objects.map(|(at, object)| edit(at, object)).collect()
+    })
 }
 
 fn all(

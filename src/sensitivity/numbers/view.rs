@@ -1,51 +1,33 @@
 //! Numbers of the camera.
 
-use super::{Number, Places, Quantity, Unit};
+use super::{Number, Quantity};
 use crate::geometry::Camera;
 use crate::math;
 use crate::scene::Scene;
 use crate::sensitivity::number::Dependence::Smooth;
 use glam::DVec3;
 
-static FIELD_OF_VIEW: Quantity = Quantity {
-    name: "camera.view",
-    words: "height of the image plane",
-    of: "camera",
-    unit: Unit::Share,
-};
-static EYE: Places = Places([
-    Quantity {
-        name: "camera.x",
-        words: "x of the eye",
-        of: "camera",
-        unit: Unit::Absolute("world units"),
-    },
-    Quantity {
-        name: "camera.y",
-        words: "y of the eye",
-        of: "camera",
-        unit: Unit::Absolute("world units"),
-    },
-    Quantity {
-        name: "camera.z",
-        words: "z of the eye",
-        of: "camera",
-        unit: Unit::Absolute("world units"),
-    },
-]);
+static FIELD_OF_VIEW: Quantity =
+    Quantity::share("camera.view", "height of the image plane", "camera");
+static EYE: [Quantity; 3] = Quantity::place(
+    ["camera.x", "camera.y", "camera.z"],
+    ["x of the eye", "y of the eye", "z of the eye"],
+    "camera",
+    "world units",
+);
 static SHIFTS: [Quantity; 2] = [
-    Quantity {
-        name: "camera.right",
-        words: "shift of the image to the right",
-        of: "camera",
-        unit: Unit::Absolute("pixels"),
-    },
-    Quantity {
-        name: "camera.down",
-        words: "shift of the image downwards",
-        of: "camera",
-        unit: Unit::Absolute("pixels"),
-    },
+    Quantity::absolute(
+        "camera.right",
+        "shift of the image to the right",
+        "camera",
+        "pixels",
+    ),
+    Quantity::absolute(
+        "camera.down",
+        "shift of the image downwards",
+        "camera",
+        "pixels",
+    ),
 ];
 
 /// Step of a shift: what half a pixel moves over an edge is as much as a pixel shows of it.
@@ -91,14 +73,14 @@ pub(super) fn numbers(scene: &Scene) -> Vec<Number> {
     // What is as far away as the image is from the eye moves by a pixel.
     let distance = camera.eye().length().max(camera.half_up().length());
     let step = pixel * distance;
-    for axis in 0..3 {
+    for (axis, quantity) in EYE.iter().enumerate() {
         let edit = move |scene: &mut Scene, change: f64| {
             for panel in &mut scene.panels {
                 panel.edit_view(|camera, _| camera.with_eye_moved(DVec3::AXES[axis] * change));
             }
             Some(())
         };
-        numbers.push(Number::new(&EYE.0[axis], step, Smooth, edit));
+        numbers.push(Number::new(quantity, step, Smooth, edit));
     }
     numbers
 }

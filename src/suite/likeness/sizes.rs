@@ -8,7 +8,6 @@
 use super::clock::SearchClock;
 use super::compared_case::ComparedCase;
 use crate::math;
-use crate::media::Coefficients;
 use crate::scene::{Model, Panel, Scene};
 
 /// The share of the squared difference that a factor may leave unexplained, if it is said: a third
@@ -135,10 +134,8 @@ fn denser(model: &mut Model, factor: f64) -> bool {
         }
         Model::Radiative(scene) => {
             for body in &mut scene.media {
-                let old = body.medium.coefficients;
-                let new = Coefficients::new(old.sigma_a() * factor, old.sigma_s() * factor);
-                body.medium.coefficients = new.unwrap_or(old);
-                body.medium.emission *= factor;
+                // What leaves the range of numbers stays as it is.
+                let _ = body.make_denser(factor);
             }
             !scene.media.is_empty()
         }
