@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the derivatives that travel with the goldens, golden/sensitivities/FAMILY/CASE.exr, of blocks by all
-# numbers of a scene: of the cases that are given, or of all sampled cases of fog, smoke and procedural volumes.
+# Makes the derivatives that travel with the goldens, golden/sensitivities/FAMILY/CASE.exr, of blocks (by the
+# refractive index: of pixels) by all numbers of a scene: of the cases that are given, or of all sampled cases of fog, smoke and procedural volumes.
 # They are needed again where the scene of a case changes; an hour on two cores.
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -25,6 +25,20 @@ pub struct Judgement {
     pub changes: Vec<NumberChange>,
     /// Changes of these numbers that would have been seen.
     pub detectable: Vec<Detectable>,
+    /// The changes that together fit best, as a picture.
+    pub fit: Option<Box<FitMap>>,
+}
+
+/// A difference, what the changes that fit best make of it, and what they leave: of every block, in
+/// standard errors of its difference; row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FitMap {
+    /// Blocks in a row.
+    pub columns: usize,
+    /// Test minus reference, by channel.
+    pub difference: Vec<[f64; 3]>,
+    /// The part of it that the changes make.
+    pub fitted: Vec<[f64; 3]>,
 }
 
 /// The smallest change of a number of the scene that two images, of the noise that they have, would
@@ -80,6 +94,7 @@ impl Judgement {
             undecided: None,
             changes: Vec::new(),
             detectable: Vec::new(),
+            fit: None,
         }
     }
 }

@@ -27,12 +27,12 @@ pub use difference_scale::{BlockMap, DifferenceScale};
 pub use exact::Exact;
 pub use gate::{Gate, Metric};
 pub use image_gate::{Conditions, ImageGate};
-pub use judgement::{Detectable, Judgement, NumberChange};
+pub use judgement::{Detectable, FitMap, Judgement, NumberChange};
 pub use measured_difference::measured_difference;
 pub use perceptual::Perceptual;
 pub use picture::{Picture, PictureError};
 pub use refinement::{Limit, Refinement, judge_one_step, judge_refinement};
-pub use sensitivity::Sensitivity;
+pub use sensitivity::{Sensitivity, change_in_words};
 pub use stochastic::Stochastic;
 
 use incomparable::NON_FINITE;

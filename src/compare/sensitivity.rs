@@ -15,15 +15,15 @@ pub struct Sensitivity {
     pub step: f64,
     /// Possibility of a smaller and of a larger number: an albedo of 1 cannot be larger.
     pub can_be: [bool; 2],
-    /// Mean derivative of each block of [`BLOCK`](super::stochastic::BLOCK)² pixels per unit of
-    /// change, with its variance.
+    /// Mean derivative of each block of [`BLOCK`](super::stochastic::BLOCK)² pixels, or of
+    /// [`FINE_BLOCK`](super::stochastic::FINE_BLOCK)², per unit of change, with its variance.
     pub derivative: Film,
 }
 
 impl Sensitivity {
     /// A change in words: `2.1 ± 0.3 % too large`, `off by −0.25 ± 0.02 pixels`.
     pub fn in_words(&self, change: f64, error: f64) -> String {
-        let words = self.change_in_words(change, error);
+        let words = change_in_words(&self.words, self.unit.as_deref(), change, error);
         if self.is_far(change) {
             // The derivative is that at the right number.
             return format!("{words} (about, for it is far off)");
@@ -47,23 +47,6 @@ impl Sensitivity {
         self.can_be[usize::from(change > 0.0)]
     }
 
-    fn change_in_words(&self, change: f64, error: f64) -> String {
-        match &self.unit {
-            None => {
-                let side = if change < 0.0 { "small" } else { "large" };
-                let [size, error] = with_error(100.0 * change.abs(), 100.0 * error);
-                format!("{} {size} ± {error} % too {side}", self.words)
-            }
-            Some(unit) => {
-                let [size, error] = with_error(change.abs(), error);
-                let sign = if change < 0.0 { "−" } else { "+" };
-                let unit = Some(unit).filter(|unit| !unit.is_empty());
-                let unit = unit.map_or(String::new(), |unit| format!(" {unit}"));
-                format!("{} off by {sign}{size} ± {error}{unit}", self.words)
-            }
-        }
-    }
-
     /// A size without a sign in words: `density 1.6 %`.
     pub fn size_in_words(&self, size: f64) -> String {
         match &self.unit {
@@ -80,6 +63,24 @@ impl Sensitivity {
                     with_error(size, 0.1 * size)[0]
                 )
             }
+        }
+    }
+}
+
+/// A change of a number that is called `words`, in this unit, or in shares of itself: `density
+/// 2.1 ± 0.3 % too large`.
+pub fn change_in_words(words: &str, unit: Option<&str>, change: f64, error: f64) -> String {
+    match unit {
+        None => {
+            let side = if change < 0.0 { "small" } else { "large" };
+            let [size, error] = with_error(100.0 * change.abs(), 100.0 * error);
+            format!("{words} {size} ± {error} % too {side}")
+        }
+        Some(unit) => {
+            let [size, error] = with_error(change.abs(), error);
+            let sign = if change < 0.0 { "−" } else { "+" };
+            let space = if unit.is_empty() { "" } else { " " };
+            format!("{words} off by {sign}{size} ± {error}{space}{unit}")
         }
     }
 }

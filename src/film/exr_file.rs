@@ -12,8 +12,8 @@ use crate::decoder;
 use exr::meta::MetaData;
 use exr::meta::header::Header;
 use exr::prelude::{
-    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes,
-    ReadChannels, ReadLayers, Vec2, WritableImage, read,
+    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, ImageAttributes, Layer,
+    LayerAttributes, ReadChannels, ReadLayers, Vec2, WritableImage, read,
 };
 use std::io::Cursor;
 use std::ops::Range;
@@ -56,19 +56,39 @@ pub(super) fn encode(film: &Film) -> Result<Vec<u8>, FilmError> {
 }
 
 /// The file of a single part with these channels.
-pub(super) fn written(
-    [width, height]: [usize; 2],
+fn written(
+    size: [usize; 2],
     attributes: LayerAttributes,
     channels: Vec<AnyChannel<FlatSamples>>,
 ) -> Result<Vec<u8>, FilmError> {
-    let layer = Layer::new(
+    written_parts(vec![part(size, attributes, channels)])
+}
+
+/// A part of a file.
+pub(super) fn part(
+    [width, height]: [usize; 2],
+    attributes: LayerAttributes,
+    channels: Vec<AnyChannel<FlatSamples>>,
+) -> Layer<AnyChannels<FlatSamples>> {
+    Layer::new(
         (width, height),
         attributes,
         Encoding::SMALL_LOSSLESS,
         AnyChannels::sort(channels.into()),
-    );
+    )
+}
+
+/// The file of these parts; of several, each has a name.
+pub(super) fn written_parts(
+    parts: Vec<Layer<AnyChannels<FlatSamples>>>,
+) -> Result<Vec<u8>, FilmError> {
     let mut bytes = Cursor::new(Vec::new());
-    Image::from_layer(layer)
+    let largest = |size: fn(&Layer<AnyChannels<FlatSamples>>) -> usize| {
+        parts.iter().map(size).max().unwrap_or(0)
+    };
+    let size = Vec2(largest(|part| part.size.0), largest(|part| part.size.1));
+    let attributes = ImageAttributes::with_size(size);
+    Image::from_layers(attributes, parts)
         .write()
         .to_buffered(&mut bytes)
         .map_err(unreadable)?;

@@ -1,20 +1,25 @@
-//! Several images of one size in one EXR file, each as a layer, with few digits: what is as noisy as
-//! derivatives are takes a tenth of its bytes so.
+//! Several images in one EXR file, each as a layer, with no more digits than their noise leaves: what is as
+//! noisy as derivatives are takes a tenth of its bytes so.
 
-use super::exr_file::{floats, read_file, written};
+use super::exr_file::{floats, part, read_file, written_parts};
 use super::exr_layers::samples_of;
 use super::noise::rounded_to;
 use super::{Film, FilmError};
 use exr::prelude::{AnyChannel, FlatSamples, LayerAttributes, Text};
 
-/// Significant bits of values and errors, the first included: a relative rounding error of 1/64 at
-/// most.
-const BITS: u32 = 6;
+/// Significant bits of standard errors, the first included: a relative rounding error of 1/64 at most.
+const BITS_OF_ERRORS: u32 = 6;
+
+/// Bits of a value below its standard error: it is rounded by an eighth of that at most.
+const BITS_BELOW_ERROR: i32 = 2;
+
+/// Significant bits of a value, at least and at most.
+const BITS: [i32; 2] = [3, 14];
 
 /// Between the name of a layer and those of the channels with its standard errors.
 const ERROR: &str = "error";
 
-/// Images of one size, each with a name, a mean and standard errors.
+/// Images, each with a name, a mean and standard errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayeredFilm {
     /// Origin of the layers.
@@ -24,38 +29,32 @@ pub struct LayeredFilm {
 }
 
 impl LayeredFilm {
-    /// The file: channels `NAME.R` and `NAME.error.R`, and so on, of 32 bits of which six are
-    /// significant.
+    /// The file: channels `NAME.R` and `NAME.error.R`, and so on, in a part for each size of images.
     ///
     /// # Errors
     ///
     /// If there is no layer, or the encoder fails.
     pub fn to_exr(&self) -> Result<Vec<u8>, FilmError> {
-        let Some((_, first)) = self.layers.first() else {
+        let size = |film: &Film| [film.width(), film.height()];
+        let mut sizes: Vec<[usize; 2]> = self.layers.iter().map(|(_, film)| size(film)).collect();
+        sizes.sort_unstable();
+        sizes.dedup();
+        if sizes.is_empty() {
             return Err(FilmError::Noise("there is no layer to be written"));
-        };
-        let mut channels = Vec::new();
-        for (name, film) in &self.layers {
-            for (c, letter) in ["R", "G", "B"].into_iter().enumerate() {
-                let values = film.radiance().iter().map(|pixel| rounded(pixel[c]));
-                let values = FlatSamples::F32(values.collect());
-                channels.push(AnyChannel::new(format!("{name}.{letter}").as_str(), values));
-                if let Some(noise) = film.noise() {
-                    let errors = noise
-                        .variance()
-                        .iter()
-                        .map(|pixel| rounded(pixel[c].sqrt()));
-                    let errors = FlatSamples::F32(errors.collect());
-                    let name = format!("{name}.{ERROR}.{letter}");
-                    channels.push(AnyChannel::new(name.as_str(), errors));
-                }
-            }
         }
-        let attributes = LayerAttributes {
-            comments: Text::new_or_none(&self.comment),
-            ..LayerAttributes::default()
-        };
-        written([first.width(), first.height()], attributes, channels)
+        let parts = sizes.into_iter().map(|of| {
+            let layers = self.layers.iter().filter(|(_, film)| size(film) == of);
+            let channels = layers
+                .flat_map(|(name, film)| channels(name, film))
+                .collect();
+            let attributes = LayerAttributes {
+                layer_name: Text::new_or_none(format!("{}x{}", of[0], of[1])),
+                comments: Text::new_or_none(&self.comment),
+                ..LayerAttributes::default()
+            };
+            part(of, attributes, channels)
+        });
+        written_parts(parts.collect())
     }
 
     /// The layers of such a file.
@@ -65,46 +64,72 @@ impl LayeredFilm {
     /// If it is no EXR file, or a layer has no standard errors.
     pub fn from_exr(bytes: &[u8]) -> Result<LayeredFilm, FilmError> {
         let file = read_file(bytes)?;
-        let Some(part) = file.layer_data.first() else {
-            return Err(FilmError::Noise("there is no layer in it"));
-        };
-        let [width, height] = [part.size.width(), part.size.height()];
-        let comment = part.attributes.comments.as_ref();
-        let comment = comment.map_or(String::new(), |comment| comment.to_string());
-        let names = part.channel_data.list.iter().filter_map(|channel| {
-            let name = channel.name.to_string();
-            let name = name.strip_suffix(".R")?;
-            (!name.ends_with(ERROR)).then(|| name.to_owned())
-        });
         let mut layers = Vec::new();
-        for name in names {
-            let colours = |prefix: &str| {
-                let channels = ["R", "G", "B"]
-                    .map(|letter| samples_of(part, &format!("{prefix}.{letter}")).map(floats));
-                let [r, g, b] = channels;
-                let (r, g, b) = (r?, g?, b?);
-                Some(
-                    (0..r.len())
-                        .map(|at| [r[at], g[at], b[at]])
-                        .collect::<Vec<_>>(),
-                )
-            };
-            let (Some(means), Some(errors)) = (colours(&name), colours(&format!("{name}.{ERROR}")))
-            else {
-                return Err(FilmError::Noise("a layer lacks a channel"));
-            };
-            let variance = errors
-                .into_iter()
-                .map(|pixel| pixel.map(|error| error * error));
-            let film = Film::with_noise(width, height, means, variance.collect(), 2);
-            layers.push((name, film));
+        let mut comment = String::new();
+        for part in &file.layer_data {
+            if let Some(text) = &part.attributes.comments {
+                comment = text.to_string();
+            }
+            let [width, height] = [part.size.width(), part.size.height()];
+            let names = part.channel_data.list.iter().filter_map(|channel| {
+                let name = channel.name.to_string();
+                let name = name.strip_suffix(".R")?;
+                (!name.ends_with(ERROR)).then(|| name.to_owned())
+            });
+            for name in names {
+                let colours = |prefix: &str| {
+                    let channels = ["R", "G", "B"]
+                        .map(|letter| samples_of(part, &format!("{prefix}.{letter}")).map(floats));
+                    let [r, g, b] = channels;
+                    let (r, g, b) = (r?, g?, b?);
+                    let pixels = (0..r.len()).map(|at| [r[at], g[at], b[at]]);
+                    Some(pixels.collect::<Vec<_>>())
+                };
+                let (Some(means), Some(errors)) =
+                    (colours(&name), colours(&format!("{name}.{ERROR}")))
+                else {
+                    return Err(FilmError::Noise("a layer lacks a channel"));
+                };
+                let variance = errors
+                    .into_iter()
+                    .map(|pixel| pixel.map(|error| error * error));
+                let film = Film::with_noise(width, height, means, variance.collect(), 2);
+                layers.push((name, film));
+            }
         }
         Ok(LayeredFilm { comment, layers })
     }
 }
 
-fn rounded(value: f32) -> f32 {
-    rounded_to(BITS, value)
+/// Means and standard errors of a layer.
+fn channels(name: &str, film: &Film) -> Vec<AnyChannel<FlatSamples>> {
+    let mut channels = Vec::new();
+    for (c, letter) in ["R", "G", "B"].into_iter().enumerate() {
+        let errors: Vec<f32> = match film.noise() {
+            Some(noise) => noise.variance().iter().map(|v| v[c].sqrt()).collect(),
+            None => vec![0.0; film.radiance().len()],
+        };
+        let means = film.radiance().iter().zip(&errors);
+        let means = means.map(|(mean, &error)| rounded(mean[c], error));
+        let mut add = |name: String, values: Vec<f32>| {
+            channels.push(AnyChannel::new(name.as_str(), FlatSamples::F32(values)));
+        };
+        add(format!("{name}.{letter}"), means.collect());
+        let errors = errors
+            .iter()
+            .map(|&error| rounded_to(BITS_OF_ERRORS, error));
+        add(format!("{name}.{ERROR}.{letter}"), errors.collect());
+    }
+    channels
+}
+
+/// A value with the bits that its standard error leaves it.
+fn rounded(value: f32, error: f32) -> f32 {
+    // Of numbers below 2⁻¹²⁶ too: they are 0 here as anywhere.
+    let exponent = |of: f32| (of.to_bits() >> (f32::MANTISSA_DIGITS - 1) & 0xff) as i32;
+    let [least, most] = BITS;
+    let bits = exponent(value) - exponent(error) + 1 + BITS_BELOW_ERROR;
+    rounded_to(bits.clamp(least, most) as u32, value)
 }
 
 #[cfg(test)]
@@ -120,24 +145,27 @@ mod tests {
             let variance = means.iter().map(|m| m.map(|v| v * v * 0.01)).collect();
             Film::with_noise(4, 3, means, variance, 16)
         };
+        let mean = vec![[1.0 / 3.0, -0.7, 0.0]; 2];
+        let fine = Film::with_noise(1, 2, mean, vec![[1e-12; 3]; 2], 16);
         let written = LayeredFilm {
             comment: "scene 17".to_owned(),
             layers: vec![
                 ("density".to_owned(), film(0.3)),
                 ("lamp.x".to_owned(), film(7e5)),
+                ("index".to_owned(), fine),
             ],
         };
         let read = LayeredFilm::from_exr(&written.to_exr().unwrap()).unwrap();
         assert_eq!(read.comment, "scene 17");
-        for ((name, film), (expected, of)) in read.layers.iter().zip(&written.layers) {
-            assert_eq!(name, expected);
-            for (a, b) in film
-                .radiance()
-                .as_flattened()
-                .iter()
-                .zip(of.radiance().as_flattened())
-            {
-                assert!((a - b).abs() <= b.abs() / 64.0, "{a} {b}");
+        assert_eq!(read.layers.len(), written.layers.len());
+        for (name, film) in &read.layers {
+            let of = written.layers.iter().find(|(of, _)| of == name);
+            let (_, of) = of.unwrap();
+            let errors = of.noise().unwrap().variance().as_flattened();
+            let values = film.radiance().as_flattened().iter();
+            for ((a, b), variance) in values.zip(of.radiance().as_flattened()).zip(errors) {
+                let off = (a - b).abs();
+                assert!(off <= 0.125 * variance.sqrt(), "{a} {b}");
             }
             // Squared, the relative error doubles; the variance of a film has eight bits itself.
             let [a, b] = [film, of].map(|film| film.noise().unwrap().variance().as_flattened());

@@ -97,6 +97,7 @@ mod tests {
             conventions: vec![],
             profile: None,
             changes: Vec::new(),
+            fit: None,
             detectable: Vec::new(),
             looks_like: vec![text.to_owned()],
             difference: Vec::new(),

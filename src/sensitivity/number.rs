@@ -98,6 +98,8 @@ pub struct Number {
     pub step: f64,
     /// Dependence of an image on it.
     pub dependence: Dependence,
+    /// Shows in details that are smaller than a block of 8 × 8 pixels, as what glass refracts.
+    pub is_fine: bool,
     edit: Edit,
 }
 
@@ -114,7 +116,15 @@ impl Number {
             index: None,
             step,
             dependence,
+            is_fine: false,
             edit: Arc::new(edit),
+        }
+    }
+
+    pub(super) fn fine(self) -> Number {
+        Number {
+            is_fine: true,
+            ..self
         }
     }
 

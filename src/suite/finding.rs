@@ -7,7 +7,7 @@ use super::{
     Case, CaseResult, CaseSampling, Cause, Evidence, Golden, GoldenError, Profile, Quick, Store,
     Verdict,
 };
-use crate::compare::{Detectable, Gate, Judgement, NumberChange, Picture, Sensitivity};
+use crate::compare::{Detectable, FitMap, Gate, Judgement, NumberChange, Picture, Sensitivity};
 use crate::known_answers::Formula;
 use crate::render::{Plan, plans, render};
 use crate::scene::{Classified, Panel, Precision, Sampling, Scene};
@@ -52,6 +52,8 @@ pub struct CaseFinding {
     pub changes: Vec<NumberChange>,
     /// Changes of these numbers that the images would have shown.
     pub detectable: Vec<Detectable>,
+    /// The changes that fit best, as a picture.
+    pub fit: Option<Box<FitMap>>,
 }
 
 impl CaseFinding {
@@ -64,6 +66,7 @@ impl CaseFinding {
             metrics: BTreeMap::new(),
             changes: Vec::new(),
             detectable: Vec::new(),
+            fit: None,
         }
     }
 
@@ -90,6 +93,7 @@ impl CaseFinding {
             difference: Vec::new(),
             changes: self.changes,
             detectable: self.detectable,
+            fit: self.fit,
             seconds: start.elapsed().as_secs_f64(),
             work: BTreeMap::new(),
             cause: self.cause,
@@ -108,6 +112,7 @@ impl From<Judgement> for CaseFinding {
             metrics: judgement.metrics,
             changes: judgement.changes,
             detectable: judgement.detectable,
+            fit: judgement.fit,
             ..CaseFinding::new(verdict, cause, judgement.reason)
         }
     }
@@ -122,6 +127,8 @@ pub(super) struct CheckedGolden {
     pub profile: Option<String>,
     /// Derivatives of the image by the numbers of the scene, where they are kept and were asked for.
     pub sensitivities: Vec<Sensitivity>,
+    /// Cases among which the false alarms are divided.
+    pub cases: usize,
 }
 
 impl CheckedGolden {
@@ -160,6 +167,7 @@ impl CheckedGolden {
             scene,
             golden,
             sensitivities: Vec::new(),
+            cases: MOST_CASES,
             profile: None,
         })
     }

@@ -17,11 +17,12 @@ mod clock;
 mod compared_case;
 mod distances;
 mod distinguished;
+mod fit;
 mod hunt;
 mod hypothesis;
 mod kept;
 mod prediction;
-mod sizes;
+mod step;
 mod unexplained;
 
 pub(in crate::suite) use cells::Cells;
@@ -35,6 +36,7 @@ use super::{Case, Cause, Judged, Likeness, Profile};
 use crate::scene::Scene;
 use clock::SearchClock;
 use compared_case::ComparedCase;
+use fit::Fitted;
 use hunt::singles;
 use hypothesis::Hypothesis;
 use std::cmp::Reverse;
@@ -116,11 +118,16 @@ pub(super) fn likeness_with(
     let mut fits: BTreeMap<Hypothesis, BTreeMap<usize, Misfit>> = BTreeMap::new();
     let mut unfinished = Vec::new();
     let mut open = Vec::new();
+    let mut fitted: BTreeMap<usize, Fitted> = BTreeMap::new();
     for (at, failed) in failing.iter().enumerate() {
+        let mut clock = SearchClock::start(search, &failed.name, singles());
+        if failed.has_suspects() {
+            clock.report();
+            fitted.insert(failed.index, failed.fitted_numbers(&clock));
+        }
         if !failed.is_decidable() {
             continue;
         }
-        let mut clock = SearchClock::start(search, &failed.name, singles());
         clock.report();
         let mut found: hunt::Explaining = known
             .iter()
@@ -144,7 +151,6 @@ pub(super) fn likeness_with(
         }
     }
     // What no single mistake explains, also none that another case was explained by since.
-    let mut sizes: BTreeMap<usize, Vec<String>> = BTreeMap::new();
     let mut pair_searches = 0;
     for (at, looks, mut clock) in open {
         let failed = &failing[at];
@@ -154,8 +160,11 @@ pub(super) fn likeness_with(
         }
         clock.resume();
         // One number that is off is likelier than two mistakes.
-        let (sentences, is_explained) = failed.fitted_sizes(&clock);
-        sizes.insert(failed.index, sentences);
+        let fit = fitted
+            .entry(failed.index)
+            .or_insert_with(|| failed.fitted_numbers(&clock));
+        fit.add(failed.fitted_step(&clock));
+        let is_explained = fit.is_explained;
         if !is_explained && pair_searches < MOST_PAIR_SEARCHES && failed.can_tell_pairs() {
             pair_searches += 1;
             let found = failed.search_pairs(&looks, &mut clock);
@@ -204,8 +213,9 @@ pub(super) fn likeness_with(
     for failed in &failing {
         let result = &mut judged[failed.index].result;
         if result.looks_like.is_empty() {
-            result.difference = sizes.remove(&failed.index).unwrap_or_default();
-            if !failed.is_decidable() {
+            let fit = fitted.remove(&failed.index).unwrap_or_default();
+            result.difference = fit.sentences;
+            if !failed.is_decidable() && result.difference.is_empty() {
                 let sentence = "the noise leaves open which mistake it is";
                 result.difference.push(sentence.to_owned());
             }

@@ -1,7 +1,7 @@
 //! Results of cases.
 
 use super::analytic::Analytic;
-use crate::compare::{self, Detectable, Gate, Metric, NumberChange};
+use crate::compare::{self, Detectable, FitMap, Gate, Metric, NumberChange};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -99,6 +99,9 @@ pub struct CaseResult {
     /// Changes of numbers of the scene that the images would have shown.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub detectable: Vec<Detectable>,
+    /// The changes that fit best, as a picture for a report.
+    #[serde(skip)]
+    pub fit: Option<Box<FitMap>>,
     /// Wall time, for information.
     pub seconds: f64,
     /// Units of work by name, where they were counted.

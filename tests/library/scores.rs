@@ -1,7 +1,7 @@
 //! Score tests of the stochastic gate: sizes without bias, alarms no more often than promised.
 
 use crate::common::simulated::{Bits, Sampling, Shape, edited, sampled, scene};
-use volref::compare::stochastic::{BLOCK, judge_scores};
+use volref::compare::stochastic::{BLOCK, FINE_BLOCK, judge_scores};
 use volref::compare::{Judgement, Sensitivity};
 use volref::film::Film;
 
@@ -27,24 +27,31 @@ fn others(which: usize, x: f64, y: f64) -> [f64; 3] {
     }
 }
 
-/// Block means of a derivative, with noise of `relative` standard deviations of its size.
+/// Stripes of a pixel, which no block of 8 × 8 shows.
+fn ripple(x: f64, y: f64) -> [f64; 3] {
+    let sign = if x % 2.0 == 0.0 { 1.0 } else { -1.0 };
+    scene(x, y).map(|value| sign * value)
+}
+
+/// Means over blocks of a derivative, with noise of `relative` standard deviations of its size.
 fn sensitivity(
     name: &str,
+    edge: usize,
     relative: f64,
     seed: u64,
     of: impl Fn(f64, f64) -> [f64; 3],
 ) -> Sensitivity {
-    let columns = SIDE / BLOCK;
+    let columns = SIDE / edge;
     let mut bits = Bits(seed);
     let (mut means, mut variances) = (Vec::new(), Vec::new());
     for at in 0..columns * columns {
         let mut mean = [0.0; 3];
-        for pixel in 0..BLOCK * BLOCK {
-            let x = at % columns * BLOCK + pixel % BLOCK;
-            let y = at / columns * BLOCK + pixel / BLOCK;
+        for pixel in 0..edge * edge {
+            let x = at % columns * edge + pixel % edge;
+            let y = at / columns * edge + pixel / edge;
             let of_pixel = of(x as f64, y as f64);
             for c in 0..3 {
-                mean[c] += of_pixel[c] / (BLOCK * BLOCK) as f64;
+                mean[c] += of_pixel[c] / (edge * edge) as f64;
             }
         }
         let error = mean.map(|mean| relative * mean.abs());
@@ -68,9 +75,10 @@ fn sensitivity(
 
 fn sensitivities(seed: u64) -> Vec<Sensitivity> {
     vec![
-        sensitivity("density", 0.3, 3 * seed + 1, change),
-        sensitivity("lamp", 0.3, 3 * seed + 2, |x, y| others(0, x, y)),
-        sensitivity("shift", 0.3, 3 * seed + 3, |x, y| others(1, x, y)),
+        sensitivity("density", BLOCK, 0.3, 3 * seed + 1, change),
+        sensitivity("lamp", BLOCK, 0.3, 3 * seed + 2, |x, y| others(0, x, y)),
+        sensitivity("shift", BLOCK, 0.3, 3 * seed + 3, |x, y| others(1, x, y)),
+        sensitivity("ripple", FINE_BLOCK, 0.3, 3 * seed + 4, ripple),
     ]
 }
 
@@ -176,7 +184,7 @@ fn a_faint_change_is_seen_and_named() {
 fn what_cannot_be_told_apart_is_said() {
     let shapes = Shape::all();
     let mut known = sensitivities(4);
-    known.push(sensitivity("strength", 0.3, 99, |x, y| {
+    known.push(sensitivity("strength", BLOCK, 0.3, 99, |x, y| {
         change(x, y).map(|value| -2.0 * value)
     }));
     let pair = pair(4, &shapes[0], 64, |x, y| {
@@ -190,7 +198,21 @@ fn what_cannot_be_told_apart_is_said() {
     assert_eq!(both, [true, true], "{reason}");
 }
 
-/// Derivatives of another size, or without any noise in one image, are not used; nothing panics.
+/// What is in details only is found there.
+#[test]
+fn a_change_of_details_is_seen_and_named() {
+    let shapes = Shape::all();
+    let pair = pair(7, &shapes[1], 32, |x, y| {
+        let (light, change) = (scene(x, y), ripple(x, y));
+        [0, 1, 2].map(|c| light[c] + 0.2 * change[c])
+    });
+    let judgement = judged(&pair, &sensitivities(7), 1e-6);
+    let first = &judgement.changes[0];
+    assert_eq!(first.name, "ripple", "{judgement:?}");
+    assert!((first.change - 0.2).abs() < 4.0 * first.error, "{first:?}");
+}
+
+/// Derivatives of another size are not used, and none where one image states no noise; nothing panics.
 #[test]
 fn useless_derivatives_are_left_alone() {
     let shapes = Shape::all();
@@ -199,8 +221,12 @@ fn useless_derivatives_are_left_alone() {
     for sensitivity in &mut nothing {
         sensitivity.derivative = Film::new(2, 2, vec![[1.0; 3]; 4]);
     }
-    assert_eq!(judged(&pair, &nothing, 1e-6), judged(&pair, &[], 1e-6));
-    let zero = sensitivity("density", 0.0, 1, |_, _| [0.0; 3]);
+    let without = judged(&pair, &nothing, 1e-6);
+    assert!(without.passed);
+    // Those of the values of the image are left.
+    assert_eq!(without.metrics["scores"], 6.0);
+    assert!(judged(&pair, &[], 1e-6).detectable.is_empty());
+    let zero = sensitivity("density", BLOCK, 0.0, 1, |_, _| [0.0; 3]);
     assert!(judged(&pair, &[zero], 1e-6).passed);
     let silent = Film::new(SIDE, SIDE, pair[1].radiance().to_vec());
     assert!(judged(&[pair[0].clone(), silent], &sensitivities(5), 1e-6).passed);

@@ -1,7 +1,7 @@
 //! Two images, block by block, with their noise completed.
 
 use super::super::significance::deviation;
-use super::blocks::{Block, Total, Variance, parts};
+use super::blocks::{BLOCK, Block, Total, Variance, parts_of};
 use super::variance::{NoiseShape, Stated, unstated};
 use crate::film::Film;
 
@@ -16,27 +16,34 @@ pub(super) struct Comparison<'f> {
     /// The completion of variances that are not stated.
     pub shape: NoiseShape,
     /// Probability with which noise that is not stated may be underestimated.
-    level: f64,
+    pub level: f64,
+    /// Pixels on a side of a block.
+    edge: usize,
 }
 
 impl<'f> Comparison<'f> {
     /// `level` is the probability with which the noise of an image that does not state it may be
     /// underestimated.
     pub fn new(reference: &'f Film, test: &'f Film, level: f64) -> Comparison<'f> {
-        let films = [reference, test];
+        Comparison::in_blocks([reference, test], BLOCK, level)
+    }
+
+    /// The same in blocks of another size.
+    pub fn in_blocks(films: [&'f Film; 2], edge: usize, level: f64) -> Comparison<'f> {
+        let [reference, _] = films;
         let mut blocks = Vec::new();
-        for rows in parts(reference.height()) {
-            for columns in parts(reference.width()) {
+        for rows in parts_of(reference.height(), edge) {
+            for columns in parts_of(reference.width(), edge) {
                 blocks.push(Block::new(films, columns, rows.clone()));
             }
         }
-        Comparison::completed(films, films.map(Stated::by), blocks, level, 1.0)
+        Comparison::completed((films, edge), films.map(Stated::by), blocks, level, 1.0)
     }
 
     /// With the variances of `blocks` from what is stated and from how differences spread, of a test
     /// image with `times` the samples that it was looked at with.
     fn completed(
-        films: [&'f Film; 2],
+        (films, edge): ([&'f Film; 2], usize),
         stated: [Stated; 2],
         mut blocks: Vec<Block>,
         level: f64,
@@ -64,6 +71,7 @@ impl<'f> Comparison<'f> {
             stated,
             shape,
             level,
+            edge,
         }
     }
 
@@ -78,12 +86,12 @@ impl<'f> Comparison<'f> {
         }
         let [of_reference, of_test] = self.stated;
         let stated = [of_reference, of_test.times(times)];
-        Comparison::completed(self.films, stated, blocks, self.level, times)
+        Comparison::completed((self.films, self.edge), stated, blocks, self.level, times)
     }
 
     /// Blocks in a row.
     pub fn columns(&self) -> usize {
-        parts(self.films[0].width()).count()
+        parts_of(self.films[0].width(), self.edge).count()
     }
 
     /// Blocks and channels, of which each is asked for a bias.

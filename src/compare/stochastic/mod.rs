@@ -100,13 +100,15 @@ mod blocks;
 mod comparison;
 mod map;
 mod neighbours;
+mod numbers;
 mod pixels;
 mod resolution;
 mod scales;
 mod scores;
+mod values;
 mod variance;
 
-pub use blocks::{BLOCK, DARK};
+pub use blocks::{BLOCK, DARK, FINE_BLOCK};
 pub use map::{block_error, block_map};
 
 use super::advice::Undecided;
@@ -124,10 +126,10 @@ use amount::judge_amount;
 use blocks::{Block, Channel};
 use comparison::Comparison;
 use neighbours::judge_neighbours;
+use numbers::judge_numbers;
 use pixels::{PixelDifferences, judge_one_variance};
 use resolution::Limits;
 use scales::judge_scales;
-use scores::Scores;
 
 /// Probability that any correct case of a suite is rejected.
 pub const FALSE_ALARM: f64 = 1e-6;
@@ -366,19 +368,9 @@ fn judgement(
         faults.extend(judge_scales(comparison, level));
     }
     let is_biased = !faults.is_empty();
-    let scores = Scores::new(comparison, sensitivities);
-    let (mut changes, mut detectable) = (Vec::new(), Vec::new());
-    if let Some(scores) = &scores {
-        let (_, largest) = scores.largest();
-        metrics.push(("scores", scores.count() as f64));
-        metrics.push(("largest_score", finite(largest)));
-        detectable = scores.detectable(level, limits.deviations());
-        if scores.is_rejected(level) {
-            let explanation = scores.explanation();
-            faults.push(scores.in_words(&explanation));
-            changes = scores.changes(&explanation);
-        }
-    }
+    let deviations = limits.deviations();
+    let numbers = judge_numbers(comparison, sensitivities, level, deviations, &mut metrics);
+    faults.extend(numbers.fault);
     let pixels = PixelDifferences::new(comparison);
     if let [Some(a), Some(b)] = comparison.numbers() {
         faults.extend(pixels.judge_far(level, &mut metrics));
@@ -424,7 +416,7 @@ fn judgement(
         ),
         _ if passed => {
             // The first number is the one that matters most.
-            let of_number = detectable.first();
+            let of_number = numbers.detectable.first();
             let of_number = of_number.map_or(String::new(), |it| format!("{}, ", it.words));
             format!(
                 "no difference beyond noise; detectable bias {of_number}{} for the image mean, {} within \
@@ -443,8 +435,9 @@ fn judgement(
     }
     Judgement {
         undecided,
-        changes,
-        detectable,
+        changes: numbers.changes,
+        detectable: numbers.detectable,
+        fit: numbers.fit,
         ..Judgement::new(&Stochastic, passed, reason, &metrics)
     }
 }

@@ -29,8 +29,9 @@
 //! Of several numbers the one with the largest score is fitted first, then the one with the largest
 //! in what is left, three at most.
 
+use super::blocks::BLOCK;
 use super::comparison::Comparison;
-use crate::compare::judgement::{Detectable, NumberChange};
+use crate::compare::judgement::{Detectable, FitMap, NumberChange};
 use crate::compare::sensitivity::Sensitivity;
 use crate::math;
 use glam::{DMat3, DVec3};
@@ -60,6 +61,10 @@ pub(super) struct Scores<'s> {
     /// By number.
     tested: Vec<Tested>,
     cells: Vec<Cell>,
+    /// Pixels on a side of a block.
+    edge: usize,
+    /// Blocks in a row.
+    columns: usize,
 }
 
 /// A channel of a block.
@@ -169,13 +174,15 @@ pub(super) struct Explanation {
 }
 
 impl<'s> Scores<'s> {
-    /// `None` where there is nothing to be tested: no sensitivities of blocks like these.
-    pub fn new(comparison: &Comparison<'_>, all: &'s [Sensitivity]) -> Option<Scores<'s>> {
+    /// Of blocks with an `edge` of so many pixels; `None` where there is nothing to be tested: no
+    /// sensitivities of blocks like these.
+    pub fn new(
+        comparison: &Comparison<'_>,
+        edge: usize,
+        all: &'s [Sensitivity],
+    ) -> Option<Scores<'s>> {
         let blocks = &comparison.blocks;
         let fits = |it: &&Sensitivity| it.derivative.radiance().len() == blocks.len();
-        if comparison.numbers().contains(&None) {
-            return None;
-        }
         let mut sensitivities: Vec<&Sensitivity> = all.iter().filter(fits).collect();
         let mut cells = cells(comparison, &sensitivities);
         // A derivative that is mostly noise says nothing: its square must be known to a quarter.
@@ -200,6 +207,8 @@ impl<'s> Scores<'s> {
             tested: tested.collect(),
             sensitivities,
             cells,
+            edge,
+            columns: comparison.columns(),
         })
     }
 
@@ -221,20 +230,15 @@ impl<'s> Scores<'s> {
         self.tested[k].deviation().abs()
     }
 
-    /// Whether a score is so large by chance with a probability of `level` at most.
+    /// Whether a score is so large by chance with a probability of `level` at most, in one test.
     pub fn is_rejected(&self, level: f64) -> bool {
-        self.largest().1.abs() >= self.critical(level)
-    }
-
-    /// The score at which one of the tests rejects, all of them together at `level`.
-    fn critical(&self, level: f64) -> f64 {
-        (2.0 * math::ln(2.0 * self.count() as f64 / level)).sqrt()
+        self.largest().1.abs() >= critical(level)
     }
 
     /// The smallest change of each number that would be rejected with probability one half: by its
     /// score, and by blocks and the mean of the image, at these deviations.
     pub fn detectable(&self, level: f64, [of_block, of_whole]: [f64; 2]) -> Vec<Detectable> {
-        let critical = self.critical(level);
+        let critical = critical(level);
         let of_number = |(k, tested): (usize, &Tested)| {
             let change = critical * tested.expected_variance.sqrt() / tested.information;
             let (mut sums, mut without_score) = ([[0.0; 2]; 3], f64::INFINITY);
@@ -243,7 +247,9 @@ impl<'s> Scores<'s> {
                 let [derivative, noise] = cell.derivatives[k];
                 // What noise makes of the derivative of a block is no change of it.
                 let known = (derivative * derivative - noise).max(0.0).sqrt();
-                without_score = f64::min(without_score, of_block * variance.sqrt() / known);
+                if self.edge == BLOCK {
+                    without_score = f64::min(without_score, of_block * variance.sqrt() / known);
+                }
                 sums[at % 3][0] += derivative;
                 sums[at % 3][1] += variance;
             }
@@ -449,6 +455,39 @@ impl<'s> Scores<'s> {
             .collect()
     }
 
+    /// Every number with the change of it that fits alone, where another size of blocks has what fits
+    /// best.
+    pub fn changes_alone(&self) -> Vec<NumberChange> {
+        self.changes(&Explanation {
+            best: Vec::new(),
+            alike: Vec::new(),
+        })
+    }
+
+    /// The difference and the part of it that the best changes make.
+    pub fn map(&self, Explanation { best, .. }: &Explanation) -> FitMap {
+        let of_blocks = |sum: &dyn Fn(&Cell) -> f64| {
+            let of_cell = |cell: &Cell| match sum(cell) / cell.variance().sqrt() {
+                errors if errors.is_finite() => errors,
+                _ => 0.0,
+            };
+            let blocks = self.cells.chunks_exact(3);
+            blocks
+                .map(|block| [0, 1, 2].map(|c| of_cell(&block[c])))
+                .collect()
+        };
+        let fitted = |cell: &Cell| {
+            let of = best.iter();
+            of.map(|it| it.change * cell.derivatives[it.number][0])
+                .sum()
+        };
+        FitMap {
+            columns: self.columns,
+            difference: of_blocks(&|cell| cell.difference),
+            fitted: of_blocks(&fitted),
+        }
+    }
+
     /// Sentence on what the difference looks like.
     pub fn in_words(&self, Explanation { best, alike }: &Explanation) -> String {
         let changes = best
@@ -488,6 +527,11 @@ impl<'s> Scores<'s> {
         }
         text
     }
+}
+
+/// The score at which one test rejects at `level`.
+fn critical(level: f64) -> f64 {
+    (2.0 * math::ln(2.0 / level)).sqrt()
 }
 
 /// Channels of all blocks, with their derivatives by all these numbers.

@@ -53,6 +53,7 @@ pub(super) fn view(
         mistakes => result.looks_like.iter().map(mistake).collect::<Vec<_>>(),
         numbers => result.metrics.iter().map(number).collect::<Vec<_>>(),
         changes => forest::rows(&result.changes),
+        fit => result.fit.as_deref().map(forest::pictures),
         // Red, green and blue over the image, where there are both images.
         means => films.map(|(golden, test)| measures::means(golden, test)),
         spread_words,

@@ -63,7 +63,7 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
             }
             Some(())
         };
-        numbers.push(Number::new(&INDEX, 0.1, Smooth, all(edit)));
+        numbers.push(Number::new(&INDEX, 0.1, Smooth, all(edit)).fine());
     }
     numbers
 }

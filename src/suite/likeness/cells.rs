@@ -158,6 +158,57 @@ impl Cells {
         (self.columns, self.rows) == (other.columns, other.rows)
     }
 
+    /// The means of all channels of all cells.
+    pub fn values(&self) -> Vec<f64> {
+        self.means.as_flattened().to_vec()
+    }
+
+    /// The weights of squared differences from `test`, of all channels of all cells of this golden.
+    pub fn weights(&self, test: &Cells) -> Vec<f64> {
+        let noise = test.noise_over(self);
+        let channels = (0..self.means.len()).flat_map(|cell| (0..3).map(move |c| (cell, c)));
+        channels
+            .map(|(cell, c)| self.weight(cell, c, noise))
+            .collect()
+    }
+
+    /// This golden with a change, of which renderings from the same random numbers show what it does:
+    /// one `before` and `after` for each seed, all of one size. The noise of what it does is in
+    /// proportion to that of the renderings, by as much as seeds differ.
+    pub fn moved(&self, before: &[Cells], after: &[Cells]) -> Cells {
+        let mut moved = self.clone();
+        let seeds = after.len() as f64;
+        let (mut apart, mut of_renderings) = (0.0, 0.0);
+        let mut noise = Vec::with_capacity(3 * self.means.len());
+        for (cell, means) in moved.means.iter_mut().enumerate() {
+            for (c, mean) in means.iter_mut().enumerate() {
+                let ways = || {
+                    let pairs = after.iter().zip(before);
+                    pairs.map(|(after, before)| after.means[cell][c] - before.means[cell][c])
+                };
+                let way = ways().sum::<f64>() / seeds;
+                *mean += way;
+                let stated = after.iter().map(|after| after.variances[cell][c]);
+                let of_cell = stated.sum::<f64>() / (seeds * seeds);
+                noise.push(of_cell);
+                let weight = self.weight(cell, c, 0.0);
+                of_renderings += weight * of_cell;
+                if seeds > 1.0 {
+                    let squares = ways().map(|one| (one - way) * (one - way));
+                    apart += weight * squares.sum::<f64>() / (seeds * (seeds - 1.0));
+                }
+            }
+        }
+        if apart > 0.0 && of_renderings > 0.0 {
+            let ratio = apart / of_renderings;
+            let variances = moved.variances.as_flattened_mut().iter_mut();
+            for (variance, noise) in variances.zip(noise) {
+                *variance += ratio * noise;
+            }
+        }
+        moved
+    }
+
     /// What two changes make of `base` together, if each multiplies what it finds by the same
     /// factor: `self · other / base`, or where that has no meaning `self + other − base`. All of
     /// one size; without noise.
@@ -248,23 +299,6 @@ impl Cells {
             fourths.add(square * square);
         }
         squares.value() * squares.value() / fourths.value()
-    }
-
-    /// Weighted sums over the cells: the way from `before` to `self` times that from `self` to `test`,
-    /// and the square of the former.
-    pub fn along(&self, before: &Cells, test: &Cells, golden: &Cells) -> [f64; 2] {
-        let noise_over_golden = test.noise_over(golden);
-        let (mut product, mut square) = (Sum::default(), Sum::default());
-        for cell in 0..self.means.len() {
-            for c in 0..3 {
-                let weight = golden.weight(cell, c, noise_over_golden);
-                let here = self.means[cell][c];
-                let way = here - before.means[cell][c];
-                product.add(weight * way * (test.means[cell][c] - here));
-                square.add(weight * way * way);
-            }
-        }
-        [product.value(), square.value()]
     }
 
     /// The weight of a squared difference in a cell of this golden, from which the noise of a test

@@ -48,6 +48,8 @@ pub(super) struct ComparedCase {
     /// Judged by noise, in coarse cells; else pixel by pixel.
     pub is_sampled: bool,
     pub golden: Film,
+    /// Numbers of the scene that the verdict names; none where it names none.
+    pub suspects: Vec<String>,
     scene: Scene,
     /// Of its panels.
     widths: Vec<usize>,
@@ -130,6 +132,7 @@ impl ComparedCase {
             effective_cells: golden_cells.effective_cells(&test_cells),
             is_another_exposure: is_another_exposure(case, &golden, &picture),
             is_sampled,
+            suspects: suspects(judged),
             from_golden: golden_cells.misfit(&test_cells, &golden_cells),
             golden,
             scene,
@@ -188,6 +191,11 @@ impl ComparedCase {
             in_noise: if is_noise { 1.0 } else { f64::INFINITY },
             ..misfit
         })
+    }
+
+    /// Whether the verdict names numbers of the scene.
+    pub fn has_suspects(&self) -> bool {
+        !self.suspects.is_empty()
     }
 
     /// The share of the squared difference that a hypothesis may leave unexplained.
@@ -253,12 +261,22 @@ impl ComparedCase {
         label: &str,
         clock: &SearchClock<'_>,
     ) -> Option<Cells> {
+        self.predicted_by_seed(edited, label, 0, clock)
+    }
+
+    fn predicted_by_seed(
+        &self,
+        edited: &Scene,
+        label: &str,
+        seed: u64,
+        clock: &SearchClock<'_>,
+    ) -> Option<Cells> {
         let look = if self.is_sampled {
             self.second
         } else {
             self.first
         };
-        let film = predicted(&self.scene, edited, label, look, clock)?;
+        let film = predicted(&self.scene, edited, (label, seed), look, clock)?;
         let film = clamped(&film, self.ceiling);
         if self.is_sampled {
             return in_cells(&film, &self.golden_cells);
@@ -275,12 +293,26 @@ impl ComparedCase {
         }
     }
 
-    /// Of the way from `before` to `now`: how far along it the image lies from `now`, and its
-    /// squared length, both as weighted sums.
-    pub fn along(&self, now: &Cells, before: &Cells) -> Option<[f64; 2]> {
+    /// Golden and image, as a [fit](super::fit) sees them.
+    pub fn in_fit(&self) -> [&Cells; 2] {
         let (golden, test, _) = self.as_predicted();
-        let fit = now.has_size_of(golden) && before.has_size_of(golden);
-        fit.then(|| now.along(before, test, golden))
+        [golden, test]
+    }
+
+    /// Renderings of `edited` for a fit, one for each seed: two where there is noise.
+    pub fn predicted_for_fit(
+        &self,
+        edited: &Scene,
+        label: &str,
+        clock: &SearchClock<'_>,
+    ) -> Option<Vec<Cells>> {
+        let seeds = if self.is_sampled { 2 } else { 1 };
+        let of_seed = |seed: usize| {
+            let label = format!("{label} {seed}");
+            let cells = self.predicted_by_seed(edited, &label, seed as u64, clock)?;
+            cells.has_size_of(self.in_fit()[0]).then_some(cells)
+        };
+        (0..seeds).map(of_seed).collect()
     }
 
     /// The share of the squared difference that `prediction` leaves.
@@ -289,6 +321,12 @@ impl ComparedCase {
         let fits = prediction.has_size_of(golden);
         let left = fits.then(|| prediction.misfit(test, golden).distance().value)?;
         Some(left / whole.distance().value).filter(|share| share.is_finite())
+    }
+
+    /// Whether `prediction` differs from the image by no more than noise.
+    pub fn is_noise_beside(&self, prediction: &Cells) -> bool {
+        let (golden, test, _) = self.as_predicted();
+        self.is_sampled && prediction.misfit(test, golden).is_noise()
     }
 
     /// Whether `prediction` leaves no more than `share`, beyond doubt.
@@ -450,7 +488,7 @@ impl ComparedCase {
             Some(scene) => {
                 let of_the_scene = mistakes.iter().filter(|m| !m.is_of_the_image());
                 let names: Vec<&str> = of_the_scene.map(|mistake| mistake.name).collect();
-                predicted(&self.scene, &scene, &names.join(" + "), look, clock)?
+                predicted(&self.scene, &scene, (&names.join(" + "), 0), look, clock)?
             }
             None => self.golden.clone(),
         };
@@ -472,6 +510,13 @@ impl Glimpse {
             test_film,
         }
     }
+}
+
+/// Names of the numbers that the difference looks like.
+fn suspects(judged: &Judged) -> Vec<String> {
+    let changes = judged.result.changes.iter();
+    let named = changes.filter(|change| change.fits_best || change.alike);
+    named.map(|change| change.name.clone()).collect()
 }
 
 /// The whole image, with the samples of its blocks.

@@ -85,6 +85,14 @@ pub const FAULTS: &[Fault] = &[
         Ray(|s| s.phong.as_mut().unwrap().diffuse = 0.7),
     ),
     fault(
+        "diffuse 0.7, opacity + 10 %",
+        PLUME,
+        Ray(|s| {
+            s.phong.as_mut().unwrap().diffuse = 0.7;
+            s.transfer_function.reference_length /= 1.1;
+        }),
+    ),
+    fault(
         "highlight × 2",
         PLUME,
         Ray(|s| s.phong.as_mut().unwrap().specular = 2.0),

@@ -64,6 +64,7 @@ impl Sample {
 pub fn result(name: &str, verdict: Verdict) -> CaseResult {
     CaseResult {
         changes: Vec::new(),
+        fit: None,
         detectable: Vec::new(),
         name: name.to_owned(),
         family: name.split('/').next().unwrap().to_owned(),

@@ -1,0 +1,114 @@
+//! Numbers of the values of an image: what exposure, gains, an offset or an exponent change of it.
+
+use super::blocks::{Block, Channel};
+use super::comparison::Comparison;
+use crate::compare::sensitivity::Sensitivity;
+use crate::film::Film;
+use crate::math;
+
+/// Derivative of a radiance by a number of values, times the other channels' share of 0 or 1.
+type Derivative = fn(f64) -> f64;
+
+/// Name, words, unit, step, channels that change, and derivative.
+type ValueNumber = (
+    &'static str,
+    &'static str,
+    Option<&'static str>,
+    f64,
+    [f64; 3],
+    Derivative,
+);
+
+const ALL: [f64; 3] = [1.0; 3];
+
+/// An exponent of 1 + x multiplies a value v by v^x, which a tenth changes in proportion.
+const NUMBERS: [ValueNumber; 6] = [
+    ("exposure", "exposure", None, f64::INFINITY, ALL, |v| v),
+    (
+        "gain.red",
+        "gain of red",
+        None,
+        f64::INFINITY,
+        [1.0, 0.0, 0.0],
+        |v| v,
+    ),
+    (
+        "gain.green",
+        "gain of green",
+        None,
+        f64::INFINITY,
+        [0.0, 1.0, 0.0],
+        |v| v,
+    ),
+    (
+        "gain.blue",
+        "gain of blue",
+        None,
+        f64::INFINITY,
+        [0.0, 0.0, 1.0],
+        |v| v,
+    ),
+    (
+        "offset",
+        "offset of all values",
+        Some(""),
+        f64::INFINITY,
+        ALL,
+        |_| 1.0,
+    ),
+    ("gamma", "exponent of all values", None, 0.1, ALL, |v| {
+        if v > 0.0 { v * math::ln(v) } else { 0.0 }
+    }),
+];
+
+/// Sensitivities of the images of a comparison to numbers of their values, in its blocks.
+pub(super) fn value_sensitivities(comparison: &Comparison<'_>) -> Vec<Sensitivity> {
+    let columns = comparison.columns();
+    let rows = comparison.blocks.len() / columns;
+    let of = |(name, words, unit, step, channels, derivative): ValueNumber| {
+        let (mut means, mut variances) = (Vec::new(), Vec::new());
+        for block in &comparison.blocks {
+            let (mut mean, mut variance) = ([0.0; 3], [0.0; 3]);
+            for c in 0..3 {
+                let [radiance, square] = radiance(block, &block.channels[c]);
+                mean[c] = (channels[c] * derivative(radiance)) as f32;
+                // By the slope of the derivative; an offset has none.
+                let slope =
+                    (derivative(1.001 * radiance) - derivative(radiance)) / (1e-3 * radiance);
+                let error = channels[c] * slope * square.sqrt();
+                variance[c] = if error.is_finite() {
+                    (error * error) as f32
+                } else {
+                    0.0
+                };
+            }
+            means.push(mean);
+            variances.push(variance);
+        }
+        Sensitivity {
+            name: name.to_owned(),
+            words: words.to_owned(),
+            unit: unit.map(str::to_owned),
+            step,
+            can_be: [true; 2],
+            derivative: Film::with_noise(columns, rows, means, variances, 2),
+        }
+    };
+    NUMBERS.into_iter().map(of).collect()
+}
+
+/// Mean radiance of a block in both images, each weighed by the variance of the other, and its variance:
+/// of all weights these alone make it independent of the difference.
+fn radiance(block: &Block, channel: &Channel) -> [f64; 2] {
+    let pixels = block.pixels() as f64;
+    let reference = channel.radiance / pixels;
+    let test = reference + channel.difference.value / pixels;
+    let [of_reference, of_test] = channel.variance.own.map(|v| v / (pixels * pixels));
+    let both = of_reference + of_test;
+    if both > 0.0 {
+        let mean = (of_test * reference + of_reference * test) / both;
+        [mean, of_reference * of_test / both]
+    } else {
+        [reference, 0.0]
+    }
+}

@@ -1,0 +1,62 @@
+//! Distances between samples that would explain an image.
+//!
+//! Samples lie elsewhere at each distance, so that none is near another and a distance cannot be
+//! approached: a list of factors is tried.
+
+use super::clock::SearchClock;
+use super::compared_case::ComparedCase;
+use super::fit::{LEFT, explained_but_for};
+use crate::scene::Model;
+
+/// Factors that are tried: fractions of small numbers, and what another unit makes.
+const FACTORS: [f64; 14] = [
+    0.1,
+    0.2,
+    1.0 / 3.0,
+    0.4,
+    2.0 / 3.0,
+    0.75,
+    0.8,
+    1.25,
+    4.0 / 3.0,
+    1.5,
+    2.5,
+    3.0,
+    5.0,
+    10.0,
+];
+
+impl ComparedCase {
+    /// Sentence on that of the factors which is nearest to the image, if it leaves little, and whether
+    /// it explains the image as well as a mistake would have to.
+    pub fn fitted_step(&self, clock: &SearchClock<'_>) -> Option<(String, bool)> {
+        let predicted = |factor: f64| {
+            if clock.is_late() {
+                return None;
+            }
+            let mut edited = self.scene().clone();
+            let mut occurs = false;
+            for panel in &mut edited.panels {
+                if let Model::Classified(scene) = &mut panel.model
+                    && !scene.is_continuous()
+                {
+                    scene.step *= factor;
+                    occurs = true;
+                }
+            }
+            let label = format!("step {factor}");
+            occurs
+                .then(|| self.predicted_with(&edited, &label, clock))
+                .flatten()
+        };
+        let tried = FACTORS.into_iter().filter_map(|factor| {
+            let predicted = predicted(factor)?;
+            Some((factor, self.share_left(&predicted)?, predicted))
+        });
+        let (factor, left, nearest) = tried.min_by(|(_, a, _), (_, b, _)| a.total_cmp(b))?;
+        let worth_saying = self.is_explained_but_for(&nearest, LEFT)?;
+        let is_all = self.is_explained_but_for(&nearest, self.may_leave())?;
+        let words = format!("steps {factor:.2} times as long");
+        worth_saying.then(|| (explained_but_for(&words, left.max(0.0)), is_all))
+    }
+}
