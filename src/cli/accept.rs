@@ -2,6 +2,7 @@
 
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
+use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress};
 use crate::suite::{self, AcceptError, Cache, Change, StoreError};
@@ -22,6 +23,8 @@ pub struct Arguments {
     #[command(flatten)]
     selection: Selection,
     #[command(flatten)]
+    partition: PartitionArgument,
+    #[command(flatten)]
     json: Json,
 }
 
@@ -29,7 +32,10 @@ pub struct Arguments {
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open_to_change()?;
     output::check(&[arguments.json.file()], &[])?;
-    let cases = suite.select(&arguments.cases)?;
+    let mut cases = suite.select(&arguments.cases)?;
+    arguments
+        .partition
+        .retain(&mut cases, |case| case.name.clone())?;
     let in_ci = std::env::var_os("CI").is_some_and(|value| !value.is_empty());
     let bar = progress::work();
     let cache = Cache::open(suite.cache_folder());

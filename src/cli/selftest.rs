@@ -2,12 +2,14 @@
 
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
+use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress};
 use crate::report;
 use crate::suite::mistakes::{self, Mistake};
 use crate::suite::{
-    Case, Naming, Predictions, SelfTestExtent, Step, Store, naming, self_test, self_test_steps,
+    Case, Naming, Predictions, SelfTestCases, SelfTestExtent, Step, Store, naming, self_test,
+    self_test_steps,
 };
 use serde_json::json;
 
@@ -19,6 +21,8 @@ pub struct Arguments {
     filters: Vec<String>,
     #[command(flatten)]
     selection: Selection,
+    #[command(flatten)]
+    partition: PartitionArgument,
     /// Try each mistake only until a case catches it
     #[arg(long)]
     quick: bool,
@@ -38,7 +42,10 @@ pub struct Arguments {
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
     output::check(&[arguments.json.file()], &[])?;
-    let cases = suite.select(&arguments.filters)?;
+    let mut cases = suite.select(&arguments.filters)?;
+    arguments
+        .partition
+        .retain(&mut cases, |case| case.name.clone())?;
     let store = suite.store();
     if arguments.naming.is_some() || arguments.pairs.is_some() {
         let made = made(arguments.naming.unwrap_or(0), arguments.pairs.unwrap_or(0));
@@ -50,8 +57,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         SelfTestExtent::Full
     };
     let bar = progress::counted("steps", self_test_steps(cases.len()));
-    let is_whole = arguments.filters.is_empty();
-    let test = self_test(&cases, is_whole, &store, extent, &|step| match step {
+    let which = match (arguments.partition.is_whole(), arguments.filters.is_empty()) {
+        (false, _) => SelfTestCases::Part,
+        (true, true) => SelfTestCases::Whole,
+        (true, false) => SelfTestCases::Selected,
+    };
+    let test = self_test(&cases, which, &store, extent, &|step| match step {
         Step::Begins(what) => bar.set_message(what),
         Step::Done => bar.inc(1),
     });

@@ -1,12 +1,17 @@
 //! `volref validate (--outputs DIR | --run CMD) [FILTER…]`
 
+use super::decide::LookAgain;
 use super::export::write_all;
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input};
 use super::keep::keeper;
+use super::made::{Ask, Made};
+use super::partition::PartitionArgument;
 use super::results::{Findings, ResultFiles, check_not_golden};
 use super::suite::{Selection, exit};
-use super::{Outcome, ctest, interrupt, output, progress};
+use super::{Outcome, ctest, decide, interrupt, output, progress};
+use crate::atomic_file::write_atomically;
 use crate::exchange::{self, Format};
+use crate::film::Film;
 use crate::math::exp2;
 use crate::regular_file::note_input;
 use crate::report;
@@ -14,9 +19,10 @@ use crate::scene::{Classified, Panel, Scene};
 use crate::suite::{
     Case, CaseResult, Cause, CommandTemplate, ConventionSearch, Evidence, Judged, Likenesses,
     Output, Outputs, Predictions, Profile, Search, Store, Suite, Verdict, likeness,
-    run as run_process, step_name, stop_all, telling_case, validate,
+    run as run_process, step_name, stop_all, telling_case, validate, validate_at,
 };
 use std::collections::BTreeMap;
+use std::error::Error;
 use std::path::{Path, PathBuf, absolute};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
@@ -27,6 +33,7 @@ use tempfile::TempDir;
 const TIMEOUT: &str = "600";
 const SPP: &str = "64";
 const SEED: &str = "1";
+const BUDGET: &str = "10m";
 const FORMAT: &str = "exr";
 /// Formats of images.
 const FORMATS: [&str; 4] = ["exr", "pfm", "npy", "png"];
@@ -59,6 +66,8 @@ pub struct Arguments {
     filters: Vec<String>,
     #[command(flatten)]
     selection: Selection,
+    #[command(flatten)]
+    partition: PartitionArgument,
     /// Folder with finished images
     #[arg(long, value_name = "DIR", group = "images")]
     outputs: Option<PathBuf>,
@@ -97,8 +106,17 @@ pub struct Arguments {
     /// With --run: image format of {output}: exr, pfm, npy or png
     #[arg(long, value_name = "EXT", default_value = FORMAT, value_parser = FORMATS)]
     format: String,
-    /// With --run: keep the images in DIR
-    #[arg(long, value_name = "DIR", requires = "run")]
+    /// With --run: render cases that noise leaves open again, with other seeds and more samples, until
+    /// each passes or fails, or the budget is spent; all these looks together raise a false alarm no more
+    /// often than one
+    #[arg(long, requires = "run", conflicts_with = "outputs")]
+    decide: bool,
+    /// With --decide: time for the further renderings of all cases, such as 90s, 10m or 2h
+    #[arg(long, value_name = "TIME", default_value = BUDGET, requires = "decide", value_parser = decide::budget)]
+    budget: Duration,
+    /// With --run: keep the images in DIR; with --decide those of the last look: put
+    /// together as .exr, or numbered
+    #[arg(long, value_name = "DIR", requires = "run", conflicts_with = "outputs")]
     keep: Option<PathBuf>,
     /// Print metrics and pictures as lines that CTest collects, with the pictures in DIR
     #[arg(long, value_name = "DIR")]
@@ -155,10 +173,14 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if arguments.only_present {
         cases.retain(|case| source.may_have(case));
     }
+    arguments
+        .partition
+        .retain(&mut cases, |case| case.name.clone())?;
     let said = PrintedVerdicts {
         speaks: !arguments.files.prints_json(),
         widest: cases.iter().map(|case| case.name.len()).max().unwrap_or(0),
         folds_missing: !arguments.verbose && matches!(source, Source::Finished(..)),
+        waits: arguments.decide,
     };
     let judge = Judge {
         suite: &suite,
@@ -176,6 +198,22 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             source.unknown_files().trim_end()
         );
         return Err(Failure::new(Exit::Undecided, message, Some(&help)));
+    }
+    if let Source::Renderer(renderer) = &source
+        && arguments.decide
+    {
+        let were_open = judged.iter().map(decide::is_open);
+        let were_open: Vec<bool> = were_open.collect();
+        let judge = &judge;
+        let again = Again { judge, renderer };
+        decide::decide(&again, &cases, &mut judged, arguments.budget);
+        for (judged, _) in judged
+            .iter()
+            .zip(were_open)
+            .filter(|(_, was_open)| *was_open)
+        {
+            said.verdict(&judged.result);
+        }
     }
     let results: Vec<CaseResult> = judged.iter().map(|judged| judged.result.clone()).collect();
     said.print(&(said.without_image(&results) + &report::summary_text(&results)));
@@ -212,6 +250,8 @@ struct PrintedVerdicts {
     widest: usize,
     /// Whether cases without an image are only counted.
     folds_missing: bool,
+    /// Whether cases that noise leaves open are decided later.
+    waits: bool,
 }
 
 impl PrintedVerdicts {
@@ -333,7 +373,7 @@ impl<'a> Source<'a> {
     fn output(&self, case: &Case) -> Made {
         match self {
             Source::Finished(folder, outputs) => Made::of(read(outputs, folder, case)),
-            Source::Renderer(renderer) => renderer.output(case),
+            Source::Renderer(renderer) => renderer.output(case, renderer.first()),
         }
     }
 
@@ -376,28 +416,6 @@ impl<'a> Source<'a> {
             text.push('\n');
         }
         text
-    }
-}
-
-/// The output for a case, and its origin.
-struct Made {
-    output: Output,
-    /// Output of the renderer, if one was run.
-    printed: Option<String>,
-    /// Notes beside the verdict.
-    notes: Vec<String>,
-    /// Command line of the renderer, if one was run.
-    call: Option<String>,
-}
-
-impl Made {
-    fn of(output: Output) -> Made {
-        Made {
-            output,
-            printed: None,
-            notes: Vec::new(),
-            call: None,
-        }
     }
 }
 
@@ -467,10 +485,34 @@ fn not_run(error: std::io::Error) -> Output {
 }
 
 impl RendererRun<'_> {
+    /// What the command line asks for.
+    fn first(&self) -> Ask {
+        Ask {
+            spp: self.arguments.spp,
+            seed: self.arguments.seed,
+        }
+    }
+
+    /// Replaces the image of the last call by these, if images are kept: one image, or several renderings.
+    fn keep(&self, case: &Case, films: &[Film]) -> Result<(), Box<dyn Error>> {
+        if self.arguments.keep.is_none() {
+            return Ok(());
+        }
+        std::fs::remove_file(image_of(&self.folder, case, &self.arguments.format))?;
+        for (number, film) in films.iter().enumerate() {
+            let extension = match films.len() {
+                1 => "exr".to_owned(),
+                _ => format!("{number}.exr"),
+            };
+            write_atomically(&image_of(&self.folder, case, &extension), &film.to_exr()?)?;
+        }
+        Ok(())
+    }
+
     /// The output for `case`: of a case without a step, images with three steps, if the command takes
     /// its step from here.
-    fn output(&self, case: &Case) -> Made {
-        let mut call = match self.call(case) {
+    fn output(&self, case: &Case, ask: Ask) -> Made {
+        let mut call = match self.call(case, ask) {
             Ok(call) => call,
             Err(output) => return Made::of(output),
         };
@@ -495,9 +537,9 @@ impl RendererRun<'_> {
         }
         let output = match failure {
             Some(failure) => Output::Unusable(failure),
-            None => self.written(case, has_steps),
+            None => self.written(case, has_steps, ask),
         };
-        notes.extend(self.fewer_samples(&output));
+        notes.extend(self.fewer_samples(&output, ask));
         Made {
             output,
             printed: Some(printed),
@@ -508,19 +550,19 @@ impl RendererRun<'_> {
 
     /// A note on an image that states half the samples it was asked for or fewer: the gate takes them
     /// as they are, and allows for the more noise. More are no surprise: renderings add up.
-    fn fewer_samples(&self, output: &Output) -> Option<String> {
+    fn fewer_samples(&self, output: &Output, ask: Ask) -> Option<String> {
         let Output::Picture(picture) = output else {
             return None;
         };
         let film = picture.radiance().filter(|_| self.asks_for_samples())?;
-        let (stated, asked) = (film.samples()?, u64::from(self.arguments.spp));
+        let (stated, asked) = (film.samples()?, u64::from(ask.spp));
         (2 * stated <= asked).then(|| {
             format!("the image states {stated} samples per pixel, where {{spp}} asked for {asked}")
         })
     }
 
     /// The image that the renderer wrote, or those with several steps.
-    fn written(&self, case: &Case, has_steps: bool) -> Output {
+    fn written(&self, case: &Case, has_steps: bool, ask: Ask) -> Output {
         let outputs = match Outputs::list(&self.folder, &[&case.name]) {
             Ok(outputs) => outputs,
             Err(error) => return Output::Unusable(error.to_string()),
@@ -547,7 +589,7 @@ impl RendererRun<'_> {
             }
             // As far as is known, it did what it was asked for.
             Output::Picture(picture) if self.asks_for_samples() => {
-                Output::Picture(Box::new(picture.with_samples(self.arguments.spp)))
+                Output::Picture(Box::new(picture.with_samples(ask.spp)))
             }
             output => output,
         }
@@ -566,6 +608,15 @@ impl RendererRun<'_> {
         say("--seed", given.seed.to_string(), SEED);
         say("--format", given.format.clone(), FORMAT);
         say("--timeout", given.timeout.to_string(), TIMEOUT);
+        if given.decide {
+            arguments.push("--decide".to_owned());
+            if given.budget != decide::budget(BUDGET).unwrap_or_default() {
+                arguments.extend([
+                    "--budget".to_owned(),
+                    format!("{}s", given.budget.as_secs()),
+                ]);
+            }
+        }
         arguments
     }
 
@@ -580,7 +631,7 @@ impl RendererRun<'_> {
     }
 
     /// The call for `case`, but for its output and step, after creating the exports.
-    fn call(&self, case: &Case) -> Result<Call, Output> {
+    fn call(&self, case: &Case, ask: Ask) -> Result<Call, Output> {
         // Read again: a scene that cannot be read is said by whoever judges.
         let scene = case
             .load_scene()
@@ -589,8 +640,8 @@ impl RendererRun<'_> {
             ("scene", shown(&absolute(&case.scene).map_err(not_run)?)),
             ("width", scene.width().to_string()),
             ("height", scene.height().to_string()),
-            ("spp", self.arguments.spp.to_string()),
-            ("seed", self.arguments.seed.to_string()),
+            ("spp", ask.spp.to_string()),
+            ("seed", ask.seed.to_string()),
             ("case", case.name.clone()),
         ]);
         let mut step = None;
@@ -665,6 +716,35 @@ struct Judge<'a> {
     conventions: ConventionSearch,
 }
 
+/// A renderer that is called again, and what judges its images.
+struct Again<'a> {
+    judge: &'a Judge<'a>,
+    renderer: &'a RendererRun<'a>,
+}
+
+impl LookAgain for Again<'_> {
+    fn first(&self) -> Ask {
+        self.renderer.first()
+    }
+
+    fn time_limit(&self) -> f64 {
+        self.renderer.arguments.timeout
+    }
+
+    fn rendered(&self, case: &Case, ask: Ask) -> Made {
+        self.renderer.output(case, ask)
+    }
+
+    fn judged(&self, case: &Case, made: Made, look: u32) -> Judged {
+        self.judge.judged(case, made, Some(look))
+    }
+
+    fn keep(&self, case: &Case, films: &[Film]) -> Result<(), String> {
+        let kept = self.renderer.keep(case, films);
+        kept.map_err(|error| error.to_string())
+    }
+}
+
 impl Judge<'_> {
     /// Judges all cases, several at a time if a renderer is run. Results are in the order of the cases,
     /// and printed as soon as those before them are. With `--only-present`, cases without an image are
@@ -699,7 +779,9 @@ impl Judge<'_> {
                 while let Some(judged) = waiting.remove(&first_open) {
                     first_open += 1;
                     if let Some(judged) = judged {
-                        bar.suspend(|| said.verdict(&judged.result));
+                        if !(said.waits && decide::is_open(&judged)) {
+                            bar.suspend(|| said.verdict(&judged.result));
+                        }
                         in_order.push(judged);
                     }
                 }
@@ -729,13 +811,23 @@ impl Judge<'_> {
         if self.arguments.only_present && matches!(made.output, Output::Missing(_)) {
             return None;
         }
-        let mut judged = validate(case, self.store, made.output, self.profile);
+        let look = self.arguments.decide.then_some(1);
+        let mut judged = self.judged(case, made, look);
+        judged.result.seconds = start.elapsed().as_secs_f64();
+        Some(judged)
+    }
+
+    /// Judges an image of one case: at the look of this number, from 1, where there may be several.
+    fn judged(&self, case: &Case, made: Made, look: Option<u32>) -> Judged {
+        let mut judged = match look {
+            Some(look) => validate_at(look, case, self.store, made.output, self.profile),
+            None => validate(case, self.store, made.output, self.profile),
+        };
         if self.profile.is_none() {
             let (seconds, accepted) = (self.arguments.explain, self.arguments.accept_conventions);
             self.conventions
                 .explain_mismatch(case, &mut judged, seconds, accepted);
         }
-        judged.result.seconds = start.elapsed().as_secs_f64();
         judged.result.notes = made.notes;
         judged
             .result
@@ -749,6 +841,6 @@ impl Judge<'_> {
                 .selection
                 .again("validate", &case.name, &words),
         ];
-        Some(judged)
+        judged
     }
 }

@@ -1,9 +1,11 @@
 //! `volref verify [FILTER…]`
 
 use super::failure::{EXIT_CODES, Failure};
+use super::partition::PartitionArgument;
 use super::results::{Findings, ResultFiles};
 use super::suite::{Selection, exit};
 use super::{Outcome, progress, render};
+use crate::hard_cases::Row;
 use crate::report;
 use crate::suite::{self, Case, CaseResult, Evidence, Likenesses, Suite, Verdict};
 
@@ -17,6 +19,8 @@ pub struct Arguments {
     filters: Vec<String>,
     #[command(flatten)]
     selection: Selection,
+    #[command(flatten)]
+    partition: PartitionArgument,
     /// List every case, including those that passed
     #[arg(long)]
     verbose: bool,
@@ -27,37 +31,55 @@ pub struct Arguments {
     threads: Option<u16>,
 }
 
+/// What is verified.
+enum Selected<'s> {
+    Case(&'s Case),
+    /// Of the catalogue of hard cases.
+    Row(&'static Row),
+}
+
+impl Selected<'_> {
+    fn name(&self) -> String {
+        match self {
+            Selected::Case(case) => case.name.clone(),
+            Selected::Row(row) => suite::row_name(row),
+        }
+    }
+}
+
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
     arguments.files.check(&suite)?;
     let (cases, rows) = suite.select_with_rows(&arguments.filters)?;
+    let cases = cases.into_iter().map(Selected::Case);
+    let mut selected: Vec<Selected<'_>> =
+        cases.chain(rows.into_iter().map(Selected::Row)).collect();
+    arguments.partition.retain(&mut selected, Selected::name)?;
     let store = suite.store();
     let mut judged = render::with_threads(arguments.threads, || {
-        let bar = progress::cases(cases.len() + rows.len());
-        let mut judged: Vec<_> = cases
-            .iter()
-            .map(|case| {
-                bar.set_message(case.name.clone());
-                let mut judged = suite::verify(case, &store, &bar);
-                if !arguments.files.wants_evidence() {
-                    judged.evidence = Evidence::default();
+        let bar = progress::cases(selected.len());
+        let verified = selected.iter().map(|selected| {
+            bar.set_message(selected.name());
+            let judged = match selected {
+                Selected::Case(case) => {
+                    let mut judged = suite::verify(case, &store, &bar);
+                    if !arguments.files.wants_evidence() {
+                        judged.evidence = Evidence::default();
+                    }
+                    judged
                 }
-                bar.inc(1);
-                judged
-            })
-            .collect();
-        judged.extend(rows.iter().map(|row| {
-            bar.set_message(suite::row_name(row));
-            let judged = suite::verify_row(row);
+                Selected::Row(row) => suite::verify_row(row),
+            };
             bar.inc(1);
             judged
-        }));
+        });
+        let judged: Vec<_> = verified.collect();
         bar.finish_and_clear();
         judged
     })?;
 
-    if arguments.filters.is_empty() {
+    if arguments.filters.is_empty() && arguments.partition.is_first() {
         judged.extend(suite::without_case(&suite)?);
     }
     for judged in &mut judged {
@@ -77,7 +99,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     } else {
         report::families_text(&results)
     };
-    let text = text + &what_moved(&results, &cases, &suite);
+    let text = text + &what_moved(&results, &suite);
     Ok(Outcome {
         text: arguments.files.write(&findings, text)?,
         exit: exit(&results),
@@ -85,11 +107,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 }
 
 /// Commands that show the difference in the first case that failed, by rendering its image again.
-fn what_moved(results: &[CaseResult], cases: &[&Case], suite: &Suite) -> String {
+fn what_moved(results: &[CaseResult], suite: &Suite) -> String {
     let failed = results
         .iter()
         .find(|result| result.verdict == Verdict::Fail);
-    let case = failed.and_then(|failed| cases.iter().find(|case| case.name == failed.name));
+    let case = failed.and_then(|failed| suite.cases().iter().find(|case| case.name == failed.name));
     let Some(case) = case else {
         return String::new();
     };

@@ -7,6 +7,7 @@ mod cache;
 mod case;
 mod check;
 mod conventions;
+mod decide;
 mod edited_film;
 mod embedded;
 mod evidence;
@@ -42,6 +43,7 @@ pub use check::{SUITE_VARIABLE, check, check_within};
 pub use conventions::{
     Agreement, CATALOGUE, Convention, ConventionSearch, ConventionSet, Explained, under,
 };
+pub use decide::{Looks, share_of_look};
 pub use embedded::EmbeddedSuite;
 pub use evidence::{Evidence, Likeness};
 pub use finding::{CaseFinding, Judged};
@@ -57,10 +59,10 @@ pub use results::{CaseResult, Cause, Summary, Verdict, metric_meaning};
 pub use row_name::{HARD, row_name};
 pub use rows::verify_row;
 pub use self_test::{
-    BenignTrials, MistakeTrials, Rejection, SelfTest, SelfTestExtent, Step, Trial, self_test,
-    self_test_steps,
+    BenignTrials, MistakeTrials, Rejection, SelfTest, SelfTestCases, SelfTestExtent, Step, Trial,
+    self_test, self_test_steps,
 };
 pub use sensitivities::{sensitivities_of, telling_case};
 pub use store::{Disk, RealDisk, Store, StoreError, StoreFailure};
-pub use validate::{Output, validate};
+pub use validate::{Output, validate, validate_at};
 pub use verify::{verify, without_case};

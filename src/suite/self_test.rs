@@ -123,11 +123,22 @@ pub fn self_test_steps(cases: usize) -> usize {
     cases + BENIGN.len() + mistakes::catalogue().count()
 }
 
-/// Runs the self-test on `cases`, which are all of the suite if `is_whole`. `report` is called for each
+/// Cases of a self-test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SelfTestCases {
+    /// All of the suite: each mistake is to be caught by one of them.
+    Whole,
+    /// Some of it: each mistake for which they give occasion is to be caught by one of them.
+    Selected,
+    /// A part of these: a mistake that it misses may be caught by another part.
+    Part,
+}
+
+/// Runs the self-test on `cases`, which are these of the suite. `report` is called for each
 /// of its [steps](self_test_steps).
 pub fn self_test(
     cases: &[&Case],
-    is_whole: bool,
+    which: SelfTestCases,
     store: &Store,
     extent: SelfTestExtent,
     report: &dyn Fn(Step<'_>),
@@ -164,7 +175,11 @@ pub fn self_test(
     let uncaught = mistakes
         .iter()
         .filter(|row| !row.trials.contains(&Trial::Caught))
-        .filter(|row| is_whole || row.trials.contains(&Trial::Missed))
+        .filter(|row| match which {
+            SelfTestCases::Whole => true,
+            SelfTestCases::Selected => row.trials.contains(&Trial::Missed),
+            SelfTestCases::Part => false,
+        })
         .map(|row| row.mistake)
         .collect();
     let mut broken_promises = Vec::new();

@@ -26,7 +26,7 @@ use std::collections::BTreeSet;
 use std::fs::{File, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::time::{Duration, Instant, SystemTime};
 
 use crate::atomic_file::directory_of;
 use crate::regular_file::{self, OpenError, ReadError};
@@ -49,6 +49,12 @@ impl Store {
         Store::on_disk(root, RealDisk)
     }
 }
+
+/// Time for which another accept is waited for: writing the goldens of a whole suite takes a second or two.
+const PATIENCE: Duration = Duration::from_secs(if cfg!(test) { 0 } else { 60 });
+
+/// Time between two looks.
+const PAUSE: Duration = Duration::from_millis(20);
 
 /// Reading. None of these functions writes, locks or creates anything.
 impl<D: Disk> Store<D> {
@@ -219,7 +225,14 @@ impl<D: Disk> Store<D> {
             .open(&lock);
         let file = opened.map_err(failed("open the lock file", &lock));
         let file = file.map_err(StoreError::Untouched)?;
-        match file.try_lock() {
+        // Several accepts at once write one after the other.
+        let end = Instant::now() + PATIENCE;
+        let mut locked = file.try_lock();
+        while matches!(locked, Err(TryLockError::WouldBlock)) && Instant::now() < end {
+            std::thread::sleep(PAUSE);
+            locked = file.try_lock();
+        }
+        match locked {
             Ok(()) => {
                 // For `last_accept`. If the lock is another user's, it keeps its time, and readers
                 // rely on no accept being undone by another while they read.

@@ -1,5 +1,6 @@
 //! Another renderer's image against the golden of a case.
 
+use super::decide::cases_at;
 use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
 use super::measured::measured;
 use super::{Case, Cause, Evidence, Judged, Profile, Store, Verdict, refinement};
@@ -28,11 +29,36 @@ pub enum Output {
 /// With a `profile`, a classified volume is judged by its image under the conventions of that profile,
 /// rendered now, in place of the golden; in a case of class limit with the step of its scene.
 pub fn validate(case: &Case, store: &Store, output: Output, profile: Option<&Profile>) -> Judged {
+    validate_among(MOST_CASES, case, store, output, profile)
+}
+
+/// [`validate`] at look `look`, from 1, of several at one case: together they raise no more false alarms
+/// than one.
+pub fn validate_at(
+    look: u32,
+    case: &Case,
+    store: &Store,
+    output: Output,
+    profile: Option<&Profile>,
+) -> Judged {
+    validate_among(cases_at(look), case, store, output, profile)
+}
+
+fn validate_among(
+    cases: usize,
+    case: &Case,
+    store: &Store,
+    output: Output,
+    profile: Option<&Profile>,
+) -> Judged {
     let start = Instant::now();
     // What images converge to does not depend on conventions.
     let profile = profile.filter(|_| !matches!(output, Output::Refined(_)));
     let checked = CheckedGolden::load(case, store);
-    let checked = checked.map(|checked| checked.with_sensitivities(case, store));
+    let checked = checked.map(|checked| CheckedGolden {
+        cases,
+        ..checked.with_sensitivities(case, store)
+    });
     let checked = checked.and_then(|checked| match profile {
         Some(profile) => checked.under(profile),
         None => Ok(checked),
@@ -146,7 +172,7 @@ fn judged(
         .map_or(1.0, |sampling| sampling.mean_resolution);
     let conditions = Conditions {
         exposure: case.exposure,
-        cases: MOST_CASES,
+        cases: checked.cases,
         visible_bias: Some(promise),
         nearest_in_single_precision: checked.takes_nearest_in_single_precision(),
         sensitivities: &checked.sensitivities,

@@ -10,6 +10,7 @@ mod comparators;
 mod conventions;
 mod cost_orders;
 mod cost_plots;
+mod decide;
 mod effects;
 mod exact;
 mod exchange;

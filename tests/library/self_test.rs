@@ -3,7 +3,9 @@
 
 use std::cell::Cell;
 use std::path::Path;
-use volref::suite::{SelfTestExtent, Step, Store, Suite, self_test, self_test_steps};
+use volref::suite::{
+    SelfTestCases, SelfTestExtent, Step, Store, Suite, self_test, self_test_steps,
+};
 
 #[test]
 #[ignore = "minutes without the optimisation of a release: scripts/check.sh runs it there"]
@@ -26,7 +28,13 @@ fn the_suite_catches_every_mistake() {
     let store = Store::open(suite.golden_folder());
     let done = Cell::new(0);
     let told = |step: Step<'_>| done.set(done.get() + usize::from(step == Step::Done));
-    let test = self_test(&cases, true, &store, SelfTestExtent::Quick, &told);
+    let test = self_test(
+        &cases,
+        SelfTestCases::Whole,
+        &store,
+        SelfTestExtent::Quick,
+        &told,
+    );
     assert_eq!(done.get(), self_test_steps(cases.len()));
     assert!(test.mistakes.len() >= 40);
     assert_eq!(test.uncaught, Vec::<&str>::new(), "caught by no case");

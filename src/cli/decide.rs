@@ -1,0 +1,295 @@
+//! `volref validate --decide`: more samples where noise leaves a verdict open.
+
+use super::made::{Ask, Made};
+use super::progress;
+use crate::compare::Picture;
+use crate::film::Film;
+use crate::suite::{Case, Cause, Judged, Looks, Output, Verdict};
+use std::time::{Duration, Instant};
+
+/// Renderings of a look at images that do not state their noise: the error of a variance that is taken
+/// from the spread of so many is a third of it.
+const RENDERINGS: u32 = 16;
+
+/// Samples per pixel of a call, at most, and calls of a look.
+const MOST_SAMPLES: f64 = (1 << 24) as f64;
+const MOST_CALLS: f64 = 64.0;
+
+/// The part of the time limit of a call that a call is to take: estimates may be off by so much.
+const SAFE: f64 = 1.0 / 3.0;
+
+/// A renderer that can be called again, and what judges its images.
+pub(super) trait LookAgain {
+    /// What it was asked for first.
+    fn first(&self) -> Ask;
+    /// Of a call, in seconds.
+    fn time_limit(&self) -> f64;
+    fn rendered(&self, case: &Case, ask: Ask) -> Made;
+    /// At the look of this number, from 1.
+    fn judged(&self, case: &Case, made: Made, look: u32) -> Judged;
+    /// Keeps these images in place of that of the last call, if images are kept; else the reason, in
+    /// words. One is that of all looks, several are renderings.
+    fn keep(&self, case: &Case, films: &[Film]) -> Result<(), String>;
+}
+
+/// A case that noise leaves open.
+struct OpenCase<'c> {
+    case: &'c Case,
+    /// Among the judged.
+    index: usize,
+    looks: Looks,
+    calls: u64,
+    /// Seconds of all calls, and samples per pixel that they took.
+    spent: [f64; 2],
+    /// Reason why it stays open.
+    given_up: Option<String>,
+    /// The image of all looks, or the renderings of the last one.
+    to_keep: Vec<Film>,
+}
+
+impl OpenCase<'_> {
+    /// Samples per pixel of the next look, in all, and seconds that they will take, about.
+    fn next(&self, judged: &[Judged]) -> Option<(f64, f64)> {
+        let judged = &judged[self.index];
+        let target = self.looks.samples_of_next(&judged.result)?;
+        let film = radiance(judged)?;
+        let new = if states_noise(film) {
+            target - self.looks.samples()
+        } else {
+            target
+        };
+        let [seconds, samples] = self.spent;
+        Some((target, new * seconds / samples))
+    }
+
+    /// What was done, as a note.
+    fn in_words(&self) -> String {
+        let [seconds, _] = self.spent;
+        let (looks, calls) = (self.looks.count(), self.calls);
+        let done = format!(
+            "{looks} looks, {} samples per pixel, {calls} calls, {seconds:.1} s",
+            self.looks.samples()
+        );
+        match &self.given_up {
+            None => done,
+            Some(reason) => format!("{done}; {reason}"),
+        }
+    }
+}
+
+fn radiance(judged: &Judged) -> Option<&Film> {
+    judged.evidence.test.as_ref().and_then(Picture::radiance)
+}
+
+/// One image of these.
+fn together(films: &[Film]) -> Option<Film> {
+    match films {
+        [one] => Some(one.clone()),
+        several => Film::from_replicates(several).ok(),
+    }
+}
+
+/// The image states the noise of its samples; else it takes several.
+fn states_noise(film: &Film) -> bool {
+    let noise = film.noise();
+    noise.is_some_and(|noise| !noise.is_of_renderings() && !noise.is_known())
+}
+
+/// Whether more samples may decide this.
+pub(super) fn is_open(judged: &Judged) -> bool {
+    let mut looks = Looks::default();
+    let film = radiance(judged);
+    film.is_some_and(|film| {
+        looks.add(film, None);
+        looks.samples_of_next(&judged.result).is_some()
+    })
+}
+
+/// Renders the cases that noise leaves open with more and more samples, those first that take least, until
+/// each is decided or the time is over. The first look at each was taken with `first`.
+pub(super) fn decide(
+    again: &dyn LookAgain,
+    cases: &[&Case],
+    judged: &mut [Judged],
+    budget: Duration,
+) {
+    let end = Instant::now() + budget;
+    let mut open: Vec<OpenCase<'_>> = Vec::new();
+    for (index, one) in judged.iter().enumerate() {
+        let case = cases.iter().find(|case| case.name == one.result.name);
+        if let Some(case) = case.filter(|_| is_open(one))
+            && let Some(film) = radiance(one)
+        {
+            let mut looks = Looks::default();
+            looks.add(film, None);
+            let spent = [one.result.seconds, looks.samples().max(1.0)];
+            open.push(OpenCase {
+                case,
+                index,
+                looks,
+                calls: 1,
+                spent,
+                given_up: None,
+                to_keep: Vec::new(),
+            });
+        }
+    }
+    loop {
+        let waiting = open.iter_mut().filter(|it| it.given_up.is_none());
+        let next = waiting.filter_map(|it| {
+            let (target, seconds) = it.next(judged)?;
+            Some((it, target, seconds))
+        });
+        let Some((it, target, seconds)) = next.min_by(|a, b| a.2.total_cmp(&b.2)) else {
+            break;
+        };
+        let left = end.saturating_duration_since(Instant::now()).as_secs_f64();
+        if seconds > left {
+            it.given_up = Some(format!(
+                "the budget is spent: about {target} samples per pixel may decide, {seconds:.0} s"
+            ));
+            continue;
+        }
+        progress::note(&format!(
+            "{}: look {}, about {target} samples per pixel may decide, {seconds:.0} s; {left:.0} s of the \
+             budget left",
+            it.case.name,
+            it.looks.count() + 1,
+        ));
+        it.look(again, judged, (target, seconds));
+    }
+    for it in &open {
+        let kept = match &it.to_keep[..] {
+            [] => Ok(()),
+            films => again.keep(it.case, films),
+        };
+        let result = &mut judged[it.index].result;
+        result.notes.push(it.in_words());
+        if let Err(reason) = kept {
+            result
+                .notes
+                .push(format!("its images cannot be kept: {reason}"));
+        }
+        let [seconds, _] = it.spent;
+        result.seconds = seconds;
+    }
+}
+
+impl OpenCase<'_> {
+    /// Renders more of the image and judges it.
+    fn look(
+        &mut self,
+        again: &dyn LookAgain,
+        judged: &mut [Judged],
+        (target, seconds): (f64, f64),
+    ) {
+        let before = judged[self.index].clone();
+        let known = radiance(&before).filter(|film| states_noise(film)).cloned();
+        let (calls, samples) = match &known {
+            Some(_) => {
+                let within = seconds / (SAFE * again.time_limit());
+                let calls = within.ceil().clamp(1.0, MOST_CALLS);
+                (calls as u32, (target - self.looks.samples()) / calls)
+            }
+            None => (RENDERINGS, target / f64::from(RENDERINGS)),
+        };
+        let spp = samples.ceil().clamp(1.0, MOST_SAMPLES) as u32;
+        let is_added_up = known.is_some();
+        let mut films = Vec::from_iter(known);
+        let mut last = None;
+        for _ in 0..calls {
+            let ask = Ask {
+                spp,
+                seed: again.first().seed.wrapping_add(self.calls),
+            };
+            let start = Instant::now();
+            let made = again.rendered(self.case, ask);
+            self.calls += 1;
+            self.spent[0] += start.elapsed().as_secs_f64();
+            self.spent[1] += f64::from(spp);
+            match &made.output {
+                Output::Picture(picture) if picture.radiance().is_some() => {
+                    films.extend(picture.radiance().cloned());
+                }
+                Output::Unusable(reason) | Output::Missing(reason) => {
+                    self.given_up = Some(format!("a later call failed: {reason}"));
+                    return;
+                }
+                _ => {
+                    self.given_up = Some("a later call made another kind of image".to_owned());
+                    return;
+                }
+            }
+            last = Some(made);
+        }
+        let pooled = match Film::from_replicates(&films) {
+            Ok(pooled) => pooled,
+            Err(error) => {
+                self.given_up = Some(format!("the renderings cannot be put together: {error}"));
+                return;
+            }
+        };
+        // What was there before and what is new; or both halves.
+        let middle = if is_added_up { 1 } else { films.len() / 2 };
+        let (one, other) = films.split_at(middle);
+        let [one, other] = [one, other].map(together);
+        self.looks.add(
+            &pooled,
+            one.as_ref().zip(other.as_ref()).map(|(a, b)| [a, b]),
+        );
+        self.to_keep = if is_added_up {
+            vec![pooled.clone()]
+        } else {
+            films
+        };
+        let output = Output::Picture(Box::new(Picture::Radiance(pooled)));
+        let Some(mut made) = last else { return };
+        made.output = output;
+        let mut now = again.judged(self.case, made, self.looks.count());
+        now.result.notes.splice(0..0, before.result.notes);
+        if self.looks.is_heavy_tailed() {
+            now.result.verdict = Verdict::Inconclusive;
+            now.result.cause = Cause::Undecided;
+            now.result.reason = self.looks.in_words();
+            self.given_up = Some("no number of samples decides".to_owned());
+        }
+        judged[self.index] = now;
+    }
+}
+
+/// A time in words: `10m`, `90s`, `1h`; a number alone is seconds.
+pub(super) fn budget(text: &str) -> Result<Duration, String> {
+    let expected = || "a budget is a time such as 90s, 10m or 2h".to_owned();
+    let (number, unit) = match text.char_indices().last() {
+        Some((at, 's')) => (&text[..at], 1.0),
+        Some((at, 'm')) => (&text[..at], 60.0),
+        Some((at, 'h')) => (&text[..at], 3600.0),
+        _ => (text, 1.0),
+    };
+    let seconds = unit * number.parse::<f64>().map_err(|_| expected())?;
+    match seconds {
+        seconds if (0.0..=1e9).contains(&seconds) => Ok(Duration::from_secs_f64(seconds)),
+        _ => Err(expected()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn budgets_are_times() {
+        for (text, seconds) in [
+            ("90s", 90),
+            ("10m", 600),
+            ("0.5h", 1800),
+            ("7", 7),
+            ("0", 0),
+        ] {
+            assert_eq!(budget(text), Ok(Duration::from_secs(seconds)), "{text}");
+        }
+        for text in ["", "m", "-1s", "10 minutes", "NaN", "inf", "1d", "1e300h"] {
+            assert!(budget(text).is_err(), "{text}");
+        }
+    }
+}
