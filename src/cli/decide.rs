@@ -106,7 +106,7 @@ pub(super) fn is_open(judged: &Judged) -> bool {
 }
 
 /// Renders the cases that noise leaves open with more and more samples, those first that take least, until
-/// each is decided or the time is over. The first look at each was taken with `first`.
+/// each is decided or the time is over. Each was looked at once.
 pub(super) fn decide(
     again: &dyn LookAgain,
     cases: &[&Case],

@@ -498,13 +498,19 @@ impl RendererRun<'_> {
         if self.arguments.keep.is_none() {
             return Ok(());
         }
-        std::fs::remove_file(image_of(&self.folder, case, &self.arguments.format))?;
+        let last = image_of(&self.folder, case, &self.arguments.format);
+        let mut is_replaced = false;
         for (number, film) in films.iter().enumerate() {
             let extension = match films.len() {
                 1 => "exr".to_owned(),
                 _ => format!("{number}.exr"),
             };
-            write_atomically(&image_of(&self.folder, case, &extension), &film.to_exr()?)?;
+            let path = image_of(&self.folder, case, &extension);
+            write_atomically(&path, &film.to_exr()?)?;
+            is_replaced |= path == last;
+        }
+        if !is_replaced {
+            std::fs::remove_file(&last)?;
         }
         Ok(())
     }

@@ -137,6 +137,8 @@ impl Looks {
         if result.cause != Cause::Undecided {
             return None;
         }
+        // Images with a step, which no number of samples decides, have no noise that could be seen.
+        result.metrics.get("smallest_visible_bias")?;
         let [least, most] = GROWTH;
         let times = match self.0.last() {
             // What is said of noise that is guessed from a single image is rough.

@@ -52,5 +52,4 @@ job=$(sbatch --parsable --wait --output="$work/verify-%a.log" "$here/volref.sbat
     cat "$work"/verify-*.log
     exit 1
 }
-count=$(cat results/*.json | grep -c '"verdict": *"pass"' || true)
 echo "verified by an array, job $job: $(ls results | wc -l) files of results"
