@@ -20,7 +20,7 @@ const SAFE: f64 = 1.0 / 3.0;
 
 /// A renderer that can be called again, and what judges its images.
 pub(super) trait LookAgain {
-    /// What it was asked for first.
+    /// Parameters of the first call.
     fn first(&self) -> Ask;
     /// Of a call, in seconds.
     fn time_limit(&self) -> f64;
@@ -62,7 +62,7 @@ impl OpenCase<'_> {
         Some((target, new * seconds / samples))
     }
 
-    /// What was done, as a note.
+    /// Looks, samples, calls and time, as a note.
     fn in_words(&self) -> String {
         let [seconds, _] = self.spent;
         let (looks, calls) = (self.looks.count(), self.calls);
@@ -95,14 +95,17 @@ fn states_noise(film: &Film) -> bool {
     noise.is_some_and(|noise| !noise.is_of_renderings() && !noise.is_known())
 }
 
-/// Whether more samples may decide this.
-pub(super) fn is_open(judged: &Judged) -> bool {
+/// The first look at an image, if more samples may decide it.
+fn first_look(judged: &Judged) -> Option<Looks> {
     let mut looks = Looks::default();
-    let film = radiance(judged);
-    film.is_some_and(|film| {
-        looks.add(film, None);
-        looks.samples_of_next(&judged.result).is_some()
-    })
+    looks.add(radiance(judged)?, None);
+    let is_open = looks.samples_of_next(&judged.result).is_some();
+    is_open.then_some(looks)
+}
+
+/// More samples may decide this.
+pub(super) fn is_open(judged: &Judged) -> bool {
+    first_look(judged).is_some()
 }
 
 /// Renders the cases that noise leaves open with more and more samples, those first that take least, until
@@ -117,11 +120,9 @@ pub(super) fn decide(
     let mut open: Vec<OpenCase<'_>> = Vec::new();
     for (index, one) in judged.iter().enumerate() {
         let case = cases.iter().find(|case| case.name == one.result.name);
-        if let Some(case) = case.filter(|_| is_open(one))
-            && let Some(film) = radiance(one)
+        if let Some(case) = case
+            && let Some(looks) = first_look(one)
         {
-            let mut looks = Looks::default();
-            looks.add(film, None);
             let spent = [one.result.seconds, looks.samples().max(1.0)];
             open.push(OpenCase {
                 case,
@@ -183,8 +184,8 @@ impl OpenCase<'_> {
         judged: &mut [Judged],
         (target, seconds): (f64, f64),
     ) {
-        let before = judged[self.index].clone();
-        let known = radiance(&before).filter(|film| states_noise(film)).cloned();
+        let before = radiance(&judged[self.index]);
+        let known = before.filter(|film| states_noise(film)).cloned();
         let (calls, samples) = match &known {
             Some(_) => {
                 let within = seconds / (SAFE * again.time_limit());
@@ -229,7 +230,7 @@ impl OpenCase<'_> {
                 return;
             }
         };
-        // What was there before and what is new; or both halves.
+        // The image before and the new one; or both halves.
         let middle = if is_added_up { 1 } else { films.len() / 2 };
         let (one, other) = films.split_at(middle);
         let [one, other] = [one, other].map(together);
@@ -246,7 +247,8 @@ impl OpenCase<'_> {
         let Some(mut made) = last else { return };
         made.output = output;
         let mut now = again.judged(self.case, made, self.looks.count());
-        now.result.notes.splice(0..0, before.result.notes);
+        let notes = std::mem::take(&mut judged[self.index].result.notes);
+        now.result.notes.splice(0..0, notes);
         if self.looks.is_heavy_tailed() {
             now.result.verdict = Verdict::Inconclusive;
             now.result.cause = Cause::Undecided;

@@ -2,7 +2,7 @@
 
 use crate::suite::Output;
 
-/// What a renderer is asked for.
+/// Parameters of a call of a renderer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ask {
     /// Samples per pixel.

@@ -1,6 +1,7 @@
 //! `--partition`: one of several parts of the selected cases, for several machines.
 
 use super::failure::{Exit, Failure};
+use crate::suite::name_hash;
 use std::fmt;
 use std::str::FromStr;
 
@@ -42,12 +43,12 @@ impl PartitionArgument {
         Ok(())
     }
 
-    /// Whether this is the whole of what the filters select.
+    /// All that the filters select is run here.
     pub fn is_whole(&self) -> bool {
         self.partition.is_none()
     }
 
-    /// Whether what belongs to no case is to be done here: by the first part.
+    /// The first part, which does what belongs to no case.
     pub fn is_first(&self) -> bool {
         self.partition.as_ref().is_none_or(|it| it.part == 1)
     }
@@ -78,15 +79,11 @@ impl Partition {
         Ok(Partition { by, part, parts })
     }
 
-    /// Whether the item at this place, from 0, of this name belongs to the part.
+    /// Membership of the item at this place, from 0, of this name.
     fn has(&self, at: u64, name: &str) -> bool {
         let number = match self.by {
             By::Slice => at,
-            By::Hash => {
-                let hash = blake3::hash(name.as_bytes());
-                let (first, _) = hash.as_bytes().split_at(8);
-                u64::from_le_bytes(first.try_into().expect("eight bytes"))
-            }
+            By::Hash => name_hash(name),
         };
         number % self.parts == self.part - 1
     }

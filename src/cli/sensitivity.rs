@@ -195,10 +195,7 @@ fn mean_and_error(film: &Film) -> [f64; 2] {
 
 /// `world units`; empty for a share or a bare number.
 fn unit(number: &Number) -> &'static str {
-    match number.quantity.unit {
-        Unit::Share => "of itself",
-        Unit::Absolute(unit) => unit,
-    }
+    number.quantity.unit.name().unwrap_or("of itself")
 }
 
 fn of_unit(number: &Number) -> String {

@@ -13,6 +13,16 @@ pub enum Unit {
     Absolute(&'static str),
 }
 
+impl Unit {
+    /// Name of the unit; `None` for shares.
+    pub fn name(self) -> Option<&'static str> {
+        match self {
+            Unit::Share => None,
+            Unit::Absolute(name) => Some(name),
+        }
+    }
+}
+
 /// A kind of number: every density is one.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Quantity {

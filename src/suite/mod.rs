@@ -16,6 +16,7 @@ mod golden;
 mod likeness;
 mod measured;
 pub mod mistakes;
+mod name_hash;
 mod naming;
 mod other_renderer;
 mod outputs;
@@ -51,6 +52,7 @@ pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
 pub use likeness::{
     CACHE_VARIABLE, Likenesses, Predictions, Search, SearchStep, Stage, cache_of_the_user, likeness,
 };
+pub use name_hash::name_hash;
 pub use naming::{Naming, naming};
 pub use other_renderer::{CommandTemplate, Keeper, Kept, Ran, TemplateError, keep, run, stop_all};
 pub use outputs::{Found, OutputError, Outputs, UnknownFile, step_name};

@@ -5,13 +5,14 @@
 //! the file: a file of another scene is not used.
 
 use super::golden::{input_hashes, scene_hash};
+use super::name_hash;
 use super::{Case, Store};
 use crate::compare::Sensitivity;
 use crate::compare::stochastic::BLOCK;
 use crate::film::{Film, LayeredFilm};
 use crate::render::{Detail, Plan, plans};
 use crate::scene::Scene;
-use crate::sensitivity::{Dependence, Differences, Number, Unit, derivative, numbers};
+use crate::sensitivity::{Dependence, Differences, derivative, numbers};
 use std::path::PathBuf;
 
 /// The part of a step by which a number is changed to see whether it can be.
@@ -66,7 +67,8 @@ pub fn sensitivities_of(
             detail,
             samples,
             pairs,
-            seed: seed.wrapping_add(seed_of(number)),
+            // None in common with another number, whatever numbers there are: errors are independent.
+            seed: seed.wrapping_add(name_hash(&number.name())),
             step: None,
         };
         let found = derivative(scene, number, &differences, stopped);
@@ -120,13 +122,6 @@ fn where_known(derivative: &Film) -> Film {
     Film::with_noise(width, height, means, variances, noise.samples())
 }
 
-/// Part of a seed that no other number has, whatever numbers there are: errors are independent.
-fn seed_of(number: &Number) -> u64 {
-    let hash = blake3::hash(number.name().as_bytes());
-    let (first, _) = hash.as_bytes().split_at(8);
-    u64::from_le_bytes(first.try_into().expect("eight bytes"))
-}
-
 /// Origin of derivatives, as the comment of their file.
 fn origin(scene: &Scene) -> String {
     let inputs = format!("{:?}", input_hashes(scene));
@@ -155,10 +150,7 @@ pub(super) fn kept(case: &Case, scene: &Scene, store: &Store) -> Vec<Sensitivity
         Some(Sensitivity {
             name,
             words: number.words(),
-            unit: match number.quantity.unit {
-                Unit::Share => None,
-                Unit::Absolute(unit) => Some(unit.to_owned()),
-            },
+            unit: number.quantity.unit.name().map(str::to_owned),
             step: match number.dependence {
                 Dependence::Linear => f64::INFINITY,
                 Dependence::Smooth => number.step,

@@ -1,20 +1,12 @@
 //! `volref validate --decide`: looks at more and more samples, with volref as the other renderer.
 
-use crate::folder::{Folder, MANIFEST};
+use crate::folder::Folder;
 use serde_json::Value;
-
-const ROOM: &str = include_str!("../../fixtures/scenes/smoke/cornell.toml");
 
 /// A suite of one stochastic case whose golden has little noise.
 fn room() -> Folder {
-    let folder = Folder::new();
-    folder.write(
-        "fixtures/scenes/fog/room.toml",
-        ROOM.replace("= 256", "= 16"),
-    );
-    let sampling = "class = \"stochastic\"\nconverged_samples = 8192\nresolution = 0.9\nmean_resolution = 0.03";
-    let manifest = MANIFEST.replace("class = \"deterministic\"", sampling);
-    folder.write("fixtures/cases/fog/room.toml", manifest);
+    let folder =
+        Folder::with_room("converged_samples = 8192\nresolution = 0.9\nmean_resolution = 0.03");
     folder.accept_all();
     folder
 }

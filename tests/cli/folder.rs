@@ -34,6 +34,9 @@ computes = \"what the scene says\"
 class = \"deterministic\"
 ";
 
+/// A room with two boxes of smoke.
+pub const ROOM: &str = include_str!("../../fixtures/scenes/smoke/cornell.toml");
+
 /// What lines on stderr begin with that say how far the work is.
 pub const SIGN_OF_LIFE: &str = "volref: ";
 
@@ -76,6 +79,18 @@ impl Folder {
     pub fn with_goldens() -> Folder {
         let folder = Folder::with_suite();
         folder.accept_all();
+        folder
+    }
+
+    /// A suite of one stochastic case without a golden, `fog/room`, of 16 × 16 pixels; `sampling` are the keys
+    /// of its manifest.
+    pub fn with_room(sampling: &str) -> Folder {
+        let folder = Folder::new();
+        let scene = ROOM.replace("= 256", "= 16");
+        folder.write("fixtures/scenes/fog/room.toml", scene);
+        let class = format!("class = \"stochastic\"\n{sampling}");
+        let manifest = MANIFEST.replace("class = \"deterministic\"", &class);
+        folder.write("fixtures/cases/fog/room.toml", manifest);
         folder
     }
 

@@ -1,21 +1,11 @@
 //! Stochastic cases, from the manifest to the verdict, with the real renderer.
 
-use crate::folder::{Folder, MANIFEST};
+use crate::folder::{Folder, MANIFEST, ROOM};
 use volref::film::Film;
-
-const ROOM: &str = include_str!("../../fixtures/scenes/smoke/cornell.toml");
 
 /// A suite of one stochastic case, with a manifest that promises little.
 fn room() -> Folder {
-    let folder = Folder::new();
-    folder.write(
-        "fixtures/scenes/fog/room.toml",
-        ROOM.replace("= 256", "= 16"),
-    );
-    let sampling = "class = \"stochastic\"\nconverged_samples = 128\nresolution = 0.9";
-    let manifest = MANIFEST.replace("class = \"deterministic\"", sampling);
-    folder.write("fixtures/cases/fog/room.toml", manifest);
-    folder
+    Folder::with_room("converged_samples = 128\nresolution = 0.9")
 }
 
 #[test]

@@ -11,14 +11,7 @@ const LOOKS: u32 = 6;
 /// Noise shown to a renderer whose samples are doubled until it fails, or until a bias of 5 % would be
 /// seen, six looks at most.
 fn is_rejected(seed: u64, shape: &Shape, level: f64, states_noise: bool) -> bool {
-    let sampling = |seed: u64, samples: u32| Sampling {
-        side: SIDE,
-        samples,
-        seed,
-        shapes: [shape; 2],
-        coloured: false,
-        one_for_all: false,
-    };
+    let sampling = |seed: u64, samples: u32| Sampling::of(shape, SIDE, samples, seed);
     let reference = sampled(sampling(2 * seed + 200_000, 512), scene);
     let mut films = vec![sampled(sampling(1000 * seed + 1, 8), scene)];
     for look in 1..=LOOKS {

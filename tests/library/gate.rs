@@ -168,14 +168,7 @@ const CONVERGED: u32 = 1024;
 
 /// At the level of one case of thirty.
 fn power(trials: u32, side: usize, shape: &Shape) -> Vec<Power> {
-    let sampling = |seed: u32, samples| Sampling {
-        side,
-        samples,
-        seed: u64::from(seed),
-        shapes: [shape, shape],
-        coloured: false,
-        one_for_all: false,
-    };
+    let sampling = |seed: u32, samples| Sampling::of(shape, side, samples, seed.into());
     // The scene as large as the image.
     let scale = 64.0 / side as f64;
     let truth = move |x: f64, y: f64| scene(x * scale, y * scale);

@@ -83,14 +83,7 @@ fn sensitivities(seed: u64) -> Vec<Sensitivity> {
 }
 
 fn pair(seed: u64, shape: &Shape, samples: u32, truth: impl Fn(f64, f64) -> [f64; 3]) -> [Film; 2] {
-    let sampling = |seed: u64, samples: u32| Sampling {
-        side: SIDE,
-        samples,
-        seed,
-        shapes: [shape; 2],
-        coloured: false,
-        one_for_all: false,
-    };
+    let sampling = |seed: u64, samples: u32| Sampling::of(shape, SIDE, samples, seed);
     let reference = sampled(sampling(2 * seed + 100_000, 256), scene);
     [reference, sampled(sampling(2 * seed + 1, samples), truth)]
 }

@@ -32,8 +32,8 @@ pub(super) fn judge_numbers(
     if sensitivities.is_empty() || comparison.numbers().contains(&None) {
         return NumberFindings::default();
     }
-    let mut sensitivities = sensitivities.to_vec();
-    sensitivities.extend(value_sensitivities(comparison));
+    let of_values = value_sensitivities(comparison);
+    let sensitivities: Vec<&Sensitivity> = sensitivities.iter().chain(&of_values).collect();
     let mut all = Vec::from_iter(Scores::new(comparison, BLOCK, &sensitivities));
     let pixels = comparison.films[0].radiance().len();
     if sensitivities

@@ -179,11 +179,11 @@ impl<'s> Scores<'s> {
     pub fn new(
         comparison: &Comparison<'_>,
         edge: usize,
-        all: &'s [Sensitivity],
+        all: &[&'s Sensitivity],
     ) -> Option<Scores<'s>> {
         let blocks = &comparison.blocks;
         let fits = |it: &&Sensitivity| it.derivative.radiance().len() == blocks.len();
-        let mut sensitivities: Vec<&Sensitivity> = all.iter().filter(fits).collect();
+        let mut sensitivities: Vec<&Sensitivity> = all.iter().copied().filter(fits).collect();
         let mut cells = cells(comparison, &sensitivities);
         // A derivative that is mostly noise says nothing: its square must be known to a quarter.
         let is_known = |k: usize| {

@@ -6,66 +6,59 @@ use crate::compare::sensitivity::Sensitivity;
 use crate::film::Film;
 use crate::math;
 
-/// Derivative of a radiance by a number of values, times the other channels' share of 0 or 1.
-type Derivative = fn(f64) -> f64;
-
-/// Name, words, unit, step, channels that change, and derivative.
-type ValueNumber = (
-    &'static str,
-    &'static str,
-    Option<&'static str>,
-    f64,
-    [f64; 3],
-    Derivative,
-);
+/// A number of the values of an image.
+struct ValueNumber {
+    name: &'static str,
+    words: &'static str,
+    unit: Option<&'static str>,
+    /// Change up to which the values change in proportion.
+    step: f64,
+    /// Share of each channel that changes, 0 or 1.
+    channels: [f64; 3],
+    /// Derivative of a radiance by the number.
+    derivative: fn(f64) -> f64,
+}
 
 const ALL: [f64; 3] = [1.0; 3];
 
-/// An exponent of 1 + x multiplies a value v by v^x, which a tenth changes in proportion.
 const NUMBERS: [ValueNumber; 6] = [
-    ("exposure", "exposure", None, f64::INFINITY, ALL, |v| v),
-    (
-        "gain.red",
-        "gain of red",
-        None,
-        f64::INFINITY,
-        [1.0, 0.0, 0.0],
-        |v| v,
-    ),
-    (
-        "gain.green",
-        "gain of green",
-        None,
-        f64::INFINITY,
-        [0.0, 1.0, 0.0],
-        |v| v,
-    ),
-    (
-        "gain.blue",
-        "gain of blue",
-        None,
-        f64::INFINITY,
-        [0.0, 0.0, 1.0],
-        |v| v,
-    ),
-    (
-        "offset",
-        "offset of all values",
-        Some(""),
-        f64::INFINITY,
-        ALL,
-        |_| 1.0,
-    ),
-    ("gamma", "exponent of all values", None, 0.1, ALL, |v| {
-        if v > 0.0 { v * math::ln(v) } else { 0.0 }
-    }),
+    ValueNumber::gain("exposure", "exposure", ALL),
+    ValueNumber::gain("gain.red", "gain of red", [1.0, 0.0, 0.0]),
+    ValueNumber::gain("gain.green", "gain of green", [0.0, 1.0, 0.0]),
+    ValueNumber::gain("gain.blue", "gain of blue", [0.0, 0.0, 1.0]),
+    ValueNumber {
+        unit: Some(""),
+        derivative: |_| 1.0,
+        ..ValueNumber::gain("offset", "offset of all values", ALL)
+    },
+    // An exponent of 1 + x multiplies a value v by v^x, which a tenth changes in proportion.
+    ValueNumber {
+        step: 0.1,
+        derivative: |v| if v > 0.0 { v * math::ln(v) } else { 0.0 },
+        ..ValueNumber::gain("gamma", "exponent of all values", ALL)
+    },
 ];
+
+impl ValueNumber {
+    /// A factor on these channels.
+    const fn gain(name: &'static str, words: &'static str, channels: [f64; 3]) -> ValueNumber {
+        ValueNumber {
+            name,
+            words,
+            unit: None,
+            step: f64::INFINITY,
+            channels,
+            derivative: |v| v,
+        }
+    }
+}
 
 /// Sensitivities of the images of a comparison to numbers of their values, in its blocks.
 pub(super) fn value_sensitivities(comparison: &Comparison<'_>) -> Vec<Sensitivity> {
     let columns = comparison.columns();
     let rows = comparison.blocks.len() / columns;
-    let of = |(name, words, unit, step, channels, derivative): ValueNumber| {
+    let of = |number: ValueNumber| {
+        let (channels, derivative) = (number.channels, number.derivative);
         let (mut means, mut variances) = (Vec::new(), Vec::new());
         for block in &comparison.blocks {
             let (mut mean, mut variance) = ([0.0; 3], [0.0; 3]);
@@ -86,10 +79,10 @@ pub(super) fn value_sensitivities(comparison: &Comparison<'_>) -> Vec<Sensitivit
             variances.push(variance);
         }
         Sensitivity {
-            name: name.to_owned(),
-            words: words.to_owned(),
-            unit: unit.map(str::to_owned),
-            step,
+            name: number.name.to_owned(),
+            words: number.words.to_owned(),
+            unit: number.unit.map(str::to_owned),
+            step: number.step,
             can_be: [true; 2],
             derivative: Film::with_noise(columns, rows, means, variances, 2),
         }

@@ -1,6 +1,7 @@
 //! Numbers of classified volumes.
 
 use super::{Number, Quantity, in_classified};
+use crate::media::Phong;
 use crate::scene::{Classified, Scene};
 use crate::sensitivity::number::Dependence::{self, Linear, Smooth};
 use glam::DVec3;
@@ -25,41 +26,38 @@ static LIGHT: [Quantity; 3] = Quantity::place(
     "world units",
 );
 
+/// Strength of a part of the Phong reflection.
+type Strength = fn(&mut Phong) -> &mut f64;
+
+/// Parts of the Phong reflection, with their strengths.
+const REFLECTIONS: [(&Quantity, Strength); 3] = [
+    (&AMBIENT, |phong| &mut phong.ambient),
+    (&DIFFUSE, |phong| &mut phong.diffuse),
+    (&SPECULAR, |phong| &mut phong.specular),
+];
+
 /// Of a volume of which `scene` is the first panel's.
 pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
-    let mut numbers = Vec::new();
+    let mut numbers = vec![Number::new(
+        &OPACITY,
+        0.02,
+        Smooth,
+        volumes(|scene, change| scene.transfer_function.reference_length /= 1.0 + change),
+    )];
+    for (quantity, strength) in REFLECTIONS {
+        // Nothing is larger or smaller by a share of 0.
+        let mut phong = scene.phong;
+        if phong.as_mut().is_some_and(|phong| *strength(phong) != 0.0) {
+            let edit = volumes(move |scene, change| {
+                let phong = scene.phong.iter_mut();
+                phong.for_each(|phong| *strength(phong) *= 1.0 + change);
+            });
+            numbers.push(Number::new(quantity, 0.5, Linear, edit));
+        }
+    }
     let mut add = |quantity, step, dependence: Dependence, edit: fn(&mut Classified, f64)| {
         numbers.push(Number::new(quantity, step, dependence, volumes(edit)));
     };
-    add(&OPACITY, 0.02, Smooth, |scene, change| {
-        scene.transfer_function.reference_length /= 1.0 + change;
-    });
-    if let Some(phong) = &scene.phong {
-        if phong.ambient != 0.0 {
-            add(&AMBIENT, 0.5, Linear, |scene, change| {
-                scene
-                    .phong
-                    .iter_mut()
-                    .for_each(|it| it.ambient *= 1.0 + change);
-            });
-        }
-        if phong.diffuse != 0.0 {
-            add(&DIFFUSE, 0.5, Linear, |scene, change| {
-                scene
-                    .phong
-                    .iter_mut()
-                    .for_each(|it| it.diffuse *= 1.0 + change);
-            });
-        }
-        if phong.specular != 0.0 {
-            add(&SPECULAR, 0.5, Linear, |scene, change| {
-                scene
-                    .phong
-                    .iter_mut()
-                    .for_each(|it| it.specular *= 1.0 + change);
-            });
-        }
-    }
     if scene.shadow.is_some() {
         add(&SHADOW, 0.02, Smooth, |scene, change| {
             scene
@@ -105,7 +103,9 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
     numbers
 }
 
-fn volumes(edit: fn(&mut Classified, f64)) -> impl Fn(&mut Scene, f64) -> Option<()> + Send + Sync {
+fn volumes(
+    edit: impl Fn(&mut Classified, f64) + Send + Sync,
+) -> impl Fn(&mut Scene, f64) -> Option<()> + Send + Sync {
     move |scene, change| {
         in_classified(scene, |volume| edit(volume, change));
         Some(())

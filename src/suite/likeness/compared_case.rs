@@ -193,7 +193,7 @@ impl ComparedCase {
         })
     }
 
-    /// Whether the verdict names numbers of the scene.
+    /// The verdict names numbers of the scene.
     pub fn has_suspects(&self) -> bool {
         !self.suspects.is_empty()
     }
@@ -307,9 +307,8 @@ impl ComparedCase {
         clock: &SearchClock<'_>,
     ) -> Option<Vec<Cells>> {
         let seeds = if self.is_sampled { 2 } else { 1 };
-        let of_seed = |seed: usize| {
-            let label = format!("{label} {seed}");
-            let cells = self.predicted_by_seed(edited, &label, seed as u64, clock)?;
+        let of_seed = |seed: u64| {
+            let cells = self.predicted_by_seed(edited, label, seed, clock)?;
             cells.has_size_of(self.in_fit()[0]).then_some(cells)
         };
         (0..seeds).map(of_seed).collect()
@@ -323,7 +322,7 @@ impl ComparedCase {
         Some(left / whole.distance().value).filter(|share| share.is_finite())
     }
 
-    /// Whether `prediction` differs from the image by no more than noise.
+    /// The difference of `prediction` from the image is no more than noise.
     pub fn is_noise_beside(&self, prediction: &Cells) -> bool {
         let (golden, test, _) = self.as_predicted();
         self.is_sampled && prediction.misfit(test, golden).is_noise()

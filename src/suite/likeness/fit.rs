@@ -1,10 +1,10 @@
 //! Numbers of the scene that may be off, fitted to an image that no mistake explains.
 //!
 //! A mistake of the catalogue is one edit; a volume that is a tenth too dense is none. The scene is
-//! rendered with each of its [numbers](crate::sensitivity) changed a little, which gives the direction
-//! in which the image then moves. The numbers whose directions lead nearest to the image are changed by
-//! Gauss and Newton's method, every step rendered anew, the directions turned by Broyden's rule (of one
-//! number alone: secants). Where that leaves much, a second number is changed beside the first, and
+//! rendered with each of its [numbers](crate::sensitivity) changed a little, which gives the derivatives
+//! of the image: the columns of its Jacobian. The numbers whose derivatives lead nearest to the image are
+//! changed by the Gauss–Newton method, with an image rendered for every step and Broyden's update of the
+//! Jacobian (of one number alone: secants). Where that leaves much, a second number is changed beside the first, and
 //! a third. What is fitted is said if it leaves little of the difference: a measurement, not a name.
 
 use super::cells::Cells;
@@ -19,7 +19,7 @@ use glam::{DMat3, DVec3};
 /// of the difference, root mean square. The sentence states what they leave.
 pub(super) const LEFT: f64 = 0.1;
 
-/// Numbers that are fitted each alone, and beside others, at most: those whose directions are nearest.
+/// Numbers that are fitted each alone, and beside others, at most: those whose derivatives lead nearest.
 const TRIED: usize = 4;
 
 /// Numbers that are fitted together, at most: one image seldom tells more apart.
@@ -69,8 +69,8 @@ struct Fitting<'f> {
     numbers: Vec<Number>,
     /// The scene as it is, once for each seed.
     unchanged: Vec<Cells>,
-    /// Derivatives of the image by each number, where it has one.
-    directions: Vec<Option<Vector>>,
+    /// Derivatives of the image by each number, where it has one: columns of the Jacobian.
+    derivatives: Vec<Option<Vector>>,
     weights: Vector,
     golden: Vector,
     test: Vector,
@@ -103,7 +103,7 @@ impl ComparedCase {
             return fitted;
         };
         for fit in fitting.best() {
-            let is_within = |share| self.is_explained_but_for(&fit.predicted, share) == Some(true);
+            let is_within = |share| fitting.leaves(&fit, share);
             let words = fitting.in_words(&fit);
             if is_within(LEFT) {
                 let sentence = explained_but_for(&words, fit.left);
@@ -140,13 +140,13 @@ impl<'f> Fitting<'f> {
             case,
             clock,
             unchanged,
-            directions: Vec::new(),
+            derivatives: Vec::new(),
             weights: golden.weights(test),
             golden: golden.values(),
             test: test.values(),
             numbers,
         };
-        fitting.directions = (0..fitting.numbers.len())
+        fitting.derivatives = (0..fitting.numbers.len())
             .map(|at| {
                 let step = fitting.numbers[at].step;
                 let sides = [step, -step].into_iter();
@@ -168,14 +168,13 @@ impl<'f> Fitting<'f> {
             .filter_map(|at| self.fitted(&[at], &[0.0], 1.0))
             .collect();
         alone.sort_by(|a, b| a.left.total_cmp(&b.left));
-        let leaves = |fit: &Fit, share: f64| {
-            let predicted = &fit.predicted;
-            self.case.is_explained_but_for(predicted, share) == Some(true)
-                || self.case.has_suspects() && self.case.is_noise_beside(predicted)
+        let is_worth_saying = |fit: &Fit, share: f64| {
+            self.leaves(fit, share)
+                || self.case.has_suspects() && self.case.is_noise_beside(&fit.predicted)
         };
-        let explains = |fit: &Fit| leaves(fit, self.case.may_leave());
+        let explains = |fit: &Fit| is_worth_saying(fit, self.case.may_leave());
         if alone.first().is_some_and(explains) {
-            alone.retain(|fit| leaves(fit, LEFT));
+            alone.retain(|fit| is_worth_saying(fit, LEFT));
             return alone;
         }
         // Nothing need be near by itself for two to be.
@@ -192,6 +191,11 @@ impl<'f> Fitting<'f> {
         best.map(|best| self.without_idle(best))
             .into_iter()
             .collect()
+    }
+
+    /// `fit` leaves no more than this share, beyond doubt.
+    fn leaves(&self, fit: &Fit, share: f64) -> bool {
+        self.case.is_explained_but_for(&fit.predicted, share) == Some(true)
     }
 
     /// `fit` without numbers that hardly change.
@@ -229,13 +233,13 @@ impl<'f> Fitting<'f> {
         least.filter(|fit| fit.left < WORTH_ANOTHER * before)
     }
 
-    /// The numbers beside those `chosen` whose directions lead nearest along the `rest`.
+    /// The numbers beside those `chosen` whose derivatives lead nearest along the `rest`.
     fn nearest(&self, rest: &Vector, chosen: &[usize]) -> Vec<usize> {
         let gain = |at: usize| {
-            let mut across = self.directions[at].clone()?;
+            let mut across = self.derivatives[at].clone()?;
             let whole = self.product(&across, &across);
             for &other in chosen {
-                let other = self.directions[other].as_ref()?;
+                let other = self.derivatives[other].as_ref()?;
                 let part = self.product(&across, other) / self.product(other, other);
                 across = difference(&across, &scaled(other, part));
             }
@@ -249,16 +253,16 @@ impl<'f> Fitting<'f> {
         gains.into_iter().take(TRIED).map(|(_, at)| at).collect()
     }
 
-    /// Gauss and Newton's method for these numbers together, from these changes, which leave `before`;
+    /// The Gauss–Newton method for these numbers together, from these changes, which leave `before`;
     /// nothing where it leads nowhere.
     fn fitted(&self, chosen: &[usize], from: &[f64], before: f64) -> Option<Fit> {
-        let directions = chosen.iter().map(|&at| self.directions[at].clone());
-        let mut directions: Vec<Vector> = directions.collect::<Option<_>>()?;
+        let derivatives = chosen.iter().map(|&at| self.derivatives[at].clone());
+        let mut derivatives: Vec<Vector> = derivatives.collect::<Option<_>>()?;
         let mut changes = from.to_vec();
         let mut now = self.predicted(chosen, &changes)?;
         let mut left = self.case.share_left(&now)?;
         for _ in 0..STEPS {
-            let mut step = self.step(&directions, &difference(&self.test, &now.values()))?;
+            let mut step = self.step(&derivatives, &difference(&self.test, &now.values()))?;
             let mut halvings = 0;
             let (next, moved, next_left) = loop {
                 let next = self.after(chosen, &changes, step);
@@ -267,7 +271,7 @@ impl<'f> Fitting<'f> {
                     break (changes.clone(), now.clone(), left);
                 }
                 let moved = self.predicted(chosen, &next)?;
-                self.turn(&mut directions, chosen, &in_steps, (&now, &moved));
+                self.update(&mut derivatives, chosen, &in_steps, (&now, &moved));
                 let next_left = self.case.share_left(&moved)?;
                 if next_left < left || halvings == HALVINGS {
                     break (next, moved, next_left);
@@ -281,7 +285,7 @@ impl<'f> Fitting<'f> {
             (changes, now, left) = (next, moved, next_left);
         }
         (left < before).then(|| Fit {
-            errors: self.errors(chosen, &directions, &now),
+            errors: self.errors(chosen, &derivatives, &now),
             numbers: chosen.to_vec(),
             changes,
             predicted: now,
@@ -306,38 +310,38 @@ impl<'f> Fitting<'f> {
             .collect()
     }
 
-    /// Broyden's rule: the least change of the directions, in steps of the numbers, that makes a step
+    /// Broyden's update: the least change of the derivatives, in steps of the numbers, that makes a step
     /// lead from one image to the other.
-    fn turn(
+    fn update(
         &self,
-        directions: &mut [Vector],
+        derivatives: &mut [Vector],
         chosen: &[usize],
         steps: &[f64],
         (from, to): (&Cells, &Cells),
     ) {
         let mut missed = difference(&to.values(), &from.values());
         let length: f64 = steps.iter().map(|steps| steps * steps).sum();
-        for ((direction, &at), steps) in directions.iter().zip(chosen).zip(steps) {
-            missed = difference(&missed, &scaled(direction, steps * self.numbers[at].step));
+        for ((derivative, &at), steps) in derivatives.iter().zip(chosen).zip(steps) {
+            missed = difference(&missed, &scaled(derivative, steps * self.numbers[at].step));
         }
-        for ((direction, &at), steps) in directions.iter_mut().zip(chosen).zip(steps) {
+        for ((derivative, &at), steps) in derivatives.iter_mut().zip(chosen).zip(steps) {
             let share = steps / length / self.numbers[at].step;
-            *direction = sum_of(direction, &scaled(&missed, share));
+            *derivative = sum_of(derivative, &scaled(&missed, share));
         }
     }
 
-    /// The changes that lead along `directions` nearest to the end of `rest`.
-    fn step(&self, directions: &[Vector], rest: &Vector) -> Option<DVec3> {
-        let along = |i: usize| directions.get(i).map_or(0.0, |d| self.product(d, rest));
-        let step = self.squares(directions).inverse() * DVec3::from_array([0, 1, 2].map(along));
+    /// The changes that lead along `derivatives` nearest to the end of `rest`.
+    fn step(&self, derivatives: &[Vector], rest: &Vector) -> Option<DVec3> {
+        let along = |i: usize| derivatives.get(i).map_or(0.0, |d| self.product(d, rest));
+        let step = self.squares(derivatives).inverse() * DVec3::from_array([0, 1, 2].map(along));
         step.is_finite().then_some(step)
     }
 
-    /// Products of directions with each other.
-    fn squares(&self, directions: &[Vector]) -> DMat3 {
+    /// Products of derivatives with each other.
+    fn squares(&self, derivatives: &[Vector]) -> DMat3 {
         let mut squares = DMat3::IDENTITY;
-        for (i, a) in directions.iter().enumerate() {
-            for (j, b) in directions.iter().enumerate() {
+        for (i, a) in derivatives.iter().enumerate() {
+            for (j, b) in derivatives.iter().enumerate() {
                 squares.col_mut(j)[i] = self.product(a, b);
             }
         }
@@ -346,21 +350,21 @@ impl<'f> Fitting<'f> {
 
     /// Standard errors by what is left in each cell, whatever its cause (White 1980, Econometrica 48,
     /// 817–838), and by the last step that was not made. The channels of a cell may share their noise.
-    fn errors(&self, chosen: &[usize], directions: &[Vector], now: &Cells) -> Vec<f64> {
+    fn errors(&self, chosen: &[usize], derivatives: &[Vector], now: &Cells) -> Vec<f64> {
         let rest = difference(&self.test, &now.values());
         let mut spread = DMat3::ZERO;
         for cell in 0..rest.len() / 3 {
             let pull = |i: usize| -> f64 {
                 let of = 3 * cell..3 * cell + 3;
-                directions.get(i).map_or(0.0, |direction| {
-                    of.map(|at| self.weights[at] * direction[at] * rest[at])
+                derivatives.get(i).map_or(0.0, |derivative| {
+                    of.map(|at| self.weights[at] * derivative[at] * rest[at])
                         .sum()
                 })
             };
             let pull = DVec3::from_array([0, 1, 2].map(pull));
             spread += DMat3::from_cols(pull * pull.x, pull * pull.y, pull * pull.z);
         }
-        let inverse = self.squares(directions).inverse();
+        let inverse = self.squares(derivatives).inverse();
         let variances = inverse * spread * inverse;
         let of = (0..chosen.len()).map(|i| {
             let last = CLOSE * self.numbers[chosen[i]].step;
@@ -371,6 +375,10 @@ impl<'f> Fitting<'f> {
 
     /// The image with these changes: the golden, and what the changes make of the same random numbers.
     fn predicted(&self, chosen: &[usize], changes: &[f64]) -> Option<Cells> {
+        let [golden, _] = self.case.in_fit();
+        if changes.iter().all(|&change| change == 0.0) {
+            return Some(golden.clone());
+        }
         if self.clock.is_late() {
             return None;
         }
@@ -380,7 +388,7 @@ impl<'f> Fitting<'f> {
         }
         let changed = self.changed(chosen, changes)?;
         let changed = self.case.predicted_for_fit(&changed, &label, self.clock)?;
-        Some(self.case.in_fit()[0].moved(&self.unchanged, &changed))
+        Some(golden.moved(&self.unchanged, &changed))
     }
 
     fn changed(&self, chosen: &[usize], changes: &[f64]) -> Option<Scene> {
@@ -399,10 +407,7 @@ impl<'f> Fitting<'f> {
     fn in_words(&self, fit: &Fit) -> String {
         let changes = fit.numbers.iter().enumerate().map(|(i, &at)| {
             let number = &self.numbers[at];
-            let unit = match number.quantity.unit {
-                Unit::Share => None,
-                Unit::Absolute(unit) => Some(unit),
-            };
+            let unit = number.quantity.unit.name();
             let mut words = change_in_words(&number.words(), unit, fit.changes[i], fit.errors[i]);
             if number.name() == "camera.view"
                 && let Some(scene) = self.changed(&[at], &[fit.changes[i]])

@@ -63,7 +63,7 @@ pub(super) fn predicted(
         &scene.canonical_text(),
         &format!("{:?}", input_hashes(scene)),
         label,
-        &format!("{detail:?} {samples}"),
+        &format!("{detail:?} {samples} {seed}"),
     ]);
     if let Some(film) = key.as_ref().and_then(|key| clock.predictions().get(key)) {
         return Some(film);

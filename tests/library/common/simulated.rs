@@ -120,6 +120,20 @@ pub struct Sampling<'s> {
     pub one_for_all: bool,
 }
 
+impl<'s> Sampling<'s> {
+    /// Samples of one shape that every pixel has for itself, and all channels together.
+    pub fn of(shape: &'s Shape, side: usize, samples: u32, seed: u64) -> Sampling<'s> {
+        Sampling {
+            side,
+            samples,
+            seed,
+            shapes: [shape; 2],
+            coloured: false,
+            one_for_all: false,
+        }
+    }
+}
+
 /// An image of `truth` with noise, and what variance it states.
 pub fn sampled(sampling: Sampling<'_>, truth: impl Fn(f64, f64) -> [f64; 3]) -> Film {
     let Sampling { side, samples, .. } = sampling;
