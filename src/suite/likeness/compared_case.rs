@@ -322,12 +322,6 @@ impl ComparedCase {
         Some(left / whole.distance().value).filter(|share| share.is_finite())
     }
 
-    /// The difference of `prediction` from the image is no more than noise.
-    pub fn is_noise_beside(&self, prediction: &Cells) -> bool {
-        let (golden, test, _) = self.as_predicted();
-        self.is_sampled && prediction.misfit(test, golden).is_noise()
-    }
-
     /// Whether `prediction` leaves no more than `share`, beyond doubt.
     pub fn is_explained_but_for(&self, prediction: &Cells, share: f64) -> Option<bool> {
         let (golden, test, whole) = self.as_predicted();

@@ -103,14 +103,10 @@ impl ComparedCase {
             return fitted;
         };
         for fit in fitting.best() {
-            let is_within = |share| fitting.leaves(&fit, share);
-            let words = fitting.in_words(&fit);
-            if is_within(LEFT) {
-                let sentence = explained_but_for(&words, fit.left);
-                fitted.add(Some((sentence, is_within(self.may_leave()))));
-            } else if self.is_noise_beside(&fit.predicted) {
-                let sentence = format!("{words} would leave no difference beyond noise");
-                fitted.add(Some((sentence, false)));
+            // Where noise leaves it open how much is left, the verdict's own estimate is the better one.
+            if fitting.leaves(&fit, LEFT) {
+                let sentence = explained_but_for(&fitting.in_words(&fit), fit.left);
+                fitted.add(Some((sentence, fitting.leaves(&fit, self.may_leave()))));
             }
         }
         fitted
@@ -168,29 +164,27 @@ impl<'f> Fitting<'f> {
             .filter_map(|at| self.fitted(&[at], &[0.0], 1.0))
             .collect();
         alone.sort_by(|a, b| a.left.total_cmp(&b.left));
-        let is_worth_saying = |fit: &Fit, share: f64| {
-            self.leaves(fit, share)
-                || self.case.has_suspects() && self.case.is_noise_beside(&fit.predicted)
-        };
-        let explains = |fit: &Fit| is_worth_saying(fit, self.case.may_leave());
-        if alone.first().is_some_and(explains) {
-            alone.retain(|fit| is_worth_saying(fit, LEFT));
-            return alone;
-        }
+        let is_enough =
+            |fit: &Fit| self.leaves(fit, self.case.may_leave()) || fit.numbers.len() == TOGETHER;
         // Nothing need be near by itself for two to be.
-        let mut best = alone.into_iter().next();
-        while best.as_ref().is_none_or(|fit| fit.numbers.len() < TOGETHER) {
-            let Some(more) = self.with_another(best.as_ref()) else {
-                break;
-            };
-            best = Some(more);
-            if best.as_ref().is_some_and(explains) {
+        let mut together = None::<Fit>;
+        loop {
+            let now = together.as_ref().or(alone.first());
+            if now.is_some_and(is_enough) {
                 break;
             }
+            let Some(more) = self.with_another(now) else {
+                break;
+            };
+            together = Some(more);
         }
-        best.map(|best| self.without_idle(best))
-            .into_iter()
-            .collect()
+        match together {
+            Some(together) => vec![self.without_idle(together)],
+            None => {
+                alone.retain(|fit| self.leaves(fit, LEFT));
+                alone
+            }
+        }
     }
 
     /// `fit` leaves no more than this share, beyond doubt.
