@@ -59,6 +59,13 @@ else
     echo "not tested: that needs CMake, and Python with NumPy"
 fi
 
+step "parts and units by GNU parallel"
+if command -v parallel >/dev/null && command -v jq >/dev/null; then
+    scripts/check-scale-out.sh
+else
+    echo "not tested: that needs GNU parallel and jq"
+fi
+
 step "the suite catches every mistake and rejects no correct image, on cases that catch them all"
 cargo run --release --quiet -- selftest --quick figures smoke fog/absorption fog/forward fog/balance \
     fog/rate-0.1 procedural/absorbing-grid procedural/emissive-grid procedural/coloured \

@@ -8,6 +8,7 @@
 //! | [`suite`] | the cases, their goldens, a new golden, a new case |
 //! | [`comparing`] | checking a renderer, failures, comparing two images, gates, samples and noise |
 //! | [`sensitivities`] | derivatives of images; which number of a scene is off, and by how much |
+//! | [`several_machines`] | parts of a suite, units of a golden, Slurm, Kubernetes |
 //! | [`in_your_tests`] | Python, pytest, CMake, GitHub |
 //! | [`accuracy_and_cost`] | error against lookups and time |
 //! | [`effects`] | the effects that a scene needs, and the instructions saved |
@@ -38,6 +39,9 @@ pub mod comparing {}
 #[doc = include_str!("guide/links.md")]
 #[doc = include_str!("guide/sensitivities.md")]
 pub mod sensitivities {}
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/several_machines.md")]
+pub mod several_machines {}
 #[doc = include_str!("guide/links.md")]
 #[doc = include_str!("guide/in_your_tests.md")]
 pub mod in_your_tests {}

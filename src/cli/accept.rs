@@ -5,13 +5,13 @@ use super::output::{self, Json};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress};
-use crate::suite::{self, AcceptError, Cache, Change, StoreError};
+use crate::suite::{self, AcceptError, Change, StoreError, UnitFolder};
 use serde_json::json;
 
 /// Render cases and accept the images as new goldens; inspect them before and after
 ///
-/// All cases are accepted, or none. Finished renderings of stochastic cases are kept in .volref until
-/// all goldens are written, so an interrupted run continues where it stopped.
+/// All cases are accepted, or none. Finished units of stochastic cases (see volref units) are kept
+/// in .volref until all goldens are written, so an interrupted run continues where it stopped.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Cases, families, or patterns over them such as 'figures/*'
@@ -35,12 +35,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let mut cases = suite.select(&arguments.cases)?;
     arguments
         .partition
-        .retain(&mut cases, |case| case.name.clone())?;
+        .retain(&mut cases, "cases", |case| case.name.clone())?;
     let in_ci = std::env::var_os("CI").is_some_and(|value| !value.is_empty());
     let bar = progress::work();
-    let cache = Cache::open(suite.cache_folder());
+    let kept = UnitFolder::open(suite.cache_folder());
     let (store, reason) = (suite.store(), &arguments.reason);
-    let accepted = suite::accept(&cases, &store, &cache, reason, in_ci, &bar);
+    let accepted = suite::accept(&cases, &store, &kept, reason, in_ci, &bar);
     bar.finish_and_clear();
     let accepted = accepted.map_err(|error| {
         let exit = match error {

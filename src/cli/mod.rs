@@ -14,9 +14,12 @@ mod failure;
 mod info;
 mod interrupt;
 mod keep;
+mod kept;
 mod list;
 mod made;
 mod man;
+mod merge;
+mod merged_units;
 mod output;
 mod partition;
 mod plan;
@@ -28,7 +31,9 @@ mod selftest;
 mod sensitivity;
 mod suite;
 mod suite_command;
+mod units;
 mod validate;
+mod verdicts;
 mod verify;
 mod visible_report;
 
@@ -58,6 +63,8 @@ enum Command {
     Cost(cost::Arguments),
     Export(export::Arguments),
     Accept(accept::Arguments),
+    Units(units::Arguments),
+    Merge(merge::Arguments),
     Selftest(selftest::Arguments),
     Sensitivity(sensitivity::Arguments),
     Info(info::Arguments),
@@ -120,6 +127,8 @@ fn run() -> ExitCode {
         Command::Cost(arguments) => cost::run(arguments),
         Command::Export(arguments) => progress::during("exporting", || export::run(arguments)),
         Command::Accept(arguments) => accept::run(arguments),
+        Command::Units(arguments) => units::run(arguments),
+        Command::Merge(arguments) => merge::run(arguments),
         Command::Selftest(arguments) => selftest::run(arguments),
         Command::Sensitivity(arguments) => sensitivity::run(arguments),
         Command::Info(arguments) => progress::during("reading", || info::run(arguments)),

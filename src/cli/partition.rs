@@ -16,7 +16,7 @@ pub struct PartitionArgument {
 }
 
 impl PartitionArgument {
-    /// Keeps the items of this part; `name` says how an item is called.
+    /// Keeps the items of this part; `noun` says what they are, and `name` how one is called.
     ///
     /// # Errors
     ///
@@ -24,6 +24,7 @@ impl PartitionArgument {
     pub fn retain<T>(
         &self,
         items: &mut Vec<T>,
+        noun: &str,
         name: impl Fn(&T) -> String,
     ) -> Result<(), Failure> {
         let Some(partition) = &self.partition else {
@@ -36,7 +37,7 @@ impl PartitionArgument {
             is_in
         });
         if before > 0 && items.is_empty() {
-            let message = format!("none of the {before} cases is in the part {partition}");
+            let message = format!("none of the {before} {noun} is in the part {partition}");
             let help = "fewer parts, or `slice`, which makes them even, leave none empty";
             return Err(Failure::new(Exit::Undecided, message, Some(help)));
         }
@@ -248,7 +249,7 @@ mod tests {
                         partition: Some(partition),
                     };
                     let mut of_part = names.clone();
-                    let found = argument.retain(&mut of_part, String::clone);
+                    let found = argument.retain(&mut of_part, "cases", String::clone);
                     assert_eq!(found.is_err(), of_part.is_empty());
                     if by == "slice" {
                         let even = names.len() / parts..=names.len().div_ceil(parts);

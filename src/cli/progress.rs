@@ -44,8 +44,6 @@ struct SharedBar {
     changed: Condvar,
     /// The parts of the work, such as cases.
     parts: Counter,
-    /// How many of them are under way.
-    under_way: AtomicU64,
     /// The steps of what is under way.
     steps: Counter,
 }
@@ -174,7 +172,6 @@ impl Bar {
             said: Mutex::new(said),
             changed: Condvar::new(),
             parts: Counter::default(),
-            under_way: AtomicU64::new(1),
             steps: Counter::default(),
         });
         shared.parts.begin(parts);
@@ -263,13 +260,15 @@ impl Watch for Bar {
 
 impl AcceptWatch for Bar {
     fn begin_all(&self, work: u64) {
-        self.shared.under_way.store(0, Ordering::Relaxed);
         self.shared.parts.begin(work);
     }
 
-    fn begin_picture(&self, case: &str, work: u64) {
-        self.inc(self.shared.under_way.swap(work, Ordering::Relaxed));
+    fn begin_case(&self, case: &str) {
         self.set_message(case);
+    }
+
+    fn worked(&self, work: u64) {
+        self.shared.parts.done.fetch_add(work, Ordering::Relaxed);
     }
 }
 
@@ -300,8 +299,7 @@ impl SharedBar {
             if elapsed >= FIRST_LINE {
                 self.notes();
             }
-            let under_way = self.under_way.load(Ordering::Relaxed);
-            let done = share_done(self.parts.get(), under_way, self.steps.get());
+            let done = share_done(self.parts.get(), self.steps.get());
             let state = self.state(done, elapsed.as_secs_f64());
             match &self.bar {
                 Some(bar) => {
@@ -369,18 +367,14 @@ fn next_line(elapsed: Duration) -> Duration {
     (elapsed * 3).min(elapsed + LONGEST_SILENCE)
 }
 
-/// How much of the work is done, from 0 to 1: that of the parts, of which those under way are done in part. None
-/// where nothing is known.
-fn share_done(
-    [parts, all_parts]: [u64; 2],
-    under_way: u64,
-    [steps, all_steps]: [u64; 2],
-) -> Option<f64> {
+/// How much of the work is done, from 0 to 1: that of the parts, of which one is under way and done in
+/// part. None where nothing is known.
+fn share_done([parts, all_parts]: [u64; 2], [steps, all_steps]: [u64; 2]) -> Option<f64> {
     let within = (all_steps > 0).then(|| steps as f64 / all_steps as f64);
     match all_parts {
         0 => within,
         _ => {
-            let parts = parts as f64 + under_way as f64 * within.unwrap_or(0.0);
+            let parts = parts as f64 + within.unwrap_or(0.0);
             Some((parts / all_parts as f64).min(1.0))
         }
     }
@@ -487,12 +481,11 @@ mod tests {
 
     #[test]
     fn a_part_under_way_counts_in_part() {
-        assert_eq!(share_done([3, 8], 1, [10, 20]), Some(0.4375));
-        assert_eq!(share_done([3, 8], 1, [0, 0]), Some(0.375));
-        assert_eq!(share_done([0, 0], 1, [10, 20]), Some(0.5));
-        assert_eq!(share_done([0, 0], 1, [0, 0]), None);
-        assert_eq!(share_done([8, 8], 1, [20, 20]), Some(1.0));
-        assert_eq!(share_done([3, 8], 4, [10, 20]), Some(0.625));
+        assert_eq!(share_done([3, 8], [10, 20]), Some(0.4375));
+        assert_eq!(share_done([3, 8], [0, 0]), Some(0.375));
+        assert_eq!(share_done([0, 0], [10, 20]), Some(0.5));
+        assert_eq!(share_done([0, 0], [0, 0]), None);
+        assert_eq!(share_done([8, 8], [20, 20]), Some(1.0));
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use crate::report;
 use crate::suite::{CaseResult, Evidence, Judged, Likenesses, Suite};
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Destinations of the results.
@@ -62,6 +63,11 @@ impl ResultFiles {
             check_not_golden(path, suite)?;
         }
         output::check(&outputs, &[])
+    }
+
+    /// Writes `value` as JSON if that was asked for, and returns the text to print.
+    pub fn write_json(&self, text: String, value: &Value) -> Result<String, Failure> {
+        self.json.instead_of(text, value)
     }
 
     /// Writes the requested files, and returns the text to print: `text`, or JSON instead.

@@ -45,7 +45,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let mut cases = suite.select(&arguments.filters)?;
     arguments
         .partition
-        .retain(&mut cases, |case| case.name.clone())?;
+        .retain(&mut cases, "cases", |case| case.name.clone())?;
     let store = suite.store();
     if arguments.naming.is_some() || arguments.pairs.is_some() {
         let made = made(arguments.naming.unwrap_or(0), arguments.pairs.unwrap_or(0));

@@ -37,6 +37,14 @@ impl Selection {
         self.open()
     }
 
+    /// Where the units and results of this suite are kept: in it, or of the suite within the program, in
+    /// the current folder.
+    pub fn kept_folder(&self, suite: &Suite) -> PathBuf {
+        let is_own = self.folder.is_none() && named_suite().is_none() && !is_suite(Path::new(HERE));
+        let own = || Path::new(HERE).join(KEPT);
+        if is_own { own() } else { suite.cache_folder() }
+    }
+
     /// The command line that repeats `command` for one case of this suite.
     pub fn again(&self, command: &str, case: &str, arguments: &[String]) -> String {
         let mut words = vec!["volref".to_owned(), command.to_owned(), case.to_owned()];
@@ -49,6 +57,9 @@ impl Selection {
 
 /// The current folder.
 const HERE: &str = ".";
+
+/// Folder for units and results.
+const KEPT: &str = ".volref";
 
 /// The folder that the environment variable [`VOLREF_SUITE`](SUITE_VARIABLE) names.
 fn named_suite() -> Option<PathBuf> {

@@ -4,22 +4,24 @@ use super::decide::LookAgain;
 use super::export::write_all;
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input};
 use super::keep::keeper;
+use super::kept::{KeepArgument, Whole};
 use super::made::{Ask, Made};
 use super::partition::PartitionArgument;
 use super::results::{Findings, ResultFiles, check_not_golden};
 use super::suite::{Selection, exit};
+use super::verdicts::{PrintedVerdicts, named};
 use super::{Outcome, ctest, decide, interrupt, output, progress};
 use crate::atomic_file::write_atomically;
 use crate::exchange::{self, Format};
 use crate::film::Film;
 use crate::math::exp2;
-use crate::regular_file::note_input;
+use crate::regular_file::{self, note_input};
 use crate::report;
 use crate::scene::{Classified, Panel, Scene};
 use crate::suite::{
-    Case, CaseResult, Cause, CommandTemplate, ConventionSearch, Evidence, Judged, Likenesses,
-    Output, Outputs, Predictions, Profile, Search, Store, Suite, Verdict, likeness,
-    run as run_process, step_name, stop_all, telling_case, validate, validate_at,
+    Case, CaseResult, CommandTemplate, ConventionSearch, Evidence, Judged, Output, Outputs,
+    Profile, Search, Store, Suite, run as run_process, step_name, stop_all, telling_case, validate,
+    validate_at,
 };
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -68,6 +70,8 @@ pub struct Arguments {
     selection: Selection,
     #[command(flatten)]
     partition: PartitionArgument,
+    #[command(flatten)]
+    kept: KeepArgument,
     /// Folder with finished images
     #[arg(long, value_name = "DIR", group = "images")]
     outputs: Option<PathBuf>,
@@ -88,7 +92,7 @@ pub struct Arguments {
     #[arg(long)]
     accept_conventions: bool,
     /// Time limit for finding the mistake behind each failing image; 0 for no search
-    #[arg(long, value_name = "SECONDS", default_value_t = Search::BUDGET.into(), allow_negative_numbers = true, value_parser = budget)]
+    #[arg(long, value_name = "SECONDS", default_value_t = Search::BUDGET.into(), allow_negative_numbers = true, value_parser = search_time)]
     explain: f64,
     /// With --run: time limit, after which the renderer and all its child processes are
     /// killed
@@ -134,7 +138,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 /// A time limit for the search: not negative, and finite.
-fn budget(text: &str) -> Result<f64, String> {
+pub fn search_time(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if (0.0..=1e9).contains(&seconds) => Ok(seconds),
         _ => Err("the time for a search is a number of seconds; 0 means no search".to_owned()),
@@ -158,8 +162,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             output::check_no_input(&path)?;
         }
     }
-    let profile = arguments.profile.as_deref().map(Profile::named);
-    let profile = profile.transpose()?;
+    let profile = arguments
+        .profile
+        .as_deref()
+        .map(Profile::named)
+        .transpose()?;
+    let profile_text = profile.as_ref().map(|profile| profile.text.clone());
     let source = Source::of(&arguments, &names)?;
     // Now that the images to be judged are known as inputs.
     arguments.files.check(&suite)?;
@@ -173,9 +181,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if arguments.only_present {
         cases.retain(|case| source.may_have(case));
     }
+    let selected = cases.iter().copied();
+    let whole = Whole::new("validate", &suite, &arguments.filters, selected, []);
     arguments
         .partition
-        .retain(&mut cases, |case| case.name.clone())?;
+        .retain(&mut cases, "cases", |case| case.name.clone())?;
     let said = PrintedVerdicts {
         speaks: !arguments.files.prints_json(),
         widest: cases.iter().map(|case| case.name.len()).max().unwrap_or(0),
@@ -191,14 +201,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         conventions: ConventionSearch::default(),
     };
     let mut judged = judge.all(&cases, &said);
-    if judged.is_empty() {
-        let message = "no image of these cases was found: nothing was compared";
-        let help = format!(
-            "images are named family/name.exr or name.exr; `volref list` shows the cases{}",
-            source.unknown_files().trim_end()
-        );
-        return Err(Failure::new(Exit::Undecided, message, Some(&help)));
-    }
     if let Source::Renderer(renderer) = &source
         && arguments.decide
     {
@@ -215,11 +217,33 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             said.verdict(&judged.result);
         }
     }
+    let part: Vec<String> = cases.iter().map(|case| case.name.clone()).collect();
+    arguments.kept.keep(
+        whole,
+        source.settings(profile_text.as_deref()),
+        &part,
+        &judged,
+        (&arguments.partition, &arguments.selection, &suite),
+    )?;
+    if judged.is_empty() {
+        let message = "no image of these cases was found: nothing was compared";
+        let help = format!(
+            "images are named family/name.exr or name.exr; `volref list` shows the cases{}",
+            source.unknown_files().trim_end()
+        );
+        return Err(Failure::new(Exit::Undecided, message, Some(&help)));
+    }
     let results: Vec<CaseResult> = judged.iter().map(|judged| judged.result.clone()).collect();
     said.print(&(said.without_image(&results) + &report::summary_text(&results)));
     said.print(&source.unknown_files());
 
-    let found = named(&arguments, &suite, &cases, profile.as_ref(), &mut judged);
+    let found = named(
+        arguments.explain,
+        &suite,
+        &cases,
+        profile.as_ref(),
+        &mut judged,
+    );
     if let Some(folder) = &arguments.ctest {
         said.print(&ctest::measurements(&judged, folder)?);
     }
@@ -240,73 +264,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         text: arguments.files.write(&findings, text.unwrap_or_default())?,
         exit: exit(&findings.results()),
     })
-}
-
-/// Output while cases are judged.
-struct PrintedVerdicts {
-    /// Whether to print at all: not if standard output is for JSON.
-    speaks: bool,
-    /// Length of the longest name.
-    widest: usize,
-    /// Whether cases without an image are only counted.
-    folds_missing: bool,
-    /// Whether cases that noise leaves open are decided later.
-    waits: bool,
-}
-
-impl PrintedVerdicts {
-    fn print(&self, text: &str) {
-        if self.speaks {
-            output::print(text);
-        }
-    }
-
-    /// Whether `result` is not listed.
-    fn folds(&self, result: &CaseResult) -> bool {
-        let is_missing = (result.verdict, result.cause) == (Verdict::Missing, Cause::OtherRenderer);
-        self.folds_missing && is_missing
-    }
-
-    fn verdict(&self, result: &CaseResult) {
-        if !self.folds(result) {
-            self.print(&report::verdict_text(result, self.widest));
-        }
-    }
-
-    /// Number of cases not listed.
-    fn without_image(&self, results: &[CaseResult]) -> String {
-        let folded = results.iter().filter(|result| self.folds(result));
-        let names: Vec<&str> = folded.map(|result| result.name.as_str()).collect();
-        report::without_image_text(&names)
-    }
-}
-
-/// Names the likely mistakes behind failed images, within the time limit. The second value tells
-/// whether Ctrl-C ended the search; `None` without a search.
-fn named(
-    arguments: &Arguments,
-    suite: &Suite,
-    cases: &[&Case],
-    profile: Option<&Profile>,
-    judged: &mut [Judged],
-) -> Option<(Likenesses, bool)> {
-    let failed = judged.iter().filter(|judged| judged.differs()).count();
-    if failed == 0 || arguments.explain == 0.0 {
-        return None;
-    }
-    let predictions = Predictions::of_the_user();
-    Some(interrupt::can_be_cut_short(|| {
-        let bar = progress::mistakes(failed, arguments.explain);
-        let search = Search {
-            budget: Some(Duration::from_secs_f64(arguments.explain)),
-            predictions: &predictions,
-            interrupted: &interrupt::is_cut_short,
-            progress: &|step| progress::mistake(&bar, step),
-        };
-        let found = likeness(cases, suite.cases(), profile, judged, &search);
-        bar.finish_and_clear();
-        found
-    }))
 }
 
 /// Source of the images.
@@ -375,6 +332,19 @@ impl<'a> Source<'a> {
             Source::Finished(folder, outputs) => Made::of(read(outputs, folder, case)),
             Source::Renderer(renderer) => renderer.output(case, renderer.first()),
         }
+    }
+
+    /// What verdicts depend on beside the suite, by name.
+    fn settings(&self, profile: Option<&str>) -> BTreeMap<String, String> {
+        let given = match self {
+            Source::Finished(..) => [("images", "finished".to_owned())].into(),
+            Source::Renderer(renderer) => renderer.settings(),
+        };
+        let named = given
+            .into_iter()
+            .map(|(name, value)| (name.to_owned(), value));
+        let profile = profile.map(|text| ("profile".to_owned(), text.to_owned()));
+        named.chain(profile).collect()
     }
 
     /// The arguments for the source of the images.
@@ -466,6 +436,15 @@ fn last_words(printed: &str) -> String {
         text.extend(plain.take(LETTERS));
     }
     text
+}
+
+/// Longest file of a renderer that is hashed: 1 GiB.
+const MOST_HASHED_BYTES: u64 = 1 << 30;
+
+/// Hash of a file, if there is one.
+fn file_hash(path: &Path) -> Option<String> {
+    let bytes = regular_file::read(path, MOST_HASHED_BYTES).ok()?;
+    Some(blake3::hash(&bytes).to_hex().to_string())
 }
 
 /// A call of the renderer for a case.
@@ -599,6 +578,26 @@ impl RendererRun<'_> {
             }
             output => output,
         }
+    }
+
+    /// What its images depend on, by name: the files that the command names are hashed, so that another
+    /// build of the renderer makes another run.
+    fn settings(&self) -> BTreeMap<&'static str, String> {
+        let given = self.arguments;
+        let command = given.run.clone().unwrap_or_default();
+        let words = shell_words::split(&command).unwrap_or_default();
+        let hashes = words.iter().filter_map(|word| file_hash(Path::new(word)));
+        let hashes: Vec<String> = hashes.collect();
+        [
+            ("command of the renderer", command),
+            ("files of the renderer", hashes.join(" ")),
+            ("samples", given.spp.to_string()),
+            ("seed", given.seed.to_string()),
+            ("format", given.format.clone()),
+            ("decide", given.decide.to_string()),
+            ("accept conventions", given.accept_conventions.to_string()),
+        ]
+        .into()
     }
 
     /// The arguments that repeat the run, without those that equal their defaults.

@@ -1,6 +1,7 @@
 //! `volref verify [FILTER…]`
 
 use super::failure::{EXIT_CODES, Failure};
+use super::kept::{KeepArgument, Whole};
 use super::partition::PartitionArgument;
 use super::results::{Findings, ResultFiles};
 use super::suite::{Selection, exit};
@@ -8,6 +9,7 @@ use super::{Outcome, progress, render};
 use crate::hard_cases::Row;
 use crate::report;
 use crate::suite::{self, Case, CaseResult, Evidence, Likenesses, Suite, Verdict};
+use std::collections::BTreeMap;
 
 /// Render the suite and compare it with the goldens, bit for bit
 #[derive(Debug, clap::Args)]
@@ -21,6 +23,8 @@ pub struct Arguments {
     selection: Selection,
     #[command(flatten)]
     partition: PartitionArgument,
+    #[command(flatten)]
+    kept: KeepArgument,
     /// List every case, including those that passed
     #[arg(long)]
     verbose: bool,
@@ -52,10 +56,16 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
     arguments.files.check(&suite)?;
     let (cases, rows) = suite.select_with_rows(&arguments.filters)?;
+    let names = rows.iter().map(|row| suite::row_name(row));
+    let filters = &arguments.filters;
+    let whole = Whole::new("verify", &suite, filters, cases.iter().copied(), names);
     let cases = cases.into_iter().map(Selected::Case);
     let mut selected: Vec<Selected<'_>> =
         cases.chain(rows.into_iter().map(Selected::Row)).collect();
-    arguments.partition.retain(&mut selected, Selected::name)?;
+    arguments
+        .partition
+        .retain(&mut selected, "cases", Selected::name)?;
+    let is_kept = arguments.kept.keeps(&arguments.partition);
     let store = suite.store();
     let mut judged = render::with_threads(arguments.threads, || {
         let bar = progress::cases(selected.len());
@@ -64,7 +74,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             let judged = match selected {
                 Selected::Case(case) => {
                     let mut judged = suite::verify(case, &store, &bar);
-                    if !arguments.files.wants_evidence() {
+                    if !is_kept && !arguments.files.wants_evidence() {
                         judged.evidence = Evidence::default();
                     }
                     judged
@@ -79,14 +89,19 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         judged
     })?;
 
-    if arguments.filters.is_empty() && arguments.partition.is_first() {
-        judged.extend(suite::without_case(&suite)?);
-    }
     for judged in &mut judged {
         let again = arguments
             .selection
             .again("verify", &judged.result.name, &[]);
         judged.evidence.reproduce = vec![again];
+    }
+    let part: Vec<String> = selected.iter().map(Selected::name).collect();
+    let context = (&arguments.partition, &arguments.selection, &suite);
+    arguments
+        .kept
+        .keep(whole, BTreeMap::new(), &part, &judged, context)?;
+    if arguments.filters.is_empty() && arguments.partition.is_first() {
+        judged.extend(suite::without_case(&suite)?);
     }
     let findings = Findings {
         command: "verify",
@@ -107,7 +122,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 }
 
 /// Commands that show the difference in the first case that failed, by rendering its image again.
-fn what_moved(results: &[CaseResult], suite: &Suite) -> String {
+pub fn what_moved(results: &[CaseResult], suite: &Suite) -> String {
     let failed = results
         .iter()
         .find(|result| result.verdict == Verdict::Fail);

@@ -2,7 +2,7 @@
 
 use super::advice::Undecided;
 use super::gate::Gate;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Outcome of a comparison.
@@ -31,7 +31,7 @@ pub struct Judgement {
 
 /// A difference, what the changes that fit best make of it, and what they leave: of every block, in
 /// standard errors of its difference; row by row from the top.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FitMap {
     /// Blocks in a row.
     pub columns: usize,
@@ -43,7 +43,7 @@ pub struct FitMap {
 
 /// The smallest change of a number of the scene that two images, of the noise that they have, would
 /// show with probability one half.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Detectable {
     /// Of the number: `density`.
     pub name: String,
@@ -57,7 +57,7 @@ pub struct Detectable {
 }
 
 /// A change of a number of the scene, estimated from the difference of two images.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NumberChange {
     /// Of the number: `density`.
     pub name: String,

@@ -11,8 +11,10 @@ mod npy_file;
 mod pfm_file;
 mod png_file;
 mod replicates;
+mod stored;
 
 use crate::math::Moments;
+use serde::{Deserialize, Serialize};
 
 pub use error::FilmError;
 pub use format::FilmFormat;
@@ -21,7 +23,8 @@ pub use noise::Noise;
 
 /// Linear, scene-referred RGB radiance, top row first; with opacity for a volume, and with noise if
 /// the radiance is a mean of random samples.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "stored::StoredFilm")]
 pub struct Film {
     width: usize,
     height: usize,
@@ -193,6 +196,30 @@ impl Film {
         film.opacity = (opacity.len() == width * height).then_some(opacity);
         film.noise = (samples > 0 && variance.len() == width * height)
             .then(|| Noise::of_samples(variance, samples));
+        film.samples = film.noise.as_ref().map(|noise| noise.samples.into());
+        film
+    }
+
+    /// The films below each other, from the top. All must have the same width, and all or none opacity.
+    /// The noise is kept if all have noise from the same number of samples.
+    pub fn below_each_other(films: &[Film]) -> Film {
+        let samples = |film: &Film| film.noise.as_ref().map(Noise::samples);
+        let first = samples(&films[0])
+            .filter(|_| films.iter().all(|film| samples(film) == samples(&films[0])));
+        let radiance: Vec<[f32; 3]> = films
+            .iter()
+            .flat_map(|film| &film.radiance)
+            .copied()
+            .collect();
+        let opacity: Option<Vec<&[f32]>> = films.iter().map(Film::opacity).collect();
+        let variance = films
+            .iter()
+            .filter_map(|film| film.noise.as_ref())
+            .flat_map(|noise| &noise.variance);
+        let height = films.iter().map(|film| film.height).sum();
+        let mut film = Film::new(films[0].width, height, radiance);
+        film.opacity = opacity.map(|parts| parts.concat());
+        film.noise = first.map(|samples| Noise::of_samples(variance.copied().collect(), samples));
         film.samples = film.noise.as_ref().map(|noise| noise.samples.into());
         film
     }

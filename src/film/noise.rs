@@ -1,8 +1,10 @@
 //! The noise of a sampled image.
 
+use serde::{Deserialize, Serialize};
+
 /// The noise of an image whose pixels are means of random samples: the variance of those means, and
 /// the number of samples in each. Fewer than two samples have no variance.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Noise {
     pub(super) variance: Vec<[f32; 3]>,
     pub(super) samples: u32,
@@ -10,7 +12,7 @@ pub struct Noise {
 }
 
 /// What variances were estimated from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum NoiseOrigin {
     /// The spread of samples.
     Samples,

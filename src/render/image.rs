@@ -33,12 +33,7 @@ pub fn render(
     sampling: Sampling,
     progress: Progress<'_>,
 ) -> Result<Rendering, RenderError> {
-    let (film, _, error_bound) = render_with::<Uncounted>(plans, &Job::whole(sampling, progress))?;
-    Ok(Rendering {
-        film,
-        work: vec![],
-        error_bound,
-    })
+    render_part(plans, sampling, Detail::Whole, progress)
 }
 
 /// [`render`], counting work. Same bits.
@@ -52,6 +47,25 @@ pub fn render_counted(
     Ok(Rendering {
         film,
         work,
+        error_bound,
+    })
+}
+
+/// [`render`] of a part of the image: the same bits as there.
+pub fn render_part(
+    plans: &[Plan<'_>],
+    sampling: Sampling,
+    detail: Detail,
+    progress: Progress<'_>,
+) -> Result<Rendering, RenderError> {
+    let job = Job {
+        detail,
+        ..Job::whole(sampling, progress)
+    };
+    let (film, _, error_bound) = render_with::<Uncounted>(plans, &job)?;
+    Ok(Rendering {
+        film,
+        work: vec![],
         error_bound,
     })
 }
@@ -113,7 +127,7 @@ fn render_with<W: Work>(plans: &[Plan<'_>], job: &Job<'_>) -> Result<Whole<W>, R
             bytes,
         });
     }
-    let steps = plans.iter().map(|plan| steps(plan, job.sampling));
+    let steps = plans.iter().map(|plan| steps(plan, job));
     job.progress.begin(steps.sum());
     let mut films = Vec::new();
     let mut works = Vec::new();
@@ -128,7 +142,9 @@ fn render_with<W: Work>(plans: &[Plan<'_>], job: &Job<'_>) -> Result<Whole<W>, R
         };
     }
     let film = Film::side_by_side(&films);
-    match film.first_without_radiance() {
+    let found = film.first_without_radiance();
+    let found = found.map(|([column, row], value)| ([column, row + job.detail.first_row()], value));
+    match found {
         None => {
             let error_bound = error.map(|error| relative_to_brightest(error, &film));
             Ok((film, works, error_bound))
@@ -158,12 +174,15 @@ fn has_memory(bytes: u64) -> bool {
 }
 
 /// Progress steps of a panel.
-fn steps(plan: &Plan<'_>, sampling: Sampling) -> u64 {
-    let pixels = (plan.panel.width * plan.panel.height) as u64;
-    match plan.kernel {
-        Kernel::Background(_) => 0,
-        _ => steps_of(pixels, plan.samples(sampling)),
-    }
+fn steps(plan: &Plan<'_>, job: &Job<'_>) -> u64 {
+    let (width, height) = (plan.panel.width, plan.panel.height);
+    let pixels = match plan.kernel {
+        Kernel::Background(_) => return 0,
+        // Drawn whole.
+        Kernel::Curve(_) => width * height,
+        _ => job.detail.columns(width).len() * job.detail.rows(height).len(),
+    };
+    steps_of(pixels as u64, plan.samples(job.sampling))
 }
 
 /// The image of a panel.
@@ -185,7 +204,12 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
         progress: job.progress,
     };
     // Those of the film: the panel may have more.
-    let [width, height] = [panel.width, panel.height].map(|size| job.detail.places(size).len());
+    let width = job.detail.columns(panel.width).len();
+    let height = job.detail.rows(panel.height).len();
+    let origin = RowOrigin {
+        width,
+        first_row: job.detail.first_row(),
+    };
     let finished = |pixels: usize| {
         if pixels == width * height {
             Ok(())
@@ -224,7 +248,7 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
             };
             let (pixels, work) = with_features(features, task);
             finished(pixels.len())?;
-            let pixels = without_faults(scene, width, pixels)?;
+            let pixels = without_faults(scene, origin, pixels)?;
             let film = Film::new(width, height, pixels);
             return Ok(PanelImage { film, work, error });
         }
@@ -244,7 +268,7 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
             let samples = pixels.samples;
             let (pixels, work) = with_features(features, task);
             finished(pixels.len())?;
-            let pixels = without_faults(scene, width, pixels)?;
+            let pixels = without_faults(scene, origin, pixels)?;
             let film = mean_of_samples([width, height], samples, &pixels);
             return Ok(PanelImage { film, work, error });
         }
@@ -259,10 +283,19 @@ fn has_points(scene: &Radiative) -> bool {
     scene.lights.iter().any(|light| light.position().is_some())
 }
 
-/// The pixels of an image `width` pixels wide, or the error of the first without a radiance, if any.
+/// Where the pixels of a part of an image are in it.
+#[derive(Clone, Copy)]
+struct RowOrigin {
+    /// Pixels in a row.
+    width: usize,
+    /// From the top of the image.
+    first_row: usize,
+}
+
+/// The pixels of a part of an image, or the error of the first without a radiance, if any.
 fn without_faults<P>(
     scene: &Radiative,
-    width: usize,
+    origin: RowOrigin,
     pixels: Vec<Result<P, PathFault>>,
 ) -> Result<Vec<P>, RenderError> {
     let faults = || {
@@ -272,7 +305,8 @@ fn without_faults<P>(
     let Some((index, fault)) = faults().next() else {
         return Ok(pixels.into_iter().flatten().collect());
     };
-    let (column, row) = (index % width, index / width);
+    let column = index % origin.width;
+    let row = origin.first_row + index / origin.width;
     Err(match fault {
         PathFault::Endless => RenderError::Endless { column, row },
         PathFault::Infinite if has_points(scene) => RenderError::Divergent { column, row },
@@ -404,6 +438,14 @@ mod tests {
         }
     }
 
+    /// The rows from the sixth on.
+    fn at(width: usize) -> RowOrigin {
+        RowOrigin {
+            width,
+            first_row: 5,
+        }
+    }
+
     #[test]
     fn violated_bounds_are_counted_over_all_pixels_and_refused() {
         let mut pixels = vec![Ok(()); 8];
@@ -412,21 +454,27 @@ mod tests {
         let expected = Err(RenderError::Majorant {
             violations: 42,
             column: 1,
-            row: 1,
+            row: 6,
         });
-        assert_eq!(without_faults(&scene(vec![]), 3, pixels.clone()), expected);
+        assert_eq!(
+            without_faults(&scene(vec![]), at(3), pixels.clone()),
+            expected
+        );
         // Whether what comes after a path without an end is traced is left to chance.
         pixels[6] = Err(PathFault::Endless);
         pixels[7] = Err(PathFault::Majorant(1));
-        assert_eq!(without_faults(&scene(vec![]), 3, pixels.clone()), expected);
+        assert_eq!(
+            without_faults(&scene(vec![]), at(3), pixels.clone()),
+            expected
+        );
     }
 
     #[test]
     fn only_a_light_without_job_is_blamed_for_light_without_bound() {
         let pixels = vec![Ok(()), Err(PathFault::Infinite)];
-        let (column, row) = (1, 0);
+        let (column, row) = (1, 5);
         assert_eq!(
-            without_faults(&scene(vec![]), 2, pixels.clone()),
+            without_faults(&scene(vec![]), at(2), pixels.clone()),
             Err(RenderError::TooBright { column, row })
         );
         let lamp = Light::Point(Point {
@@ -434,7 +482,7 @@ mod tests {
             intensity: DVec3::ONE,
         });
         assert_eq!(
-            without_faults(&scene(vec![lamp]), 2, pixels),
+            without_faults(&scene(vec![lamp]), at(2), pixels),
             Err(RenderError::Divergent { column, row })
         );
     }

@@ -5,16 +5,18 @@ mod tests;
 
 use super::finding::MARGIN;
 use super::golden::{Golden, GoldenImage, Reasons, input_hashes, plan_hash, scene_hash};
-use super::rendering::{CaseRendering, ReferenceRenderer, Renderer, check_class, render_case};
+use super::rendering::{CaseRendering, ReferenceRenderer, Renderer, render_case};
 use super::truth::judge_by_truth;
+use super::units::{CaseUnits, RenderingUnits, Unit, UnitError, UnitFolder};
 use super::verify::judge_quick;
-use super::{Cache, Case, ConvergedSampling, GoldenError, Quick, Store, StoreError};
+use super::{Case, ConvergedSampling, GoldenError, Quick, Store, StoreError};
 use crate::compare::{Conditions, Exact, Picture, judge, stochastic};
 use crate::film::Film;
 use crate::known_answers::Formula;
-use crate::render::{self, plans};
-use crate::scene::Scene;
+use crate::render::{self, Detail, plans};
 use miette::Diagnostic;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
 use thiserror::Error;
 
 /// The outcome for the golden of one case.
@@ -113,42 +115,64 @@ pub enum AcceptError {
     Store(#[from] StoreError),
 }
 
-/// Progress of an accept, called from any thread; that of a picture within it as a
-/// [`Watch`](render::Watch). Work is counted in pixels times samples.
-pub trait AcceptWatch: render::Watch {
-    /// Announces the amount of work, without renderings kept by earlier runs.
+/// Progress of an accept, called from any thread. Work is counted in pixels times samples.
+pub trait AcceptWatch: Sync {
+    /// Announces the amount of work, without units kept by earlier runs.
     fn begin_all(&self, work: u64);
-    /// A picture of a case begins: this much of the work.
-    fn begin_picture(&self, case: &str, work: u64);
+    /// A case begins.
+    fn begin_case(&self, case: &str);
+    /// So much of the work is done.
+    fn worked(&self, work: u64);
 }
 
-/// Renders `cases` and accepts the images as their goldens, all at once or none. Finished
-/// renderings of stochastic cases are kept in `cache` until then, so that an interrupted run
-/// resumes after the last of them. `in_ci` tells whether the environment variable CI is set.
+/// Turns the steps of a rendering into work.
+pub struct StepsOfWork<'w> {
+    watch: &'w dyn AcceptWatch,
+    work: u64,
+    steps: AtomicU64,
+}
+
+impl<'w> StepsOfWork<'w> {
+    /// Of a rendering that is this much work.
+    pub fn new(watch: &'w dyn AcceptWatch, work: u64) -> StepsOfWork<'w> {
+        StepsOfWork {
+            watch,
+            work,
+            steps: AtomicU64::new(1),
+        }
+    }
+}
+
+impl render::Watch for StepsOfWork<'_> {
+    fn begin(&self, steps: u64) {
+        self.steps.store(steps.max(1), Ordering::Relaxed);
+    }
+
+    fn step(&self) {
+        self.watch
+            .worked(self.work / self.steps.load(Ordering::Relaxed));
+    }
+}
+
+/// Renders `cases` and accepts the images as their goldens, all at once or none. Finished units of
+/// stochastic cases are kept in `kept` until then, so that an interrupted run resumes after them, and
+/// other processes may compute some. `in_ci` tells whether the environment variable CI is set.
 pub fn accept(
     cases: &[&Case],
     store: &Store,
-    cache: &Cache,
+    kept: &UnitFolder,
     reason: &str,
     in_ci: bool,
     watch: &dyn AcceptWatch,
 ) -> Result<Vec<Accepted>, AcceptError> {
-    accept_with(
-        &ReferenceRenderer,
-        cases,
-        store,
-        cache,
-        reason,
-        in_ci,
-        watch,
-    )
+    accept_with(&ReferenceRenderer, cases, store, kept, reason, in_ci, watch)
 }
 
 pub(super) fn accept_with(
     renderer: &dyn Renderer,
     cases: &[&Case],
     store: &Store,
-    cache: &Cache,
+    kept: &UnitFolder,
     reason: &str,
     in_ci: bool,
     watch: &dyn AcceptWatch,
@@ -163,137 +187,104 @@ pub(super) fn accept_with(
     // All scenes first: a mistake in the last is not to be found after hours.
     let tasks = cases
         .iter()
-        .map(|case| Task::new(renderer, case, cache))
+        .map(|case| CaseUnits::rendered_by(renderer, case))
         .collect::<Result<Vec<_>, _>>()?;
-    watch.begin_all(tasks.iter().map(Task::work).sum());
+    watch.begin_all(tasks.iter().map(|task| task.work(kept)).sum());
     let mut accepted = Vec::new();
     let mut files = Vec::new();
     for task in &tasks {
-        let pictures = task.pictures(renderer, cache, watch)?;
+        watch.begin_case(&task.case.name);
+        let resumed = task.units().any(|unit| kept.has(unit));
+        let pictures = task.pictures(renderer, kept, watch)?;
         let (change, mut new) = prepare(task, pictures, store, reason)?;
         accepted.push(Accepted {
             case: task.case.name.clone(),
             change,
-            resumed: task
-                .renderings
-                .iter()
-                .any(|rendering| rendering.kept.is_some()),
+            resumed,
         });
         files.append(&mut new);
     }
     // Also without files: an accept that was interrupted after it was decided is completed.
     store.publish(&files)?;
     for case in cases.iter().filter(|case| case.sampling.is_some()) {
-        cache.forget(&case.name);
+        kept.forget(&case.name);
     }
     Ok(accepted)
 }
 
-fn incomplete(case: &Case, reason: impl ToString) -> AcceptError {
-    AcceptError::Incomplete {
-        case: case.name.clone(),
-        reason: reason.to_string(),
+impl From<UnitError> for AcceptError {
+    fn from(UnitError { case, reason }: UnitError) -> AcceptError {
+        AcceptError::Incomplete { case, reason }
     }
 }
 
-/// A case with everything needed to render it.
-struct Task<'c> {
-    case: &'c Case,
-    scene: Scene,
-    /// The picture of the golden, unless that is a known answer, and before it the quick one of a
-    /// stochastic case.
-    renderings: Vec<RenderTask>,
-}
-
-/// One rendering to be made.
-struct RenderTask {
-    rendering: CaseRendering,
-    /// Under what it is kept; deterministic renderings take seconds and are not.
-    key: Option<String>,
-    /// From an earlier run.
-    kept: Option<Film>,
-}
-
-impl<'c> Task<'c> {
-    fn new(
-        renderer: &dyn Renderer,
-        case: &'c Case,
-        cache: &Cache,
-    ) -> Result<Task<'c>, AcceptError> {
-        let scene = case.load_scene().map_err(|error| incomplete(case, error))?;
-        let plans = plans(&scene);
-        check_class(renderer, case, &plans).map_err(|reason| incomplete(case, reason))?;
-        let mut renderings = Vec::new();
-        match case.sampling {
-            None => renderings.push(CaseRendering::Only),
-            Some(sampling) => {
-                renderings.push(CaseRendering::Quick(sampling.quick));
-                let converged = sampling.converged;
-                renderings.extend(converged.map(|of| CaseRendering::Converged(of.samples)));
-            }
+impl AcceptError {
+    fn incomplete(case: &Case, reason: impl ToString) -> AcceptError {
+        AcceptError::Incomplete {
+            case: case.name.clone(),
+            reason: reason.to_string(),
         }
-        let render_task = |rendering| {
-            let key = match rendering {
-                CaseRendering::Only => None,
-                _ => cache.key(&scene, &plans, rendering),
-            };
-            let kept = key.as_ref().and_then(|key| cache.get(&case.name, key));
-            RenderTask {
-                rendering,
-                key,
-                kept,
+    }
+}
+
+impl CaseUnits<'_> {
+    /// The work of what is not kept.
+    fn work(&self, kept: &UnitFolder) -> u64 {
+        let left = |of: &RenderingUnits| match of.rendering {
+            CaseRendering::Only => self.paths(of.rendering),
+            _ => {
+                let left = of.units.iter().filter(|unit| !kept.has(unit));
+                left.map(|unit| unit.paths).sum()
             }
         };
-        let renderings = renderings.into_iter().map(render_task).collect();
-        Ok(Task {
-            case,
-            scene,
-            renderings,
-        })
+        self.renderings.iter().map(left).sum()
     }
 
-    fn work_of(&self, rendering: CaseRendering) -> u64 {
-        let pixels = (self.scene.width() * self.scene.height()) as u64;
-        pixels * u64::from(rendering.samples())
-    }
-
-    fn work(&self) -> u64 {
-        let left = self
-            .renderings
-            .iter()
-            .filter(|rendering| rendering.kept.is_none());
-        left.map(|rendering| self.work_of(rendering.rendering))
-            .sum()
+    /// The film of a sampled rendering, from its units: kept ones, and the others side by side on all
+    /// threads.
+    fn film_of_units(
+        &self,
+        renderer: &dyn Renderer,
+        of: &RenderingUnits,
+        kept: &UnitFolder,
+        watch: &dyn AcceptWatch,
+    ) -> Result<Film, AcceptError> {
+        let film = |unit: &Unit| {
+            if let Some(film) = kept.get(unit) {
+                return Ok(film);
+            }
+            let steps = StepsOfWork::new(watch, unit.paths);
+            let film = self.rendered(renderer, of.rendering, unit, &steps)?;
+            // A failure is ignored: the next run renders it again.
+            let _ = kept.put(unit, &film);
+            Ok(film)
+        };
+        let films = of.units.par_iter().map(film);
+        let films: Vec<Film> = films.collect::<Result<_, AcceptError>>()?;
+        Ok(Film::below_each_other(&films))
     }
 
     /// The picture of the golden, and the rendering that `verify` repeats.
     fn pictures(
         &self,
         renderer: &dyn Renderer,
-        cache: &Cache,
+        kept: &UnitFolder,
         watch: &dyn AcceptWatch,
     ) -> Result<GoldenImage, AcceptError> {
+        let incomplete = |reason| AcceptError::incomplete(self.case, reason);
         let mut films = Vec::new();
         let mut error_bound = None;
-        for RenderTask {
-            rendering,
-            key,
-            kept,
-        } in &self.renderings
-        {
-            if let Some(film) = kept {
-                films.push(film.clone());
+        for of in &self.renderings {
+            if of.rendering != CaseRendering::Only {
+                films.push(self.film_of_units(renderer, of, kept, watch)?);
                 continue;
             }
-            watch.begin_picture(&self.case.name, self.work_of(*rendering));
-            let picture = render_case(renderer, &plans(&self.scene), *rendering, watch)
-                .map_err(|reason| incomplete(self.case, reason))?;
-            let film = picture.film;
+            let steps = StepsOfWork::new(watch, self.paths(of.rendering));
+            let plans = plans(&self.scene);
+            let picture = render_case(renderer, &plans, of.rendering, Detail::Whole, &steps)
+                .map_err(incomplete)?;
             error_bound = picture.error_bound;
-            if let Some(key) = key {
-                cache.put(&self.case.name, key, &film);
-            }
-            films.push(film);
+            films.push(picture.film);
         }
         let golden = films.pop().expect("a case has a picture");
         if let Some(formula) = self.case.truth {
@@ -328,7 +319,7 @@ impl<'c> Task<'c> {
                 "the integral of a pixel may be off by {bound:.1e} of the brightest pixel; a limit is \
                  known to {LIMIT_KNOWN:e}: does an opacity of 1 make it rough?"
             );
-            return Err(incomplete(self.case, reason));
+            return Err(incomplete(reason));
         }
         Ok(GoldenImage {
             film: golden,
@@ -342,7 +333,7 @@ impl<'c> Task<'c> {
     fn known(&self, formula: &Formula, rendering: &Film) -> Result<GoldenImage, AcceptError> {
         let known = formula
             .image(&self.scene, self.case.footprint())
-            .map_err(|reason| incomplete(self.case, reason))?;
+            .map_err(|reason| AcceptError::incomplete(self.case, reason))?;
         let judgement = judge_by_truth(self.case, &known, rendering);
         if !judgement.passed {
             return Err(AcceptError::WrongAnswer {
@@ -395,12 +386,12 @@ type GoldenFiles = Vec<(std::path::PathBuf, Vec<u8>)>;
 
 /// How the golden of a case will change, and the files that change it.
 fn prepare(
-    task: &Task<'_>,
+    task: &CaseUnits<'_>,
     golden: GoldenImage,
     store: &Store,
     reason: &str,
 ) -> Result<(Change, GoldenFiles), AcceptError> {
-    let Task { case, scene, .. } = task;
+    let CaseUnits { case, scene, .. } = task;
     let plans = plans(scene);
     let mut damaged = false;
     let old = match Golden::read(store, case) {
@@ -450,6 +441,6 @@ fn prepare(
     let replaces = old.as_ref().map(|golden| golden.provenance.pixels.clone());
     let replaces = replaces.unwrap_or_default();
     let files = Golden::encode(case, scene, &plans, golden, reasons, replaces)
-        .map_err(|error| incomplete(case, error))?;
+        .map_err(|error| AcceptError::incomplete(case, error))?;
     Ok((change, files))
 }

@@ -285,7 +285,12 @@ impl Suite {
         files
     }
 
-    /// Where renderings are kept until they are accepted.
+    /// The manifest of a case.
+    pub(super) fn manifest_of(&self, case: &Case) -> PathBuf {
+        self.root.join(CASES).join(format!("{}.toml", case.name))
+    }
+
+    /// Where renderings are kept until they are accepted, and results until they are joined.
     pub fn cache_folder(&self) -> PathBuf {
         self.root.join(CACHE)
     }

@@ -3,13 +3,16 @@
 use super::Case;
 use crate::compare::Picture;
 use crate::film::Film;
+use serde::{Deserialize, Serialize};
 
 /// The images behind a result, and their origin.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Evidence {
     /// The golden; `None` if there is no trustworthy one.
+    #[serde(skip)]
     pub golden: Option<Film>,
     /// The image that was judged; `None` if it is missing or unreadable.
+    #[serde(skip)]
     pub test: Option<Picture>,
     /// Whether the case has no image, as rows of the catalogue of hard cases.
     pub without_image: bool,

@@ -3,7 +3,6 @@
 mod accept;
 mod analytic;
 mod answer;
-mod cache;
 mod case;
 mod check;
 mod conventions;
@@ -13,6 +12,9 @@ mod embedded;
 mod evidence;
 mod finding;
 mod golden;
+mod kept_file;
+mod kept_film;
+mod kept_results;
 mod likeness;
 mod measured;
 pub mod mistakes;
@@ -29,14 +31,15 @@ mod rows;
 mod self_test;
 mod sensitivities;
 mod store;
+mod suite_hash;
 mod truth;
+mod units;
 mod validate;
 mod verify;
 
-pub use accept::{AcceptError, AcceptWatch, Accepted, Change, accept};
+pub use accept::{AcceptError, AcceptWatch, Accepted, Change, StepsOfWork, accept};
 pub use analytic::{ANALYTIC, Analytic, ERROR_OF_TOLERANCE};
 pub use answer::Answer;
-pub use cache::Cache;
 pub use case::{
     Case, CaseSampling, ConvergedSampling, MANIFEST, MEAN_RESOLUTION, Suite, SuiteError,
 };
@@ -49,6 +52,9 @@ pub use embedded::EmbeddedSuite;
 pub use evidence::{Evidence, Likeness};
 pub use finding::{CaseFinding, Judged};
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
+pub use kept_file::KeepError;
+pub use kept_film::executable_hash as program_hash;
+pub use kept_results::{KeptResult, ResultFolder, Run};
 pub use likeness::{
     CACHE_VARIABLE, Likenesses, Predictions, Search, SearchStep, Stage, cache_of_the_user, likeness,
 };
@@ -66,5 +72,6 @@ pub use self_test::{
 };
 pub use sensitivities::{sensitivities_of, telling_case};
 pub use store::{Disk, RealDisk, Store, StoreError, StoreFailure};
+pub use units::{AddError, Added, CaseUnits, Unit, UnitError, UnitFolder, read_unit};
 pub use validate::{Output, validate, validate_at};
 pub use verify::{verify, without_case};

@@ -32,6 +32,8 @@ const MOST_BYTES: u64 = 1 << 16;
 pub struct Profile {
     /// Renderer, with its version.
     pub name: String,
+    /// Its file.
+    pub text: String,
     early_termination: Option<f64>,
     conventions: Conventions,
 }
@@ -67,7 +69,12 @@ impl Profile {
         Profile::parse(&text, name)
     }
 
-    fn parse(text: &str, path: &str) -> SceneResult<Profile> {
+    /// The profile in a file of this `text`, which messages call `path`.
+    ///
+    /// # Errors
+    ///
+    /// If the text is no profile.
+    pub fn parse(text: &str, path: &str) -> SceneResult<Profile> {
         let document = Document { path, text };
         let root = document.parse()?;
         let log = RefCell::default();
@@ -80,6 +87,7 @@ impl Profile {
             .transpose()?;
         Ok(Profile {
             name,
+            text: text.to_owned(),
             early_termination,
             conventions: conventions.unwrap_or_default(),
         })

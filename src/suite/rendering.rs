@@ -7,7 +7,7 @@
 //! N --seed S` makes either again.
 
 use super::Case;
-use crate::render::{self, Plan, RenderError, Rendering, Seed};
+use crate::render::{self, Detail, Plan, RenderError, Rendering, Seed};
 
 /// Added to the seed of every panel for the converged rendering.
 const CONVERGED: u64 = 1 << 63;
@@ -32,12 +32,12 @@ impl CaseRendering {
         }
     }
 
-    /// What the cache knows it by; changes with everything that the scene does not say.
-    pub fn name(self) -> String {
+    /// Of one of several.
+    pub fn name(self) -> Option<&'static str> {
         match self {
-            CaseRendering::Only => "only".to_owned(),
-            CaseRendering::Quick(samples) => format!("quick {samples}"),
-            CaseRendering::Converged(samples) => format!("converged {samples}"),
+            CaseRendering::Only => None,
+            CaseRendering::Quick(_) => Some("quick"),
+            CaseRendering::Converged(_) => Some("converged"),
         }
     }
 
@@ -55,15 +55,16 @@ impl CaseRendering {
 }
 
 /// Makes the pictures of cases.
-pub(super) trait Renderer {
+pub(super) trait Renderer: Sync {
     /// Whether random numbers are used.
     fn is_sampled(&self, plans: &[Plan<'_>]) -> bool;
 
-    /// The picture of the panels of `plans`.
+    /// The picture of the panels of `plans`, or a part of it.
     fn render(
         &self,
         plans: &[Plan<'_>],
         sampling: render::Sampling,
+        detail: Detail,
         progress: render::Progress<'_>,
     ) -> Result<Rendering, RenderError>;
 }
@@ -80,21 +81,23 @@ impl Renderer for ReferenceRenderer {
         &self,
         plans: &[Plan<'_>],
         sampling: render::Sampling,
+        detail: Detail,
         progress: render::Progress<'_>,
     ) -> Result<Rendering, RenderError> {
-        render::render(plans, sampling, progress)
+        render::render_part(plans, sampling, detail, progress)
     }
 }
 
-/// One rendering of a case.
+/// One rendering of a case, or a part of it.
 pub(super) fn render_case(
     renderer: &dyn Renderer,
     plans: &[Plan<'_>],
     rendering: CaseRendering,
+    detail: Detail,
     progress: render::Progress<'_>,
 ) -> Result<Rendering, String> {
     let picture = renderer
-        .render(plans, rendering.sampling(), progress)
+        .render(plans, rendering.sampling(), detail, progress)
         .map_err(|error| error.to_string())?;
     if rendering != CaseRendering::Only && picture.film.noise().is_none() {
         return Err(

@@ -1,8 +1,9 @@
 //! Results of cases.
 
 use super::analytic::Analytic;
-use crate::compare::{self, Detectable, FitMap, Gate, Metric, NumberChange};
-use serde::Serialize;
+use crate::compare::{self, Detectable, FitMap, GATES, Gate, Metric, NumberChange, Refinement};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 
 /// The metric of a stochastic case beside those of the gate.
@@ -12,7 +13,7 @@ pub(super) const SAME_BITS: Metric = (
 );
 
 /// The verdict on a case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// Compared, and right.
@@ -44,7 +45,7 @@ impl Verdict {
 }
 
 /// Cause of a verdict other than `pass`. Later ones take precedence, as exit codes do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Cause {
     /// No cause: the case passed.
     None,
@@ -62,8 +63,24 @@ pub enum Cause {
     BadInput,
 }
 
+impl Cause {
+    /// Before it is known.
+    fn none() -> Cause {
+        Cause::None
+    }
+}
+
+/// The rule that is written as its name.
+fn gate_named<'de, D: Deserializer<'de>>(from: D) -> Result<&'static dyn Gate, D::Error> {
+    let name = String::deserialize(from)?;
+    let gates = GATES.into_iter().map(|gate| gate as &'static dyn Gate);
+    let mut gates = gates.chain([&Refinement as &dyn Gate, &Analytic]);
+    let found = gates.find(|gate| gate.name() == name);
+    found.ok_or_else(|| D::Error::custom(format!("there is no gate {name:?}")))
+}
+
 /// The outcome of one case.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CaseResult {
     /// `family/name`.
     pub name: String,
@@ -76,28 +93,29 @@ pub struct CaseResult {
     /// Numbers by name, all finite.
     pub metrics: BTreeMap<String, f64>,
     /// The rule applied.
+    #[serde(deserialize_with = "gate_named")]
     pub gate: &'static dyn Gate,
     /// Why, in words.
     pub reason: String,
     /// Notes beside the verdict.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
     /// Conventions of the other renderer under which the image is right, in words.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub conventions: Vec<String>,
     /// A profile of these conventions, TOML for `--as`.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub profile: Option<String>,
     /// Likely mistakes, most likely first.
     pub looks_like: Vec<String>,
     /// Measurements of a difference that no known mistake explains, in sentences.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub difference: Vec<String>,
     /// Changes of numbers of the scene that the difference looks like.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<NumberChange>,
     /// Changes of numbers of the scene that the images would have shown.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub detectable: Vec<Detectable>,
     /// The changes that fit best, as a picture for a report.
     #[serde(skip)]
@@ -107,7 +125,7 @@ pub struct CaseResult {
     /// Units of work by name, where they were counted.
     pub work: BTreeMap<String, u64>,
     /// Whose fault it is.
-    #[serde(skip)]
+    #[serde(skip, default = "Cause::none")]
     pub cause: Cause,
 }
 

@@ -15,7 +15,7 @@ use crate::compare::{
 };
 use crate::film::Film;
 use crate::known_answers::Formula;
-use crate::render;
+use crate::render::{self, Detail};
 use std::time::Instant;
 
 /// Renders `case` and compares every bit with its golden; of a stochastic case the quick
@@ -42,9 +42,15 @@ pub(super) fn verify_with(
             (Some(_), Some(quick)) => CaseRendering::Quick(quick.samples),
             _ => CaseRendering::Only,
         };
-        let film = render_case(renderer, &checked.plans(), rendering, progress)
-            .map_err(|reason| CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason))?
-            .film;
+        let film = render_case(
+            renderer,
+            &checked.plans(),
+            rendering,
+            Detail::Whole,
+            progress,
+        )
+        .map_err(|reason| CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason))?
+        .film;
         let mut finding = match (case.truth, quick) {
             (_, None) => compare(&checked, &film),
             (None, Some(quick)) => compare_sampled(&checked, quick, &film),

@@ -37,6 +37,7 @@ documents! {
     hard_cases: "src/guide/hard_cases.md",
     peers: "src/guide/peers.md",
     scenes: "src/guide/scenes.md",
+    several_machines: "src/guide/several_machines.md",
     sensitivities: "src/guide/sensitivities.md",
     suite: "src/guide/suite.md",
     in_your_tests: "src/guide/in_your_tests.md",
@@ -95,6 +96,8 @@ const REASONS: &[Reason] = &[
         of: &[
             "volref cost",
             "volref verify hard",
+            "volref units",
+            "volref merge",
             "--test hard_cases",
             "--ignored",
             "scripts/check.sh",

@@ -218,6 +218,9 @@ fn help() {
       cost         Measure what accuracy costs: error versus lookups and time, for each parameter
       export       Write a scene for another renderer
       accept       Render cases and accept the images as new goldens; inspect them before and after
+      units        List the work units of goldens, or compute some of them
+      merge        Join what several machines computed: results of verify or validate, and units of
+                   goldens
       selftest     Check that the suite catches every known mistake and rejects no correct image
       sensitivity  Differentiate the image of a scene by one of its numbers
       info         Show the contents of a volume file: position, storage, values

@@ -22,6 +22,7 @@ mod info;
 mod inputs;
 mod known_answers;
 mod list;
+mod merge;
 mod mutated_inputs;
 mod outputs;
 mod partition;

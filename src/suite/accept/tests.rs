@@ -5,7 +5,7 @@ use crate::render::{Plan, Progress, RenderError, Rendering, Sampling};
 use crate::scene::Model;
 use crate::suite::verify::verify_with;
 use crate::suite::{CaseResult, Suite, Verdict};
-use std::cell::RefCell;
+use std::sync::Mutex;
 
 const SCENE: &str = include_str!("../../../fixtures/scenes/smoke/cornell.toml");
 
@@ -19,7 +19,7 @@ struct ExtraNoise {
     /// Added to every pixel of a quick rendering.
     bias: f32,
     /// Samples and seed of every rendering so far.
-    calls: RefCell<Vec<(u32, u64)>>,
+    calls: Mutex<Vec<(u32, u64)>>,
 }
 
 impl ExtraNoise {
@@ -27,8 +27,13 @@ impl ExtraNoise {
         ExtraNoise {
             variant: 0,
             bias: 0.0,
-            calls: RefCell::default(),
+            calls: Mutex::default(),
         }
+    }
+
+    /// The calls since the last time.
+    fn calls(&self) -> Vec<(u32, u64)> {
+        std::mem::take(&mut self.calls.lock().unwrap())
     }
 }
 
@@ -41,6 +46,7 @@ impl Renderer for ExtraNoise {
         &self,
         plans: &[Plan<'_>],
         sampling: Sampling,
+        detail: Detail,
         _: Progress<'_>,
     ) -> Result<Rendering, RenderError> {
         let panel = plans[0].panel;
@@ -49,10 +55,13 @@ impl Renderer for ExtraNoise {
         };
         let samples = sampling.samples_of(radiative);
         let seed = sampling.seed_of(radiative);
-        self.calls.borrow_mut().push((samples, seed));
+        self.calls.lock().unwrap().push((samples, seed));
         let bias = if samples < 400 { self.bias } else { 0.0 };
         let (mut means, mut variances) = (Vec::new(), Vec::new());
-        for pixel in 0..(panel.width * panel.height) as u32 {
+        let rows = detail.rows(panel.height);
+        let (height, width) = (rows.len(), panel.width);
+        let pixels = rows.flat_map(|row| (0..width).map(move |column| row * width + column));
+        for pixel in pixels.map(|pixel| pixel as u32) {
             let number = |sample: u32| {
                 let mut bytes = vec![self.variant];
                 bytes.extend(seed.to_le_bytes());
@@ -68,7 +77,6 @@ impl Renderer for ExtraNoise {
             means.push([mean as f32 + bias; 3]);
             variances.push([(squares / (n - 1.0) / n) as f32; 3]);
         }
-        let (width, height) = (panel.width, panel.height);
         Ok(Rendering {
             film: Film::with_noise(width, height, means, variances, samples),
             work: vec![],
@@ -79,14 +87,12 @@ impl Renderer for ExtraNoise {
 
 struct Unwatched;
 
-impl render::Watch for Unwatched {
-    fn step(&self) {}
-}
-
 impl AcceptWatch for Unwatched {
     fn begin_all(&self, _: u64) {}
 
-    fn begin_picture(&self, _: &str, _: u64) {}
+    fn begin_case(&self, _: &str) {}
+
+    fn worked(&self, _: u64) {}
 }
 
 struct SampledFolder(tempfile::TempDir);
@@ -122,12 +128,12 @@ impl SampledFolder {
     fn accept(&self, renderer: &ExtraNoise) -> Result<Vec<Accepted>, AcceptError> {
         let suite = self.suite();
         let cases: Vec<_> = suite.cases().iter().collect();
-        let cache = Cache::open(suite.cache_folder());
+        let kept = UnitFolder::open(suite.cache_folder());
         accept_with(
             renderer,
             &cases,
             &self.store(),
-            &cache,
+            &kept,
             "a test",
             false,
             &Unwatched,
@@ -154,7 +160,7 @@ fn two_renderings_that_share_no_random_number() {
     let accepted = folder.accept(&renderer).unwrap();
     assert_eq!(accepted[0].change, Change::New { damaged: false });
     assert!(!accepted[0].resumed && !folder.has_cache());
-    assert_eq!(renderer.calls.take(), [(16, 0), (400, 1 << 63)]);
+    assert_eq!(renderer.calls(), [(16, 0), (400, 1 << 63)]);
 
     let provenance = folder.golden().provenance;
     assert_eq!((provenance.samples, provenance.seed), (400, 0));
@@ -166,7 +172,7 @@ fn two_renderings_that_share_no_random_number() {
     assert_eq!(result.verdict, Verdict::Pass, "{}", result.reason);
     assert_eq!(result.metrics["same_bits"], 1.0);
     assert!(result.reason.contains("same bits") && result.reason.contains("400 samples"));
-    assert_eq!(renderer.calls.take(), [(16, 0)], "verify stays quick");
+    assert_eq!(renderer.calls(), [(16, 0)], "verify stays quick");
 
     assert_eq!(
         folder.accept(&renderer).unwrap()[0].change,
@@ -242,7 +248,7 @@ fn an_interrupted_run_goes_on_where_it_was() {
     folder.manifest("= 400", "= 200\nresolution = 0.1");
     let renderer = ExtraNoise::new();
     assert!(folder.accept(&renderer).unwrap()[0].resumed);
-    assert_eq!(renderer.calls.take(), []);
+    assert_eq!(renderer.calls(), []);
     assert!(!folder.has_cache());
     assert_eq!(folder.verify(&renderer).verdict, Verdict::Pass);
 }
@@ -252,20 +258,20 @@ fn nothing_kept_is_used_for_another_scene_or_when_damaged() {
     let folder = SampledFolder::new();
     folder.manifest("= 400", "= 200");
     folder.accept(&ExtraNoise::new()).unwrap_err();
-    let kept = folder.suite().cache_folder().join("fog/room");
+    let kept = folder.suite().cache_folder().join("units/fog/room");
     for entry in std::fs::read_dir(&kept).unwrap() {
         std::fs::write(entry.unwrap().path(), "garbage").unwrap();
     }
     let renderer = ExtraNoise::new();
     folder.accept(&renderer).unwrap_err();
-    assert_eq!(renderer.calls.take().len(), 2);
+    assert_eq!(renderer.calls().len(), 2);
 
     let scene = SCENE
         .replace("= 256", "= 16")
         .replace("sigma_t = 0.01", "sigma_t = 0.02");
     folder.write("fixtures/scenes/fog/room.toml", &scene);
     folder.accept(&renderer).unwrap_err();
-    assert_eq!(renderer.calls.take().len(), 2);
+    assert_eq!(renderer.calls().len(), 2);
 }
 
 #[test]

@@ -9,9 +9,9 @@
 //! Nothing here is an error: what cannot be read, is damaged or cannot be written is rendered.
 
 use crate::film::Film;
-use crate::suite::cache::{executable_hash, hash, read_film, write_film};
+use crate::suite::kept_film::{executable_hash, hash, read_film, write_film};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, OnceLock};
+use std::sync::Mutex;
 use std::time::SystemTime;
 
 /// Environment variable for the folder of the cache; empty for no cache.
@@ -30,7 +30,6 @@ const EXTENSION: &str = "prediction";
 #[derive(Debug, Default)]
 pub struct Predictions {
     folder: Option<PathBuf>,
-    executable: OnceLock<Option<String>>,
     /// Bytes in the folder, once it was looked at.
     bytes: Mutex<Option<u64>>,
 }
@@ -61,7 +60,7 @@ impl Predictions {
     /// What a prediction is known by, of the `parts` that it depends on besides the program.
     pub(super) fn key(&self, parts: &[&str]) -> Option<String> {
         self.folder.as_ref()?;
-        let executable = self.executable.get_or_init(executable_hash).as_ref()?;
+        let executable = executable_hash()?;
         Some(hash(&[parts, &[executable]].concat()))
     }
 

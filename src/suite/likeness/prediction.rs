@@ -85,10 +85,10 @@ pub(in crate::suite) fn pixels_of(film: &Film, panels: &[usize], detail: Detail)
     let mut columns = Vec::new();
     let mut left = 0;
     for &width in panels {
-        columns.extend(detail.places(width).map(|column| left + column));
+        columns.extend(detail.columns(width).map(|column| left + column));
         left += width;
     }
-    let rows: Vec<usize> = detail.places(film.height()).collect();
+    let rows: Vec<usize> = detail.rows(film.height()).collect();
     let indices = rows.iter().flat_map(|row| {
         columns
             .iter()
@@ -174,7 +174,7 @@ mod tests {
         assert_eq!(first_lattice(256 * 192), Detail::Lattice(4));
         for [width, height] in [[256, 192], [400, 500], [100_000, 2], [8192, 1]] {
             let detail = first_lattice(width * height);
-            let count = detail.places(width).count() * detail.places(height).count();
+            let count = detail.columns(width).count() * detail.rows(height).count();
             assert!(count >= 1024, "{width} × {height}: {count}");
         }
     }

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Regenerates goldens by an array of eight Slurm tasks, some of which are requeued while they run, and by one process:
-# the same bytes? Then verifies them by an array. Minutes; needs root, slurm-wlm and munge.
+# Regenerates goldens by arrays of eight Slurm tasks, some of which are requeued while they run, and by one process: the
+# same bytes? By cases, and by units. Then validates the suite by an array, and by one process: the same results? Minutes;
+# needs root, slurm-wlm, munge and python3.
 #
 #   scripts/examples/scale-out/slurm/test.sh
 set -euo pipefail
@@ -13,43 +14,68 @@ trap '"$here/cluster.sh" stop "$work/slurm"; rm -rf "$work"' EXIT
 "$here/cluster.sh" start "$work/slurm"
 export SLURM_CONF=$work/slurm/slurm.conf
 
-# Eight sampled cases, small enough for minutes.
-cases=(fog/rate-0.05 fog/rate-0.1 fog/rate-0.3 fog/scattering procedural/gain-0.1 procedural/gain-0.5
-    procedural/threshold-1 procedural/coloured)
-for suite in one many; do
+# Runs an array, and requeues six tasks of it while they run.
+array() {
+    local job running requeued=0
+    job=$(sbatch --parsable --output="$work/task-%A-%a.log" "$here/volref.sbatch" "$@")
+    while [ -n "$(squeue --noheader --job "$job")" ]; do
+        running=$(squeue --noheader --array --job "$job" --states=RUNNING --format=%i | shuf -n 1)
+        if [ -n "$running" ] && [ "$requeued" -lt 6 ]; then
+            sleep "0.$((RANDOM % 10))"
+            scontrol requeue "$running" 2>/dev/null && requeued=$((requeued + 1))
+            # A requeued task waits before it may run again.
+            sleep 1
+            scontrol release "$job" 2>/dev/null || true
+        fi
+        sleep 1
+    done
+    echo "volref $1 by an array: $requeued tasks were requeued"
+}
+
+# Sampled cases, small enough for minutes; the last is one of several units.
+cases=(fog/rate-0.05 fog/rate-0.1 fog/rate-0.3 procedural/gain-0.1 procedural/gain-0.5 procedural/threshold-1
+    procedural/coloured fog/scattering)
+for suite in one cases units; do
     "$VOLREF" suite --extract "$work/$suite"
     rm -rf "$work/$suite/golden/fog" "$work/$suite/golden/procedural"
     for case in "${cases[@]}"; do
-        sed -i 's/^converged_samples = .*/converged_samples = 64/; s/^resolution = .*/resolution = 0.99/' \
+        samples=64
+        [ "$case" = fog/scattering ] && samples=768
+        sed -i "s/^converged_samples = .*/converged_samples = $samples/; s/^resolution = .*/resolution = 0.99/" \
             "$work/$suite/fixtures/cases/$case.toml"
     done
 done
 
 cd "$work/one"
-"$VOLREF" accept "${cases[@]}" --reason 'by one process'
-cd "$work/many"
-job=$(sbatch --parsable --output="$work/task-%a.log" "$here/volref.sbatch" accept "${cases[@]}" --reason 'by one process')
-requeued=0
-while [ -n "$(squeue --noheader --job "$job")" ]; do
-    running=$(squeue --noheader --array --job "$job" --states=RUNNING --format=%i | shuf -n 1)
-    if [ -n "$running" ] && [ "$requeued" -lt 6 ]; then
-        sleep "0.$((RANDOM % 10))"
-        scontrol requeue "$running" 2>/dev/null && requeued=$((requeued + 1))
-        # A requeued task waits before it may run again.
-        sleep 1
-        scontrol release "$job" 2>/dev/null || true
-    fi
-    sleep 1
-done
-for case in "${cases[@]}"; do
-    for file in exr png; do
-        cmp "$work/one/golden/$case.$file" "$work/many/golden/$case.$file"
+"$VOLREF" accept "${cases[@]}" --reason 'the same'
+cd "$work/cases"
+array accept "${cases[@]}" --reason 'the same'
+cd "$work/units"
+array units "${cases[@]}" --compute
+"$VOLREF" merge .
+"$VOLREF" accept "${cases[@]}" --reason 'the same' | grep 'rendered by an earlier run'
+for suite in cases units; do
+    for case in "${cases[@]}"; do
+        for file in exr png toml; do
+            cmp "$work/one/golden/$case.$file" "$work/$suite/golden/$case.$file"
+        done
     done
+    echo "goldens by $suite are those of one process"
 done
-echo "eight goldens of an array are those of one process; $requeued tasks were requeued"
 
-job=$(sbatch --parsable --wait --output="$work/verify-%a.log" "$here/volref.sbatch" verify "${cases[@]}") || {
-    cat "$work"/verify-*.log
-    exit 1
-}
-echo "verified by an array, job $job: $(ls results | wc -l) files of results"
+cd "$work/units"
+mkdir -p images/figures
+"$VOLREF" render fixtures/scenes/figures/figure-3.toml --step '1 voxel' -o images/figures/figure-3.exr
+cp golden/figures/figure-4.exr images/figures/
+array validate --outputs images
+"$VOLREF" merge . --json=joined.json >/dev/null || true
+"$VOLREF" validate --outputs images --json=whole.json >/dev/null || true
+python3 - <<'PYTHON'
+import json
+joined, whole = (json.load(open(f"{name}.json")) for name in ("joined", "whole"))
+for results in joined, whole:
+    for case in results["cases"]:
+        case["seconds"] = 0
+assert joined == whole, "the results differ"
+print(f"results of {len(whole['cases'])} cases validated by an array are those of one process")
+PYTHON

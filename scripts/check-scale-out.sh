@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Parts and units by GNU parallel, with a process that is killed: the results and the golden of one process. Needs parallel
+# and jq, and a release build, which it makes.
+#
+#   scripts/check-scale-out.sh
+set -euo pipefail
+cd "$(dirname "$0")/.."
+cargo build --quiet --release
+volref=${CARGO_TARGET_DIR:-$PWD/target}/release/volref
+golden=$PWD/golden/procedural/gain-0.1.exr
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+# accept writes to a copy.
+unset CI VOLREF_SUITE
+export VOLREF_CACHE=$work/cache
+"$volref" suite --extract "$work/suite" >/dev/null
+cd "$work/suite"
+
+seq 4 | parallel "$volref" verify figures smoke --partition slice:{}/4 >/dev/null
+"$volref" merge . --json=joined.json >/dev/null
+"$volref" verify figures smoke --json=whole.json >/dev/null
+timeless='.cases[].seconds = 0'
+diff <(jq "$timeless" joined.json) <(jq "$timeless" whole.json)
+echo "$(jq '.cases | length' whole.json) cases verified by four processes: the results of one"
+
+rm golden/procedural/gain-0.1.* && rm -r .volref
+timeout --signal=KILL 3 "$volref" units gain-0.1 --compute >/dev/null 2>&1 || true
+"$volref" units gain-0.1 --json | jq -r '.units[].id' |
+    parallel --halt now,fail=1 "$volref" units gain-0.1 --compute --threads 1 --unit {} >/dev/null 2>&1
+"$volref" merge .
+"$volref" accept gain-0.1 --reason 'by units' | grep 'rendered by an earlier run'
+cmp golden/procedural/gain-0.1.exr "$golden"

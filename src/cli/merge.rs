@@ -1,0 +1,308 @@
+//! `volref merge DIR…`
+
+use super::failure::{EXIT_CODES, Exit, Failure, bad_input};
+use super::merged_units::joined_units;
+use super::results::{Findings, ResultFiles, check_not_golden};
+use super::suite::{Selection, exit};
+use super::verdicts::{PrintedVerdicts, named};
+use super::verify::what_moved;
+use super::{Outcome, progress};
+use crate::report;
+use crate::suite::{
+    self, Case, CaseFinding, CaseResult, Cause, Evidence, Judged, KeptResult, Likenesses, Profile,
+    ResultFolder, Run, Search, Suite, UnitFolder, Verdict,
+};
+use rayon::prelude::*;
+use serde_json::json;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Join what several machines computed: results of verify or validate, and units of goldens
+///
+/// The results of all parts become one, with one exit code, as if one machine had judged all cases. Units
+/// are copied to .volref of the suite, where volref accept finds them. What is missing is listed, and is exit code 5.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct Arguments {
+    /// Folders that parts wrote: .volref, that of --results, or a folder with a .volref
+    #[arg(value_name = "DIR", required = true)]
+    folders: Vec<PathBuf>,
+    /// Where results of several runs are there: the one whose identifier begins with ID
+    #[arg(long = "run", value_name = "ID")]
+    run: Option<String>,
+    #[command(flatten)]
+    selection: Selection,
+    /// List every case, including those that passed
+    #[arg(long)]
+    verbose: bool,
+    /// Time limit for finding the mistake behind each failing image; 0 for no search
+    #[arg(long, value_name = "SECONDS", default_value_t = Search::BUDGET.into(), allow_negative_numbers = true, value_parser = super::validate::search_time)]
+    explain: f64,
+    #[command(flatten)]
+    files: ResultFiles,
+}
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+    let roots = arguments.folders.iter().map(|folder| root_of(folder));
+    let roots: Vec<PathBuf> = roots.collect::<Result<_, _>>()?;
+    let folders =
+        |roots: &[PathBuf]| -> Vec<ResultFolder> { roots.iter().map(ResultFolder::open).collect() };
+    let run = the_run(&arguments, &folders(&roots))?;
+    let mut files = Vec::new();
+    for root in &roots {
+        files.extend(UnitFolder::open(root).files());
+    }
+    let has_units = !files.is_empty();
+    if run.is_none() && !has_units {
+        let message = "there are neither results nor units in these folders";
+        let help = "parts write them below .volref: volref verify --partition, volref validate --partition, \
+                    volref units --compute";
+        return Err(Failure::new(Exit::Undecided, message, Some(help)));
+    }
+    let suite = if has_units {
+        arguments.selection.open_to_change()?
+    } else {
+        arguments.selection.open()?
+    };
+    arguments.files.check(&suite)?;
+    for root in &roots {
+        check_not_golden(root, &suite)?;
+    }
+    let units = has_units
+        .then(|| joined_units(&files, &suite, &arguments.selection))
+        .transpose()?;
+    let Some(run) = run else {
+        let units = units.unwrap_or_default();
+        let value = json!({ "schema": "volref/merge/1", "units": units.json() });
+        return Ok(Outcome {
+            exit: units.exit(),
+            text: arguments.files.write_json(units.text(), &value)?,
+        });
+    };
+    let mut outcome = joined_results(&arguments, &suite, &run, &folders(&roots))?;
+    if let Some(units) = units {
+        if !arguments.files.prints_json() {
+            outcome.text.push_str(&format!("\n{}", units.text()));
+        }
+        outcome.exit = Exit::first_of([outcome.exit, units.exit()]);
+    }
+    Ok(outcome)
+}
+
+/// The folder of units and results that `folder` is or has.
+fn root_of(folder: &Path) -> Result<PathBuf, Failure> {
+    let is_root = |root: &Path| {
+        let (units, results) = (UnitFolder::open(root), ResultFolder::open(root));
+        units.path().is_dir() || results.path().is_dir()
+    };
+    let within = folder.join(".volref");
+    match () {
+        () if is_root(folder) => Ok(folder.to_owned()),
+        () if is_root(&within) => Ok(within),
+        () if folder.is_dir() => {
+            let message = format!("{} has neither results nor units", folder.display());
+            let help = "give folders that parts wrote: .volref, that of --results, or a folder with a .volref";
+            Err(Failure::new(Exit::Undecided, message, Some(help)))
+        }
+        () => Err(bad_input(format!(
+            "there is no folder {}",
+            folder.display()
+        ))),
+    }
+}
+
+/// The run of which there are results; `None` where there are only units.
+fn the_run(arguments: &Arguments, folders: &[ResultFolder]) -> Result<Option<Run>, Failure> {
+    let mut runs: BTreeMap<String, (Run, PathBuf)> = BTreeMap::new();
+    for folder in folders {
+        for run in folder.runs() {
+            runs.entry(run.id()).or_insert((run, folder.path()));
+        }
+    }
+    if let Some(id) = &arguments.run {
+        runs.retain(|name, _| name.starts_with(id));
+        if runs.is_empty() {
+            return Err(bad_input(format!("there are no results of a run {id}")));
+        }
+    }
+    let mut found = runs.values();
+    match (found.next(), found.next()) {
+        (None, _) => Ok(None),
+        (Some((run, _)), None) => Ok(Some(run.clone())),
+        (Some((one, here)), Some((other, there))) => {
+            let what = one.difference(other);
+            let (name, [one_value, other_value]) = what.unwrap_or_default();
+            let message = format!(
+                "these are results of {} different runs: {name} is {one_value} in {}, and {other_value} in {}",
+                runs.len(),
+                here.join(one.id()).display(),
+                there.join(other.id()).display(),
+            );
+            let help = "leave out, or remove, the folders of all runs but one, or name it with --run ID, its folder's name";
+            Err(Failure::new(Exit::BadInput, message, Some(help)))
+        }
+    }
+}
+
+/// Results of all parts, in the order of the cases; of those that are missing, that they are.
+fn joined_results(
+    arguments: &Arguments,
+    suite: &Suite,
+    run: &Run,
+    folders: &[ResultFolder],
+) -> Result<Outcome, Failure> {
+    let cases: Vec<&Case> = {
+        let by_name: BTreeMap<&str, &Case> = suite
+            .cases()
+            .iter()
+            .map(|case| (case.name.as_str(), case))
+            .collect();
+        let names = run.cases.iter();
+        names
+            .filter_map(|name| by_name.get(name.as_str()).copied())
+            .collect()
+    };
+    let this = BTreeMap::from([
+        ("volref".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+        ("suite".to_owned(), suite.hash_of(cases.iter().copied())),
+    ]);
+    for (name, value) in &this {
+        if run.settings.get(name) != Some(value) {
+            let message = format!(
+                "these results are of another {name}: {}, and this is {value}",
+                run.settings.get(name).map_or("unknown", String::as_str)
+            );
+            let help = "give the suite that the parts judged by with --suite DIR, and run the same version of volref";
+            return Err(Failure::new(Exit::BadInput, message, Some(help)));
+        }
+    }
+    let profile = run.settings.get("profile");
+    let profile = profile.map(|text| Profile::parse(text, "the profile of the results"));
+    let profile = profile.transpose()?;
+    let is_explained = run.command == "validate" && arguments.explain > 0.0;
+    let wants_images = |result: &CaseResult| {
+        arguments.files.wants_evidence() || is_explained && result.verdict != Verdict::Missing
+    };
+    let names: Vec<&String> = run.cases.iter().collect();
+    let joined = progress::during("joining", || {
+        let found = names
+            .par_iter()
+            .map(|name| of_case(name, run, folders, &wants_images));
+        found.collect::<Vec<KeptResult>>()
+    });
+    let (mut judged, mut missing) = (Vec::new(), Vec::new());
+    for (name, found) in run.cases.iter().zip(joined) {
+        match found {
+            KeptResult::Judged(found) => judged.push(*found),
+            KeptResult::PassedOver => {}
+            KeptResult::Damaged(reason) => missing.push(without_result(name, suite, &reason)),
+            KeptResult::Missing => missing.push(without_result(name, suite, NO_RESULT)),
+        }
+    }
+    let is_verified = run.command == "verify";
+    if is_verified && run.is_everything {
+        judged.extend(suite::without_case(suite)?);
+    }
+    let results: Vec<CaseResult> = judged.iter().map(|of| of.result.clone()).collect();
+    let missing_text = missing_text(&missing, run.cases.len());
+    let (found, text) = if is_verified {
+        let text = if arguments.verbose {
+            report::results_text(&results)
+        } else {
+            report::families_text(&results)
+        };
+        let text = text + &what_moved(&results, suite) + &missing_text;
+        (Likenesses::default(), text)
+    } else {
+        let said = PrintedVerdicts {
+            speaks: !arguments.files.prints_json(),
+            widest: results
+                .iter()
+                .map(|result| result.name.len())
+                .max()
+                .unwrap_or(0),
+            folds_missing: !arguments.verbose,
+            waits: false,
+        };
+        results.iter().for_each(|result| said.verdict(result));
+        said.print(&(said.without_image(&results) + &report::summary_text(&results)));
+        let explain = arguments.explain;
+        let found = named(explain, suite, &cases, profile.as_ref(), &mut judged);
+        let text = found
+            .as_ref()
+            .map(|(found, was_cut_short)| report::likely_text(found, *was_cut_short, explain));
+        let found = found.map(|(found, _)| found);
+        (
+            found.unwrap_or_default(),
+            text.unwrap_or_default() + &missing_text,
+        )
+    };
+    judged.extend(missing);
+    let findings = Findings {
+        command: if is_verified { "verify" } else { "validate" },
+        judged,
+        found,
+    };
+    Ok(Outcome {
+        text: arguments.files.write(&findings, text)?,
+        exit: exit(&findings.results()),
+    })
+}
+
+/// The result of a case, from the first of the folders that has one.
+fn of_case(
+    name: &str,
+    run: &Run,
+    folders: &[ResultFolder],
+    wants_images: &(dyn Fn(&CaseResult) -> bool + Sync),
+) -> KeptResult {
+    let mut worst = KeptResult::Missing;
+    for folder in folders {
+        match folder.get(run, name, wants_images) {
+            KeptResult::Missing => {}
+            KeptResult::Damaged(reason) => worst = KeptResult::Damaged(reason),
+            found => return found,
+        }
+    }
+    worst
+}
+
+/// Why a case has none.
+const NO_RESULT: &str = "no result: its part was not run, did not end, or wrote elsewhere";
+
+/// The cases without a result, with the reasons that are not [`NO_RESULT`].
+fn missing_text(missing: &[Judged], all: usize) -> String {
+    if missing.is_empty() {
+        return String::new();
+    }
+    let count = missing.len();
+    let mut text = format!(
+        "\n{count} of {all} cases are missing: their parts were not run, did not end, or wrote elsewhere\n"
+    );
+    for of in missing {
+        text.push_str(&format!("  {}\n", of.result.name));
+        if of.result.reason != NO_RESULT {
+            text.push_str(&format!("      {}\n", of.result.reason));
+        }
+    }
+    text
+}
+
+/// That there is no result of a case.
+fn without_result(name: &str, suite: &Suite, reason: &str) -> Judged {
+    let case = suite.cases().iter().find(|case| case.name == name);
+    let finding = CaseFinding::new(Verdict::Missing, Cause::Undecided, reason);
+    let result = match case {
+        Some(case) => finding.result(name, case.class(), case.gate(), Instant::now()),
+        None => finding.result(name, suite::ANALYTIC, &suite::Analytic, Instant::now()),
+    };
+    Judged {
+        result: CaseResult {
+            seconds: 0.0,
+            ..result
+        },
+        evidence: case.map(Evidence::of).unwrap_or_default(),
+    }
+}

@@ -1,0 +1,181 @@
+//! `volref units [CASE…]`
+
+use super::failure::{Exit, Failure};
+use super::output::{self, Json};
+use super::partition::PartitionArgument;
+use super::suite::Selection;
+use super::{Outcome, progress, render};
+use crate::suite::{AcceptWatch, CaseUnits, StepsOfWork, Unit, UnitFolder};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+/// List the work units of goldens, or compute some of them
+///
+/// A unit is some rows of the rendering of a stochastic case. Any process anywhere may compute any unit;
+/// its file in .volref/units is the same. volref merge brings units together, and volref accept uses them.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Families, cases, or patterns over them such as 'fog/*' [default: all cases]
+    #[arg(value_name = "CASE")]
+    cases: Vec<String>,
+    /// Compute the units that are missing
+    #[arg(long)]
+    compute: bool,
+    /// Take the units whose identifiers begin with ID [default: all]
+    #[arg(long = "unit", value_name = "ID")]
+    units: Vec<String>,
+    #[command(flatten)]
+    selection: Selection,
+    #[command(flatten)]
+    partition: PartitionArgument,
+    /// Threads to use; the images are the same for any number [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    #[command(flatten)]
+    json: Json,
+}
+
+/// A unit, and the case that it is of.
+type UnitOfCase<'u> = (&'u CaseUnits<'u>, &'u Unit);
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+    let suite = if arguments.compute {
+        arguments.selection.open_to_change()?
+    } else {
+        arguments.selection.open()?
+    };
+    output::check(&[arguments.json.file()], &[])?;
+    let cases = suite.select(&arguments.cases)?;
+    let of_cases: Result<Vec<CaseUnits<'_>>, _> = cases.into_iter().map(CaseUnits::of).collect();
+    let of_cases = of_cases.map_err(|error| Failure {
+        exit: Exit::BadInput,
+        report: error.into(),
+    })?;
+    let all = of_cases
+        .iter()
+        .flat_map(|of| of.units().map(move |unit| (of, unit)));
+    let mut units: Vec<UnitOfCase<'_>> = all.collect();
+    if units.is_empty() {
+        let message = "none of these cases is rendered from samples: there are no units";
+        let help = "`volref list` says which are stochastic";
+        return Err(Failure::new(Exit::Undecided, message, Some(help)));
+    }
+    check_chosen(&arguments.units, &units)?;
+    if !arguments.units.is_empty() {
+        units.retain(|(_, unit)| arguments.units.iter().any(|id| unit.id.starts_with(id)));
+    }
+    arguments
+        .partition
+        .retain(&mut units, "units", |(_, unit)| unit.id.clone())?;
+    let folder = UnitFolder::open(arguments.selection.kept_folder(&suite));
+    let computed = if arguments.compute {
+        render::with_threads(arguments.threads, || compute(&units, &folder))??
+    } else {
+        0
+    };
+    let text = listed(&units, &folder, arguments.compute.then_some(computed));
+    let entries: Vec<Value> = units.iter().map(|(_, unit)| entry(unit, &folder)).collect();
+    let value = json!({
+        "schema": "volref/units/1",
+        "folder": folder.path(),
+        "units": entries,
+    });
+    arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+/// Fails if an identifier is that of no unit, or too short to be that of one.
+fn check_chosen(chosen: &[String], units: &[UnitOfCase<'_>]) -> Result<(), Failure> {
+    for id in chosen {
+        let found = units
+            .iter()
+            .filter(|(_, unit)| unit.id.starts_with(id))
+            .count();
+        if found != 1 {
+            let message = match found {
+                0 => format!("there is no unit {id:?}"),
+                _ => format!("{found} units begin with {id:?}"),
+            };
+            let help = "`volref units --json` lists them; their identifiers change with the scene, the \
+                        samples and the build of volref";
+            return Err(Failure::new(Exit::BadInput, message, Some(help)));
+        }
+    }
+    Ok(())
+}
+
+/// Computes what is missing, and says how many units that were. A unit that fails does not hold up the others.
+fn compute(units: &[UnitOfCase<'_>], folder: &UnitFolder) -> Result<usize, Failure> {
+    let missing: Vec<&UnitOfCase<'_>> = units
+        .iter()
+        .filter(|(_, unit)| !folder.is_intact(unit))
+        .collect();
+    let bar = progress::work();
+    bar.begin_all(missing.iter().map(|(_, unit)| unit.paths).sum());
+    let computed = missing.par_iter().map(|(of, unit)| {
+        bar.begin_case(&unit.case);
+        let steps = StepsOfWork::new(&bar, unit.paths);
+        of.compute(unit, folder, &steps)
+    });
+    let failed: Vec<_> = computed.filter_map(Result::err).collect();
+    bar.finish_and_clear();
+    match failed.into_iter().next() {
+        Some(error) => Err(Failure {
+            exit: Exit::BadInput,
+            report: error.into(),
+        }),
+        None => Ok(missing.len()),
+    }
+}
+
+/// Letters of an identifier that are shown.
+const SHOWN: usize = 12;
+
+fn listed(units: &[UnitOfCase<'_>], folder: &UnitFolder, computed: Option<usize>) -> String {
+    let widest = units
+        .iter()
+        .map(|(_, unit)| unit.case.len())
+        .max()
+        .unwrap_or(0);
+    let mut text = String::new();
+    let (mut missing, mut paths) = (0, 0);
+    for (_, unit) in units {
+        let is_kept = folder.has(unit);
+        if !is_kept {
+            missing += 1;
+            paths += unit.paths;
+        }
+        let [first, end] = unit.rows;
+        text.push_str(&format!(
+            "{}  {:<widest$}  {:<9}  {:>6} samples  rows {first:>4} to {:>4}  {}\n",
+            &unit.id[..SHOWN],
+            unit.case,
+            unit.rendering,
+            unit.samples,
+            end - 1,
+            if is_kept { "kept" } else { "missing" },
+        ));
+    }
+    let all = units.len();
+    let left = match missing {
+        0 => "all are kept".to_owned(),
+        _ => format!(
+            "{missing} are missing, {:.1} million paths",
+            paths as f64 / 1e6
+        ),
+    };
+    let computed = computed.map_or(String::new(), |computed| {
+        format!("{computed} computed now, ")
+    });
+    text + &format!(
+        "\n{all} units: {computed}{left}, in {}\n",
+        folder.path().display()
+    )
+}
+
+fn entry(unit: &Unit, folder: &UnitFolder) -> Value {
+    let mut value = json!(unit);
+    value["file"] = json!(folder.path().join(unit.file()));
+    value["kept"] = json!(folder.has(unit));
+    value
+}

@@ -1,0 +1,76 @@
+//! Verdicts of `validate` as they are printed, and the search for the mistakes behind those that fail.
+
+use super::{interrupt, output, progress};
+use crate::report;
+use crate::suite::{
+    Case, CaseResult, Cause, Judged, Likenesses, Predictions, Profile, Search, Suite, Verdict,
+    likeness,
+};
+use std::time::Duration;
+
+/// Output while cases are judged.
+pub struct PrintedVerdicts {
+    /// Whether to print at all: not if standard output is for JSON.
+    pub speaks: bool,
+    /// Length of the longest name.
+    pub widest: usize,
+    /// Whether cases without an image are only counted.
+    pub folds_missing: bool,
+    /// Whether cases that noise leaves open are decided later.
+    pub waits: bool,
+}
+
+impl PrintedVerdicts {
+    pub fn print(&self, text: &str) {
+        if self.speaks {
+            output::print(text);
+        }
+    }
+
+    /// Whether `result` is not listed.
+    fn folds(&self, result: &CaseResult) -> bool {
+        let is_missing = (result.verdict, result.cause) == (Verdict::Missing, Cause::OtherRenderer);
+        self.folds_missing && is_missing
+    }
+
+    pub fn verdict(&self, result: &CaseResult) {
+        if !self.folds(result) {
+            self.print(&report::verdict_text(result, self.widest));
+        }
+    }
+
+    /// Number of cases not listed.
+    pub fn without_image(&self, results: &[CaseResult]) -> String {
+        let folded = results.iter().filter(|result| self.folds(result));
+        let names: Vec<&str> = folded.map(|result| result.name.as_str()).collect();
+        report::without_image_text(&names)
+    }
+}
+
+/// Names the likely mistakes behind failed images, within `explain` seconds. The second value tells
+/// whether Ctrl-C ended the search; `None` without a search.
+pub fn named(
+    explain: f64,
+    suite: &Suite,
+    cases: &[&Case],
+    profile: Option<&Profile>,
+    judged: &mut [Judged],
+) -> Option<(Likenesses, bool)> {
+    let failed = judged.iter().filter(|judged| judged.differs()).count();
+    if failed == 0 || explain == 0.0 {
+        return None;
+    }
+    let predictions = Predictions::of_the_user();
+    Some(interrupt::can_be_cut_short(|| {
+        let bar = progress::mistakes(failed, explain);
+        let search = Search {
+            budget: Some(Duration::from_secs_f64(explain)),
+            predictions: &predictions,
+            interrupted: &interrupt::is_cut_short,
+            progress: &|step| progress::mistake(&bar, step),
+        };
+        let found = likeness(cases, suite.cases(), profile, judged, &search);
+        bar.finish_and_clear();
+        found
+    }))
+}

@@ -1,0 +1,88 @@
+//! Files that one process leaves for another: a hash of the rest, a line of JSON that says what it is,
+//! and the contents. A file that was cut off, or changed, is not read.
+
+use super::kept_film::MOST_BYTES;
+use crate::atomic_file::{WriteError, write_atomically};
+use crate::regular_file;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::path::{Path, PathBuf};
+
+/// A file could not be kept.
+#[derive(Debug, thiserror::Error)]
+pub enum KeepError {
+    /// Its folder cannot be made.
+    #[error("cannot create {}: {error}", folder.display())]
+    Folder {
+        /// Where.
+        folder: PathBuf,
+        /// Error of the operating system.
+        error: std::io::Error,
+    },
+    /// It cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// It cannot be expressed.
+    #[error("cannot write {}: {reason}", path.display())]
+    Encode {
+        /// Where.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+/// Writes a file that says what it is. Another process that writes the same at once does no harm.
+pub(super) fn write(path: &Path, head: &impl Serialize, body: &[u8]) -> Result<(), KeepError> {
+    let head = serde_json::to_vec(head).map_err(|error| KeepError::Encode {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    })?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(|error| KeepError::Folder {
+        folder: folder.to_owned(),
+        error,
+    })?;
+    let rest = [&head[..], b"\n", body].concat();
+    let hash = blake3::hash(&rest).to_hex();
+    Ok(write_atomically(
+        path,
+        &[hash.as_bytes(), b"\n", &rest].concat(),
+    )?)
+}
+
+/// What a file says that it is, and its contents; the reason if it is not as it was written.
+pub(super) fn read<H: DeserializeOwned>(path: &Path) -> Result<(H, Vec<u8>), String> {
+    let bytes = regular_file::read(path, MOST_BYTES).map_err(|error| error.to_string())?;
+    let damaged = || "it was cut off or changed".to_owned();
+    let line = |bytes: &[u8]| bytes.iter().position(|byte| *byte == b'\n');
+    let end = line(&bytes).ok_or_else(damaged)?;
+    let (hash, rest) = (&bytes[..end], &bytes[end + 1..]);
+    if blake3::hash(rest).to_hex().as_bytes() != hash {
+        return Err(damaged());
+    }
+    let end = line(rest).ok_or_else(damaged)?;
+    let head = serde_json::from_slice(&rest[..end]);
+    let head = head.map_err(|error| format!("another version of volref wrote it: {error}"))?;
+    Ok((head, rest[end + 1..].to_vec()))
+}
+
+/// Hides `folder`, and what it holds, from version control wherever it is.
+pub(super) fn hide(folder: &Path) {
+    let ignore = folder.join(IGNORE);
+    if !ignore.exists() {
+        let _ = write_atomically(&ignore, b"*\n");
+    }
+}
+
+/// Removes `folder` if there is nothing in it but what hides it.
+pub(super) fn remove_if_empty(folder: &Path) {
+    let is_hidden = |entry: std::fs::DirEntry| entry.file_name() == IGNORE;
+    let only_hidden = |entries: std::fs::ReadDir| entries.flatten().all(is_hidden);
+    if std::fs::read_dir(folder).is_ok_and(only_hidden) {
+        let _ = std::fs::remove_file(folder.join(IGNORE));
+        let _ = std::fs::remove_dir(folder);
+    }
+}
+
+const IGNORE: &str = ".gitignore";

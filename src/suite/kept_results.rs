@@ -1,0 +1,283 @@
+//! Results of cases that several processes judge, each some of them, kept until they are joined.
+//!
+//! A *run* is one request, `verify` or `validate` with its settings, for a list of cases; its parts are
+//! judged by any process anywhere. A result is kept with the run that it belongs to, and in two files:
+//! what was found, and the images behind it, which only a report and the search for mistakes need.
+
+use super::kept_file::{self, KeepError};
+use super::kept_film::{MOST_BYTES, hash};
+use super::{CaseResult, Cause, Evidence, Judged};
+use crate::compare::flip::SrgbImage;
+use crate::compare::{FitMap, Picture};
+use crate::film::Film;
+use flate2::Compression;
+use flate2::read::DeflateDecoder;
+use flate2::write::DeflateEncoder;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+
+/// A request to judge cases.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Run {
+    /// `verify` or `validate`.
+    pub command: String,
+    /// Everything that verdicts depend on, by name.
+    pub settings: BTreeMap<String, String>,
+    /// Names of the cases, of all parts, in order.
+    pub cases: Vec<String>,
+    /// Whether no filter left any out.
+    pub is_everything: bool,
+}
+
+impl Run {
+    /// Short hash of all of it.
+    pub fn id(&self) -> String {
+        let text = serde_json::to_vec(self).unwrap_or_default();
+        hash(&[text]).chars().take(12).collect()
+    }
+
+    /// The first setting that is another in `other`: its name, and both values.
+    pub fn difference(&self, other: &Run) -> Option<(String, [String; 2])> {
+        if self.command != other.command {
+            let commands = [&self.command, &other.command].map(String::clone);
+            return Some(("command".to_owned(), commands));
+        }
+        let names = self.settings.keys().chain(other.settings.keys());
+        let value = |run: &Run, name| match run.settings.get(name) {
+            Some(value) => value.clone(),
+            None => "none".to_owned(),
+        };
+        let values = names.map(|name| (name.clone(), [self, other].map(|run| value(run, name))));
+        let mut values = values.chain([(
+            "cases".to_owned(),
+            [self, other].map(|run| format!("{} cases", run.cases.len())),
+        )]);
+        values.find(|(name, [one, two])| one != two || name == "cases" && self.cases != other.cases)
+    }
+}
+
+/// A folder of results, hidden from version control.
+#[derive(Clone, Debug)]
+pub struct ResultFolder {
+    /// `.volref`.
+    root: PathBuf,
+}
+
+/// What there is of a case.
+#[derive(Debug)]
+pub enum KeptResult {
+    /// Its result.
+    Judged(Box<Judged>),
+    /// It was passed over, since it has no image and none was required.
+    PassedOver,
+    /// A file that cannot be used, with the reason.
+    Damaged(String),
+    /// None.
+    Missing,
+}
+
+/// The head of a file.
+#[derive(Serialize, Deserialize)]
+struct Head {
+    run: String,
+    case: String,
+}
+
+/// What was found, without the images.
+#[derive(Serialize, Deserialize)]
+struct Found {
+    result: CaseResult,
+    cause: Cause,
+    fit: Option<Box<FitMap>>,
+    evidence: Evidence,
+}
+
+/// The images behind a result.
+#[derive(Serialize, Deserialize)]
+struct Images {
+    golden: Option<Film>,
+    test: Option<StoredPicture>,
+}
+
+#[derive(Serialize, Deserialize)]
+enum StoredPicture {
+    Radiance(Film),
+    /// As PNG.
+    Codes(Vec<u8>),
+}
+
+impl ResultFolder {
+    /// The results within the folder `root`, which need not exist.
+    pub fn open(root: impl Into<PathBuf>) -> ResultFolder {
+        ResultFolder { root: root.into() }
+    }
+
+    /// Where they are.
+    pub fn path(&self) -> PathBuf {
+        self.root.join("results")
+    }
+
+    fn of_run(&self, run: &Run) -> PathBuf {
+        self.path().join(run.id())
+    }
+
+    /// Says what the results of `run` belong to. Every part does.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written.
+    pub fn begin(&self, run: &Run) -> Result<(), KeepError> {
+        kept_file::write(&self.of_run(run).join(RUN), run, b"")?;
+        kept_file::hide(&self.root);
+        Ok(())
+    }
+
+    /// Keeps the result of a case; `None` of one that was passed over.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written.
+    pub fn keep(&self, run: &Run, case: &str, judged: Option<&Judged>) -> Result<(), KeepError> {
+        let head = Head {
+            run: run.id(),
+            case: case.to_owned(),
+        };
+        let path = |extension: &str| self.of_run(run).join(format!("{case}.{extension}"));
+        let (found, images) = (path(FOUND), path(IMAGES));
+        if let Some(judged) = judged {
+            let evidence = &judged.evidence;
+            let of_case = Images {
+                golden: evidence.golden.clone(),
+                test: evidence.test.as_ref().map(StoredPicture::of),
+            };
+            kept_file::write(&images, &head, &packed(&images, &of_case)?)?;
+        }
+        let of_case = judged.map(|judged| Found {
+            result: judged.result.clone(),
+            cause: judged.result.cause,
+            fit: judged.result.fit.clone(),
+            evidence: Evidence {
+                golden: None,
+                test: None,
+                ..judged.evidence.clone()
+            },
+        });
+        kept_file::write(&found, &head, &packed(&found, &of_case)?)
+    }
+
+    /// The runs that there are results of.
+    pub fn runs(&self) -> Vec<Run> {
+        let folders = std::fs::read_dir(self.path())
+            .into_iter()
+            .flatten()
+            .flatten();
+        let runs = folders.filter_map(|folder| {
+            let (run, _) = kept_file::read::<Run>(&folder.path().join(RUN)).ok()?;
+            // By its name it is found.
+            (self.of_run(&run) == folder.path()).then_some(run)
+        });
+        let mut runs: Vec<Run> = runs.collect();
+        runs.sort_by_key(Run::id);
+        runs
+    }
+
+    /// What there is of a case, with its images where they are wanted.
+    pub fn get(
+        &self,
+        run: &Run,
+        case: &str,
+        wants_images: impl Fn(&CaseResult) -> bool,
+    ) -> KeptResult {
+        let path = |extension: &str| self.of_run(run).join(format!("{case}.{extension}"));
+        let (found, images) = (path(FOUND), path(IMAGES));
+        if !found.exists() {
+            return KeptResult::Missing;
+        }
+        let read = || -> Result<Option<Judged>, String> {
+            let Some(of_case) = unpacked::<Option<Found>>(&found, run, case)? else {
+                return Ok(None);
+            };
+            let mut judged = Judged {
+                result: CaseResult {
+                    cause: of_case.cause,
+                    fit: of_case.fit,
+                    ..of_case.result
+                },
+                evidence: of_case.evidence,
+            };
+            if wants_images(&judged.result) {
+                let of_case = unpacked::<Images>(&images, run, case)?;
+                judged.evidence.golden = of_case.golden;
+                judged.evidence.test = of_case.test.map(StoredPicture::picture).transpose()?;
+            }
+            Ok(Some(judged))
+        };
+        match read() {
+            Ok(Some(judged)) => KeptResult::Judged(Box::new(judged)),
+            Ok(None) => KeptResult::PassedOver,
+            Err(reason) => KeptResult::Damaged(reason),
+        }
+    }
+}
+
+impl StoredPicture {
+    fn of(picture: &Picture) -> StoredPicture {
+        match picture {
+            Picture::Radiance(film) => StoredPicture::Radiance(film.clone()),
+            Picture::Codes(codes) => {
+                let png = Film::codes_to_png(codes.pixels(), codes.width(), codes.height());
+                StoredPicture::Codes(png)
+            }
+        }
+    }
+
+    fn picture(self) -> Result<Picture, String> {
+        match self {
+            StoredPicture::Radiance(film) => Ok(Picture::Radiance(film)),
+            StoredPicture::Codes(png) => {
+                let (width, height, codes) =
+                    Film::codes_from_png(&png).map_err(|error| error.to_string())?;
+                let codes = SrgbImage::new(width, height, codes);
+                Ok(Picture::Codes(codes.map_err(|error| error.to_string())?))
+            }
+        }
+    }
+}
+
+/// Name of the file that says what a run is.
+const RUN: &str = "run";
+/// Extensions of the files of a case.
+const FOUND: &str = "result";
+const IMAGES: &str = "images";
+
+/// `value` as compressed MessagePack, in which every number keeps its bits.
+fn packed(path: &Path, value: &impl Serialize) -> Result<Vec<u8>, KeepError> {
+    let fail = |reason: String| KeepError::Encode {
+        path: path.to_owned(),
+        reason,
+    };
+    let packed = rmp_serde::to_vec_named(value).map_err(|error| fail(error.to_string()))?;
+    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::fast());
+    let encoded = encoder.write_all(&packed).and_then(|()| encoder.finish());
+    encoded.map_err(|error| fail(error.to_string()))
+}
+
+/// The contents of a file of `case`, as [`packed`]; the reason if there are none: a sentence.
+fn unpacked<T: DeserializeOwned>(path: &Path, run: &Run, case: &str) -> Result<T, String> {
+    let read = || {
+        let (head, body) = kept_file::read::<Head>(path)?;
+        if (head.run, head.case.as_str()) != (run.id(), case) {
+            return Err("it belongs to another case or run".to_owned());
+        }
+        let mut packed = Vec::new();
+        let mut decoder = DeflateDecoder::new(&body[..]).take(MOST_BYTES);
+        decoder
+            .read_to_end(&mut packed)
+            .map_err(|error| error.to_string())?;
+        rmp_serde::from_slice(&packed).map_err(|error| error.to_string())
+    };
+    read().map_err(|reason: String| format!("{}: {reason}", path.display()))
+}

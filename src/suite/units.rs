@@ -1,0 +1,439 @@
+//! Work units: rows of the renderings of sampled cases, each computed by itself, anywhere.
+//!
+//! A pixel has random numbers of its own, so that rows rendered apart have the bits that they have in
+//! the whole image. A unit is known by a hash of everything it is computed from: scene, plan, input
+//! files, samples and seed, rows, the versions of volref and `libm`, and the program itself, so that no
+//! unit ever comes from other code. Whoever computes it, and however often, it is the same file.
+
+use super::Case;
+use super::golden::{LIBM_VERSION, input_hashes, scene_hash, short};
+use super::kept_file::{self, KeepError};
+use super::kept_film::{executable_hash, hash};
+use super::rendering::{CaseRendering, ReferenceRenderer, Renderer, check_class, render_case};
+use crate::film::Film;
+use crate::render::{self, Detail, Plan, plans};
+use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// Paths of a unit: what a core traces in 10 to 250 s.
+const PATHS_OF_UNIT: u64 = 1 << 22;
+
+/// Some rows of a rendering of a sampled case, and what they are computed from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Unit {
+    /// Hash of everything that it is computed from.
+    pub id: String,
+    /// `family/name`.
+    pub case: String,
+    /// `quick` or `converged`.
+    pub rendering: String,
+    /// Samples per pixel.
+    pub samples: u32,
+    /// The first row, from the top, and the one beyond the last.
+    pub rows: [usize; 2],
+    /// Pixels times samples.
+    pub paths: u64,
+    /// Seed of the scene.
+    pub seed: u64,
+    /// Hash of the scene.
+    pub scene: String,
+    /// Version of volref.
+    pub volref: String,
+    /// Hash of the program.
+    pub program: String,
+}
+
+impl Unit {
+    /// The file of the unit below a [folder of units](UnitFolder).
+    pub fn file(&self) -> PathBuf {
+        Path::new(&self.case).join(format!("{}.{EXTENSION}", self.id))
+    }
+
+    fn range(&self) -> Range<usize> {
+        self.rows[0]..self.rows[1]
+    }
+
+    /// What `other` is computed from, where that is something else than this: the end of a sentence.
+    fn otherwise(&self, other: &Unit) -> String {
+        let build = [&other.program, &self.program].map(|program| short(program));
+        match () {
+            () if self.volref != other.volref => {
+                format!(
+                    "of volref {}, and this is volref {}",
+                    other.volref, self.volref
+                )
+            }
+            () if self.seed != other.seed => {
+                format!("of seed {}, and the scene has {}", other.seed, self.seed)
+            }
+            () if self.scene != other.scene => "of another scene".to_owned(),
+            () if self.program != other.program => {
+                let [theirs, ours] = build;
+                format!("of another build of volref ({theirs}, this is {ours})")
+            }
+            () if self.samples != other.samples => {
+                format!(
+                    "of {} samples, and the case has {}",
+                    other.samples, self.samples
+                )
+            }
+            () => "of other input files, or of another plan".to_owned(),
+        }
+    }
+}
+
+/// A case whose units cannot be computed.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("{case}: {reason}")]
+pub struct UnitError {
+    /// `family/name`.
+    pub case: String,
+    /// What went wrong.
+    pub reason: String,
+}
+
+impl UnitError {
+    fn new(case: &Case, reason: impl ToString) -> UnitError {
+        UnitError {
+            case: case.name.clone(),
+            reason: reason.to_string(),
+        }
+    }
+}
+
+/// A case, loaded, and the renderings of its golden.
+pub struct CaseUnits<'c> {
+    /// The case.
+    pub case: &'c Case,
+    pub(super) scene: Scene,
+    /// The picture of the golden, unless that is a known answer, and before it the quick one of a
+    /// stochastic case.
+    pub(super) renderings: Vec<RenderingUnits>,
+}
+
+/// A rendering, and its units from the top; deterministic renderings take seconds, and have none.
+pub(super) struct RenderingUnits {
+    pub rendering: CaseRendering,
+    pub units: Vec<Unit>,
+}
+
+impl<'c> CaseUnits<'c> {
+    /// The units of `case`; of a deterministic case none.
+    ///
+    /// # Errors
+    ///
+    /// If the scene cannot be loaded, or is of another class than the case.
+    pub fn of(case: &'c Case) -> Result<CaseUnits<'c>, UnitError> {
+        CaseUnits::rendered_by(&ReferenceRenderer, case)
+    }
+
+    pub(super) fn rendered_by(
+        renderer: &dyn Renderer,
+        case: &'c Case,
+    ) -> Result<CaseUnits<'c>, UnitError> {
+        let incomplete = |reason: String| UnitError::new(case, reason);
+        let scene = case
+            .load_scene()
+            .map_err(|error| incomplete(error.to_string()))?;
+        let plans = plans(&scene);
+        check_class(renderer, case, &plans).map_err(incomplete)?;
+        let renderings = match case.sampling {
+            None => vec![CaseRendering::Only],
+            Some(sampling) => {
+                let quick = CaseRendering::Quick(sampling.quick);
+                let converged = sampling.converged;
+                let converged = converged.map(|of| CaseRendering::Converged(of.samples));
+                [quick].into_iter().chain(converged).collect()
+            }
+        };
+        let renderings = renderings.into_iter().map(|rendering| RenderingUnits {
+            rendering,
+            units: units(case, &scene, &plans, rendering),
+        });
+        Ok(CaseUnits {
+            case,
+            renderings: renderings.collect(),
+            scene,
+        })
+    }
+
+    /// The units of all renderings.
+    pub fn units(&self) -> impl Iterator<Item = &Unit> {
+        self.renderings.iter().flat_map(|of| &of.units)
+    }
+
+    /// Pixels times samples of a rendering.
+    pub(super) fn paths(&self, rendering: CaseRendering) -> u64 {
+        let pixels = (self.scene.width() * self.scene.height()) as u64;
+        pixels * u64::from(rendering.samples())
+    }
+
+    /// Computes a unit of this case, and keeps it in `folder`.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be rendered or written.
+    pub fn compute(
+        &self,
+        unit: &Unit,
+        folder: &UnitFolder,
+        progress: render::Progress<'_>,
+    ) -> Result<(), UnitError> {
+        let of_unit = |of: &&RenderingUnits| of.units.contains(unit);
+        let of = self.renderings.iter().find(of_unit);
+        let of = of.ok_or_else(|| UnitError::new(self.case, "this is no unit of it"))?;
+        let film = self.rendered(&ReferenceRenderer, of.rendering, unit, progress)?;
+        folder
+            .put(unit, &film)
+            .map_err(|error| UnitError::new(self.case, error))
+    }
+
+    /// The rows of `unit`.
+    pub(super) fn rendered(
+        &self,
+        renderer: &dyn Renderer,
+        rendering: CaseRendering,
+        unit: &Unit,
+        progress: render::Progress<'_>,
+    ) -> Result<Film, UnitError> {
+        let [first, end] = unit.rows;
+        let detail = Detail::Rows { first, end };
+        let rendered = render_case(renderer, &plans(&self.scene), rendering, detail, progress);
+        let rendered = rendered.map_err(|reason| UnitError::new(self.case, reason))?;
+        Ok(rendered.film)
+    }
+
+    /// The unit of this case that `other`, of another process, is meant to be.
+    ///
+    /// # Errors
+    ///
+    /// What is different: the end of a sentence.
+    pub fn matching(&self, other: &Unit) -> Result<&Unit, String> {
+        if let Some(unit) = self.units().find(|unit| unit.id == other.id) {
+            return Ok(unit);
+        }
+        let of_rendering = |unit: &&Unit| unit.rendering == other.rendering;
+        let near = self.units().find(of_rendering);
+        Err(near.map_or_else(
+            || format!("of a {} rendering, which the case has not", other.rendering),
+            |unit| unit.otherwise(other),
+        ))
+    }
+}
+
+/// Bands of rows, as even as can be, of about [`PATHS_OF_UNIT`].
+fn bands(width: usize, height: usize, samples: u32) -> impl Iterator<Item = [usize; 2]> {
+    let paths = (width * height) as u64 * u64::from(samples);
+    // No more than rows.
+    let bands = paths.div_ceil(PATHS_OF_UNIT).clamp(1, height as u64) as usize;
+    (0..bands).map(move |band| [band * height / bands, (band + 1) * height / bands])
+}
+
+fn units(case: &Case, scene: &Scene, plans: &[Plan<'_>], rendering: CaseRendering) -> Vec<Unit> {
+    let Some(name) = rendering.name() else {
+        return Vec::new();
+    };
+    let texts: Vec<_> = plans.iter().map(Plan::canonical_text).collect();
+    let inputs: Vec<_> = input_hashes(scene).into_iter().collect();
+    let program = executable_hash().unwrap_or_default();
+    let samples = rendering.samples();
+    let (width, height) = (scene.width(), scene.height());
+    let unit = |rows: [usize; 2]| {
+        let parts = [
+            scene.canonical_text(),
+            format!("{texts:?}"),
+            format!("{inputs:?}"),
+            format!("{name} {samples} {rows:?}"),
+            env!("CARGO_PKG_VERSION").to_owned(),
+            LIBM_VERSION.to_owned(),
+            program.to_owned(),
+        ];
+        Unit {
+            id: hash(&parts),
+            case: case.name.clone(),
+            rendering: name.to_owned(),
+            samples,
+            rows,
+            paths: ((rows[1] - rows[0]) * width) as u64 * u64::from(samples),
+            seed: scene.seed().unwrap_or(0),
+            scene: scene_hash(scene),
+            volref: env!("CARGO_PKG_VERSION").to_owned(),
+            program: program.to_owned(),
+        }
+    };
+    bands(width, height, samples).map(unit).collect()
+}
+
+const EXTENSION: &str = "unit";
+
+/// A folder of finished units, hidden from version control.
+#[derive(Clone, Debug)]
+pub struct UnitFolder {
+    /// `.volref`.
+    root: PathBuf,
+}
+
+impl UnitFolder {
+    /// The units within the folder `root`, which need not exist.
+    pub fn open(root: impl Into<PathBuf>) -> UnitFolder {
+        UnitFolder { root: root.into() }
+    }
+
+    /// Where they are.
+    pub fn path(&self) -> PathBuf {
+        self.root.join("units")
+    }
+
+    /// Whether there is a file of this unit; it may be damaged.
+    pub fn has(&self, unit: &Unit) -> bool {
+        can_be_kept() && self.path().join(unit.file()).is_file()
+    }
+
+    /// Whether the rows of `unit` are kept, and as they were.
+    pub fn is_intact(&self, unit: &Unit) -> bool {
+        self.get(unit).is_some()
+    }
+
+    /// The rows of `unit`, if they were kept and are intact.
+    pub(super) fn get(&self, unit: &Unit) -> Option<Film> {
+        let (found, film) = read_unit(&self.path().join(unit.file())).ok()?;
+        (can_be_kept() && found == *unit).then_some(film)
+    }
+
+    /// Keeps the rows of `unit`.
+    pub(super) fn put(&self, unit: &Unit, film: &Film) -> Result<(), KeepError> {
+        let path = self.path().join(unit.file());
+        if !can_be_kept() {
+            let reason = "the program cannot be read, so that nobody could tell what made this";
+            return Err(KeepError::Encode {
+                path,
+                reason: reason.to_owned(),
+            });
+        }
+        let exr = film.to_exr().map_err(|error| KeepError::Encode {
+            path: path.clone(),
+            reason: error.to_string(),
+        })?;
+        kept_file::write(&path, unit, &exr)?;
+        kept_file::hide(&self.root);
+        Ok(())
+    }
+
+    /// Removes the kept units of `case`, and folders left empty.
+    pub(super) fn forget(&self, case: &str) {
+        let folder = self.path().join(case);
+        if std::fs::remove_dir_all(&folder).is_err() {
+            return;
+        }
+        for folder in folder.ancestors().skip(1) {
+            if folder == self.root || std::fs::remove_dir(folder).is_err() {
+                break;
+            }
+        }
+        kept_file::remove_if_empty(&self.root);
+    }
+
+    /// All files of units, sorted.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let mut files = Vec::new();
+        let mut folders = vec![self.path()];
+        while let Some(folder) = folders.pop() {
+            for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+                let path = entry.path();
+                if path.is_dir() {
+                    folders.push(path);
+                } else if path.extension().is_some_and(|of| of == EXTENSION) {
+                    files.push(path);
+                }
+            }
+        }
+        files.sort();
+        files
+    }
+
+    /// Adds a unit that another process computed: the file at `path`, which has been
+    /// [read](read_unit).
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written, or the unit that is here has other bits.
+    pub fn add(&self, unit: &Unit, film: &Film) -> Result<Added, AddError> {
+        match self.get(unit) {
+            Some(here) if here.pixel_hash() == film.pixel_hash() => Ok(Added::WasHere),
+            Some(_) => Err(AddError::OtherBits),
+            None => {
+                self.put(unit, film)?;
+                Ok(Added::New)
+            }
+        }
+    }
+}
+
+/// What became of a unit that was added.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Added {
+    /// It was not here.
+    New,
+    /// It was here.
+    WasHere,
+}
+
+/// A unit could not be added.
+#[derive(Debug, thiserror::Error)]
+pub enum AddError {
+    /// Two units of one name.
+    #[error(
+        "two processes computed other bits from the same things: one of the machines is broken"
+    )]
+    OtherBits,
+    /// It cannot be written.
+    #[error(transparent)]
+    Keep(#[from] KeepError),
+}
+
+/// The unit in the file at `path`.
+///
+/// # Errors
+///
+/// What is wrong with the file: a sentence without its subject.
+pub fn read_unit(path: &Path) -> Result<(Unit, Film), String> {
+    let (unit, exr): (Unit, _) = kept_file::read(path)?;
+    let film = Film::from_exr(&exr).map_err(|error| error.to_string())?;
+    if film.height() != unit.range().len() {
+        return Err("its image has another number of rows than it says".to_owned());
+    }
+    Ok((unit, film))
+}
+
+/// Whether it can be told what makes units.
+fn can_be_kept() -> bool {
+    executable_hash().is_some()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_are_all_rows_once_and_almost_even() {
+        for (width, height, samples) in [
+            (192, 192, 1408),
+            (1, 1, 2),
+            (256, 256, 16384),
+            (512, 7, 1 << 24),
+            (160, 160, 384),
+        ] {
+            let bands: Vec<_> = bands(width, height, samples).collect();
+            assert_eq!((bands[0][0], bands[bands.len() - 1][1]), (0, height));
+            assert!(bands.windows(2).all(|two| two[0][1] == two[1][0]));
+            let rows = bands.iter().map(|band| band[1] - band[0]);
+            let (least, most) = (rows.clone().min(), rows.max());
+            assert!(least >= Some(1) && most.unwrap() - least.unwrap() <= 1);
+            let paths = (most.unwrap() * width) as u64 * u64::from(samples);
+            let one_row = width as u64 * u64::from(samples);
+            assert!(paths <= PATHS_OF_UNIT + one_row, "{paths}");
+        }
+    }
+}
