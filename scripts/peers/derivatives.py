@@ -5,7 +5,7 @@
 
 Ours is `volref sensitivity CASE --of NUMBER`, a difference of two renderings. Mitsuba's is path replay (Vicini,
 Speierer & Jakob 2021), which goes backwards only: from a sum of pixels to the numbers, not to pixels. So sums over
-4 x 4 regions of the image are compared, all channels together, each with the variance of runs with seeds of their
+4 x 4 regions of the image are compared (forward, pixel by pixel, `prbvolpath` refuses), all channels together, each with the variance of runs with seeds of their
 own. Stated are the derivatives of the mean of the image, and the mean square of the regions' differences over their
 variance: 1 is noise. An albedo of 1 can only be smaller: our difference is one-sided there, and takes a shorter step.
 
@@ -34,14 +34,15 @@ mi.set_variant("llvm_ad_rgb")
 
 #: By what the number of volref is called: the parameter of Mitsuba's scene, and how a change enters it.
 PARAMETERS = {
-    "density": (r"medium\d*\.sigma_t\.value(\.value)?", lambda value, t: value * (1 + t)),
+    "density": (r"medium\d*\.sigma_t\.(data|value(\.value)?)", lambda value, t: value * (1 + t)),
     "albedo": (r"medium\d*\.albedo\.value(\.value)?", lambda value, t: value + t),
     "lamp": (r".*emitter\.radiance\.value", lambda value, t: value * (1 + t)),
     "light": (r".*\.(intensity|irradiance)\.value", lambda value, t: value * (1 + t)),
     "reflectance": (r".*\.reflectance\.value", lambda value, t: value * (1 + t)),
 }
 CASES = ["smoke/cornell:density", "smoke/cornell:lamp", "smoke/cornell:albedo.2:0.01", "fog/rate-0.1:density",
-         "fog/rate-0.3:density", "fog/rate-0.05:reflectance", "fog/scattering:density"]
+         "procedural/absorbing-grid:density", "procedural/coloured:density", "procedural/coloured:light",
+         "procedural/gain-0.1:density", "fog/rate-0.3:density", "fog/scattering:density"]
 #: Regions along an edge of the image, and runs of each.
 EDGE, RUNS = 4, 8
 

@@ -173,6 +173,7 @@ pub(super) fn decide(
         }
         let [seconds, _] = it.spent;
         result.seconds = seconds;
+        judged[it.index].evidence.noise_by_samples = it.looks.noise();
     }
 }
 

@@ -3,6 +3,7 @@
 mod case;
 mod forest;
 mod measures;
+mod noise;
 mod pictures;
 mod pixels;
 mod words;

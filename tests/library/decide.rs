@@ -1,7 +1,7 @@
 //! Looks at more and more samples raise no more false alarms than one look.
 
 use crate::common::simulated::{Sampling, Shape, sampled, scene};
-use volref::compare::stochastic::judge_at;
+use volref::compare::stochastic::{FALSE_ALARM, judge_at};
 use volref::film::Film;
 use volref::suite::share_of_look;
 
@@ -63,5 +63,108 @@ fn adaptive_looks_keep_the_promise_of_one() {
             alarms as f64 <= most,
             "{alarms} alarms at {level}, {states_noise}"
         );
+    }
+}
+
+/// A fault of the test image: its mean at column x, row y over what is right, and the variance that it
+/// states over what it has.
+struct Fault {
+    name: &'static str,
+    mean: fn(f64, usize, usize) -> f64,
+    variance: fn(f64) -> f64,
+}
+
+const FAULTS: [Fault; 5] = [
+    Fault {
+        name: "whole image",
+        mean: |size, _, _| 1.0 + size,
+        variance: |_| 1.0,
+    },
+    Fault {
+        name: "a block of 8 × 8",
+        mean: |size, x, y| {
+            if x / 8 == 2 && y / 8 == 2 {
+                1.0 + size
+            } else {
+                1.0
+            }
+        },
+        variance: |_| 1.0,
+    },
+    Fault {
+        name: "a pixel",
+        mean: |size, x, y| if [x, y] == [20, 18] { 1.0 + size } else { 1.0 },
+        variance: |_| 1.0,
+    },
+    Fault {
+        name: "variance stated too small",
+        mean: |_, _, _| 1.0,
+        variance: |size| 1.0 / (1.0 + size),
+    },
+    Fault {
+        name: "variance stated too large",
+        mean: |_, _, _| 1.0,
+        variance: |size| 1.0 + size,
+    },
+];
+
+const SIZES: [f64; 8] = [0.005, 0.01, 0.02, 0.05, 0.1, 0.5, 2.0, 9.0];
+
+/// Samples per pixel of the first look, and of the last.
+const FIRST: u32 = 64;
+const LAST: u32 = 1 << 16;
+
+/// Samples at which an image with a fault fails, when they are doubled from look to look.
+fn samples_to_rejection(fault: &Fault, size: f64, seed: u64) -> Option<u32> {
+    const SIDE: usize = 48;
+    let shape = &Shape::all()[1];
+    let reference = sampled(Sampling::of(shape, SIDE, LAST, 7), scene);
+    let (mut samples, mut look) = (FIRST, 1);
+    while samples <= LAST {
+        let sampling = Sampling::of(shape, SIDE, samples, 1000 * seed + u64::from(look));
+        let honest = sampled(sampling, scene);
+        let variances = honest.noise().unwrap().variance();
+        let edited = |index: usize| {
+            let factor = (fault.mean)(size, index % SIDE, index / SIDE) as f32;
+            let stated = (fault.variance)(size) as f32;
+            let mean = honest.radiance()[index].map(|value| value * factor);
+            (
+                mean,
+                variances[index].map(|value| value * factor * factor * stated),
+            )
+        };
+        let (means, variances) = (0..SIDE * SIDE).map(edited).unzip();
+        let test = Film::with_noise(SIDE, SIDE, means, variances, samples);
+        let level = FALSE_ALARM / 1000.0 * share_of_look(look);
+        if !judge_at(&reference, &test, level).unwrap().passed {
+            return Some(samples);
+        }
+        samples *= 2;
+        look += 1;
+    }
+    None
+}
+
+/// The table of the guide: noise is exponential, its standard deviation as large as the mean.
+#[test]
+#[ignore = "prints the table in src/guide/comparing.md, in minutes"]
+fn samples_to_decision_by_fault_and_size() {
+    const RUNS: u64 = 5;
+    let sizes = SIZES.map(|size| format!("{} %", 100.0 * size));
+    println!("| fault | {} |", sizes.join(" | "));
+    println!("| --- |{}", " --- |".repeat(SIZES.len()));
+    for fault in &FAULTS {
+        let cells = SIZES.map(|size| {
+            let mut needed: Vec<_> = (1..=RUNS)
+                .map(|seed| samples_to_rejection(fault, size, seed).unwrap_or(u32::MAX))
+                .collect();
+            needed.sort_unstable();
+            // The median.
+            match needed[RUNS as usize / 2] {
+                u32::MAX => "–".to_owned(),
+                samples => samples.to_string(),
+            }
+        });
+        println!("| {} | {} |", fault.name, cells.join(" | "));
     }
 }

@@ -1,7 +1,7 @@
 //! The view of one case.
 
 use super::pictures::Views;
-use super::{forest, measures, pixels, words};
+use super::{forest, measures, noise, pixels, words};
 use crate::compare::DifferenceScale;
 use crate::suite::{CaseResult, Evidence, Likeness, Verdict, metric_meaning};
 use minijinja::{Value, context};
@@ -34,6 +34,10 @@ pub(super) fn view(
         DifferenceScale::StandardErrors(map) => Some(measures::odd_blocks(map)),
         _ => films.and_then(|(golden, test)| measures::spread(golden, test)),
     };
+    let p_values = match &scale {
+        DifferenceScale::StandardErrors(map) => noise::p_values(map),
+        _ => None,
+    };
     let small_golden = views
         .golden
         .map(|film| pixels::thumbnail(&film.srgb_codes(views.exposure), film.width()));
@@ -54,6 +58,8 @@ pub(super) fn view(
         numbers => result.metrics.iter().map(number).collect::<Vec<_>>(),
         changes => forest::rows(&result.changes),
         fit => result.fit.as_deref().map(forest::pictures),
+        p_values,
+        by_samples => noise::by_samples(&evidence.noise_by_samples),
         // Red, green and blue over the image, where there are both images.
         means => films.map(|(golden, test)| measures::means(golden, test)),
         spread_words,
