@@ -5,8 +5,8 @@
 
 Ours is `volref sensitivity CASE --of NUMBER`, a difference of two renderings. Mitsuba's is path replay (Vicini,
 Speierer & Jakob 2021), which goes backwards only: from a sum of pixels to the numbers, not to pixels. So sums over
-4 x 4 regions of the image are compared (forward, pixel by pixel, `prbvolpath` refuses), all channels together, each with the variance of runs with seeds of their
-own. Stated are the derivatives of the mean of the image, and the mean square of the regions' differences over their
+4 x 4 regions of the image are compared (forward, pixel by pixel, `prbvolpath` refuses), all channels together,
+each with the variance of runs with seeds of their own. Stated are the derivatives of the mean of the image, and the mean square of the regions' differences over their
 variance: 1 is noise. An albedo of 1 can only be smaller: our difference is one-sided there, and takes a shorter step.
 
 Needs Python 3.9 with `mitsuba` and `numpy`, LLVM 17 or newer (DRJIT_LIBLLVM_PATH names its library), and
@@ -43,6 +43,7 @@ PARAMETERS = {
 CASES = ["smoke/cornell:density", "smoke/cornell:lamp", "smoke/cornell:albedo.2:0.01", "fog/rate-0.1:density",
          "procedural/absorbing-grid:density", "procedural/coloured:density", "procedural/coloured:light",
          "procedural/gain-0.1:density", "fog/rate-0.3:density", "fog/scattering:density"]
+CHANNELS = ["red", "green", "blue"]
 #: Regions along an edge of the image, and runs of each.
 EDGE, RUNS = 4, 8
 
@@ -68,30 +69,33 @@ def masks(height, width):
 
 def derivatives(file, name, spp):
     """Of the sum of each region: mean and variance of the mean over the runs, by Mitsuba."""
-    scene = mi.load_file(str(file), integrator="prbvolpath")
-    names, change = parameters_of(scene, name)
-    film = scene.sensors()[0].film().size()
-    runs = []
-    for seed in range(1, RUNS + 1):
-        sums = []
-        for at, mask in enumerate(masks(film[1], film[0])):
-            parameters = mi.traverse(scene)
-            kept = {key: dr.detach(type(parameters[key])(parameters[key])) for key in names}
-            t = mi.Float(0.0)
-            dr.enable_grad(t)
-            for key in names:
-                parameters[key] = change(kept[key], t)
-            parameters.update()
-            # Not the same paths for every region: the regions are to be independent.
-            one = seed * EDGE * EDGE + at
-            image = mi.render(scene, parameters, spp=max(spp // RUNS, 1), seed=one)
-            dr.backward(dr.sum(image * mi.TensorXf(mask), axis=None))
-            sums.append(float(dr.grad(t)[0]))
-            for key in names:
-                parameters[key] = kept[key]
-            parameters.update()
-        runs.append(sums)
-    runs = np.array(runs)
+    # A scene that is said channel by channel counts for that channel only.
+    by_channel = 'name="channel"' in Path(file).read_text()
+    settings = [{"channel": name} for name in CHANNELS] if by_channel else [{}]
+    runs = np.zeros((RUNS, EDGE * EDGE))
+    for channel, setting in enumerate(settings):
+        scene = mi.load_file(str(file), integrator="prbvolpath", **setting)
+        names, change = parameters_of(scene, name)
+        film = scene.sensors()[0].film().size()
+        for run in range(RUNS):
+            for at, mask in enumerate(masks(film[1], film[0])):
+                if by_channel:
+                    mask = mask * np.eye(3, dtype=np.float32)[channel]
+                parameters = mi.traverse(scene)
+                kept = {key: dr.detach(type(parameters[key])(parameters[key])) for key in names}
+                t = mi.Float(0.0)
+                dr.enable_grad(t)
+                for key in names:
+                    parameters[key] = change(kept[key], t)
+                parameters.update()
+                # Not the same paths for every region: the regions are to be independent.
+                one = (run + 1) * EDGE * EDGE + at
+                image = mi.render(scene, parameters, spp=max(spp // RUNS, 1), seed=one)
+                dr.backward(dr.sum(image[:, :, :3] * mi.TensorXf(mask), axis=None))
+                runs[run, at] += float(dr.grad(t)[0])
+                for key in names:
+                    parameters[key] = kept[key]
+                parameters.update()
     return runs.mean(0), runs.var(0, ddof=1) / RUNS
 
 

@@ -50,7 +50,7 @@ pub struct Arguments {
 }
 
 /// A percentage above 0 and below 100.
-fn percent(text: &str) -> Result<f64, String> {
+pub fn percent(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(percent) if percent > 0.0 && percent < 100.0 => Ok(percent),
         _ => Err("a resolution is a percentage above 0 and below 100".to_owned()),

@@ -66,9 +66,15 @@ impl OpenCase<'_> {
     fn in_words(&self) -> String {
         let [seconds, _] = self.spent;
         let (looks, calls) = (self.looks.count(), self.calls);
+        let count = |number: u64, noun: &str| match number {
+            1 => format!("1 {noun}"),
+            _ => format!("{number} {noun}s"),
+        };
         let done = format!(
-            "{looks} looks, {} samples per pixel, {calls} calls, {seconds:.1} s",
-            self.looks.samples()
+            "{}, {} samples per pixel, {}, {seconds:.1} s",
+            count(looks.into(), "look"),
+            self.looks.samples(),
+            count(calls, "call"),
         );
         match &self.given_up {
             None => done,
@@ -147,7 +153,8 @@ pub(super) fn decide(
         let left = end.saturating_duration_since(Instant::now()).as_secs_f64();
         if seconds > left {
             it.given_up = Some(format!(
-                "the budget is spent: about {target} samples per pixel may decide, {seconds:.0} s"
+                "a next look, at {target} samples per pixel, would take about {seconds:.1} s, and {left:.1} s of \
+                 the budget are left"
             ));
             continue;
         }

@@ -3,6 +3,7 @@
 use super::failure::{Exit, Failure};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
+use super::{output, progress};
 use crate::suite::{Case, Judged, KeepError, ResultFolder, Run, Suite, program_hash};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -15,14 +16,16 @@ pub struct KeepArgument {
     results: Option<PathBuf>,
 }
 
+/// What the folder of results follows from.
+type Context<'c> = (&'c PartitionArgument, &'c Selection, &'c Suite);
+
 /// What a command is to judge, before a part of it is taken.
 pub struct Whole {
     pub command: &'static str,
-    pub cases: Vec<String>,
+    /// Names, each with a hash of what the case is judged by.
+    pub cases: Vec<(String, String)>,
     /// Whether no filter left any out.
     pub is_everything: bool,
-    /// Hash of what the cases are judged by.
-    pub suite: String,
 }
 
 impl Whole {
@@ -30,15 +33,17 @@ impl Whole {
         command: &'static str,
         suite: &Suite,
         filters: &[String],
-        cases: impl IntoIterator<Item = &'c Case> + Clone,
+        cases: impl IntoIterator<Item = &'c Case>,
         others: impl IntoIterator<Item = String>,
     ) -> Whole {
-        let names = cases.clone().into_iter().map(|case| case.name.clone());
+        let cases = cases
+            .into_iter()
+            .map(|case| (case.name.clone(), suite.hash_of(case)));
+        let others = others.into_iter().map(|name| (name, String::new()));
         Whole {
             command,
-            cases: names.chain(others).collect(),
+            cases: cases.chain(others).collect(),
             is_everything: filters.is_empty(),
-            suite: suite.hash_of(cases),
         }
     }
 }
@@ -47,6 +52,27 @@ impl KeepArgument {
     /// Whether results are kept.
     pub fn keeps(&self, partition: &PartitionArgument) -> bool {
         self.results.is_some() || !partition.is_whole()
+    }
+
+    /// Where results are to be kept, made if need be.
+    fn folder(&self, (partition, selection, suite): Context<'_>) -> Option<PathBuf> {
+        match &self.results {
+            Some(folder) => Some(folder.clone()),
+            None if partition.is_whole() => None,
+            None => Some(selection.kept_folder(suite)),
+        }
+    }
+
+    /// Fails if results are to be kept where they cannot be; called before long work.
+    ///
+    /// # Errors
+    ///
+    /// If the folder cannot be made.
+    pub fn check(&self, context: Context<'_>) -> Result<(), Failure> {
+        match self.folder(context) {
+            Some(folder) => output::make_folder(&folder),
+            None => Ok(()),
+        }
     }
 
     /// Keeps what was `judged`, if it is to be kept: of `part`, whatever was not judged was passed over.
@@ -60,16 +86,13 @@ impl KeepArgument {
         mut settings: BTreeMap<String, String>,
         part: &[String],
         judged: &[Judged],
-        (partition, selection, suite): (&PartitionArgument, &Selection, &Suite),
+        context: Context<'_>,
     ) -> Result<(), Failure> {
-        let root = match &self.results {
-            Some(folder) => folder.clone(),
-            None if partition.is_whole() => return Ok(()),
-            None => selection.kept_folder(suite),
+        let Some(root) = self.folder(context) else {
+            return Ok(());
         };
         let program = program_hash().unwrap_or("unknown");
         settings.extend([
-            ("suite".to_owned(), whole.suite),
             ("volref".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
             ("build of volref".to_owned(), program.to_owned()),
         ]);
@@ -92,7 +115,12 @@ impl KeepArgument {
             }
             Ok(())
         };
-        keep().map_err(|error| {
+        let kept = keep();
+        if kept.is_ok() {
+            let place = folder.path().join(run.id());
+            progress::note(&format!("results kept in {}", place.display()));
+        }
+        kept.map_err(|error| {
             let message = format!("the results cannot be kept: {error}");
             let help = "the verdicts hold, but volref merge would miss them; choose another folder with --results DIR";
             Failure::new(Exit::BadInput, message, Some(help))

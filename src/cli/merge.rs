@@ -13,7 +13,7 @@ use crate::suite::{
     ResultFolder, Run, Search, Suite, UnitFolder, Verdict,
 };
 use rayon::prelude::*;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -74,6 +74,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .then(|| joined_units(&files, &suite, &arguments.selection))
         .transpose()?;
     let Some(run) = run else {
+        arguments.files.check_no_results()?;
         let units = units.unwrap_or_default();
         let value = json!({ "schema": "volref/merge/1", "units": units.json() });
         return Ok(Outcome {
@@ -81,7 +82,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             text: arguments.files.write_json(units.text(), &value)?,
         });
     };
-    let mut outcome = joined_results(&arguments, &suite, &run, &folders(&roots))?;
+    let of_units = units.as_ref().map(|units| units.json());
+    let mut outcome = joined_results(&arguments, &suite, &run, &folders(&roots), of_units)?;
     if let Some(units) = units {
         if !arguments.files.prints_json() {
             outcome.text.push_str(&format!("\n{}", units.text()));
@@ -105,6 +107,10 @@ fn root_of(folder: &Path) -> Result<PathBuf, Failure> {
             let message = format!("{} has neither results nor units", folder.display());
             let help = "give folders that parts wrote: .volref, that of --results, or a folder with a .volref";
             Err(Failure::new(Exit::Undecided, message, Some(help)))
+        }
+        () if folder.exists() => {
+            let message = format!("{} is a file, not a folder", folder.display());
+            Err(bad_input(message))
         }
         () => Err(bad_input(format!(
             "there is no folder {}",
@@ -132,15 +138,14 @@ fn the_run(arguments: &Arguments, folders: &[ResultFolder]) -> Result<Option<Run
         (None, _) => Ok(None),
         (Some((run, _)), None) => Ok(Some(run.clone())),
         (Some((one, here)), Some((other, there))) => {
-            let what = one.difference(other);
-            let (name, [one_value, other_value]) = what.unwrap_or_default();
+            let (what, [one_value, other_value]) = one.difference(other);
             let message = format!(
-                "these are results of {} different runs: {name} is {one_value} in {}, and {other_value} in {}",
+                "these are results of {} different runs: {what} differs, {one_value} in {} and {other_value} in {}",
                 runs.len(),
                 here.join(one.id()).display(),
                 there.join(other.id()).display(),
             );
-            let help = "leave out, or remove, the folders of all runs but one, or name it with --run ID, its folder's name";
+            let help = "remove the folders of the other runs, or name the one to join with --run ID, its folder's name";
             Err(Failure::new(Exit::BadInput, message, Some(help)))
         }
     }
@@ -152,31 +157,30 @@ fn joined_results(
     suite: &Suite,
     run: &Run,
     folders: &[ResultFolder],
+    units: Option<Value>,
 ) -> Result<Outcome, Failure> {
-    let cases: Vec<&Case> = {
-        let by_name: BTreeMap<&str, &Case> = suite
-            .cases()
-            .iter()
-            .map(|case| (case.name.as_str(), case))
-            .collect();
-        let names = run.cases.iter();
-        names
-            .filter_map(|name| by_name.get(name.as_str()).copied())
-            .collect()
-    };
-    let this = BTreeMap::from([
-        ("volref".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-        ("suite".to_owned(), suite.hash_of(cases.iter().copied())),
-    ]);
-    for (name, value) in &this {
-        if run.settings.get(name) != Some(value) {
+    let version = env!("CARGO_PKG_VERSION");
+    let theirs = run.settings.get("volref").map_or("unknown", String::as_str);
+    if theirs != version {
+        let message = format!("these are results of volref {theirs}, and this is volref {version}");
+        return Err(bad_input(message));
+    }
+    let by_name: BTreeMap<&str, &Case> = suite
+        .cases()
+        .iter()
+        .map(|case| (case.name.as_str(), case))
+        .collect();
+    let mut cases = Vec::new();
+    for (name, hash) in &run.cases {
+        let case = by_name.get(name.as_str()).copied();
+        if case.map(|case| suite.hash_of(case)).unwrap_or_default() != *hash {
             let message = format!(
-                "these results are of another {name}: {}, and this is {value}",
-                run.settings.get(name).map_or("unknown", String::as_str)
+                "the parts judged by another suite: the scene, manifest or golden of {name} is not the one here"
             );
-            let help = "give the suite that the parts judged by with --suite DIR, and run the same version of volref";
+            let help = "give the suite that they judged by with --suite DIR";
             return Err(Failure::new(Exit::BadInput, message, Some(help)));
         }
+        cases.extend(case);
     }
     let profile = run.settings.get("profile");
     let profile = profile.map(|text| Profile::parse(text, "the profile of the results"));
@@ -185,15 +189,13 @@ fn joined_results(
     let wants_images = |result: &CaseResult| {
         arguments.files.wants_evidence() || is_explained && result.verdict != Verdict::Missing
     };
-    let names: Vec<&String> = run.cases.iter().collect();
     let joined = progress::during("joining", || {
-        let found = names
-            .par_iter()
-            .map(|name| of_case(name, run, folders, &wants_images));
-        found.collect::<Vec<KeptResult>>()
-    });
+        let cases = run.cases.par_iter();
+        let found = cases.map(|(name, _)| of_case(name, run, folders, &wants_images));
+        found.collect::<Result<Vec<KeptResult>, Failure>>()
+    })?;
     let (mut judged, mut missing) = (Vec::new(), Vec::new());
-    for (name, found) in run.cases.iter().zip(joined) {
+    for ((name, _), found) in run.cases.iter().zip(joined) {
         match found {
             KeptResult::Judged(found) => judged.push(*found),
             KeptResult::PassedOver => {}
@@ -244,6 +246,7 @@ fn joined_results(
         command: if is_verified { "verify" } else { "validate" },
         judged,
         found,
+        units,
     };
     Ok(Outcome {
         text: arguments.files.write(&findings, text)?,
@@ -251,22 +254,62 @@ fn joined_results(
     })
 }
 
-/// The result of a case, from the first of the folders that has one.
+/// The result of a case: of several that agree always the same, whatever the order of the folders.
+///
+/// # Errors
+///
+/// If two have other verdicts.
 fn of_case(
     name: &str,
     run: &Run,
     folders: &[ResultFolder],
     wants_images: &(dyn Fn(&CaseResult) -> bool + Sync),
-) -> KeptResult {
-    let mut worst = KeptResult::Missing;
+) -> Result<KeptResult, Failure> {
+    let mut best: Option<(Box<Judged>, &ResultFolder)> = None;
+    let mut other = KeptResult::Missing;
     for folder in folders {
-        match folder.get(run, name, wants_images) {
-            KeptResult::Missing => {}
-            KeptResult::Damaged(reason) => worst = KeptResult::Damaged(reason),
-            found => return found,
+        match (folder.get(run, name, wants_images), &other) {
+            (KeptResult::Judged(found), _) => {
+                if let Some((one, here)) = &best
+                    && one.result.verdict != found.result.verdict
+                {
+                    return Err(contradiction(name, [(one, here), (&found, folder)]));
+                }
+                if best
+                    .as_ref()
+                    .is_none_or(|(one, _)| told(&found) < told(one))
+                {
+                    best = Some((found, folder));
+                }
+            }
+            (KeptResult::Missing, _) | (KeptResult::PassedOver, KeptResult::Damaged(_)) => {}
+            (found, _) => other = found,
         }
     }
-    worst
+    Ok(best.map_or(other, |(found, _)| KeptResult::Judged(found)))
+}
+
+/// What a result says, without its time.
+fn told(judged: &Judged) -> String {
+    let result = CaseResult {
+        seconds: 0.0,
+        ..judged.result.clone()
+    };
+    serde_json::to_string(&result).unwrap_or_default()
+}
+
+fn contradiction(name: &str, found: [(&Judged, &ResultFolder); 2]) -> Failure {
+    let words = found.map(|(judged, folder)| {
+        let verdict = judged.result.verdict.name();
+        format!("{verdict} in {}", folder.path().display())
+    });
+    let message = format!(
+        "two results of {name} contradict each other: {}",
+        words.join(", ")
+    );
+    let help =
+        "the renderer, or the images, were not the same: leave out, or remove, the older results";
+    Failure::new(Exit::BadInput, message, Some(help))
 }
 
 /// Why a case has none.
@@ -279,7 +322,8 @@ fn missing_text(missing: &[Judged], all: usize) -> String {
     }
     let count = missing.len();
     let mut text = format!(
-        "\n{count} of {all} cases are missing: their parts were not run, did not end, or wrote elsewhere\n"
+        "\nmissing: {count} of {all} cases; their parts were not run, did not end, or wrote elsewhere, if nothing \
+         else is said\n"
     );
     for of in missing {
         text.push_str(&format!("  {}\n", of.result.name));
@@ -303,6 +347,9 @@ fn without_result(name: &str, suite: &Suite, reason: &str) -> Judged {
             seconds: 0.0,
             ..result
         },
-        evidence: case.map(Evidence::of).unwrap_or_default(),
+        evidence: Evidence {
+            without_image: true,
+            ..case.map(Evidence::of).unwrap_or_default()
+        },
     }
 }

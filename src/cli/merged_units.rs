@@ -12,10 +12,12 @@ use std::path::{Path, PathBuf};
 #[derive(Default)]
 pub struct JoinedUnits {
     folder: PathBuf,
+    /// Arguments that name the suite.
+    suite: Vec<String>,
     added: usize,
     cases: Vec<UnitsOfCase>,
-    /// Files that cannot be used, each with what is wrong with it.
-    damaged: Vec<String>,
+    /// Files that are not used, each with the reason.
+    unused: Vec<String>,
 }
 
 /// How much of the rendering of a case there is.
@@ -35,26 +37,27 @@ pub fn joined_units(
     let bar = progress::counted("files", 2 * files.len());
     let mut joined = JoinedUnits {
         folder: to.path(),
+        suite: selection.words(),
         ..JoinedUnits::default()
     };
     let mut of_cases: BTreeMap<String, (CaseUnits<'_>, Vec<&PathBuf>)> = BTreeMap::new();
+    let mut refused: Vec<(&PathBuf, String)> = Vec::new();
     for file in files {
         bar.inc(1);
         let unit = match read_unit(file) {
             Ok((unit, _)) => unit,
             Err(reason) => {
-                joined.damaged.push(format!("{}: {reason}", file.display()));
+                joined.unused.push(format!("{}: {reason}", file.display()));
                 continue;
             }
         };
+        let case = suite.cases().iter().find(|case| case.name == unit.case);
+        let Some(case) = case else {
+            let what = format!("of {}, which is no case of this suite", unit.case);
+            refused.push((file, what));
+            continue;
+        };
         if !of_cases.contains_key(&unit.case) {
-            let case = suite.cases().iter().find(|case| case.name == unit.case);
-            let case = case.ok_or_else(|| {
-                refused(
-                    file,
-                    &format!("of {}, which is no case of this suite", unit.case),
-                )
-            })?;
             let loaded = CaseUnits::of(case).map_err(|error| Failure {
                 exit: Exit::BadInput,
                 report: error.into(),
@@ -62,9 +65,22 @@ pub fn joined_units(
             of_cases.insert(unit.case.clone(), (loaded, Vec::new()));
         }
         let (of, files) = of_cases.get_mut(&unit.case).expect("inserted above");
-        of.matching(&unit).map_err(|what| refused(file, &what))?;
-        files.push(file);
+        match of.matching(&unit) {
+            Ok(_) => files.push(file),
+            Err(what) => refused.push((file, what)),
+        }
     }
+    of_cases.retain(|_, (_, files)| !files.is_empty());
+    if let (true, Some((file, what))) = (of_cases.is_empty(), refused.first()) {
+        let message = format!("{} is {what}: nothing was copied", file.display());
+        let help = "give folders of this suite, by this build of volref; `volref units --compute` computes what is \
+                    missing";
+        return Err(Failure::new(Exit::BadInput, message, Some(help)));
+    }
+    let words = refused
+        .iter()
+        .map(|(file, what)| format!("{} is {what}", file.display()));
+    joined.unused.extend(words);
     for (case, (of, files)) in of_cases {
         for file in files {
             bar.inc(1);
@@ -84,13 +100,6 @@ pub fn joined_units(
     }
     bar.finish_and_clear();
     Ok(joined)
-}
-
-fn refused(file: &Path, what: &str) -> Failure {
-    let message = format!("{} is {what}: nothing was copied", file.display());
-    let help =
-        "remove it, or leave its folder out; `volref units --compute` computes what is missing";
-    Failure::new(Exit::BadInput, message, Some(help))
 }
 
 fn not_added(file: &Path, here: &Path, error: AddError) -> Failure {
@@ -120,8 +129,8 @@ impl JoinedUnits {
     pub fn text(&self) -> String {
         let widest = self.cases.iter().map(|of| of.case.len()).max().unwrap_or(0);
         let mut text = String::new();
-        for damaged in &self.damaged {
-            text.push_str(&format!("not used: {damaged}\n"));
+        for unused in &self.unused {
+            text.push_str(&format!("not used: {unused}\n"));
         }
         for of in &self.cases {
             let kept = of.all - of.missing.len();
@@ -139,22 +148,26 @@ impl JoinedUnits {
                 ));
             }
         }
-        let added = self.added;
-        text.push_str(&format!(
-            "\n{added} units copied to {}\n",
-            self.folder.display()
-        ));
-        let whole = self.cases.iter().filter(|of| of.missing.is_empty());
-        let whole: Vec<&str> = whole.map(|of| of.case.as_str()).collect();
-        if !whole.is_empty() {
-            let words = ["volref", "accept"].into_iter().chain(whole);
-            text.push_str(&format!(
-                "\nTo accept them:\n  {} --reason TEXT\n",
-                shell_words::join(words)
-            ));
+        let copied = match self.added {
+            1 => "1 unit".to_owned(),
+            added => format!("{added} units"),
+        };
+        text.push_str(&format!("\n{copied} copied to {}\n", self.folder.display()));
+        let command = |before: [&str; 2], is_of: fn(&UnitsOfCase) -> bool, after: &str| {
+            let cases = self.cases.iter().filter(|of| is_of(of));
+            let cases: Vec<&str> = cases.map(|of| of.case.as_str()).collect();
+            let words = before.into_iter().chain(cases.iter().copied());
+            let words = words.chain(self.suite.iter().map(String::as_str));
+            let command = format!("  {} {after}\n", shell_words::join(words));
+            (!cases.is_empty()).then_some(command)
+        };
+        let is_whole = |of: &UnitsOfCase| of.missing.is_empty();
+        if let Some(accept) = command(["volref", "accept"], is_whole, "--reason TEXT") {
+            text.push_str(&format!("\nTo accept them:\n{accept}"));
         }
-        if self.missing() > 0 {
-            text.push_str("\nTo compute what is missing:\n  volref units --compute\n");
+        let has_gaps = |of: &UnitsOfCase| !of.missing.is_empty();
+        if let Some(compute) = command(["volref", "units"], has_gaps, "--compute") {
+            text.push_str(&format!("\nTo compute what is missing:\n{compute}"));
         }
         text
     }
@@ -166,7 +179,7 @@ impl JoinedUnits {
             "folder": self.folder,
             "copied": self.added,
             "cases": self.cases.iter().map(of_case).collect::<Vec<_>>(),
-            "damaged": self.damaged,
+            "not_used": self.unused,
         })
     }
 }

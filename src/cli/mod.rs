@@ -56,7 +56,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Verify(verify::Arguments),
-    Validate(validate::Arguments),
+    Validate(Box<validate::Arguments>),
     Compare(compare::Arguments),
     Render(render::Arguments),
     Plan(plan::Arguments),
@@ -120,7 +120,7 @@ fn run() -> ExitCode {
     };
     let result = match arguments.command {
         Command::Verify(arguments) => verify::run(arguments),
-        Command::Validate(arguments) => validate::run(arguments),
+        Command::Validate(arguments) => validate::run(*arguments),
         Command::Compare(arguments) => progress::during("comparing", || compare::run(arguments)),
         Command::Render(arguments) => render::run(arguments),
         Command::Plan(arguments) => plan::run(arguments),

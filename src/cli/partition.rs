@@ -8,7 +8,7 @@ use std::str::FromStr;
 /// Part of the cases that a command runs.
 #[derive(clap::Args, Debug)]
 pub struct PartitionArgument {
-    /// Run one part of the cases, after all filters: slice:M/N (every Nth case from the Mth),
+    /// Run one part of the cases, or units, after all filters: slice:M/N (every Nth case from the Mth),
     /// hash:M/N (by name, whatever other cases there are), or auto (by the variables of a Slurm
     /// array, a Kubernetes Indexed Job, GitLab CI or Bazel). M is 1 to N
     #[arg(long, value_name = "PART")]
@@ -38,7 +38,7 @@ impl PartitionArgument {
         });
         if before > 0 && items.is_empty() {
             let message = format!("none of the {before} {noun} is in the part {partition}");
-            let help = "fewer parts, or `slice`, which makes them even, leave none empty";
+            let help = "as many parts as there are, or fewer, by `slice`, which makes them even, leave none empty";
             return Err(Failure::new(Exit::Undecided, message, Some(help)));
         }
         Ok(())

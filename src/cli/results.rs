@@ -28,6 +28,8 @@ pub struct Findings<'f> {
     pub judged: Vec<Judged>,
     /// What the search for the mistakes behind the images found.
     pub found: Likenesses,
+    /// Units of goldens that were brought together.
+    pub units: Option<Value>,
 }
 
 impl Findings<'_> {
@@ -65,6 +67,15 @@ impl ResultFiles {
         output::check(&outputs, &[])
     }
 
+    /// Fails if files are asked for that only results fill.
+    pub fn check_no_results(&self) -> Result<(), Failure> {
+        if self.junit.is_none() && self.report.is_none() {
+            return Ok(());
+        }
+        let message = "there are units, and no results that --junit or --report could write";
+        Err(Failure::new(Exit::Undecided, message, None))
+    }
+
     /// Writes `value` as JSON if that was asked for, and returns the text to print.
     pub fn write_json(&self, text: String, value: &Value) -> Result<String, Failure> {
         self.json.instead_of(text, value)
@@ -81,10 +92,13 @@ impl ResultFiles {
             output::write(&path, page(findings, &results).as_bytes())?;
             text.push_str(&format!("\nreport: {}\n", path.display()));
         }
-        let json = match findings.command {
+        let mut json = match findings.command {
             "validate" => report::validation_json(&results, &findings.found.likely),
             command => report::results_json(command, &results),
         };
+        if let Some(units) = &findings.units {
+            json["units"] = units.clone();
+        }
         self.json.instead_of(text, &json)
     }
 }

@@ -47,11 +47,16 @@ impl Selection {
 
     /// The command line that repeats `command` for one case of this suite.
     pub fn again(&self, command: &str, case: &str, arguments: &[String]) -> String {
-        let mut words = vec!["volref".to_owned(), command.to_owned(), case.to_owned()];
-        if let Some(folder) = &self.folder {
-            words.extend(["--suite".to_owned(), folder.display().to_string()]);
-        }
+        let words = ["volref", command, case].map(str::to_owned).into_iter();
+        let words: Vec<String> = words.chain(self.words()).collect();
         shell_words::join(words.iter().chain(arguments))
+    }
+
+    /// The arguments that name this suite.
+    pub fn words(&self) -> Vec<String> {
+        let folder = self.folder.iter();
+        let words = folder.flat_map(|folder| ["--suite".to_owned(), folder.display().to_string()]);
+        words.collect()
     }
 }
 

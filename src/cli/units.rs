@@ -21,7 +21,7 @@ pub struct Arguments {
     /// Compute the units that are missing
     #[arg(long)]
     compute: bool,
-    /// Take the units whose identifiers begin with ID [default: all]
+    /// The unit whose identifier begins with ID; repeat for several [default: all]
     #[arg(long = "unit", value_name = "ID")]
     units: Vec<String>,
     #[command(flatten)]
@@ -74,8 +74,14 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     } else {
         0
     };
+    let is_kept = units.par_iter().map(|(_, unit)| folder.is_intact(unit));
+    let is_kept: Vec<bool> = is_kept.collect();
+    let units: Vec<(&Unit, bool)> = units.iter().map(|(_, unit)| *unit).zip(is_kept).collect();
     let text = listed(&units, &folder, arguments.compute.then_some(computed));
-    let entries: Vec<Value> = units.iter().map(|(_, unit)| entry(unit, &folder)).collect();
+    let entries = units
+        .iter()
+        .map(|(unit, is_kept)| entry(unit, *is_kept, &folder));
+    let entries: Vec<Value> = entries.collect();
     let value = json!({
         "schema": "volref/units/1",
         "folder": folder.path(),
@@ -131,20 +137,12 @@ fn compute(units: &[UnitOfCase<'_>], folder: &UnitFolder) -> Result<usize, Failu
 /// Letters of an identifier that are shown.
 const SHOWN: usize = 12;
 
-fn listed(units: &[UnitOfCase<'_>], folder: &UnitFolder, computed: Option<usize>) -> String {
-    let widest = units
-        .iter()
-        .map(|(_, unit)| unit.case.len())
-        .max()
-        .unwrap_or(0);
+/// A line for each unit, and whether it is kept, and how many are missing.
+fn listed(units: &[(&Unit, bool)], folder: &UnitFolder, computed: Option<usize>) -> String {
+    let widest = units.iter().map(|(unit, _)| unit.case.len()).max();
+    let widest = widest.unwrap_or(0);
     let mut text = String::new();
-    let (mut missing, mut paths) = (0, 0);
-    for (_, unit) in units {
-        let is_kept = folder.has(unit);
-        if !is_kept {
-            missing += 1;
-            paths += unit.paths;
-        }
+    for (unit, is_kept) in units {
         let [first, end] = unit.rows;
         text.push_str(&format!(
             "{}  {:<widest$}  {:<9}  {:>6} samples  rows {first:>4} to {:>4}  {}\n",
@@ -153,29 +151,31 @@ fn listed(units: &[UnitOfCase<'_>], folder: &UnitFolder, computed: Option<usize>
             unit.rendering,
             unit.samples,
             end - 1,
-            if is_kept { "kept" } else { "missing" },
+            if *is_kept { "kept" } else { "missing" },
         ));
     }
-    let all = units.len();
-    let left = match missing {
-        0 => "all are kept".to_owned(),
-        _ => format!(
-            "{missing} are missing, {:.1} million paths",
-            paths as f64 / 1e6
-        ),
+    let missing = || units.iter().filter(|(_, is_kept)| !is_kept);
+    let paths: u64 = missing().map(|(unit, _)| unit.paths).sum();
+    let all = match units.len() {
+        1 => "1 unit".to_owned(),
+        all => format!("{all} units"),
+    };
+    let left = match missing().count() {
+        0 => "none missing".to_owned(),
+        count => format!("{count} missing, {:.1} million paths", paths as f64 / 1e6),
     };
     let computed = computed.map_or(String::new(), |computed| {
         format!("{computed} computed now, ")
     });
     text + &format!(
-        "\n{all} units: {computed}{left}, in {}\n",
+        "\n{all}: {computed}{left}, in {}\n",
         folder.path().display()
     )
 }
 
-fn entry(unit: &Unit, folder: &UnitFolder) -> Value {
+fn entry(unit: &Unit, is_kept: bool, folder: &UnitFolder) -> Value {
     let mut value = json!(unit);
     value["file"] = json!(folder.path().join(unit.file()));
-    value["kept"] = json!(folder.has(unit));
+    value["kept"] = json!(is_kept);
     value
 }

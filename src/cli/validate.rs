@@ -10,7 +10,7 @@ use super::partition::PartitionArgument;
 use super::results::{Findings, ResultFiles, check_not_golden};
 use super::suite::{Selection, exit};
 use super::verdicts::{PrintedVerdicts, named};
-use super::{Outcome, ctest, decide, interrupt, output, progress};
+use super::{Outcome, compare, ctest, decide, interrupt, output, progress};
 use crate::atomic_file::write_atomically;
 use crate::exchange::{self, Format};
 use crate::film::Film;
@@ -118,6 +118,10 @@ pub struct Arguments {
     /// With --decide: time for the further renderings of all cases, such as 90s, 10m or 2h
     #[arg(long, value_name = "TIME", default_value = BUDGET, requires = "decide", value_parser = decide::budget)]
     budget: Duration,
+    /// A stochastic image passes only if a bias this large would have been detected, in percent of (image
+    /// mean + 0.001); noisier images are inconclusive [default: that of the case, 2 if it says nothing]
+    #[arg(long, value_name = "PERCENT", allow_negative_numbers = true, value_parser = compare::percent)]
+    resolution: Option<f64>,
     /// With --run: keep the images in DIR; with --decide those of the last look: put
     /// together as .exr, or numbered
     #[arg(long, value_name = "DIR", requires = "run", conflicts_with = "outputs")]
@@ -148,7 +152,11 @@ pub fn search_time(text: &str) -> Result<f64, String> {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
-    let mut cases = suite.select(&arguments.filters)?;
+    let selected = suite.select(&arguments.filters)?.into_iter().cloned();
+    let selected: Vec<Case> = selected
+        .map(|case| with_resolution(case, arguments.resolution))
+        .collect();
+    let mut cases: Vec<&Case> = selected.iter().collect();
     let store = suite.store();
     let names: Vec<&str> = suite
         .cases()
@@ -178,11 +186,20 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 
     source.end_with_us();
 
+    let context = (&arguments.partition, &arguments.selection, &suite);
+    arguments.kept.check(context)?;
+    let every = cases.iter().copied();
+    let whole = Whole::new("validate", &suite, &arguments.filters, every, []);
+    let mut passed_over = Vec::new();
     if arguments.only_present {
-        cases.retain(|case| source.may_have(case));
+        cases.retain(|case| {
+            let may_have = source.may_have(case);
+            if !may_have {
+                passed_over.push(case.name.clone());
+            }
+            may_have
+        });
     }
-    let selected = cases.iter().copied();
-    let whole = Whole::new("validate", &suite, &arguments.filters, selected, []);
     arguments
         .partition
         .retain(&mut cases, "cases", |case| case.name.clone())?;
@@ -217,13 +234,14 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             said.verdict(&judged.result);
         }
     }
-    let part: Vec<String> = cases.iter().map(|case| case.name.clone()).collect();
+    let part = cases.iter().map(|case| case.name.clone());
+    let part: Vec<String> = part.chain(passed_over).collect();
     arguments.kept.keep(
         whole,
-        source.settings(profile_text.as_deref()),
+        source.settings(&arguments, profile_text.as_deref()),
         &part,
         &judged,
-        (&arguments.partition, &arguments.selection, &suite),
+        context,
     )?;
     if judged.is_empty() {
         let message = "no image of these cases was found: nothing was compared";
@@ -259,11 +277,20 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         command: "validate",
         judged,
         found: found.map(|(found, _)| found).unwrap_or_default(),
+        units: None,
     };
     Ok(Outcome {
         text: arguments.files.write(&findings, text.unwrap_or_default())?,
         exit: exit(&findings.results()),
     })
+}
+
+/// `case` with this bias of the mean, in percent, that an image must be able to show; if it is stochastic.
+fn with_resolution(mut case: Case, percent: Option<f64>) -> Case {
+    if let (Some(sampling), Some(percent)) = (&mut case.sampling, percent) {
+        sampling.mean_resolution = percent / 100.0;
+    }
+    case
 }
 
 /// Source of the images.
@@ -335,7 +362,7 @@ impl<'a> Source<'a> {
     }
 
     /// What verdicts depend on beside the suite, by name.
-    fn settings(&self, profile: Option<&str>) -> BTreeMap<String, String> {
+    fn settings(&self, arguments: &Arguments, profile: Option<&str>) -> BTreeMap<String, String> {
         let given = match self {
             Source::Finished(..) => [("images", "finished".to_owned())].into(),
             Source::Renderer(renderer) => renderer.settings(),
@@ -344,7 +371,9 @@ impl<'a> Source<'a> {
             .into_iter()
             .map(|(name, value)| (name.to_owned(), value));
         let profile = profile.map(|text| ("profile".to_owned(), text.to_owned()));
-        named.chain(profile).collect()
+        let resolution = arguments.resolution;
+        let resolution = resolution.map(|percent| ("resolution".to_owned(), percent.to_string()));
+        named.chain(profile).chain(resolution).collect()
     }
 
     /// The arguments for the source of the images.
@@ -840,7 +869,10 @@ impl Judge<'_> {
             .extend(self.telling_case(&judged.result));
         judged.evidence.output = made.printed;
         judged.evidence.call = made.call;
-        let words = self.source.arguments();
+        let mut words = self.source.arguments();
+        if let Some(percent) = self.arguments.resolution {
+            words.extend(["--resolution".to_owned(), percent.to_string()]);
+        }
         judged.evidence.reproduce = vec![
             self.arguments
                 .selection

@@ -65,6 +65,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     arguments
         .partition
         .retain(&mut selected, "cases", Selected::name)?;
+    let context = (&arguments.partition, &arguments.selection, &suite);
+    arguments.kept.check(context)?;
     let is_kept = arguments.kept.keeps(&arguments.partition);
     let store = suite.store();
     let mut judged = render::with_threads(arguments.threads, || {
@@ -96,7 +98,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         judged.evidence.reproduce = vec![again];
     }
     let part: Vec<String> = selected.iter().map(Selected::name).collect();
-    let context = (&arguments.partition, &arguments.selection, &suite);
     arguments
         .kept
         .keep(whole, BTreeMap::new(), &part, &judged, context)?;
@@ -107,6 +108,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         command: "verify",
         judged,
         found: Likenesses::default(),
+        units: None,
     };
     let results = findings.results();
     let text = if arguments.verbose {

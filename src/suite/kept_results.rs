@@ -26,8 +26,8 @@ pub struct Run {
     pub command: String,
     /// Everything that verdicts depend on, by name.
     pub settings: BTreeMap<String, String>,
-    /// Names of the cases, of all parts, in order.
-    pub cases: Vec<String>,
+    /// Names of the cases, of all parts, in order, each with a hash of what it is judged by.
+    pub cases: Vec<(String, String)>,
     /// Whether no filter left any out.
     pub is_everything: bool,
 }
@@ -39,23 +39,54 @@ impl Run {
         hash(&[text]).chars().take(12).collect()
     }
 
-    /// The first setting that is another in `other`: its name, and both values.
-    pub fn difference(&self, other: &Run) -> Option<(String, [String; 2])> {
+    /// What is another in `other`, first of all, with what it is here and there: short words.
+    pub fn difference(&self, other: &Run) -> (String, [String; 2]) {
+        let both = [self, other];
         if self.command != other.command {
-            let commands = [&self.command, &other.command].map(String::clone);
-            return Some(("command".to_owned(), commands));
+            return (
+                "the command".to_owned(),
+                both.map(|run| run.command.clone()),
+            );
+        }
+        let names =
+            |run: &Run| -> Vec<String> { run.cases.iter().map(|(name, _)| name.clone()).collect() };
+        if names(self) != names(other) {
+            let words = both.map(|run| format!("{} cases", run.cases.len()));
+            return ("the list of cases".to_owned(), words);
+        }
+        let changed = self
+            .cases
+            .iter()
+            .zip(&other.cases)
+            .find(|(one, other)| one != other);
+        if let Some(((name, one), (_, other))) = changed {
+            let what = format!("the scene, manifest or golden of {name}");
+            return (what, [one, other].map(|hash| shortened(hash)));
         }
         let names = self.settings.keys().chain(other.settings.keys());
-        let value = |run: &Run, name| match run.settings.get(name) {
-            Some(value) => value.clone(),
-            None => "none".to_owned(),
+        let value = |run: &Run, name| {
+            run.settings
+                .get(name)
+                .map_or("none".to_owned(), |value| shortened(value))
         };
-        let values = names.map(|name| (name.clone(), [self, other].map(|run| value(run, name))));
-        let mut values = values.chain([(
-            "cases".to_owned(),
-            [self, other].map(|run| format!("{} cases", run.cases.len())),
-        )]);
-        values.find(|(name, [one, two])| one != two || name == "cases" && self.cases != other.cases)
+        let values = names.map(|name| (name.clone(), both.map(|run| value(run, name))));
+        let mut others =
+            values.filter(|(name, _)| self.settings.get(name) != other.settings.get(name));
+        others.next().unwrap_or_default()
+    }
+}
+
+/// The beginning of the first line: of a hash, twelve letters.
+fn shortened(value: &str) -> String {
+    let is_hash = value.len() >= 64
+        && value
+            .bytes()
+            .all(|byte| byte.is_ascii_hexdigit() || byte == b' ');
+    let most = if is_hash { 12 } else { 60 };
+    let line = value.lines().next().unwrap_or_default();
+    match line.char_indices().nth(most) {
+        Some((end, _)) => format!("{} …", &line[..end]),
+        None => line.to_owned(),
     }
 }
 
@@ -209,9 +240,25 @@ impl ResultFolder {
                 evidence: of_case.evidence,
             };
             if wants_images(&judged.result) {
-                let of_case = unpacked::<Images>(&images, run, case)?;
-                judged.evidence.golden = of_case.golden;
-                judged.evidence.test = of_case.test.map(StoredPicture::picture).transpose()?;
+                let pictures = || {
+                    let of_case = unpacked::<Images>(&images, run, case)?;
+                    let test = of_case.test.map(StoredPicture::picture).transpose()?;
+                    Ok((of_case.golden, test))
+                };
+                match pictures() {
+                    Ok((golden, test)) => {
+                        judged.evidence.golden = golden;
+                        judged.evidence.test = test;
+                    }
+                    // The verdict holds without them.
+                    Err(reason) => {
+                        let reason: String = reason;
+                        judged
+                            .result
+                            .notes
+                            .push(format!("its images are missing: {reason}"));
+                    }
+                }
             }
             Ok(Some(judged))
         };

@@ -216,7 +216,12 @@ pub(super) fn likeness_with(
             let fit = fitted.remove(&failed.index).unwrap_or_default();
             result.difference = fit.sentences;
             if !failed.is_decidable() && result.difference.is_empty() {
-                let sentence = "the noise leaves open which mistake it is";
+                let is_named = result.changes.iter().any(|change| change.fits_best);
+                let sentence = if is_named {
+                    "the noise leaves open whether it is more than the change that the verdict names"
+                } else {
+                    "the noise leaves open which mistake it is"
+                };
                 result.difference.push(sentence.to_owned());
             }
             result.difference.extend(failed.measured_difference());

@@ -146,7 +146,7 @@ fn what_is_missing_is_listed() {
     let run = merged(&suite, &folders[1..], &[]);
     assert_eq!(run.code, 5, "{}", run.stdout);
     assert!(
-        run.stdout.contains("1 of 4 cases are missing"),
+        run.stdout.contains("missing: 1 of 4 cases"),
         "{}",
         run.stdout
     );
@@ -199,7 +199,7 @@ fn results_of_different_runs_are_refused_by_what_differs() {
     };
     let folders = [validate("1", "one"), validate("2", "two")];
     let run = merged(&suite, &folders, &[]);
-    run.expect(2, &["2 different runs", "seed is", "--run ID"]);
+    run.expect(2, &["2 different runs", "seed differs", "--run ID"]);
     let (one, _) = run
         .stderr
         .split_once("one/results/")
@@ -214,7 +214,10 @@ fn results_of_different_runs_are_refused_by_what_differs() {
         "width = 16",
         "width = 17",
     );
-    merged(&suite, &folders[..1], &[]).expect(2, &["another suite", "--suite DIR"]);
+    merged(&suite, &folders[..1], &[]).expect(
+        2,
+        &["another suite", "golden of plots/curve", "--suite DIR"],
+    );
 }
 
 #[test]
@@ -224,7 +227,7 @@ fn folders_without_anything_are_said_to_be_so() {
     merged(&suite, &["nowhere".to_owned()], &[]).expect(2, &["no folder nowhere"]);
     suite.write("taken", "");
     let run = suite.volref(&["verify", "--results", "taken"]);
-    run.expect(2, &["cannot be kept", "--results DIR"]);
+    run.expect(2, &["cannot create the folder taken"]);
     let run = suite.volref(&["verify", "smoke", "--results", "kept"]);
     assert_eq!(run.code, 0);
     assert_eq!(merged(&suite, &["kept".to_owned()], &[]).code, 0);
@@ -361,4 +364,105 @@ fn damaged_units_are_not_used() {
     suite
         .volref(&["merge", &kept])
         .expect(1, &["other bits", "broken"]);
+}
+
+/// The same request, and another image: which of two verdicts is right cannot be known.
+#[test]
+fn verdicts_that_contradict_each_other_are_refused() {
+    let suite = with_images();
+    let judge = |folder: &str| {
+        let validate = [
+            "validate",
+            "smoke/plain",
+            "--outputs",
+            "images",
+            "--explain",
+            "0",
+        ];
+        suite
+            .volref(&[&validate[..], &["--results", folder]].concat())
+            .code
+    };
+    assert_eq!([judge("one"), judge("same")], [0, 0]);
+    suite.write(
+        "images/smoke/plain.exr",
+        suite.read("images/smoke/nearest.exr"),
+    );
+    let other = [
+        "render",
+        "fixtures/scenes/smoke/shadow.toml",
+        "-o",
+        "images/smoke/plain.exr",
+    ];
+    assert_eq!(suite.volref(&other).code, 0);
+    assert_eq!(judge("other"), 1);
+    let join =
+        |folders: [&str; 2]| merged(&suite, &folders.map(str::to_owned), &["--explain", "0"]);
+    assert_eq!(join(["one", "same"]).code, 0);
+    for folders in [["one", "other"], ["other", "one"]] {
+        join(folders).expect(2, &["smoke/plain", "pass in one", "fail in other"]);
+    }
+}
+
+/// Without its images a verdict holds, and says what it lacks.
+#[test]
+fn a_verdict_outlives_its_images() {
+    let suite = with_images();
+    let validate = [
+        "validate",
+        "--outputs",
+        "images",
+        "--explain",
+        "0",
+        "--results",
+        "kept",
+    ];
+    let whole = suite.volref(&validate);
+    for name in suite
+        .files()
+        .keys()
+        .filter(|name| name.ends_with(".images"))
+    {
+        suite.write(name, "");
+    }
+    let joined = merged(
+        &suite,
+        &["kept".to_owned()],
+        &["--report", "report", "--json"],
+    );
+    assert_eq!(joined.code, whole.code);
+    let json = joined.json();
+    let failed = json["cases"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|case| case["verdict"] == "fail");
+    let note = failed.unwrap()["notes"][0].as_str().unwrap();
+    assert!(note.contains("its images are missing"), "{note}");
+}
+
+/// Each machine has images of its own.
+#[test]
+fn what_one_part_passes_over_another_may_have() {
+    let suite = with_images();
+    for case in ["smoke/plain", "smoke/nearest"] {
+        let folder = case.replace('/', "-");
+        suite.write(
+            &format!("{folder}/{case}.exr"),
+            suite.read(&format!("images/{case}.exr")),
+        );
+        let validate = [
+            "validate",
+            "--outputs",
+            &folder,
+            "--only-present",
+            "--explain",
+            "0",
+        ];
+        suite.volref(&[&validate[..], &["--results", &format!("{folder}-results")]].concat());
+    }
+    let folders = ["smoke-plain-results", "smoke-nearest-results"].map(str::to_owned);
+    let joined = merged(&suite, &folders, &["--json", "--explain", "0"]);
+    assert_eq!(joined.json()["cases"].as_array().unwrap().len(), 2);
+    assert_eq!(joined.json()["summary"]["missing"], 0);
 }

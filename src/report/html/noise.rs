@@ -2,6 +2,7 @@
 //! uniform distribution, and its standard error against its samples.
 
 use crate::compare::BlockMap;
+use crate::math;
 use minijinja::{Value, context};
 use statrs::function::erf::erfc;
 use std::f64::consts::SQRT_2;
@@ -70,7 +71,7 @@ pub(super) fn by_samples(looks: &[[f64; 2]]) -> Option<Value> {
     let logs: Vec<[f64; 2]> = looks
         .iter()
         .filter(is_positive)
-        .map(|look| look.map(f64::log2))
+        .map(|look| look.map(math::ln))
         .collect();
     let (first, last) = (logs.first()?, logs.last()?);
     let decades = last[0] - first[0];
@@ -93,7 +94,7 @@ pub(super) fn by_samples(looks: &[[f64; 2]]) -> Option<Value> {
         points => logs.iter().map(|&log| at(log)).collect::<Vec<_>>(),
         from => at(*first),
         to => at([last[0], end]),
-        samples => [first, last].map(|log| format!("{:.0}", log[0].exp2())),
+        samples => [first, last].map(|log| format!("{:.0}", math::exp(log[0]))),
         slope => format!("{slope:.2}").replace('-', "−"),
     })
 }
