@@ -5,7 +5,7 @@ use super::kept::{KeepArgument, Whole};
 use super::partition::PartitionArgument;
 use super::results::{Findings, ResultFiles};
 use super::suite::{Selection, exit};
-use super::{Outcome, progress, render};
+use super::{Outcome, output, progress, render};
 use crate::hard_cases::Row;
 use crate::report;
 use crate::suite::{self, Case, CaseResult, Evidence, Likenesses, Suite, Verdict};
@@ -98,9 +98,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         judged.evidence.reproduce = vec![again];
     }
     let part: Vec<String> = selected.iter().map(Selected::name).collect();
-    arguments
+    let kept = arguments
         .kept
-        .keep(whole, BTreeMap::new(), &part, &judged, context)?;
+        .keep(whole, BTreeMap::new(), &part, &judged, context);
     if arguments.filters.is_empty() && arguments.partition.is_first() {
         judged.extend(suite::without_case(&suite)?);
     }
@@ -117,6 +117,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         report::families_text(&results)
     };
     let text = text + &what_moved(&results, &suite);
+    if let Err(failure) = kept {
+        // The verdicts hold all the same.
+        output::print(&text);
+        return Err(failure);
+    }
     Ok(Outcome {
         text: arguments.files.write(&findings, text)?,
         exit: exit(&results),
