@@ -262,6 +262,13 @@ impl OpenCase<'_> {
             now.result.cause = Cause::Undecided;
             now.result.reason = self.looks.in_words();
             self.given_up = Some("no number of samples decides".to_owned());
+        } else if judged[self.index].result.cause == Cause::Mismatch
+            && now.result.cause != Cause::Mismatch
+        {
+            // What failed at one look has failed: all looks together have one false alarm rate.
+            judged[self.index].result.notes = std::mem::take(&mut now.result.notes);
+            self.given_up = Some("it failed at an earlier look".to_owned());
+            return;
         }
         judged[self.index] = now;
     }

@@ -17,8 +17,10 @@
 //! rare numbers that came: the next rendering has it in other pixels. So the pixels that have most
 //! variance in one of two independent renderings are looked up in the other. Where the variance is known they
 //! have about as much there; of Mitsuba's pictures of a spotlight in fog they have 0.01 to 0.3 of it, of volref's of the
-//! same scenes 0.55 or more, and of Mitsuba's without a light in the fog 0.74 or more (64 to 1024 samples a pixel). No verdict on an image whose
-//! variance is not known can be trusted: [`Looks::is_heavy_tailed`].
+//! same scenes 0.55 or more, and of Mitsuba's without a light in the fog 0.74 or more (64 to 1024 samples a pixel). In a
+//! furnace of many scatterings, where Mitsuba ends one path in twenty at each, they have 0.0002 of it, and its means of 64, 1024
+//! and 8192 samples are 0.86, 0.88 and 0.89 where 1 is right. No verdict on an image whose variance is not known can be
+//! trusted, and none that fails is final at the first look: [`Looks::is_heavy_tailed`].
 
 use super::finding::MOST_CASES;
 use super::{CaseResult, Cause};
@@ -150,13 +152,14 @@ impl Looks {
     /// Samples per pixel at which the next look may decide `result`, in all; `None` if it is decided, or
     /// if no number of samples would do.
     pub fn samples_of_next(&self, result: &CaseResult) -> Option<f64> {
-        if result.cause != Cause::Undecided {
-            return None;
-        }
         // Images with a step, which no number of samples decides, have no noise that could be seen.
         result.metrics.get("smallest_visible_bias")?;
         let [least, most] = GROWTH;
         let times = match self.0.last() {
+            // Of rare numbers of an infinite variance most means are too small, and seem to be so for sure: a
+            // second rendering tells.
+            _ if result.cause == Cause::Mismatch && self.count() == 1 => least,
+            _ if result.cause != Cause::Undecided => return None,
             // What is said of noise that is guessed from a single image is rough.
             Some(look) if !look.has_noise => most,
             _ => *result.metrics.get("times_the_samples_that_would_decide")?,
