@@ -1,6 +1,7 @@
 //! `volref validate --decide`: more samples where noise leaves a verdict open.
 
 use super::made::{Ask, Made};
+use super::output::number_of;
 use super::progress;
 use crate::compare::Picture;
 use crate::film::Film;
@@ -66,15 +67,11 @@ impl OpenCase<'_> {
     fn in_words(&self) -> String {
         let [seconds, _] = self.spent;
         let (looks, calls) = (self.looks.count(), self.calls);
-        let count = |number: u64, noun: &str| match number {
-            1 => format!("1 {noun}"),
-            _ => format!("{number} {noun}s"),
-        };
         let done = format!(
             "{}, {} samples per pixel, {}, {seconds:.1} s",
-            count(looks.into(), "look"),
+            number_of(looks.into(), "look"),
             self.looks.samples(),
-            count(calls, "call"),
+            number_of(calls, "call"),
         );
         match &self.given_up {
             None => done,

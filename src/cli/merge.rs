@@ -3,10 +3,11 @@
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input};
 use super::merged_units::joined_units;
 use super::results::{Findings, ResultFiles, check_not_golden};
-use super::suite::{Selection, exit};
+use super::suite::{KEPT, Selection, exit};
 use super::verdicts::{PrintedVerdicts, named};
-use super::verify::what_moved;
+use super::verify;
 use super::{Outcome, progress};
+use crate::compare::Gate;
 use crate::report;
 use crate::suite::{
     self, Case, CaseFinding, CaseResult, Cause, Evidence, Judged, KeptResult, Likenesses, Profile,
@@ -47,13 +48,10 @@ pub struct Arguments {
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let roots = arguments.folders.iter().map(|folder| root_of(folder));
     let roots: Vec<PathBuf> = roots.collect::<Result<_, _>>()?;
-    let folders =
-        |roots: &[PathBuf]| -> Vec<ResultFolder> { roots.iter().map(ResultFolder::open).collect() };
-    let run = the_run(&arguments, &folders(&roots))?;
-    let mut files = Vec::new();
-    for root in &roots {
-        files.extend(UnitFolder::open(root).files());
-    }
+    let folders: Vec<ResultFolder> = roots.iter().map(ResultFolder::open).collect();
+    let run = the_run(&arguments, &folders)?;
+    let files = roots.iter().flat_map(|root| UnitFolder::open(root).files());
+    let files: Vec<PathBuf> = files.collect();
     let has_units = !files.is_empty();
     if run.is_none() && !has_units {
         let message = "there are neither results nor units in these folders";
@@ -83,7 +81,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         });
     };
     let of_units = units.as_ref().map(|units| units.json());
-    let mut outcome = joined_results(&arguments, &suite, &run, &folders(&roots), of_units)?;
+    let mut outcome = joined_results(&arguments, &suite, &run, &folders, of_units)?;
     if let Some(units) = units {
         if !arguments.files.prints_json() {
             outcome.text.push_str(&format!("\n{}", units.text()));
@@ -99,24 +97,21 @@ fn root_of(folder: &Path) -> Result<PathBuf, Failure> {
         let (units, results) = (UnitFolder::open(root), ResultFolder::open(root));
         units.path().is_dir() || results.path().is_dir()
     };
-    let within = folder.join(".volref");
-    match () {
-        () if is_root(folder) => Ok(folder.to_owned()),
-        () if is_root(&within) => Ok(within),
-        () if folder.is_dir() => {
-            let message = format!("{} has neither results nor units", folder.display());
-            let help = "give folders that parts wrote: .volref, that of --results, or a folder with a .volref";
-            Err(Failure::new(Exit::Undecided, message, Some(help)))
-        }
-        () if folder.exists() => {
-            let message = format!("{} is a file, not a folder", folder.display());
-            Err(bad_input(message))
-        }
-        () => Err(bad_input(format!(
-            "there is no folder {}",
-            folder.display()
-        ))),
+    if is_root(folder) {
+        return Ok(folder.to_owned());
     }
+    let within = folder.join(KEPT);
+    if is_root(&within) {
+        return Ok(within);
+    }
+    let folder = folder.display();
+    if !within.parent().is_some_and(Path::is_dir) {
+        return Err(bad_input(format!("{folder} is no folder")));
+    }
+    let message = format!("{folder} has neither results nor units");
+    let help =
+        "give folders that parts wrote: .volref, that of --results, or a folder with a .volref";
+    Err(Failure::new(Exit::Undecided, message, Some(help)))
 }
 
 /// The run of which there are results; `None` where there are only units.
@@ -199,8 +194,8 @@ fn joined_results(
         match found {
             KeptResult::Judged(found) => judged.push(*found),
             KeptResult::PassedOver => {}
-            KeptResult::Damaged(reason) => missing.push(without_result(name, suite, &reason)),
-            KeptResult::Missing => missing.push(without_result(name, suite, NO_RESULT)),
+            KeptResult::Damaged(reason) => missing.push((name, reason)),
+            KeptResult::Missing => missing.push((name, NO_RESULT.to_owned())),
         }
     }
     let is_verified = run.command == "verify";
@@ -208,14 +203,8 @@ fn joined_results(
         judged.extend(suite::without_case(suite)?);
     }
     let results: Vec<CaseResult> = judged.iter().map(|of| of.result.clone()).collect();
-    let missing_text = missing_text(&missing, run.cases.len());
     let (found, text) = if is_verified {
-        let text = if arguments.verbose {
-            report::results_text(&results)
-        } else {
-            report::families_text(&results)
-        };
-        let text = text + &what_moved(&results, suite) + &missing_text;
+        let text = verify::in_words(&results, arguments.verbose, suite);
         (Likenesses::default(), text)
     } else {
         let said = PrintedVerdicts {
@@ -231,17 +220,13 @@ fn joined_results(
         results.iter().for_each(|result| said.verdict(result));
         said.print(&(said.without_image(&results) + &report::summary_text(&results)));
         let explain = arguments.explain;
-        let found = named(explain, suite, &cases, profile.as_ref(), &mut judged);
-        let text = found
-            .as_ref()
-            .map(|(found, was_cut_short)| report::likely_text(found, *was_cut_short, explain));
-        let found = found.map(|(found, _)| found);
-        (
-            found.unwrap_or_default(),
-            text.unwrap_or_default() + &missing_text,
-        )
+        named(explain, suite, &cases, profile.as_ref(), &mut judged)
     };
-    judged.extend(missing);
+    let text = text + &missing_text(&missing, run.cases.len());
+    let missing = missing.into_iter();
+    judged.extend(
+        missing.map(|(name, reason)| without_result(name, by_name.get(name.as_str()), &reason)),
+    );
     let findings = Findings {
         command: if is_verified { "verify" } else { "validate" },
         judged,
@@ -289,7 +274,7 @@ fn of_case(
     Ok(best.map_or(other, |(found, _)| KeptResult::Judged(found)))
 }
 
-/// What a result says, without its time.
+/// Text of a result, without its time.
 fn told(judged: &Judged) -> String {
     let result = CaseResult {
         seconds: 0.0,
@@ -312,11 +297,11 @@ fn contradiction(name: &str, found: [(&Judged, &ResultFolder); 2]) -> Failure {
     Failure::new(Exit::BadInput, message, Some(help))
 }
 
-/// Why a case has none.
+/// Reason of a case without a result.
 const NO_RESULT: &str = "no result: its part was not run, did not end, or wrote elsewhere";
 
 /// The cases without a result, with the reasons that are not [`NO_RESULT`].
-fn missing_text(missing: &[Judged], all: usize) -> String {
+fn missing_text(missing: &[(&String, String)], all: usize) -> String {
     if missing.is_empty() {
         return String::new();
     }
@@ -325,31 +310,30 @@ fn missing_text(missing: &[Judged], all: usize) -> String {
         "\nmissing: {count} of {all} cases; their parts were not run, did not end, or wrote elsewhere, if nothing \
          else is said\n"
     );
-    for of in missing {
-        text.push_str(&format!("  {}\n", of.result.name));
-        if of.result.reason != NO_RESULT {
-            text.push_str(&format!("      {}\n", of.result.reason));
+    for (name, reason) in missing {
+        text.push_str(&format!("  {name}\n"));
+        if reason != NO_RESULT {
+            text.push_str(&format!("      {reason}\n"));
         }
     }
     text
 }
 
-/// That there is no result of a case.
-fn without_result(name: &str, suite: &Suite, reason: &str) -> Judged {
-    let case = suite.cases().iter().find(|case| case.name == name);
+/// The verdict on a case without a result.
+fn without_result(name: &str, case: Option<&&Case>, reason: &str) -> Judged {
     let finding = CaseFinding::new(Verdict::Missing, Cause::Undecided, reason);
-    let result = match case {
-        Some(case) => finding.result(name, case.class(), case.gate(), Instant::now()),
-        None => finding.result(name, suite::ANALYTIC, &suite::Analytic, Instant::now()),
+    let (class, gate): (_, &'static dyn Gate) = match case {
+        Some(case) => (case.class(), case.gate()),
+        None => (suite::ANALYTIC, &suite::Analytic),
     };
     Judged {
         result: CaseResult {
             seconds: 0.0,
-            ..result
+            ..finding.result(name, class, gate, Instant::now())
         },
         evidence: Evidence {
             without_image: true,
-            ..case.map(Evidence::of).unwrap_or_default()
+            ..case.map(|case| Evidence::of(case)).unwrap_or_default()
         },
     }
 }

@@ -1,11 +1,13 @@
 //! Units of goldens of several machines, brought together.
 
 use super::failure::{Exit, Failure, bad_input};
+use super::output::number_of;
 use super::progress;
 use super::suite::Selection;
 use crate::suite::{AddError, Added, CaseUnits, Suite, Unit, UnitFolder, read_unit};
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Units brought together.
@@ -20,7 +22,7 @@ pub struct JoinedUnits {
     unused: Vec<String>,
 }
 
-/// How much of the rendering of a case there is.
+/// Units of a case, and those that are not there.
 struct UnitsOfCase {
     case: String,
     all: usize,
@@ -51,20 +53,17 @@ pub fn joined_units(
                 continue;
             }
         };
-        let case = suite.cases().iter().find(|case| case.name == unit.case);
-        let Some(case) = case else {
-            let what = format!("of {}, which is no case of this suite", unit.case);
-            refused.push((file, what));
-            continue;
+        let (of, files) = match of_cases.entry(unit.case.clone()) {
+            Entry::Occupied(of_case) => of_case.into_mut(),
+            Entry::Vacant(of_case) => {
+                let Some(case) = suite.cases().iter().find(|case| case.name == unit.case) else {
+                    let what = format!("of {}, which is no case of this suite", unit.case);
+                    refused.push((file, what));
+                    continue;
+                };
+                of_case.insert((CaseUnits::of(case)?, Vec::new()))
+            }
         };
-        if !of_cases.contains_key(&unit.case) {
-            let loaded = CaseUnits::of(case).map_err(|error| Failure {
-                exit: Exit::BadInput,
-                report: error.into(),
-            })?;
-            of_cases.insert(unit.case.clone(), (loaded, Vec::new()));
-        }
-        let (of, files) = of_cases.get_mut(&unit.case).expect("inserted above");
         match of.matching(&unit) {
             Ok(_) => files.push(file),
             Err(what) => refused.push((file, what)),
@@ -82,6 +81,7 @@ pub fn joined_units(
         .map(|(file, what)| format!("{} is {what}", file.display()));
     joined.unused.extend(words);
     for (case, (of, files)) in of_cases {
+        let mut here = BTreeSet::new();
         for file in files {
             bar.inc(1);
             let (unit, film) = read_unit(file).map_err(bad_input)?;
@@ -90,8 +90,10 @@ pub fn joined_units(
                 Ok(Added::WasHere) => {}
                 Err(error) => return Err(not_added(file, &to.path().join(unit.file()), error)),
             }
+            here.insert(unit.id);
         }
-        let missing = of.units().filter(|unit| !to.is_intact(unit)).cloned();
+        let is_missing = |unit: &&Unit| !here.contains(&unit.id) && !to.is_intact(unit);
+        let missing = of.units().filter(is_missing).cloned();
         joined.cases.push(UnitsOfCase {
             case,
             all: of.units().count(),
@@ -139,19 +141,15 @@ impl JoinedUnits {
                 of.case, of.all
             ));
             for unit in &of.missing {
-                let [first, end] = unit.rows;
                 text.push_str(&format!(
-                    "    missing: {} of the {} rendering, rows {first} to {}\n",
-                    &unit.id[..12],
+                    "    missing: {} of the {} rendering, {}\n",
+                    unit.short_id(),
                     unit.rendering,
-                    end - 1
+                    unit.rows_in_words(),
                 ));
             }
         }
-        let copied = match self.added {
-            1 => "1 unit".to_owned(),
-            added => format!("{added} units"),
-        };
+        let copied = number_of(self.added as u64, "unit");
         text.push_str(&format!("\n{copied} copied to {}\n", self.folder.display()));
         let command = |before: [&str; 2], is_of: fn(&UnitsOfCase) -> bool, after: &str| {
             let cases = self.cases.iter().filter(|of| is_of(of));

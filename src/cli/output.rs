@@ -210,6 +210,14 @@ pub fn make_folder(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(failed)
 }
 
+/// A number of things of this noun: `1 unit`, `2 units`.
+pub fn number_of(number: u64, noun: &str) -> String {
+    match number {
+        1 => format!("1 {noun}"),
+        _ => format!("{number} {noun}s"),
+    }
+}
+
 /// Exposure on the command line, in stops.
 pub fn stops(text: &str) -> Result<f64, String> {
     match text.parse() {

@@ -367,7 +367,7 @@ fn next_line(elapsed: Duration) -> Duration {
     (elapsed * 3).min(elapsed + LONGEST_SILENCE)
 }
 
-/// How much of the work is done, from 0 to 1: that of the parts, of which one is under way and done in
+/// Share of the work that is done, from 0 to 1: that of the parts, of which one is under way and done in
 /// part. None where nothing is known.
 fn share_done([parts, all_parts]: [u64; 2], [steps, all_steps]: [u64; 2]) -> Option<f64> {
     let within = (all_steps > 0).then(|| steps as f64 / all_steps as f64);

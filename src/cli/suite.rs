@@ -64,7 +64,7 @@ impl Selection {
 const HERE: &str = ".";
 
 /// Folder for units and results.
-const KEPT: &str = ".volref";
+pub const KEPT: &str = ".volref";
 
 /// The folder that the environment variable [`VOLREF_SUITE`](SUITE_VARIABLE) names.
 fn named_suite() -> Option<PathBuf> {

@@ -1,11 +1,11 @@
 //! `volref units [CASE…]`
 
 use super::failure::{Exit, Failure};
-use super::output::{self, Json};
+use super::output::{self, Json, number_of};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress, render};
-use crate::suite::{AcceptWatch, CaseUnits, StepsOfWork, Unit, UnitFolder};
+use crate::suite::{AcceptWatch, CaseUnits, StepsOfWork, Unit, UnitError, UnitFolder};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -47,11 +47,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     };
     output::check(&[arguments.json.file()], &[])?;
     let cases = suite.select(&arguments.cases)?;
-    let of_cases: Result<Vec<CaseUnits<'_>>, _> = cases.into_iter().map(CaseUnits::of).collect();
-    let of_cases = of_cases.map_err(|error| Failure {
-        exit: Exit::BadInput,
-        report: error.into(),
-    })?;
+    let of_cases = cases.into_iter().map(CaseUnits::of);
+    let of_cases = of_cases.collect::<Result<Vec<CaseUnits<'_>>, _>>()?;
     let all = of_cases
         .iter()
         .flat_map(|of| of.units().map(move |unit| (of, unit)));
@@ -69,15 +66,18 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .partition
         .retain(&mut units, "units", |(_, unit)| unit.id.clone())?;
     let folder = UnitFolder::open(arguments.selection.kept_folder(&suite));
-    let computed = if arguments.compute {
-        render::with_threads(arguments.threads, || compute(&units, &folder))??
-    } else {
-        0
-    };
     let is_kept = units.par_iter().map(|(_, unit)| folder.is_intact(unit));
-    let is_kept: Vec<bool> = is_kept.collect();
+    let mut is_kept: Vec<bool> = is_kept.collect();
+    let mut computed = None;
+    if arguments.compute {
+        let missing = units.iter().zip(&is_kept).filter(|(_, is_kept)| !**is_kept);
+        let missing: Vec<&UnitOfCase<'_>> = missing.map(|(unit, _)| unit).collect();
+        render::with_threads(arguments.threads, || compute(&missing, &folder))??;
+        computed = Some(missing.len());
+        is_kept.fill(true);
+    }
     let units: Vec<(&Unit, bool)> = units.iter().map(|(_, unit)| *unit).zip(is_kept).collect();
-    let text = listed(&units, &folder, arguments.compute.then_some(computed));
+    let text = listed(&units, &folder, computed);
     let entries = units
         .iter()
         .map(|(unit, is_kept)| entry(unit, *is_kept, &folder));
@@ -110,12 +110,8 @@ fn check_chosen(chosen: &[String], units: &[UnitOfCase<'_>]) -> Result<(), Failu
     Ok(())
 }
 
-/// Computes what is missing, and says how many units that were. A unit that fails does not hold up the others.
-fn compute(units: &[UnitOfCase<'_>], folder: &UnitFolder) -> Result<usize, Failure> {
-    let missing: Vec<&UnitOfCase<'_>> = units
-        .iter()
-        .filter(|(_, unit)| !folder.is_intact(unit))
-        .collect();
+/// Computes the units that are missing. One that fails does not hold up the others.
+fn compute(missing: &[&UnitOfCase<'_>], folder: &UnitFolder) -> Result<(), Failure> {
     let bar = progress::work();
     bar.begin_all(missing.iter().map(|(_, unit)| unit.paths).sum());
     let computed = missing.par_iter().map(|(of, unit)| {
@@ -123,19 +119,20 @@ fn compute(units: &[UnitOfCase<'_>], folder: &UnitFolder) -> Result<usize, Failu
         let steps = StepsOfWork::new(&bar, unit.paths);
         of.compute(unit, folder, &steps)
     });
-    let failed: Vec<_> = computed.filter_map(Result::err).collect();
+    let computed: Vec<Result<(), UnitError>> = computed.collect();
     bar.finish_and_clear();
-    match failed.into_iter().next() {
-        Some(error) => Err(Failure {
-            exit: Exit::BadInput,
-            report: error.into(),
-        }),
-        None => Ok(missing.len()),
-    }
+    computed.into_iter().collect::<Result<(), UnitError>>()?;
+    Ok(())
 }
 
-/// Letters of an identifier that are shown.
-const SHOWN: usize = 12;
+impl From<UnitError> for Failure {
+    fn from(error: UnitError) -> Failure {
+        Failure {
+            exit: Exit::BadInput,
+            report: error.into(),
+        }
+    }
+}
 
 /// A line for each unit, and whether it is kept, and how many are missing.
 fn listed(units: &[(&Unit, bool)], folder: &UnitFolder, computed: Option<usize>) -> String {
@@ -143,23 +140,19 @@ fn listed(units: &[(&Unit, bool)], folder: &UnitFolder, computed: Option<usize>)
     let widest = widest.unwrap_or(0);
     let mut text = String::new();
     for (unit, is_kept) in units {
-        let [first, end] = unit.rows;
         text.push_str(&format!(
-            "{}  {:<widest$}  {:<9}  {:>6} samples  rows {first:>4} to {:>4}  {}\n",
-            &unit.id[..SHOWN],
+            "{}  {:<widest$}  {:<9}  {:>6} samples  {}  {}\n",
+            unit.short_id(),
             unit.case,
             unit.rendering,
             unit.samples,
-            end - 1,
+            unit.rows_in_words(),
             if *is_kept { "kept" } else { "missing" },
         ));
     }
     let missing = || units.iter().filter(|(_, is_kept)| !is_kept);
     let paths: u64 = missing().map(|(unit, _)| unit.paths).sum();
-    let all = match units.len() {
-        1 => "1 unit".to_owned(),
-        all => format!("{all} units"),
-    };
+    let all = number_of(units.len() as u64, "unit");
     let left = match missing().count() {
         0 => "none missing".to_owned(),
         count => format!("{count} missing, {:.1} million paths", paths as f64 / 1e6),

@@ -4,7 +4,7 @@ use super::decide::LookAgain;
 use super::export::write_all;
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input};
 use super::keep::keeper;
-use super::kept::{KeepArgument, Whole};
+use super::kept::{KeepArgument, keep, run_of};
 use super::made::{Ask, Made};
 use super::partition::PartitionArgument;
 use super::results::{Findings, ResultFiles, check_not_golden};
@@ -175,7 +175,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .as_deref()
         .map(Profile::named)
         .transpose()?;
-    let profile_text = profile.as_ref().map(|profile| profile.text.clone());
     let source = Source::of(&arguments, &names)?;
     // Now that the images to be judged are known as inputs.
     arguments.files.check(&suite)?;
@@ -186,10 +185,16 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 
     source.end_with_us();
 
-    let context = (&arguments.partition, &arguments.selection, &suite);
-    arguments.kept.check(context)?;
-    let every = cases.iter().copied();
-    let whole = Whole::new("validate", &suite, &arguments.filters, every, []);
+    let kept = &arguments.kept;
+    let folder = kept.folder(&arguments.partition, &arguments.selection, &suite)?;
+    let to_keep = folder.map(|folder| {
+        let (cases, filters) = (cases.iter().copied(), &arguments.filters);
+        let settings = source.settings(&arguments, profile.as_ref());
+        (
+            folder,
+            run_of("validate", &suite, filters, cases, [], settings),
+        )
+    });
     let mut passed_over = Vec::new();
     if arguments.only_present {
         cases.retain(|case| {
@@ -234,15 +239,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             said.verdict(&judged.result);
         }
     }
-    let part = cases.iter().map(|case| case.name.clone());
-    let part: Vec<String> = part.chain(passed_over).collect();
-    arguments.kept.keep(
-        whole,
-        source.settings(&arguments, profile_text.as_deref()),
-        &part,
-        &judged,
-        context,
-    )?;
+    if let Some((folder, run)) = &to_keep {
+        let part = cases.iter().map(|case| case.name.clone());
+        let part: Vec<String> = part.chain(passed_over).collect();
+        keep(folder, run, &part, &judged)?;
+    }
     if judged.is_empty() {
         let message = "no image of these cases was found: nothing was compared";
         let help = format!(
@@ -255,13 +256,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     said.print(&(said.without_image(&results) + &report::summary_text(&results)));
     said.print(&source.unknown_files());
 
-    let found = named(
-        arguments.explain,
-        &suite,
-        &cases,
-        profile.as_ref(),
-        &mut judged,
-    );
+    let explain = arguments.explain;
+    let (found, text) = named(explain, &suite, &cases, profile.as_ref(), &mut judged);
     if let Some(folder) = &arguments.ctest {
         said.print(&ctest::measurements(&judged, folder)?);
     }
@@ -270,17 +266,14 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             judged.evidence = Evidence::default();
         }
     }
-    let text = found.as_ref().map(|(found, was_cut_short)| {
-        report::likely_text(found, *was_cut_short, arguments.explain)
-    });
     let findings = Findings {
         command: "validate",
         judged,
-        found: found.map(|(found, _)| found).unwrap_or_default(),
+        found,
         units: None,
     };
     Ok(Outcome {
-        text: arguments.files.write(&findings, text.unwrap_or_default())?,
+        text: arguments.files.write(&findings, text)?,
         exit: exit(&findings.results()),
     })
 }
@@ -361,19 +354,30 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// What verdicts depend on beside the suite, by name.
-    fn settings(&self, arguments: &Arguments, profile: Option<&str>) -> BTreeMap<String, String> {
-        let given = match self {
+    /// Settings that verdicts depend on beside the suite, by name.
+    fn settings(
+        &self,
+        arguments: &Arguments,
+        profile: Option<&Profile>,
+    ) -> BTreeMap<String, String> {
+        let mut settings = match self {
             Source::Finished(..) => [("images", "finished".to_owned())].into(),
             Source::Renderer(renderer) => renderer.settings(),
         };
-        let named = given
-            .into_iter()
-            .map(|(name, value)| (name.to_owned(), value));
-        let profile = profile.map(|text| ("profile".to_owned(), text.to_owned()));
-        let resolution = arguments.resolution;
-        let resolution = resolution.map(|percent| ("resolution".to_owned(), percent.to_string()));
-        named.chain(profile).chain(resolution).collect()
+        settings.extend(profile.map(|profile| ("profile", profile.text.clone())));
+        settings.extend(
+            arguments
+                .resolution
+                .map(|percent| ("resolution", percent.to_string())),
+        );
+        settings.insert(
+            "accept conventions",
+            arguments.accept_conventions.to_string(),
+        );
+        let named = settings.into_iter();
+        named
+            .map(|(name, value)| (name.to_owned(), value))
+            .collect()
     }
 
     /// The arguments for the source of the images.
@@ -493,7 +497,7 @@ fn not_run(error: std::io::Error) -> Output {
 }
 
 impl RendererRun<'_> {
-    /// What the command line asks for.
+    /// Request of the command line.
     fn first(&self) -> Ask {
         Ask {
             spp: self.arguments.spp,
@@ -609,7 +613,7 @@ impl RendererRun<'_> {
         }
     }
 
-    /// What its images depend on, by name: the files that the command names are hashed, so that another
+    /// Settings that its images depend on, by name: the files that the command names are hashed, so that another
     /// build of the renderer makes another run.
     fn settings(&self) -> BTreeMap<&'static str, String> {
         let given = self.arguments;
@@ -624,7 +628,6 @@ impl RendererRun<'_> {
             ("seed", given.seed.to_string()),
             ("format", given.format.clone()),
             ("decide", given.decide.to_string()),
-            ("accept conventions", given.accept_conventions.to_string()),
         ]
         .into()
     }
@@ -740,7 +743,7 @@ impl RendererRun<'_> {
     }
 }
 
-/// What images are judged by.
+/// Everything that images are judged by.
 struct Judge<'a> {
     suite: &'a Suite,
     store: &'a Store,

@@ -47,21 +47,21 @@ impl PrintedVerdicts {
     }
 }
 
-/// Names the likely mistakes behind failed images, within `explain` seconds. The second value tells
-/// whether Ctrl-C ended the search; `None` without a search.
+/// Names the likely mistakes behind failed images, within `explain` seconds; and what is to be printed of it.
+/// Ctrl-C ends the search.
 pub fn named(
     explain: f64,
     suite: &Suite,
     cases: &[&Case],
     profile: Option<&Profile>,
     judged: &mut [Judged],
-) -> Option<(Likenesses, bool)> {
+) -> (Likenesses, String) {
     let failed = judged.iter().filter(|judged| judged.differs()).count();
     if failed == 0 || explain == 0.0 {
-        return None;
+        return (Likenesses::default(), String::new());
     }
     let predictions = Predictions::of_the_user();
-    Some(interrupt::can_be_cut_short(|| {
+    let (found, was_cut_short) = interrupt::can_be_cut_short(|| {
         let bar = progress::mistakes(failed, explain);
         let search = Search {
             budget: Some(Duration::from_secs_f64(explain)),
@@ -72,5 +72,7 @@ pub fn named(
         let found = likeness(cases, suite.cases(), profile, judged, &search);
         bar.finish_and_clear();
         found
-    }))
+    });
+    let text = report::likely_text(&found, was_cut_short, explain);
+    (found, text)
 }

@@ -1,7 +1,7 @@
 //! `volref verify [FILTER…]`
 
 use super::failure::{EXIT_CODES, Failure};
-use super::kept::{KeepArgument, Whole};
+use super::kept::{KeepArgument, keep, run_of};
 use super::partition::PartitionArgument;
 use super::results::{Findings, ResultFiles};
 use super::suite::{Selection, exit};
@@ -35,10 +35,10 @@ pub struct Arguments {
     threads: Option<u16>,
 }
 
-/// What is verified.
+/// One thing that is verified.
 enum Selected<'s> {
     Case(&'s Case),
-    /// Of the catalogue of hard cases.
+    /// A row of the catalogue of hard cases.
     Row(&'static Row),
 }
 
@@ -56,18 +56,27 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
     arguments.files.check(&suite)?;
     let (cases, rows) = suite.select_with_rows(&arguments.filters)?;
-    let names = rows.iter().map(|row| suite::row_name(row));
-    let filters = &arguments.filters;
-    let whole = Whole::new("verify", &suite, filters, cases.iter().copied(), names);
+    let kept = &arguments.kept;
+    let folder = kept.folder(&arguments.partition, &arguments.selection, &suite)?;
+    let to_keep = folder.map(|folder| {
+        let names = rows.iter().map(|row| suite::row_name(row));
+        let cases = cases.iter().copied();
+        let run = run_of(
+            "verify",
+            &suite,
+            &arguments.filters,
+            cases,
+            names,
+            BTreeMap::new(),
+        );
+        (folder, run)
+    });
     let cases = cases.into_iter().map(Selected::Case);
     let mut selected: Vec<Selected<'_>> =
         cases.chain(rows.into_iter().map(Selected::Row)).collect();
     arguments
         .partition
         .retain(&mut selected, "cases", Selected::name)?;
-    let context = (&arguments.partition, &arguments.selection, &suite);
-    arguments.kept.check(context)?;
-    let is_kept = arguments.kept.keeps(&arguments.partition);
     let store = suite.store();
     let mut judged = render::with_threads(arguments.threads, || {
         let bar = progress::cases(selected.len());
@@ -76,7 +85,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             let judged = match selected {
                 Selected::Case(case) => {
                     let mut judged = suite::verify(case, &store, &bar);
-                    if !is_kept && !arguments.files.wants_evidence() {
+                    if to_keep.is_none() && !arguments.files.wants_evidence() {
                         judged.evidence = Evidence::default();
                     }
                     judged
@@ -97,10 +106,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             .again("verify", &judged.result.name, &[]);
         judged.evidence.reproduce = vec![again];
     }
-    let part: Vec<String> = selected.iter().map(Selected::name).collect();
-    let kept = arguments
-        .kept
-        .keep(whole, BTreeMap::new(), &part, &judged, context);
+    let kept = to_keep.map_or(Ok(()), |(folder, run)| {
+        let part: Vec<String> = selected.iter().map(Selected::name).collect();
+        keep(&folder, &run, &part, &judged)
+    });
     if arguments.filters.is_empty() && arguments.partition.is_first() {
         judged.extend(suite::without_case(&suite)?);
     }
@@ -111,12 +120,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         units: None,
     };
     let results = findings.results();
-    let text = if arguments.verbose {
-        report::results_text(&results)
-    } else {
-        report::families_text(&results)
-    };
-    let text = text + &what_moved(&results, &suite);
+    let text = in_words(&results, arguments.verbose, &suite);
     if let Err(failure) = kept {
         // The verdicts hold all the same.
         output::print(&text);
@@ -128,8 +132,18 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     })
 }
 
+/// Results for the terminal: every case, or those that passed by their families.
+pub fn in_words(results: &[CaseResult], is_verbose: bool, suite: &Suite) -> String {
+    let text = if is_verbose {
+        report::results_text(results)
+    } else {
+        report::families_text(results)
+    };
+    text + &what_moved(results, suite)
+}
+
 /// Commands that show the difference in the first case that failed, by rendering its image again.
-pub fn what_moved(results: &[CaseResult], suite: &Suite) -> String {
+fn what_moved(results: &[CaseResult], suite: &Suite) -> String {
     let failed = results
         .iter()
         .find(|result| result.verdict == Verdict::Fail);

@@ -10,7 +10,6 @@ use super::progress::{Progress, steps_of};
 use super::radiative::kernels::{ByLineOfSight, ByPathTracing, with_features};
 use super::radiative::path_tracer::PathFault;
 use crate::film::Film;
-use crate::math::Moments;
 use crate::scene::{Classified, Radiative, Sampling};
 use std::marker::PhantomData;
 
@@ -269,7 +268,7 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
             let (pixels, work) = with_features(features, task);
             finished(pixels.len())?;
             let pixels = without_faults(scene, origin, pixels)?;
-            let film = mean_of_samples([width, height], samples, &pixels);
+            let film = Film::of_moments([width, height], &pixels, samples);
             return Ok(PanelImage { film, work, error });
         }
     };
@@ -325,24 +324,6 @@ fn without_faults<P>(
             row,
         },
     })
-}
-
-/// The film of the means and their variances; for a single sample, of the means alone.
-fn mean_of_samples([width, height]: [usize; 2], samples: u32, pixels: &[[Moments; 3]]) -> Film {
-    let mean = |pixel: &[Moments; 3]| pixel.map(|channel| channel.mean() as f32);
-    let variance = |pixel: &[Moments; 3]| {
-        pixel.map(|channel| {
-            channel
-                .variance_of_mean()
-                .map_or(0.0, |variance| variance as f32)
-        })
-    };
-    let means = pixels.iter().map(mean).collect();
-    if samples < 2 {
-        return Film::new(width, height, means);
-    }
-    let variances = pixels.iter().map(variance).collect();
-    Film::with_noise(width, height, means, variances, samples)
 }
 
 fn background(scene: &Classified, pixels: &Pixels<'_>) -> Vec<[f32; 4]> {

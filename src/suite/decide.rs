@@ -178,7 +178,7 @@ impl Looks {
         self.heavy_tail().is_some()
     }
 
-    /// What heavy tails mean, in words.
+    /// Meaning of heavy tails, in words.
     pub fn in_words(&self) -> String {
         let tail = self.heavy_tail();
         format!(

@@ -1,8 +1,8 @@
 //! Files that one process leaves for another: a hash of the rest, a line of JSON that says what it is,
 //! and the contents. A file that was cut off, or changed, is not read.
 
-use super::kept_film::MOST_BYTES;
 use crate::atomic_file::{WriteError, write_atomically};
+use crate::compare::Picture;
 use crate::regular_file;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -27,17 +27,27 @@ pub enum KeepError {
     Encode {
         /// Where.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault.
         reason: String,
     },
 }
 
-/// Writes a file that says what it is. Another process that writes the same at once does no harm.
-pub(super) fn write(path: &Path, head: &impl Serialize, body: &[u8]) -> Result<(), KeepError> {
-    let head = serde_json::to_vec(head).map_err(|error| KeepError::Encode {
-        path: path.to_owned(),
-        reason: error.to_string(),
-    })?;
+impl KeepError {
+    pub(super) fn encode(path: &Path, reason: impl ToString) -> KeepError {
+        KeepError::Encode {
+            path: path.to_owned(),
+            reason: reason.to_string(),
+        }
+    }
+}
+
+/// Largest file read, in bytes: 4 GiB, as of other images.
+pub(super) const MOST_BYTES: u64 = Picture::MOST_BYTES;
+
+/// Writes a file that says what it is; returns its bytes. Another process that writes the same at once does
+/// no harm.
+pub(super) fn write(path: &Path, head: &impl Serialize, body: &[u8]) -> Result<u64, KeepError> {
+    let head = serde_json::to_vec(head).map_err(|error| KeepError::encode(path, error))?;
     let folder = path.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(|error| KeepError::Folder {
         folder: folder.to_owned(),
@@ -45,13 +55,12 @@ pub(super) fn write(path: &Path, head: &impl Serialize, body: &[u8]) -> Result<(
     })?;
     let rest = [&head[..], b"\n", body].concat();
     let hash = blake3::hash(&rest).to_hex();
-    Ok(write_atomically(
-        path,
-        &[hash.as_bytes(), b"\n", &rest].concat(),
-    )?)
+    let bytes = [hash.as_bytes(), b"\n", &rest].concat();
+    write_atomically(path, &bytes)?;
+    Ok(bytes.len() as u64)
 }
 
-/// What a file says that it is, and its contents; the reason if it is not as it was written.
+/// Kind and contents that a file states; the reason if it is not as it was written.
 pub(super) fn read<H: DeserializeOwned>(path: &Path) -> Result<(H, Vec<u8>), String> {
     let bytes = regular_file::read(path, MOST_BYTES).map_err(|error| error.to_string())?;
     let damaged = || "it was cut off or changed".to_owned();

@@ -4,8 +4,8 @@
 //! judged by any process anywhere. A result is kept with the run that it belongs to, and in two files:
 //! what was found, and the images behind it, which only a report and the search for mistakes need.
 
-use super::kept_file::{self, KeepError};
-use super::kept_film::{MOST_BYTES, hash};
+use super::kept_file::{self, KeepError, MOST_BYTES};
+use super::program_hash::hash;
 use super::{CaseResult, Cause, Evidence, Judged};
 use crate::compare::flip::SrgbImage;
 use crate::compare::{FitMap, Picture};
@@ -28,7 +28,7 @@ pub struct Run {
     pub settings: BTreeMap<String, String>,
     /// Names of the cases, of all parts, in order, each with a hash of what it is judged by.
     pub cases: Vec<(String, String)>,
-    /// Whether no filter left any out.
+    /// True where no filter left a case out.
     pub is_everything: bool,
 }
 
@@ -39,7 +39,7 @@ impl Run {
         hash(&[text]).chars().take(12).collect()
     }
 
-    /// What is another in `other`, first of all, with what it is here and there: short words.
+    /// First difference of `other`, with both values: short words.
     pub fn difference(&self, other: &Run) -> (String, [String; 2]) {
         let both = [self, other];
         if self.command != other.command {
@@ -97,7 +97,7 @@ pub struct ResultFolder {
     root: PathBuf,
 }
 
-/// What there is of a case.
+/// State of a case.
 #[derive(Debug)]
 pub enum KeptResult {
     /// Its result.
@@ -117,7 +117,7 @@ struct Head {
     case: String,
 }
 
-/// What was found, without the images.
+/// Result of a case without its images.
 #[derive(Serialize, Deserialize)]
 struct Found {
     result: CaseResult,
@@ -196,7 +196,8 @@ impl ResultFolder {
                 ..judged.evidence.clone()
             },
         });
-        kept_file::write(&found, &head, &packed(&found, &of_case)?)
+        kept_file::write(&found, &head, &packed(&found, &of_case)?)?;
+        Ok(())
     }
 
     /// The runs that there are results of.
@@ -215,7 +216,7 @@ impl ResultFolder {
         runs
     }
 
-    /// What there is of a case, with its images where they are wanted.
+    /// State of a case, with its images where they are wanted.
     pub fn get(
         &self,
         run: &Run,
@@ -302,14 +303,10 @@ const IMAGES: &str = "images";
 
 /// `value` as compressed MessagePack, in which every number keeps its bits.
 fn packed(path: &Path, value: &impl Serialize) -> Result<Vec<u8>, KeepError> {
-    let fail = |reason: String| KeepError::Encode {
-        path: path.to_owned(),
-        reason,
-    };
-    let packed = rmp_serde::to_vec_named(value).map_err(|error| fail(error.to_string()))?;
+    let packed = rmp_serde::to_vec_named(value).map_err(|error| KeepError::encode(path, error))?;
     let mut encoder = DeflateEncoder::new(Vec::new(), Compression::fast());
     let encoded = encoder.write_all(&packed).and_then(|()| encoder.finish());
-    encoded.map_err(|error| fail(error.to_string()))
+    encoded.map_err(|error| KeepError::encode(path, error))
 }
 
 /// The contents of a file of `case`, as [`packed`]; the reason if there are none: a sentence.

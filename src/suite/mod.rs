@@ -23,6 +23,7 @@ mod naming;
 mod other_renderer;
 mod outputs;
 mod profile;
+mod program_hash;
 mod refinement;
 mod rendering;
 mod results;
@@ -53,7 +54,6 @@ pub use evidence::{Evidence, Likeness};
 pub use finding::{CaseFinding, Judged};
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
 pub use kept_file::KeepError;
-pub use kept_film::executable_hash as program_hash;
 pub use kept_results::{KeptResult, ResultFolder, Run};
 pub use likeness::{
     CACHE_VARIABLE, Likenesses, Predictions, Search, SearchStep, Stage, cache_of_the_user, likeness,
@@ -63,6 +63,7 @@ pub use naming::{Naming, naming};
 pub use other_renderer::{CommandTemplate, Keeper, Kept, Ran, TemplateError, keep, run, stop_all};
 pub use outputs::{Found, OutputError, Outputs, UnknownFile, step_name};
 pub use profile::{PROFILE, Profile};
+pub use program_hash::program_hash;
 pub use results::{CaseResult, Cause, Summary, Verdict, metric_meaning};
 pub use row_name::{HARD, row_name};
 pub use rows::verify_row;

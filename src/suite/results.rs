@@ -45,9 +45,10 @@ impl Verdict {
 }
 
 /// Cause of a verdict other than `pass`. Later ones take precedence, as exit codes do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub enum Cause {
     /// No cause: the case passed.
+    #[default]
     None,
     /// The images: too noisy to decide.
     Undecided,
@@ -61,13 +62,6 @@ pub enum Cause {
     Golden,
     /// The scene or its files.
     BadInput,
-}
-
-impl Cause {
-    /// Before it is known.
-    fn none() -> Cause {
-        Cause::None
-    }
 }
 
 /// The rule that is written as its name.
@@ -125,7 +119,7 @@ pub struct CaseResult {
     /// Units of work by name, where they were counted.
     pub work: BTreeMap<String, u64>,
     /// Whose fault it is.
-    #[serde(skip, default = "Cause::none")]
+    #[serde(skip)]
     pub cause: Cause,
 }
 

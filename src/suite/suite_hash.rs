@@ -1,6 +1,6 @@
 //! What verdicts depend on in a suite, as a hash.
 
-use super::kept_film::hash;
+use super::program_hash::hash;
 use super::{Case, Suite, golden};
 use crate::regular_file;
 use std::path::PathBuf;

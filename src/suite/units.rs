@@ -6,15 +6,15 @@
 //! unit ever comes from other code. Whoever computes it, and however often, it is the same file.
 
 use super::Case;
-use super::golden::{LIBM_VERSION, input_hashes, scene_hash, short};
+use super::golden::{LIBM_VERSION, input_hashes, plan_hash, scene_hash, short};
 use super::kept_file::{self, KeepError};
-use super::kept_film::{executable_hash, hash};
+use super::kept_film;
+use super::program_hash::{hash, program_hash};
 use super::rendering::{CaseRendering, ReferenceRenderer, Renderer, check_class, render_case};
 use crate::film::Film;
 use crate::render::{self, Detail, Plan, plans};
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Paths of a unit: what a core traces in 10 to 250 s.
@@ -51,13 +51,22 @@ impl Unit {
         Path::new(&self.case).join(format!("{}.{EXTENSION}", self.id))
     }
 
-    fn range(&self) -> Range<usize> {
-        self.rows[0]..self.rows[1]
+    /// The beginning of the identifier, for people.
+    pub fn short_id(&self) -> String {
+        short(&self.id)
     }
 
-    /// What `other` is computed from, where that is something else than this: the end of a sentence.
+    /// The first row and the last, for people.
+    pub fn rows_in_words(&self) -> String {
+        format!(
+            "rows {:>4} to {:>4}",
+            self.rows[0],
+            self.rows[1].saturating_sub(1)
+        )
+    }
+
+    /// Difference of what `other` is computed from, if any: the end of a sentence.
     fn otherwise(&self, other: &Unit) -> String {
-        let build = [&other.program, &self.program].map(|program| short(program));
         match () {
             () if self.volref != other.volref => {
                 format!(
@@ -70,7 +79,7 @@ impl Unit {
             }
             () if self.scene != other.scene => "of another scene".to_owned(),
             () if self.program != other.program => {
-                let [theirs, ours] = build;
+                let [theirs, ours] = [&other.program, &self.program].map(|program| short(program));
                 format!("of another build of volref ({theirs}, this is {ours})")
             }
             () if self.samples != other.samples => {
@@ -90,7 +99,7 @@ impl Unit {
 pub struct UnitError {
     /// `family/name`.
     pub case: String,
-    /// What went wrong.
+    /// The error.
     pub reason: String,
 }
 
@@ -209,7 +218,7 @@ impl<'c> CaseUnits<'c> {
     ///
     /// # Errors
     ///
-    /// What is different: the end of a sentence.
+    /// The difference: the end of a sentence.
     pub fn matching(&self, other: &Unit) -> Result<&Unit, String> {
         if let Some(unit) = self.units().find(|unit| unit.id == other.id) {
             return Ok(unit);
@@ -235,32 +244,37 @@ fn units(case: &Case, scene: &Scene, plans: &[Plan<'_>], rendering: CaseRenderin
     let Some(name) = rendering.name() else {
         return Vec::new();
     };
-    let texts: Vec<_> = plans.iter().map(Plan::canonical_text).collect();
     let inputs: Vec<_> = input_hashes(scene).into_iter().collect();
-    let program = executable_hash().unwrap_or_default();
     let samples = rendering.samples();
     let (width, height) = (scene.width(), scene.height());
+    let whole = Unit {
+        id: String::new(),
+        case: case.name.clone(),
+        rendering: name.to_owned(),
+        samples,
+        rows: [0, height],
+        paths: 0,
+        seed: scene.seed().unwrap_or(0),
+        scene: scene_hash(scene),
+        volref: env!("CARGO_PKG_VERSION").to_owned(),
+        program: program_hash().unwrap_or_default().to_owned(),
+    };
+    let plan = plan_hash(plans);
     let unit = |rows: [usize; 2]| {
         let parts = [
-            scene.canonical_text(),
-            format!("{texts:?}"),
-            format!("{inputs:?}"),
-            format!("{name} {samples} {rows:?}"),
-            env!("CARGO_PKG_VERSION").to_owned(),
-            LIBM_VERSION.to_owned(),
-            program.to_owned(),
+            &whole.scene,
+            &plan,
+            &format!("{inputs:?}"),
+            &format!("{name} {samples} {rows:?}"),
+            &whole.volref,
+            LIBM_VERSION,
+            &whole.program,
         ];
         Unit {
             id: hash(&parts),
-            case: case.name.clone(),
-            rendering: name.to_owned(),
-            samples,
             rows,
             paths: ((rows[1] - rows[0]) * width) as u64 * u64::from(samples),
-            seed: scene.seed().unwrap_or(0),
-            scene: scene_hash(scene),
-            volref: env!("CARGO_PKG_VERSION").to_owned(),
-            program: program.to_owned(),
+            ..whole.clone()
         }
     };
     bands(width, height, samples).map(unit).collect()
@@ -288,7 +302,7 @@ impl UnitFolder {
 
     /// Whether there is a file of this unit; it may be damaged.
     pub fn has(&self, unit: &Unit) -> bool {
-        can_be_kept() && self.path().join(unit.file()).is_file()
+        self.path().join(unit.file()).is_file()
     }
 
     /// Whether the rows of `unit` are kept, and as they were.
@@ -299,24 +313,17 @@ impl UnitFolder {
     /// The rows of `unit`, if they were kept and are intact.
     pub(super) fn get(&self, unit: &Unit) -> Option<Film> {
         let (found, film) = read_unit(&self.path().join(unit.file())).ok()?;
-        (can_be_kept() && found == *unit).then_some(film)
+        (found == *unit).then_some(film)
     }
 
     /// Keeps the rows of `unit`.
     pub(super) fn put(&self, unit: &Unit, film: &Film) -> Result<(), KeepError> {
         let path = self.path().join(unit.file());
-        if !can_be_kept() {
-            let reason = "the program cannot be read, so that nobody could tell what made this";
-            return Err(KeepError::Encode {
-                path,
-                reason: reason.to_owned(),
-            });
+        // Of these it could not be told what made them.
+        if unit.program.is_empty() {
+            return Err(KeepError::encode(&path, "the program cannot be read"));
         }
-        let exr = film.to_exr().map_err(|error| KeepError::Encode {
-            path: path.clone(),
-            reason: error.to_string(),
-        })?;
-        kept_file::write(&path, unit, &exr)?;
+        kept_film::write(&path, unit, film)?;
         kept_file::hide(&self.root);
         Ok(())
     }
@@ -353,8 +360,7 @@ impl UnitFolder {
         files
     }
 
-    /// Adds a unit that another process computed: the file at `path`, which has been
-    /// [read](read_unit).
+    /// Adds a unit that another process computed.
     ///
     /// # Errors
     ///
@@ -371,7 +377,7 @@ impl UnitFolder {
     }
 }
 
-/// What became of a unit that was added.
+/// Outcome of adding a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Added {
     /// It was not here.
@@ -393,23 +399,17 @@ pub enum AddError {
     Keep(#[from] KeepError),
 }
 
-/// The unit in the file at `path`.
+/// The unit in the file at `path`, and its rows.
 ///
 /// # Errors
 ///
-/// What is wrong with the file: a sentence without its subject.
+/// Fault of a file: a sentence without its subject.
 pub fn read_unit(path: &Path) -> Result<(Unit, Film), String> {
-    let (unit, exr): (Unit, _) = kept_file::read(path)?;
-    let film = Film::from_exr(&exr).map_err(|error| error.to_string())?;
-    if film.height() != unit.range().len() {
+    let (unit, film): (Unit, Film) = kept_film::read(path)?;
+    if film.height() != (unit.rows[0]..unit.rows[1]).len() {
         return Err("its image has another number of rows than it says".to_owned());
     }
     Ok((unit, film))
-}
-
-/// Whether it can be told what makes units.
-fn can_be_kept() -> bool {
-    executable_hash().is_some()
 }
 
 #[cfg(test)]

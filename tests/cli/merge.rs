@@ -58,20 +58,13 @@ fn with_images() -> Folder {
         "width = 12",
         "width = 12 # the same",
     );
-    let brighter = [
-        "render",
-        "fixtures/scenes/smoke/shadow.toml",
-        "-o",
-        "images/smoke/shadow.png",
-    ];
-    assert_eq!(suite.volref(&brighter).code, 0);
-    let other = [
-        "render",
-        "fixtures/scenes/smoke/plain.toml",
-        "-o",
-        "images/smoke/nearest.exr",
-    ];
-    assert_eq!(suite.volref(&other).code, 0);
+    for (scene, image) in [
+        ("smoke/shadow", "images/smoke/shadow.png"),
+        ("smoke/plain", "images/smoke/nearest.exr"),
+    ] {
+        let scene = format!("fixtures/scenes/{scene}.toml");
+        assert_eq!(suite.volref(&["render", &scene, "-o", image]).code, 0);
+    }
     suite
 }
 
@@ -224,7 +217,7 @@ fn results_of_different_runs_are_refused_by_what_differs() {
 fn folders_without_anything_are_said_to_be_so() {
     let suite = Folder::with_goldens();
     merged(&suite, &["golden".to_owned()], &[]).expect(5, &["neither results nor units"]);
-    merged(&suite, &["nowhere".to_owned()], &[]).expect(2, &["no folder nowhere"]);
+    merged(&suite, &["nowhere".to_owned()], &[]).expect(2, &["nowhere is no folder"]);
     suite.write("taken", "");
     let run = suite.volref(&["verify", "--results", "taken"]);
     run.expect(2, &["cannot create the folder taken"]);

@@ -35,26 +35,27 @@ pub(super) fn p_values(map: &BlockMap) -> Option<Value> {
     let [width, height] = SIZE;
     // A bar may be cut off: that it is too tall shows anyway.
     let full = 3.0 * expected;
-    let y = |count: f64| format!("{:.1}", height - height * (count / full).clamp(0.0, 1.0));
+    let y = |count: f64| height - height * (count / full).clamp(0.0, 1.0);
+    let digits = |length: f64| format!("{length:.1}");
     let bars = counts.iter().enumerate().map(|(bar, &count)| {
         let y = y(count as f64);
-        let tall = height - y.parse::<f64>().unwrap_or(height);
         context! {
-            x => format!("{:.1}", width * bar as f64 / BARS as f64 + 1.0),
-            y,
-            height => format!("{tall:.1}"),
+            x => digits(width * bar as f64 / BARS as f64 + 1.0),
+            y => digits(y),
+            height => digits(height - y),
         }
     });
+    let (low, high) = (y(expected - spread), y(expected + spread));
     let inside = counts
         .iter()
         .filter(|&&count| (count as f64 - expected).abs() <= spread);
     let inside = inside.count();
     Some(context! {
         bars => bars.collect::<Vec<_>>(),
-        bar_width => format!("{:.1}", width / BARS as f64 - 2.0),
-        expected => y(expected),
-        low => y(expected - spread),
-        high => y(expected + spread),
+        bar_width => digits(width / BARS as f64 - 2.0),
+        expected => digits(y(expected)),
+        high => digits(high),
+        band => digits(low - high),
         blocks => map.deviations.len(),
         inside,
         of => BARS,

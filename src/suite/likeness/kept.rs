@@ -9,7 +9,8 @@
 //! Nothing here is an error: what cannot be read, is damaged or cannot be written is rendered.
 
 use crate::film::Film;
-use crate::suite::kept_film::{executable_hash, hash, read_film, write_film};
+use crate::suite::kept_film;
+use crate::suite::program_hash::{hash, program_hash};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::SystemTime;
@@ -60,19 +61,20 @@ impl Predictions {
     /// What a prediction is known by, of the `parts` that it depends on besides the program.
     pub(super) fn key(&self, parts: &[&str]) -> Option<String> {
         self.folder.as_ref()?;
-        let executable = executable_hash()?;
+        let executable = program_hash()?;
         Some(hash(&[parts, &[executable]].concat()))
     }
 
     /// The prediction with this key, if it was kept as it was.
     pub(super) fn get(&self, key: &str) -> Option<Film> {
-        read_film(&self.path(key)?)
+        let (key_of_file, film) = kept_film::read::<String>(&self.path(key)?).ok()?;
+        (key_of_file == key).then_some(film)
     }
 
     /// Keeps a prediction.
     pub(super) fn put(&self, key: &str, film: &Film) {
         if let Some(path) = self.path(key)
-            && let Some(bytes) = write_film(&path, film)
+            && let Ok(bytes) = kept_film::write(&path, &key, film)
         {
             self.keep_small(path.parent().unwrap_or(Path::new(".")), bytes);
         }
