@@ -43,6 +43,13 @@ const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 const STORED: f64 = 1.0 / (1 << 24) as f64;
 
 impl Answer {
+    /// The image whose every pixel is the answer.
+    pub fn image(&self, width: usize, height: usize) -> Film {
+        let (Answer::EveryPixel { radiance, .. } | Answer::InTheMean(radiance)) = *self;
+        let pixel = radiance.as_vec3().to_array();
+        Film::new(width, height, vec![pixel; width * height])
+    }
+
     /// The error of `film` relative to the tolerance.
     pub fn margin(&self, film: &Film) -> Margin {
         let mut margin = Margin::default();

@@ -65,7 +65,7 @@ pub const MANIFEST: Table = Table::new("A case: a scene, its source, and how ima
     Key::optional("truth", Kind::Choice(&known_answers::NAMES))
         .doc("Formula for the radiance of every pixel, which is then the golden; `volref verify` evaluates it again. Coefficients, shapes and lights are those of the scene."),
     Key::optional("answer", Kind::Colour(Range::at_least(0.0)))
-        .doc("Radiance that every pixel has, where it is known beforehand. `volref verify` compares the image with it, beside the golden; of a stochastic case the golden itself, in the mean of the whole image, to four standard errors."),
+        .doc("Radiance that every pixel has, where it is known beforehand. `volref verify` compares the image with it, beside the golden; of a stochastic case the golden itself, in the mean of the whole image, to four standard errors. `volref validate` compares images that state their noise with it, in place of the golden."),
     Key::optional("answer_within", Kind::Number(Range::open(0.0, 1.0)))
         .doc("Deterministic cases with an `answer`, and required there: how far from it a pixel may be, relative to it."),
     Key::optional("mistakes", Kind::Words)

@@ -120,17 +120,7 @@ fn weighed(
 /// Judges `picture` as an image of `case`, whose golden is loaded.
 pub(super) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Picture) -> Judged {
     let start = Instant::now();
-    let states_noise = |film: &Film| film.noise().is_some();
-    let golden = match (&checked.golden.film, &picture) {
-        // A deterministic case, whose answer is known to means of samples, too.
-        (golden, Picture::Radiance(test))
-            if case.truth.is_some() && states_noise(test) && !states_noise(golden) =>
-        {
-            golden.clone().known()
-        }
-        (golden, _) => golden.clone(),
-    };
-    let golden = Picture::Radiance(golden);
+    let golden = Picture::Radiance(reference(case, checked, &picture));
     // An image that states its noise is judged by the stochastic gate, even in a deterministic case.
     let (gate, _) = default_gate(&golden, &picture);
     let has_step =
@@ -147,6 +137,20 @@ pub(super) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
             test: Some(picture),
             ..evidence(case, checked)
         },
+    }
+}
+
+/// The image that `picture` is compared with. The mean of samples is compared with the mean of their
+/// distribution, where that is known: it has no noise that could hide a bias.
+fn reference(case: &Case, checked: &CheckedGolden, picture: &Picture) -> Film {
+    let golden = &checked.golden.film;
+    let is_sampled = matches!(picture, Picture::Radiance(test) if test.noise().is_some());
+    match (case.truth, &case.answer) {
+        // Another image, rendered under the conventions of a profile.
+        _ if checked.profile.is_some() || !is_sampled => golden.clone(),
+        (Some(_), _) => golden.clone().known(),
+        (None, Some(answer)) => answer.image(golden.width(), golden.height()).known(),
+        (None, None) => golden.clone(),
     }
 }
 

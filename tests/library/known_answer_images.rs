@@ -1,11 +1,13 @@
 //! Formulas for whole images: scenes that they refuse, and volref's renderings held to them.
 
 use std::path::{Path, PathBuf};
+use volref::compare::Picture;
+use volref::film::Film;
 use volref::known_answers::{CATALOGUE, Footprint, Formula};
 use volref::math::Moments;
 use volref::render::{Sampling, Seed, plans, render};
 use volref::scene::Scene;
-use volref::suite::{Case, Suite};
+use volref::suite::{Answer, Case, Golden, Output, Suite, Verdict, validate};
 
 fn suite() -> Suite {
     Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap()
@@ -192,4 +194,38 @@ fn many_samples_agree_with_every_formula() {
     }
     println!("{printed}");
     assert!(wrong.is_empty(), "{wrong:?}");
+}
+
+/// Where the radiance of every pixel is known, the noise of the golden hides no bias: images of other
+/// renderers are compared with what is known.
+#[test]
+fn noise_of_a_golden_hides_nothing_where_the_answer_is_known() {
+    let suite = suite();
+    let mut cases = suite.cases().iter();
+    let case = cases
+        .find(|case| case.name == "hard/s5-half-space-0.999")
+        .unwrap();
+    let Some(Answer::InTheMean(right)) = case.answer else {
+        panic!("the answer of a sampled case");
+    };
+    let golden = Golden::read(&suite.store(), case).unwrap().film;
+    let (width, height) = (golden.width(), golden.height());
+    // Mean of all pixels with a standard error of 0.001.
+    let deviation = 1e-3 * ((width * height) as f64).sqrt();
+    let verdict = |factor: f64| {
+        let pixels = (0..width * height).map(|pixel| {
+            // A pattern without a mean over four pixels.
+            let noise = [1.0, -1.0, -1.0, 1.0][pixel % 4] * deviation;
+            (right * factor + noise).as_vec3().to_array()
+        });
+        let variance = [(deviation * deviation) as f32; 3];
+        let variance = vec![variance; width * height];
+        let film = Film::with_noise(width, height, pixels.collect(), variance, 4096);
+        let output = Output::Picture(Box::new(Picture::Radiance(film)));
+        validate(case, &suite.store(), output, None).result
+    };
+    let passed = verdict(1.0);
+    assert_eq!(passed.verdict, Verdict::Pass, "{}", passed.reason);
+    let failed = verdict(1.02);
+    assert_eq!(failed.verdict, Verdict::Fail, "{}", failed.reason);
 }
