@@ -19,21 +19,15 @@ pub(super) struct ExportView {
 }
 
 impl ExportView {
-    /// That of `camera`, read off the rays through the middle, top and bottom of its image.
+    /// That of `camera`.
     pub(super) fn of(camera: &Camera) -> ExportView {
-        let ray = |y| camera.ray_through([1.0, y], [2, 2]);
-        let (top, middle, bottom) = (ray(0.0), ray(1.0), ray(2.0));
-        let (upper, lower) = (top.direction, bottom.direction);
+        let middle = camera.ray_through([1.0, 1.0], [2, 2]);
         ExportView {
             eye: middle.origin,
             target: ahead(middle.origin, middle.direction),
-            up: if camera.is_orthographic() {
-                *camera.upright()
-            } else {
-                (*upper - *lower).normalize()
-            },
+            up: *camera.upright(),
             orthographic_height: camera.orthographic_height(),
-            vertical_fov: degrees(atan2(upper.cross(*lower).length(), upper.cosine_to(lower))),
+            vertical_fov: degrees(camera.vertical_fov()),
         }
     }
 
@@ -64,10 +58,11 @@ pub(super) fn ahead(origin: DVec3, direction: Direction) -> DVec3 {
     origin + direction * distance
 }
 
-/// Degrees, to twelve digits after the point: what conversions to radians and back have left of
-/// a round number is round again.
+/// Degrees, to fourteen digits: what conversions to radians and back have left of a round number is
+/// round again.
 pub(super) fn degrees(radians: f64) -> f64 {
-    (radians.to_degrees() * 1e12).round() / 1e12
+    let digits = format!("{:.13e}", radians.to_degrees());
+    digits.parse().expect("a number is read back")
 }
 
 #[cfg(test)]
@@ -98,5 +93,8 @@ mod tests {
         let half = crate::math::tan(0.5 * view.shorter_fov(1, 2).to_radians());
         let expected = 0.5 * crate::math::tan(18.5_f64.to_radians());
         assert!((half - expected).abs() < 1e-13);
+        // An angle that rounding makes of nothing else.
+        let narrow = Camera::new(eye, target, DVec3::Y, 1e-20_f64.to_radians()).unwrap();
+        assert_eq!(ExportView::of(&narrow).vertical_fov, 1e-20);
     }
 }
